@@ -1,0 +1,225 @@
+//! The line as it really is: heights and speed limits.
+//!
+//! In: tables of (from_m, value), sorted, piecewise constant until the next entry. Out: mean gradient under a train, limits.
+//!
+//! ```text
+//! mean gradient = (h(front) - h(tail)) / train length        mass spread evenly over the train
+//! ```
+//!
+//! Before the first gradient the line is level; the last gradient and the first and last limit go on.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+
+/// Length of the case study, m.
+const CORRIDOR_LENGTH_M: f64 = 32_103.0;
+
+/// Limits of the case study, (from_m, km/h): 40 km/h up to 900 m, and over the last 250 m plus a platform of 170 m.
+const CORRIDOR_LIMITS_KMH: [(f64, f64); 3] = [
+    (0.0, 40.0),
+    (900.0, 140.0),
+    (CORRIDOR_LENGTH_M - 420.0, 40.0),
+];
+
+/// Gradients of the flat corridor, (from_m, permille). Invented; the ramps of 5 permille are 400 m long.
+const CORRIDOR_PERMILLE: [(f64, f64); 36] = [
+    (0.0, 0.0),
+    (250.0, 0.8),
+    (950.0, -1.2),
+    (1_900.0, 0.4),
+    (2_750.0, 1.6),
+    (3_600.0, -0.7),
+    (4_400.0, 5.0),
+    (4_800.0, 0.0),
+    (5_250.0, -5.0),
+    (5_650.0, 0.3),
+    (6_800.0, -1.9),
+    (7_700.0, -0.4),
+    (8_900.0, 1.1),
+    (9_800.0, 0.0),
+    (11_000.0, -5.0),
+    (11_400.0, 0.0),
+    (12_600.0, 5.0),
+    (13_000.0, -0.6),
+    (14_100.0, -1.5),
+    (15_000.0, 0.9),
+    (16_200.0, 2.0),
+    (16_900.0, -0.2),
+    (18_000.0, -1.0),
+    (19_300.0, 0.5),
+    (20_500.0, -0.8),
+    (21_600.0, 1.3),
+    (22_400.0, 5.0),
+    (22_800.0, 0.2),
+    (23_300.0, -5.0),
+    (23_700.0, -0.3),
+    (25_000.0, 0.7),
+    (26_400.0, -1.7),
+    (27_300.0, 0.1),
+    (28_800.0, -0.9),
+    (30_100.0, 1.4),
+    (31_200.0, 0.0),
+];
+
+/// A line from 0 to its end, where the platform is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    length_m: f64,
+    gradients_permille: Vec<(f64, f64)>,
+    limits_kmh: Vec<(f64, f64)>,
+    heights_m: Vec<f64>,
+}
+
+impl Line {
+    /// A line from its tables.
+    ///
+    /// # Panics
+    /// If there is no limit, or a table is not sorted.
+    pub fn new(
+        length_m: f64,
+        gradients_permille: Vec<(f64, f64)>,
+        limits_kmh: Vec<(f64, f64)>,
+    ) -> Self {
+        assert!(!limits_kmh.is_empty(), "a line needs a speed limit");
+        assert!(
+            limits_kmh.is_sorted_by(|a, b| a.0 < b.0),
+            "limits must be sorted"
+        );
+        assert!(
+            gradients_permille.is_sorted_by(|a, b| a.0 < b.0),
+            "gradients must be sorted"
+        );
+        let mut heights_m = Vec::with_capacity(gradients_permille.len());
+        let mut height_m = 0.0;
+        for (i, &(from_m, _)) in gradients_permille.iter().enumerate() {
+            if i > 0 {
+                let (last_m, permille) = gradients_permille[i - 1];
+                height_m += (from_m - last_m) * permille / 1000.0;
+            }
+            heights_m.push(height_m);
+        }
+        Self {
+            length_m,
+            gradients_permille,
+            limits_kmh,
+            heights_m,
+        }
+    }
+
+    /// A level line of this length, one limit.
+    pub fn level(length_m: f64, limit_kmh: f64) -> Self {
+        Self::new(length_m, vec![(0.0, 0.0)], vec![(0.0, limit_kmh)])
+    }
+
+    /// Shaped like the case study: 32 103 m, 140 km/h, 40 km/h at both ends, gradients within 2 permille and six short ramps of 5.
+    pub fn flat_corridor() -> Self {
+        Self::new(
+            CORRIDOR_LENGTH_M,
+            CORRIDOR_PERMILLE.to_vec(),
+            CORRIDOR_LIMITS_KMH.to_vec(),
+        )
+    }
+
+    /// Length and limits of the case study with gradients up to 10 permille, drawn from the seed. Level at both platforms.
+    ///
+    /// The draw pulls back towards the starting height, so that no line climbs all the way.
+    pub fn hilly(seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let slope = Normal::new(0.0, 6.0).expect("constant");
+        let mut gradients = vec![(0.0, 0.0)];
+        let (mut at_m, mut height_m) = (600.0, 0.0_f64);
+        while at_m < CORRIDOR_LENGTH_M - 1_000.0 {
+            let extent_m = rng.random_range(3..=15) as f64 * 100.0;
+            let drawn: f64 = slope.sample(&mut rng) - 0.2 * height_m;
+            let permille = (drawn.clamp(-10.0, 10.0) * 10.0).round() / 10.0;
+            gradients.push((at_m, permille));
+            at_m += extent_m;
+            height_m += extent_m * permille / 1000.0;
+        }
+        gradients.push((at_m, 0.0));
+        Self::new(CORRIDOR_LENGTH_M, gradients, CORRIDOR_LIMITS_KMH.to_vec())
+    }
+
+    /// Location of the platform, m.
+    pub fn length_m(&self) -> f64 {
+        self.length_m
+    }
+
+    /// (from_m, permille), sorted, uphill positive.
+    pub fn gradients_permille(&self) -> &[(f64, f64)] {
+        &self.gradients_permille
+    }
+
+    /// (from_m, km/h), sorted.
+    pub fn limits_kmh(&self) -> &[(f64, f64)] {
+        &self.limits_kmh
+    }
+
+    /// Height above the first entry, m.
+    pub fn height_m(&self, location_m: f64) -> f64 {
+        match self
+            .gradients_permille
+            .partition_point(|g| g.0 <= location_m)
+        {
+            0 => 0.0,
+            begun => {
+                let (from_m, permille) = self.gradients_permille[begun - 1];
+                self.heights_m[begun - 1] + (location_m - from_m) * permille / 1000.0
+            }
+        }
+    }
+
+    /// Mean gradient (m/m) under a train whose front is at `front_m`.
+    pub fn mean_gradient(&self, front_m: f64, train_length_m: f64) -> f64 {
+        (self.height_m(front_m) - self.height_m(front_m - train_length_m)) / train_length_m
+    }
+
+    /// Lowest limit under the train, m/s: a lower limit counts from its sign on, a higher one when the tail has passed.
+    pub fn permitted_mps(&self, front_m: f64, train_length_m: f64) -> f64 {
+        let begun = |location_m: f64| {
+            self.limits_kmh
+                .partition_point(|l| l.0 <= location_m)
+                .max(1)
+        };
+        let under = &self.limits_kmh[begun(front_m - train_length_m) - 1..begun(front_m)];
+        under
+            .iter()
+            .map(|l| l.1 / 3.6)
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_a_train_on_a_ramp_feels_half_of_it() {
+        let line = Line::new(2_000.0, vec![(0.0, 0.0), (500.0, 10.0)], vec![(0.0, 140.0)]);
+        assert!((line.mean_gradient(550.0, 100.0) - 0.005).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_higher_limit_waits_for_the_tail() {
+        let line = Line::flat_corridor();
+        assert_eq!(line.permitted_mps(1_061.0, 162.0), 40.0 / 3.6);
+        assert_eq!(line.permitted_mps(1_063.0, 162.0), 140.0 / 3.6);
+        assert_eq!(line.permitted_mps(31_690.0, 162.0), 40.0 / 3.6);
+    }
+
+    #[test]
+    fn hilly_lines_stay_within_ten_permille_and_near_their_height() {
+        for seed in 0..20 {
+            let line = Line::hilly(seed);
+            assert!(
+                line.gradients_permille().iter().all(|g| g.1.abs() <= 10.0),
+                "seed {seed}"
+            );
+            assert!(
+                (0..321).all(|i| line.height_m(i as f64 * 100.0).abs() < 60.0),
+                "seed {seed}"
+            );
+        }
+    }
+}

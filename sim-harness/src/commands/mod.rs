@@ -1,0 +1,103 @@
+//! The command `rundown`: arguments in, files and short tables out.
+//!
+//! Exit codes: see [`AFTER_HELP`]. Errors are one line each on stderr: what, where, what to do.
+
+pub mod demo;
+pub mod replay;
+mod screen;
+
+use clap::{CommandFactory, Parser, Subcommand};
+use std::process::ExitCode;
+
+/// What `--help` says about exit codes.
+pub const AFTER_HELP: &str = "\
+Exit codes:
+  0  everything was done
+  1  a run could not be used; the others were replayed and written
+  2  wrong arguments
+  3  the train, the track, the configuration or an index of runs was refused
+  4  an output could not be written";
+
+/// Everything was done, but for runs that could not be used.
+const SOME_RUNS_FAILED: u8 = 1;
+/// A description or the configuration was refused.
+const DESCRIPTION_REFUSED: u8 = 3;
+/// An output could not be written.
+const NOT_WRITTEN: u8 = 4;
+
+/// On-board train motion estimator: learns running resistance, regimes and limits of a train from location and speed.
+#[derive(Debug, Parser)]
+#[command(name = "rundown", version, after_help = AFTER_HELP, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Replay recorded runs through the estimator of the board
+    Replay(Box<replay::Arguments>),
+    /// Replay a run that is built in, and print what it says
+    Demo(demo::Arguments),
+    /// Print the completions of a shell
+    ///
+    /// Example: rundown completions bash > ~/.local/share/bash-completion/completions/rundown
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// A one-line message and the exit code that goes with it.
+#[derive(Debug)]
+struct Failure {
+    message: String,
+    code: u8,
+}
+
+impl Failure {
+    fn refused(error: impl std::fmt::Display) -> Self {
+        Self {
+            message: error.to_string(),
+            code: DESCRIPTION_REFUSED,
+        }
+    }
+
+    fn not_written(error: impl std::fmt::Display) -> Self {
+        Self {
+            message: error.to_string(),
+            code: NOT_WRITTEN,
+        }
+    }
+}
+
+/// Runs the command on the arguments of the process.
+pub fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Replay(arguments) => replay::run(&arguments),
+        Command::Demo(arguments) => demo::run(&arguments),
+        Command::Completions { shell } => {
+            clap_complete::generate(
+                shell,
+                &mut Arguments::command(),
+                "rundown",
+                &mut std::io::stdout(),
+            );
+            Ok(ExitCode::SUCCESS)
+        }
+    };
+    done.unwrap_or_else(|failure| {
+        screen::error(&failure.message);
+        ExitCode::from(failure.code)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

@@ -1,0 +1,279 @@
+//! `rundown replay`: recorded runs, a train and a track in; estimates, features, parameters and a report out.
+
+use super::{Failure, SOME_RUNS_FAILED, screen};
+use crate::map_matching::CentreLine;
+use crate::output::json::{self, Failed, mode_word};
+use crate::output::write_tables;
+use crate::recording::{DirectionChoice, Recording};
+use crate::replay::{ReplayedRun, Tick, replay_apart, replay_carried};
+use crate::report::{Report, RunView, write_report};
+use crate::run_log::{BadRows, RunLog};
+use crate::run_set::{RunFile, RunSet};
+use crate::track_file::TrackFile;
+use crate::train_file::TrainFile;
+use crate::{config_file, output};
+use clap::ValueEnum;
+use rayon::prelude::*;
+use rundown::config::{Config, Mode};
+use rundown::estimator::Estimator;
+use rundown::train::Train;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  Replay a folder of logs of one unit, the vehicle carried from run to run:
+    rundown replay --train train.toml --track track.toml --out out logs/
+
+  A recorder with 1 s samples, replayed with the board's tick of 10 s:
+    rundown replay --train train.toml --track track.toml --tick 10 --out out run1.csv run2.csv
+
+  The method of the paper, each run for itself, the summary for a program:
+    rundown replay --train t.toml --track k.toml --mode paper --no-carry --json logs/ > all.json
+
+Files in the output folder:
+  <run>.estimates.csv   a row for each tick: state, covariance, effort, regime, innovation
+  features.csv          a row for each run: limits, brake rates, cruise speed, final coast, energy
+  switching_points.csv  a row for each change of regime
+  parameters.csv        a row for each run: resistance of vehicle and run, counters by cause
+  replay.json           the same for machines, with every warning
+  report.html           pictures, to be opened in any browser
+
+A folder stands for all its *.csv in the order of their names. An index runs.csv beside the
+logs (columns file, departure_utc, unit, direction) gives their order, unit and direction.";
+
+/// Arguments of `rundown replay`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
+pub struct Arguments {
+    /// Run logs, or folders of run logs
+    #[arg(value_name = "RUN.csv", required = true)]
+    runs: Vec<PathBuf>,
+    /// Description of the train
+    #[arg(long, value_name = "T.toml")]
+    train: PathBuf,
+    /// Description of the track
+    #[arg(long, value_name = "K.toml")]
+    track: PathBuf,
+    /// Configuration; what it leaves out keeps its default
+    #[arg(long, value_name = "C.toml")]
+    config: Option<PathBuf>,
+    /// Where the effort comes from; replaces the mode of the configuration
+    #[arg(long, value_enum)]
+    mode: Option<ModeChoice>,
+    /// Folder for the results; made when it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Take the newest sample of each S seconds, as the board does; without it every sample is a step
+    #[arg(long, value_name = "S", value_parser = period)]
+    tick: Option<f64>,
+    /// Direction of the runs that no index names
+    #[arg(long, value_enum, default_value_t)]
+    direction: DirectionChoice,
+    /// Begin every run with the vehicle as its manufacturer describes it, and replay runs side by side
+    #[arg(long)]
+    no_carry: bool,
+    /// Leave out rows that cannot be read, with a warning, instead of refusing their run
+    #[arg(long)]
+    skip_bad_rows: bool,
+    /// Print the summary of all runs as JSON to stdout, and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// `--mode`.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ModeChoice {
+    /// The paper: effort calculated from the change of speed
+    Paper,
+    /// Effort known to be zero while coasting; learning only then
+    Gated,
+    /// Effort measured, in the column effort_n_per_kg, with a slowly learned gain
+    Measured,
+}
+
+impl From<ModeChoice> for Mode {
+    fn from(choice: ModeChoice) -> Self {
+        match choice {
+            ModeChoice::Paper => Self::Paper,
+            ModeChoice::Gated => Self::Gated,
+            ModeChoice::Measured => Self::Measured,
+        }
+    }
+}
+
+fn period(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("expected a number of seconds above 0".to_owned()),
+    }
+}
+
+/// What all runs of one replay have in common.
+pub(super) struct Setup {
+    pub(super) config: Config,
+    pub(super) train: TrainFile,
+    pub(super) core_train: Train,
+    pub(super) track: TrackFile,
+    pub(super) estimator: Estimator,
+}
+
+/// What came of a replay.
+pub(super) struct Results {
+    pub(super) runs: Vec<ReplayedRun>,
+    pub(super) failed: Vec<Failed>,
+    pub(super) notes: Vec<String>,
+    pub(super) carried: bool,
+    pub(super) tick: Tick,
+}
+
+/// Does what the arguments say.
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let setup = setup(arguments)?;
+    let results = replay(arguments, &setup)?;
+    screen::warnings(&results.runs);
+    results.notes.iter().for_each(|text| screen::note(text));
+    results
+        .failed
+        .iter()
+        .for_each(|failed| screen::error(&failed.error));
+    if results.runs.is_empty() {
+        let message = match results.failed.len() {
+            0 => "expected at least one run log, found none; nothing was written".to_owned(),
+            failed => format!("none of {failed} run logs could be used; nothing was written"),
+        };
+        let code = SOME_RUNS_FAILED;
+        return Err(Failure { message, code });
+    }
+    let json = write(&arguments.out, &setup, &results)?;
+    if arguments.json {
+        screen::print(&format!("{json:#}\n"));
+    } else {
+        screen::print(&screen::run_table(&results.runs));
+        let (runs, mode) = (results.runs.len(), mode_word(setup.config.mode));
+        let report = arguments.out.join("report.html");
+        let report = report.display();
+        screen::print(&format!("\nruns: {runs}, mode: {mode}, report: {report}\n"));
+    }
+    Ok(if results.failed.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(SOME_RUNS_FAILED)
+    })
+}
+
+fn setup(arguments: &Arguments) -> Result<Setup, Failure> {
+    let (train, core_train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
+    let (track, core_track) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;
+    let mut config = match &arguments.config {
+        Some(path) => config_file::read(path).map_err(Failure::refused)?,
+        None => Config::default(),
+    };
+    if let Some(mode) = arguments.mode {
+        config.mode = mode.into();
+    }
+    let estimator = Estimator::try_new(config, core_train, core_track).map_err(Failure::refused)?;
+    Ok(Setup {
+        config,
+        train,
+        core_train,
+        track,
+        estimator,
+    })
+}
+
+fn replay(arguments: &Arguments, setup: &Setup) -> Result<Results, Failure> {
+    let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
+    let line = CentreLine::new(&setup.track.centre_line);
+    let bad_rows = if arguments.skip_bad_rows {
+        BadRows::LeaveOut
+    } else {
+        BadRows::Refuse
+    };
+    let read: Vec<Result<Recording, Failed>> = set
+        .files
+        .par_iter()
+        .map(|file| read(file, bad_rows, line.as_ref(), arguments.direction))
+        .collect();
+    let (mut recordings, mut failed) = (Vec::new(), Vec::new());
+    for result in read {
+        match result {
+            Ok(recording) => recordings.push(recording),
+            Err(failure) => failed.push(failure),
+        }
+    }
+    let tick = arguments
+        .tick
+        .map_or(Tick::EverySample, |seconds| Tick::Period { seconds });
+    let bar = screen::progress(recordings.len());
+    let done = || bar.inc(1);
+    let runs = if arguments.no_carry {
+        replay_apart(&setup.estimator, &recordings, tick, done)
+    } else {
+        replay_carried(&setup.estimator, &recordings, tick, done)
+    };
+    bar.finish_and_clear();
+    Ok(Results {
+        runs,
+        failed,
+        notes: set.notes,
+        carried: !arguments.no_carry,
+        tick,
+    })
+}
+
+fn read(
+    file: &RunFile,
+    bad_rows: BadRows,
+    line: Option<&CentreLine>,
+    direction: DirectionChoice,
+) -> Result<Recording, Failed> {
+    let failed = |error: String| Failed {
+        file: file.path.clone(),
+        error,
+    };
+    let log = RunLog::read(&file.path, bad_rows).map_err(|error| failed(error.to_string()))?;
+    Recording::new(file, &log, line, direction).map_err(|error| failed(error.to_string()))
+}
+
+/// Writes the tables and the report; returns what `--json` prints.
+pub(super) fn write(folder: &Path, setup: &Setup, results: &Results) -> Result<Value, Failure> {
+    let json = json::value(&json::Replay {
+        config: &setup.config,
+        train: &setup.train.name,
+        track: &setup.track.name,
+        carried: results.carried,
+        tick: results.tick,
+        runs: &results.runs,
+        failed: &results.failed,
+        notes: &results.notes,
+    });
+    write_tables(folder, &results.runs, &setup.config.features, &json)
+        .map_err(Failure::not_written)?;
+    let path = folder.join("report.html");
+    let report = report(setup, results);
+    write_report(&path, &report)
+        .map_err(|source| Failure::not_written(output::WriteError { path, source }))?;
+    Ok(json)
+}
+
+fn report<'a>(setup: &'a Setup, results: &'a Results) -> Report<'a> {
+    let view = |run: &'a ReplayedRun| RunView {
+        name: &run.name,
+        measurements: &run.measurements,
+        estimates: &run.estimates,
+        regimes: &run.regimes,
+        features: &run.summary.features,
+        counters: &run.summary.counters,
+        warnings: &run.warnings,
+    };
+    let vehicle = |run: &ReplayedRun| (run.name.clone(), run.vehicle_after);
+    Report {
+        title: format!("{} on {}", setup.train.name, setup.track.name),
+        train: &setup.core_train,
+        runs: results.runs.iter().map(view).collect(),
+        mode: mode_word(setup.config.mode),
+        vehicle: results.runs.iter().map(vehicle).collect(),
+    }
+}

@@ -1,0 +1,145 @@
+//! What a person sees in the terminal: tables on stdout, messages and progress on stderr.
+
+use crate::replay::ReplayedRun;
+use indicatif::{ProgressBar, ProgressStyle};
+use rundown::regime::Regime;
+use rundown::resistance::Davis;
+use rundown::state::Gaussian;
+use rundown::units::KmPerHour;
+use std::io::{self, IsTerminal, Write};
+
+/// Fewer runs are done before a bar is read.
+const FEW_RUNS: usize = 3;
+/// Warnings that are printed of one run; `replay.json` has all.
+const WARNINGS_PRINTED: usize = 5;
+/// Runs that are printed; `parameters.csv` has all.
+const RUNS_PRINTED: usize = 20;
+
+/// Prints to stdout. A reader that closed its end (`| head`) wants no more: that is no error.
+pub(super) fn print(text: &str) {
+    let mut stdout = io::stdout().lock();
+    // The only other failures are those of a full disk behind a redirection; what counts is in the files.
+    let _ = stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush());
+}
+
+/// An error, on stderr; one that lists several rows has a line for each.
+pub(super) fn error(message: &str) {
+    for line in message.lines() {
+        eprintln!("error: {line}");
+    }
+}
+
+/// A note or warning, on stderr.
+pub(super) fn note(message: &str) {
+    eprintln!("note: {message}");
+}
+
+/// The first warnings of each run, on stderr.
+pub(super) fn warnings(runs: &[ReplayedRun]) {
+    for run in runs {
+        for warning in run.warnings.iter().take(WARNINGS_PRINTED) {
+            eprintln!("warning: {warning}");
+        }
+        let more = run.warnings.len().saturating_sub(WARNINGS_PRINTED);
+        if more > 0 {
+            eprintln!(
+                "warning: {}: {more} more warnings, all in replay.json",
+                run.path.display()
+            );
+        }
+    }
+}
+
+/// A bar on stderr when that is a terminal and there is something to wait for.
+pub(super) fn progress(runs: usize) -> ProgressBar {
+    if runs <= FEW_RUNS || !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(runs as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// One line a run: rows, steps, time in each regime, resistance at 100 km/h of the vehicle after it.
+pub(super) fn run_table(runs: &[ReplayedRun]) -> String {
+    let width = runs
+        .iter()
+        .take(RUNS_PRINTED)
+        .map(|run| run.name.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max(3);
+    let mut text = format!(
+        "{:width$}  {:>6} {:>6} {:>8}",
+        "run", "rows", "steps", "dropped"
+    );
+    for regime in Regime::ALL {
+        text += &format!(" {:>10}", regime.as_str());
+    }
+    text += "   r(100 km/h) of the vehicle\n";
+    for run in runs.iter().take(RUNS_PRINTED) {
+        text += &format!(
+            "{:width$}  {:>6} {:>6} {:>8}",
+            run.name,
+            run.rows,
+            run.estimates.len(),
+            run.dropped.len()
+        );
+        for share in shares(run) {
+            text += &format!(" {:>8.1} %", 100.0 * share);
+        }
+        text += &format!("   {}\n", resistance(&run.vehicle_after, 100.0));
+    }
+    let more = runs.len().saturating_sub(RUNS_PRINTED);
+    if more > 0 {
+        text += &format!("... and {more} more runs, see parameters.csv and features.csv\n");
+    }
+    text
+}
+
+/// Share of the time in each regime.
+pub(super) fn shares(run: &ReplayedRun) -> [f64; 5] {
+    let times_s = run.summary.features.regime_time_s;
+    let total_s: f64 = times_s.iter().sum();
+    times_s.map(|time_s| if total_s > 0.0 { time_s / total_s } else { 0.0 })
+}
+
+/// `0.03125 ± 0.00042 N/kg (1.3 %)`
+pub(super) fn resistance(davis: &Gaussian<3>, speed_kmh: f64) -> String {
+    let (mean, sd) = resistance_n_per_kg(davis, speed_kmh);
+    format!("{mean:.5} ± {sd:.5} N/kg ({:.1} %)", 100.0 * sd / mean)
+}
+
+/// r(v) = h · (r0, r1, r2) with h = (1, v, v²), and its standard deviation √(h P hᵀ).
+fn resistance_n_per_kg(davis: &Gaussian<3>, speed_kmh: f64) -> (f64, f64) {
+    let speed_mps = KmPerHour(speed_kmh).to_mps();
+    let h = [1.0, speed_mps, speed_mps * speed_mps];
+    let (r0, r1, r2) = (davis.mean[0], davis.mean[1], davis.mean[2]);
+    let mut variance = 0.0;
+    for (row, a) in h.iter().enumerate() {
+        for (column, b) in h.iter().enumerate() {
+            variance += a * davis.covariance[(row, column)] * b;
+        }
+    }
+    (
+        Davis { r0, r1, r2 }.resistance_n_per_kg(speed_mps),
+        variance.max(0.0).sqrt(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn resistance_has_the_deviation_of_its_three_terms() {
+        let davis = Gaussian::independent([0.01, 0.0, 1e-4], [3e-3, 0.0, 4e-5]);
+        let (mean, sd) = resistance_n_per_kg(&davis, 36.0);
+        assert!((mean - 0.02).abs() < 1e-15);
+        assert!((sd - 5e-3).abs() < 1e-15);
+    }
+}

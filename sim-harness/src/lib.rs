@@ -1,0 +1,33 @@
+//! Rundown's host side: recorded runs through the very estimator of the board, and what it says, as tables and a page.
+//!
+//! ```text
+//! run_set -> run_log -> recording -> replay -> output, report
+//!               train_file, track_file, config_file, map_matching
+//! ```
+//!
+//! | question | module |
+//! |---|---|
+//! | which runs, in which order? | [`run_set`] |
+//! | what stands in a log? | [`run_log`] |
+//! | what does the estimator get? | [`recording`], [`map_matching`] |
+//! | what does it say? | [`replay`] |
+//! | where is it written? | [`output`], [`table`], [`report`] |
+//! | train, track, configuration | [`train_file`], [`track_file`], [`config_file`], all by [`toml_file`] |
+//! | the command `rundown` | [`commands`] |
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod commands;
+pub mod config_file;
+pub mod map_matching;
+pub mod output;
+pub mod place;
+pub mod recording;
+pub mod replay;
+pub mod report;
+pub mod run_log;
+pub mod run_set;
+pub mod table;
+pub mod toml_file;
+pub mod track_file;
+pub mod train_file;

@@ -1,0 +1,232 @@
+//! `features.csv` and `switching_points.csv`: what section 3.3 asks of each run.
+//!
+//! Every feature has its count, mean and standard deviation, with the unit in the name; what was not seen has count 0 and empty fields.
+//! Per mass means per rotating mass γ m. Names of brake steps hold the configured speeds.
+
+use crate::output::parameters::direction_word;
+use crate::replay::ReplayedRun;
+use crate::table::{Cell, Record};
+use rundown::features::{EffortLine, Energy, FeatureConfig, Features, Phase, Statistic};
+use rundown::regime::Regime;
+
+/// The columns of `switching_points.csv`.
+pub const SWITCHING_POINT_COLUMNS: [&str; 6] =
+    ["run", "time_s", "location_m", "speed_mps", "from", "to"];
+
+/// One row of `features.csv`.
+pub fn record(run: &ReplayedRun, config: &FeatureConfig) -> Record {
+    let mut record: Record = Vec::new();
+    record.push(("run".to_owned(), Cell::from(run.name.as_str())));
+    record.push(("unit".to_owned(), Cell::from(run.unit.as_str())));
+    record.push((
+        "direction".to_owned(),
+        Cell::from(direction_word(run.direction)),
+    ));
+    let times_s = || run.estimates.iter().map(|estimate| estimate.time_s);
+    let duration_s = times_s()
+        .next_back()
+        .zip(times_s().next())
+        .map(|(last, first)| last - first);
+    record.push(("duration_s".to_owned(), Cell::from(duration_s)));
+    record.extend(of_run(&run.summary.features, config));
+    record
+}
+
+/// The features of a run, without its name.
+pub fn of_run(features: &Features, config: &FeatureConfig) -> Record {
+    let mut record = Record::new();
+    let mut push = |name: &str, cell: Cell| record.push((name.to_owned(), cell));
+    for (name, cell) in effort_line(features.max_effort.as_ref()) {
+        push(name, cell);
+    }
+    statistic(&mut push, "power", "w_per_kg", &features.power_w_per_kg);
+    push(
+        "power_max_w_per_kg",
+        Cell::from(features.max_power_w_per_kg),
+    );
+    for (name, rate) in brake_steps(config).iter().zip(&features.brake_rate_mps2) {
+        statistic(&mut push, &format!("brake_rate_{name}_kmh"), "mps2", rate);
+    }
+    statistic(&mut push, "cruise_speed", "mps", &features.cruise_speed_mps);
+    push(
+        "cruise_speed_median_mps",
+        Cell::from(features.cruise_speed_median_mps),
+    );
+    phase(&mut push, "final_coast", features.final_coast.as_ref());
+    phase(&mut push, "final_brake", features.final_brake.as_ref());
+    let kept = features.switching_points.len() as u64;
+    push(
+        "switching_points_count",
+        Cell::Count(kept + u64::from(features.switching_points_lost)),
+    );
+    let total_s: f64 = features.regime_time_s.iter().sum();
+    for regime in Regime::ALL {
+        let time_s = features.regime_time_s[regime as usize];
+        push(&format!("{regime}_time_s"), Cell::from(time_s));
+        let share = (total_s > 0.0).then_some(time_s / total_s);
+        push(&format!("{regime}_share"), Cell::from(share));
+    }
+    for (name, energy) in energies(&features.energy) {
+        push(name, Cell::from(energy));
+    }
+    record
+}
+
+/// The rows of `switching_points.csv` of one run.
+pub fn switching_points(run: &ReplayedRun) -> Vec<Record> {
+    let one = |point: &rundown::features::SwitchingPoint| {
+        let cells = [
+            Cell::from(run.name.as_str()),
+            Cell::from(point.time_s),
+            Cell::from(point.location_m),
+            Cell::from(point.speed_mps),
+            Cell::from(point.from.as_str()),
+            Cell::from(point.to.as_str()),
+        ];
+        SWITCHING_POINT_COLUMNS
+            .map(str::to_owned)
+            .into_iter()
+            .zip(cells)
+            .collect()
+    };
+    run.summary
+        .features
+        .switching_points
+        .iter()
+        .map(one)
+        .collect()
+}
+
+fn effort_line(line: Option<&EffortLine>) -> [(&'static str, Cell); 5] {
+    let statistic = line.map(|line| line.effort).unwrap_or_default();
+    [
+        ("max_effort_count", Cell::from(statistic.count)),
+        ("max_effort_mean_n_per_kg", mean(&statistic)),
+        ("max_effort_sd_n_per_kg", sd(&statistic)),
+        (
+            "max_effort_at_lower_speed_n_per_kg",
+            Cell::from(line.map(|line| line.at_lower_n_per_kg)),
+        ),
+        (
+            "max_effort_slope_n_per_kg_per_mps",
+            Cell::from(line.map(|line| line.slope)),
+        ),
+    ]
+}
+
+fn statistic(push: &mut impl FnMut(&str, Cell), name: &str, unit: &str, statistic: &Statistic) {
+    push(&format!("{name}_count"), Cell::from(statistic.count));
+    push(&format!("{name}_mean_{unit}"), mean(statistic));
+    push(&format!("{name}_sd_{unit}"), sd(statistic));
+}
+
+fn mean(statistic: &Statistic) -> Cell {
+    if statistic.count > 0 {
+        Cell::from(statistic.mean)
+    } else {
+        Cell::Missing
+    }
+}
+
+/// One value has no standard deviation.
+fn sd(statistic: &Statistic) -> Cell {
+    if statistic.count > 1 {
+        Cell::from(statistic.sd)
+    } else {
+        Cell::Missing
+    }
+}
+
+fn phase(push: &mut impl FnMut(&str, Cell), name: &str, phase: Option<&Phase>) {
+    let of = |field: fn(&Phase) -> f64| Cell::from(phase.map(field));
+    push(&format!("{name}_start_time_s"), of(|p| p.start_time_s));
+    push(
+        &format!("{name}_start_location_m"),
+        of(|p| p.start_location_m),
+    );
+    push(
+        &format!("{name}_start_speed_mps"),
+        of(|p| p.start_speed_mps),
+    );
+    push(&format!("{name}_duration_s"), of(|p| p.duration_s));
+    push(&format!("{name}_length_m"), of(|p| p.length_m));
+}
+
+fn energies(energy: &Energy) -> [(&'static str, f64); 6] {
+    [
+        ("energy_traction_j_per_kg", energy.traction_j_per_kg),
+        ("energy_brake_j_per_kg", energy.brake_j_per_kg),
+        ("energy_r0_j_per_kg", energy.r0_j_per_kg),
+        ("energy_r1_j_per_kg", energy.r1_j_per_kg),
+        ("energy_r2_j_per_kg", energy.r2_j_per_kg),
+        ("energy_gradient_j_per_kg", energy.gradient_j_per_kg),
+    ]
+}
+
+/// `above_130`, `80_to_130`, `60_to_80`, `40_to_60`, `below_40`.
+fn brake_steps(config: &FeatureConfig) -> [String; 5] {
+    let [a, b, c, d] = config.brake_steps_kmh;
+    [
+        format!("above_{a}"),
+        format!("{b}_to_{a}"),
+        format!("{c}_to_{b}"),
+        format!("{d}_to_{c}"),
+        format!("below_{d}"),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell<'a>(record: &'a Record, name: &str) -> &'a Cell {
+        let found = record.iter().find(|(column, _)| column == name);
+        &found.unwrap_or_else(|| panic!("no column {name}")).1
+    }
+
+    #[test]
+    fn what_was_not_seen_is_missing_and_not_zero() {
+        let record = of_run(&Features::default(), &FeatureConfig::default());
+        assert_eq!(cell(&record, "power_count"), &Cell::Count(0));
+        for name in [
+            "power_mean_w_per_kg",
+            "brake_rate_80_to_130_kmh_sd_mps2",
+            "cruise_speed_median_mps",
+            "final_coast_length_m",
+            "coast_share",
+        ] {
+            assert_eq!(cell(&record, name), &Cell::Missing, "{name}");
+        }
+    }
+
+    #[test]
+    fn one_value_has_a_mean_and_no_standard_deviation() {
+        let mut features = Features::default();
+        features.brake_rate_mps2[4] = Statistic {
+            count: 1,
+            mean: 0.5,
+            sd: 0.0,
+        };
+        features.regime_time_s = [0.0, 10.0, 0.0, 30.0, 0.0];
+        let record = of_run(&features, &FeatureConfig::default());
+        assert_eq!(
+            cell(&record, "brake_rate_below_40_kmh_mean_mps2"),
+            &Cell::Number(0.5)
+        );
+        assert_eq!(
+            cell(&record, "brake_rate_below_40_kmh_sd_mps2"),
+            &Cell::Missing
+        );
+        assert_eq!(cell(&record, "coast_share"), &Cell::Number(0.75));
+    }
+
+    #[test]
+    fn names_are_unique() {
+        let record = of_run(&Features::default(), &FeatureConfig::default());
+        let mut names: Vec<&String> = record.iter().map(|(name, _)| name).collect();
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+    }
+}

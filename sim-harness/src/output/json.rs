@@ -1,0 +1,113 @@
+//! `replay.json`, also what `--json` prints: all but the estimates, for machines.
+//!
+//! ```text
+//! { "rundown", "mode", "train", "track", "carried", "tick_s",
+//!   "runs": [ { "run", "unit", "file", "direction", "rows", "steps", "estimates",
+//!               "vehicle": { r0 .. sd_r2 }, "this_run": { r0 .. sd_r2 },
+//!               "features": { as in features.csv }, "switching_points": [ ... ], "counters": { cause: count },
+//!               "dropped": [ { "line", "time_s", "reason" } ], "warnings": [ ... ] } ],
+//!   "failed": [ { "file", "errors": [ ... ] } ], "notes": [ ... ] }
+//! ```
+
+use crate::output::{estimates, features, parameters};
+use crate::replay::{Dropped, ReplayedRun, Tick};
+use crate::table::{Record, to_json};
+use rundown::config::{Config, Mode};
+use rundown::estimator::StepError;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// What a replay was made with, and what came of it.
+#[derive(Clone, Debug)]
+pub struct Replay<'a> {
+    /// Configuration in force.
+    pub config: &'a Config,
+    /// Name in the train file.
+    pub train: &'a str,
+    /// Name in the track file.
+    pub track: &'a str,
+    /// The vehicle was carried from run to run.
+    pub carried: bool,
+    /// Which rows were steps.
+    pub tick: Tick,
+    /// The runs that could be used.
+    pub runs: &'a [ReplayedRun],
+    /// Those that could not, and why.
+    pub failed: &'a [Failed],
+    /// What a person may want to know about their order.
+    pub notes: &'a [String],
+}
+
+/// A log that gave no run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failed {
+    /// The log.
+    pub file: PathBuf,
+    /// Why.
+    pub error: String,
+}
+
+/// The word for a mode in every output.
+pub const fn mode_word(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Paper => "paper",
+        Mode::Gated => "gated",
+        Mode::Measured => "measured",
+    }
+}
+
+/// The whole replay.
+pub fn value(replay: &Replay<'_>) -> Value {
+    let tick_s = match replay.tick {
+        Tick::EverySample => None,
+        Tick::Period { seconds } => Some(seconds),
+    };
+    let one = |run: &ReplayedRun| of_run(run, replay.config);
+    json!({
+        "rundown": env!("CARGO_PKG_VERSION"),
+        "mode": mode_word(replay.config.mode),
+        "train": replay.train,
+        "track": replay.track,
+        "carried": replay.carried,
+        "tick_s": tick_s,
+        "runs": replay.runs.iter().map(one).collect::<Vec<Value>>(),
+        "failed": replay.failed.iter().map(failed).collect::<Vec<Value>>(),
+        "notes": replay.notes,
+    })
+}
+
+fn of_run(run: &ReplayedRun, config: &Config) -> Value {
+    let object = |record: Record| to_json(&record);
+    let points: Vec<Value> = features::switching_points(run)
+        .iter()
+        .map(|record| object(record[1..].to_vec()))
+        .collect();
+    json!({
+        "run": run.name,
+        "unit": run.unit,
+        "file": run.path,
+        "direction": parameters::direction_word(run.direction),
+        "rows": run.rows,
+        "steps": run.estimates.len(),
+        "estimates": estimates::file_name(run),
+        "vehicle": object(parameters::coefficients("", &run.vehicle_after)),
+        "this_run": object(parameters::coefficients("", &run.summary.run_davis)),
+        "features": object(features::of_run(&run.summary.features, &config.features)),
+        "switching_points": points,
+        "counters": object(parameters::counters(run)),
+        "dropped": run.dropped.iter().map(dropped).collect::<Vec<Value>>(),
+        "warnings": run.warnings,
+    })
+}
+
+fn dropped(dropped: &Dropped) -> Value {
+    let reason = match dropped.reason {
+        StepError::TimeNotIncreasing { .. } => "time_not_increasing",
+        _ => "other",
+    };
+    json!({ "line": dropped.line, "time_s": dropped.time_s, "reason": reason })
+}
+
+fn failed(failed: &Failed) -> Value {
+    json!({ "file": failed.file, "errors": failed.error.lines().collect::<Vec<&str>>() })
+}

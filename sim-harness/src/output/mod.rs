@@ -1,0 +1,93 @@
+//! What a replay writes.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `<run>.estimates.csv` | one row a tick ([`estimates`]) |
+//! | `features.csv` | one row a run ([`features`]) |
+//! | `parameters.csv` | the vehicle after each run, the run's own train, and how often each cause occurred ([`parameters`]) |
+//! | `switching_points.csv` | one row for each change of regime ([`features`]) |
+//! | `replay.json` | all but the estimates in one file for machines ([`json`]) |
+
+pub mod estimates;
+pub mod features;
+pub mod json;
+pub mod parameters;
+
+use crate::replay::ReplayedRun;
+use crate::table::{self, Record};
+use rayon::prelude::*;
+use rundown::features::FeatureConfig;
+use serde_json::Value;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A file that could not be written.
+#[derive(Debug, Error)]
+#[error("{}: cannot be written: {source}; choose another folder with --out", path.display())]
+pub struct WriteError {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// What the system says.
+    pub source: io::Error,
+}
+
+/// Writes all tables of a replay into `folder`, which is made when it does not exist.
+///
+/// # Errors
+/// [`WriteError`] names the first file that could not be written.
+pub fn write_tables(
+    folder: &Path,
+    runs: &[ReplayedRun],
+    config: &FeatureConfig,
+    json: &Value,
+) -> Result<(), WriteError> {
+    std::fs::create_dir_all(folder).map_err(|source| WriteError {
+        path: folder.to_owned(),
+        source,
+    })?;
+    runs.par_iter().try_for_each(|run| {
+        let name = estimates::file_name(run);
+        write(&folder.join(name), |file| estimates::write(file, run))
+    })?;
+    write_records(
+        &folder.join("features.csv"),
+        runs.iter().map(|run| features::record(run, config)),
+    )?;
+    write_records(
+        &folder.join("parameters.csv"),
+        runs.iter().map(parameters::record),
+    )?;
+    let points: Vec<Record> = runs.iter().flat_map(features::switching_points).collect();
+    write(&folder.join("switching_points.csv"), |file| {
+        if points.is_empty() {
+            return writeln!(file, "{}", features::SWITCHING_POINT_COLUMNS.join(","));
+        }
+        table::write_csv(file, &points)
+    })?;
+    write(&folder.join("replay.json"), |file| {
+        serde_json::to_writer_pretty(&mut *file, json)?;
+        writeln!(file)
+    })
+}
+
+fn write_records(path: &Path, records: impl Iterator<Item = Record>) -> Result<(), WriteError> {
+    let records: Vec<Record> = records.collect();
+    write(path, |file| table::write_csv(file, &records))
+}
+
+fn write(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), WriteError> {
+    let written = File::create(path).and_then(|file| {
+        let mut file = BufWriter::new(file);
+        content(&mut file)?;
+        file.flush()
+    });
+    written.map_err(|source| WriteError {
+        path: path.to_owned(),
+        source,
+    })
+}

@@ -1,0 +1,205 @@
+//! `report.html`: what the estimator said of some runs, for a railway engineer who reads from top to bottom.
+//!
+//! ```text
+//! Report -> page (words, tables) ------------> report.html
+//!        -> figures -> axis, chart -> SVG ->
+//! ```
+//!
+//! In: a [`Report`], which borrows what the replay has. Out: one HTML file that needs nothing else: no script, no style sheet, no font,
+//! no address. The figures are functions of their own ([`figures`]) for other reports.
+//!
+//! A missing value is a gap in a figure and a dash in a table, with its reason beside it; a number that is not finite is never shown.
+
+mod axis;
+pub mod chart;
+pub mod colours;
+pub mod figures;
+mod numbers;
+mod page;
+pub mod resistance;
+
+#[cfg(test)]
+mod example;
+
+use rundown::Real;
+use rundown::estimate::{Counters, Estimate};
+use rundown::features::Features;
+use rundown::measurement::Measurement;
+use rundown::regime::Regime;
+use rundown::state::{self, Gaussian};
+use rundown::train::Train;
+use std::ops::Range;
+use std::path::Path;
+
+/// Runs that have figures; all are in the tables.
+pub const RUNS_IN_FULL: usize = 12;
+
+/// What is told.
+#[derive(Clone, Debug)]
+pub struct Report<'a> {
+    /// Heading of the page.
+    pub title: String,
+    /// The train as its manufacturer describes it.
+    pub train: &'a Train,
+    /// The runs, in order.
+    pub runs: Vec<RunView<'a>>,
+    /// `paper`, `gated` or `measured`.
+    pub mode: &'static str,
+    /// The vehicle's Davis coefficients after each run, with the run's name.
+    pub vehicle: Vec<(String, Gaussian<3>)>,
+}
+
+/// One run.
+#[derive(Clone, Copy, Debug)]
+pub struct RunView<'a> {
+    /// Its name in every output.
+    pub name: &'a str,
+    /// The accepted measurements, one for each estimate.
+    pub measurements: &'a [Measurement],
+    /// The estimates.
+    pub estimates: &'a [Estimate],
+    /// The confirmed regime of each estimate.
+    pub regimes: &'a [Regime],
+    /// What section 3.3 asks.
+    pub features: &'a Features,
+    /// How often each cause occurred.
+    pub counters: &'a Counters,
+    /// What looked wrong in the log.
+    pub warnings: &'a [String],
+}
+
+/// Writes the page.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_report(path: &Path, report: &Report) -> std::io::Result<()> {
+    std::fs::write(path, page::html(report))
+}
+
+impl RunView<'_> {
+    /// The confirmed regime of an estimate; its first one where no other is known.
+    fn regime(&self, index: usize) -> Regime {
+        let first = || self.estimates.get(index).map(|estimate| estimate.regime);
+        self.regimes
+            .get(index)
+            .copied()
+            .or_else(first)
+            .unwrap_or_default()
+    }
+
+    /// The measurement an estimate answers.
+    fn measurement(&self, index: usize) -> Option<&Measurement> {
+        let time_s = self.estimates.get(index)?.time_s;
+        let same = |measurement: &&Measurement| measurement.time_s == time_s;
+        self.measurements.get(index).filter(same)
+    }
+
+    /// From the first to the last estimate, s.
+    fn duration_s(&self) -> Real {
+        let times_s = || {
+            self.estimates
+                .iter()
+                .map(|e| e.time_s)
+                .filter(|t| t.is_finite())
+        };
+        let ends = times_s().next().zip(times_s().next_back());
+        ends.map_or(0.0, |(first, last)| last - first)
+    }
+
+    /// Between the first and the last estimated location, m.
+    fn distance_m(&self) -> Real {
+        let location_m = |estimate: &Estimate| estimate.belief.mean[state::LOCATION];
+        let locations_m = || {
+            self.estimates
+                .iter()
+                .map(location_m)
+                .filter(|s| s.is_finite())
+        };
+        let ends = locations_m().next().zip(locations_m().next_back());
+        ends.map_or(0.0, |(first, last)| (last - first).abs())
+    }
+
+    fn learned(&self) -> Learned {
+        let mut learned = Learned::default();
+        for estimate in self.estimates.iter().filter(|estimate| estimate.learning) {
+            let speed_mps = estimate.belief.mean[state::SPEED];
+            if !(speed_mps.is_finite() && estimate.dt_s.is_finite()) {
+                continue;
+            }
+            let one = Learned {
+                samples: 1,
+                time_s: estimate.dt_s,
+                distance_m: speed_mps * estimate.dt_s,
+                speeds_mps: Some(speed_mps..speed_mps),
+            };
+            learned = learned.and(&one);
+        }
+        learned
+    }
+}
+
+/// What of some runs taught the resistance.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Learned {
+    samples: usize,
+    time_s: Real,
+    distance_m: Real,
+    /// Lowest to highest speed.
+    speeds_mps: Option<Range<Real>>,
+}
+
+impl Learned {
+    fn and(&self, other: &Self) -> Self {
+        let all = self.speeds_mps.iter().chain(&other.speeds_mps).cloned();
+        Self {
+            samples: self.samples + other.samples,
+            time_s: self.time_s + other.time_s,
+            distance_m: self.distance_m + other.distance_m,
+            speeds_mps: all.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)),
+        }
+    }
+}
+
+/// Share of the time in each regime, indexed by `Regime as usize`; none when no time went by.
+fn regime_shares(run: &RunView) -> Option<[Real; 5]> {
+    let times_s = run.features.regime_time_s;
+    let total_s: Real = times_s.iter().sum();
+    (total_s > 0.0 && total_s.is_finite()).then(|| times_s.map(|time_s| time_s / total_s))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::example::{Example, report, train};
+    use super::*;
+
+    #[test]
+    fn the_page_is_written() {
+        let path = std::env::temp_dir().join(format!("rundown-report-{}.html", std::process::id()));
+        write_report(&path, &report(&[Example::run()], &train())).unwrap();
+        let written = std::fs::read_to_string(&path);
+        std::fs::remove_file(&path).unwrap();
+        assert!(written.unwrap().starts_with("<!DOCTYPE html>"));
+        assert!(
+            write_report(
+                Path::new("/no/such/folder/report.html"),
+                &report(&[], &train())
+            )
+            .is_err()
+        );
+    }
+
+    #[test]
+    fn learned_is_time_distance_and_range_of_speeds() {
+        let example = Example::run();
+        let learned = example.view().learned();
+        assert_eq!(learned.samples, 44);
+        assert!((learned.time_s - 440.0).abs() < 1e-9);
+        // Mean speed of the learning samples is near (36.1 + 22.3) / 2 m/s.
+        assert!(
+            (learned.distance_m - 440.0 * 29.2).abs() < 150.0,
+            "{}",
+            learned.distance_m
+        );
+        assert_eq!(Learned::default().and(&learned), learned);
+    }
+}

@@ -1,0 +1,217 @@
+//! TOML files whose every error names file, line and column, also those found only after reading.
+//!
+//! In: a path or a text. Out: [`TomlFile`], the values with the text they came from. A check that later refuses a value
+//! names it by its path (`davis.r0`, `gradient[3].from_m`), and [`TomlFile::refuse`] finds where that stands.
+
+use crate::place::Place;
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Values read from a TOML file, with the text they came from.
+#[derive(Clone, Debug)]
+pub struct TomlFile<T> {
+    /// What was read.
+    pub values: T,
+    path: PathBuf,
+    text: String,
+}
+
+/// Why a TOML file was refused.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum TomlError {
+    /// The file could not be read at all.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// Its text is not what was expected.
+    #[error("{place}: {message}")]
+    Refused {
+        /// Where.
+        place: Place,
+        /// What was expected and what was found.
+        message: String,
+    },
+}
+
+/// One step on the way to a value: a name, or the index in an array of tables.
+#[derive(Clone, Copy, Debug)]
+pub enum Step<'a> {
+    /// Name in a table.
+    Name(&'a str),
+    /// Index in an array, counted from 0.
+    Index(usize),
+}
+
+impl<T: DeserializeOwned> TomlFile<T> {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`TomlError`] when it cannot be read, is no TOML, or holds a field that is unknown, missing or of another type.
+    pub fn read(path: &Path) -> Result<Self, TomlError> {
+        let text = std::fs::read_to_string(path).map_err(|source| TomlError::Io {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::parse(path, &text)
+    }
+
+    /// Reads a text; `path` is for the messages.
+    ///
+    /// # Errors
+    /// As [`TomlFile::read`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self, TomlError> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        match toml::from_str(text) {
+            Ok(values) => Ok(Self {
+                values,
+                path: path.to_owned(),
+                text: text.to_owned(),
+            }),
+            Err(error) => {
+                let place = match error.span() {
+                    Some(span) => Place::of_byte(path, text, span.start),
+                    None => Place::of_file(path),
+                };
+                // The parser's own display draws the line over several lines; a message here is one line.
+                let message = error.message().replace('\n', ", ");
+                Err(TomlError::Refused { place, message })
+            }
+        }
+    }
+}
+
+impl<T> TomlFile<T> {
+    /// A refusal of the value at `steps`, found after reading. Where the value does not stand in the text (a default),
+    /// the place is that of the table around it, or the file.
+    pub fn refuse(&self, steps: &[Step<'_>], message: impl Into<String>) -> TomlError {
+        let place = match self.byte_of(steps) {
+            Some(byte) => Place::of_byte(&self.path, &self.text, byte),
+            None => Place::of_file(&self.path),
+        };
+        TomlError::Refused {
+            place,
+            message: message.into(),
+        }
+    }
+
+    /// As [`TomlFile::refuse`], the way given as in `davis.r0`.
+    pub fn refuse_dotted(&self, dotted: &str, message: impl Into<String>) -> TomlError {
+        let steps: Vec<Step<'_>> = dotted.split('.').map(Step::Name).collect();
+        self.refuse(&steps, message)
+    }
+
+    fn byte_of(&self, steps: &[Step<'_>]) -> Option<usize> {
+        let table = DeTable::parse(&self.text).ok()?;
+        let (first, rest) = steps.split_first()?;
+        let Step::Name(name) = first else { return None };
+        let mut value = table.get_ref().get(*name)?;
+        for step in rest {
+            match child(value, step) {
+                Some(inner) => value = inner,
+                None => break,
+            }
+        }
+        Some(value.span().start)
+    }
+}
+
+fn child<'a, 'i>(
+    value: &'a Spanned<DeValue<'i>>,
+    step: &Step<'_>,
+) -> Option<&'a Spanned<DeValue<'i>>> {
+    match (value.get_ref(), step) {
+        (DeValue::Table(table), Step::Name(name)) => table.get(*name),
+        (DeValue::Array(array), Step::Index(index)) => array.get(*index),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Values {
+        #[allow(dead_code)]
+        mass_kg: f64,
+        #[serde(default)]
+        entry: Vec<Entry>,
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Entry {
+        #[allow(dead_code)]
+        at_m: f64,
+    }
+
+    fn parse(text: &str) -> Result<TomlFile<Values>, TomlError> {
+        TomlFile::parse("x.toml".as_ref(), text)
+    }
+
+    fn message(text: &str) -> String {
+        parse(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn unknown_missing_and_wrong_fields_are_named_with_their_place() {
+        assert_eq!(
+            message("mass_kg = 1.0\nmas = 2\n"),
+            "x.toml:2:1: unknown field `mas`, expected `mass_kg` or `entry`"
+        );
+        assert_eq!(
+            message("# nothing\n"),
+            "x.toml:1:1: missing field `mass_kg`"
+        );
+        assert_eq!(
+            message("mass_kg = \"heavy\"\n"),
+            "x.toml:1:11: invalid type: string \"heavy\", expected f64"
+        );
+        assert!(message("mass_kg = = 1").starts_with("x.toml:1:11: "));
+    }
+
+    #[test]
+    fn whole_numbers_and_a_byte_order_mark_are_accepted() {
+        assert!(parse("\u{feff}mass_kg = 1\n").is_ok());
+    }
+
+    #[test]
+    fn a_value_refused_later_is_found_again() {
+        let file = parse("mass_kg = 1\n\n[[entry]]\nat_m = 5\n[[entry]]\nat_m =  4\n").unwrap();
+        assert_eq!(file.values.entry.len(), 2);
+        let steps = [Step::Name("entry"), Step::Index(1), Step::Name("at_m")];
+        assert_eq!(
+            file.refuse(&steps, "not sorted").to_string(),
+            "x.toml:6:9: not sorted"
+        );
+        assert_eq!(
+            file.refuse_dotted("mass_kg", "light").to_string(),
+            "x.toml:1:11: light"
+        );
+        assert_eq!(
+            file.refuse_dotted("davis.r0", "small").to_string(),
+            "x.toml: small"
+        );
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_is_named() {
+        let error = TomlFile::<Values>::read("no/such.toml".as_ref()).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .starts_with("no/such.toml: cannot be read: "),
+            "{error}"
+        );
+    }
+}

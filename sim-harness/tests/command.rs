@@ -1,0 +1,270 @@
+//! Does the command keep its promises? Exit codes, one-line errors, the files it writes.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const RUN: &str = include_str!("../../data/reference/run01.csv");
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn with(self, name: &str, text: &str) -> Self {
+        let path = self.path(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+        self
+    }
+
+    fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    /// `rundown replay` with the reference train and track, results in `out`.
+    fn replay(&self, arguments: &[&str]) -> Output {
+        let reference = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
+        command.current_dir(self.0.path()).arg("replay");
+        command.arg("--train").arg(reference.join("train.toml"));
+        command.arg("--track").arg(reference.join("track.toml"));
+        command
+            .args(["--out", "out"])
+            .args(arguments)
+            .output()
+            .unwrap()
+    }
+}
+
+fn code(output: &Output) -> Option<i32> {
+    output.status.code()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+#[test]
+fn a_replay_writes_every_file_and_one_row_a_sample() {
+    let folder = Folder::new().with("run01.csv", RUN);
+    let output = folder.replay(&["run01.csv"]);
+    assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+    assert_eq!(folder.read("out/run01.estimates.csv").lines().count(), 117);
+    assert_eq!(folder.read("out/features.csv").lines().count(), 2);
+    assert!(
+        folder
+            .read("out/parameters.csv")
+            .starts_with("run,r0,r1,r2,sd_r0,sd_r1,sd_r2,run_r0,")
+    );
+    assert!(
+        folder
+            .read("out/switching_points.csv")
+            .starts_with("run,time_s,location_m,speed_mps,from,to\n")
+    );
+    assert!(folder.read("out/report.html").contains("<svg"));
+    let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
+    assert_eq!(json["runs"][0]["steps"], 116);
+}
+
+#[test]
+fn the_same_logs_give_the_same_bytes() {
+    let folder = Folder::new().with("a.csv", RUN).with("b.csv", RUN);
+    for mode in ["paper", "gated"] {
+        let mut bytes = Vec::new();
+        for _ in 0..2 {
+            assert_eq!(
+                code(&folder.replay(&["--mode", mode, "a.csv", "b.csv"])),
+                Some(0)
+            );
+            bytes.push((
+                folder.read("out/b.estimates.csv"),
+                folder.read("out/parameters.csv"),
+                folder.read("out/replay.json"),
+            ));
+        }
+        assert_eq!(bytes[0], bytes[1]);
+    }
+}
+
+#[test]
+fn the_vehicle_is_carried_unless_asked_not_to() {
+    let folder = Folder::new().with("a.csv", RUN).with("b.csv", RUN);
+    let vehicles = |arguments: &[&str]| -> Vec<String> {
+        assert_eq!(code(&folder.replay(arguments)), Some(0));
+        let parameters = folder.read("out/parameters.csv");
+        let vehicle = |line: &str| {
+            line.split(',')
+                .skip(1)
+                .take(6)
+                .collect::<Vec<_>>()
+                .join(",")
+        };
+        parameters.lines().skip(1).map(vehicle).collect()
+    };
+    let carried = vehicles(&["--mode", "paper", "a.csv", "b.csv"]);
+    assert_ne!(carried[0], carried[1]);
+    let apart = vehicles(&["--mode", "paper", "--no-carry", "a.csv", "b.csv"]);
+    assert_eq!(apart[0], apart[1]);
+    assert_eq!(apart[0], carried[0]);
+}
+
+#[test]
+fn json_is_all_that_stands_on_stdout() {
+    let folder = Folder::new()
+        .with("logs/run01.csv", RUN)
+        .with("logs/bad.csv", "time_s,location_m,speed_kmh\n0,x,1\n");
+    let output = folder.replay(&["--json", "--mode", "paper", "logs"]);
+    assert_eq!(code(&output), Some(1));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["mode"], "paper");
+    assert_eq!(json["runs"].as_array().unwrap().len(), 1);
+    assert_eq!(json["failed"].as_array().unwrap().len(), 1);
+    let file: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
+    assert_eq!(json, file);
+}
+
+#[test]
+fn a_bad_row_names_file_line_and_column_and_stops_only_its_run() {
+    let bad = RUN.replacen("\n10.0,", "\n10.0,oops,", 1);
+    let folder = Folder::new().with("good.csv", RUN).with("bad.csv", &bad);
+    let output = folder.replay(&["bad.csv", "good.csv", "nowhere.csv"]);
+    assert_eq!(code(&output), Some(1));
+    let stderr = stderr(&output);
+    assert!(
+        stderr.starts_with("error: bad.csv: line 3: expected 3 fields as in the header, found 4\n"),
+        "{stderr}"
+    );
+    assert!(
+        stderr.contains("error: nowhere.csv: cannot be read"),
+        "{stderr}"
+    );
+    assert!(folder.path("out/good.estimates.csv").exists());
+    assert!(!folder.path("out/bad.estimates.csv").exists());
+
+    let output = folder.replay(&["--skip-bad-rows", "bad.csv"]);
+    assert_eq!(code(&output), Some(0));
+    assert_eq!(folder.read("out/bad.estimates.csv").lines().count(), 116);
+}
+
+#[test]
+fn a_row_back_in_time_is_warned_of_and_counted() {
+    let folder = Folder::new().with("run.csv", &format!("{RUN}5.0,20,10\n"));
+    let output = folder.replay(&["run.csv"]);
+    assert_eq!(code(&output), Some(0));
+    assert_eq!(
+        stderr(&output),
+        "warning: run.csv: line 118, column 1 (time_s): expected a time after 1150, found 5\n"
+    );
+    let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
+    assert_eq!(json["runs"][0]["counters"]["time_not_increasing"], 1);
+    assert_eq!(json["runs"][0]["dropped"][0]["line"], 118);
+    assert_eq!(json["runs"][0]["steps"], 116);
+}
+
+#[test]
+fn a_tick_takes_the_newest_sample_of_each_period() {
+    let folder = Folder::new().with("run.csv", RUN);
+    assert_eq!(code(&folder.replay(&["--tick", "20", "run.csv"])), Some(0));
+    let estimates = folder.read("out/run.estimates.csv");
+    let times: Vec<&str> = estimates
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').next().unwrap())
+        .collect();
+    assert_eq!(times.len(), 59);
+    assert_eq!(times[1], "2.0000000000000000e1");
+}
+
+#[test]
+fn refused_descriptions_have_their_own_exit_code() {
+    let folder = Folder::new()
+        .with("run.csv", RUN)
+        .with("c.toml", "[sensor]\nlocation_sd_m = -1\n");
+    let output = folder.replay(&["--config", "c.toml", "run.csv"]);
+    assert_eq!(code(&output), Some(3));
+    assert!(
+        stderr(&output)
+            .starts_with("error: c.toml:2:17: configuration: sensor.location_sd_m must be"),
+        "{}",
+        stderr(&output)
+    );
+    assert_eq!(
+        code(&folder.replay(&["--mode", "none", "run.csv"])),
+        Some(2)
+    );
+    assert_eq!(code(&folder.replay(&["--tick", "0", "run.csv"])), Some(2));
+}
+
+#[test]
+fn an_output_that_cannot_be_written_has_its_own_exit_code() {
+    let folder = Folder::new()
+        .with("run.csv", RUN)
+        .with("out", "a file where the folder should be");
+    let output = folder.replay(&["run.csv"]);
+    assert_eq!(code(&output), Some(4));
+    assert!(
+        stderr(&output).ends_with("choose another folder with --out\n"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
+fn help_and_completions_are_there() {
+    let run = |arguments: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_rundown"))
+            .args(arguments)
+            .output()
+            .unwrap()
+    };
+    let help = stdout(&run(&["replay", "--help"]));
+    for word in [
+        "Examples:",
+        "Exit codes:",
+        "--skip-bad-rows",
+        "parameters.csv",
+    ] {
+        assert!(help.contains(word), "{word}");
+    }
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        assert!(
+            stdout(&run(&["completions", shell])).contains("rundown"),
+            "{shell}"
+        );
+    }
+}
+
+#[test]
+fn the_demo_says_what_it_saw_and_where_the_report_lies() {
+    let folder = Folder::new();
+    let output = Command::new(env!("CARGO_BIN_EXE_rundown"))
+        .current_dir(folder.0.path())
+        .arg("demo")
+        .output()
+        .unwrap();
+    assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for word in [
+        "standstill",
+        "final coast",
+        "final brake",
+        "at 60 km/h",
+        "at 140 km/h",
+        "out/demo/report.html",
+    ] {
+        assert!(text.contains(word), "{word} in {text}");
+    }
+    assert!(folder.path("out/demo/report.html").exists());
+}

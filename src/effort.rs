@@ -1,0 +1,63 @@
+//! Applied effort, calculated from the change of speed.
+//!
+//! In: two speeds, the Davis coefficients, the track below the train. Out: effort per mass in N/kg, traction positive, brake negative.
+//!
+//! ```text
+//! u = (v[k] - v[j]) / Δt + r(v) + g(s)             Eq. (1) solved for u
+//! ```
+//!
+//! The paper takes r and g at the end of the interval ([`of_paper`]); the other modes take their mean over it ([`over_interval`]).
+
+use crate::Real;
+use crate::motion::Line;
+use crate::resistance::Davis;
+
+/// A point of the run: when, where, how fast.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Time, s.
+    pub time_s: Real,
+    /// Location, m.
+    pub location_m: Real,
+    /// Speed, m/s.
+    pub speed_mps: Real,
+}
+
+/// Effort and what it is made of, means over an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Effort {
+    /// Applied effort, N/kg.
+    pub effort_n_per_kg: Real,
+    /// Acceleration, m/s².
+    pub acceleration_mps2: Real,
+    /// Running resistance and gradient, N/kg.
+    pub resistance_n_per_kg: Real,
+}
+
+/// The paper's: acceleration of the readings, resistance and gradient at the filtered state.
+pub fn of_paper(
+    line: &Line<'_>,
+    davis: &Davis,
+    acceleration_mps2: Real,
+    location_m: Real,
+    speed_mps: Real,
+) -> Real {
+    acceleration_mps2 + davis.resistance_n_per_kg(speed_mps) + line.gradient_n_per_kg(location_m)
+}
+
+/// Means over the interval from `from` to `to`, which is later; the gradient by Simpson's rule.
+pub fn over_interval(line: &Line<'_>, davis: &Davis, from: &Point, to: &Point) -> Effort {
+    let acceleration_mps2 = (to.speed_mps - from.speed_mps) / (to.time_s - from.time_s);
+    let midway_m = 0.5 * (from.location_m + to.location_m);
+    let gradient_n_per_kg = (line.gradient_n_per_kg(from.location_m)
+        + 4.0 * line.gradient_n_per_kg(midway_m)
+        + line.gradient_n_per_kg(to.location_m))
+        / 6.0;
+    let midway_mps = 0.5 * (from.speed_mps + to.speed_mps);
+    let resistance_n_per_kg = davis.resistance_n_per_kg(midway_mps) + gradient_n_per_kg;
+    Effort {
+        effort_n_per_kg: acceleration_mps2 + resistance_n_per_kg,
+        acceleration_mps2,
+        resistance_n_per_kg,
+    }
+}

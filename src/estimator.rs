@@ -1,0 +1,610 @@
+//! The tick: measurement -> plausibility -> kinematics -> effort -> regime -> learning (ukf) -> features. Only this file knows the order.
+//!
+//! What is set once ([`Estimator`]: configuration, train, track) comes by `&`, what changes every tick ([`RunState`]) by `&mut`.
+//! The board, the replay and the tests run the same [`Estimator::step`].
+
+use crate::Real;
+use crate::config::{Config, ConfigError, Mode};
+use crate::effort::{self, Point};
+use crate::estimate::{Cause, Counters, Estimate, Validity};
+use crate::features::{FeatureExtractor, Features, Observation};
+use crate::kinematics::Kinematics;
+use crate::learning::{Learner, Tick};
+use crate::measurement::Measurement;
+use crate::memory::Vehicle;
+use crate::motion::Line;
+use crate::paper::PaperLoop;
+use crate::plausibility::{Judged, Plausibility};
+use crate::regime::{Evidence, Recogniser, Regime};
+use crate::resistance::Davis;
+use crate::state::{Gaussian, LOCATION, R0, SIZE, SPEED};
+use crate::track::{Direction, Track};
+use crate::train::Train;
+use core::fmt;
+use nalgebra::Vector3;
+
+/// Without a location for longer than this the location is invalid; the same for the speed, s.
+const INVALID_AFTER_S: Real = 60.0;
+/// Without a speed for longer than this the regime is unknown, s.
+const LOST_S: Real = 60.0;
+
+/// What is set once: configuration, train, track.
+#[derive(Clone, Debug)]
+pub struct Estimator {
+    config: Config,
+    train: Train,
+    track: Track,
+}
+
+/// What changes every tick of a run. Made by [`Estimator::begin_run`].
+#[derive(Clone, Debug)]
+pub struct RunState {
+    direction: Direction,
+    /// What was believed of this run's train when it began.
+    begin: Gaussian<3>,
+    plausibility: Plausibility,
+    kinematics: Kinematics,
+    paper: Option<PaperLoop>,
+    learner: Learner,
+    /// Regimes at the anchor.
+    recogniser: Recogniser,
+    /// Regime at the last tick.
+    regime: Regime,
+    /// Where the current piece of evidence began.
+    anchor: Option<Point>,
+    /// Last tick with a speed, for the effort of one interval.
+    last: Option<Point>,
+    last_effort_n_per_kg: Option<Real>,
+    /// Last speed reading, for the features.
+    reading: Option<Point>,
+    /// The last tick waits here until its regime is confirmed.
+    unconfirmed: Option<Observation>,
+    without_location_s: Real,
+    without_speed_s: Real,
+    features: FeatureExtractor,
+    counters: Counters,
+}
+
+/// Why a measurement gave no estimate. Nothing has changed but its counter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The time of the measurement is not after the last one's.
+    TimeNotIncreasing {
+        /// Time of the last accepted measurement, s.
+        last_s: Real,
+        /// Time of this one, s.
+        found_s: Real,
+    },
+}
+
+impl fmt::Display for StepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TimeNotIncreasing { last_s, found_s } => write!(
+                f,
+                "time must increase: the last measurement was at {last_s} s, this one is at {found_s} s"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for StepError {}
+
+/// What is known at the end of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunSummary {
+    /// Features of the run.
+    pub features: Features,
+    /// Davis coefficients of this run's train (wind and load of the day included).
+    pub run_davis: Gaussian<3>,
+    /// Gain of the measured effort, true over measured, and its standard deviation (`measured` mode).
+    pub gain: (Real, Real),
+    /// How long the resistance was learned, s.
+    pub learned_s: Real,
+    /// How often each cause occurred.
+    pub counters: Counters,
+}
+
+impl Estimator {
+    /// Checks the configuration.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names the first field that is out of range.
+    pub fn try_new(config: Config, train: Train, track: Track) -> Result<Self, ConfigError> {
+        config.check()?;
+        Ok(Self {
+            config,
+            train,
+            track,
+        })
+    }
+
+    /// The configuration in force.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The vehicle as its manufacturer describes it, before any run.
+    pub fn new_vehicle(&self) -> Vehicle {
+        match self.config.mode {
+            Mode::Paper => {
+                Vehicle::independent(self.train.davis(), self.config.paper.initial_davis_sd)
+            }
+            Mode::Gated | Mode::Measured => Vehicle::new(&self.config.memory, self.train.davis()),
+        }
+    }
+
+    /// Begins a run with what is known of the vehicle.
+    pub fn begin_run(&self, vehicle: &Vehicle, direction: Direction) -> RunState {
+        let begin = match self.config.mode {
+            Mode::Paper => vehicle.davis(),
+            Mode::Gated | Mode::Measured => vehicle.next_run(&self.config.memory),
+        };
+        RunState {
+            direction,
+            begin,
+            plausibility: Plausibility::default(),
+            kinematics: Kinematics::default(),
+            paper: None,
+            learner: Learner::new(&self.config.learning, &begin),
+            recogniser: Recogniser::default(),
+            regime: Regime::Standstill,
+            anchor: None,
+            last: None,
+            last_effort_n_per_kg: None,
+            reading: None,
+            unconfirmed: None,
+            without_location_s: 0.0,
+            without_speed_s: 0.0,
+            features: FeatureExtractor::new(),
+            counters: Counters::default(),
+        }
+    }
+
+    /// One tick.
+    ///
+    /// # Errors
+    /// [`StepError::TimeNotIncreasing`]: the measurement is dropped and counted, nothing else changes.
+    pub fn step(
+        &self,
+        run: &mut RunState,
+        measurement: &Measurement,
+    ) -> Result<Estimate, StepError> {
+        let config = &self.config;
+        let judged = run
+            .plausibility
+            .judge(
+                &config.plausibility,
+                &config.sensor,
+                self.track.length_m(),
+                run.direction,
+                measurement,
+            )
+            .map_err(|last_s| {
+                run.counters.time_not_increasing =
+                    run.counters.time_not_increasing.saturating_add(1);
+                StepError::TimeNotIncreasing {
+                    last_s: last_s.unwrap_or(0.0),
+                    found_s: measurement.time_s,
+                }
+            })?;
+        let line = Line {
+            train: &self.train,
+            track: &self.track,
+            direction: run.direction,
+        };
+        let validity = self.count(run, &judged);
+        let estimate = match config.mode {
+            Mode::Paper => self.paper_tick(run, &line, &judged, validity),
+            Mode::Gated | Mode::Measured => self.learning_tick(run, &line, &judged, validity),
+        };
+        self.observe(run, &line, &judged, &estimate);
+        Ok(estimate)
+    }
+
+    /// Ends a run: what it said about the train goes into the vehicle's memory.
+    pub fn end_run(&self, run: &RunState, vehicle: &mut Vehicle) -> RunSummary {
+        let run_davis = run.davis();
+        match self.config.mode {
+            Mode::Paper => vehicle.replace(&run_davis),
+            Mode::Gated | Mode::Measured => {
+                vehicle.learn(&self.config.memory, &run.begin, &run_davis);
+            }
+        }
+        let mut features = run.features.clone();
+        if let Some(last) = &run.unconfirmed {
+            features.observe(&self.config.features, last);
+        }
+        RunSummary {
+            features: features.features(&self.config.features),
+            run_davis,
+            gain: run.learner.gain(),
+            learned_s: run.learner.learned_s(),
+            counters: run.counters,
+        }
+    }
+
+    fn count(&self, run: &mut RunState, judged: &Judged) -> Validity {
+        if judged.anew && run.last.is_some() {
+            run.counters.count(Cause::LongGap);
+        }
+        let mut age = |reading: &Result<Real, Cause>, age_s: &mut Real| {
+            *age_s = if reading.is_ok() {
+                0.0
+            } else {
+                *age_s + judged.dt_s
+            };
+            let cause = reading.err()?;
+            run.counters.count(cause);
+            Some(if *age_s > INVALID_AFTER_S {
+                Validity::Invalid(cause)
+            } else {
+                Validity::Held(cause)
+            })
+        };
+        let location = age(&judged.location_m, &mut run.without_location_s);
+        let speed = age(&judged.speed_mps, &mut run.without_speed_s);
+        if let Some(cause) = judged.contradiction {
+            if judged.speed_mps != Err(cause) {
+                run.counters.count(cause);
+            }
+            return Validity::Invalid(cause);
+        }
+        match (location, speed) {
+            (Some(invalid @ Validity::Invalid(_)), _)
+            | (_, Some(invalid @ Validity::Invalid(_))) => invalid,
+            (Some(held), _) | (None, Some(held)) => held,
+            (None, None) => Validity::Valid,
+        }
+    }
+
+    fn paper_tick(
+        &self,
+        run: &mut RunState,
+        line: &Line<'_>,
+        judged: &Judged,
+        validity: Validity,
+    ) -> Estimate {
+        let config = &self.config.paper;
+        let (location_m, speed_mps) = (judged.location_m.ok(), judged.speed_mps.ok());
+        let davis = run.davis();
+        let mut innovation = None;
+        let mut validity = validity;
+        let mut next = match run.paper {
+            Some(paper) if !judged.anew => paper,
+            _ => PaperLoop::begin(config, line, &davis, location_m, speed_mps),
+        };
+        if !judged.anew {
+            match next.step(config, line, judged.dt_s, location_m, speed_mps) {
+                Ok(found) => innovation = Some(found),
+                Err(_) => {
+                    // The covariance is of no use any more: begin again with what was learned.
+                    run.counters.count(Cause::Numerics);
+                    validity = Validity::Held(Cause::Numerics);
+                    next = PaperLoop::begin(config, line, &run.begin, location_m, speed_mps);
+                }
+            }
+        }
+        run.paper = Some(next);
+        run.last = Some(Point {
+            time_s: judged.time_s,
+            location_m: next.belief.mean[LOCATION],
+            speed_mps: next.belief.mean[SPEED],
+        });
+        let regime = self
+            .config
+            .paper_rule
+            .recognise(next.effort_n_per_kg, next.acceleration_mps2);
+        Estimate {
+            time_s: judged.time_s,
+            dt_s: judged.dt_s,
+            belief: next.belief,
+            effort_n_per_kg: Some(next.effort_n_per_kg),
+            acceleration_mps2: Some(next.acceleration_mps2),
+            gradient_n_per_kg: line.gradient_n_per_kg(next.belief.mean[LOCATION]),
+            regime,
+            confirmed: run.unconfirmed.map(|last| last.regime),
+            learning: innovation.is_some(),
+            innovation,
+            validity,
+        }
+    }
+
+    fn learning_tick(
+        &self,
+        run: &mut RunState,
+        line: &Line<'_>,
+        judged: &Judged,
+        validity: Validity,
+    ) -> Estimate {
+        let config = &self.config;
+        let (location_m, speed_mps) = (judged.location_m.ok(), judged.speed_mps.ok());
+        if judged.anew {
+            run.kinematics = Kinematics::begin(&config.sensor, location_m, speed_mps);
+            run.recogniser = Recogniser::default();
+            run.anchor = None;
+            run.last = None;
+            run.last_effort_n_per_kg = None;
+            run.learner.end();
+        } else {
+            let sign = line.direction.sign();
+            run.kinematics
+                .step(&config.sensor, sign, judged.dt_s, location_m, speed_mps);
+            if let Some(location_m) = location_m
+                && (location_m - run.kinematics.belief().mean[LOCATION]).abs()
+                    > config.plausibility.location_jump_m
+            {
+                run.kinematics.anchor(&config.sensor, location_m);
+                run.learner.end();
+            }
+        }
+        let moving = run.kinematics.belief();
+        let now = Point {
+            time_s: judged.time_s,
+            location_m: moving.mean[LOCATION],
+            speed_mps: moving.mean[SPEED],
+        };
+
+        // Effort over the piece of evidence that ends now.
+        let read = speed_mps.is_some();
+        let standing = read && now.speed_mps <= 0.25 * config.sensor.speed_quantum_kmh / 3.6;
+        let recognised = self.recognise(run, line, &now, read, standing);
+        let regime = run.regime;
+
+        // Learning.
+        let coasting =
+            config.mode == Mode::Gated && recognised.coasted > config.learning.coasting_probability;
+        let fast = now.speed_mps > config.learning.min_speed_kmh / 3.6;
+        let known = match config.mode {
+            Mode::Gated if coasting && fast => Some((0.0, 0.0)),
+            Mode::Measured if !standing => self.measured(run, judged),
+            _ => None,
+        };
+        run.last_effort_n_per_kg = judged.effort_n_per_kg;
+        let mut innovation = None;
+        let mut learning = false;
+        let mut validity = validity;
+        match known {
+            Some((effort_n_per_kg, effort_sd_n_per_kg)) if judged.contradiction.is_none() => {
+                if run.learner.in_segment() {
+                    let tick = Tick {
+                        time_s: judged.time_s,
+                        dt_s: judged.dt_s,
+                        location_m,
+                        speed_mps,
+                        effort_n_per_kg,
+                        effort_sd_n_per_kg,
+                    };
+                    match run
+                        .learner
+                        .step(&config.learning, &config.sensor, line, &tick)
+                    {
+                        Ok(found) => {
+                            innovation = found;
+                            learning = run.learner.in_segment();
+                        }
+                        Err(_) => {
+                            run.counters.count(Cause::Numerics);
+                            validity = Validity::Held(Cause::Numerics);
+                        }
+                    }
+                } else if read && location_m.is_some() {
+                    run.learner.begin(judged.time_s, &moving);
+                }
+            }
+            // A missing speed tells nothing about the regime: the segment waits for the next one.
+            _ if !read && run.learner.in_segment() && judged.contradiction.is_none() => {
+                let tick = Tick {
+                    time_s: judged.time_s,
+                    dt_s: judged.dt_s,
+                    location_m,
+                    speed_mps: None,
+                    effort_n_per_kg: 0.0,
+                    effort_sd_n_per_kg: 0.0,
+                };
+                if config.mode == Mode::Measured
+                    || run
+                        .learner
+                        .step(&config.learning, &config.sensor, line, &tick)
+                        .is_err()
+                {
+                    run.learner.end();
+                }
+            }
+            _ => run.learner.end(),
+        }
+
+        let belief = run.belief();
+        if read {
+            run.last = Some(now);
+        }
+        Estimate {
+            time_s: judged.time_s,
+            dt_s: judged.dt_s,
+            belief,
+            effort_n_per_kg: recognised.effort.map(|effort| effort.effort_n_per_kg),
+            acceleration_mps2: recognised.effort.map(|effort| effort.acceleration_mps2),
+            gradient_n_per_kg: line.gradient_n_per_kg(belief.mean[LOCATION]),
+            regime,
+            confirmed: recognised.confirmed,
+            learning,
+            innovation,
+            validity,
+        }
+    }
+
+    /// Effort and regime over the piece of evidence that ends now.
+    fn recognise(
+        &self,
+        run: &mut RunState,
+        line: &Line<'_>,
+        now: &Point,
+        read: bool,
+        standing: bool,
+    ) -> Recognition {
+        let config = &self.config.recogniser;
+        let before = run.regime;
+        let belief = run.learner.davis();
+        let over = run.anchor.filter(|_| read).map(|anchor| {
+            (
+                anchor,
+                effort::over_interval(line, &davis_of(&belief), &anchor, now),
+            )
+        });
+        let mut recognition = Recognition {
+            effort: over.map(|(_, effort)| effort),
+            confirmed: run.unconfirmed.map(|_| before),
+            coasted: 0.0,
+        };
+        if standing {
+            run.recogniser = Recogniser::standing();
+            run.regime = Regime::Standstill;
+            run.anchor = Some(*now);
+            return recognition;
+        }
+        let Some((anchor, effort)) = over else {
+            if read {
+                run.anchor = Some(*now);
+                run.regime = run.recogniser.regime();
+            } else if run
+                .anchor
+                .is_some_and(|anchor| now.time_s - anchor.time_s > LOST_S)
+            {
+                run.anchor = None;
+                run.recogniser = Recogniser::default();
+            }
+            return recognition;
+        };
+        let interval_s = now.time_s - anchor.time_s;
+        let midway_mps = 0.5 * (anchor.speed_mps + now.speed_mps);
+        let recognised = run.recogniser.step(
+            config,
+            &Evidence {
+                interval_s,
+                acceleration_mps2: effort.acceleration_mps2,
+                acceleration_sd_mps2: core::f64::consts::SQRT_2 * self.config.sensor.speed_sd_mps()
+                    / interval_s,
+                resistance_n_per_kg: effort.resistance_n_per_kg,
+                resistance_sd_n_per_kg: resistance_sd(&belief, midway_mps),
+                max_effort_n_per_kg: self.train.max_effort_n_per_kg(midway_mps),
+            },
+        );
+        run.regime = recognised.now.regime();
+        recognition.coasted = recognised.coasted;
+        let slow_log = run.last.is_none_or(|last| last.time_s == anchor.time_s);
+        // In a fast log the regime a tick later is the answer; in a slow one the interval speaks for its beginning.
+        recognition.confirmed = run.unconfirmed.map(|last| match (last.regime, slow_log) {
+            (Regime::Standstill, _) => Regime::Standstill,
+            (_, true) => recognised.before.regime(),
+            (_, false) => run.regime,
+        });
+        if interval_s >= 0.95 * config.interval_s {
+            run.recogniser = recognised.now;
+            run.anchor = Some(*now);
+        }
+        recognition
+    }
+
+    /// Measured effort over the interval: its mean, and how uncertain that is. Not while braking, whose effort has another gain.
+    fn measured(&self, run: &RunState, judged: &Judged) -> Option<(Real, Real)> {
+        let (before, now) = (run.last_effort_n_per_kg?, judged.effort_n_per_kg?);
+        let share = self.config.learning.effort_change_share;
+        let applied = before.min(now) > -0.01 && judged.speed_mps.ok()? > 3.0;
+        applied.then_some((0.5 * (before + now), share * (now - before).abs()))
+    }
+
+    /// Hands the last tick to the features, now that its regime is confirmed, and keeps this one.
+    fn observe(&self, run: &mut RunState, line: &Line<'_>, judged: &Judged, estimate: &Estimate) {
+        if let (Some(mut last), Some(regime)) = (run.unconfirmed, estimate.confirmed) {
+            last.regime = regime;
+            run.features.observe(&self.config.features, &last);
+        }
+        let davis = estimate.davis();
+        let now = Point {
+            time_s: judged.time_s,
+            location_m: estimate.belief.mean[LOCATION],
+            speed_mps: estimate.belief.mean[SPEED],
+        };
+        // Readings, not filtered speeds: the paper's filtered speed lags by a sample.
+        let reading = judged
+            .speed_mps
+            .ok()
+            .map(|speed_mps| Point { speed_mps, ..now });
+        let effort = match (run.reading, reading) {
+            (Some(from), Some(to)) => Some(effort::over_interval(line, &davis, &from, &to)),
+            _ => None,
+        };
+        run.reading = reading;
+        run.unconfirmed = Some(Observation {
+            time_s: now.time_s,
+            dt_s: judged.dt_s,
+            location_m: now.location_m,
+            speed_mps: judged.speed_mps.unwrap_or(now.speed_mps),
+            effort_n_per_kg: effort.map(|effort| effort.effort_n_per_kg),
+            acceleration_mps2: effort.map(|effort| effort.acceleration_mps2),
+            gradient_n_per_kg: estimate.gradient_n_per_kg,
+            davis,
+            regime: estimate.regime,
+        });
+    }
+}
+
+/// What the recogniser says at a tick.
+struct Recognition {
+    effort: Option<effort::Effort>,
+    confirmed: Option<Regime>,
+    coasted: Real,
+}
+
+impl RunState {
+    /// This run's Davis coefficients.
+    fn davis(&self) -> Gaussian<3> {
+        match &self.paper {
+            Some(paper) => Gaussian {
+                mean: paper.belief.mean.fixed_rows::<3>(R0).into_owned(),
+                covariance: paper
+                    .belief
+                    .covariance
+                    .fixed_view::<3, 3>(R0, R0)
+                    .into_owned(),
+            },
+            None => self.learner.davis(),
+        }
+    }
+
+    /// The whole state: location and speed of the segment where one runs, of the readings elsewhere; the coefficients as far as they are valid.
+    fn belief(&self) -> Gaussian<SIZE> {
+        let moving = self
+            .learner
+            .moving()
+            .unwrap_or_else(|| self.kinematics.belief());
+        let davis = self.learner.davis();
+        let mut belief = Gaussian::independent([0.0; SIZE], [0.0; SIZE]);
+        belief
+            .mean
+            .fixed_rows_mut::<2>(LOCATION)
+            .copy_from(&moving.mean);
+        belief.mean.fixed_rows_mut::<3>(R0).copy_from(&davis.mean);
+        belief
+            .covariance
+            .fixed_view_mut::<2, 2>(LOCATION, LOCATION)
+            .copy_from(&moving.covariance);
+        belief
+            .covariance
+            .fixed_view_mut::<3, 3>(R0, R0)
+            .copy_from(&davis.covariance);
+        belief
+    }
+}
+
+fn davis_of(belief: &Gaussian<3>) -> Davis {
+    let [r0, r1, r2] = belief.mean.into();
+    Davis { r0, r1, r2 }
+}
+
+/// Standard deviation of r(v), N/kg.
+fn resistance_sd(belief: &Gaussian<3>, speed_mps: Real) -> Real {
+    let at = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
+    libm::sqrt(at.dot(&(belief.covariance * at)).max(0.0))
+}

@@ -1,0 +1,177 @@
+//! Final coast and final brake, section 3.3.
+//!
+//! In: the switching points up to the last standstill and the top speed since the stop before it. Out: two [`Phase`]s.
+//!
+//! - The final brake begins with the first brake application by which the train leaves line speed, and ends where the train stands. A 40 km/h zone before the
+//!   platform is inside it: brake to 40 km/h, holding or coasting there, brake to the platform. What is done at less than `approach_share` of
+//!   the top speed does not begin a new final brake, it continues the one before. A brake at line speed after which the train
+//!   coasts on is not final.
+//! - The final coast is the coasting from which this brake begins; cruising may lie between them, traction may not.
+
+use super::{Phase, SwitchingPoint};
+use crate::Real;
+use crate::regime::Regime;
+
+/// Final coast and final brake. None before the train has stood after a brake.
+pub(super) fn final_phases(
+    points: &[SwitchingPoint],
+    line_speed_mps: Real,
+) -> (Option<Phase>, Option<Phase>) {
+    let Some(stop) = points
+        .iter()
+        .rposition(|point| point.to == Regime::Standstill)
+    else {
+        return (None, None);
+    };
+    let mut brake = None;
+    for (i, point) in points.iter().enumerate().take(stop).rev() {
+        if point.to == Regime::Standstill {
+            break;
+        }
+        if point.to == Regime::Brake {
+            brake = Some(i);
+        }
+        if point.speed_mps > line_speed_mps {
+            break;
+        }
+    }
+    let Some(brake) = brake else {
+        return (None, None);
+    };
+    let coast = points
+        .iter()
+        .enumerate()
+        .take(brake)
+        .rev()
+        .find(|(_, point)| point.to != Regime::Cruise)
+        .filter(|(_, point)| point.to == Regime::Coast)
+        .and_then(|(i, _)| phase(points.get(i)?, points.get(i + 1)?));
+    let brake = points
+        .get(brake)
+        .zip(points.get(stop))
+        .and_then(|(start, end)| phase(start, end));
+    (coast, brake)
+}
+
+fn phase(start: &SwitchingPoint, end: &SwitchingPoint) -> Option<Phase> {
+    Some(Phase {
+        start_time_s: start.time_s,
+        start_location_m: start.location_m,
+        start_speed_mps: start.speed_mps,
+        duration_s: (end.time_s - start.time_s).max(0.0),
+        length_m: (end.location_m - start.location_m).abs(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use Regime::{Brake, Coast, Cruise, Standstill, Traction};
+
+    fn starts(rows: &[(Regime, Real)]) -> (Option<Real>, Option<Real>) {
+        let mut from = Standstill;
+        let mut points = std::vec::Vec::new();
+        for (k, &(to, kmh)) in rows.iter().enumerate() {
+            let time_s = 100.0 * k as Real;
+            points.push(SwitchingPoint {
+                time_s,
+                location_m: 0.0,
+                speed_mps: kmh / 3.6,
+                from,
+                to,
+            });
+            from = to;
+        }
+        let (coast, brake) = final_phases(&points, 70.0 / 3.6);
+        (
+            coast.map(|phase| phase.start_time_s),
+            brake.map(|phase| phase.start_time_s),
+        )
+    }
+
+    #[test]
+    fn coast_then_brake_then_stop() {
+        let rows = [
+            (Traction, 0.0),
+            (Cruise, 140.0),
+            (Coast, 140.0),
+            (Brake, 80.0),
+            (Standstill, 0.0),
+        ];
+        assert_eq!(starts(&rows), (Some(200.0), Some(300.0)));
+        assert_eq!(starts(&rows[..4]), (None, None));
+    }
+
+    #[test]
+    fn the_zone_before_the_platform_is_part_of_the_final_brake() {
+        let rows = [
+            (Traction, 0.0),
+            (Coast, 140.0),
+            (Brake, 80.0),
+            (Cruise, 40.0),
+            (Coast, 40.0),
+            (Traction, 35.0),
+            (Coast, 42.0),
+            (Brake, 41.0),
+            (Coast, 5.0),
+            (Standstill, 0.0),
+        ];
+        assert_eq!(starts(&rows), (Some(100.0), Some(200.0)));
+        let from_below = [
+            (Traction, 0.0),
+            (Coast, 140.0),
+            (Brake, 65.0),
+            (Coast, 40.0),
+            (Brake, 38.0),
+            (Standstill, 0.0),
+        ];
+        assert_eq!(starts(&from_below), (Some(100.0), Some(200.0)));
+    }
+
+    #[test]
+    fn a_brake_at_line_speed_is_not_final() {
+        let rows = [
+            (Traction, 0.0),
+            (Coast, 140.0),
+            (Brake, 120.0),
+            (Coast, 110.0),
+            (Brake, 80.0),
+            (Standstill, 0.0),
+        ];
+        assert_eq!(starts(&rows), (Some(300.0), Some(400.0)));
+    }
+
+    #[test]
+    fn a_brake_out_of_traction_has_no_final_coast() {
+        let rows = [
+            (Traction, 0.0),
+            (Coast, 140.0),
+            (Traction, 90.0),
+            (Brake, 130.0),
+            (Standstill, 0.0),
+        ];
+        assert_eq!(starts(&rows), (None, Some(300.0)));
+        let held = [
+            (Traction, 0.0),
+            (Coast, 140.0),
+            (Cruise, 80.0),
+            (Brake, 80.0),
+            (Standstill, 0.0),
+        ];
+        assert_eq!(starts(&held), (Some(100.0), Some(300.0)));
+    }
+
+    #[test]
+    fn an_earlier_stop_is_another_run_section() {
+        let rows = [
+            (Coast, 140.0),
+            (Brake, 80.0),
+            (Standstill, 0.0),
+            (Traction, 0.0),
+            (Brake, 60.0),
+            (Standstill, 0.0),
+        ];
+        assert_eq!(starts(&rows), (None, Some(400.0)));
+    }
+}

@@ -1,0 +1,161 @@
+//! Cruise speed of a run, section 3.3: median of the speeds at the highest speed level that was held.
+//!
+//! In: stretches of time in which the speed was held, as straight lines of speed over time. Out: median, mean, standard deviation.
+//!
+//! - Held means: cruising, or coasting and re-accelerating in turns without changing the speed by more than `cruise_cycle_kmh` (section 4.2 shows both
+//!   techniques). A final coast or an acceleration changes it by more.
+//! - The level: from the fastest held speed down over `cruise_band_kmh`. So 40 km/h held in a station zone does not count when 140 km/h is held later,
+//!   for however short a time; but less than a tenth of the held time is no level (one sample at the end of an acceleration).
+//!
+//! Memory is fixed: a histogram of time with bins of 0.5 km/h up to 360 km/h, each centred on a whole or half km/h (so that readings in whole
+//! km/h fall on centres); the median is interpolated inside its bin. Times are kept in whole ms. `count` is seconds.
+
+use super::Statistic;
+use crate::Real;
+use crate::units::KmPerHour;
+
+const BINS: usize = 721;
+const BINS_PER_KMH: Real = 2.0;
+
+/// Histogram of the held speeds.
+#[derive(Clone, Debug)]
+pub(super) struct HeldSpeeds {
+    time_ms: [u32; BINS],
+}
+
+impl HeldSpeeds {
+    pub(super) fn new() -> Self {
+        Self { time_ms: [0; BINS] }
+    }
+
+    /// Adds a stretch in which the speed went from one value to the other in a straight line.
+    pub(super) fn add(&mut self, from_mps: Real, to_mps: Real, dt_s: Real) {
+        // In bins; bin i reaches from i to i + 1.
+        let bin = |mps: Real| (mps * 3.6 * BINS_PER_KMH + 0.5).clamp(0.0, BINS as Real - 0.5);
+        let (a, b) = (bin(from_mps), bin(to_mps));
+        let (low, high) = (a.min(b), a.max(b));
+        let (first, last) = (low as usize, high as usize);
+        let dt_ms = dt_s * 1000.0;
+        for (i, time_ms) in self
+            .time_ms
+            .iter_mut()
+            .enumerate()
+            .take(last + 1)
+            .skip(first)
+        {
+            let left = low.max(i as Real);
+            let right = high.min(i as Real + 1.0);
+            let share = if high - low > 1e-6 {
+                (right - left) / (high - low)
+            } else {
+                1.0
+            };
+            // A cast of a float saturates.
+            *time_ms = time_ms.saturating_add((dt_ms * share + 0.5) as u32);
+            if share == 1.0 {
+                return;
+            }
+        }
+    }
+
+    /// Bins of the highest level, none when no speed was held.
+    fn level(&self, band_kmh: Real) -> Option<&[u32]> {
+        let width = (band_kmh * BINS_PER_KMH) as usize + 1;
+        let total: u64 = sum(&self.time_ms);
+        let band_below = |top: usize| self.time_ms.get((top + 1).saturating_sub(width)..=top);
+        let enough =
+            |top: &usize| total > 0 && band_below(*top).is_some_and(|band| 10 * sum(band) >= total);
+        let top = (0..BINS).rev().find(enough)?;
+        // The band may have caught the level with its lower end only: put its upper end on the fastest speed in it.
+        let empty = band_below(top)?
+            .iter()
+            .rev()
+            .take_while(|time_ms| **time_ms == 0)
+            .count();
+        let top = top.checked_sub(empty)?;
+        self.time_ms.get(..=top)
+    }
+
+    /// Median and statistic of the level, m/s.
+    pub(super) fn cruise_speed(&self, band_kmh: Real) -> Option<(Real, Statistic)> {
+        let to_top = self.level(band_kmh)?;
+        let width = (band_kmh * BINS_PER_KMH) as usize + 1;
+        let below = to_top.len().saturating_sub(width);
+        let centre_mps = |bin: Real| KmPerHour(bin / BINS_PER_KMH).to_mps();
+        let total = sum(to_top.get(below..)?) as Real;
+        let (mut passed, mut median, mut mean) = (0.0, None, 0.0);
+        for (i, time_ms) in to_top.iter().enumerate().skip(below) {
+            let time_ms = Real::from(*time_ms);
+            if median.is_none() && passed + time_ms >= 0.5 * total {
+                let inside = (0.5 * total - passed) / time_ms;
+                median = Some(centre_mps(i as Real + inside - 0.5));
+            }
+            passed += time_ms;
+            mean += centre_mps(i as Real) * time_ms / total;
+        }
+        let mut squares = 0.0;
+        for (i, time_ms) in to_top.iter().enumerate().skip(below) {
+            let change = centre_mps(i as Real) - mean;
+            squares += change * change * Real::from(*time_ms) / total;
+        }
+        let statistic = Statistic {
+            count: (total / 1000.0) as u32,
+            mean,
+            sd: libm::sqrt(squares),
+        };
+        Some((median?, statistic))
+    }
+}
+
+fn sum(bins: &[u32]) -> u64 {
+    bins.iter().map(|time_ms| u64::from(*time_ms)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn median_kmh(held: &[(Real, Real, Real)]) -> Option<Real> {
+        let mut speeds = HeldSpeeds::new();
+        for &(from_kmh, to_kmh, dt_s) in held {
+            speeds.add(from_kmh / 3.6, to_kmh / 3.6, dt_s);
+        }
+        speeds
+            .cruise_speed(10.0)
+            .map(|(median_mps, _)| median_mps * 3.6)
+    }
+
+    #[test]
+    fn whole_kmh_are_given_back() {
+        assert!((median_kmh(&[(136.0, 136.0, 300.0)]).unwrap() - 136.0).abs() < 1e-9);
+        assert_eq!(median_kmh(&[]), None);
+        assert!((median_kmh(&[(500.0, 500.0, 10.0)]).unwrap() - 360.0).abs() < 0.5);
+        assert!((median_kmh(&[(0.0, 0.0, 10.0)]).unwrap()).abs() < 0.26);
+    }
+
+    #[test]
+    fn the_highest_level_counts() {
+        let zone_then_line = [(40.0, 41.0, 200.0), (138.0, 138.0, 60.0)];
+        assert!((median_kmh(&zone_then_line).unwrap() - 138.0).abs() < 0.01);
+        // One sample at the top of an acceleration is no level.
+        let sample = [(100.0, 100.0, 300.0), (129.0, 130.0, 10.0)];
+        assert!((median_kmh(&sample).unwrap() - 100.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn cycles_about_a_speed_have_it_as_median() {
+        let cycles = [
+            (133.0, 139.0, 40.0),
+            (139.0, 133.0, 100.0),
+            (133.0, 139.0, 40.0),
+            (139.0, 133.0, 100.0),
+        ];
+        assert!((median_kmh(&cycles).unwrap() - 136.0).abs() < 0.1);
+        let mut speeds = HeldSpeeds::new();
+        speeds.add(133.0 / 3.6, 139.0 / 3.6, 120.0);
+        let (_, statistic) = speeds.cruise_speed(10.0).unwrap();
+        assert!((statistic.mean * 3.6 - 136.0).abs() < 0.05);
+        assert!((statistic.sd * 3.6 - 6.0 / libm::sqrt(12.0)).abs() < 0.1); // of a uniform distribution
+        assert!((119..=121).contains(&statistic.count));
+    }
+}

@@ -1,0 +1,538 @@
+//! One run, tick by tick, to its features.
+//!
+//! In: [`Observation`]s in order of time, one a tick. Out: [`Features`] at any time. Memory is fixed (11.3 kB, most of it the histogram of
+//! held speeds and the course of the last minutes); a tick costs some hundred operations, a few thousand where a switching point is new.
+//!
+//! A tick without effort (dropout) adds its time to its regime and nothing else. It cuts the intervals that rates, powers and efforts are
+//! taken from, but not the phases: these go on when the regime after the gap is that before it.
+
+use super::approach::final_phases;
+use super::interval::{Interval, Stretches};
+use super::onset::Course;
+use super::phases::{Boundary, Phases};
+use super::statistic::{LineFit, Spread};
+use super::steady::Steady;
+use super::{Energy, FeatureConfig, Features, MAX_SWITCHING_POINTS, Observation, SwitchingPoint};
+use crate::Real;
+use crate::regime::Regime;
+use crate::units::KmPerHour;
+use heapless::{Deque, Vec};
+
+/// Boundaries kept with what is needed to place them; the final approach must lie within them.
+const MAX_RECENT: usize = 24;
+
+/// Collects the features of a run.
+#[derive(Clone, Debug)]
+pub struct FeatureExtractor {
+    before: Option<Observation>,
+    stretches: Stretches,
+    steady_effort: Steady,
+    steady_power: Steady,
+    steady_brake: Steady,
+    effort: LineFit,
+    power: Spread,
+    max_power_w_per_kg: Option<Real>,
+    brake_rates: [Spread; 5],
+    phases: Phases,
+    course: Course,
+    recent: Deque<(Boundary, SwitchingPoint), MAX_RECENT>,
+    older: Vec<SwitchingPoint, MAX_SWITCHING_POINTS>,
+    lost: u32,
+    top_speed_mps: Real,
+    arrival_top_speed_mps: Real,
+    regime_time_s: [Real; 5],
+    energy: Energy,
+}
+
+impl Default for FeatureExtractor {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl FeatureExtractor {
+    /// Before the first tick of a run.
+    pub fn new() -> Self {
+        Self {
+            before: None,
+            stretches: Stretches::default(),
+            steady_effort: Steady::new(Regime::Traction),
+            steady_power: Steady::new(Regime::Traction),
+            steady_brake: Steady::new(Regime::Brake),
+            effort: LineFit::default(),
+            power: Spread::default(),
+            max_power_w_per_kg: None,
+            brake_rates: [Spread::default(); 5],
+            phases: Phases::new(),
+            course: Course::new(),
+            recent: Deque::new(),
+            older: Vec::new(),
+            lost: 0,
+            top_speed_mps: 0.0,
+            arrival_top_speed_mps: 0.0,
+            regime_time_s: [0.0; 5],
+            energy: Energy::default(),
+        }
+    }
+
+    /// Takes the next tick, with its confirmed regime.
+    pub fn observe(&mut self, config: &FeatureConfig, tick: &Observation) {
+        let before = self.before.replace(*tick);
+        self.course.push(config, tick);
+        let Some(before) = before else {
+            self.phases.begin(tick.time_s, tick.regime);
+            return;
+        };
+        self.add_time(&before, tick);
+        self.add_top_speed(&before, tick);
+        if let Some(interval) = Interval::between(&before, tick) {
+            self.energy.add(&before, tick, &interval);
+            self.add_rates(config, &interval);
+            self.add_boundaries(config, tick.time_s, &interval);
+        } else {
+            self.stretches.interrupt();
+            self.steady_effort.interrupt();
+            self.steady_power.interrupt();
+            self.steady_brake.interrupt();
+        }
+        self.place_recent(config, tick);
+    }
+
+    /// What the run has said up to now.
+    pub fn features(&self, config: &FeatureConfig) -> Features {
+        let mut recent = Vec::<SwitchingPoint, MAX_RECENT>::new();
+        for (_, point) in &self.recent {
+            // Of the same capacity.
+            let _kept = recent.push(*point).is_ok();
+        }
+        let line_speed_mps = config.approach_share * self.arrival_top_speed_mps;
+        let (final_coast, final_brake) = final_phases(&recent, line_speed_mps);
+        let mut switching_points = self.older.clone();
+        let mut lost = self.lost;
+        for point in recent {
+            if switching_points.push(point).is_err() {
+                lost = lost.saturating_add(1);
+            }
+        }
+        let cruise = self
+            .phases
+            .held_speeds()
+            .cruise_speed(config.cruise_band_kmh);
+        Features {
+            max_effort: self.effort.line(),
+            power_w_per_kg: self.power.statistic(),
+            max_power_w_per_kg: self.max_power_w_per_kg,
+            brake_rate_mps2: self.brake_rates.map(|rates| rates.statistic()),
+            cruise_speed_mps: cruise.map(|(_, statistic)| statistic).unwrap_or_default(),
+            cruise_speed_median_mps: cruise.map(|(median_mps, _)| median_mps),
+            final_coast,
+            final_brake,
+            switching_points,
+            switching_points_lost: lost,
+            regime_time_s: self.regime_time_s,
+            energy: self.energy,
+        }
+    }
+
+    /// The interval at whose end the train stands is divided where the deceleration before it leads to a stop.
+    fn add_time(&mut self, before: &Observation, tick: &Observation) {
+        if tick.dt_s.is_nan() || tick.dt_s <= 0.0 {
+            return;
+        }
+        let stops = tick.regime == Regime::Standstill && before.regime != Regime::Standstill;
+        let moving_s = match before.acceleration_mps2 {
+            Some(rate) if stops && rate < 0.0 => (before.speed_mps / -rate).min(tick.dt_s),
+            _ => 0.0,
+        };
+        for (regime, dt_s) in [
+            (before.regime, moving_s),
+            (tick.regime, tick.dt_s - moving_s),
+        ] {
+            if let Some(time_s) = self.regime_time_s.get_mut(regime as usize) {
+                *time_s += dt_s;
+            }
+        }
+    }
+
+    fn add_top_speed(&mut self, before: &Observation, tick: &Observation) {
+        match (before.regime, tick.regime) {
+            (Regime::Standstill, Regime::Standstill) => {}
+            (_, Regime::Standstill) => self.arrival_top_speed_mps = self.top_speed_mps,
+            (Regime::Standstill, _) => self.top_speed_mps = tick.speed_mps,
+            _ => self.top_speed_mps = self.top_speed_mps.max(tick.speed_mps),
+        }
+    }
+
+    fn add_rates(&mut self, config: &FeatureConfig, interval: &Interval) {
+        let bridge = config.bridge_samples;
+        let effort = &mut self.effort;
+        self.steady_effort.push(bridge, interval, |steady| {
+            let [lower_kmh, _] = config.effort_window_kmh;
+            let mean_mps = steady.mean_mps();
+            let inside = FeatureConfig::contains(config.effort_window_kmh, mean_mps, mean_mps);
+            if inside && steady.after_mps > steady.before_mps {
+                effort.add(
+                    mean_mps - KmPerHour(lower_kmh).to_mps(),
+                    steady.effort_n_per_kg(),
+                );
+            }
+        });
+        let Some(stretch) = self.stretches.push(config.window_s, interval) else {
+            return;
+        };
+        let (power, max_power) = (&mut self.power, &mut self.max_power_w_per_kg);
+        self.steady_power.push(bridge, &stretch, |steady| {
+            let inside =
+                |window| FeatureConfig::contains(window, steady.before_mps, steady.after_mps);
+            let power_w_per_kg = steady.power_w_per_kg();
+            if inside(config.power_window_kmh) {
+                power.add(power_w_per_kg, steady.dt_s);
+            }
+            if inside(config.max_power_window_kmh) {
+                *max_power = Some(max_power.map_or(power_w_per_kg, |max| max.max(power_w_per_kg)));
+            }
+        });
+        let rates = &mut self.brake_rates;
+        self.steady_brake.push(bridge, &stretch, |steady| {
+            let mean_mps = steady.mean_mps();
+            let step = config
+                .brake_steps_kmh
+                .iter()
+                .filter(|edge_kmh| mean_mps <= KmPerHour(**edge_kmh).to_mps())
+                .count();
+            let moves = steady.after_mps > KmPerHour(config.stop_speed_kmh).to_mps();
+            if let Some(rate) = rates.get_mut(step).filter(|_| moves) {
+                rate.add(-steady.acceleration_mps2(), steady.dt_s);
+            }
+        });
+    }
+
+    fn add_boundaries(&mut self, config: &FeatureConfig, end_s: Real, interval: &Interval) {
+        for boundary in self.phases.push(config, end_s, interval) {
+            let same = |(old, _): &(Boundary, SwitchingPoint)| {
+                (old.time_s, old.from) == (boundary.time_s, boundary.from)
+            };
+            if self.recent.back().is_some_and(same) {
+                self.recent.pop_back();
+            }
+            if self.recent.is_full()
+                && let Some((_, oldest)) = self.recent.pop_front()
+                && self.older.push(oldest).is_err()
+            {
+                self.lost = self.lost.saturating_add(1);
+            }
+            let point = self.course.locate(config, &boundary, None, None);
+            // There is room now.
+            let _kept = self.recent.push_back((boundary, point)).is_ok();
+        }
+    }
+
+    /// Places the points anew whose surroundings are still coming in.
+    fn place_recent(&mut self, config: &FeatureConfig, tick: &Observation) {
+        let open_since_s = tick.time_s - 8.0 * config.window_s.max(tick.dt_s);
+        for i in (0..self.recent.len()).rev() {
+            let Some((boundary, _)) = self.recent.get(i).copied() else {
+                return;
+            };
+            if boundary.time_s < open_since_s {
+                return;
+            }
+            let previous = i.checked_sub(1).and_then(|i| self.recent.get(i));
+            let after_s = previous.map(|(_, point)| point.time_s);
+            let before_s = self.recent.get(i + 1).map(|(next, _)| next.time_s);
+            let point = self.course.locate(config, &boundary, after_s, before_s);
+            if let Some((_, place)) = self.recent.get_mut(i) {
+                *place = point;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::super::Statistic;
+    use super::*;
+    use crate::resistance::Davis;
+    use Regime::{Brake, Coast, Cruise, Standstill, Traction};
+
+    const NO_RESISTANCE: Davis = Davis {
+        r0: 0.0,
+        r1: 0.0,
+        r2: 0.0,
+    };
+
+    /// Ticks of 10 s on a flat track without resistance: speed in km/h, regime.
+    fn run_of(rows: &[(Real, Regime)], davis: Davis) -> FeatureExtractor {
+        let mut extractor = FeatureExtractor::new();
+        let mut before: Option<Observation> = None;
+        for &(kmh, regime) in rows {
+            let speed_mps = kmh / 3.6;
+            let last_mps = before.map_or(speed_mps, |last| last.speed_mps);
+            let rate = (speed_mps - last_mps) / 10.0;
+            let tick = Observation {
+                time_s: before.map_or(0.0, |last| last.time_s + 10.0),
+                dt_s: before.map_or(0.0, |_| 10.0),
+                location_m: before
+                    .map_or(0.0, |last| last.location_m + 5.0 * (speed_mps + last_mps)),
+                speed_mps,
+                effort_n_per_kg: Some(
+                    rate + davis.resistance_n_per_kg(0.5 * (speed_mps + last_mps)),
+                ),
+                acceleration_mps2: Some(rate),
+                gradient_n_per_kg: 0.0,
+                davis,
+                regime,
+            };
+            extractor.observe(&FeatureConfig::default(), &tick);
+            before = Some(tick);
+        }
+        extractor
+    }
+
+    fn features_of(rows: &[(Real, Regime)]) -> Features {
+        run_of(rows, NO_RESISTANCE).features(&FeatureConfig::default())
+    }
+
+    fn near(found: Real, expected: Real) -> bool {
+        (found - expected).abs() < 1e-9
+    }
+
+    #[test]
+    fn nothing_seen_says_so() {
+        assert_eq!(
+            FeatureExtractor::new().features(&FeatureConfig::default()),
+            Features::default()
+        );
+        let stands = features_of(&[(0.0, Standstill); 4]);
+        assert_eq!(stands.regime_time_s, [30.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(stands.final_brake, None);
+        assert_eq!(stands.cruise_speed_median_mps, None);
+    }
+
+    #[test]
+    fn power_takes_whole_intervals_inside_the_window() {
+        // 40-50 begins outside, 120-131 ends outside, 50-60 has the smallest power, 110-120 the largest.
+        let speeds = [40.0, 50.0, 60.0, 90.0, 110.0, 120.0, 131.0, 140.0, 140.0];
+        let rows: std::vec::Vec<_> = speeds.into_iter().map(|kmh| (kmh, Traction)).collect();
+        let features = features_of(&rows);
+        let half_squares = |a: Real, b: Real| (b * b - a * a) / (3.6 * 3.6) / 20.0;
+        assert_eq!(features.power_w_per_kg.count, 4);
+        assert!(near(
+            features.power_w_per_kg.mean,
+            half_squares(50.0, 120.0) / 4.0
+        ));
+        assert!(near(
+            features.max_power_w_per_kg.unwrap(),
+            half_squares(60.0, 90.0)
+        ));
+    }
+
+    #[test]
+    fn power_leaves_out_where_traction_begins_and_ends() {
+        let rows = [
+            (60.0, Coast),
+            (65.0, Traction),
+            (75.0, Traction),
+            (85.0, Traction),
+            (88.0, Traction),
+            (88.0, Cruise),
+            (88.0, Coast),
+            (88.0, Coast),
+        ];
+        let features = features_of(&rows);
+        assert_eq!(features.power_w_per_kg.count, 2);
+        assert!(near(features.power_w_per_kg.mean, 10.0 / 36.0 * 75.0 / 3.6));
+    }
+
+    #[test]
+    fn effort_line_of_two_intervals() {
+        // Mean speeds 12 and 24 km/h; the first interval and the one about 36 km/h are out.
+        let rows = [
+            (0.0, Standstill),
+            (6.0, Traction),
+            (18.0, Traction),
+            (30.0, Traction),
+            (40.0, Traction),
+            (40.0, Coast),
+        ];
+        let line = features_of(&rows).max_effort.unwrap();
+        assert_eq!(line.effort.count, 2);
+        assert!(near(line.effort.mean, 12.0 / 36.0));
+        assert!(near(line.slope, 0.0));
+        assert!(near(line.at_lower_n_per_kg, 12.0 / 36.0));
+    }
+
+    #[test]
+    fn brake_rates_fall_into_their_steps() {
+        let rows = [
+            (140.0, Coast),
+            (138.0, Brake),
+            (134.0, Brake),
+            (125.0, Brake),
+            (100.0, Brake),
+            (82.0, Brake),
+            (74.0, Brake),
+            (64.0, Brake),
+            (52.0, Brake),
+            (44.0, Brake),
+            (30.0, Brake),
+            (12.0, Brake),
+            (0.0, Standstill),
+        ];
+        let steps = features_of(&rows).brake_rate_mps2;
+        // The first interval (140-138) and the last (12-0) are out.
+        assert_eq!(steps.map(|step| step.count), [1, 3, 2, 2, 2]);
+        let kmh_in_10_s: std::vec::Vec<_> = steps.iter().map(|step| step.mean * 36.0).collect();
+        let expected = [4.0, 52.0 / 3.0, 9.0, 10.0, 16.0];
+        assert!(
+            kmh_in_10_s
+                .iter()
+                .zip(expected)
+                .all(|(found, expected)| near(*found, expected)),
+            "{kmh_in_10_s:?}"
+        );
+    }
+
+    #[test]
+    fn final_phases_begin_between_ticks() {
+        // Braked at 0.4 m/s² (14.4 km/h in 10 s), begun 4 s before the end of its first interval; stands within its last.
+        let mut rows = std::vec![
+            (100.0, Cruise),
+            (100.0, Cruise),
+            (100.0, Coast),
+            (100.0, Coast),
+            (100.0, Coast),
+            (100.0, Coast)
+        ];
+        rows.extend((0..7).map(|k| (100.0 - 5.76 - 14.4 * Real::from(k), Brake)));
+        rows.extend([(0.0, Standstill), (0.0, Standstill)]);
+        // 100 - 5.76 - 86.4 = 7.84 km/h are gone after 5.44 s.
+        let brake = features_of(&rows).final_brake.unwrap();
+        assert!(near(brake.start_time_s, 56.0));
+        assert!(near(brake.start_speed_mps, 100.0 / 3.6));
+        assert!(near(brake.start_location_m, 56.0 * 100.0 / 3.6));
+        assert!(near(brake.duration_s, 100.0 / 3.6 / 0.4));
+    }
+
+    #[test]
+    fn time_is_divided_where_the_train_stops() {
+        let rows = [
+            (36.0, Coast),
+            (27.0, Brake),
+            (18.0, Brake),
+            (9.0, Brake),
+            (0.0, Standstill),
+            (0.0, Standstill),
+        ];
+        // At 0.25 m/s² it needs all of the 10 s.
+        assert_eq!(
+            features_of(&rows).regime_time_s,
+            [10.0, 0.0, 0.0, 0.0, 40.0]
+        );
+        let sooner = [
+            (36.0, Coast),
+            (27.0, Brake),
+            (18.0, Brake),
+            (0.0, Standstill),
+        ];
+        assert_eq!(
+            features_of(&sooner).regime_time_s,
+            [0.0, 0.0, 0.0, 0.0, 30.0]
+        );
+        let soonest = [
+            (36.0, Coast),
+            (22.5, Brake),
+            (4.5, Brake),
+            (0.0, Standstill),
+        ];
+        let times = features_of(&soonest).regime_time_s;
+        assert!(near(times[Brake as usize], 22.5) && near(times[Standstill as usize], 7.5));
+    }
+
+    #[test]
+    fn energies_add_up_to_the_change_of_speed() {
+        let davis = Davis {
+            r0: 0.01,
+            r1: 0.0,
+            r2: 0.0,
+        };
+        let rows = [
+            (0.0, Standstill),
+            (18.0, Traction),
+            (36.0, Traction),
+            (36.0, Cruise),
+            (18.0, Brake),
+            (0.0, Standstill),
+        ];
+        let energy = run_of(&rows, davis)
+            .features(&FeatureConfig::default())
+            .energy;
+        // 25 + 75 + 100 + 75 + 25 m against 0.01 N/kg; 50 J/kg of kinetic energy gained and taken out again.
+        assert!(near(energy.r0_j_per_kg, 3.0));
+        assert!(near(energy.traction_j_per_kg, 50.0 + 2.0));
+        assert!(near(energy.brake_j_per_kg, 50.0 - 1.0));
+        assert_eq!(
+            (
+                energy.r1_j_per_kg,
+                energy.r2_j_per_kg,
+                energy.gradient_j_per_kg
+            ),
+            (0.0, 0.0, 0.0)
+        );
+    }
+
+    #[test]
+    fn a_dropout_adds_time_only() {
+        let mut extractor = run_of(
+            &[(100.0, Coast), (99.0, Coast), (98.0, Coast)],
+            NO_RESISTANCE,
+        );
+        let config = FeatureConfig::default();
+        let energy = extractor.features(&config).energy;
+        let last = extractor.before.unwrap();
+        for k in 1..=60 {
+            let time_s = last.time_s + 10.0 * Real::from(k);
+            extractor.observe(
+                &config,
+                &Observation {
+                    time_s,
+                    effort_n_per_kg: None,
+                    acceleration_mps2: None,
+                    ..last
+                },
+            );
+        }
+        let after = Observation {
+            time_s: last.time_s + 610.0,
+            effort_n_per_kg: Some(0.0),
+            speed_mps: 20.0,
+            ..last
+        };
+        extractor.observe(&config, &after);
+        let features = extractor.features(&config);
+        assert_eq!(features.regime_time_s[Coast as usize], 20.0 + 610.0);
+        assert!(features.switching_points.is_empty());
+        assert_eq!(features.energy, energy);
+        assert_eq!(features.brake_rate_mps2, [Statistic::default(); 5]);
+    }
+
+    #[test]
+    fn more_switching_points_than_fit_are_counted_and_the_final_brake_is_still_found() {
+        let mut rows = std::vec::Vec::new();
+        for _ in 0..40 {
+            rows.extend([
+                (0.0, Standstill),
+                (20.0, Traction),
+                (40.0, Traction),
+                (20.0, Brake),
+                (5.0, Brake),
+            ]);
+        }
+        rows.push((0.0, Standstill));
+        let features = features_of(&rows);
+        assert_eq!(features.switching_points.len(), MAX_SWITCHING_POINTS);
+        assert_eq!(features.switching_points_lost, 120 - 48);
+        assert!(features.final_brake.unwrap().start_time_s > 1950.0);
+    }
+}

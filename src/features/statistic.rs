@@ -1,0 +1,145 @@
+//! Running sums: mean and standard deviation of weighted values, and a straight line through points.
+//!
+//! In: one value at a time. Out: [`Statistic`], [`EffortLine`]. No value is kept.
+
+use super::{EffortLine, Statistic};
+use crate::Real;
+
+/// Mean and standard deviation of values that lasted for different times (Welford's recurrence with weights).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Spread {
+    count: u32,
+    weight: Real,
+    mean: Real,
+    squares: Real,
+}
+
+impl Spread {
+    /// Adds a value; a weight that is not above 0 adds nothing.
+    pub(super) fn add(&mut self, value: Real, weight: Real) {
+        if weight > 0.0 {
+            self.count = self.count.saturating_add(1);
+            self.weight += weight;
+            let change = value - self.mean;
+            self.mean += change * weight / self.weight;
+            self.squares += weight * change * (value - self.mean);
+        }
+    }
+
+    /// Standard deviation with n - 1 in the denominator.
+    pub(super) fn statistic(&self) -> Statistic {
+        let n = Real::from(self.count);
+        let sd = if self.count < 2 {
+            0.0
+        } else {
+            libm::sqrt((self.squares / self.weight * n / (n - 1.0)).max(0.0))
+        };
+        Statistic {
+            count: self.count,
+            mean: self.mean,
+            sd,
+        }
+    }
+}
+
+/// Least squares of y = a + b x.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct LineFit {
+    count: u32,
+    x: Real,
+    y: Real,
+    xx: Real,
+    xy: Real,
+    yy: Real,
+}
+
+impl LineFit {
+    /// Adds a point.
+    pub(super) fn add(&mut self, x: Real, y: Real) {
+        self.count = self.count.saturating_add(1);
+        self.x += x;
+        self.y += y;
+        self.xx += x * x;
+        self.xy += x * y;
+        self.yy += y * y;
+    }
+
+    /// None without points. Points at one x give the mean and no slope. The standard deviation is that about the line, 0 where nothing is left for it.
+    pub(super) fn line(&self) -> Option<EffortLine> {
+        if self.count == 0 {
+            return None;
+        }
+        let n = Real::from(self.count);
+        let mean = self.y / n;
+        let determinant = n * self.xx - self.x * self.x;
+        // One x only: what is left of the difference is rounding.
+        let sloped = determinant > 1e-9 * n * self.xx;
+        let slope = if sloped {
+            (n * self.xy - self.x * self.y) / determinant
+        } else {
+            0.0
+        };
+        let at_lower = mean - slope * self.x / n;
+        let free = n - if sloped { 2.0 } else { 1.0 };
+        let rest = (self.yy - at_lower * self.y - slope * self.xy).max(0.0);
+        let sd = if free > 0.0 {
+            libm::sqrt(rest / free)
+        } else {
+            0.0
+        };
+        Some(EffortLine {
+            effort: Statistic {
+                count: self.count,
+                mean,
+                sd,
+            },
+            at_lower_n_per_kg: at_lower,
+            slope,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_are_repeated_values() {
+        let (mut weighted, mut repeated) = (Spread::default(), Spread::default());
+        weighted.add(1.0, 2.0);
+        weighted.add(4.0, 1.0);
+        for value in [1.0, 1.0, 4.0] {
+            repeated.add(value, 1.0);
+        }
+        assert_eq!(weighted.statistic().mean, 2.0);
+        assert_eq!(
+            repeated.statistic(),
+            Statistic {
+                count: 3,
+                mean: 2.0,
+                sd: libm::sqrt(3.0)
+            }
+        );
+        weighted.add(Real::NAN, 0.0);
+        assert_eq!(weighted.statistic().count, 2);
+    }
+
+    #[test]
+    fn line_through_three_points() {
+        let mut fit = LineFit::default();
+        assert_eq!(fit.line(), None);
+        fit.add(2.0, 5.0);
+        let one = fit.line().unwrap();
+        assert_eq!(
+            (one.at_lower_n_per_kg, one.slope, one.effort.sd),
+            (5.0, 0.0, 0.0)
+        );
+        fit.add(0.0, 1.0);
+        fit.add(4.0, 9.0);
+        let line = fit.line().unwrap();
+        assert!((line.at_lower_n_per_kg - 1.0).abs() < 1e-12);
+        assert!((line.slope - 2.0).abs() < 1e-12);
+        assert!(line.effort.sd < 1e-6);
+        assert_eq!(line.effort.mean, 5.0);
+    }
+}

@@ -1,0 +1,397 @@
+//! Learning of the resistance while the effort is known: gated learning.
+//!
+//! In: each tick's readings, and the effort if it is known (zero in established coasting, or measured). Out: the belief of this run's Davis coefficients.
+//!
+//! The paper's loop computes the effort from the very speed that it then explains, so the true resistance cancels out. Here a filter runs only
+//! over *segments* in which the effort is known. It begins a segment with location and speed from the readings, free of any correlation with r; between segments r and its
+//! covariance are frozen. The beginning of a segment is cut by `begin_cut_s`; its end is cut because what was learned becomes valid `end_cut_s` late:
+//! the last interval before a brake that nobody announced never counts. A segment shorter than `min_segment_s` does not count at all.
+
+use crate::Real;
+use crate::config::{ConfigError, SensorConfig, between};
+use crate::elimination::NotPositiveDefinite;
+use crate::motion::{Evaluate, Line, Motion};
+use crate::state::{Gaussian, LOCATION, R0, SIZE_WITH_GAIN, SPEED};
+use crate::ukf::{Innovation, Observation, Reading, Spread, Ukf};
+use heapless::Deque;
+use nalgebra::SVector;
+use serde::{Deserialize, Serialize};
+
+/// When and how the resistance is learned.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LearningConfig {
+    /// Spread of the sigma points.
+    pub spread: Spread,
+    /// Slowest speed at which coasting is learned from, km/h: below, holding a speed and coasting look alike.
+    pub min_speed_kmh: Real,
+    /// Probability of coasting that begins a segment, and below which it ends.
+    pub coasting_probability: Real,
+    /// Time cut from the beginning of a segment, s.
+    pub begin_cut_s: Real,
+    /// Time cut from the end of a segment, s.
+    pub end_cut_s: Real,
+    /// Shortest segment that counts, s, cuts taken off.
+    pub min_segment_s: Real,
+    /// A reading further from what is expected than this many standard deviations (of r's uncertainty too) ends the segment.
+    pub gate: Real,
+    /// Standard deviation of the acceleration beyond the model over one tick of 10 s, m/s²: gusts, track description.
+    pub acceleration_noise_mps2: Real,
+    /// Time over which the rounding of neighbouring speed readings is correlated, s: faster readings count as one of these.
+    /// A coasting train needs about this long to cross 1 km/h.
+    pub staircase_s: Real,
+    /// Longest sub-step of the motion inside a tick, s.
+    pub sub_step_s: Real,
+    /// Longest time without a speed, or without a location, inside a segment, s.
+    pub max_gap_s: Real,
+    /// Standard deviation of the gain of a measured effort.
+    pub gain_sd: Real,
+    /// Share of a change of the measured effort by which its mean over the interval is uncertain.
+    pub effort_change_share: Real,
+}
+
+impl Default for LearningConfig {
+    fn default() -> Self {
+        Self {
+            spread: Spread::WIDE,
+            min_speed_kmh: 50.0,
+            coasting_probability: 0.9,
+            begin_cut_s: 10.0,
+            end_cut_s: 15.0,
+            min_segment_s: 60.0,
+            gate: 4.0,
+            acceleration_noise_mps2: 0.001,
+            staircase_s: 6.25,
+            sub_step_s: 2.5,
+            max_gap_s: 30.0,
+            gain_sd: 0.03,
+            effort_change_share: 0.3,
+        }
+    }
+}
+
+impl LearningConfig {
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
+        between("learning.min_speed_kmh", self.min_speed_kmh, 5.0, 300.0)?;
+        between(
+            "learning.coasting_probability",
+            self.coasting_probability,
+            0.5,
+            1.0,
+        )?;
+        between("learning.begin_cut_s", self.begin_cut_s, 0.0, 600.0)?;
+        between("learning.end_cut_s", self.end_cut_s, 0.0, 600.0)?;
+        between("learning.min_segment_s", self.min_segment_s, 0.0, 3600.0)?;
+        between("learning.gate", self.gate, 1.0, 1e3)?;
+        between(
+            "learning.acceleration_noise_mps2",
+            self.acceleration_noise_mps2,
+            0.0,
+            1.0,
+        )?;
+        between("learning.staircase_s", self.staircase_s, 0.0, 60.0)?;
+        between("learning.sub_step_s", self.sub_step_s, 0.1, 60.0)?;
+        between("learning.max_gap_s", self.max_gap_s, 1.0, 600.0)?;
+        between("learning.gain_sd", self.gain_sd, 1e-6, 0.5)?;
+        between(
+            "learning.effort_change_share",
+            self.effort_change_share,
+            0.0,
+            10.0,
+        )
+    }
+}
+
+/// Location and speed are read as they are; variances of the two readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocationAndSpeed {
+    /// Variance of the location, m².
+    pub location_variance: Real,
+    /// Variance of the speed, (m/s)².
+    pub speed_variance: Real,
+}
+
+impl<const N: usize> Observation<N, 2> for LocationAndSpeed {
+    fn read(&self, i: usize, x: &SVector<Real, N>) -> Real {
+        if i == LOCATION { x[LOCATION] } else { x[SPEED] }
+    }
+
+    fn variance(&self, i: usize) -> Real {
+        if i == LOCATION {
+            self.location_variance
+        } else {
+            self.speed_variance
+        }
+    }
+}
+
+/// What one tick brings to a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick {
+    /// Time, s.
+    pub time_s: Real,
+    /// Time since the last tick, s.
+    pub dt_s: Real,
+    /// Location reading, m.
+    pub location_m: Option<Real>,
+    /// Speed reading, m/s.
+    pub speed_mps: Option<Real>,
+    /// Effort over the interval and its standard deviation, N/kg.
+    pub effort_n_per_kg: Real,
+    /// Standard deviation of that effort.
+    pub effort_sd_n_per_kg: Real,
+}
+
+/// Beliefs that wait for the end cut to pass.
+const WAITING: usize = 8;
+
+/// A belief of the constants with the time when it was reached.
+#[derive(Clone, Copy, Debug)]
+struct Reached {
+    time_s: Real,
+    constants: Gaussian<4>,
+}
+
+/// A running segment.
+#[derive(Clone, Debug)]
+struct Segment {
+    begin_s: Real,
+    belief: Gaussian<SIZE_WITH_GAIN>,
+    last_speed_s: Real,
+    last_location_s: Real,
+    waiting: Deque<Reached, WAITING>,
+}
+
+/// What is learned in one run.
+#[derive(Clone, Debug)]
+pub struct Learner {
+    /// r0, r1, r2 and the gain of the effort.
+    constants: Gaussian<4>,
+    segment: Option<Segment>,
+    learned_s: Real,
+}
+
+impl Learner {
+    /// Begins with a belief of the run's Davis coefficients.
+    pub fn new(config: &LearningConfig, davis: &Gaussian<3>) -> Self {
+        let mut constants =
+            Gaussian::independent([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, config.gain_sd]);
+        constants.mean.fixed_rows_mut::<3>(0).copy_from(&davis.mean);
+        constants
+            .covariance
+            .fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&davis.covariance);
+        Self {
+            constants,
+            segment: None,
+            learned_s: 0.0,
+        }
+    }
+
+    /// The run's Davis coefficients as learned so far.
+    pub fn davis(&self) -> Gaussian<3> {
+        Gaussian {
+            mean: self.constants.mean.fixed_rows::<3>(0).into_owned(),
+            covariance: self
+                .constants
+                .covariance
+                .fixed_view::<3, 3>(0, 0)
+                .into_owned(),
+        }
+    }
+
+    /// Gain of the measured effort, true over measured, with its standard deviation.
+    pub fn gain(&self) -> (Real, Real) {
+        (self.constants.mean[3], self.constants.sd(3))
+    }
+
+    /// A segment is running.
+    pub fn in_segment(&self) -> bool {
+        self.segment.is_some()
+    }
+
+    /// Time that counted, s.
+    pub fn learned_s(&self) -> Real {
+        self.learned_s
+    }
+
+    /// Location and speed of the running segment with their covariance.
+    pub fn moving(&self) -> Option<Gaussian<2>> {
+        self.segment.as_ref().map(|segment| Gaussian {
+            mean: segment.belief.mean.fixed_rows::<2>(0).into_owned(),
+            covariance: segment
+                .belief
+                .covariance
+                .fixed_view::<2, 2>(0, 0)
+                .into_owned(),
+        })
+    }
+
+    /// Begins a segment where location and speed are known from readings alone.
+    pub fn begin(&mut self, time_s: Real, moving: &Gaussian<2>) {
+        let mut belief = Gaussian::independent([0.0; SIZE_WITH_GAIN], [0.0; SIZE_WITH_GAIN]);
+        belief
+            .mean
+            .fixed_rows_mut::<2>(LOCATION)
+            .copy_from(&moving.mean);
+        belief
+            .covariance
+            .fixed_view_mut::<2, 2>(LOCATION, LOCATION)
+            .copy_from(&moving.covariance);
+        belief
+            .mean
+            .fixed_rows_mut::<4>(R0)
+            .copy_from(&self.constants.mean);
+        belief
+            .covariance
+            .fixed_view_mut::<4, 4>(R0, R0)
+            .copy_from(&self.constants.covariance);
+        self.segment = Some(Segment {
+            begin_s: time_s,
+            belief,
+            last_speed_s: time_s,
+            last_location_s: time_s,
+            waiting: Deque::new(),
+        });
+    }
+
+    /// Ends the segment: what waits for the end cut is forgotten.
+    pub fn end(&mut self) {
+        self.segment = None;
+    }
+
+    /// One tick of the running segment. `None`: there is no segment, or this tick ended it.
+    ///
+    /// # Errors
+    /// [`NotPositiveDefinite`]: the segment is dropped, what was learned before stays.
+    pub fn step(
+        &mut self,
+        config: &LearningConfig,
+        sensor: &SensorConfig,
+        line: &Line<'_>,
+        tick: &Tick,
+    ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
+        let Some(segment) = &mut self.segment else {
+            return Ok(None);
+        };
+        let stepped = segment.step(config, sensor, line, tick);
+        match stepped {
+            Ok((innovation, true)) => {
+                self.settle(config, tick);
+                Ok(Some(innovation))
+            }
+            Ok((innovation, false)) => {
+                self.segment = None;
+                Ok(Some(innovation))
+            }
+            Err(error) => {
+                self.segment = None;
+                Err(error)
+            }
+        }
+    }
+
+    /// What was reached `end_cut_s` ago becomes valid, once the segment is long enough.
+    fn settle(&mut self, config: &LearningConfig, tick: &Tick) {
+        let Some(segment) = &mut self.segment else {
+            return;
+        };
+        while let Some(reached) = segment.waiting.front().copied() {
+            if tick.time_s - reached.time_s < config.end_cut_s
+                || reached.time_s - segment.begin_s < config.min_segment_s
+            {
+                // Too young to count, but the newest of these is all that is needed later.
+                if reached.time_s - segment.begin_s < config.min_segment_s
+                    && segment.waiting.len() > 2
+                {
+                    segment.waiting.pop_front();
+                    continue;
+                }
+                break;
+            }
+            segment.waiting.pop_front();
+            self.constants = reached.constants;
+        }
+        self.learned_s += tick.dt_s;
+        let spacing_s = (config.end_cut_s + 10.0) / (WAITING - 2) as Real;
+        let due = segment
+            .waiting
+            .back()
+            .is_none_or(|last| tick.time_s - last.time_s >= spacing_s);
+        if due {
+            if segment.waiting.is_full() {
+                segment.waiting.pop_front();
+            }
+            let reached = Reached {
+                time_s: tick.time_s,
+                constants: Gaussian {
+                    mean: segment.belief.mean.fixed_rows::<4>(R0).into_owned(),
+                    covariance: segment
+                        .belief
+                        .covariance
+                        .fixed_view::<4, 4>(R0, R0)
+                        .into_owned(),
+                },
+            };
+            // There is room: the oldest was dropped when full.
+            let _ = segment.waiting.push_back(reached);
+        }
+    }
+}
+
+impl Segment {
+    /// Predicts in sub-steps and updates. `false`: the readings left the gate.
+    fn step(
+        &mut self,
+        config: &LearningConfig,
+        sensor: &SensorConfig,
+        line: &Line<'_>,
+        tick: &Tick,
+    ) -> Result<(Innovation<2>, bool), NotPositiveDefinite> {
+        let ukf = Ukf {
+            spread: config.spread,
+            gate: [Some(config.gate); 2],
+            reuse_points: false,
+        };
+        let sub_steps = libm::ceil(tick.dt_s / config.sub_step_s).clamp(1.0, 1000.0);
+        let h_s = tick.dt_s / sub_steps;
+        // White acceleration noise of this tick, spread over its sub-steps so that their sum has the same variance.
+        let gusts =
+            config.acceleration_noise_mps2 * config.acceleration_noise_mps2 * 10.0 / tick.dt_s;
+        let effort = tick.effort_sd_n_per_kg * tick.effort_sd_n_per_kg;
+        let noise_mps2 = libm::sqrt((gusts + effort) * sub_steps);
+        for _ in 0..sub_steps as u32 {
+            let motion = Motion::new(
+                line,
+                &self.belief.mean,
+                tick.effort_n_per_kg,
+                h_s,
+                Evaluate::Midway,
+            );
+            ukf.predict(&mut self.belief, &motion.with_noise(noise_mps2))?;
+        }
+        let staircase = (config.staircase_s / tick.dt_s).max(1.0);
+        let speed_sd_mps = sensor.speed_sd_mps();
+        let observation = LocationAndSpeed {
+            location_variance: sensor.location_sd_m * sensor.location_sd_m,
+            speed_variance: speed_sd_mps * speed_sd_mps * staircase,
+        };
+        let innovation = ukf.update(
+            &mut self.belief,
+            &observation,
+            &[tick.location_m, tick.speed_mps],
+        )?;
+        let [location, speed] = innovation.readings;
+        if location == Reading::Used {
+            self.last_location_s = tick.time_s;
+        }
+        if speed == Reading::Used {
+            self.last_speed_s = tick.time_s;
+        }
+        let gap_s = tick.time_s - self.last_speed_s.min(self.last_location_s);
+        Ok((
+            innovation,
+            speed != Reading::Gated && gap_s <= config.max_gap_s,
+        ))
+    }
+}

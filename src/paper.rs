@@ -1,0 +1,137 @@
+//! The paper's loop: effort calculated from the readings drives the filter that is to explain them.
+//!
+//! In: readings. Out: state, effort, acceleration, innovation. The order inside a step, found by running eight readings of the paper:
+//!
+//! 1. predict from x[k-1] with u[k-1], 2. update, 3. u[k] = (z_v[k] - z_v[k-1]) / Δt + r(v) + g(s) at the filtered state.
+//!
+//! Kept exact, as the reference. Its true resistance cancels out: the estimate does not follow it.
+
+use crate::Real;
+use crate::config::{Difference, PaperConfig};
+use crate::effort;
+use crate::elimination::NotPositiveDefinite;
+use crate::learning::LocationAndSpeed;
+use crate::motion::{Line, Motion};
+use crate::state::{self, Gaussian, LOCATION, R0, SIZE, SPEED};
+use crate::ukf::{Innovation, Ukf};
+
+/// State of the paper's loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaperLoop {
+    /// State and covariance.
+    pub belief: Gaussian<SIZE>,
+    /// Effort that drives the next step, N/kg.
+    pub effort_n_per_kg: Real,
+    /// Acceleration of the filtered speed, m/s².
+    pub acceleration_mps2: Real,
+    reading_mps: Option<Real>,
+    since_reading_s: Real,
+}
+
+impl PaperLoop {
+    /// Begins with the first readings, Table 1's standard deviations and a belief of the Davis coefficients.
+    pub fn begin(
+        config: &PaperConfig,
+        line: &Line<'_>,
+        davis: &Gaussian<3>,
+        location_m: Option<Real>,
+        speed_mps: Option<Real>,
+    ) -> Self {
+        let mut mean = [0.0; SIZE];
+        mean[LOCATION] = location_m.unwrap_or(0.0);
+        mean[SPEED] = speed_mps.unwrap_or(0.0);
+        let mut sd = [0.0; SIZE];
+        sd[LOCATION] = config.initial_location_sd_m;
+        sd[SPEED] = config.initial_speed_sd_kmh / 3.6;
+        let mut belief = Gaussian::independent(mean, sd);
+        belief.mean.fixed_rows_mut::<3>(R0).copy_from(&davis.mean);
+        belief
+            .covariance
+            .fixed_view_mut::<3, 3>(R0, R0)
+            .copy_from(&davis.covariance);
+        let effort_n_per_kg = effort::of_paper(
+            line,
+            &state::davis(&belief.mean),
+            0.0,
+            belief.mean[LOCATION],
+            belief.mean[SPEED],
+        );
+        Self {
+            belief,
+            effort_n_per_kg,
+            acceleration_mps2: 0.0,
+            reading_mps: speed_mps,
+            since_reading_s: 0.0,
+        }
+    }
+
+    /// One step of `dt_s`.
+    ///
+    /// # Errors
+    /// [`NotPositiveDefinite`]; the loop is then as it was.
+    pub fn step(
+        &mut self,
+        config: &PaperConfig,
+        line: &Line<'_>,
+        dt_s: Real,
+        location_m: Option<Real>,
+        speed_mps: Option<Real>,
+    ) -> Result<Innovation<2>, NotPositiveDefinite> {
+        let ukf = Ukf {
+            spread: config.spread,
+            gate: [None; 2],
+            reuse_points: config.reuse_points,
+        };
+        let since_reading_s = self.since_reading_s + dt_s;
+        let by_readings = match (self.reading_mps, speed_mps) {
+            (Some(before), Some(now)) => Some((now - before) / since_reading_s),
+            _ => None,
+        };
+        let before_mps = self.belief.mean[SPEED];
+        let effort_of = |belief: &Gaussian<SIZE>, acceleration_mps2| {
+            let (location_m, speed_mps) = (belief.mean[LOCATION], belief.mean[SPEED]);
+            effort::of_paper(
+                line,
+                &state::davis(&belief.mean),
+                acceleration_mps2,
+                location_m,
+                speed_mps,
+            )
+        };
+        let driving_n_per_kg = match (config.difference, by_readings) {
+            (Difference::Forward, Some(a)) => effort_of(&self.belief, a),
+            _ => self.effort_n_per_kg,
+        };
+
+        let mut belief = self.belief;
+        let sub_steps = libm::ceil(dt_s / config.sub_step_s).clamp(1.0, 1000.0);
+        let h_s = dt_s / sub_steps;
+        let motion = |belief: &Gaussian<SIZE>| {
+            Motion::new(line, &belief.mean, driving_n_per_kg, h_s, config.evaluate)
+                .with_noise(config.acceleration_noise_mps2)
+        };
+        for _ in 1..sub_steps as u32 {
+            let motion = motion(&belief);
+            ukf.predict(&mut belief, &motion)?;
+        }
+        let speed_sd_mps = config.speed_sd_kmh / 3.6;
+        let observation = LocationAndSpeed {
+            location_variance: config.location_sd_m * config.location_sd_m,
+            speed_variance: speed_sd_mps * speed_sd_mps,
+        };
+        let last = motion(&belief);
+        let innovation = ukf.step(&mut belief, &last, &observation, &[location_m, speed_mps])?;
+
+        self.belief = belief;
+        self.acceleration_mps2 = (belief.mean[SPEED] - before_mps) / dt_s;
+        self.since_reading_s = since_reading_s;
+        if let Some(a) = by_readings {
+            self.effort_n_per_kg = effort_of(&belief, a);
+        }
+        if speed_mps.is_some() {
+            self.reading_mps = speed_mps;
+            self.since_reading_s = 0.0;
+        }
+        Ok(innovation)
+    }
+}

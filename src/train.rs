@@ -1,0 +1,139 @@
+//! The train as its description states it: mass, length, manufacturer's Davis coefficients and limits.
+
+use crate::Real;
+use crate::resistance::Davis;
+use core::fmt;
+
+/// A checked description of the train. Made by [`Train::try_new`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Train {
+    description: TrainDescription,
+}
+
+/// What a train file or train frame states; unchecked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrainDescription {
+    /// Mass as loaded, kg.
+    pub mass_kg: Real,
+    /// Rotating mass factor γ: the mass that must be accelerated is γ m.
+    pub rotating_mass_factor: Real,
+    /// Length, m: the gradient is averaged over it.
+    pub length_m: Real,
+    /// Manufacturer's Davis coefficients: the start of the estimate.
+    pub davis: Davis,
+    /// Largest tractive effort, N.
+    pub max_tractive_effort_n: Real,
+    /// Largest tractive power, W.
+    pub max_power_w: Real,
+    /// Largest deceleration by brake, m/s², positive.
+    pub max_brake_mps2: Real,
+}
+
+/// Why a description of a train was refused. The old one stays in force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum TrainError {
+    /// `field` was `found`, outside `least..=most`.
+    OutOfRange {
+        /// Name of the field as in the train file.
+        field: &'static str,
+        /// Smallest accepted value.
+        least: Real,
+        /// Largest accepted value.
+        most: Real,
+        /// What stood there.
+        found: Real,
+    },
+}
+
+impl fmt::Display for TrainError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OutOfRange {
+                field,
+                least,
+                most,
+                found,
+            } => write!(f, "train: {field} must be {least} to {most}, found {found}"),
+        }
+    }
+}
+
+impl core::error::Error for TrainError {}
+
+impl Train {
+    /// Checks a description.
+    ///
+    /// # Errors
+    /// [`TrainError::OutOfRange`] names the first field that no train has (NaN included).
+    ///
+    /// ```
+    /// use rundown::{resistance::Davis, train::{Train, TrainDescription}};
+    ///
+    /// let description = TrainDescription {
+    ///     mass_kg: 364e3, rotating_mass_factor: 1.06, length_m: 162.0,
+    ///     davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
+    ///     max_tractive_effort_n: 192.92e3, max_power_w: 2.036e6, max_brake_mps2: 0.66,
+    /// };
+    /// let train = Train::try_new(description)?;
+    /// assert!((train.max_effort_n_per_kg(20.0) - 0.2639).abs() < 1e-4);
+    /// # Ok::<(), rundown::train::TrainError>(())
+    /// ```
+    pub fn try_new(description: TrainDescription) -> Result<Self, TrainError> {
+        let d = &description;
+        let bounds = [
+            ("mass_kg", d.mass_kg, 1e3, 1e8),
+            ("rotating_mass_factor", d.rotating_mass_factor, 1.0, 2.0),
+            ("length_m", d.length_m, 1.0, 5000.0),
+            ("davis.r0", d.davis.r0, 1e-5, 1.0),
+            ("davis.r1", d.davis.r1, 0.0, 0.1),
+            ("davis.r2", d.davis.r2, 0.0, 0.01),
+            ("max_tractive_effort_n", d.max_tractive_effort_n, 1.0, 1e8),
+            ("max_power_w", d.max_power_w, 1.0, 1e9),
+            ("max_brake_mps2", d.max_brake_mps2, 0.01, 10.0),
+        ];
+        for (field, found, least, most) in bounds {
+            if !(least..=most).contains(&found) {
+                return Err(TrainError::OutOfRange {
+                    field,
+                    least,
+                    most,
+                    found,
+                });
+            }
+        }
+        Ok(Self { description })
+    }
+
+    /// The description that was checked.
+    pub fn description(&self) -> &TrainDescription {
+        &self.description
+    }
+
+    /// Manufacturer's Davis coefficients.
+    pub fn davis(&self) -> Davis {
+        self.description.davis
+    }
+
+    /// Length, m.
+    pub fn length_m(&self) -> Real {
+        self.description.length_m
+    }
+
+    /// Rotating mass γ m in kg: efforts per mass times this are forces in N.
+    pub fn rotating_mass_kg(&self) -> Real {
+        self.description.rotating_mass_factor * self.description.mass_kg
+    }
+
+    /// Weight over rotating mass, 9.80665 / γ in N/kg: turns a gradient (m/m) into a resistance per γ m.
+    /// The only place where the division by γ is made.
+    pub fn gravity_n_per_kg(&self) -> Real {
+        crate::units::GRAVITY_MPS2 / self.description.rotating_mass_factor
+    }
+
+    /// Largest applicable effort in N/kg at a speed: constant effort below, constant power above the transition speed (section 4.4).
+    pub fn max_effort_n_per_kg(&self, speed_mps: Real) -> Real {
+        let by_power = self.description.max_power_w / speed_mps.max(Real::MIN_POSITIVE);
+        self.description.max_tractive_effort_n.min(by_power) / self.rotating_mass_kg()
+    }
+}
