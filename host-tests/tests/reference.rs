@@ -1,0 +1,142 @@
+//! Is it the method of the paper, to the last digits? `data/reference` holds one run computed with 50-digit arithmetic
+//! by an implementation that shares no code with this project.
+
+use rundown::config::{Config, Mode};
+use rundown::estimate::Estimate;
+use rundown::estimator::Estimator;
+use rundown::measurement::Measurement;
+use rundown::regime::Regime;
+use rundown::state::SIZE;
+use rundown::track::Direction;
+use rundown::ukf::Spread;
+use sim_harness::track_file::TrackFile;
+use sim_harness::train_file::TrainFile;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+type Row = HashMap<String, String>;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference")
+}
+
+fn rows(name: &str) -> Vec<Row> {
+    let mut reader = csv::Reader::from_path(folder().join(name)).unwrap();
+    reader.deserialize().map(|row| row.unwrap()).collect()
+}
+
+fn number(row: &Row, column: &str) -> f64 {
+    row[column].parse().unwrap()
+}
+
+fn replayed(spread: Spread) -> Vec<Estimate> {
+    let (_, track) = TrackFile::read(&folder().join("track.toml")).unwrap();
+    let (_, train) = TrainFile::read(&folder().join("train.toml")).unwrap();
+    let mut config = Config::with_mode(Mode::Paper);
+    config.paper.spread = spread;
+    let estimator = Estimator::try_new(config, train, track).unwrap();
+    let mut run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
+    let measurement = |row: &Row| Measurement {
+        time_s: number(row, "time_s"),
+        location_m: Some(number(row, "location_m")),
+        speed_mps: Some(number(row, "speed_kmh") / 3.6),
+        effort_n_per_kg: None,
+    };
+    rows("run01.csv")
+        .iter()
+        .map(|row| estimator.step(&mut run, &measurement(row)).unwrap())
+        .collect()
+}
+
+/// Largest difference of a state component from the reference, as a share of the component's largest value,
+/// and in standard deviations; of the covariance, relative to √(Pii Pjj).
+struct Distance {
+    state: f64,
+    state_in_sd: f64,
+    covariance: f64,
+    innovation: f64,
+}
+
+fn distance(estimates: &[Estimate], reference: &[Row]) -> Distance {
+    assert_eq!(estimates.len(), reference.len());
+    let largest: Vec<f64> = (0..SIZE)
+        .map(|i| {
+            let of_row = |row: &Row| number(row, &format!("x_{i}")).abs();
+            reference.iter().map(of_row).fold(0.0, f64::max)
+        })
+        .collect();
+    let mut worst = Distance {
+        state: 0.0,
+        state_in_sd: 0.0,
+        covariance: 0.0,
+        innovation: 0.0,
+    };
+    for (estimate, row) in estimates.iter().zip(reference) {
+        let variance: Vec<f64> = (0..SIZE).map(|i| number(row, &format!("P_{i}{i}"))).collect();
+        for i in 0..SIZE {
+            let error = (estimate.belief.mean[i] - number(row, &format!("x_{i}"))).abs();
+            worst.state = worst.state.max(error / largest[i]);
+            worst.state_in_sd = worst.state_in_sd.max(error / variance[i].sqrt());
+            for j in i..SIZE {
+                let error = estimate.belief.covariance[(i, j)] - number(row, &format!("P_{i}{j}"));
+                let scale = (variance[i] * variance[j]).sqrt();
+                worst.covariance = worst.covariance.max(error.abs() / scale);
+            }
+        }
+        if let Some(innovation) = &estimate.innovation {
+            let s = &innovation.covariance;
+            for (found, column) in [
+                (innovation.value[0], "nu_s"),
+                (innovation.value[1], "nu_v"),
+                (s[(0, 0)], "S_ss"),
+                (s[(0, 1)], "S_sv"),
+                (s[(1, 1)], "S_vv"),
+            ] {
+                let expected = number(row, column);
+                let scale = if column.ends_with('v') { 0.1 } else { 10.0 };
+                worst.innovation = worst.innovation.max((found - expected).abs() / scale);
+            }
+        }
+    }
+    worst
+}
+
+fn regimes_are_equal(estimates: &[Estimate], reference: &[Row]) {
+    for (estimate, row) in estimates.iter().zip(reference) {
+        assert_eq!(estimate.regime.as_str(), row["regime"], "at {} s", row["time_s"]);
+        assert_ne!(estimate.regime, Regime::Standstill);
+        let effort = estimate.effort_n_per_kg.unwrap() - number(row, "u_k");
+        let acceleration = estimate.acceleration_mps2.unwrap() - number(row, "a_k");
+        assert!(effort.abs() < 1e-7 && acceleration.abs() < 1e-7, "at {} s", row["time_s"]);
+    }
+}
+
+/// α = 1, well conditioned: what is left is the rounding of double precision.
+#[test]
+fn well_conditioned_run_equals_50_digits() {
+    let estimates = replayed(Spread::WIDE);
+    let reference = rows("D_run01.csv");
+    let worst = distance(&estimates, &reference);
+    println!(
+        "D: x {:.1e} of the largest, {:.1e} sd; P {:.1e}; innovation {:.1e}",
+        worst.state, worst.state_in_sd, worst.covariance, worst.innovation
+    );
+    assert!(worst.state < 1e-12 && worst.state_in_sd < 1e-8);
+    assert!(worst.covariance < 1e-9 && worst.innovation < 1e-9);
+    regimes_are_equal(&estimates, &reference);
+}
+
+/// Table 1, α = 0.001: textbook forms lose seven digits here.
+#[test]
+fn run_of_table_1_equals_50_digits() {
+    let estimates = replayed(Spread::PAPER);
+    let reference = rows("A_run01.csv");
+    let worst = distance(&estimates, &reference);
+    println!(
+        "A: x {:.1e} of the largest, {:.1e} sd; P {:.1e}; innovation {:.1e}",
+        worst.state, worst.state_in_sd, worst.covariance, worst.innovation
+    );
+    assert!(worst.state < 1e-12 && worst.state_in_sd < 1e-8);
+    assert!(worst.covariance < 1e-9 && worst.innovation < 1e-9);
+    regimes_are_equal(&estimates, &reference);
+}
