@@ -4,7 +4,7 @@
 //! scenario -> driver + truth (every 0.05 s) -> trace -> sensors (every 10 s) -> samples, truth, facts
 //! ```
 //!
-//! Nothing here uses the `rundown` crate: own equations, own integrator, plain `f64`, so an error in the estimator's motion model
+//! Nothing that makes the truth uses the `rundown` crate (only `accuracy`, which judges it): own equations, own integrator, plain `f64`, so an error in the estimator's motion model
 //! cannot hide in the truth. Units are in the names; effort and resistance are per rotating mass, F/(γ m), in N/kg.
 //! Traction is positive, brake negative; uphill positive; resistance positive against travel; headwind positive.
 //!
@@ -19,6 +19,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod accuracy;
 pub mod brake;
 pub mod driver;
 pub mod facts;
