@@ -445,7 +445,7 @@ impl Estimator {
     ) -> Recognition {
         let config = &self.config.recogniser;
         let before = run.regime;
-        let belief = run.learner.davis();
+        let belief = run.learner.provisional();
         let over = run.anchor.filter(|_| read).map(|anchor| {
             (
                 anchor,

@@ -200,6 +200,21 @@ impl Learner {
         }
     }
 
+    /// The best belief at this moment, for recognising: what the running segment has reached, before it is known whether it counts.
+    pub fn provisional(&self) -> Gaussian<3> {
+        match &self.segment {
+            Some(segment) => Gaussian {
+                mean: segment.belief.mean.fixed_rows::<3>(R0).into_owned(),
+                covariance: segment
+                    .belief
+                    .covariance
+                    .fixed_view::<3, 3>(R0, R0)
+                    .into_owned(),
+            },
+            None => self.davis(),
+        }
+    }
+
     /// Gain of the measured effort, true over measured, with its standard deviation.
     pub fn gain(&self) -> (Real, Real) {
         (self.constants.mean[3], self.constants.sd(3))
