@@ -65,7 +65,7 @@ impl Default for LearningConfig {
             sub_step_s: 2.5,
             max_gap_s: 30.0,
             gain_sd: 0.03,
-            effort_change_share: 0.3,
+            effort_change_share: 0.6,
         }
     }
 }

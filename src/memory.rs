@@ -46,7 +46,7 @@ pub struct MemoryConfig {
 impl Default for MemoryConfig {
     fn default() -> Self {
         Self {
-            vehicle_scale_sd: 0.12,
+            vehicle_scale_sd: 0.15,
             vehicle_shape_sd: 0.10,
             wind_sd_mps: 2.0,
             load_sd: 0.02,

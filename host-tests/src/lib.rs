@@ -27,4 +27,5 @@ pub mod habits;
 pub mod line;
 pub mod scenario;
 pub mod sensors;
+pub mod textbook;
 pub mod truth;

@@ -44,7 +44,7 @@ impl Default for FeatureConfig {
             max_power_window_kmh: [50.0, 90.0],
             brake_steps_kmh: [130.0, 80.0, 60.0, 40.0],
             bridge_samples: 2,
-            bridge_speed_kmh: 3.0,
+            bridge_speed_kmh: 1.6,
             stop_speed_kmh: 1.0,
             window_s: 10.0,
             cruise_band_kmh: 10.0,
