@@ -353,8 +353,12 @@ impl Estimator {
         let regime = run.regime;
 
         // Learning.
-        let coasting =
-            config.mode == Mode::Gated && recognised.coasted > config.learning.coasting_probability;
+        let enough = if run.learner.in_segment() {
+            config.learning.end_probability
+        } else {
+            config.learning.begin_probability
+        };
+        let coasting = config.mode == Mode::Gated && recognised.coasted > enough;
         let fast = now.speed_mps > config.learning.min_speed_kmh / 3.6;
         let known = match config.mode {
             Mode::Gated if coasting && fast => Some((0.0, 0.0)),

@@ -4,7 +4,7 @@
 //!
 //! The paper's loop computes the effort from the very speed that it then explains, so the true resistance cancels out. Here a filter runs only
 //! over *segments* in which the effort is known. It begins a segment with location and speed from the readings, free of any correlation with r; between segments r and its
-//! covariance are frozen. The beginning of a segment is cut by `begin_cut_s`; its end is cut because what was learned becomes valid `end_cut_s` late:
+//! covariance are frozen. A segment begins after an interval that was recognised as coasted as a whole, so its beginning is cut; its end is cut because what was learned becomes valid `end_cut_s` late:
 //! the last interval before a brake that nobody announced never counts. A segment shorter than `min_segment_s` does not count at all.
 
 use crate::Real;
@@ -25,10 +25,11 @@ pub struct LearningConfig {
     pub spread: Spread,
     /// Slowest speed at which coasting is learned from, km/h: below, holding a speed and coasting look alike.
     pub min_speed_kmh: Real,
-    /// Probability of coasting that begins a segment, and below which it ends.
-    pub coasting_probability: Real,
-    /// Time cut from the beginning of a segment, s.
-    pub begin_cut_s: Real,
+    /// Probability that a whole interval was coasted, above which a segment begins; the interval itself is cut off.
+    pub begin_probability: Real,
+    /// The same, below which it ends. Lower: a segment that a single unlucky reading may end would keep the lucky ones,
+    /// and r would come out too large where coasting and holding are near each other.
+    pub end_probability: Real,
     /// Time cut from the end of a segment, s.
     pub end_cut_s: Real,
     /// Shortest segment that counts, s, cuts taken off.
@@ -55,8 +56,8 @@ impl Default for LearningConfig {
         Self {
             spread: Spread::WIDE,
             min_speed_kmh: 50.0,
-            coasting_probability: 0.9,
-            begin_cut_s: 10.0,
+            begin_probability: 0.9,
+            end_probability: 0.3,
             end_cut_s: 15.0,
             min_segment_s: 60.0,
             gate: 4.0,
@@ -73,13 +74,8 @@ impl Default for LearningConfig {
 impl LearningConfig {
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         between("learning.min_speed_kmh", self.min_speed_kmh, 5.0, 300.0)?;
-        between(
-            "learning.coasting_probability",
-            self.coasting_probability,
-            0.5,
-            1.0,
-        )?;
-        between("learning.begin_cut_s", self.begin_cut_s, 0.0, 600.0)?;
+        between("learning.begin_probability", self.begin_probability, 0.5, 1.0)?;
+        between("learning.end_probability", self.end_probability, 0.0, 1.0)?;
         between("learning.end_cut_s", self.end_cut_s, 0.0, 600.0)?;
         between("learning.min_segment_s", self.min_segment_s, 0.0, 3600.0)?;
         between("learning.gate", self.gate, 1.0, 1e3)?;

@@ -6,7 +6,7 @@ fn main() {
     let wind = arg(1).unwrap_or(0.0);
     let mut config = Config::with_mode(Mode::Gated);
     if let Some(q) = arg(2) { config.learning.acceleration_noise_mps2 = q; }
-    if let Some(q) = arg(3) { config.learning.gate = q; }
+    if let Some(q) = arg(3) { config.learning.end_probability = q; }
     if let Some(q) = arg(4) { config.learning.end_cut_s = q; }
     let mut table = vec![[[0.0f64; 3]; 7]; 3];
     let n = 8;
