@@ -7,6 +7,7 @@
 //! taken from, but not the phases: these go on when the regime after the gap is that before it.
 
 use super::approach::final_phases;
+use super::hindsight::Hindsight;
 use super::interval::{Interval, Stretches};
 use super::onset::Course;
 use super::phases::{Boundary, Phases};
@@ -15,6 +16,7 @@ use super::steady::Steady;
 use super::{Energy, FeatureConfig, Features, MAX_SWITCHING_POINTS, Observation, SwitchingPoint};
 use crate::Real;
 use crate::regime::Regime;
+use crate::resistance::Davis;
 use crate::units::KmPerHour;
 use heapless::{Deque, Vec};
 
@@ -31,6 +33,7 @@ pub struct FeatureExtractor {
     steady_brake: Steady,
     effort: LineFit,
     power: Spread,
+    power_hindsight: Hindsight,
     max_power_w_per_kg: Option<Real>,
     brake_rates: [Spread; 5],
     phases: Phases,
@@ -61,6 +64,7 @@ impl FeatureExtractor {
             steady_brake: Steady::new(Regime::Brake),
             effort: LineFit::default(),
             power: Spread::default(),
+            power_hindsight: Hindsight::default(),
             max_power_w_per_kg: None,
             brake_rates: [Spread::default(); 5],
             phases: Phases::new(),
@@ -87,7 +91,7 @@ impl FeatureExtractor {
         self.add_top_speed(&before, tick);
         if let Some(interval) = Interval::between(&before, tick) {
             self.energy.add(&before, tick, &interval);
-            self.add_rates(config, &interval);
+            self.add_rates(config, &tick.davis, &interval);
             self.add_boundaries(config, tick.time_s, &interval);
         } else {
             self.stretches.interrupt();
@@ -118,9 +122,13 @@ impl FeatureExtractor {
             .phases
             .held_speeds()
             .cruise_speed(config.cruise_band_kmh);
+        let mut power_w_per_kg = self.power.statistic();
+        if let Some(last) = &self.before {
+            power_w_per_kg.mean += self.power_hindsight.correction_w_per_kg(&last.davis);
+        }
         Features {
             max_effort: self.effort.line(),
-            power_w_per_kg: self.power.statistic(),
+            power_w_per_kg,
             max_power_w_per_kg: self.max_power_w_per_kg,
             brake_rate_mps2: self.brake_rates.map(|rates| rates.statistic()),
             cruise_speed_mps: cruise.map(|(_, statistic)| statistic).unwrap_or_default(),
@@ -163,7 +171,7 @@ impl FeatureExtractor {
         }
     }
 
-    fn add_rates(&mut self, config: &FeatureConfig, interval: &Interval) {
+    fn add_rates(&mut self, config: &FeatureConfig, davis: &Davis, interval: &Interval) {
         let bridge = config.bridge_samples;
         let effort = &mut self.effort;
         self.steady_effort.push(bridge, interval, |steady| {
@@ -181,12 +189,14 @@ impl FeatureExtractor {
             return;
         };
         let (power, max_power) = (&mut self.power, &mut self.max_power_w_per_kg);
+        let hindsight = &mut self.power_hindsight;
         self.steady_power.push(bridge, &stretch, |steady| {
             let inside =
                 |window| FeatureConfig::contains(window, steady.before_mps, steady.after_mps);
             let power_w_per_kg = steady.power_w_per_kg();
             if inside(config.power_window_kmh) {
                 power.add(power_w_per_kg, steady.dt_s);
+                hindsight.add(davis, steady.mean_mps(), steady.dt_s);
             }
             if inside(config.max_power_window_kmh) {
                 *max_power = Some(max_power.map_or(power_w_per_kg, |max| max.max(power_w_per_kg)));

@@ -17,6 +17,7 @@ mod config;
 mod cruise;
 mod energy;
 mod extractor;
+mod hindsight;
 mod interval;
 mod onset;
 mod phases;

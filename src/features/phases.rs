@@ -255,7 +255,7 @@ mod tests {
         let mut phases = Phases::new();
         let mut found: std::vec::Vec<Boundary> = std::vec::Vec::new();
         for (k, &regime) in regimes.iter().enumerate() {
-            let effort = if regime == Brake { brake } else { 0.03 };
+            let effort = if regime == Brake { brake } else { 0.02 };
             let interval = Interval {
                 before_mps: 30.0,
                 after_mps: 30.0,
@@ -286,7 +286,7 @@ mod tests {
     #[test]
     fn a_strong_brake_splits_a_coast_and_a_weak_one_does_not() {
         let rows = [Coast, Coast, Brake, Coast, Coast, Coast];
-        assert_eq!(boundaries(&rows, -0.06), []);
+        assert_eq!(boundaries(&rows, -0.04), []);
         assert_eq!(
             boundaries(&rows, -0.3),
             [(20.0, Coast, Brake), (30.0, Brake, Coast)]
