@@ -74,7 +74,12 @@ impl Default for LearningConfig {
 impl LearningConfig {
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         between("learning.min_speed_kmh", self.min_speed_kmh, 5.0, 300.0)?;
-        between("learning.begin_probability", self.begin_probability, 0.5, 1.0)?;
+        between(
+            "learning.begin_probability",
+            self.begin_probability,
+            0.5,
+            1.0,
+        )?;
         between("learning.end_probability", self.end_probability, 0.0, 1.0)?;
         between("learning.end_cut_s", self.end_cut_s, 0.0, 600.0)?;
         between("learning.min_segment_s", self.min_segment_s, 0.0, 3600.0)?;
@@ -152,6 +157,8 @@ struct Reached {
 #[derive(Clone, Debug)]
 struct Segment {
     begin_s: Real,
+    /// Up to here what was learned is valid.
+    settled_s: Real,
     belief: Gaussian<SIZE_WITH_GAIN>,
     last_speed_s: Real,
     last_location_s: Real,
@@ -186,29 +193,14 @@ impl Learner {
 
     /// The run's Davis coefficients as learned so far.
     pub fn davis(&self) -> Gaussian<3> {
-        Gaussian {
-            mean: self.constants.mean.fixed_rows::<3>(0).into_owned(),
-            covariance: self
-                .constants
-                .covariance
-                .fixed_view::<3, 3>(0, 0)
-                .into_owned(),
-        }
+        davis_of(&self.constants)
     }
 
     /// The best belief at this moment, for recognising: what the running segment has reached, before it is known whether it counts.
     pub fn provisional(&self) -> Gaussian<3> {
-        match &self.segment {
-            Some(segment) => Gaussian {
-                mean: segment.belief.mean.fixed_rows::<3>(R0).into_owned(),
-                covariance: segment
-                    .belief
-                    .covariance
-                    .fixed_view::<3, 3>(R0, R0)
-                    .into_owned(),
-            },
-            None => self.davis(),
-        }
+        self.segment
+            .as_ref()
+            .map_or_else(|| self.davis(), |segment| davis_of(&segment.constants()))
     }
 
     /// Gain of the measured effort, true over measured, with its standard deviation.
@@ -221,7 +213,7 @@ impl Learner {
         self.segment.is_some()
     }
 
-    /// Time that counted, s.
+    /// Time of the segments that counted, cuts taken off, s.
     pub fn learned_s(&self) -> Real {
         self.learned_s
     }
@@ -259,6 +251,7 @@ impl Learner {
             .copy_from(&self.constants.covariance);
         self.segment = Some(Segment {
             begin_s: time_s,
+            settled_s: time_s,
             belief,
             last_speed_s: time_s,
             last_location_s: time_s,
@@ -288,7 +281,7 @@ impl Learner {
         let stepped = segment.step(config, sensor, line, tick);
         match stepped {
             Ok((innovation, true)) => {
-                self.settle(config, tick);
+                self.settle(config, tick.time_s);
                 Ok(Some(innovation))
             }
             Ok((innovation, false)) => {
@@ -302,55 +295,59 @@ impl Learner {
         }
     }
 
-    /// What was reached `end_cut_s` ago becomes valid, once the segment is long enough.
-    fn settle(&mut self, config: &LearningConfig, tick: &Tick) {
+    /// What was reached `end_cut_s` ago becomes valid, if the segment was long enough by then; what is reached now begins to wait.
+    fn settle(&mut self, config: &LearningConfig, time_s: Real) {
         let Some(segment) = &mut self.segment else {
             return;
         };
         while let Some(reached) = segment.waiting.front().copied() {
-            if tick.time_s - reached.time_s < config.end_cut_s
-                || reached.time_s - segment.begin_s < config.min_segment_s
-            {
-                // Too young to count, but the newest of these is all that is needed later.
-                if reached.time_s - segment.begin_s < config.min_segment_s
-                    && segment.waiting.len() > 2
-                {
-                    segment.waiting.pop_front();
-                    continue;
-                }
+            if time_s - reached.time_s < config.end_cut_s {
                 break;
             }
             segment.waiting.pop_front();
-            self.constants = reached.constants;
+            if reached.time_s - segment.begin_s >= config.min_segment_s {
+                self.constants = reached.constants;
+                self.learned_s += reached.time_s - segment.settled_s;
+                segment.settled_s = reached.time_s;
+            }
         }
-        self.learned_s += tick.dt_s;
-        let spacing_s = (config.end_cut_s + 10.0) / (WAITING - 2) as Real;
+        // Ticks of a fast log need not all wait: so few are enough that the ring is never full.
+        let spacing_s = config.end_cut_s / (WAITING - 2) as Real;
         let due = segment
             .waiting
             .back()
-            .is_none_or(|last| tick.time_s - last.time_s >= spacing_s);
+            .is_none_or(|last| time_s - last.time_s >= spacing_s);
         if due {
-            if segment.waiting.is_full() {
-                segment.waiting.pop_front();
-            }
             let reached = Reached {
-                time_s: tick.time_s,
-                constants: Gaussian {
-                    mean: segment.belief.mean.fixed_rows::<4>(R0).into_owned(),
-                    covariance: segment
-                        .belief
-                        .covariance
-                        .fixed_view::<4, 4>(R0, R0)
-                        .into_owned(),
-                },
+                time_s,
+                constants: segment.constants(),
             };
-            // There is room: the oldest was dropped when full.
-            let _ = segment.waiting.push_back(reached);
+            // Cannot be full, see above; if it were, this belief would merely not wait.
+            let _waits = segment.waiting.push_back(reached).is_ok();
         }
     }
 }
 
+fn davis_of(constants: &Gaussian<4>) -> Gaussian<3> {
+    Gaussian {
+        mean: constants.mean.fixed_rows::<3>(0).into_owned(),
+        covariance: constants.covariance.fixed_view::<3, 3>(0, 0).into_owned(),
+    }
+}
+
 impl Segment {
+    /// r0, r1, r2 and the gain as reached so far.
+    fn constants(&self) -> Gaussian<4> {
+        Gaussian {
+            mean: self.belief.mean.fixed_rows::<4>(R0).into_owned(),
+            covariance: self
+                .belief
+                .covariance
+                .fixed_view::<4, 4>(R0, R0)
+                .into_owned(),
+        }
+    }
+
     /// Predicts in sub-steps and updates. `false`: the readings left the gate.
     fn step(
         &mut self,

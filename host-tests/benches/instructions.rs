@@ -3,7 +3,6 @@
 //! `cargo bench -p host-tests --bench instructions`. The program runs itself under callgrind with n and with 2n steps;
 //! the difference over n is the count of one step, exactly, with nothing of the start in it.
 
-#[path = "drive.rs"]
 mod drive;
 
 use drive::Drive;
@@ -40,7 +39,11 @@ fn main() {
     let textbook = per_step("textbook") - loop_alone;
     println!("instructions of one step, paper's model, reference track (goal: at most 500)");
     println!("  rundown   {ours:8.1}    90 steps {:9.0}", 90.0 * ours);
-    println!("  textbook  {textbook:8.1}    90 steps {:9.0}    {:.1} times ours", 90.0 * textbook, textbook / ours);
+    println!(
+        "  textbook  {textbook:8.1}    90 steps {:9.0}    {:.1} times ours",
+        90.0 * textbook,
+        textbook / ours
+    );
 }
 
 /// Instructions of the whole process.

@@ -129,7 +129,13 @@ pub struct Table {
 }
 
 /// Vehicles: scale of r0, r1, r2 of each; runs of each.
-pub fn judge(config: Config, scenario: &Scenario, scales: &[[f64; 3]], runs: usize, seed: u64) -> Table {
+pub fn judge(
+    config: Config,
+    scenario: &Scenario,
+    scales: &[[f64; 3]],
+    runs: usize,
+    seed: u64,
+) -> Table {
     let mut table = Table::default();
     let estimator = estimator(config, scenario);
     for (vehicle_index, scale) in scales.iter().enumerate() {
@@ -256,13 +262,31 @@ impl Table {
     pub fn print(&self, title: &str) {
         println!("{title}");
         let row = |name: &str, errors: &[Errors; 3]| {
-            let cell = |e: &Errors| format!("{:.2} % ({:+.2}, {:.0} % inside)", e.rmse_percent(), e.bias_percent(), 100.0 * e.coverage());
-            println!("  {name}: run 1 {}, run 10 {}, last {}", cell(&errors[0]), cell(&errors[1]), cell(&errors[2]));
+            let cell = |e: &Errors| {
+                format!(
+                    "{:.2} % ({:+.2}, {:.0} % inside)",
+                    e.rmse_percent(),
+                    e.bias_percent(),
+                    100.0 * e.coverage()
+                )
+            };
+            println!(
+                "  {name}: run 1 {}, run 10 {}, last {}",
+                cell(&errors[0]),
+                cell(&errors[1]),
+                cell(&errors[2])
+            );
         };
         row("vehicle r(v) rmse", &self.vehicle);
         row("running r(v) rmse", &self.running);
         println!("  slope at 60/100/140 km/h: {:.2?}", self.slopes());
-        println!("  regimes (accuracy, macro F1) causal, confirmed: {:.3?}", self.regime_scores());
-        println!("  p90 of brake start s, coast start s, cruise km/h, power %: {:.2?}", self.feature_p90());
+        println!(
+            "  regimes (accuracy, macro F1) causal, confirmed: {:.3?}",
+            self.regime_scores()
+        );
+        println!(
+            "  p90 of brake start s, coast start s, cruise km/h, power %: {:.2?}",
+            self.feature_p90()
+        );
     }
 }

@@ -215,10 +215,10 @@ impl<'a> Motion<'a> {
     fn acceleration_mps2<const N: usize>(&self, x: &SVector<f64, N>) -> f64 {
         let (s, v) = (x[0] + self.lead_m, x[1] + self.lead_mps);
         let train = self.line.train;
-        let mean_gradient =
-            self.line
-                .track
-                .mean_gradient(s, train.length_m(), self.line.direction);
+        let mean_gradient = self
+            .line
+            .track
+            .mean_gradient(s, train.length_m(), self.line.direction);
         let gain = if N > 5 { x[5] } else { 1.0 };
         gain * self.effort_n_per_kg
             - x[2]
@@ -231,7 +231,8 @@ impl<'a> Motion<'a> {
     pub fn advance<const N: usize>(&self, x: &SVector<f64, N>) -> SVector<f64, N> {
         let a = self.acceleration_mps2(x);
         let mut next = *x;
-        next[0] += self.line.direction.sign() * (self.dt_s * x[1] + 0.5 * self.dt_s * self.dt_s * a);
+        next[0] +=
+            self.line.direction.sign() * (self.dt_s * x[1] + 0.5 * self.dt_s * self.dt_s * a);
         next[1] += self.dt_s * a;
         next
     }

@@ -27,7 +27,13 @@ fn judged(title: &str, config: Config, scenario: &Scenario, count: usize, runs: 
 
 #[test]
 fn gated_learning_follows_the_truth() {
-    let table = judged("gated, clean", Config::default(), &Scenario::default(), 10, 10);
+    let table = judged(
+        "gated, clean",
+        Config::default(),
+        &Scenario::default(),
+        10,
+        10,
+    );
     for slope in table.slopes() {
         assert!((0.82..1.06).contains(&slope), "slope {slope}");
     }
@@ -40,7 +46,10 @@ fn gated_learning_follows_the_truth() {
     assert!(causal > 0.88 && confirmed > 0.90 && f1 > 0.91);
     let [brake_s, coast_s, cruise_kmh, power_percent] = table.feature_p90();
     assert!(brake_s < 5.0 && coast_s < 17.0, "{brake_s} {coast_s}");
-    assert!(cruise_kmh < 0.7 && power_percent < 1.6, "{cruise_kmh} {power_percent}");
+    assert!(
+        cruise_kmh < 0.7 && power_percent < 1.6,
+        "{cruise_kmh} {power_percent}"
+    );
 }
 
 /// The paper's loop computes the effort from the speed that it explains: what it estimates says nothing about the train.

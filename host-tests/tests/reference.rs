@@ -72,7 +72,9 @@ fn distance(estimates: &[Estimate], reference: &[Row]) -> Distance {
         innovation: 0.0,
     };
     for (estimate, row) in estimates.iter().zip(reference) {
-        let variance: Vec<f64> = (0..SIZE).map(|i| number(row, &format!("P_{i}{i}"))).collect();
+        let variance: Vec<f64> = (0..SIZE)
+            .map(|i| number(row, &format!("P_{i}{i}")))
+            .collect();
         for i in 0..SIZE {
             let error = (estimate.belief.mean[i] - number(row, &format!("x_{i}"))).abs();
             worst.state = worst.state.max(error / largest[i]);
@@ -103,11 +105,20 @@ fn distance(estimates: &[Estimate], reference: &[Row]) -> Distance {
 
 fn regimes_are_equal(estimates: &[Estimate], reference: &[Row]) {
     for (estimate, row) in estimates.iter().zip(reference) {
-        assert_eq!(estimate.regime.as_str(), row["regime"], "at {} s", row["time_s"]);
+        assert_eq!(
+            estimate.regime.as_str(),
+            row["regime"],
+            "at {} s",
+            row["time_s"]
+        );
         assert_ne!(estimate.regime, Regime::Standstill);
         let effort = estimate.effort_n_per_kg.unwrap() - number(row, "u_k");
         let acceleration = estimate.acceleration_mps2.unwrap() - number(row, "a_k");
-        assert!(effort.abs() < 1e-7 && acceleration.abs() < 1e-7, "at {} s", row["time_s"]);
+        assert!(
+            effort.abs() < 1e-7 && acceleration.abs() < 1e-7,
+            "at {} s",
+            row["time_s"]
+        );
     }
 }
 

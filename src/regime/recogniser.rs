@@ -191,7 +191,8 @@ impl Recogniser {
         }
         let sum: Real = now.iter().sum();
         // Also taken by NaN: nothing foresaw this, so nothing is known.
-        if !(sum > Real::MIN_POSITIVE) {
+        let foreseen_at_all = sum > Real::MIN_POSITIVE;
+        if !foreseen_at_all {
             let unknown = Self::default();
             return Recognised {
                 now: unknown,

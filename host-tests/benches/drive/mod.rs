@@ -44,7 +44,13 @@ impl Drive {
         let number = |cell: &str| cell.parse().unwrap_or(0.0);
         let steps: Vec<(f64, f64, f64)> = lines
             .map(|line| line.split(',').collect::<Vec<_>>())
-            .map(|cells| (number(cells[u]), number(cells[z_s]), number(cells[z_kmh]) / 3.6))
+            .map(|cells| {
+                (
+                    number(cells[u]),
+                    number(cells[z_s]),
+                    number(cells[z_kmh]) / 3.6,
+                )
+            })
             .collect();
         let davis = train.davis();
         Self {
@@ -68,7 +74,11 @@ impl Drive {
 
     /// `steps` steps of `one`; a new run begins after each `RUN`.
     #[inline(always)]
-    fn run(&self, steps: usize, one: impl Fn(&mut Gaussian<SIZE>, f64, f64, f64)) -> Gaussian<SIZE> {
+    fn run(
+        &self,
+        steps: usize,
+        one: impl Fn(&mut Gaussian<SIZE>, f64, f64, f64),
+    ) -> Gaussian<SIZE> {
         let mut belief = self.begin;
         for i in 0..steps {
             if i % RUN == 0 {
@@ -103,7 +113,8 @@ impl Drive {
             kappa: -2.0,
         });
         self.run(steps, |belief, effort, location_m, speed_mps| {
-            let motion = textbook::Motion::new(self.line(), &belief.mean, effort, DT_S, Evaluate::Beginning);
+            let motion =
+                textbook::Motion::new(self.line(), &belief.mean, effort, DT_S, Evaluate::Beginning);
             let read = |component, value, variance| Read {
                 component,
                 value,
@@ -113,7 +124,14 @@ impl Drive {
                 read(0, location_m, OBSERVATION.location_variance),
                 read(1, speed_mps, OBSERVATION.speed_variance),
             ];
-            let step = textbook::step(shape, belief, |x| motion.advance(x), &SMatrix::zeros(), true, &readings);
+            let step = textbook::step(
+                shape,
+                belief,
+                |x| motion.advance(x),
+                &SMatrix::zeros(),
+                true,
+                &readings,
+            );
             *belief = black_box(step).expect("positive definite").posterior;
         })
     }

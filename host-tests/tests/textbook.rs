@@ -1,0 +1,393 @@
+//! Is `rundown::ukf` the filter that is printed? The witness is `host_tests::textbook`, Eq. (7)-(18) word for word.
+//!
+//! With α = 1 both forms round to the last digits and must agree to 1e-9 standard deviations. With α = 0.001 the witness has weights near
+//! 1.7e6: it subtracts numbers that agree to six digits or more, so what remains of sixteen digits bounds the comparison, not `rundown`
+//! (`reference.rs` shows that against 50 digits).
+
+use host_tests::textbook::{self, Points, Read, Shape};
+use nalgebra::{SMatrix, SVector};
+use rand::{RngExt, SeedableRng};
+use rundown::learning::LocationAndSpeed;
+use rundown::motion::{Evaluate, Line, Motion};
+use rundown::resistance::Davis;
+use rundown::state::{Gaussian, LOCATION, SIZE, SIZE_WITH_GAIN, SPEED};
+use rundown::track::{Direction, Gradient, Track};
+use rundown::train::{Train, TrainDescription};
+use rundown::ukf::{Observation, Pair, Process, Spread, Ukf};
+
+const LENGTH_M: f64 = 60_000.0;
+const DAVIS: Davis = Davis {
+    r0: 7.38e-3,
+    r1: 1.6e-4,
+    r2: 2.8e-5,
+};
+
+fn train() -> Train {
+    Train::try_new(TrainDescription {
+        mass_kg: 364e3,
+        rotating_mass_factor: 1.06,
+        length_m: 162.0,
+        davis: DAVIS,
+        max_tractive_effort_n: 192_920.0,
+        max_power_w: 2_036_377.8,
+        max_brake_mps2: 0.66,
+    })
+    .unwrap()
+}
+
+/// A new gradient each 130 m, up and down by up to 25 permille.
+fn track() -> Track {
+    let gradients = (0..460_u32).map(|i| Gradient {
+        from_m: 130.0 * f64::from(i),
+        permille: 25.0 * (f64::from(i) * 1.7).sin(),
+    });
+    Track::try_new(LENGTH_M, gradients).unwrap()
+}
+
+/// What differs from run to run of the comparison.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    shape: Shape,
+    /// Acceleration noise, m/s².
+    noise_mps2: f64,
+    reuse_points: bool,
+    direction: Direction,
+    evaluate: Evaluate,
+    /// Leaves out each 3rd location, each 4th speed and now and then both.
+    gaps: bool,
+    /// Initial standard deviations.
+    sd: [f64; SIZE],
+}
+
+const WIDE: Shape = Shape {
+    alpha: 1.0,
+    beta: 2.0,
+    kappa: -2.0,
+};
+/// Uncertain enough to make speed, resistance and gradient curve within the points.
+const UNCERTAIN: [f64; SIZE] = [20.0, 0.5, 1e-3, 3e-5, 4e-6];
+const CASE: Case = Case {
+    shape: WIDE,
+    noise_mps2: 0.0,
+    reuse_points: false,
+    direction: Direction::Up,
+    evaluate: Evaluate::Beginning,
+    gaps: false,
+    sd: UNCERTAIN,
+};
+
+/// Largest differences over a run, in posterior standard deviations: mean, covariance, innovation.
+#[derive(Clone, Copy, Debug, Default)]
+struct Difference {
+    mean: f64,
+    covariance: f64,
+    innovation: f64,
+}
+
+impl Difference {
+    fn largest(self) -> f64 {
+        self.mean.max(self.covariance).max(self.innovation)
+    }
+
+    fn add<const N: usize>(&mut self, ours: &Gaussian<N>, witness: &Gaussian<N>) {
+        for i in 0..N {
+            let error = (ours.mean[i] - witness.mean[i]).abs() / witness.sd(i);
+            self.mean = worst(self.mean, error);
+            for j in 0..N {
+                let error = ours.covariance[(i, j)] - witness.covariance[(i, j)];
+                let error = error.abs() / (witness.sd(i) * witness.sd(j));
+                self.covariance = worst(self.covariance, error);
+            }
+        }
+    }
+}
+
+/// As `max`, but NaN wins.
+fn worst(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
+/// One step of the witness with the readings that are there.
+fn witness_step<const N: usize>(
+    case: &Case,
+    belief: &Gaussian<N>,
+    f: impl Fn(&SVector<f64, N>) -> SVector<f64, N>,
+    q: &SMatrix<f64, N, N>,
+    z: [Option<f64>; 2],
+    variance: [f64; 2],
+) -> (Gaussian<N>, [f64; 2]) {
+    let read = |component: usize| Read {
+        component,
+        value: z[component].unwrap_or(f64::NAN),
+        variance: variance[component],
+    };
+    let reuse = case.reuse_points;
+    match z {
+        [Some(_), Some(_)] => {
+            let step = textbook::step(case.shape, belief, f, q, reuse, &[read(0), read(1)]).unwrap();
+            (step.posterior, step.innovation.into())
+        }
+        [None, None] => {
+            let step = textbook::step::<N, 0>(case.shape, belief, f, q, reuse, &[]).unwrap();
+            (step.posterior, [0.0; 2])
+        }
+        [location, _] => {
+            let component = if location.is_some() { LOCATION } else { SPEED };
+            let step = textbook::step(case.shape, belief, f, q, reuse, &[read(component)]).unwrap();
+            let mut innovation = [0.0; 2];
+            innovation[component] = step.innovation[0];
+            (step.posterior, innovation)
+        }
+    }
+}
+
+/// Both filters over 90 steps, each going on from its own belief.
+fn compare<const N: usize>(case: &Case, begin: Gaussian<N>) -> Difference {
+    let (train, track) = (train(), track());
+    let line = Line {
+        train: &train,
+        track: &track,
+        direction: case.direction,
+    };
+    let Shape { alpha, beta, kappa } = case.shape;
+    let ukf = Ukf {
+        spread: Spread::try_new(alpha, beta, kappa).unwrap(),
+        gate: [None; 2],
+        reuse_points: case.reuse_points,
+    };
+    let variance = [16.0, 1.0 / (3.6 * 3.6)];
+    let observation = LocationAndSpeed {
+        location_variance: variance[0],
+        speed_variance: variance[1],
+    };
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+    let mut truth = begin.mean;
+    let (mut ours, mut theirs) = (begin, begin);
+    let mut difference = Difference::default();
+    for k in 0..90 {
+        // Speeds up, holds, coasts, brakes; not the same time at each step.
+        let dt_s = [10.0, 10.0, 7.0, 12.0][k % 4];
+        let effort = [0.15, 0.05, 0.0, -0.1][k / 5 % 4];
+        truth.rows_mut(0, 2).copy_from(
+            &textbook::Motion::new(line, &truth, effort, dt_s, case.evaluate)
+                .advance(&truth)
+                .rows(0, 2),
+        );
+        truth[SPEED] = truth[SPEED].max(5.0);
+        let noisy = |x: f64, sd: f64, rng: &mut rand_chacha::ChaCha8Rng| {
+            Some(x + sd * rng.random_range(-1.7..1.7))
+        };
+        let mut z = [noisy(truth[LOCATION], 4.0, &mut rng), noisy(truth[SPEED], 0.28, &mut rng)];
+        if case.gaps {
+            z[0] = z[0].filter(|_| k % 3 != 0);
+            z[1] = z[1].filter(|_| k % 4 != 0);
+        }
+        let motion = Motion::new(&line, &ours.mean, effort, dt_s, case.evaluate)
+            .with_noise(case.noise_mps2);
+        let found = ukf.step(&mut ours, &motion, &observation, &z).unwrap();
+        let motion = textbook::Motion::new(line, &theirs.mean, effort, dt_s, case.evaluate);
+        let q = motion.noise(case.noise_mps2);
+        let (next, innovation) =
+            witness_step(case, &theirs, |x| motion.advance(x), &q, z, variance);
+        theirs = next;
+        difference.add(&ours, &theirs);
+        for i in 0..2 {
+            let error = (found.value[i] - innovation[i]).abs() / variance[i].sqrt();
+            difference.innovation = worst(difference.innovation, error);
+        }
+    }
+    difference
+}
+
+fn begin(case: &Case) -> Gaussian<SIZE> {
+    let location_m = match case.direction {
+        Direction::Up => 500.0,
+        Direction::Down => LENGTH_M - 500.0,
+    };
+    Gaussian::independent([location_m, 20.0, DAVIS.r0, DAVIS.r1, DAVIS.r2], case.sd)
+}
+
+fn agrees(case: &Case, tolerance_sd: f64) {
+    let difference = compare(case, begin(case));
+    println!("{difference:.1e?} {case:?}");
+    assert!(difference.largest() < tolerance_sd, "{difference:?} {case:?}");
+}
+
+/// Every combination of Q, direction, midway evaluation and missing readings; points redrawn and, with Q = 0, reused.
+fn combinations(shape: Shape) -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (noise_mps2, reuse_points) in [(0.0, true), (0.0, false), (0.02, false), (0.02, true)] {
+        for direction in [Direction::Up, Direction::Down] {
+            for evaluate in [Evaluate::Beginning, Evaluate::Midway] {
+                for gaps in [false, true] {
+                    cases.push(Case {
+                        shape,
+                        noise_mps2,
+                        reuse_points,
+                        direction,
+                        evaluate,
+                        gaps,
+                        sd: UNCERTAIN,
+                    });
+                }
+            }
+        }
+    }
+    cases
+}
+
+#[test]
+fn wide_points_agree_to_1e_9_sd() {
+    for case in combinations(WIDE) {
+        agrees(&case, 1e-9);
+    }
+}
+
+#[test]
+fn alpha_beta_and_kappa_enter_as_printed() {
+    for alpha in [0.3, 1.0, 1.5] {
+        for beta in [0.0, 2.0] {
+            for kappa in [-4.0, -2.0, 0.0, 3.0] {
+                let shape = Shape { alpha, beta, kappa };
+                agrees(&Case { shape, ..CASE }, 1e-8);
+            }
+        }
+    }
+}
+
+/// The witness loses here: weights of 1.7e6 cancel to 1, and differences of 1e-3 sd are taken from locations of 60 km.
+#[test]
+fn points_of_table_1_agree_as_far_as_the_witness_reaches() {
+    let shape = Shape {
+        alpha: 1e-3,
+        ..WIDE
+    };
+    for case in combinations(shape) {
+        agrees(&case, 1e-2);
+    }
+}
+
+/// The standard deviations of Table 1 too.
+#[test]
+fn table_1_agrees_as_far_as_the_witness_reaches() {
+    let sd = [1.0, 0.0005, 1e-6, 1e-8, 1e-9];
+    agrees(&Case { sd, reuse_points: true, ..CASE }, 1e-9);
+    let shape = Shape {
+        alpha: 1e-3,
+        ..WIDE
+    };
+    agrees(&Case { sd, shape, reuse_points: true, ..CASE }, 0.3);
+}
+
+#[test]
+fn the_gain_of_a_measured_effort_is_a_constant_like_the_others() {
+    for evaluate in [Evaluate::Beginning, Evaluate::Midway] {
+        let case = Case { evaluate, ..CASE };
+        let mut sd = [0.03; SIZE_WITH_GAIN];
+        sd[..SIZE].copy_from_slice(&UNCERTAIN);
+        let mean = [500.0, 20.0, DAVIS.r0, DAVIS.r1, DAVIS.r2, 1.0];
+        let difference = compare(&case, Gaussian::independent(mean, sd));
+        assert!(difference.largest() < 1e-9, "{difference:?}");
+    }
+}
+
+/// A motion of three components of which none is constant: a pendulum whose length is estimated, pairs taken from differences of f.
+struct Pendulum {
+    dt_s: f64,
+    q: Option<SMatrix<f64, 3, 3>>,
+}
+
+impl Process<3, 3> for Pendulum {
+    fn advance(&self, x: &SVector<f64, 3>) -> SVector<f64, 3> {
+        let turn = -9.81 / x[2] * x[0].sin() - 0.1 * x[1] * x[1].abs();
+        let rate = x[1] + self.dt_s * turn;
+        SVector::from([x[0] + self.dt_s * rate, rate, x[2] + 0.01 * x[0] * x[1]])
+    }
+
+    fn pair(&self, x: &SVector<f64, 3>, l: &SVector<f64, 3>, epsilon: f64) -> Pair<3> {
+        let root = epsilon.sqrt();
+        let (ahead, behind) = (self.advance(&(x + l * root)), self.advance(&(x - l * root)));
+        Pair {
+            odd: (ahead - behind) / (2.0 * root),
+            even: (ahead + behind - 2.0 * self.advance(x)) / (2.0 * epsilon),
+        }
+    }
+
+    fn constants(&self, _: &SVector<f64, 3>, _: &SVector<f64, 3>) -> SVector<f64, 3> {
+        SVector::zeros()
+    }
+
+    fn noise(&self) -> Option<SMatrix<f64, 3, 3>> {
+        self.q
+    }
+}
+
+impl Observation<3, 2> for Pendulum {
+    fn read(&self, i: usize, x: &SVector<f64, 3>) -> f64 {
+        x[i]
+    }
+
+    fn variance(&self, i: usize) -> f64 {
+        [0.01, 0.04][i]
+    }
+}
+
+#[test]
+fn a_motion_without_constants_is_filtered_as_printed() {
+    for (q, reuse_points) in [(0.0, true), (1e-3, true), (1e-3, false)] {
+        let q = SMatrix::from_diagonal(&SVector::from([q, 2.0 * q, 0.5 * q]));
+        let pendulum = Pendulum {
+            dt_s: 0.1,
+            q: Some(q),
+        };
+        let case = Case {
+            reuse_points,
+            ..CASE
+        };
+        let ukf = Ukf::<3, 2> {
+            spread: Spread::WIDE,
+            gate: [None; 2],
+            reuse_points,
+        };
+        let mut truth = SVector::from([0.8, 0.0, 1.0]);
+        let begin = Gaussian::independent([0.7, 0.2, 1.2], [0.1, 0.2, 0.2]);
+        let (mut ours, mut theirs) = (begin, begin);
+        let mut difference = Difference::default();
+        for k in 0..60 {
+            truth = pendulum.advance(&truth);
+            let z = [
+                (k % 5 != 0).then_some(truth[0]),
+                (k % 3 != 0).then_some(truth[1]),
+            ];
+            ukf.step(&mut ours, &pendulum, &pendulum, &z).unwrap();
+            let f = |x: &SVector<f64, 3>| pendulum.advance(x);
+            theirs = witness_step(&case, &theirs, f, &q, z, [0.01, 0.04]).0;
+            difference.add(&ours, &theirs);
+        }
+        println!("{difference:.1e?}");
+        assert!(difference.largest() < 1e-9, "{difference:?} {case:?}");
+    }
+}
+
+/// The witness itself: weights of Eq. (9) for Table 1, and points that give back what they were drawn from.
+#[test]
+fn the_witness_has_the_weights_of_the_paper() {
+    let shape = Shape {
+        alpha: 1e-3,
+        ..WIDE
+    };
+    let (lambda, w0_mean, w0_covariance, w) = textbook::weights(shape, SIZE);
+    assert!((lambda + 4.999_997).abs() < 1e-12);
+    assert!((w0_mean + 1_666_665.67).abs() < 0.01 && (w - 166_666.67).abs() < 0.01);
+    let (mean, covariance, others) = Spread::PAPER.weights(SIZE);
+    let relative = |a: f64, b: f64| (a / b - 1.0).abs();
+    // The witness forms L + λ from λ and keeps ten digits of it; `Spread` does not.
+    assert!(relative(mean, w0_mean) < 1e-9 && relative(covariance, w0_covariance) < 1e-9);
+    assert!(relative(others, w) < 1e-9);
+
+    let begin = begin(&CASE);
+    let back = Points::new(WIDE, &begin).unwrap().statistics(WIDE);
+    let mut difference = Difference::default();
+    difference.add(&back, &begin);
+    assert!(difference.largest() < 1e-9, "{difference:?}");
+}
