@@ -1,5 +1,6 @@
 //! Is this the method of the paper? Its tables, thresholds and worked numbers, and the one number that its step gets wrong.
 
+use nalgebra::SVector;
 use rundown::config::{Config, Difference, Mode};
 use rundown::features::FeatureConfig;
 use rundown::motion::{Evaluate, Line, Motion};
@@ -9,7 +10,6 @@ use rundown::state::{SIZE, SPEED};
 use rundown::track::{Direction, Track};
 use rundown::train::{Train, TrainDescription};
 use rundown::ukf::{Process, Spread};
-use nalgebra::SVector;
 
 /// Section 4.1, per rotating mass.
 const DAVIS: Davis = Davis {
@@ -26,7 +26,10 @@ fn near(found: f64, expected: f64, tolerance: f64) -> bool {
 fn weights_of_the_central_point_are_near_1_7_million() {
     let (w0_mean, w0_covariance, w) = Spread::PAPER.weights(SIZE);
     assert!(near(w0_mean, -1_666_665.67, 0.01), "{w0_mean}");
-    assert!(near(w0_covariance - w0_mean, 3.0 - 1e-6, 1e-6), "{w0_covariance}");
+    assert!(
+        near(w0_covariance - w0_mean, 3.0 - 1e-6, 1e-6),
+        "{w0_covariance}"
+    );
     assert!(near(w, 166_666.67, 0.01), "{w}");
     assert!(near(Spread::PAPER.reach(SIZE), 3e-6, 1e-20));
 }
@@ -68,7 +71,11 @@ fn regime_thresholds_are_those_of_section_3_2() {
         (0.0251, -0.06, Regime::Traction),
         (-0.0251, -0.06, Regime::Brake),
     ] {
-        assert_eq!(rule.recognise(effort, acceleration), regime, "{effort} {acceleration}");
+        assert_eq!(
+            rule.recognise(effort, acceleration),
+            regime,
+            "{effort} {acceleration}"
+        );
     }
 }
 
@@ -76,7 +83,9 @@ fn regime_thresholds_are_those_of_section_3_2() {
 fn at_140_kmh_air_takes_three_quarters_of_the_resistance() {
     let v = 140.0 / 3.6;
     let r = DAVIS.resistance_n_per_kg(v);
-    let percent = DAVIS.terms_n_per_kg(v).map(|term| (100.0 * term / r).round());
+    let percent = DAVIS
+        .terms_n_per_kg(v)
+        .map(|term| (100.0 * term / r).round());
     assert_eq!(percent, [13.0, 11.0, 76.0]);
 }
 

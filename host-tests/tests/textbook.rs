@@ -124,7 +124,8 @@ fn witness_step<const N: usize>(
     let reuse = case.reuse_points;
     match z {
         [Some(_), Some(_)] => {
-            let step = textbook::step(case.shape, belief, f, q, reuse, &[read(0), read(1)]).unwrap();
+            let step =
+                textbook::step(case.shape, belief, f, q, reuse, &[read(0), read(1)]).unwrap();
             (step.posterior, step.innovation.into())
         }
         [None, None] => {
@@ -177,13 +178,16 @@ fn compare<const N: usize>(case: &Case, begin: Gaussian<N>) -> Difference {
         let noisy = |x: f64, sd: f64, rng: &mut rand_chacha::ChaCha8Rng| {
             Some(x + sd * rng.random_range(-1.7..1.7))
         };
-        let mut z = [noisy(truth[LOCATION], 4.0, &mut rng), noisy(truth[SPEED], 0.28, &mut rng)];
+        let mut z = [
+            noisy(truth[LOCATION], 4.0, &mut rng),
+            noisy(truth[SPEED], 0.28, &mut rng),
+        ];
         if case.gaps {
             z[0] = z[0].filter(|_| k % 3 != 0);
             z[1] = z[1].filter(|_| k % 4 != 0);
         }
-        let motion = Motion::new(&line, &ours.mean, effort, dt_s, case.evaluate)
-            .with_noise(case.noise_mps2);
+        let motion =
+            Motion::new(&line, &ours.mean, effort, dt_s, case.evaluate).with_noise(case.noise_mps2);
         let found = ukf.step(&mut ours, &motion, &observation, &z).unwrap();
         let motion = textbook::Motion::new(line, &theirs.mean, effort, dt_s, case.evaluate);
         let q = motion.noise(case.noise_mps2);
@@ -210,7 +214,10 @@ fn begin(case: &Case) -> Gaussian<SIZE> {
 fn agrees(case: &Case, tolerance_sd: f64) {
     let difference = compare(case, begin(case));
     println!("{difference:.1e?} {case:?}");
-    assert!(difference.largest() < tolerance_sd, "{difference:?} {case:?}");
+    assert!(
+        difference.largest() < tolerance_sd,
+        "{difference:?} {case:?}"
+    );
 }
 
 /// Every combination of Q, direction, midway evaluation and missing readings; points redrawn and, with Q = 0, reused.
@@ -271,12 +278,27 @@ fn points_of_table_1_agree_as_far_as_the_witness_reaches() {
 #[test]
 fn table_1_agrees_as_far_as_the_witness_reaches() {
     let sd = [1.0, 0.0005, 1e-6, 1e-8, 1e-9];
-    agrees(&Case { sd, reuse_points: true, ..CASE }, 1e-9);
+    agrees(
+        &Case {
+            sd,
+            reuse_points: true,
+            ..CASE
+        },
+        1e-9,
+    );
     let shape = Shape {
         alpha: 1e-3,
         ..WIDE
     };
-    agrees(&Case { sd, shape, reuse_points: true, ..CASE }, 0.3);
+    agrees(
+        &Case {
+            sd,
+            shape,
+            reuse_points: true,
+            ..CASE
+        },
+        0.3,
+    );
 }
 
 #[test]

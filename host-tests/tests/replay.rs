@@ -1,0 +1,152 @@
+//! Did the answer change? Replays of fixed runs against `data/golden/replay.csv`, our own last accepted answer.
+//!
+//! `BLESS=1 cargo test -p host-tests --test replay` rewrites it; the commit then says why it moved.
+
+use host_tests::accuracy::{estimator, measurements, resistance};
+use host_tests::scenario::{Scenario, simulate};
+use host_tests::sensors::Sensors;
+use rundown::config::{Config, Mode};
+use rundown::estimator::Estimator;
+use rundown::measurement::Measurement;
+use rundown::regime::Regime;
+use rundown::track::Direction;
+use sim_harness::track_file::TrackFile;
+use sim_harness::train_file::TrainFile;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Columns after the name, each with the difference that is accepted: another platform rounds libm the same, so these only hide the printing.
+const COLUMNS: [(&str, f64); 10] = [
+    ("ticks", 0.0),
+    ("r60_n_per_kg", 2e-8),
+    ("r140_n_per_kg", 2e-8),
+    ("sd_r100_n_per_kg", 2e-8),
+    ("learned_s", 0.01),
+    ("coast_share", 1e-4),
+    ("cruise_kmh", 0.01),
+    ("final_brake_s", 0.01),
+    ("final_brake_m", 0.1),
+    ("power_w_per_kg", 1e-4),
+];
+
+fn data(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../data")
+        .join(path)
+}
+
+/// One row: replay of a run by a new vehicle.
+fn row(name: &str, estimator: &Estimator, measurements: &[Measurement]) -> (String, Vec<f64>) {
+    let mut vehicle = estimator.new_vehicle();
+    let mut run = estimator.begin_run(&vehicle, Direction::Up);
+    let ticks = measurements
+        .iter()
+        .filter(|measurement| estimator.step(&mut run, measurement).is_ok())
+        .count();
+    let summary = estimator.end_run(&run, &mut vehicle);
+    let features = &summary.features;
+    let time_s: f64 = features.regime_time_s.iter().sum();
+    let brake = features.final_brake;
+    let missing = -1.0;
+    let values = vec![
+        ticks as f64,
+        resistance(&summary.run_davis, 60.0).0,
+        resistance(&summary.run_davis, 140.0).0,
+        resistance(&summary.run_davis, 100.0).1,
+        summary.learned_s,
+        features.regime_time_s[Regime::Coast as usize] / time_s,
+        features
+            .cruise_speed_median_mps
+            .map_or(missing, |v| 3.6 * v),
+        brake.map_or(missing, |brake| brake.start_time_s),
+        brake.map_or(missing, |brake| brake.start_location_m),
+        features.power_w_per_kg.mean,
+    ];
+    (name.to_owned(), values)
+}
+
+fn rows() -> Vec<(String, Vec<f64>)> {
+    let mut rows = Vec::new();
+    let (_, track) = TrackFile::read(&data("reference/track.toml")).unwrap();
+    let (_, train) = TrainFile::read(&data("reference/train.toml")).unwrap();
+    let mut log = csv::Reader::from_path(data("reference/run01.csv")).unwrap();
+    let reference: Vec<Measurement> = log
+        .deserialize::<(f64, f64, f64)>()
+        .map(|row| {
+            let (time_s, location_m, speed_kmh) = row.unwrap();
+            Measurement {
+                time_s,
+                location_m: Some(location_m),
+                speed_mps: Some(speed_kmh / 3.6),
+                effort_n_per_kg: None,
+            }
+        })
+        .collect();
+    for (name, mode) in [
+        ("reference paper", Mode::Paper),
+        ("reference gated", Mode::Gated),
+    ] {
+        let estimator = Estimator::try_new(Config::with_mode(mode), train, track.clone()).unwrap();
+        rows.push(row(name, &estimator, &reference));
+    }
+    let fast = Sensors {
+        sampling_s: 1.0,
+        ..Sensors::default()
+    };
+    let dropouts = Sensors {
+        dropout_probability: 0.1,
+        ..Sensors::default()
+    };
+    for (name, mode, sensors) in [
+        ("simulated gated 10 s", Mode::Gated, Sensors::default()),
+        ("simulated gated 1 s", Mode::Gated, fast),
+        ("simulated gated dropouts", Mode::Gated, dropouts),
+        (
+            "simulated measured 10 s",
+            Mode::Measured,
+            Sensors::default(),
+        ),
+    ] {
+        let scenario = Scenario {
+            sensors,
+            davis_scale: [0.9, 1.1, 0.95],
+            ..Scenario::default()
+        };
+        let run = simulate(&scenario, 2024);
+        let estimator = estimator(Config::with_mode(mode), &scenario);
+        rows.push(row(name, &estimator, &measurements(&run)));
+    }
+    rows
+}
+
+#[test]
+fn replays_give_the_accepted_answers() {
+    let rows = rows();
+    let path = data("golden/replay.csv");
+    if std::env::var_os("BLESS").is_some() {
+        let names: Vec<&str> = COLUMNS.iter().map(|(name, _)| *name).collect();
+        let mut table = format!("run,{}\n", names.join(","));
+        for (name, values) in &rows {
+            let cells: Vec<String> = values.iter().map(|value| format!("{value:.8}")).collect();
+            writeln!(table, "{name},{}", cells.join(",")).unwrap();
+        }
+        std::fs::write(&path, table).unwrap();
+        println!("wrote data/golden/replay.csv");
+        return;
+    }
+    let golden =
+        std::fs::read_to_string(&path).expect("data/golden/replay.csv: run once with BLESS=1");
+    assert_eq!(golden.lines().count(), rows.len() + 1);
+    for (line, (name, values)) in golden.lines().skip(1).zip(&rows) {
+        let mut cells = line.split(',');
+        assert_eq!(cells.next(), Some(name.as_str()));
+        for ((cell, value), (column, tolerance)) in cells.zip(values).zip(COLUMNS) {
+            let accepted: f64 = cell.parse().unwrap();
+            let moved = (accepted - value).abs();
+            assert!(
+                moved <= tolerance + 1e-8,
+                "{name}: {column} was {accepted}, is {value}"
+            );
+        }
+    }
+}
