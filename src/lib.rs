@@ -1,4 +1,67 @@
-//! Rundown
+//! Rundown: on-board train motion estimator after Cunillera et al. 2022, `no_std`, in fixed memory.
+//!
+//! ```text
+//!              set once: Config, Train, Track                        carried from run to run: Vehicle (memory)
+//!                          |                                                  |            ^
+//!                          v                                                  v            |
+//! measurement -> plausibility -> kinematics -> effort -> regime -> learning (ukf, motion) -+-> estimate
+//!                                     |                    |                                     |
+//!                                     |                    +-- one tick later, confirmed --> features -> summary
+//!                                     +-> paper (ukf, motion), instead of regime and learning in the `paper` mode
+//! ```
+//!
+//! [`estimator`] alone knows this order.
+//!
+//! | equation, section | item |
+//! |---|---|
+//! | Eq. (1) solved for the effort | [`effort`] |
+//! | Eq. (2) Davis | [`resistance::Davis`] |
+//! | Eq. (3)-(5) motion | [`motion::Motion`] |
+//! | Eq. (6) measurement | [`learning::LocationAndSpeed`] |
+//! | Eq. (7)-(18) filter | [`ukf::Ukf`], [`elimination`] |
+//! | Table 1 | [`config::PaperConfig`] |
+//! | section 3.2 regimes | [`regime::PaperRule`], [`regime::Recogniser`] |
+//! | section 3.3 features | [`features`] |
+//!
+//! *Tick*: one measurement and its answer. *Run*: from one long stop to the next. *Regime*: what the driver does. *Vehicle*: what is known of the train beyond the day.
+//! *Final coast*: coasting before the brake that leaves line speed. Effort and resistance are per rotating mass γ m, in N/kg; traction positive, brake negative, uphill positive,
+//! resistance positive against travel.
+//!
+//! ```
+//! use rundown::{config::Config, estimator::Estimator, measurement::Measurement, resistance::Davis};
+//! use rundown::{track::*, train::*};
+//!
+//! let train = Train::try_new(TrainDescription {
+//!     mass_kg: 364e3, rotating_mass_factor: 1.06, length_m: 162.0,
+//!     davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
+//!     max_tractive_effort_n: 192.92e3, max_power_w: 2.036e6, max_brake_mps2: 0.66,
+//! })?;
+//! let track = Track::try_new(32e3, [Gradient { from_m: 0.0, permille: 0.0 }])?;
+//! let estimator = Estimator::try_new(Config::default(), train, track)?;
+//! let mut vehicle = estimator.new_vehicle();
+//! let mut run = estimator.begin_run(&vehicle, Direction::Up);
+//!
+//! // A train coasts from 140 km/h with a tenth less resistance than described.
+//! let (mut location_m, mut speed_mps) = (0.0, 140.0 / 3.6);
+//! for tick in 0..30 {
+//!     estimator.step(&mut run, &Measurement {
+//!         time_s: 10.0 * f64::from(tick),
+//!         location_m: Some(location_m),
+//!         speed_mps: Some((speed_mps * 3.6_f64).round() / 3.6),
+//!         effort_n_per_kg: None,
+//!     })?;
+//!     for _ in 0..100 {
+//!         let r = 0.9 * train.davis().resistance_n_per_kg(speed_mps);
+//!         location_m += 0.1 * speed_mps;
+//!         speed_mps -= 0.1 * r;
+//!     }
+//! }
+//! let summary = estimator.end_run(&run, &mut vehicle);
+//! let [r0, r1, r2] = summary.run_davis.mean.into();
+//! let learned = Davis { r0, r1, r2 }.resistance_n_per_kg(30.0) / train.davis().resistance_n_per_kg(30.0);
+//! assert!((learned - 0.9).abs() < 0.02, "{learned}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

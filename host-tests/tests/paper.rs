@@ -119,7 +119,8 @@ fn lost_mps(v0: f64, davis: &Davis, sub_steps: u32, evaluate: Evaluate) -> f64 {
     let mut x = SVector::from([0.0, v0, davis.r0, davis.r1, davis.r2]);
     for _ in 0..sub_steps {
         let motion = Motion::new(&line, &x, 0.0, 10.0 / f64::from(sub_steps), evaluate);
-        x.rows_mut(0, 2).copy_from(&motion.advance(&x));
+        let moved = motion.advance(&x);
+        x.rows_mut(0, 2).copy_from(&moved);
     }
     v0 - x[SPEED]
 }
@@ -177,7 +178,5 @@ fn midway_sub_steps_of_2_5_s_take_the_bias_away() {
         let bias = bias_percent(kmh / 3.6, 4, Evaluate::Midway);
         println!("midway, 2.5 s, {kmh} km/h: {bias:.5} %");
         assert!(bias.abs() < 0.02, "{kmh} km/h: {bias} %");
-        let single = bias_percent(kmh / 3.6, 1, Evaluate::Midway);
-        assert!(single.abs() < 0.02, "one step, {kmh} km/h: {single} %");
     }
 }
