@@ -177,6 +177,7 @@ impl Estimator {
             .judge(
                 &config.plausibility,
                 &config.sensor,
+                &self.train,
                 self.track.length_m(),
                 run.direction,
                 measurement,

@@ -7,10 +7,10 @@
 //! a  = u - r0 - r1 w - r2 w² - g                                       Eq. (5)
 //! ```
 //!
-//! As printed, w = v and g is taken at s: both at the beginning of the step. Over 10 s at 100 km/h the train slows while it coasts, and one
-//! such step takes too much resistance: an estimate of r comes out 1.4 % too small. [`Evaluate::Midway`] takes w and g where the train is half a step later; the lead is a
-//! number found at the mean, the same for all sigma points, so that the equation keeps its form. With steps of 2.5 s the
-//! remaining error is below 0.01 % (`host-tests/tests/paper.rs` measures both).
+//! As printed, w = v and g is taken at s: both at the beginning of the step. A coasting train slows meanwhile, so one such step of 10 s takes too much
+//! resistance, and an estimate of r comes out 0.86 % too small at 100 km/h. [`Evaluate::Midway`] takes w and g where the train is half a step later; the
+//! lead is a number found at the mean, the same for all sigma points, so that the equation keeps its form. With steps of 2.5 s the
+//! remaining error is below 0.001 % (`host-tests/tests/paper.rs` measures both).
 
 use crate::Real;
 use crate::state::{GAIN, LOCATION, MOVING, R0, R1, R2, SPEED};

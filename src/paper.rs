@@ -2,7 +2,9 @@
 //!
 //! In: readings. Out: state, effort, acceleration, innovation. The order inside a step, found by running eight readings of the paper:
 //!
-//! 1. predict from x[k-1] with u[k-1], 2. update, 3. u[k] = (z_v[k] - z_v[k-1]) / Δt + r(v) + g(s) at the filtered state.
+//! 1. predict from `x[k-1]` with `u[k-1]`,
+//! 2. update,
+//! 3. `u[k] = (z_v[k] - z_v[k-1]) / Δt + r(v) + g(s)` at the filtered state.
 //!
 //! Kept exact, as the reference. Its true resistance cancels out: the estimate does not follow it.
 

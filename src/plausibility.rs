@@ -18,7 +18,11 @@ use crate::config::{ConfigError, SensorConfig, between};
 use crate::estimate::Cause;
 use crate::measurement::Measurement;
 use crate::track::Direction;
+use crate::train::Train;
 use serde::{Deserialize, Serialize};
+
+/// Gravity on a descent of 30 permille, N/kg.
+const DESCENT_N_PER_KG: Real = 0.3;
 
 /// When a reading is not believed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,7 +30,7 @@ use serde::{Deserialize, Serialize};
 pub struct PlausibilityConfig {
     /// Fastest believable speed, km/h.
     pub max_speed_kmh: Real,
-    /// Largest believable change of speed, m/s²; slip and slide lie beyond.
+    /// Largest believable change of speed, m/s², and not more than twice the train's effort upwards; slip and slide lie beyond.
     pub max_acceleration_mps2: Real,
     /// How far a location may lie from where the speed leads, m, beyond `location_share`.
     pub location_jump_m: Real,
@@ -135,6 +139,7 @@ impl Plausibility {
         &mut self,
         config: &PlausibilityConfig,
         sensor: &SensorConfig,
+        train: &Train,
         track_length_m: Real,
         direction: Direction,
         measurement: &Measurement,
@@ -152,7 +157,7 @@ impl Plausibility {
         self.last_time_s = Some(time_s);
 
         let before_mps = self.speed.map(|(speed_mps, _)| speed_mps);
-        let mut speed_mps = self.judge_speed(config, sensor, dt_s, measurement.speed_mps);
+        let mut speed_mps = self.judge_speed(config, sensor, train, dt_s, measurement.speed_mps);
         let now_mps = speed_mps.ok().or(before_mps);
         let run_m = match (before_mps, now_mps) {
             (Some(before), Some(now)) => 0.5 * (before + now) * dt_s,
@@ -200,6 +205,7 @@ impl Plausibility {
         &mut self,
         config: &PlausibilityConfig,
         sensor: &SensorConfig,
+        train: &Train,
         dt_s: Real,
         reading_mps: Option<Real>,
     ) -> Result<Real, Cause> {
@@ -214,7 +220,12 @@ impl Plausibility {
         let quantum_mps = sensor.speed_quantum_kmh / 3.6;
         let possible = |from_mps: Real, age_s: Real| {
             let margin_mps = quantum_mps + 6.0 * sensor.speed_noise_kmh / 3.6;
-            (speed_mps - from_mps).abs() <= config.max_acceleration_mps2 * age_s + margin_mps
+            // Twice what the train is described to do and a steep descent: descriptions are rough.
+            let by_train = 2.0 * train.max_effort_n_per_kg(from_mps) + DESCENT_N_PER_KG;
+            let up = config.max_acceleration_mps2.min(by_train);
+            let change_mps = speed_mps - from_mps;
+            -config.max_acceleration_mps2 * age_s <= change_mps + margin_mps
+                && change_mps <= up * age_s + margin_mps
         };
         if let Some((last_mps, age_s)) = self.speed {
             if !possible(last_mps, age_s) {

@@ -122,7 +122,7 @@ pub struct Table {
     pub running: [Errors; 3],
     /// True and estimated deviation of r at 60, 100, 140 km/h after the first run.
     pub slope: [Vec<(f64, f64)>; 3],
-    /// Causal and confirmed: confusion[true][recognised], indices as `Regime::ALL`.
+    /// Causal and confirmed: rows are the truth, columns what was recognised, indices as `Regime::ALL`.
     pub confusion: [[[f64; 5]; 5]; 2],
     /// Absolute errors: brake start s, coast start s, cruise km/h, power %.
     pub features: [Vec<f64>; 4],

@@ -3,7 +3,7 @@
 //! In: a belief, any function f, a measurement of some of the components. Out: the belief one step later, and what lay between.
 //!
 //! Written from Eq. (7)-(18) alone, with nalgebra's matrices and its own Cholesky loop. From `rundown` it takes only the containers
-//! ([`Gaussian`], [`Spread`]) and, in [`Motion`], the descriptions of track and train: weights, points, sums, gain and update are its own.
+//! ([`Gaussian`], `Spread`) and, in [`Motion`], the descriptions of track and train: weights, points, sums, gain and update are its own.
 //!
 //! ```text
 //! X0 = x, X_i = x ± sqrt(L + λ) l_i         Eq. (7), (8)     Y_i = f(X_i)

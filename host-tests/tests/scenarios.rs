@@ -1,0 +1,394 @@
+//! Does it behave? Logs with faults cut into them; every scenario is judged against truth or against the same log without the fault.
+
+use host_tests::accuracy::{estimator, measurements, resistance};
+use host_tests::scenario::{Run, Scenario, simulate};
+use host_tests::sensors::Sensors;
+use rundown::config::{Config, Mode};
+use rundown::estimate::{Cause, Estimate, Validity};
+use rundown::estimator::{Estimator, RunSummary, StepError};
+use rundown::measurement::Measurement;
+use rundown::regime::Regime;
+use rundown::state::{LOCATION, SPEED};
+use rundown::track::Direction;
+
+const SEED: u64 = 31;
+
+fn clean() -> (Estimator, Run, Vec<Measurement>) {
+    let scenario = Scenario::default();
+    let run = simulate(&scenario, SEED);
+    let log = measurements(&run);
+    (estimator(Config::default(), &scenario), run, log)
+}
+
+fn replay(estimator: &Estimator, log: &[Measurement]) -> (Vec<Estimate>, RunSummary) {
+    let mut vehicle = estimator.new_vehicle();
+    let mut run = estimator.begin_run(&vehicle, Direction::Up);
+    let estimates: Vec<Estimate> = log
+        .iter()
+        .filter_map(|measurement| estimator.step(&mut run, measurement).ok())
+        .collect();
+    for estimate in &estimates {
+        assert!(estimate.belief.is_finite(), "at {} s", estimate.time_s);
+        assert!(
+            estimate.belief.mean[SPEED] >= 0.0,
+            "at {} s",
+            estimate.time_s
+        );
+    }
+    let summary = estimator.end_run(&run, &mut vehicle);
+    (estimates, summary)
+}
+
+/// Index of the first sample at or after a share of the final coast.
+fn in_final_coast(run: &Run, share: f64) -> usize {
+    let coast_s = run.facts.final_coast.unwrap().time_s;
+    let brake_s = run.facts.final_brake.time_s;
+    let at_s = coast_s + share * (brake_s - coast_s);
+    run.samples
+        .iter()
+        .position(|sample| sample.time_s >= at_s)
+        .unwrap()
+}
+
+fn davis_bits(estimate: &Estimate) -> Vec<u64> {
+    let belief = &estimate.belief;
+    (2..5)
+        .flat_map(|i| {
+            (i..5)
+                .map(move |j| belief.covariance[(i, j)])
+                .chain([belief.mean[i]])
+        })
+        .map(f64::to_bits)
+        .collect()
+}
+
+#[test]
+fn a_location_jump_of_5_km_is_held_for_one_tick_and_hardly_moves_the_resistance() {
+    // Given a coasting train
+    let (estimator, run, mut log) = clean();
+    let (_, without) = replay(&estimator, &log);
+    let k = in_final_coast(&run, 0.5);
+    // When one location is 5 km off
+    log[k].location_m = log[k].location_m.map(|m| m + 5000.0);
+    let (estimates, with) = replay(&estimator, &log);
+    // Then it is dropped with its cause, the next tick is valid, and r is the same
+    assert_eq!(estimates[k].validity, Validity::Held(Cause::LocationJump));
+    assert_eq!(estimates[k + 1].validity, Validity::Valid);
+    assert!((estimates[k].belief.mean[LOCATION] - run.truth[k].location_m).abs() < 60.0);
+    let (r, sd) = resistance(&without.run_davis, 100.0);
+    assert!((resistance(&with.run_davis, 100.0).0 - r).abs() < 0.1 * sd);
+}
+
+#[test]
+fn a_location_shift_that_stays_is_believed_after_three_fixes() {
+    let (estimator, run, mut log) = clean();
+    let k = in_final_coast(&run, 0.3);
+    // When all locations from here on are 1 km further
+    for measurement in &mut log[k..] {
+        measurement.location_m = measurement.location_m.map(|m| m + 1000.0);
+    }
+    let (estimates, _) = replay(&estimator, &log);
+    // Then two are dropped, the third is taken up
+    assert_eq!(estimates[k].validity, Validity::Held(Cause::LocationJump));
+    let settled = &estimates[k + 3];
+    assert_eq!(settled.validity, Validity::Valid);
+    assert!((settled.belief.mean[LOCATION] - run.truth[k + 3].location_m - 1000.0).abs() < 60.0);
+}
+
+#[test]
+fn ten_minutes_without_location_freeze_the_resistance_and_widen_the_location() {
+    let (estimator, run, mut log) = clean();
+    let k = in_final_coast(&run, 0.2);
+    let end = (k + 60).min(log.len() - 6);
+    for measurement in &mut log[k..end] {
+        measurement.location_m = None;
+    }
+    let (estimates, _) = replay(&estimator, &log);
+    // Held at once, invalid after a minute, valid with the first fixes after
+    assert_eq!(estimates[k].validity, Validity::Held(Cause::NoLocation));
+    assert_eq!(
+        estimates[k + 7].validity,
+        Validity::Invalid(Cause::NoLocation)
+    );
+    assert!((end..end + 3).any(|i| estimates[i].validity == Validity::Valid));
+    // The standard deviation of the location rises until then; r stands still once the longest gap has passed
+    let sd = |i: usize| estimates[i].belief.sd(LOCATION);
+    assert!((k + 6..end - 1).all(|i| sd(i + 1) >= sd(i)));
+    assert!((k + 8..end).all(|i| davis_bits(&estimates[i]) == davis_bits(&estimates[k + 8])));
+    let error_m = estimates[end - 1].belief.mean[LOCATION] - run.truth[end - 1].location_m;
+    assert!(error_m.abs() < 3.0 * sd(end - 1), "{error_m}");
+}
+
+#[test]
+fn minutes_without_speed_are_bridged_by_the_true_time() {
+    let (estimator, run, mut log) = clean();
+    let k = in_final_coast(&run, 0.4);
+    for measurement in &mut log[k..k + 12] {
+        measurement.speed_mps = None;
+    }
+    let (estimates, summary) = replay(&estimator, &log);
+    assert_eq!(estimates[k].validity, Validity::Held(Cause::NoSpeed));
+    assert_eq!(
+        estimates[k + 11].validity,
+        Validity::Invalid(Cause::NoSpeed)
+    );
+    assert_eq!(estimates[k + 12].validity, Validity::Valid);
+    let (r, sd) = resistance(&summary.run_davis, 100.0);
+    let truth = run.facts.davis.resistance_n_per_kg(100.0 / 3.6);
+    assert!((r - truth).abs() < 3.0 * sd);
+}
+
+#[test]
+fn repeated_and_backward_times_change_nothing_but_their_counter() {
+    let (estimator, _, log) = clean();
+    let (expected, _) = replay(&estimator, &log);
+    let mut dirty = log.clone();
+    dirty.insert(40, log[39]);
+    dirty.insert(60, log[20]);
+    let mut vehicle = estimator.new_vehicle();
+    let mut run = estimator.begin_run(&vehicle, Direction::Up);
+    let mut found = Vec::new();
+    for measurement in &dirty {
+        match estimator.step(&mut run, measurement) {
+            Ok(estimate) => found.push(estimate),
+            Err(StepError::TimeNotIncreasing { last_s, found_s }) => assert!(found_s <= last_s),
+            Err(other) => panic!("{other}"),
+        }
+    }
+    assert_eq!(found, expected);
+    assert_eq!(
+        estimator
+            .end_run(&run, &mut vehicle)
+            .counters
+            .time_not_increasing,
+        2
+    );
+}
+
+#[test]
+fn a_stuck_speed_is_found_while_the_train_brakes() {
+    let (estimator, run, mut log) = clean();
+    // Given a train that brakes, when its speed reading stays what it was
+    let k = run
+        .samples
+        .iter()
+        .position(|sample| sample.time_s >= run.facts.final_brake.time_s)
+        .unwrap();
+    let stuck = log[k - 1].speed_mps;
+    for measurement in &mut log[k..] {
+        measurement.speed_mps = stuck;
+    }
+    let (estimates, summary) = replay(&estimator, &log);
+    // Then it is named within six samples, and nothing is learned from then on
+    assert!(summary.counters.of(Cause::StuckSpeed) > 0);
+    let named = (k..k + 7).find(|&i| estimates[i].validity == Validity::Invalid(Cause::StuckSpeed));
+    let named = named.expect("named within seven samples");
+    assert!(estimates[named..].iter().all(|estimate| !estimate.learning));
+}
+
+#[test]
+fn a_steady_speed_is_not_a_stuck_one() {
+    // Given a train that holds 139.7 km/h for ten minutes, read as 140
+    let (estimator, ..) = clean();
+    let log: Vec<Measurement> = (0..60)
+        .map(|k| {
+            let time_s = 10.0 * f64::from(k);
+            let noise_m = 4.0 * f64::from((k * 7) % 5 - 2);
+            Measurement {
+                time_s,
+                location_m: Some(139.7 / 3.6 * time_s + noise_m),
+                speed_mps: Some(140.0 / 3.6),
+                effort_n_per_kg: None,
+            }
+        })
+        .collect();
+    let (estimates, _) = replay(&estimator, &log);
+    assert!(
+        estimates
+            .iter()
+            .all(|estimate| estimate.validity == Validity::Valid)
+    );
+}
+
+#[test]
+fn a_stuck_location_is_named_and_the_speed_is_used() {
+    let (estimator, run, mut log) = clean();
+    let k = in_final_coast(&run, 0.3);
+    let stuck = log[k - 1].location_m;
+    for measurement in &mut log[k..k + 10] {
+        measurement.location_m = stuck;
+    }
+    let (estimates, summary) = replay(&estimator, &log);
+    assert!(summary.counters.of(Cause::StuckLocation) >= 8);
+    let error_m = estimates[k + 9].belief.mean[LOCATION] - run.truth[k + 9].location_m;
+    assert!(error_m.abs() < 150.0, "{error_m}");
+}
+
+#[test]
+fn a_reversing_train_is_flagged_and_teaches_nothing() {
+    // Given a train that coasts backwards along its direction of travel
+    let (estimator, ..) = clean();
+    let log: Vec<Measurement> = (0..40)
+        .map(|k| {
+            let time_s = 10.0 * f64::from(k);
+            let speed_mps = 30.0 - 0.03 * time_s;
+            Measurement {
+                time_s,
+                location_m: Some(20_000.0 - 30.0 * time_s + 0.015 * time_s * time_s),
+                speed_mps: Some((3.6 * speed_mps).round() / 3.6),
+                effort_n_per_kg: None,
+            }
+        })
+        .collect();
+    let (estimates, summary) = replay(&estimator, &log);
+    assert!(summary.counters.of(Cause::Reversing) > 30);
+    assert_eq!(davis_bits(&estimates[0]), davis_bits(&estimates[39]));
+    assert_eq!(summary.learned_s, 0.0);
+}
+
+#[test]
+fn eight_hours_of_standstill_change_nothing() {
+    let (estimator, _, mut log) = clean();
+    let last = *log.last().unwrap();
+    let at = log.len();
+    for k in 1..=2880 {
+        let mut still = last;
+        still.time_s += 10.0 * f64::from(k);
+        still.speed_mps = Some(0.0);
+        log.push(still);
+    }
+    let (estimates, _) = replay(&estimator, &log);
+    let first = davis_bits(&estimates[at + 1]);
+    assert!(
+        estimates[at + 1..]
+            .iter()
+            .all(|estimate| davis_bits(estimate) == first)
+    );
+    assert!(
+        estimates[at + 1..]
+            .iter()
+            .all(|estimate| estimate.regime == Regime::Standstill)
+    );
+    assert!(estimates.last().unwrap().belief.sd(LOCATION) <= 40.0);
+}
+
+#[test]
+fn a_slip_of_30_kmh_is_dropped() {
+    let (estimator, run, mut log) = clean();
+    let k = in_final_coast(&run, 0.5);
+    let (_, without) = replay(&estimator, &log);
+    log[k].speed_mps = log[k].speed_mps.map(|v| v + 30.0 / 3.6);
+    let (estimates, with) = replay(&estimator, &log);
+    let taken = (estimates[k].belief.mean[SPEED] - run.truth[k].speed_mps).abs();
+    assert!(
+        taken < 1.5 || estimates[k].validity != Validity::Valid,
+        "{taken} m/s"
+    );
+    let (r, sd) = resistance(&without.run_davis, 100.0);
+    assert!((resistance(&with.run_davis, 100.0).0 - r).abs() < 3.0 * sd);
+}
+
+#[test]
+fn unreadable_fields_are_dropped_and_the_others_used() {
+    let (estimator, run, mut log) = clean();
+    let k = in_final_coast(&run, 0.5);
+    for (i, wild) in [f64::NAN, f64::INFINITY, -5.0, 1e300, f64::NEG_INFINITY]
+        .into_iter()
+        .enumerate()
+    {
+        log[k + 2 * i].speed_mps = Some(wild);
+        log[k + 2 * i + 1].location_m = Some(if wild == -5.0 { 1e9 } else { wild });
+    }
+    let (estimates, summary) = replay(&estimator, &log);
+    assert_eq!(summary.counters.of(Cause::SpeedOutOfRange), 5);
+    assert!(summary.counters.of(Cause::LocationOutOfRange) >= 4);
+    assert_eq!(
+        estimates[k].validity,
+        Validity::Held(Cause::SpeedOutOfRange)
+    );
+    assert_eq!(estimates[k + 12].validity, Validity::Valid);
+}
+
+#[test]
+fn a_pause_of_eleven_minutes_begins_anew_and_keeps_what_was_learned() {
+    let (estimator, run, log) = clean();
+    let k = in_final_coast(&run, 0.7);
+    let mut paused = log.clone();
+    for measurement in &mut paused[k..] {
+        measurement.time_s += 660.0;
+    }
+    let (estimates, summary) = replay(&estimator, &paused);
+    assert_eq!(summary.counters.of(Cause::LongGap), 1);
+    assert_eq!(estimates[k].dt_s, 0.0);
+    assert_eq!(davis_bits(&estimates[k]), davis_bits(&estimates[k - 1]));
+}
+
+#[test]
+fn random_loss_of_samples_costs_precision_and_no_truth() {
+    for share in [0.1, 0.3, 0.5] {
+        let scenario = Scenario {
+            sensors: Sensors {
+                dropout_probability: share,
+                ..Sensors::default()
+            },
+            ..Scenario::default()
+        };
+        for seed in 0..10 {
+            let run = simulate(&scenario, seed);
+            let estimator = estimator(Config::default(), &scenario);
+            let (_, summary) = replay(&estimator, &measurements(&run));
+            let (r, sd) = resistance(&summary.run_davis, 100.0);
+            let truth = run.facts.davis.resistance_n_per_kg(100.0 / 3.6);
+            assert!((r - truth).abs() < 3.5 * sd, "loss {share}, seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn clean_logs_raise_no_alarm() {
+    for (name, sensors) in [
+        ("10 s", Sensors::default()),
+        (
+            "1 s",
+            Sensors {
+                sampling_s: 1.0,
+                ..Sensors::default()
+            },
+        ),
+        (
+            "worn wheel",
+            Sensors {
+                speed_gain: 1.013,
+                ..Sensors::default()
+            },
+        ),
+    ] {
+        let scenario = Scenario {
+            sensors,
+            ..Scenario::default()
+        };
+        for seed in 0..20 {
+            let run = simulate(&scenario, seed);
+            let estimator = estimator(Config::default(), &scenario);
+            let (_, summary) = replay(&estimator, &measurements(&run));
+            for (cause, count) in summary.counters.iter() {
+                assert_eq!(count, 0, "{name}, seed {seed}: {}", cause.as_str());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_hostile_configuration_is_refused_whole() {
+    for spoil in [
+        |config: &mut Config| config.learning.gate = f64::NAN,
+        |config: &mut Config| config.sensor.location_sd_m = 0.0,
+        |config: &mut Config| config.memory.vehicle_shape_sd = -1.0,
+        |config: &mut Config| config.recogniser.interval_s = 1e9,
+        |config: &mut Config| config.plausibility.long_gap_s = f64::INFINITY,
+    ] {
+        let mut config = Config::with_mode(Mode::Measured);
+        spoil(&mut config);
+        assert!(config.check().is_err());
+    }
+}
