@@ -171,28 +171,59 @@ impl Track {
         self.point(location_m).height_m
     }
 
+    #[inline]
     fn point(&self, location_m: Real) -> Point {
         // The number of pieces that begin at or before the location; 0 means the flat start.
         let piece = self.pieces.partition_point(|p| p.from_m <= location_m);
-        let height_m = match self.begun(piece) {
-            Some(p) => p.height_m + (location_m - p.from_m) * p.slope,
-            None => 0.0,
+        let flat = Piece {
+            from_m: Real::NEG_INFINITY,
+            slope: 0.0,
+            height_m: 0.0,
         };
-        Point {
+        let begun = self.begun(piece).copied().unwrap_or(flat);
+        let mut point = Point {
             location_m,
             piece,
-            height_m,
+            height_m: 0.0,
+            begun,
+            until_m: self.pieces.get(piece).map_or(Real::INFINITY, |p| p.from_m),
+        };
+        point.height_m = point.height_in_piece_m(location_m);
+        point
+    }
+
+    /// As [`Track::point`]; no search when the location lies in the piece of `near`.
+    #[inline]
+    fn point_near(&self, near: &Point, location_m: Real) -> Point {
+        if near.begun.from_m <= location_m && location_m < near.until_m {
+            Point {
+                location_m,
+                height_m: near.height_in_piece_m(location_m),
+                ..*near
+            }
+        } else {
+            self.point(location_m)
         }
     }
 
     /// The piece in which a point with `count` begun pieces lies.
+    #[inline]
     fn begun(&self, count: usize) -> Option<&Piece> {
         self.pieces.get(count.wrapping_sub(1))
     }
 
     /// Height gained from a point over a distance of either sign, m: summed piece by piece, so that it is exact
     /// to rounding of the distance even where the height is large and the distance tiny.
+    #[inline]
     fn rise_m(&self, from: &Point, distance_m: Real) -> Real {
+        let end_m = from.location_m + distance_m;
+        if from.begun.from_m <= end_m && end_m <= from.until_m {
+            return distance_m * from.begun.slope;
+        }
+        self.rise_over_edges_m(from, distance_m)
+    }
+
+    fn rise_over_edges_m(&self, from: &Point, distance_m: Real) -> Real {
         let end_m = from.location_m + distance_m;
         let mut piece = from.piece;
         let mut at_m = from.location_m;
@@ -229,6 +260,19 @@ struct Point {
     location_m: Real,
     piece: usize,
     height_m: Real,
+    /// The piece and where it ends; kept here because most shifts stay within it.
+    begun: Piece,
+    until_m: Real,
+}
+
+impl Point {
+    #[inline]
+    fn height_in_piece_m(&self, location_m: Real) -> Real {
+        if self.piece == 0 {
+            return 0.0;
+        }
+        self.begun.height_m + (location_m - self.begun.from_m) * self.begun.slope
+    }
 }
 
 /// A train standing on a track: two searches at construction, none afterwards.
@@ -242,16 +286,18 @@ pub struct UnderTrain<'a> {
 
 impl<'a> UnderTrain<'a> {
     /// Finds front and tail. `train_length_m` above 0.
+    #[inline]
     pub fn new(
         track: &'a Track,
         front_m: Real,
         train_length_m: Real,
         direction: Direction,
     ) -> Self {
+        let front = track.point(front_m);
         Self {
             track,
-            front: track.point(front_m),
-            tail: track.point(front_m - direction.sign() * train_length_m),
+            front,
+            tail: track.point_near(&front, front_m - direction.sign() * train_length_m),
             train_length_m,
         }
     }
@@ -265,6 +311,7 @@ impl<'a> UnderTrain<'a> {
     ///
     /// A difference of its own, because two mean gradients subtracted would leave nothing but rounding for the
     /// millimetre shifts of the paper's sigma points (α = 0.001).
+    #[inline]
     pub fn mean_gradient_change(&self, shift_m: Real) -> Real {
         let front_m = self.track.rise_m(&self.front, shift_m);
         let tail_m = self.track.rise_m(&self.tail, shift_m);

@@ -251,7 +251,7 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         if let (Some(q), false) = (&noise, self.reuse_points) {
             next.covariance += q;
         }
-        let innovation = self.update(&mut next, observation, z)?;
+        let innovation = self.take_in(&mut next, observation, z)?;
         if let (Some(q), true) = (&noise, self.reuse_points) {
             next.covariance += q;
         }
@@ -347,6 +347,19 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         z: &[Option<Real>; M],
     ) -> Result<Innovation<M>, NotPositiveDefinite> {
         let mut next = *belief;
+        let innovation = self.take_in(&mut next, observation, z)?;
+        *belief = next;
+        Ok(innovation)
+    }
+
+    /// As [`Ukf::update`], on a belief of the caller's own: after an error it is of no use.
+    #[inline]
+    fn take_in(
+        &self,
+        next: &mut Gaussian<N>,
+        observation: &impl Observation<N, M>,
+        z: &[Option<Real>; M],
+    ) -> Result<Innovation<M>, NotPositiveDefinite> {
         let mut innovation = Innovation {
             value: SVector::zeros(),
             covariance: SMatrix::zeros(),
@@ -354,7 +367,10 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
             sequential: [(0.0, 0.0); M],
         };
         for i in 0..M {
-            let p_h = project(&belief.covariance, observation, i);
+            if let Some(z) = z[i] {
+                innovation.value[i] = z - observation.read(i, &next.mean);
+            }
+            let p_h = project(&next.covariance, observation, i);
             for j in i..M {
                 innovation.covariance[(i, j)] = observation.read(j, &p_h);
                 innovation.covariance[(j, i)] = innovation.covariance[(i, j)];
@@ -363,7 +379,6 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         }
         for i in 0..M {
             let Some(z) = z[i] else { continue };
-            innovation.value[i] = z - observation.read(i, &belief.mean);
             let p_h = project(&next.covariance, observation, i);
             let value = z - observation.read(i, &next.mean);
             let variance = observation.read(i, &p_h) + observation.variance(i);
@@ -375,14 +390,17 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
                 continue;
             }
             innovation.readings[i] = Reading::Used;
-            let gain = p_h / variance; // Eq. (16)
+            let gain = p_h * (1.0 / variance); // Eq. (16)
             next.mean += gain * value; // Eq. (17)
             for j in 0..N {
                 for k in j..N {
                     // Eq. (18); both halves get the same bits, so the covariance stays symmetric.
-                    let entry = next.covariance[(j, k)] - gain[j] * p_h[k];
-                    next.covariance[(j, k)] = entry;
-                    next.covariance[(k, j)] = entry;
+                    next.covariance[(k, j)] -= gain[j] * p_h[k];
+                }
+            }
+            for j in 0..N {
+                for k in j + 1..N {
+                    next.covariance[(j, k)] = next.covariance[(k, j)];
                 }
             }
         }
@@ -390,12 +408,12 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
             let pivot = next.covariance[(row, row)];
             above_zero(pivot, row)?;
         }
-        *belief = next;
         Ok(innovation)
     }
 }
 
 /// P hᵢ, the column of the covariance that belongs to reading i.
+#[inline]
 fn project<const N: usize, const M: usize>(
     covariance: &SMatrix<Real, N, N>,
     observation: &impl Observation<N, M>,
