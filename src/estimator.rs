@@ -293,10 +293,12 @@ impl Estimator {
             location_m: next.belief.mean[LOCATION],
             speed_mps: next.belief.mean[SPEED],
         });
-        let regime = self
+        let confirmed = run.unconfirmed.map(|_| run.regime);
+        run.regime = self
             .config
             .paper_rule
             .recognise(next.effort_n_per_kg, next.acceleration_mps2);
+        let regime = run.regime;
         Estimate {
             time_s: judged.time_s,
             dt_s: judged.dt_s,
@@ -305,7 +307,7 @@ impl Estimator {
             acceleration_mps2: Some(next.acceleration_mps2),
             gradient_n_per_kg: line.gradient_n_per_kg(next.belief.mean[LOCATION]),
             regime,
-            confirmed: run.unconfirmed.map(|last| last.regime),
+            confirmed,
             learning: innovation.is_some(),
             innovation,
             validity,
@@ -522,7 +524,9 @@ impl Estimator {
     /// Hands the last tick to the features, now that its regime is confirmed, and keeps this one.
     fn observe(&self, run: &mut RunState, line: &Line<'_>, judged: &Judged, estimate: &Estimate) {
         if let (Some(mut last), Some(regime)) = (run.unconfirmed, estimate.confirmed) {
-            last.regime = regime;
+            if last.regime != Regime::Standstill {
+                last.regime = regime;
+            }
             run.features.observe(&self.config.features, &last);
         }
         let davis = estimate.davis();
@@ -550,7 +554,11 @@ impl Estimator {
             acceleration_mps2: effort.map(|effort| effort.acceleration_mps2),
             gradient_n_per_kg: estimate.gradient_n_per_kg,
             davis,
-            regime: estimate.regime,
+            // The paper's rule knows no standstill, but the features end their phases with one.
+            regime: match judged.speed_mps {
+                Ok(0.0) => Regime::Standstill,
+                _ => estimate.regime,
+            },
         });
     }
 }
