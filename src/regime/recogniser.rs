@@ -81,7 +81,8 @@ impl RecogniserConfig {
 }
 
 /// Probability of the regime of the next ten seconds, given the regime now (rows and columns as [`Regime::ALL`]).
-/// From counting drivers: accelerations last about 2 min, cruising and coasting 3-5 min, brakes 1.5 min.
+/// Set by hand so that accelerations and brakes last one to two minutes and cruising and coasting two to three, shorter than in the case study
+/// (section 4.3); not fitted to any set of runs.
 const TRANSITION: [[Real; COUNT]; COUNT] = [
     [0.80, 0.19, 0.00, 0.005, 0.005],
     [0.005, 0.885, 0.05, 0.05, 0.01],
