@@ -120,6 +120,11 @@ impl Estimator {
         })
     }
 
+    /// The train as it was described.
+    pub fn train(&self) -> &Train {
+        &self.train
+    }
+
     /// The configuration in force.
     pub fn config(&self) -> &Config {
         &self.config

@@ -9,7 +9,7 @@ use rundown::estimator::{Estimator, RunSummary, StepError};
 use rundown::measurement::Measurement;
 use rundown::regime::Regime;
 use rundown::state::{LOCATION, SPEED};
-use rundown::track::Direction;
+use rundown::track::{Direction, Gradient, Track};
 
 const SEED: u64 = 31;
 
@@ -390,5 +390,51 @@ fn a_hostile_configuration_is_refused_whole() {
         let mut config = Config::with_mode(Mode::Measured);
         spoil(&mut config);
         assert!(config.check().is_err());
+    }
+}
+
+#[test]
+fn a_train_going_down_a_mirrored_line_learns_the_same() {
+    // Given a run up a line, and the same run down the line mirrored
+    let scenario = Scenario {
+        line: host_tests::line::Line::hilly(7),
+        ..Scenario::default()
+    };
+    let run = simulate(&scenario, SEED);
+    let up = estimator(Config::default(), &scenario);
+    let (_, expected) = replay(&up, &measurements(&run));
+    let length_m = scenario.line.length_m();
+    let gradients = scenario.line.gradients_permille();
+    let ends_m = gradients.iter().skip(1).map(|&(from_m, _)| from_m);
+    let ends_m = ends_m.chain([length_m + 1000.0]);
+    let mut mirrored: Vec<Gradient> = gradients
+        .iter()
+        .zip(ends_m)
+        .map(|(&(_, permille), end_m)| Gradient {
+            from_m: length_m - end_m,
+            permille: -permille,
+        })
+        .collect();
+    mirrored.reverse();
+    mirrored.push(Gradient {
+        from_m: length_m - gradients[0].0,
+        permille: 0.0,
+    });
+    let track = Track::try_new(length_m, mirrored).unwrap();
+    let down = Estimator::try_new(Config::default(), *up.train(), track).unwrap();
+    let mut vehicle = down.new_vehicle();
+    let mut state = down.begin_run(&vehicle, Direction::Down);
+    for mut measurement in measurements(&run) {
+        measurement.location_m = measurement.location_m.map(|m| length_m - m);
+        let estimate = down.step(&mut state, &measurement).unwrap();
+        assert_eq!(estimate.validity, Validity::Valid);
+    }
+    let found = down.end_run(&state, &mut vehicle);
+    // Then both say the same of the train
+    assert!(expected.learned_s > 100.0);
+    assert_eq!(found.learned_s, expected.learned_s);
+    for kmh in [60.0, 100.0, 140.0] {
+        let (r, _) = resistance(&expected.run_davis, kmh);
+        assert!((resistance(&found.run_davis, kmh).0 / r - 1.0).abs() < 1e-9);
     }
 }
