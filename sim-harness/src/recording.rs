@@ -2,7 +2,7 @@
 //!
 //! In: a [`RunLog`], the track's centre line, the direction as far as it is known. Out: a [`Recording`]: one [`Measurement`] for each row.
 //!
-//! A log without a column `location_m` is matched onto the centre line. Direction: that of the index, else the one asked for, else found
+//! A log without a column `location_m`, or with an empty one, is matched onto the centre line. Direction: that of the index, else the one asked for, else found
 //! from the locations ([`DirectionChoice::Auto`]): the median of the last ones against the median of the first ones.
 
 use crate::map_matching::{CentreLine, MatchState, NoMatch};
@@ -88,15 +88,21 @@ impl Recording {
         log.warnings
             .iter()
             .for_each(|complaint| warn(complaint.to_string()));
-        let locations = if log.has_location_column {
-            log.samples.iter().map(|sample| sample.location_m).collect()
-        } else {
-            let Some(line) = line else {
+        let read = log.samples.iter().any(|sample| sample.location_m.is_some());
+        let fixes = log
+            .samples
+            .iter()
+            .any(|sample| sample.latitude_deg.is_some());
+        let locations = match line {
+            Some(line) if !read && (fixes || !log.has_location_column) => {
+                matched(line, &log.samples, &mut warn)
+            }
+            None if !log.has_location_column => {
                 return Err(RecordingError::NoCentreLine {
                     path: file.path.clone(),
                 });
-            };
-            matched(line, &log.samples, &mut warn)
+            }
+            _ => log.samples.iter().map(|sample| sample.location_m).collect(),
         };
         let direction = direction(file.direction, choice, &locations, &mut warn);
         let rows = log.samples.iter().zip(locations).map(row).collect();
@@ -313,6 +319,11 @@ mod tests {
             recording(text, None, None),
             Err(RecordingError::NoCentreLine { .. })
         ));
+        let empty =
+            "time_s,location_m,speed_kmh,latitude_deg,longitude_deg\n0,,0,51.05,5\n1,,0,51.04,5\n";
+        let run = recording(empty, Some(&line), None).unwrap();
+        let first_m = run.rows[0].measurement.location_m.map(f64::round);
+        assert_eq!(first_m, Some(5563.0));
     }
 
     #[test]
