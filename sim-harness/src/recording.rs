@@ -94,7 +94,7 @@ impl Recording {
             .iter()
             .any(|sample| sample.latitude_deg.is_some());
         let locations = match line {
-            Some(line) if !read && (fixes || !log.has_location_column) => {
+            Some(line) if !log.has_location_column || (fixes && !read) => {
                 matched(line, &log.samples, &mut warn)
             }
             None if !log.has_location_column => {
