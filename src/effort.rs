@@ -11,9 +11,10 @@
 use crate::Real;
 use crate::motion::Line;
 use crate::resistance::Davis;
+use serde::{Deserialize, Serialize};
 
 /// A point of the run: when, where, how fast.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Time, s.
     pub time_s: Real,

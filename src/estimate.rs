@@ -5,6 +5,7 @@ use crate::regime::Regime;
 use crate::resistance::Davis;
 use crate::state::{self, Gaussian, SIZE};
 use crate::ukf::Innovation;
+use serde::{Deserialize, Serialize};
 
 /// The answer to one measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +42,7 @@ impl Estimate {
 }
 
 /// How far an estimate may be trusted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Validity {
     /// Location and speed were measured and agree.
     #[default]
@@ -72,7 +73,7 @@ impl Validity {
 }
 
 /// Why a reading was not used, or an estimate is not valid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Cause {
     /// The location was not sent.
@@ -138,7 +139,7 @@ impl Cause {
 }
 
 /// How often each cause occurred in a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counters {
     counts: [u32; Cause::ALL.len()],
     /// Measurements dropped because their time did not increase.

@@ -7,17 +7,18 @@ use crate::Real;
 use crate::config::{Config, ConfigError, Mode};
 use crate::effort::{self, Point};
 use crate::estimate::{Cause, Counters, Estimate, Validity};
-use crate::features::{FeatureExtractor, Features, Observation};
+use crate::features::{Features, Observation};
 use crate::kinematics::Kinematics;
-use crate::learning::{Learner, Tick};
+use crate::learning::Tick;
 use crate::measurement::Measurement;
 use crate::memory::Vehicle;
 use crate::motion::Line;
 use crate::paper::PaperLoop;
-use crate::plausibility::{Judged, Plausibility};
+use crate::plausibility::Judged;
 use crate::regime::{Evidence, Recogniser, Regime};
 use crate::resistance::Davis;
-use crate::state::{Gaussian, LOCATION, R0, SIZE, SPEED};
+use crate::run_state::RunState;
+use crate::state::{Gaussian, LOCATION, SPEED};
 use crate::track::{Direction, Track};
 use crate::train::Train;
 use core::fmt;
@@ -34,35 +35,6 @@ pub struct Estimator {
     config: Config,
     train: Train,
     track: Track,
-}
-
-/// What changes every tick of a run. Made by [`Estimator::begin_run`].
-#[derive(Clone, Debug)]
-pub struct RunState {
-    direction: Direction,
-    /// What was believed of this run's train when it began.
-    begin: Gaussian<3>,
-    plausibility: Plausibility,
-    kinematics: Kinematics,
-    paper: Option<PaperLoop>,
-    learner: Learner,
-    /// Regimes at the anchor.
-    recogniser: Recogniser,
-    /// Regime at the last tick.
-    regime: Regime,
-    /// Where the current piece of evidence began.
-    anchor: Option<Point>,
-    /// Last tick with a speed, for the effort of one interval.
-    last: Option<Point>,
-    last_effort_n_per_kg: Option<Real>,
-    /// Last speed reading, for the features.
-    reading: Option<Point>,
-    /// The last tick waits here until its regime is confirmed.
-    unconfirmed: Option<Observation>,
-    without_location_s: Real,
-    without_speed_s: Real,
-    features: FeatureExtractor,
-    counters: Counters,
 }
 
 /// Why a measurement gave no estimate. Nothing has changed but its counter.
@@ -142,29 +114,18 @@ impl Estimator {
 
     /// Begins a run with what is known of the vehicle.
     pub fn begin_run(&self, vehicle: &Vehicle, direction: Direction) -> RunState {
+        let mut run = RunState::idle();
+        self.begin_run_in(&mut run, vehicle, direction);
+        run
+    }
+
+    /// As [`Estimator::begin_run`], in the place of another run: a run takes 14 kB, which the board never has on its stack.
+    pub fn begin_run_in(&self, run: &mut RunState, vehicle: &Vehicle, direction: Direction) {
         let begin = match self.config.mode {
             Mode::Paper => vehicle.davis(),
             Mode::Gated | Mode::Measured => vehicle.next_run(&self.config.memory),
         };
-        RunState {
-            direction,
-            begin,
-            plausibility: Plausibility::default(),
-            kinematics: Kinematics::default(),
-            paper: None,
-            learner: Learner::new(&self.config.learning, &begin),
-            recogniser: Recogniser::default(),
-            regime: Regime::Standstill,
-            anchor: None,
-            last: None,
-            last_effort_n_per_kg: None,
-            reading: None,
-            unconfirmed: None,
-            without_location_s: 0.0,
-            without_speed_s: 0.0,
-            features: FeatureExtractor::new(),
-            counters: Counters::default(),
-        }
+        run.begin(&self.config.learning, begin, direction);
     }
 
     /// One tick.
@@ -210,7 +171,7 @@ impl Estimator {
     }
 
     /// Ends a run: what it said about the train goes into the vehicle's memory.
-    pub fn end_run(&self, run: &RunState, vehicle: &mut Vehicle) -> RunSummary {
+    pub fn end_run(&self, run: &mut RunState, vehicle: &mut Vehicle) -> RunSummary {
         let run_davis = run.davis();
         match self.config.mode {
             Mode::Paper => vehicle.replace(&run_davis),
@@ -218,12 +179,11 @@ impl Estimator {
                 vehicle.learn(&self.config.memory, &run.begin, &run_davis);
             }
         }
-        let mut features = run.features.clone();
-        if let Some(last) = &run.unconfirmed {
-            features.observe(&self.config.features, last);
+        if let Some(last) = run.unconfirmed.take() {
+            run.features.observe(&self.config.features, &last);
         }
         RunSummary {
-            features: features.features(&self.config.features),
+            features: run.features.features(&self.config.features),
             run_davis,
             gain: run.learner.gain(),
             learned_s: run.learner.learned_s(),
@@ -573,47 +533,6 @@ struct Recognition {
     effort: Option<effort::Effort>,
     confirmed: Option<Regime>,
     coasted: Real,
-}
-
-impl RunState {
-    /// This run's Davis coefficients.
-    fn davis(&self) -> Gaussian<3> {
-        match &self.paper {
-            Some(paper) => Gaussian {
-                mean: paper.belief.mean.fixed_rows::<3>(R0).into_owned(),
-                covariance: paper
-                    .belief
-                    .covariance
-                    .fixed_view::<3, 3>(R0, R0)
-                    .into_owned(),
-            },
-            None => self.learner.davis(),
-        }
-    }
-
-    /// The whole state: location and speed of the segment where one runs, of the readings elsewhere; the coefficients as far as they are valid.
-    fn belief(&self) -> Gaussian<SIZE> {
-        let moving = self
-            .learner
-            .moving()
-            .unwrap_or_else(|| self.kinematics.belief());
-        let davis = self.learner.davis();
-        let mut belief = Gaussian::independent([0.0; SIZE], [0.0; SIZE]);
-        belief
-            .mean
-            .fixed_rows_mut::<2>(LOCATION)
-            .copy_from(&moving.mean);
-        belief.mean.fixed_rows_mut::<3>(R0).copy_from(&davis.mean);
-        belief
-            .covariance
-            .fixed_view_mut::<2, 2>(LOCATION, LOCATION)
-            .copy_from(&moving.covariance);
-        belief
-            .covariance
-            .fixed_view_mut::<3, 3>(R0, R0)
-            .copy_from(&davis.covariance);
-        belief
-    }
 }
 
 fn davis_of(belief: &Gaussian<3>) -> Davis {

@@ -8,6 +8,7 @@ use crate::Real;
 use crate::config::SensorConfig;
 use crate::state::Gaussian;
 use nalgebra::{Matrix2, Vector2};
+use serde::{Deserialize, Serialize};
 
 /// What a driver may do to the speed while nobody reads it, m/s².
 const UNKNOWN_ACCELERATION_MPS2: Real = 0.3;
@@ -15,7 +16,7 @@ const UNKNOWN_ACCELERATION_MPS2: Real = 0.3;
 const DISTANCE_SHARE: Real = 0.01;
 
 /// Location and speed by dead reckoning.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Kinematics {
     location_m: Real,
     location_variance: Real,

@@ -147,14 +147,14 @@ pub struct Tick {
 const WAITING: usize = 8;
 
 /// A belief of the constants with the time when it was reached.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Reached {
     time_s: Real,
     constants: Gaussian<4>,
 }
 
 /// A running segment.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Segment {
     begin_s: Real,
     /// Up to here what was learned is valid.
@@ -166,7 +166,7 @@ struct Segment {
 }
 
 /// What is learned in one run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Learner {
     /// r0, r1, r2 and the gain of the effort.
     constants: Gaussian<4>,

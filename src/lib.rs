@@ -56,7 +56,7 @@
 //!         speed_mps -= 0.1 * r;
 //!     }
 //! }
-//! let summary = estimator.end_run(&run, &mut vehicle);
+//! let summary = estimator.end_run(&mut run, &mut vehicle);
 //! let [r0, r1, r2] = summary.run_davis.mean.into();
 //! let learned = Davis { r0, r1, r2 }.resistance_n_per_kg(30.0) / train.davis().resistance_n_per_kg(30.0);
 //! assert!((learned - 0.9).abs() < 0.02, "{learned}");
@@ -81,6 +81,7 @@ pub mod paper;
 pub mod plausibility;
 pub mod regime;
 pub mod resistance;
+pub mod run_state;
 pub mod state;
 pub mod track;
 pub mod train;

@@ -1,9 +1,10 @@
 //! One measurement as the recorder gives it.
 
 use crate::Real;
+use serde::{Deserialize, Serialize};
 
 /// One sample. A field that was not sent is `None`, never a zero.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
     /// Time on any monotonic clock, s.
     pub time_s: Real,

@@ -83,7 +83,7 @@ fn guarded(coefficient: Real) -> Real {
 }
 
 /// One scale of the deviation with its vehicle, in shares of the manufacturer's coefficients.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Hypothesis {
     scale: Real,
     weight: Real,
@@ -91,7 +91,7 @@ struct Hypothesis {
 }
 
 /// What is known of the vehicle. Survives the run; the only thing that is persisted of the resistance.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Vehicle {
     nominal: Davis,
     hypotheses: [Hypothesis; SCALES.len()],

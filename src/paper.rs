@@ -16,9 +16,10 @@ use crate::learning::LocationAndSpeed;
 use crate::motion::{Line, Motion};
 use crate::state::{self, Gaussian, LOCATION, R0, SIZE, SPEED};
 use crate::ukf::{Innovation, Ukf};
+use serde::{Deserialize, Serialize};
 
 /// State of the paper's loop.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PaperLoop {
     /// State and covariance.
     pub belief: Gaussian<SIZE>,

@@ -109,7 +109,7 @@ pub struct Judged {
 }
 
 /// What must be remembered to judge the next measurement.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Plausibility {
     last_time_s: Option<Real>,
     /// Last believed speed, and for how long it has been carried on.

@@ -7,9 +7,10 @@
 //! ```
 
 use crate::Real;
+use serde::{Deserialize, Serialize};
 
 /// Coefficients of the Davis equation, per rotating mass γ m.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Davis {
     /// Constant term in N/kg.
     pub r0: Real,

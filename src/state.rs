@@ -6,6 +6,7 @@
 use crate::Real;
 use crate::resistance::Davis;
 use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
 
 /// Location of the train's front along the track, m.
 pub const LOCATION: usize = 0;
@@ -28,7 +29,7 @@ pub const SIZE_WITH_GAIN: usize = 6;
 pub const MOVING: usize = 2;
 
 /// A normal distribution: what is believed of a state, or of the Davis coefficients alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gaussian<const N: usize> {
     /// Mean.
     pub mean: SVector<Real, N>,

@@ -11,12 +11,13 @@
 use crate::Real;
 use core::fmt;
 use heapless::Vec;
+use serde::{Deserialize, Serialize};
 
 /// Capacity of a track. The steepest real line at hand (5.8 km of Zurich's suburban railway) has 221 entries.
 pub const MAX_GRADIENTS: usize = 512;
 
 /// Direction of travel along the track's locations.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Direction {
     /// Locations grow.
     #[default]
@@ -36,7 +37,7 @@ impl Direction {
 }
 
 /// One entry of the gradient table: from here on, `permille`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gradient {
     /// Location where it begins, m.
     pub from_m: Real,

@@ -3,6 +3,7 @@
 use crate::Real;
 use crate::resistance::Davis;
 use core::fmt;
+use serde::{Deserialize, Serialize};
 
 /// A checked description of the train. Made by [`Train::try_new`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +12,7 @@ pub struct Train {
 }
 
 /// What a train file or train frame states; unchecked.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrainDescription {
     /// Mass as loaded, kg.
     pub mass_kg: Real,

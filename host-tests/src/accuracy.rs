@@ -61,7 +61,7 @@ pub fn replay(
         .iter()
         .map(|measurement| estimator.step(&mut state, measurement).unwrap())
         .collect();
-    let summary = estimator.end_run(&state, vehicle);
+    let summary = estimator.end_run(&mut state, vehicle);
     (estimates, summary)
 }
 

@@ -254,7 +254,7 @@ proptest! {
                 prop_assert!(finite(&estimate), "{mode:?} {measurement:?} {estimate:?}");
             }
         }
-        let summary = estimator.end_run(&state, &mut vehicle);
+        let summary = estimator.end_run(&mut state, &mut vehicle);
         prop_assert!(summary.run_davis.is_finite() && vehicle.davis().is_finite());
     }
 

@@ -43,7 +43,7 @@ fn row(name: &str, estimator: &Estimator, measurements: &[Measurement]) -> (Stri
         .iter()
         .filter(|measurement| estimator.step(&mut run, measurement).is_ok())
         .count();
-    let summary = estimator.end_run(&run, &mut vehicle);
+    let summary = estimator.end_run(&mut run, &mut vehicle);
     let features = &summary.features;
     let time_s: f64 = features.regime_time_s.iter().sum();
     let brake = features.final_brake;

@@ -35,7 +35,7 @@ fn replay(estimator: &Estimator, log: &[Measurement]) -> (Vec<Estimate>, RunSumm
             estimate.time_s
         );
     }
-    let summary = estimator.end_run(&run, &mut vehicle);
+    let summary = estimator.end_run(&mut run, &mut vehicle);
     (estimates, summary)
 }
 
@@ -158,7 +158,7 @@ fn repeated_and_backward_times_change_nothing_but_their_counter() {
     assert_eq!(found, expected);
     assert_eq!(
         estimator
-            .end_run(&run, &mut vehicle)
+            .end_run(&mut run, &mut vehicle)
             .counters
             .time_not_increasing,
         2
@@ -429,7 +429,7 @@ fn a_train_going_down_a_mirrored_line_learns_the_same() {
         let estimate = down.step(&mut state, &measurement).unwrap();
         assert_eq!(estimate.validity, Validity::Valid);
     }
-    let found = down.end_run(&state, &mut vehicle);
+    let found = down.end_run(&mut state, &mut vehicle);
     // Then both say the same of the train
     assert!(expected.learned_s > 100.0);
     assert_eq!(found.learned_s, expected.learned_s);

@@ -101,7 +101,7 @@ pub fn replay(
             }),
         }
     }
-    let summary = estimator.end_run(&run, vehicle);
+    let summary = estimator.end_run(&mut run, vehicle);
     ReplayedRun {
         name: recording.name.clone(),
         path: recording.path.clone(),

@@ -13,19 +13,25 @@
 use super::Statistic;
 use crate::Real;
 use crate::units::KmPerHour;
+use serde::{Deserialize, Serialize};
 
 const BINS: usize = 721;
 const BINS_PER_KMH: Real = 2.0;
 
 /// Histogram of the held speeds.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct HeldSpeeds {
+    #[serde(with = "serde_big_array::BigArray")]
     time_ms: [u32; BINS],
 }
 
 impl HeldSpeeds {
     pub(super) fn new() -> Self {
         Self { time_ms: [0; BINS] }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.time_ms.fill(0);
     }
 
     /// Adds a stretch in which the speed went from one value to the other in a straight line.

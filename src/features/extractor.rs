@@ -19,12 +19,13 @@ use crate::regime::Regime;
 use crate::resistance::Davis;
 use crate::units::KmPerHour;
 use heapless::{Deque, Vec};
+use serde::{Deserialize, Serialize};
 
 /// Boundaries kept with what is needed to place them; the final approach must lie within them.
 const MAX_RECENT: usize = 24;
 
 /// Collects the features of a run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct FeatureExtractor {
     before: Option<Observation>,
     stretches: Stretches,
@@ -77,6 +78,56 @@ impl FeatureExtractor {
             regime_time_s: [0.0; 5],
             energy: Energy::default(),
         }
+    }
+
+    /// As new, in place.
+    pub(crate) fn clear(&mut self) {
+        self.before = None;
+        self.stretches = Stretches::default();
+        self.steady_effort.clear();
+        self.steady_power.clear();
+        self.steady_brake.clear();
+        self.effort = LineFit::default();
+        self.power = Spread::default();
+        self.power_hindsight = Hindsight::default();
+        self.max_power_w_per_kg = None;
+        self.brake_rates = [Spread::default(); 5];
+        self.phases.clear();
+        self.course.clear();
+        self.recent.clear();
+        self.older.clear();
+        self.lost = 0;
+        self.top_speed_mps = 0.0;
+        self.arrival_top_speed_mps = 0.0;
+        self.regime_time_s = [0.0; 5];
+        self.energy = Energy::default();
+    }
+
+    /// Takes the fields of a snapshot, one after the other in place, in the order in which they are declared.
+    pub(crate) fn take_fields<'de>(
+        &mut self,
+        source: &mut postcard::Deserializer<'de, postcard::de_flavors::Slice<'de>>,
+    ) -> postcard::Result<()> {
+        self.before = Deserialize::deserialize(&mut *source)?;
+        self.stretches = Deserialize::deserialize(&mut *source)?;
+        self.steady_effort = Deserialize::deserialize(&mut *source)?;
+        self.steady_power = Deserialize::deserialize(&mut *source)?;
+        self.steady_brake = Deserialize::deserialize(&mut *source)?;
+        self.effort = Deserialize::deserialize(&mut *source)?;
+        self.power = Deserialize::deserialize(&mut *source)?;
+        self.power_hindsight = Deserialize::deserialize(&mut *source)?;
+        self.max_power_w_per_kg = Deserialize::deserialize(&mut *source)?;
+        self.brake_rates = Deserialize::deserialize(&mut *source)?;
+        self.phases = Deserialize::deserialize(&mut *source)?;
+        self.course = Deserialize::deserialize(&mut *source)?;
+        self.recent = Deserialize::deserialize(&mut *source)?;
+        self.older = Deserialize::deserialize(&mut *source)?;
+        self.lost = Deserialize::deserialize(&mut *source)?;
+        self.top_speed_mps = Deserialize::deserialize(&mut *source)?;
+        self.arrival_top_speed_mps = Deserialize::deserialize(&mut *source)?;
+        self.regime_time_s = Deserialize::deserialize(&mut *source)?;
+        self.energy = Deserialize::deserialize(&mut *source)?;
+        Ok(())
     }
 
     /// Takes the next tick, with its confirmed regime.

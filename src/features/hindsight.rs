@@ -9,9 +9,10 @@
 
 use crate::Real;
 use crate::resistance::Davis;
+use serde::{Deserialize, Serialize};
 
 /// Moments of the intervals that counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Hindsight {
     time_s: Real,
     /// Σ Δt v, Σ Δt v², Σ Δt v³.

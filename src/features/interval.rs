@@ -8,9 +8,10 @@
 use super::Observation;
 use crate::Real;
 use crate::regime::Regime;
+use serde::{Deserialize, Serialize};
 
 /// From one tick to the next, or several of them taken together.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Interval {
     /// Speed at its beginning, m/s.
     pub(super) before_mps: Real,
@@ -66,7 +67,7 @@ impl Interval {
 }
 
 /// Takes intervals together until they are long enough.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Stretches {
     open: Option<Interval>,
     time_s: [Real; 5],

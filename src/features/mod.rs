@@ -34,12 +34,13 @@ use crate::Real;
 use crate::regime::Regime;
 use crate::resistance::Davis;
 use heapless::Vec;
+use serde::{Deserialize, Serialize};
 
 /// Switching points kept in one run; later ones are counted only.
 pub const MAX_SWITCHING_POINTS: usize = 48;
 
 /// One tick as the features see it: its regime is the confirmed one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// Time of the tick, s.
     pub time_s: Real,
@@ -62,7 +63,7 @@ pub struct Observation {
 }
 
 /// Number of values, their mean and standard deviation (0 for fewer than two).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Statistic {
     /// Number of values.
     pub count: u32,
@@ -73,7 +74,7 @@ pub struct Statistic {
 }
 
 /// Effort as a straight line over speed, fitted between the configured speeds.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EffortLine {
     /// Effort over the values of the fit, N/kg: count, mean, standard deviation about the line.
     pub effort: Statistic,
@@ -84,7 +85,7 @@ pub struct EffortLine {
 }
 
 /// A stretch of one regime.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Phase {
     /// Time of its start, s, between two ticks where the speeds allow it.
     pub start_time_s: Real,
@@ -99,7 +100,7 @@ pub struct Phase {
 }
 
 /// Where one regime gave way to another.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SwitchingPoint {
     /// Time, s.
     pub time_s: Real,
@@ -114,7 +115,7 @@ pub struct SwitchingPoint {
 }
 
 /// Energy per rotating mass, J/kg; resistance terms as taken from the train over the run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energy {
     /// Work of the traction (efforts above 0, outside coasting and standstill).
     pub traction_j_per_kg: Real,
@@ -131,7 +132,7 @@ pub struct Energy {
 }
 
 /// What one run said. Everything is there from the first tick on; what was not seen has count 0 or is none.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Features {
     /// Largest tractive effort at low speed.
     pub max_effort: Option<EffortLine>,

@@ -28,6 +28,7 @@ use super::{FeatureConfig, Observation, SwitchingPoint};
 use crate::Real;
 use crate::regime::Regime;
 use heapless::Deque;
+use serde::{Deserialize, Serialize};
 
 const KNOTS: usize = 64;
 
@@ -35,7 +36,7 @@ const KNOTS: usize = 64;
 const LEAST_STEP_N_PER_KG: Real = 0.02;
 
 /// The course at one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Knot {
     time_s: Real,
     /// Effort integrated over time since the beginning, m/s.
@@ -45,7 +46,7 @@ struct Knot {
 }
 
 /// The last minutes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Course {
     knots: Deque<Knot, KNOTS>,
     head: Option<Knot>,
@@ -59,6 +60,12 @@ impl Course {
             head: None,
             last_good: None,
         }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.knots.clear();
+        self.head = None;
+        self.last_good = None;
     }
 
     /// Takes a tick. After a dropout the effort since the last good tick comes from the speeds at both ends, Eq. (1).

@@ -18,12 +18,13 @@ use crate::Real;
 use crate::regime::Regime;
 use crate::units::KmPerHour;
 use heapless::Vec;
+use serde::{Deserialize, Serialize};
 
 /// Samples of other regimes that are kept before the phase is closed. More of them are an end at any length.
 const MAX_PENDING: usize = 16;
 
 /// Where the samples change from one regime to another.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Boundary {
     /// End of the last sample before, s; a dropout behind it belongs to the regime after.
     pub(super) time_s: Real,
@@ -36,7 +37,7 @@ pub(super) struct Boundary {
 }
 
 /// Samples of one regime in a row.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Segment {
     regime: Regime,
     end_s: Real,
@@ -79,7 +80,7 @@ impl Segment {
 pub(super) type Boundaries = Vec<Boundary, { MAX_PENDING + 1 }>;
 
 /// Makes phases of samples.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Phases {
     phase: Option<Segment>,
     pending: Vec<Segment, MAX_PENDING>,
@@ -95,6 +96,13 @@ impl Phases {
             last: None,
             held_speeds: HeldSpeeds::new(),
         }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.phase = None;
+        self.pending.clear();
+        self.last = None;
+        self.held_speeds.clear();
     }
 
     /// Speeds held so far.

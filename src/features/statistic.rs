@@ -4,9 +4,10 @@
 
 use super::{EffortLine, Statistic};
 use crate::Real;
+use serde::{Deserialize, Serialize};
 
 /// Mean and standard deviation of values that lasted for different times (Welford's recurrence with weights).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Spread {
     count: u32,
     weight: Real,
@@ -43,7 +44,7 @@ impl Spread {
 }
 
 /// Least squares of y = a + b x.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct LineFit {
     count: u32,
     x: Real,

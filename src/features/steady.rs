@@ -9,11 +9,12 @@
 use super::interval::Interval;
 use crate::regime::Regime;
 use heapless::Vec;
+use serde::{Deserialize, Serialize};
 
 const MAX_HELD: usize = 12;
 
 /// The filter for one regime.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Steady {
     regime: Regime,
     /// The interval before was of the regime.
@@ -29,6 +30,11 @@ impl Steady {
             inside: false,
             held: Vec::new(),
         }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.inside = false;
+        self.held.clear();
     }
 
     /// Gives those intervals to `accept` that `next` shows to be steady.

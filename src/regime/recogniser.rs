@@ -109,7 +109,7 @@ pub struct Evidence {
 }
 
 /// Probability of each regime, indexed by `Regime as usize`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recogniser {
     probability: [Real; COUNT],
 }
