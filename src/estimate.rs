@@ -5,6 +5,7 @@ use crate::regime::Regime;
 use crate::resistance::Davis;
 use crate::state::{self, Gaussian, SIZE};
 use crate::ukf::Innovation;
+pub use rundown_wire::{Cause, Validity};
 use serde::{Deserialize, Serialize};
 
 /// The answer to one measurement.
@@ -38,103 +39,6 @@ impl Estimate {
     /// The Davis coefficients of this run's train.
     pub fn davis(&self) -> Davis {
         state::davis(&self.belief.mean)
-    }
-}
-
-/// How far an estimate may be trusted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Validity {
-    /// Location and speed were measured and agree.
-    #[default]
-    Valid,
-    /// A reading is missing or was not believed; its value is carried on from before.
-    Held(Cause),
-    /// Too long without a believable reading, or the readings contradict each other.
-    Invalid(Cause),
-}
-
-impl Validity {
-    /// The word used in every output: `valid`, `held` or `invalid`.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Valid => "valid",
-            Self::Held(_) => "held",
-            Self::Invalid(_) => "invalid",
-        }
-    }
-
-    /// Why it is not valid.
-    pub const fn cause(self) -> Option<Cause> {
-        match self {
-            Self::Valid => None,
-            Self::Held(cause) | Self::Invalid(cause) => Some(cause),
-        }
-    }
-}
-
-/// Why a reading was not used, or an estimate is not valid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum Cause {
-    /// The location was not sent.
-    NoLocation,
-    /// The speed was not sent.
-    NoSpeed,
-    /// Location not finite, or off the track.
-    LocationOutOfRange,
-    /// Speed not finite, negative or faster than any train.
-    SpeedOutOfRange,
-    /// Location far from where the speed leads.
-    LocationJump,
-    /// Speed changed faster than a train can.
-    SpeedJump,
-    /// Speed stays the same while the location says otherwise.
-    StuckSpeed,
-    /// Location stays the same while the train runs.
-    StuckLocation,
-    /// The train runs against its direction of travel.
-    Reversing,
-    /// Location and speed contradict each other in another way.
-    Contradiction,
-    /// No measurement for so long that location and speed were taken up anew.
-    LongGap,
-    /// The covariance was repaired.
-    Numerics,
-}
-
-impl Cause {
-    /// All causes, in the order of the counters.
-    pub const ALL: [Self; 12] = [
-        Self::NoLocation,
-        Self::NoSpeed,
-        Self::LocationOutOfRange,
-        Self::SpeedOutOfRange,
-        Self::LocationJump,
-        Self::SpeedJump,
-        Self::StuckSpeed,
-        Self::StuckLocation,
-        Self::Reversing,
-        Self::Contradiction,
-        Self::LongGap,
-        Self::Numerics,
-    ];
-
-    /// The word used in every output.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::NoLocation => "no_location",
-            Self::NoSpeed => "no_speed",
-            Self::LocationOutOfRange => "location_out_of_range",
-            Self::SpeedOutOfRange => "speed_out_of_range",
-            Self::LocationJump => "location_jump",
-            Self::SpeedJump => "speed_jump",
-            Self::StuckSpeed => "stuck_speed",
-            Self::StuckLocation => "stuck_location",
-            Self::Reversing => "reversing",
-            Self::Contradiction => "contradiction",
-            Self::LongGap => "long_gap",
-            Self::Numerics => "numerics",
-        }
     }
 }
 

@@ -3,54 +3,10 @@
 mod recogniser;
 
 pub use recogniser::{Evidence, Recognised, Recogniser, RecogniserConfig};
+pub use rundown_wire::Regime;
 
 use crate::Real;
 use serde::{Deserialize, Serialize};
-
-/// What the driver does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Regime {
-    /// The train stands.
-    #[default]
-    Standstill,
-    /// Effort applied to gain speed.
-    Traction,
-    /// Effort applied to hold the speed.
-    Cruise,
-    /// No effort applied.
-    Coast,
-    /// Brake applied.
-    Brake,
-}
-
-impl Regime {
-    /// All regimes, in the order of their frames and of arrays indexed by `as usize`.
-    pub const ALL: [Self; 5] = [
-        Self::Standstill,
-        Self::Traction,
-        Self::Cruise,
-        Self::Coast,
-        Self::Brake,
-    ];
-
-    /// The word used in every output.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Standstill => "standstill",
-            Self::Traction => "traction",
-            Self::Cruise => "cruise",
-            Self::Coast => "coast",
-            Self::Brake => "brake",
-        }
-    }
-}
-
-impl core::fmt::Display for Regime {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.pad(self.as_str())
-    }
-}
 
 /// Thresholds of the paper's rule.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,529 @@
+//! Downlink: what the board says. Each frame is a value of [`Body`]; numbers are `f32` in SI units, times `f64`.
+//!
+//! In a tick the frames come in this order: parameters, effort, the others that are due, and [`Estimate`] last: it closes the tick.
+
+use crate::envelope::{self, DecodeError, EncodeError};
+use crate::words::{Cause, Regime, Validity};
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// One frame of the board.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Downlink {
+    /// Counts every frame of the board; wraps. A gap is a loss.
+    pub sequence: u16,
+    /// Ticks since the board started, or since the tick of a restored snapshot.
+    pub tick: u32,
+    /// What it says.
+    pub body: Body,
+}
+
+impl Downlink {
+    /// Writes the message.
+    ///
+    /// # Errors
+    /// [`EncodeError`]: the buffer is shorter than [`MAX_MESSAGE`](crate::MAX_MESSAGE) and than the message.
+    pub fn encode<'a>(&self, buffer: &'a mut [u8]) -> Result<&'a [u8], EncodeError> {
+        envelope::encode(self, buffer)
+    }
+
+    /// Reads a message.
+    ///
+    /// # Errors
+    /// [`DecodeError`]; nothing panics, whatever the bytes are.
+    pub fn decode(message: &[u8]) -> Result<Self, DecodeError> {
+        envelope::decode(message)
+    }
+}
+
+/// The frames. New ones are appended, so that the numbers of the old ones stay.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one frame at a time is in memory, and there is no heap to box it"
+)]
+pub enum Body {
+    /// 0: where, how fast, which regime. Closes a tick.
+    Estimate(Estimate),
+    /// 1: the running resistance.
+    Parameters(Parameters),
+    /// 2: applied effort and what bounds it.
+    Effort(Effort),
+    /// 3: what the run has said of the driving style and the train's limits.
+    Features(Features),
+    /// 4: some of the run's switching points.
+    SwitchingPoints(SwitchingPoints),
+    /// 5: the named effects in the board's model.
+    Effects(Effects),
+    /// 6: how the board is.
+    Status(Status),
+    /// 7: what is known at the end of a run.
+    RunSummary(RunSummary),
+    /// 8: a piece of a snapshot of the whole run.
+    SnapshotPart(SnapshotPart),
+    /// 9: what became of an uplink frame.
+    Answer(Answer),
+}
+
+impl Body {
+    /// The word used in every output.
+    pub const fn as_str(&self) -> &'static str {
+        match self {
+            Self::Estimate(_) => "estimate",
+            Self::Parameters(_) => "parameters",
+            Self::Effort(_) => "effort",
+            Self::Features(_) => "features",
+            Self::SwitchingPoints(_) => "switching_points",
+            Self::Effects(_) => "effects",
+            Self::Status(_) => "status",
+            Self::RunSummary(_) => "run_summary",
+            Self::SnapshotPart(_) => "snapshot_part",
+            Self::Answer(_) => "answer",
+        }
+    }
+}
+
+/// A value and its standard deviation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Value {
+    /// The value.
+    pub value: f32,
+    /// Its standard deviation.
+    pub sd: f32,
+}
+
+/// Where, how fast, which regime.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// Time of the measurement, s, on the sender's clock.
+    pub time_s: f64,
+    /// Time since the measurement before, s; 0 at the first one.
+    pub dt_s: f32,
+    /// Location of the front, m.
+    pub location_m: Value,
+    /// Speed, m/s.
+    pub speed_mps: Value,
+    /// Regime as far as it is known at this tick.
+    pub regime: Regime,
+    /// Regime of the tick before, with one more sample known.
+    pub confirmed: Option<Regime>,
+    /// The resistance was learned from this measurement.
+    pub learning: bool,
+    /// How far location and speed may be trusted.
+    pub validity: Validity,
+    /// CRC-32C of the estimate in full precision: equal digests, equal states.
+    #[serde(with = "postcard::fixint::le")]
+    pub digest: u32,
+}
+
+/// How far the resistance may be trusted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Learned {
+    /// Nothing to speak of yet: these are the manufacturer's values.
+    #[default]
+    NotYet,
+    /// Learned from this train's runs.
+    Learned,
+    /// The estimate lies outside what a train can have; the values are cut off there.
+    OutOfBounds,
+}
+
+impl Learned {
+    /// The word used in every output.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::NotYet => "not_yet",
+            Self::Learned => "learned",
+            Self::OutOfBounds => "out_of_bounds",
+        }
+    }
+}
+
+/// The running resistance r(v) = r0 + r1 v + r2 v² per rotating mass.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Parameters {
+    /// Constant term, N/kg.
+    pub r0: Value,
+    /// Linear term, N/(kg m/s).
+    pub r1: Value,
+    /// Quadratic term, N/(kg (m/s)²).
+    pub r2: Value,
+    /// Correlations r0-r1, r0-r2, r1-r2: with them r(v) has a standard deviation at any speed.
+    pub correlation: [f32; 3],
+    /// How far they may be trusted. Changes with hysteresis.
+    pub learned: Learned,
+    /// Gain of the measured effort, true over measured, where the board learns it.
+    pub gain: Option<Value>,
+}
+
+/// Applied effort per rotating mass, N/kg, and what bounds it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Effort {
+    /// Applied effort, mean since the measurement before; traction positive.
+    pub effort_n_per_kg: Option<f32>,
+    /// Acceleration, m/s², mean since the measurement before.
+    pub acceleration_mps2: Option<f32>,
+    /// Resistance of the gradient under the train, uphill positive.
+    pub gradient_n_per_kg: f32,
+    /// Largest traction at this speed by the train's description.
+    pub max_traction_n_per_kg: f32,
+    /// Largest brake effort by the train's description, positive.
+    pub max_brake_n_per_kg: f32,
+}
+
+/// Number of values, their mean and standard deviation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Statistic {
+    /// Number of values; 0 means that there is none.
+    pub count: u32,
+    /// Mean.
+    pub mean: f32,
+    /// Standard deviation.
+    pub sd: f32,
+}
+
+/// A stretch of one regime.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Phase {
+    /// Time of its start, s, on the sender's clock.
+    pub start_time_s: f64,
+    /// Location of its start, m.
+    pub start_location_m: f32,
+    /// Speed at its start, m/s.
+    pub start_speed_mps: f32,
+    /// Duration, s.
+    pub duration_s: f32,
+    /// Length, m.
+    pub length_m: f32,
+}
+
+/// The largest tractive effort as a line over speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EffortLine {
+    /// Efforts of the fit, N/kg.
+    pub effort_n_per_kg: Statistic,
+    /// Effort at the lower end of the speed window, N/kg.
+    pub at_lower_n_per_kg: f32,
+    /// Slope, N/kg per m/s.
+    pub slope: f32,
+}
+
+/// What the run has said of the driving style and the train's limits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Features {
+    /// Largest tractive effort at low speed.
+    pub max_effort: Option<EffortLine>,
+    /// Mean tractive power per rotating mass, W/kg.
+    pub power_w_per_kg: Statistic,
+    /// Its largest value, W/kg.
+    pub max_power_w_per_kg: Option<f32>,
+    /// Brake rates by ATB-EG step, m/s², positive: above 130, 130-80, 80-60, 60-40, below 40 km/h.
+    pub brake_rate_mps2: [Statistic; 5],
+    /// Cruise speed, m/s; its count is in s.
+    pub cruise_speed_mps: Statistic,
+    /// Median of the cruise speed, m/s.
+    pub cruise_speed_median_mps: Option<f32>,
+    /// The coasting before the final brake.
+    pub final_coast: Option<Phase>,
+    /// The brake into the last stop.
+    pub final_brake: Option<Phase>,
+    /// Time in standstill, traction, cruise, coast, brake, s.
+    pub regime_time_s: [f32; 5],
+    /// Work of the traction, J/kg.
+    pub traction_j_per_kg: f32,
+    /// Work taken out by the brake, J/kg.
+    pub brake_j_per_kg: f32,
+    /// Work of r0, r1 v, r2 v² and the gradient, J/kg.
+    pub resistance_j_per_kg: [f32; 4],
+}
+
+/// Where one regime gave way to another.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SwitchingPoint {
+    /// Time, s, on the sender's clock.
+    pub time_s: f64,
+    /// Location, m.
+    pub location_m: f32,
+    /// Speed, m/s.
+    pub speed_mps: f32,
+    /// Regime before.
+    pub from: Regime,
+    /// Regime after.
+    pub to: Regime,
+}
+
+/// Switching points in one frame.
+pub const SWITCHING_POINTS: usize = 16;
+
+/// Some of the run's switching points.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SwitchingPoints {
+    /// Number of the first one here, counted from 0 over the run.
+    pub first: u16,
+    /// How many the run has.
+    pub total: u16,
+    /// How many more there were than the board keeps.
+    pub lost: u32,
+    /// The points.
+    pub points: Vec<SwitchingPoint, SWITCHING_POINTS>,
+}
+
+/// Values that an effect may have.
+pub const EFFECT_VALUES: usize = 4;
+
+/// A named effect of the model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Effect {
+    /// Its number in the table of `WIRE.md`.
+    pub kind: u8,
+    /// Where it begins and ends, m; none: everywhere.
+    pub section_m: Option<[f64; 2]>,
+    /// Its parameters, in the order of the table.
+    pub values: Vec<f64, EFFECT_VALUES>,
+}
+
+/// Effects in one frame, and on the board.
+pub const EFFECTS: usize = 8;
+
+/// The named effects in the board's model.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Effects {
+    /// The effects.
+    pub effects: Vec<Effect, EFFECTS>,
+}
+
+/// Why the board started.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum ResetCause {
+    /// Power came.
+    #[default]
+    PowerOn,
+    /// The reset pin.
+    Pin,
+    /// The watchdog: a task hung.
+    Watchdog,
+    /// The firmware itself, after an error that it could not go on from.
+    Software,
+    /// The supply was too low.
+    BrownOut,
+}
+
+/// How the memory that survives power is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Memory {
+    /// Nothing was kept: the vehicle is as described.
+    #[default]
+    Empty,
+    /// What was kept is in force.
+    Restored,
+    /// The newest record was damaged, the one before is in force.
+    RestoredOlder,
+    /// A record of another train or of another layout was not taken.
+    Foreign,
+    /// A record held values that no train has.
+    Implausible,
+    /// The memory cannot be written.
+    ReadOnly,
+}
+
+/// What the link has dropped or lost since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LinkCounters {
+    /// Messages received whole.
+    pub received: u32,
+    /// Messages whose CRC was wrong.
+    pub crc: u32,
+    /// Messages whose framing was wrong.
+    pub framing: u32,
+    /// Messages longer than any.
+    pub too_long: u32,
+    /// Bytes that the receiver had no room for, or that came damaged.
+    pub overrun: u32,
+    /// Frames of ours that found no room.
+    pub not_sent: u32,
+    /// Gaps in the sequence of the other side.
+    pub missed: u32,
+    /// Messages that came twice.
+    pub duplicate: u32,
+}
+
+/// Number of [`Cause`]s.
+pub const CAUSES: usize = Cause::ALL.len();
+/// Number of [`Refusal`]s.
+pub const REFUSALS: usize = Refusal::ALL.len();
+
+/// How the board is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Status {
+    /// Boot epoch: counts the starts of the board, over its life. Secured uplink frames must carry it.
+    pub epoch: u32,
+    /// Why it started.
+    pub reset_cause: ResetCause,
+    /// Starts other than by power since power came.
+    pub resets: u16,
+    /// A train is described.
+    pub train_id: Option<u32>,
+    /// A track is described.
+    pub track_id: Option<u32>,
+    /// CRC-32C of train, track and configuration in force.
+    #[serde(with = "postcard::fixint::le")]
+    pub setup: u32,
+    /// A run is under way.
+    pub running: bool,
+    /// Ticks in a row without a new measurement.
+    pub silent_ticks: u32,
+    /// How often each cause occurred in this run, in the order of [`Cause::ALL`].
+    pub causes: [u32; CAUSES],
+    /// Measurements of this run whose time did not go on.
+    pub time_not_increasing: u32,
+    /// How often uplink frames were refused since the start, in the order of [`Refusal::ALL`].
+    pub refusals: [u32; REFUSALS],
+    /// The link.
+    pub link: LinkCounters,
+    /// The memory that survives power.
+    pub memory: Memory,
+    /// Records written since the start, and those that failed.
+    pub records: [u32; 2],
+    /// A key is provisioned.
+    pub provisioned: bool,
+    /// Most of the stack that was ever used, bytes; 0 where it cannot be known.
+    pub stack_bytes: u32,
+}
+
+/// What is known at the end of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunSummary {
+    /// Number of the run in this vehicle's life.
+    pub run: u32,
+    /// r0, r1, r2 of this run's train, SI units per rotating mass.
+    pub run_davis: [Value; 3],
+    /// r0, r1, r2 of the vehicle, the run taken up.
+    pub vehicle_davis: [Value; 3],
+    /// Wind along the line from run to run as learned, standard deviation, m/s.
+    pub wind_sd_mps: f32,
+    /// Gain of the measured effort.
+    pub gain: Value,
+    /// How long the resistance was learned, s.
+    pub learned_s: f32,
+}
+
+/// Bytes of a snapshot in one frame.
+pub const SNAPSHOT_BYTES: usize = 448;
+
+/// A piece of a snapshot. The same frame comes up again to restore it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SnapshotPart {
+    /// Tick at which it was taken.
+    pub tick: u32,
+    /// Train, track and configuration that it belongs to, as in [`Status::setup`].
+    #[serde(with = "postcard::fixint::le")]
+    pub setup: u32,
+    /// CRC-32C of the whole snapshot.
+    #[serde(with = "postcard::fixint::le")]
+    pub crc: u32,
+    /// Length of the whole snapshot, bytes.
+    pub total: u16,
+    /// Where this piece begins.
+    pub first: u16,
+    /// The piece.
+    pub bytes: Vec<u8, SNAPSHOT_BYTES>,
+}
+
+/// What became of an uplink frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Answer {
+    /// Sequence number of that frame; 0 where it could not be read.
+    pub to: u16,
+    /// Taken, or why not.
+    pub result: Result<(), Refusal>,
+}
+
+/// Why an uplink frame was refused. It has changed nothing but its counter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// Another version.
+    Version,
+    /// No frame that the board knows.
+    Malformed,
+    /// It changes something and carries no MAC.
+    NotSecured,
+    /// The board has no key.
+    Unprovisioned,
+    /// The MAC is wrong.
+    WrongMac,
+    /// Its freshness is not above the last one's, or of another start of the board.
+    Stale,
+    /// For another train.
+    OtherTrain,
+    /// For another track.
+    OtherTrack,
+    /// A value is out of range; the old ones stay in force.
+    OutOfRange,
+    /// A part came out of order; send the first one again.
+    OutOfOrder,
+    /// Not while a run is under way.
+    Running,
+    /// No run is under way.
+    NotRunning,
+    /// Train and track must come first.
+    NotDescribed,
+    /// The time of the measurement does not go on.
+    TimeNotIncreasing,
+    /// The snapshot is damaged, or was taken with another train, track or configuration.
+    Snapshot,
+    /// The model of this board has no such effect.
+    UnknownEffect,
+    /// The board has started too often in a short time and only says how it is.
+    HeartbeatOnly,
+}
+
+impl Refusal {
+    /// All of them, in the order of the counters.
+    pub const ALL: [Self; 17] = [
+        Self::Version,
+        Self::Malformed,
+        Self::NotSecured,
+        Self::Unprovisioned,
+        Self::WrongMac,
+        Self::Stale,
+        Self::OtherTrain,
+        Self::OtherTrack,
+        Self::OutOfRange,
+        Self::OutOfOrder,
+        Self::Running,
+        Self::NotRunning,
+        Self::NotDescribed,
+        Self::TimeNotIncreasing,
+        Self::Snapshot,
+        Self::UnknownEffect,
+        Self::HeartbeatOnly,
+    ];
+
+    /// The word used in every output.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Version => "version",
+            Self::Malformed => "malformed",
+            Self::NotSecured => "not_secured",
+            Self::Unprovisioned => "unprovisioned",
+            Self::WrongMac => "wrong_mac",
+            Self::Stale => "stale",
+            Self::OtherTrain => "other_train",
+            Self::OtherTrack => "other_track",
+            Self::OutOfRange => "out_of_range",
+            Self::OutOfOrder => "out_of_order",
+            Self::Running => "running",
+            Self::NotRunning => "not_running",
+            Self::NotDescribed => "not_described",
+            Self::TimeNotIncreasing => "time_not_increasing",
+            Self::Snapshot => "snapshot",
+            Self::UnknownEffect => "unknown_effect",
+            Self::HeartbeatOnly => "heartbeat_only",
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! A message: one byte for the version, then one value in postcard.
+//!
+//! The version changes only when bytes of a frame that was released would be read as something else. New frames are appended to the enums under the
+//! same version; a receiver that does not know one counts it and goes on.
+
+use core::fmt;
+use serde::{Serialize, de::DeserializeOwned};
+
+/// Version of the messages that this library writes; it reads this one.
+pub const VERSION: u8 = 1;
+
+/// Longest message, bytes. A link carries no longer one.
+pub const MAX_MESSAGE: usize = 512;
+
+/// Why a message was not read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DecodeError {
+    /// No byte at all.
+    Empty,
+    /// Written in another version.
+    Version {
+        /// The version that stood there.
+        found: u8,
+    },
+    /// An unknown frame, a value that cannot be, or the end of the message inside a frame.
+    Malformed,
+    /// Bytes were left after the frame.
+    TooLong {
+        /// How many.
+        left: usize,
+    },
+}
+
+impl fmt::Display for DecodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => write!(f, "message: empty"),
+            Self::Version { found } => {
+                write!(f, "message: version {VERSION} expected, found {found}")
+            }
+            Self::Malformed => write!(f, "message: no frame that this version knows"),
+            Self::TooLong { left } => write!(f, "message: {left} bytes left after the frame"),
+        }
+    }
+}
+
+impl core::error::Error for DecodeError {}
+
+/// The buffer is shorter than the message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EncodeError;
+
+impl fmt::Display for EncodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "message: the buffer is too short, {MAX_MESSAGE} bytes hold any"
+        )
+    }
+}
+
+impl core::error::Error for EncodeError {}
+
+/// Writes version and value; gives back the part of the buffer that was written.
+///
+/// # Errors
+/// [`EncodeError`]: the buffer is too short.
+pub fn encode<'a, T: Serialize>(value: &T, buffer: &'a mut [u8]) -> Result<&'a [u8], EncodeError> {
+    let (version, rest) = buffer.split_first_mut().ok_or(EncodeError)?;
+    *version = VERSION;
+    let length = postcard::to_slice(value, rest)
+        .map_err(|_| EncodeError)?
+        .len();
+    buffer.get(..=length).ok_or(EncodeError)
+}
+
+/// Reads a whole message.
+///
+/// # Errors
+/// [`DecodeError`]; nothing panics, whatever the bytes are.
+pub fn decode<T: DeserializeOwned>(message: &[u8]) -> Result<T, DecodeError> {
+    let (&version, rest) = message.split_first().ok_or(DecodeError::Empty)?;
+    if version != VERSION {
+        return Err(DecodeError::Version { found: version });
+    }
+    match postcard::take_from_bytes(rest) {
+        Ok((value, [])) => Ok(value),
+        Ok((_, left)) => Err(DecodeError::TooLong { left: left.len() }),
+        Err(_) => Err(DecodeError::Malformed),
+    }
+}

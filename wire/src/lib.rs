@@ -1,0 +1,29 @@
+//! Rundown's frames: what the board says each tick, as another computer reads it. `no_std`, fixed memory.
+//!
+//! ```text
+//! board: estimate -> Downlink -> message (version, postcard) -> link (serial: CRC, COBS; CAN style: ISO-TP) -> display
+//! ```
+//!
+//! A display takes a message out of its link and calls [`Downlink::decode`]. `WIRE.md` states every byte.
+//!
+//! ```
+//! use rundown_wire::{Body, Downlink};
+//!
+//! // version 1, sequence 7, tick 300, variant 9 (answer), to sequence 4, accepted
+//! let message = [1, 7, 0xAC, 0x02, 9, 4, 0];
+//! let frame = Downlink::decode(&message)?;
+//! assert_eq!((frame.sequence, frame.tick), (7, 300));
+//! assert!(matches!(frame.body, Body::Answer(answer) if answer.result.is_ok()));
+//! # Ok::<(), rundown_wire::DecodeError>(())
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+mod downlink;
+mod envelope;
+mod words;
+
+pub use downlink::*;
+pub use envelope::{DecodeError, EncodeError, MAX_MESSAGE, VERSION, decode, encode};
+pub use words::{Cause, Regime, Validity};
