@@ -10,7 +10,7 @@
 //!                                     +-> paper (ukf, motion), instead of regime and learning in the `paper` mode
 //! ```
 //!
-//! [`estimator`] alone knows this order.
+//! [`estimator`] alone knows this order. Beside it stands [`store`] (the vehicle survives the power cut).
 //!
 //! | equation, section | item |
 //! |---|---|
@@ -66,6 +66,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod bytes;
 pub mod config;
 pub mod effort;
 pub mod elimination;
@@ -82,8 +83,10 @@ pub mod plausibility;
 pub mod regime;
 pub mod resistance;
 pub mod state;
+pub mod store;
 pub mod track;
 pub mod train;
+pub mod train_id;
 pub mod ukf;
 pub mod units;
 
