@@ -10,7 +10,7 @@
 //!                                     +-> paper (ukf, motion), instead of regime and learning in the `paper` mode
 //! ```
 //!
-//! [`estimator`] alone knows this order. Beside it stands [`store`] (the vehicle survives the power cut).
+//! [`estimator`] alone knows this order. Beside it stand [`store`] (the vehicle survives the power cut) and [`auth`] (who may change what).
 //!
 //! | equation, section | item |
 //! |---|---|
@@ -66,6 +66,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod auth;
 mod bytes;
 pub mod config;
 pub mod effort;
