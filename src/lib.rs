@@ -10,7 +10,7 @@
 //!                                     +-> paper (ukf, motion), instead of regime and learning in the `paper` mode
 //! ```
 //!
-//! [`estimator`] alone knows this order.
+//! [`estimator`] alone knows this order. Beside it stand [`store`] (the vehicle survives the power cut) and [`auth`] (who may change what).
 //!
 //! | equation, section | item |
 //! |---|---|
@@ -66,6 +66,8 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod auth;
+mod bytes;
 pub mod config;
 pub mod effort;
 pub mod elimination;
@@ -83,8 +85,10 @@ pub mod regime;
 pub mod resistance;
 pub mod run_state;
 pub mod state;
+pub mod store;
 pub mod track;
 pub mod train;
+pub mod train_id;
 pub mod ukf;
 pub mod units;
 

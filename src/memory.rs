@@ -15,6 +15,10 @@
 //! Everything is in shares of the manufacturer's coefficients (1 = as described), which keeps the numbers near one. What a run said is a
 //! normal likelihood: the difference of information between the end and the beginning of its filter.
 
+mod record;
+
+pub use record::{HypothesisRecord, Implausible, VehicleRecord};
+
 use crate::Real;
 use crate::config::{ConfigError, between};
 use crate::resistance::Davis;
@@ -207,7 +211,9 @@ impl Vehicle {
 
     /// The paper has one level: what the run ended with is the vehicle.
     pub fn replace(&mut self, end: &Gaussian<3>) {
-        let vehicle = self.in_shares(end);
+        let mut vehicle = self.in_shares(end);
+        // The change of units rounds the two halves differently.
+        vehicle.covariance = (vehicle.covariance + vehicle.covariance.transpose()) * 0.5;
         for hypothesis in &mut self.hypotheses {
             hypothesis.vehicle = vehicle;
         }

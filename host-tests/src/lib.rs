@@ -23,6 +23,7 @@ pub mod accuracy;
 pub mod brake;
 pub mod driver;
 pub mod facts;
+pub mod flash;
 pub mod habits;
 pub mod line;
 pub mod scenario;

@@ -1,0 +1,90 @@
+//! The board's side.
+
+use super::error::Refusal;
+use super::mac::{Direction, Freshness, TRAILER, Trailer};
+use super::provisioning::{Provisioning, ProvisioningError};
+use crate::store::EpochError;
+
+/// Data id of the announcement; the direction already keeps it apart from messages to the board.
+pub(super) const ANNOUNCEMENT: u16 = 0;
+
+/// Opens sealed messages; one for each boot.
+#[derive(Clone, Debug)]
+pub struct Verifier {
+    provisioning: Result<Provisioning, ProvisioningError>,
+    epoch: Result<u32, EpochError>,
+    /// Counter that was accepted last; 0: none yet.
+    last: u32,
+}
+
+impl Verifier {
+    /// `epoch` is what [`Store::advance_epoch`](crate::store::Store::advance_epoch) gave at this boot.
+    /// Without a key or an epoch every message is refused with that cause.
+    pub fn new(
+        provisioning: Result<Provisioning, ProvisioningError>,
+        epoch: Result<u32, EpochError>,
+    ) -> Self {
+        Self {
+            provisioning,
+            epoch,
+            last: 0,
+        }
+    }
+
+    /// The message inside a secured one, if it is of this kind, for this boot, and new.
+    ///
+    /// # Errors
+    /// [`Refusal`]; nothing changes, only the caller's counters.
+    pub fn open<'a>(&mut self, data_id: u16, secured: &'a [u8]) -> Result<&'a [u8], Refusal> {
+        let provisioning = self.provisioning.map_err(Refusal::Unprovisioned)?;
+        let expected = self.epoch.map_err(Refusal::NoEpoch)?;
+        let too_short = Refusal::WrongLength {
+            least: TRAILER,
+            found: secured.len(),
+        };
+        let (message, trailer) = secured.split_last_chunk::<TRAILER>().ok_or(too_short)?;
+        let trailer = Trailer::from_bytes(trailer).ok_or(too_short)?;
+        if !trailer.is_of(&provisioning, Direction::ToBoard, data_id, message) {
+            return Err(Refusal::WrongMac);
+        }
+        let Freshness { epoch, counter } = trailer.freshness;
+        if epoch != expected {
+            return Err(Refusal::OtherEpoch {
+                expected,
+                found: epoch,
+            });
+        }
+        if counter <= self.last {
+            return Err(Refusal::Stale {
+                last: self.last,
+                found: counter,
+            });
+        }
+        self.last = counter;
+        Ok(message)
+    }
+
+    /// Epoch and last counter; `None` while everything secured is refused.
+    pub fn freshness(&self) -> Option<Freshness> {
+        let (Ok(_), Ok(epoch)) = (self.provisioning, self.epoch) else {
+            return None;
+        };
+        Some(Freshness {
+            epoch,
+            counter: self.last,
+        })
+    }
+
+    /// [`Verifier::freshness`] with a MAC, for the status frame: what [`Signer::new`](super::Signer::new) begins with.
+    pub fn announcement(&self) -> Option<[u8; TRAILER]> {
+        let (provisioning, freshness) = (self.provisioning.ok()?, self.freshness()?);
+        let trailer = Trailer::sign(
+            &provisioning,
+            Direction::FromBoard,
+            ANNOUNCEMENT,
+            freshness,
+            &[],
+        );
+        Some(trailer.to_bytes())
+    }
+}

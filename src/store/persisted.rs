@@ -1,0 +1,214 @@
+//! What the board keeps over a power cut, and how it is brought back.
+//!
+//! Restored only if train, layout and plausible range agree; else the caller begins with defaults and has the cause. The boot epoch is not here but in the header of every
+//! record: it has to outlive a change of layout.
+
+use super::{AppendError, EpochError, Identity, Refused, Store};
+use crate::Real;
+use crate::memory::{Implausible, Vehicle, VehicleRecord};
+use crate::resistance::Davis;
+use crate::train_id::TrainId;
+use core::fmt;
+use embedded_storage::nor_flash::NorFlash;
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order, or [`SCALES`](crate::memory::SCALES).
+pub const LAYOUT: u16 = 1;
+/// Most effects that are kept.
+pub const MAX_EFFECTS: usize = 16;
+
+/// What survives a power cut.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Persisted {
+    /// What is known of the train's resistance.
+    pub vehicle: VehicleRecord,
+    /// What happened since the board was provisioned.
+    pub lifetime: Lifetime,
+    /// Effects that were added to the model.
+    pub effects: Vec<StoredEffect, MAX_EFFECTS>,
+}
+
+/// Counts over the life of the board.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lifetime {
+    /// Starts of the firmware.
+    pub resets: u32,
+    /// Runs.
+    pub runs: u32,
+    /// Stops.
+    pub stops: u32,
+}
+
+/// A named effect in numbers. What they mean is the business of its kind; here they need only be finite.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StoredEffect {
+    /// Which effect.
+    pub kind: u8,
+    /// Its parameters.
+    pub parameters: [Real; 4],
+}
+
+/// What was brought back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loaded {
+    /// The vehicle, checked.
+    pub vehicle: Vehicle,
+    /// All that was stored.
+    pub persisted: Persisted,
+    /// A newer record may be lost; see [`Restored`](super::Restored).
+    pub fallen_back: bool,
+}
+
+/// Why nothing was brought back, though something is stored: begin with defaults and report it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum NotRestored {
+    /// The store does not give it.
+    Refused(Refused),
+    /// The payload is not of this layout, though it says so.
+    NotDecoded,
+    /// The vehicle is not believed.
+    Vehicle(Implausible),
+    /// A parameter of this effect is not finite.
+    Effect {
+        /// Its kind.
+        kind: u8,
+    },
+}
+
+impl fmt::Display for NotRestored {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Refused(cause) => cause.fmt(f),
+            Self::NotDecoded => write!(f, "store: payload is not of layout {LAYOUT}"),
+            Self::Vehicle(cause) => cause.fmt(f),
+            Self::Effect { kind } => {
+                write!(f, "stored effect {kind}: a parameter is not finite")
+            }
+        }
+    }
+}
+
+impl core::error::Error for NotRestored {}
+
+impl Persisted {
+    /// Largest number of bytes it is stored in: 8 a number, 5 a count.
+    pub const MAX_SIZE: usize = 8 * 3 + 4 * 8 * 10 + 5 + 3 * 5 + 1 + MAX_EFFECTS * (1 + 8 * 4);
+
+    /// What a train without history begins with.
+    pub fn new(vehicle: &Vehicle) -> Self {
+        Self {
+            vehicle: vehicle.to_record(),
+            lifetime: Lifetime::default(),
+            effects: Vec::new(),
+        }
+    }
+
+    /// Brings back what was stored last. `Ok(None)`: nothing was ever stored.
+    ///
+    /// # Errors
+    /// [`NotRestored`] says why not. Nothing is changed or erased.
+    pub fn load<F: NorFlash, const SLOT: usize>(
+        store: &mut Store<F, SLOT>,
+        train: TrainId,
+        manufacturer: &Davis,
+    ) -> Result<Option<Loaded>, NotRestored> {
+        let restored = store
+            .newest(identity(train))
+            .map_err(NotRestored::Refused)?;
+        let Some(restored) = restored else {
+            return Ok(None);
+        };
+        let persisted = match postcard::take_from_bytes::<Self>(restored.payload) {
+            Ok((persisted, [])) => persisted,
+            _ => return Err(NotRestored::NotDecoded),
+        };
+        let vehicle =
+            Vehicle::from_record(&persisted.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
+        for StoredEffect { kind, parameters } in persisted.effects.iter().copied() {
+            if !parameters.iter().all(|parameter| parameter.is_finite()) {
+                return Err(NotRestored::Effect { kind });
+            }
+        }
+        Ok(Some(Loaded {
+            vehicle,
+            persisted,
+            fallen_back: restored.fallen_back,
+        }))
+    }
+
+    /// Stores it; at each stop.
+    ///
+    /// # Errors
+    /// See [`Store::append`].
+    pub fn save<F: NorFlash, const SLOT: usize>(
+        &self,
+        store: &mut Store<F, SLOT>,
+        train: TrainId,
+    ) -> Result<u32, AppendError> {
+        const { assert!(Self::MAX_SIZE <= Store::<F, SLOT>::CAPACITY) };
+        let mut buffer = [0; Self::MAX_SIZE];
+        store.append(identity(train), self.encode(&mut buffer)?)
+    }
+
+    /// Stores it under a new boot epoch; once at each boot, before anything else is stored.
+    ///
+    /// # Errors
+    /// See [`Store::advance_epoch`].
+    pub fn begin_epoch<F: NorFlash, const SLOT: usize>(
+        &self,
+        store: &mut Store<F, SLOT>,
+        train: TrainId,
+    ) -> Result<u32, EpochError> {
+        const { assert!(Self::MAX_SIZE <= Store::<F, SLOT>::CAPACITY) };
+        let mut buffer = [0; Self::MAX_SIZE];
+        let payload = self.encode(&mut buffer).map_err(EpochError::NotStored)?;
+        store.advance_epoch(identity(train), payload)
+    }
+
+    /// Cannot fail as long as [`Persisted::MAX_SIZE`] is right.
+    fn encode<'a>(&self, buffer: &'a mut [u8; Self::MAX_SIZE]) -> Result<&'a [u8], AppendError> {
+        let bytes = postcard::to_slice(self, buffer).map_err(|_| AppendError::TooLong {
+            most: Self::MAX_SIZE,
+            found: Self::MAX_SIZE + 1,
+        })?;
+        Ok(bytes)
+    }
+}
+
+fn identity(train: TrainId) -> Identity {
+    Identity {
+        train,
+        layout: LAYOUT,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::memory::MemoryConfig;
+
+    #[test]
+    fn largest_size_is_the_one_stated() {
+        let davis = Davis {
+            r0: 7.38e-3,
+            r1: 1.6e-4,
+            r2: 2.8e-5,
+        };
+        let mut full = Persisted::new(&Vehicle::new(&MemoryConfig::default(), davis));
+        full.vehicle.runs = u32::MAX;
+        full.lifetime = Lifetime {
+            resets: u32::MAX,
+            runs: u32::MAX,
+            stops: u32::MAX,
+        };
+        let effect = StoredEffect {
+            kind: u8::MAX,
+            parameters: [Real::MAX; 4],
+        };
+        full.effects = core::iter::repeat_n(effect, MAX_EFFECTS).collect();
+        let mut buffer = [0; Persisted::MAX_SIZE];
+        assert_eq!(full.encode(&mut buffer).unwrap().len(), Persisted::MAX_SIZE);
+    }
+}
