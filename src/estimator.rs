@@ -16,13 +16,12 @@ use crate::motion::Line;
 use crate::paper::PaperLoop;
 use crate::plausibility::Judged;
 use crate::regime::{Evidence, Recogniser, Regime};
-use crate::resistance::Davis;
+use crate::resistance::{Davis, resistance_sd};
 use crate::run_state::RunState;
 use crate::state::{Gaussian, LOCATION, SPEED};
 use crate::track::{Direction, Track};
 use crate::train::Train;
 use core::fmt;
-use nalgebra::Vector3;
 
 /// Without a location for longer than this the location is invalid; the same for the speed, s.
 const INVALID_AFTER_S: Real = 60.0;
@@ -90,6 +89,35 @@ impl Estimator {
             train,
             track,
         })
+    }
+
+    /// Without a train and a track, for a board that is still to be told: not to be stepped before both are set.
+    pub(crate) fn undescribed() -> Self {
+        Self {
+            config: Config::default(),
+            train: Train::undescribed(),
+            track: Track::empty(),
+        }
+    }
+
+    pub(crate) fn set_train(&mut self, train: Train) {
+        self.train = train;
+    }
+
+    /// Takes the track and gives back the one before. In place: a track takes 12 kB.
+    pub(crate) fn swap_track(&mut self, track: &mut Track) {
+        core::mem::swap(&mut self.track, track);
+    }
+
+    pub(crate) fn set_config(&mut self, config: Config) -> Result<(), ConfigError> {
+        config.check()?;
+        self.config = config;
+        Ok(())
+    }
+
+    /// The track as it was described.
+    pub fn track(&self) -> &Track {
+        &self.track
     }
 
     /// The train as it was described.
@@ -538,10 +566,4 @@ struct Recognition {
 fn davis_of(belief: &Gaussian<3>) -> Davis {
     let [r0, r1, r2] = belief.mean.into();
     Davis { r0, r1, r2 }
-}
-
-/// Standard deviation of r(v), N/kg.
-fn resistance_sd(belief: &Gaussian<3>, speed_mps: Real) -> Real {
-    let at = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
-    libm::sqrt(at.dot(&(belief.covariance * at)).max(0.0))
 }

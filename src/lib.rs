@@ -69,11 +69,13 @@
 pub mod auth;
 mod bytes;
 pub mod config;
+pub mod digest;
 pub mod effort;
 pub mod elimination;
 pub mod estimate;
 pub mod estimator;
 pub mod features;
+pub mod frames;
 pub mod kinematics;
 pub mod learning;
 pub mod measurement;
@@ -81,16 +83,19 @@ pub mod memory;
 pub mod motion;
 pub mod paper;
 pub mod plausibility;
+pub mod published;
 pub mod regime;
 pub mod resistance;
 pub mod run_state;
 pub mod state;
 pub mod store;
+pub mod task;
 pub mod track;
 pub mod train;
 pub mod train_id;
 pub mod ukf;
 pub mod units;
+pub mod uplink;
 
 /// Number type of the whole estimator. With the spread of the paper textbook weights are near 1.7e6, so single precision is not enough.
 pub type Real = f64;

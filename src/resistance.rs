@@ -7,6 +7,8 @@
 //! ```
 
 use crate::Real;
+use crate::state::Gaussian;
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// Coefficients of the Davis equation, per rotating mass γ m.
@@ -44,4 +46,10 @@ impl Davis {
             self.r2 * speed_mps * speed_mps,
         ]
     }
+}
+
+/// Standard deviation of r(v) by a belief of r0, r1, r2, N/kg.
+pub fn resistance_sd(belief: &Gaussian<3>, speed_mps: Real) -> Real {
+    let at = Vector3::new(1.0, speed_mps, speed_mps * speed_mps);
+    libm::sqrt(at.dot(&(belief.covariance * at)).max(0.0))
 }

@@ -126,6 +126,11 @@ impl RunState {
         &self.counters
     }
 
+    /// Gain of the measured effort, true over measured, and its standard deviation.
+    pub fn gain(&self) -> (Real, Real) {
+        self.learner.gain()
+    }
+
     /// What the features have seen of this run.
     pub fn features(&self) -> &FeatureExtractor {
         &self.features

@@ -45,7 +45,7 @@ pub struct Gradient {
     pub permille: Real,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 struct Piece {
     from_m: Real,
     slope: Real,
@@ -53,7 +53,7 @@ struct Piece {
 }
 
 /// A track of fixed capacity. Made by [`Track::try_new`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Track {
     length_m: Real,
     pieces: Vec<Piece, MAX_GRADIENTS>,
@@ -128,33 +128,63 @@ impl Track {
         length_m: Real,
         gradients: impl IntoIterator<Item = Gradient>,
     ) -> Result<Self, TrackError> {
+        let mut track = Self::empty();
+        track.restart(length_m)?;
+        for gradient in gradients {
+            track.push(gradient)?;
+        }
+        Ok(track)
+    }
+
+    /// No track.
+    pub(crate) const fn empty() -> Self {
+        Self {
+            length_m: 0.0,
+            pieces: Vec::new(),
+        }
+    }
+
+    /// Begins anew, in place.
+    pub(crate) fn restart(&mut self, length_m: Real) -> Result<(), TrackError> {
         if !(length_m.is_finite() && length_m > 0.0) {
             return Err(TrackError::Length { found: length_m });
         }
-        let mut pieces: Vec<Piece, MAX_GRADIENTS> = Vec::new();
-        for (index, gradient) in gradients.into_iter().enumerate() {
-            // Also refuses NaN.
-            let plausible = gradient.from_m.is_finite() && gradient.permille.abs() <= 200.0;
-            if !plausible {
-                return Err(TrackError::BadGradient { index });
-            }
-            let height_m = match pieces.last() {
-                Some(last) if gradient.from_m <= last.from_m => {
-                    return Err(TrackError::NotSorted { index });
-                }
-                Some(last) => last.height_m + (gradient.from_m - last.from_m) * last.slope,
-                None => 0.0,
-            };
-            let piece = Piece {
-                from_m: gradient.from_m,
-                slope: gradient.permille / 1000.0,
-                height_m,
-            };
-            pieces
-                .push(piece)
-                .map_err(|_| TrackError::TooMany { found: index + 1 })?;
+        self.length_m = length_m;
+        self.pieces.clear();
+        Ok(())
+    }
+
+    /// Appends an entry.
+    ///
+    /// # Errors
+    /// [`TrackError`]; the track is as before.
+    pub(crate) fn push(&mut self, gradient: Gradient) -> Result<(), TrackError> {
+        let index = self.pieces.len();
+        // Also refuses NaN.
+        let plausible = gradient.from_m.is_finite() && gradient.permille.abs() <= 200.0;
+        if !plausible {
+            return Err(TrackError::BadGradient { index });
         }
-        Ok(Self { length_m, pieces })
+        let height_m = match self.pieces.last() {
+            Some(last) if gradient.from_m <= last.from_m => {
+                return Err(TrackError::NotSorted { index });
+            }
+            Some(last) => last.height_m + (gradient.from_m - last.from_m) * last.slope,
+            None => 0.0,
+        };
+        let piece = Piece {
+            from_m: gradient.from_m,
+            slope: gradient.permille / 1000.0,
+            height_m,
+        };
+        self.pieces
+            .push(piece)
+            .map_err(|_| TrackError::TooMany { found: index + 1 })
+    }
+
+    /// Number of entries.
+    pub(crate) fn entries(&self) -> usize {
+        self.pieces.len()
     }
 
     /// Length, m.

@@ -132,6 +132,30 @@ impl Train {
         crate::units::GRAVITY_MPS2 / self.description.rotating_mass_factor
     }
 
+    /// Stands in until a train is described; no run begins with it.
+    pub(crate) const fn undescribed() -> Self {
+        Self {
+            description: TrainDescription {
+                mass_kg: 1.0,
+                rotating_mass_factor: 1.0,
+                length_m: 1.0,
+                davis: Davis {
+                    r0: 1.0,
+                    r1: 1.0,
+                    r2: 1.0,
+                },
+                max_tractive_effort_n: 1.0,
+                max_power_w: 1.0,
+                max_brake_mps2: 1.0,
+            },
+        }
+    }
+
+    /// Largest brake effort per rotating mass, N/kg, positive.
+    pub fn max_brake_n_per_kg(&self) -> Real {
+        self.description.max_brake_mps2
+    }
+
     /// Largest applicable effort in N/kg at a speed: constant effort below, constant power above the transition speed (section 4.4).
     pub fn max_effort_n_per_kg(&self, speed_mps: Real) -> Real {
         let by_power = self.description.max_power_w / speed_mps.max(Real::MIN_POSITIVE);

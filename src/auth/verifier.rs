@@ -4,6 +4,7 @@ use super::error::Refusal;
 use super::mac::{Direction, Freshness, TRAILER, Trailer};
 use super::provisioning::{Provisioning, ProvisioningError};
 use crate::store::EpochError;
+use crate::train_id::TrainId;
 
 /// Data id of the announcement; the direction already keeps it apart from messages to the board.
 pub(super) const ANNOUNCEMENT: u16 = 0;
@@ -62,6 +63,13 @@ impl Verifier {
         }
         self.last = counter;
         Ok(message)
+    }
+
+    /// The train that the board is provisioned for.
+    pub fn train(&self) -> Option<TrainId> {
+        self.provisioning
+            .map(|provisioning| provisioning.train)
+            .ok()
     }
 
     /// Epoch and last counter; `None` while everything secured is refused.

@@ -117,7 +117,8 @@ impl Persisted {
         let restored = store
             .newest(identity(train))
             .map_err(NotRestored::Refused)?;
-        let Some(restored) = restored else {
+        // The first boot stores its epoch with nothing.
+        let Some(restored) = restored.filter(|restored| !restored.payload.is_empty()) else {
             return Ok(None);
         };
         let persisted = match postcard::take_from_bytes::<Self>(restored.payload) {

@@ -359,15 +359,15 @@ pub const REFUSALS: usize = Refusal::ALL.len();
 /// How the board is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
-    /// Boot epoch: counts the starts of the board, over its life. Secured uplink frames must carry it.
-    pub epoch: u32,
+    /// Epoch and counter of the authentication with their MAC, each start of the board another one; none while everything secured is refused.
+    pub announcement: Option<[u8; 16]>,
     /// Why it started.
     pub reset_cause: ResetCause,
     /// Starts other than by power since power came.
     pub resets: u16,
-    /// A train is described.
-    pub train_id: Option<u32>,
-    /// A track is described.
+    /// Which train is described.
+    pub train_id: Option<u64>,
+    /// Which track is described.
     pub track_id: Option<u32>,
     /// CRC-32C of train, track and configuration in force.
     #[serde(with = "postcard::fixint::le")]
@@ -388,8 +388,6 @@ pub struct Status {
     pub memory: Memory,
     /// Records written since the start, and those that failed.
     pub records: [u32; 2],
-    /// A key is provisioned.
-    pub provisioned: bool,
     /// Most of the stack that was ever used, bytes; 0 where it cannot be known.
     pub stack_bytes: u32,
 }

@@ -1,0 +1,258 @@
+//! The tick task: what the board does with messages and with the clock. The board, the emulator and the host run the same.
+//!
+//! ```text
+//! message -> authentication -> request -+-> measurement -> newest -> tick -> Estimator::step -> frames
+//!                                       +-> train, track, settings, commands -> answer
+//! ```
+//!
+//! In: whole messages from the link, and the ticks of a clock. Out: whole messages to the link, records to the flash. No clock, no heap, no waiting: what finds no room in the link is
+//! counted and dropped.
+//!
+//! Each request gets one answer: a measurement the frames of its tick (at once in lockstep, at the next tick else), everything else an [`Answer`].
+//! A refused request has changed nothing but its counter.
+//!
+//! - `requests`: what may be asked, and when
+//! - `report`: which frames a tick sends
+//! - `snapshots`: the whole state, in pieces, out and in
+//! - `keeping`: what survives the power
+
+mod keeping;
+mod report;
+mod requests;
+mod snapshots;
+
+use crate::Real;
+use crate::auth::Verifier;
+use crate::digest;
+use crate::estimator::Estimator;
+use crate::measurement::Measurement;
+use crate::memory::Vehicle;
+use crate::published::Published;
+use crate::run_state::RunState;
+use crate::store::Store;
+use crate::store::persisted::Lifetime;
+use crate::track::Track;
+use crate::uplink::{self, Pace, Request, Uplink};
+use embedded_storage::nor_flash::NorFlash;
+use rundown_wire::{Answer, Body, LinkCounters, Memory, REFUSALS, Refusal, ResetCause};
+use snapshots::SnapshotBuffer;
+
+/// Bytes of a record of the store: two fit in a page of the STM32L4.
+pub const SLOT: usize = 1024;
+/// Kind of the secured messages for [`Verifier::open`].
+pub const DATA_ID: u16 = 1;
+
+/// Standing for as long as this ends a run, s: the stop at a terminus, and longer than any on the way.
+const LONG_STOP_S: Real = 300.0;
+/// Slower than this the train has not yet run, m/s.
+const MOVING_MPS: Real = 3.0;
+
+/// What the task needs of the board around it.
+pub trait Port {
+    /// Hands a message to the link; false when there is no room for it.
+    fn send(&mut self, message: &[u8]) -> bool;
+    /// How the board is, for the status frame.
+    fn health(&self) -> Health;
+}
+
+/// How the board is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Health {
+    /// Why it started.
+    pub reset_cause: ResetCause,
+    /// Starts other than by power since power came.
+    pub resets: u16,
+    /// What the link has dropped; the task adds what it finds itself.
+    pub link: LinkCounters,
+    /// Most of the stack that was ever used, bytes; 0 where it cannot be known.
+    pub stack_bytes: u32,
+}
+
+/// The whole state of the board's application. Some 60 kB, for a static.
+pub struct Task<F> {
+    estimator: Estimator,
+    train_id: Option<u64>,
+    track_id: Option<u32>,
+    /// Digest of train, track and configuration.
+    setup: u32,
+    /// The track that is coming in, and its id.
+    incoming: Track,
+    incoming_id: u32,
+
+    vehicle: Vehicle,
+    run: RunState,
+    running: bool,
+    /// The train has run since the run began.
+    moved: bool,
+    standing_since_s: Option<Real>,
+    published: Published,
+
+    pace: Pace,
+    newest: Option<Measurement>,
+    /// Time of the last measurement taken.
+    last_time_s: Option<Real>,
+    silent_ticks: u32,
+    tick: u32,
+    sequence: u16,
+    last_uplink: Option<u16>,
+    last_message: Option<u32>,
+    missed: u32,
+    duplicate: u32,
+    not_sent: u32,
+    refusals: [u32; REFUSALS],
+    heartbeat_only: bool,
+
+    verifier: Verifier,
+    store: Option<Store<F, SLOT>>,
+    lifetime: Lifetime,
+    memory: Memory,
+    records: [u32; 2],
+    snapshot: SnapshotBuffer,
+}
+
+impl<F: NorFlash> Task<F> {
+    /// One message from the link.
+    pub fn receive(&mut self, message: &[u8], port: &mut impl Port) {
+        let digest = digest::of_bytes(message);
+        if self.last_message.replace(digest) == Some(digest) {
+            self.duplicate = self.duplicate.saturating_add(1);
+            return;
+        }
+        match self.read(message) {
+            Ok(Uplink { sequence, request }) => {
+                self.count_missed(sequence);
+                let result = match request {
+                    Request::Measurement(measurement) => {
+                        match self.measurement(&measurement, port) {
+                            Ok(()) => return,
+                            refused => refused,
+                        }
+                    }
+                    other => self.carry_out(&other, port),
+                };
+                self.answer(sequence, result, port);
+            }
+            Err(refusal) => self.answer(0, Err(refusal), port),
+        }
+    }
+
+    /// One tick of the board's clock.
+    pub fn tick(&mut self, port: &mut impl Port) {
+        match self.newest.take() {
+            _ if self.heartbeat_only => self.send_status(port),
+            Some(measurement) => {
+                if let Err(refusal) = self.step(&measurement, port) {
+                    self.answer(0, Err(refusal), port);
+                }
+            }
+            None if self.pace == Pace::Clock => {
+                self.silent_ticks = self.silent_ticks.saturating_add(1);
+                self.send_status(port);
+            }
+            None => {}
+        }
+    }
+
+    /// The request inside a message, if it may come this way.
+    fn read(&mut self, message: &[u8]) -> Result<Uplink, Refusal> {
+        let [version, protection, open @ ..] = message else {
+            return Err(Refusal::Malformed);
+        };
+        if *version != uplink::VERSION {
+            return Err(Refusal::Version);
+        }
+        match *protection {
+            uplink::OPEN => {
+                let uplink = uplink::decode(open).ok_or(Refusal::Malformed)?;
+                match uplink.request {
+                    _ if self.heartbeat_only => Err(Refusal::HeartbeatOnly),
+                    Request::Measurement(_) => Ok(uplink),
+                    _ => Err(Refusal::NotSecured),
+                }
+            }
+            uplink::SECURED => {
+                let checked = self.verifier.open(DATA_ID, message).map_err(refusal_of)?;
+                let payload = checked.get(2..).ok_or(Refusal::Malformed)?;
+                if self.heartbeat_only {
+                    return Err(Refusal::HeartbeatOnly);
+                }
+                uplink::decode(payload).ok_or(Refusal::Malformed)
+            }
+            _ => Err(Refusal::Malformed),
+        }
+    }
+
+    fn measurement(
+        &mut self,
+        measurement: &Measurement,
+        port: &mut impl Port,
+    ) -> Result<(), Refusal> {
+        if !self.described() {
+            return Err(Refusal::NotDescribed);
+        }
+        if !self.running {
+            return Err(Refusal::NotRunning);
+        }
+        match self.pace {
+            Pace::Lockstep => self.step(measurement, port),
+            Pace::Clock => {
+                let waiting_s = self.newest.map(|newest| newest.time_s);
+                let last_s = waiting_s.or(self.last_time_s);
+                // NaN is not later than anything.
+                let later = last_s.is_none_or(|last_s| measurement.time_s > last_s);
+                if !(later && measurement.time_s.is_finite()) {
+                    return Err(Refusal::TimeNotIncreasing);
+                }
+                self.newest = Some(*measurement);
+                Ok(())
+            }
+        }
+    }
+
+    /// A tick with a measurement.
+    fn step(&mut self, measurement: &Measurement, port: &mut impl Port) -> Result<(), Refusal> {
+        let estimate = self
+            .estimator
+            .step(&mut self.run, measurement)
+            .map_err(|_| Refusal::TimeNotIncreasing)?;
+        self.last_time_s = Some(measurement.time_s);
+        self.silent_ticks = 0;
+        self.tick = self.tick.wrapping_add(1);
+        self.report(&estimate, port);
+        self.watch_for_the_end(&estimate, port);
+        Ok(())
+    }
+
+    fn count_missed(&mut self, sequence: u16) {
+        if let Some(last) = self.last_uplink.replace(sequence) {
+            let gap = sequence.wrapping_sub(last).wrapping_sub(1);
+            // A sender that begins anew is not a loss.
+            if gap < 1000 {
+                self.missed = self.missed.saturating_add(u32::from(gap));
+            }
+        }
+    }
+
+    fn answer(&mut self, to: u16, result: Result<(), Refusal>, port: &mut impl Port) {
+        if let Err(refusal) = result
+            && let Some(count) = self.refusals.get_mut(refusal as usize)
+        {
+            *count = count.saturating_add(1);
+        }
+        self.send(Body::Answer(Answer { to, result }), port);
+    }
+
+    fn described(&self) -> bool {
+        self.train_id.is_some() && self.track_id.is_some()
+    }
+}
+
+fn refusal_of(refused: crate::auth::Refusal) -> Refusal {
+    use crate::auth::Refusal as Auth;
+    match refused {
+        Auth::Unprovisioned(_) | Auth::NoEpoch(_) => Refusal::Unprovisioned,
+        Auth::WrongLength { .. } => Refusal::Malformed,
+        Auth::Stale { .. } | Auth::OtherEpoch { .. } => Refusal::Stale,
+        _ => Refusal::WrongMac,
+    }
+}

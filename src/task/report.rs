@@ -1,0 +1,138 @@
+//! Which frames a tick sends, and in which order: the estimate last, it closes the tick.
+
+use super::{Port, Task};
+use crate::config::Mode;
+use crate::estimate::{Cause, Estimate};
+use crate::estimator::RunSummary;
+use crate::features::Features;
+use crate::frames;
+use crate::published::JUDGED_KMH;
+use crate::resistance::resistance_sd;
+use crate::state::{Gaussian, R0};
+use crate::units::KmPerHour;
+use embedded_storage::nor_flash::NorFlash;
+use rundown_wire::{Body, CAUSES, Downlink, MAX_MESSAGE, SWITCHING_POINTS, Status};
+
+/// Ticks from one features frame and status to the next: a minute.
+const MINUTE_TICKS: u32 = 6;
+/// Ticks from one snapshot to the next: a brown-out loses two minutes at most.
+const SNAPSHOT_TICKS: u32 = 12;
+
+impl<F: NorFlash> Task<F> {
+    pub(super) fn report(&mut self, estimate: &Estimate, port: &mut impl Port) {
+        self.send_parameters(estimate, port);
+        let effort = frames::effort(estimate, self.estimator.train());
+        self.send(Body::Effort(effort), port);
+        if self.tick % MINUTE_TICKS == 0 {
+            self.send_features(port);
+            self.send_status(port);
+        }
+        if self.tick % SNAPSHOT_TICKS == 0 {
+            self.take_snapshot_of_the_run();
+        }
+        self.send_snapshot_parts(port);
+        self.send(Body::Estimate(frames::estimate(estimate)), port);
+    }
+
+    fn send_parameters(&mut self, estimate: &Estimate, port: &mut impl Port) {
+        let davis = Gaussian {
+            mean: estimate.belief.mean.fixed_rows::<3>(R0).into_owned(),
+            covariance: estimate
+                .belief
+                .covariance
+                .fixed_view::<3, 3>(R0, R0)
+                .into_owned(),
+        };
+        let described = self.estimator.new_vehicle().davis();
+        let initial_sd = resistance_sd(&described, KmPerHour(JUDGED_KMH).to_mps());
+        let nominal = self.estimator.train().davis();
+        let (published, learned) = self.published.judge(&nominal, initial_sd, &davis);
+        let gain = match self.estimator.config().mode {
+            Mode::Measured => Some(self.run.gain()),
+            Mode::Gated | Mode::Paper => None,
+        };
+        let parameters = frames::parameters(estimate, &published, learned, gain);
+        self.send(Body::Parameters(parameters), port);
+    }
+
+    fn send_features(&mut self, port: &mut impl Port) {
+        let features = self
+            .run
+            .features()
+            .features(&self.estimator.config().features);
+        self.send(Body::Features(frames::features(&features)), port);
+        // The last ones: the places of older points are known.
+        let first = features
+            .switching_points
+            .len()
+            .saturating_sub(SWITCHING_POINTS);
+        let points = frames::switching_points(&features, first);
+        self.send(Body::SwitchingPoints(points), port);
+    }
+
+    pub(super) fn send_summary(&mut self, summary: &RunSummary, port: &mut impl Port) {
+        self.send(Body::Features(frames::features(&summary.features)), port);
+        self.send_all_switching_points(&summary.features, port);
+        let wind_sd_mps = self.vehicle.wind_sd_mps(&self.estimator.config().memory);
+        let frame = frames::run_summary(summary, &self.vehicle, wind_sd_mps);
+        self.send(Body::RunSummary(frame), port);
+        self.send_status(port);
+    }
+
+    fn send_all_switching_points(&mut self, features: &Features, port: &mut impl Port) {
+        let mut first = 0;
+        while first < features.switching_points.len() {
+            let points = frames::switching_points(features, first);
+            self.send(Body::SwitchingPoints(points), port);
+            first += SWITCHING_POINTS;
+        }
+    }
+
+    pub(super) fn send_status(&mut self, port: &mut impl Port) {
+        let health = port.health();
+        let counters = self.run.counters();
+        let mut causes = [0; CAUSES];
+        for (count, cause) in causes.iter_mut().zip(Cause::ALL) {
+            *count = counters.of(cause);
+        }
+        let mut link = health.link;
+        link.missed = link.missed.saturating_add(self.missed);
+        link.duplicate = link.duplicate.saturating_add(self.duplicate);
+        link.not_sent = link.not_sent.saturating_add(self.not_sent);
+        let status = Status {
+            announcement: self.verifier.announcement(),
+            reset_cause: health.reset_cause,
+            resets: health.resets,
+            train_id: self.train_id,
+            track_id: self.track_id,
+            setup: self.setup,
+            running: self.running,
+            silent_ticks: self.silent_ticks,
+            causes,
+            time_not_increasing: counters.time_not_increasing,
+            refusals: self.refusals,
+            link,
+            memory: self.memory,
+            records: self.records,
+            stack_bytes: health.stack_bytes,
+        };
+        self.send(Body::Status(status), port);
+    }
+
+    pub(super) fn send(&mut self, body: Body, port: &mut impl Port) {
+        let frame = Downlink {
+            sequence: self.sequence,
+            tick: self.tick,
+            body,
+        };
+        // A frame that finds no room is a gap in the sequence for the other side.
+        self.sequence = self.sequence.wrapping_add(1);
+        let mut buffer = [0; MAX_MESSAGE];
+        let sent = frame
+            .encode(&mut buffer)
+            .is_ok_and(|message| port.send(message));
+        if !sent {
+            self.not_sent = self.not_sent.saturating_add(1);
+        }
+    }
+}

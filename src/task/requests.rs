@@ -1,0 +1,183 @@
+//! What may be asked of the board, and when: the description between runs, commands at any time.
+
+use super::{LONG_STOP_S, MOVING_MPS, Port, Task};
+use crate::config::Mode;
+use crate::digest;
+use crate::estimate::Estimate;
+use crate::regime::Regime;
+use crate::state::SPEED;
+use crate::track::Direction;
+use crate::train::Train;
+use crate::uplink::{Command, Pace, Request, Setting, TrackPart, TrainFrame};
+use embedded_storage::nor_flash::NorFlash;
+use rundown_wire::Refusal;
+
+impl<F: NorFlash> Task<F> {
+    pub(super) fn carry_out(
+        &mut self,
+        request: &Request,
+        port: &mut impl Port,
+    ) -> Result<(), Refusal> {
+        match request {
+            Request::Command(command) => self.command(*command, port),
+            _ if self.running => Err(Refusal::Running),
+            Request::Train(frame) => self.take_train(frame),
+            Request::Track(part) => self.take_track(part),
+            Request::Setting(setting) => self.take_setting(setting),
+            Request::Snapshot(part) => self.take_snapshot(part),
+            // The model has none yet.
+            Request::Effect(_) => Err(Refusal::UnknownEffect),
+            // Taken care of before.
+            Request::Measurement(_) => Err(Refusal::Malformed),
+        }
+    }
+
+    fn command(&mut self, command: Command, port: &mut impl Port) -> Result<(), Refusal> {
+        match command {
+            Command::Begin {
+                direction,
+                track_id,
+            } => {
+                if !self.described() {
+                    return Err(Refusal::NotDescribed);
+                }
+                if self.track_id != Some(track_id) {
+                    return Err(Refusal::OtherTrack);
+                }
+                if self.running {
+                    self.end(port);
+                }
+                self.begin(direction);
+            }
+            Command::End if self.running => self.end(port),
+            Command::End => return Err(Refusal::NotRunning),
+            Command::Pace(pace) => {
+                self.pace = pace;
+                // What waits for a tick of the clock would wait for ever.
+                if pace == Pace::Lockstep {
+                    self.newest = None;
+                }
+            }
+            Command::Status => self.send_status(port),
+            Command::Snapshot if self.running => self.send_snapshot(port),
+            Command::Snapshot => return Err(Refusal::NotRunning),
+            Command::Forget if self.running => return Err(Refusal::Running),
+            Command::Forget => self.forget(),
+        }
+        Ok(())
+    }
+
+    pub(super) fn begin(&mut self, direction: Direction) {
+        self.estimator
+            .begin_run_in(&mut self.run, &self.vehicle, direction);
+        self.running = true;
+        self.moved = false;
+        self.standing_since_s = None;
+        self.newest = None;
+        self.last_time_s = None;
+    }
+
+    /// Ends the run: its summary goes out, what it taught into the vehicle and the flash.
+    pub(super) fn end(&mut self, port: &mut impl Port) {
+        let summary = self.estimator.end_run(&mut self.run, &mut self.vehicle);
+        self.running = false;
+        self.newest = None;
+        self.keep();
+        self.send_summary(&summary, port);
+    }
+
+    /// A long stop ends the run, and the next one begins at once: nothing that was learned waits for somebody to say so.
+    pub(super) fn watch_for_the_end(&mut self, estimate: &Estimate, port: &mut impl Port) {
+        if estimate.belief.mean[SPEED] > MOVING_MPS {
+            self.moved = true;
+        }
+        if estimate.regime != Regime::Standstill {
+            self.standing_since_s = None;
+            return;
+        }
+        let since_s = *self.standing_since_s.get_or_insert(estimate.time_s);
+        if self.moved && estimate.time_s - since_s >= LONG_STOP_S {
+            let direction = self.run.direction();
+            self.end(port);
+            self.begin(direction);
+        }
+    }
+
+    fn take_train(&mut self, frame: &TrainFrame) -> Result<(), Refusal> {
+        if self
+            .verifier
+            .train()
+            .is_some_and(|train| train.0 != frame.id)
+        {
+            return Err(Refusal::OtherTrain);
+        }
+        let train = Train::try_new(frame.description).map_err(|_| Refusal::OutOfRange)?;
+        // A train that is described once more keeps what was learned of it.
+        let known = self.train_id == Some(frame.id) && *self.estimator.train() == train;
+        if !known {
+            self.estimator.set_train(train);
+            self.train_id = Some(frame.id);
+            self.restore_vehicle();
+            self.settle();
+        }
+        Ok(())
+    }
+
+    /// Parts come in order; the old track stays in force until the last one is there.
+    fn take_track(&mut self, part: &TrackPart) -> Result<(), Refusal> {
+        if part.first == 0 {
+            self.incoming
+                .restart(part.length_m)
+                .map_err(|_| Refusal::OutOfRange)?;
+            self.incoming_id = part.id;
+        }
+        let there = usize::from(part.first);
+        let same = part.id == self.incoming_id
+            && part.length_m == self.incoming.length_m()
+            && there == self.incoming.entries();
+        if !same {
+            return Err(Refusal::OutOfOrder);
+        }
+        for gradient in &part.gradients {
+            self.incoming
+                .push(*gradient)
+                .map_err(|_| Refusal::OutOfRange)?;
+        }
+        if self.incoming.entries() > usize::from(part.total) {
+            return Err(Refusal::OutOfOrder);
+        }
+        if self.incoming.entries() == usize::from(part.total) {
+            self.estimator.swap_track(&mut self.incoming);
+            self.track_id = Some(part.id);
+            self.settle();
+        }
+        Ok(())
+    }
+
+    fn take_setting(&mut self, setting: &Setting) -> Result<(), Refusal> {
+        let before = self.estimator.config().mode;
+        let mut config = *self.estimator.config();
+        setting.apply(&mut config);
+        self.estimator
+            .set_config(config)
+            .map_err(|_| Refusal::OutOfRange)?;
+        // The paper's vehicle begins with deviations of its own.
+        if (before == Mode::Paper) != (config.mode == Mode::Paper) && self.train_id.is_some() {
+            self.restore_vehicle();
+        }
+        self.settle();
+        Ok(())
+    }
+
+    /// Train, track and configuration in force have changed.
+    pub(super) fn settle(&mut self) {
+        let estimator = &self.estimator;
+        self.setup = digest::of(&(
+            self.train_id,
+            self.track_id,
+            estimator.config(),
+            estimator.train().description(),
+            estimator.track(),
+        ));
+    }
+}
