@@ -1,4 +1,4 @@
-//! Uplink: what the board is told. Measurements come open or secured; all else changes the board and must be secured.
+//! Uplink: what the board is told. What only asks (a measurement, [`Command::Status`]) comes open or secured; all else changes the board and must be secured.
 //!
 //! ```text
 //! open       version, 0, postcard of Uplink
@@ -47,7 +47,7 @@ pub struct Uplink {
     reason = "one frame at a time is in memory, and there is no heap to box it"
 )]
 pub enum Request {
-    /// 0: one measurement; the only frame that may come open.
+    /// 0: one measurement.
     Measurement(Measurement),
     /// 1: the train, between runs.
     Train(TrainFrame),
@@ -184,19 +184,11 @@ pub fn decode(payload: &[u8]) -> Option<Uplink> {
     }
 }
 
-/// Writes an open message.
+/// Writes version, protection ([`OPEN`] or [`SECURED`]) and payload; a secured message still lacks its trailer.
 ///
 /// # Errors
 /// [`rundown_wire::EncodeError`]: the buffer is too short.
-pub fn encode_open<'a>(
-    uplink: &Uplink,
-    buffer: &'a mut [u8],
-) -> Result<&'a [u8], rundown_wire::EncodeError> {
-    encode(uplink, OPEN, buffer)
-}
-
-/// Writes version, protection and payload; a secured message still lacks its trailer.
-pub(crate) fn encode<'a>(
+pub fn encode<'a>(
     uplink: &Uplink,
     protection: u8,
     buffer: &'a mut [u8],

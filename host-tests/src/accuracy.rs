@@ -10,8 +10,9 @@ use rundown::memory::Vehicle;
 use rundown::regime::Regime;
 use rundown::resistance::Davis;
 use rundown::state::Gaussian;
-use rundown::track::{Direction, Gradient, Track};
-use rundown::train::{Train, TrainDescription};
+use rundown::track::{Direction, Gradient};
+use rundown::train::TrainDescription;
+use sim_harness::desk::Description;
 
 /// The manufacturer's description that every simulated vehicle deviates from.
 pub const NOMINAL: Davis = Davis {
@@ -20,23 +21,30 @@ pub const NOMINAL: Davis = Davis {
     r2: 2.8e-5,
 };
 
-/// An estimator for the scenario's line and a train as described (not as it truly is).
-pub fn estimator(config: Config, scenario: &Scenario) -> Estimator {
-    let train = Train::try_new(TrainDescription {
-        mass_kg: 364e3,
-        rotating_mass_factor: 1.06,
-        length_m: 162.0,
-        davis: NOMINAL,
-        max_tractive_effort_n: 192_920.0,
-        max_power_w: 2_036_377.8,
-        max_brake_mps2: 0.66,
-    });
+/// The scenario's line and a train as described (not as it truly is).
+pub fn description(config: Config, scenario: &Scenario) -> Description {
     let gradients = scenario.line.gradients_permille().iter();
-    let track = Track::try_new(
-        scenario.line.length_m(),
-        gradients.map(|&(from_m, permille)| Gradient { from_m, permille }),
-    );
-    Estimator::try_new(config, train.unwrap(), track.unwrap()).unwrap()
+    Description {
+        train: TrainDescription {
+            mass_kg: 364e3,
+            rotating_mass_factor: 1.06,
+            length_m: 162.0,
+            davis: NOMINAL,
+            max_tractive_effort_n: 192_920.0,
+            max_power_w: 2_036_377.8,
+            max_brake_mps2: 0.66,
+        },
+        track_length_m: scenario.line.length_m(),
+        gradients: gradients
+            .map(|&(from_m, permille)| Gradient { from_m, permille })
+            .collect(),
+        config,
+    }
+}
+
+/// An estimator for them.
+pub fn estimator(config: Config, scenario: &Scenario) -> Estimator {
+    description(config, scenario).estimator().unwrap()
 }
 
 /// The measurements of a simulated run.

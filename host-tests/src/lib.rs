@@ -20,6 +20,7 @@
 #![warn(missing_docs)]
 
 pub mod accuracy;
+pub mod board;
 pub mod brake;
 pub mod driver;
 pub mod facts;

@@ -70,6 +70,11 @@ impl<F: NorFlash> Task<F> {
         }
     }
 
+    /// Gives the flash back.
+    pub fn release(self) -> Option<F> {
+        self.store.map(Store::release)
+    }
+
     /// The vehicle of the train that was just described: as it was kept, or as its manufacturer describes it.
     pub(super) fn restore_vehicle(&mut self) {
         self.vehicle = self.estimator.new_vehicle();

@@ -32,7 +32,7 @@ use crate::run_state::RunState;
 use crate::store::Store;
 use crate::store::persisted::Lifetime;
 use crate::track::Track;
-use crate::uplink::{self, Pace, Request, Uplink};
+use crate::uplink::{self, Command, Pace, Request, Uplink};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Answer, Body, LinkCounters, Memory, REFUSALS, Refusal, ResetCause};
 use snapshots::SnapshotBuffer;
@@ -118,7 +118,7 @@ impl<F: NorFlash> Task<F> {
             self.duplicate = self.duplicate.saturating_add(1);
             return;
         }
-        match self.read(message) {
+        match self.read(message).and_then(|uplink| self.permit(uplink)) {
             Ok(Uplink { sequence, request }) => {
                 self.count_missed(sequence);
                 let result = match request {
@@ -165,20 +165,25 @@ impl<F: NorFlash> Task<F> {
             uplink::OPEN => {
                 let uplink = uplink::decode(open).ok_or(Refusal::Malformed)?;
                 match uplink.request {
-                    _ if self.heartbeat_only => Err(Refusal::HeartbeatOnly),
-                    Request::Measurement(_) => Ok(uplink),
+                    Request::Measurement(_) | Request::Command(Command::Status) => Ok(uplink),
                     _ => Err(Refusal::NotSecured),
                 }
             }
             uplink::SECURED => {
                 let checked = self.verifier.open(DATA_ID, message).map_err(refusal_of)?;
                 let payload = checked.get(2..).ok_or(Refusal::Malformed)?;
-                if self.heartbeat_only {
-                    return Err(Refusal::HeartbeatOnly);
-                }
                 uplink::decode(payload).ok_or(Refusal::Malformed)
             }
             _ => Err(Refusal::Malformed),
+        }
+    }
+
+    /// A board in a crash loop only says how it is.
+    fn permit(&self, uplink: Uplink) -> Result<Uplink, Refusal> {
+        match uplink.request {
+            Request::Command(Command::Status) => Ok(uplink),
+            _ if self.heartbeat_only => Err(Refusal::HeartbeatOnly),
+            _ => Ok(uplink),
         }
     }
 

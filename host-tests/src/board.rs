@@ -1,0 +1,146 @@
+//! A board on the host: the tick task over a flash and a link of test's own, and a desk that talks to it.
+
+use crate::flash::Flash;
+use rundown::auth::{Key, Provisioning};
+use rundown::measurement::Measurement;
+use rundown::task::{Health, Port, Task};
+use rundown::track::Direction;
+use rundown::train_id::TrainId;
+use rundown::uplink::{Command, Pace, Request};
+use rundown_wire::{Answer, Body, Downlink, Estimate, Refusal, Status};
+use sim_harness::desk::{Description, Desk};
+
+/// The key and the train of the board.
+pub const PROVISIONING: Provisioning = Provisioning {
+    key_id: 1,
+    key: Key::new(*b"not a secret key"),
+    train: TrainId(0x2451),
+};
+
+/// A link that keeps what it is given.
+#[derive(Debug, Default)]
+pub struct Wire {
+    /// Messages that wait to be read.
+    pub messages: Vec<Vec<u8>>,
+    /// How many more find room; none: all.
+    pub room: Option<usize>,
+    /// What the board says of itself.
+    pub health: Health,
+}
+
+impl Port for Wire {
+    fn send(&mut self, message: &[u8]) -> bool {
+        match &mut self.room {
+            Some(0) => return false,
+            Some(room) => *room -= 1,
+            None => {}
+        }
+        self.messages.push(message.to_vec());
+        true
+    }
+
+    fn health(&self) -> Health {
+        self.health
+    }
+}
+
+/// A board and who talks to it.
+pub struct Board {
+    /// The application; on the heap, for it is large.
+    pub task: Box<Task<Flash>>,
+    /// Its link.
+    pub wire: Wire,
+    /// The other end.
+    pub desk: Desk,
+}
+
+impl Board {
+    /// Starts with this flash.
+    pub fn start(flash: Flash) -> Self {
+        Self {
+            task: Box::new(Task::new(Ok(PROVISIONING), flash, false)),
+            wire: Wire::default(),
+            desk: Desk::new(PROVISIONING),
+        }
+    }
+
+    /// Power goes and comes: nothing stays but the flash. The desk goes on.
+    pub fn restart(self) -> Self {
+        let flash = self.task.release().expect("a store");
+        Self {
+            desk: self.desk,
+            ..Self::start(flash)
+        }
+    }
+
+    /// Hands over a message and reads the frames that it brings.
+    pub fn say(&mut self, message: &[u8]) -> Vec<Downlink> {
+        self.task.receive(message, &mut self.wire);
+        self.heard()
+    }
+
+    /// One tick of the clock.
+    pub fn tick(&mut self) -> Vec<Downlink> {
+        self.task.tick(&mut self.wire);
+        self.heard()
+    }
+
+    /// The frames that wait, each read and heard by the desk.
+    pub fn heard(&mut self) -> Vec<Downlink> {
+        let read = |message: Vec<u8>| {
+            let frame = Downlink::decode(&message).expect("a frame of this version");
+            self.desk.hear(&frame).expect("the same key");
+            frame
+        };
+        self.wire.messages.drain(..).map(read).collect()
+    }
+
+    /// Asks something that changes the board.
+    pub fn ask(&mut self, request: Request) -> Result<(), Refusal> {
+        let message = self.desk.secured(request).expect("announced");
+        answer(&self.say(&message)).expect("an answer").result
+    }
+
+    /// A measurement; in lockstep its frames come back.
+    pub fn measure(&mut self, measurement: &Measurement) -> Vec<Downlink> {
+        let message = self.desk.open(Request::Measurement(*measurement));
+        self.say(&message.expect("short"))
+    }
+
+    /// Its status.
+    pub fn status(&mut self) -> Status {
+        let message = self.desk.open(Request::Command(Command::Status));
+        let frames = self.say(&message.expect("short"));
+        let status = frames.iter().find_map(|frame| match &frame.body {
+            Body::Status(status) => Some(*status),
+            _ => None,
+        });
+        status.expect("a status")
+    }
+
+    /// Describes train and track and begins a run in lockstep.
+    pub fn prepare(&mut self, description: &Description, direction: Direction) {
+        self.status();
+        let messages = self.desk.prepare(description, direction, Pace::Lockstep);
+        for message in messages.expect("announced") {
+            let frames = self.say(&message);
+            assert_eq!(answer(&frames).map(|answer| answer.result), Some(Ok(())));
+        }
+    }
+}
+
+/// The answer among frames.
+pub fn answer(frames: &[Downlink]) -> Option<Answer> {
+    frames.iter().find_map(|frame| match frame.body {
+        Body::Answer(answer) => Some(answer),
+        _ => None,
+    })
+}
+
+/// The estimate among frames.
+pub fn estimate(frames: &[Downlink]) -> Option<Estimate> {
+    frames.iter().find_map(|frame| match frame.body {
+        Body::Estimate(estimate) => Some(estimate),
+        _ => None,
+    })
+}

@@ -1,0 +1,437 @@
+//! Does the board do what it is asked, and only that? The tick task over a flash and a link of the test's own.
+
+use host_tests::accuracy::{description, measurements};
+use host_tests::board::{Board, PROVISIONING, answer, estimate};
+use host_tests::flash::Flash;
+use host_tests::scenario::{Scenario, simulate};
+use rundown::auth::{Provisioning, Signer};
+use rundown::config::{Config, Mode};
+use rundown::digest;
+use rundown::measurement::Measurement;
+use rundown::regime::Regime;
+use rundown::track::Direction;
+use rundown::uplink::{Command, Pace, Request, Setting};
+use rundown_wire::{Body, Downlink, Memory, Refusal, RunSummary};
+use sim_harness::desk::{Description, Desk};
+
+fn described() -> (Description, Vec<Measurement>) {
+    let scenario = Scenario::default();
+    let log = measurements(&simulate(&scenario, 3));
+    (description(Config::default(), &scenario), log)
+}
+
+fn board() -> Board {
+    Board::start(Flash::erased(8))
+}
+
+fn summary(frames: &[Downlink]) -> Option<RunSummary> {
+    frames.iter().find_map(|frame| match frame.body {
+        Body::RunSummary(summary) => Some(summary),
+        _ => None,
+    })
+}
+
+#[test]
+fn every_tick_says_what_the_estimator_says() {
+    let (description, log) = described();
+    let mut board = board();
+    board.prepare(&description, Direction::Up);
+    let estimator = description.estimator().unwrap();
+    let mut vehicle = estimator.new_vehicle();
+    let mut run = estimator.begin_run(&vehicle, Direction::Up);
+    for measurement in &log {
+        let frames = board.measure(measurement);
+        let found = estimate(&frames).expect("an estimate for each measurement");
+        let expected = estimator.step(&mut run, measurement).unwrap();
+        assert_eq!(found.digest, digest::of_estimate(&expected));
+        assert_eq!(found.location_m.value, expected.belief.mean[0] as f32);
+        assert_eq!(found.regime, expected.regime);
+        // The estimate closes the tick.
+        assert!(matches!(
+            frames.last().map(|frame| &frame.body),
+            Some(Body::Estimate(_))
+        ));
+    }
+    let message = board.desk.secured(Request::Command(Command::End)).unwrap();
+    let found = summary(&board.say(&message)).expect("a summary");
+    let expected = estimator.end_run(&mut run, &mut vehicle);
+    assert_eq!(found.learned_s, expected.learned_s as f32);
+    assert_eq!(found.run_davis[2].value, expected.run_davis.mean[2] as f32);
+    assert!(expected.learned_s > 60.0, "the run has something to learn");
+}
+
+#[test]
+fn sequence_numbers_count_every_frame() {
+    let (description, log) = described();
+    let mut board = board();
+    board.prepare(&description, Direction::Up);
+    let mut next = None;
+    for measurement in &log {
+        for frame in board.measure(measurement) {
+            if let Some(next) = next {
+                assert_eq!(frame.sequence, next);
+            }
+            next = Some(frame.sequence.wrapping_add(1));
+        }
+    }
+}
+
+#[test]
+fn by_the_clock_the_newest_measurement_counts() {
+    let (description, log) = described();
+    let mut board = board();
+    board.prepare(&description, Direction::Up);
+    board
+        .ask(Request::Command(Command::Pace(Pace::Clock)))
+        .unwrap();
+    assert!(board.measure(&log[0]).is_empty());
+    assert!(board.measure(&log[1]).is_empty());
+    let frames = board.tick();
+    assert_eq!(estimate(&frames).unwrap().time_s, log[1].time_s);
+    // No measurement: the board still says how it is.
+    let frames = board.tick();
+    assert!(
+        matches!(frames[..], [Downlink { body: Body::Status(status), .. }] if status.silent_ticks == 1)
+    );
+    // Older than the last one.
+    let refused = answer(&board.measure(&log[0])).unwrap();
+    assert_eq!(refused.result, Err(Refusal::TimeNotIncreasing));
+    assert_eq!(estimate(&board.tick()), None);
+}
+
+#[test]
+fn what_changes_the_board_must_be_secured() {
+    let (description, _) = described();
+    let mut board = board();
+    let requests = description.requests(PROVISIONING.train.0);
+    for request in requests {
+        let message = board.desk.open(request).unwrap();
+        let refused = answer(&board.say(&message)).unwrap();
+        assert_eq!(refused.result, Err(Refusal::NotSecured));
+    }
+    assert_eq!(board.status().train_id, None);
+}
+
+#[test]
+fn a_wrong_key_changes_nothing() {
+    let (description, _) = described();
+    let mut board = board();
+    board.prepare(&description, Direction::Up);
+    let before = board.status();
+    let other = Provisioning {
+        key: rundown::auth::Key::new(*b"an attacker's key"[..16].first_chunk().unwrap()),
+        ..PROVISIONING
+    };
+    assert!(Signer::new(&other, &before.announcement.unwrap()).is_err());
+    // With every byte of a valid message changed once.
+    let valid = board.desk.secured(Request::Command(Command::End)).unwrap();
+    for at in 0..valid.len() {
+        let mut forged = valid.clone();
+        forged[at] ^= 0x20;
+        let refused = answer(&board.say(&forged)).unwrap();
+        assert!(refused.result.is_err(), "byte {at}");
+    }
+    let after = board.status();
+    assert!(after.running);
+    assert_eq!(after.setup, before.setup);
+    let refused: u32 = after.refusals.iter().sum();
+    assert_eq!(refused as usize, valid.len());
+    // The valid one still is.
+    assert_eq!(answer(&board.say(&valid)).unwrap().result, Ok(()));
+    // And not a second time, whether it comes at once or later.
+    assert!(board.say(&valid).is_empty());
+    assert_eq!(board.status().link.duplicate, 1);
+    assert_eq!(
+        answer(&board.say(&valid)).unwrap().result,
+        Err(Refusal::Stale)
+    );
+}
+
+#[test]
+fn a_recorded_message_is_refused_after_a_restart() {
+    let (description, _) = described();
+    let mut board = board();
+    board.status();
+    let recorded = board
+        .desk
+        .prepare(&description, Direction::Up, Pace::Lockstep)
+        .unwrap();
+    let mut board = board.restart();
+    for message in recorded {
+        assert_eq!(
+            answer(&board.say(&message)).unwrap().result,
+            Err(Refusal::Stale)
+        );
+    }
+    assert_eq!(board.status().train_id, None);
+}
+
+#[test]
+fn a_board_without_a_key_refuses_and_says_so() {
+    let task = rundown::task::Task::new(
+        Provisioning::from_bytes(&[0xFF; 64]),
+        Flash::erased(8),
+        false,
+    );
+    let mut board = Board {
+        task: Box::new(task),
+        ..board()
+    };
+    assert_eq!(board.status().announcement, None);
+    let mut desk = Desk::new(PROVISIONING);
+    assert!(desk.secured(Request::Command(Command::End)).is_err());
+}
+
+#[test]
+fn settings_are_refused_whole() {
+    let (description, log) = described();
+    let mut board = board();
+    board.prepare(&description, Direction::Up);
+    let setup = board.status().setup;
+    assert_eq!(
+        board.ask(Request::Setting(Setting::Mode(Mode::Paper))),
+        Err(Refusal::Running)
+    );
+    board.ask(Request::Command(Command::End)).unwrap();
+    let mut sensor = description.config.sensor;
+    sensor.location_sd_m = f64::NAN;
+    assert_eq!(
+        board.ask(Request::Setting(Setting::Sensor(sensor))),
+        Err(Refusal::OutOfRange)
+    );
+    let mut train = description.train;
+    train.mass_kg = 0.0;
+    let wrong = Description {
+        train,
+        ..description.clone()
+    };
+    let mut refusals = vec![];
+    for request in wrong.requests(PROVISIONING.train.0) {
+        refusals.extend(board.ask(request).err());
+    }
+    assert_eq!(refusals, [Refusal::OutOfRange]);
+    assert_eq!(
+        board.ask(
+            description
+                .requests(1)
+                .pop()
+                .map(|_| description.requests(1)[9].clone())
+                .unwrap()
+        ),
+        Err(Refusal::OtherTrain)
+    );
+    assert_eq!(board.status().setup, setup);
+    assert_eq!(
+        answer(&board.measure(&log[0])).unwrap().result,
+        Err(Refusal::NotRunning)
+    );
+}
+
+#[test]
+fn a_track_comes_whole_or_not_at_all() {
+    let (mut description, _) = described();
+    description.gradients = (0..100)
+        .map(|i| rundown::track::Gradient {
+            from_m: 100.0 * f64::from(i),
+            permille: f64::from(i % 7),
+        })
+        .collect();
+    let mut board = board();
+    board.status();
+    let mut requests = description.requests(PROVISIONING.train.0);
+    let last = requests.pop().unwrap();
+    let middle = requests.pop().unwrap();
+    for request in requests {
+        board.ask(request).unwrap();
+    }
+    assert_eq!(board.ask(last.clone()), Err(Refusal::OutOfOrder));
+    assert_eq!(board.status().track_id, None);
+    board.ask(middle).unwrap();
+    board.ask(last).unwrap();
+    assert_eq!(board.status().track_id, Some(description.track_id()));
+}
+
+#[test]
+fn what_was_learned_survives_the_power() {
+    let (description, log) = described();
+    let mut board = board();
+    board.prepare(&description, Direction::Up);
+    for measurement in &log {
+        board.measure(measurement);
+    }
+    let message = board.desk.secured(Request::Command(Command::End)).unwrap();
+    let learned = summary(&board.say(&message)).unwrap();
+    assert_eq!(board.status().records, [1, 0]);
+
+    let mut board = board.restart();
+    board.prepare(&description, Direction::Up);
+    assert_eq!(board.status().memory, Memory::Restored);
+    for measurement in log.iter().take(2) {
+        board.measure(measurement);
+    }
+    let message = board.desk.secured(Request::Command(Command::End)).unwrap();
+    let after = summary(&board.say(&message)).unwrap();
+    assert_eq!(after.vehicle_davis, learned.vehicle_davis);
+    assert_ne!(
+        after.vehicle_davis[2].value,
+        description.train.davis.r2 as f32
+    );
+    assert_eq!(after.run, 1, "two samples at standstill say nothing");
+}
+
+#[test]
+fn a_brown_out_in_the_middle_of_a_run_loses_nothing() {
+    let (description, log) = described();
+    let mut whole = board();
+    whole.prepare(&description, Direction::Up);
+    let mut broken = board();
+    broken.prepare(&description, Direction::Up);
+    for (tick, measurement) in log.iter().enumerate() {
+        if tick == 60 {
+            let message = broken
+                .desk
+                .secured(Request::Command(Command::Snapshot))
+                .unwrap();
+            broken.say(&message);
+            let snapshot = broken.desk.snapshot().expect("whole").to_vec();
+            broken = broken.restart();
+            broken.status();
+            for request in description.requests(PROVISIONING.train.0) {
+                broken.ask(request).unwrap();
+            }
+            broken
+                .ask(Request::Command(Command::Pace(Pace::Lockstep)))
+                .unwrap();
+            for part in snapshot {
+                broken.ask(Request::Snapshot(part)).unwrap();
+            }
+        }
+        let expected = estimate(&whole.measure(measurement));
+        assert_eq!(
+            estimate(&broken.measure(measurement)),
+            expected,
+            "tick {tick}"
+        );
+    }
+    let end = |board: &mut Board| {
+        let message = board.desk.secured(Request::Command(Command::End)).unwrap();
+        board.say(&message)
+    };
+    let (expected, found) = (end(&mut whole), end(&mut broken));
+    assert_eq!(summary(&found), summary(&expected));
+    let features = |frames: &[Downlink]| {
+        frames.iter().find_map(|frame| match frame.body {
+            Body::Features(features) => Some(features),
+            _ => None,
+        })
+    };
+    assert_eq!(features(&found), features(&expected));
+}
+
+#[test]
+fn a_snapshot_of_another_setup_is_refused() {
+    let (description, log) = described();
+    let mut board = board();
+    board.prepare(&description, Direction::Up);
+    board.measure(&log[0]);
+    let message = board
+        .desk
+        .secured(Request::Command(Command::Snapshot))
+        .unwrap();
+    board.say(&message);
+    let parts = board.desk.snapshot().unwrap().to_vec();
+    board.ask(Request::Command(Command::End)).unwrap();
+    let mut damaged = parts.clone();
+    damaged[0].bytes[5] ^= 1;
+    let (last, rest) = damaged.split_last().unwrap();
+    for part in rest {
+        board.ask(Request::Snapshot(part.clone())).unwrap();
+    }
+    assert_eq!(
+        board.ask(Request::Snapshot(last.clone())),
+        Err(Refusal::Snapshot)
+    );
+    assert!(!board.status().running);
+    board
+        .ask(Request::Setting(Setting::Mode(Mode::Measured)))
+        .unwrap();
+    assert_eq!(
+        board.ask(Request::Snapshot(parts[0].clone())),
+        Err(Refusal::Snapshot)
+    );
+}
+
+#[test]
+fn a_long_stop_ends_the_run_and_keeps_what_it_taught() {
+    let (description, log) = described();
+    let mut board = board();
+    board.prepare(&description, Direction::Up);
+    for measurement in &log {
+        board.measure(measurement);
+    }
+    let last = *log.last().unwrap();
+    let mut ended = 0;
+    for minute in 1..=480_u32 {
+        let frames = board.measure(&Measurement {
+            time_s: last.time_s + 60.0 * f64::from(minute),
+            speed_mps: Some(0.0),
+            ..last
+        });
+        ended += usize::from(summary(&frames).is_some());
+        assert_eq!(estimate(&frames).unwrap().regime, Regime::Standstill);
+    }
+    // Eight hours: one end, one record.
+    assert_eq!((ended, board.status().records), (1, [1, 0]));
+}
+
+#[test]
+fn a_reader_that_is_gone_does_not_stop_the_board() {
+    let (description, log) = described();
+    let mut board = board();
+    board.prepare(&description, Direction::Up);
+    board.wire.room = Some(0);
+    for measurement in log.iter().take(40) {
+        assert!(board.measure(measurement).is_empty());
+    }
+    board.wire.room = None;
+    let frames = board.measure(&log[40]);
+    let estimator = description.estimator().unwrap();
+    let mut run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
+    let expected = log[..=40]
+        .iter()
+        .map(|measurement| estimator.step(&mut run, measurement).unwrap())
+        .last();
+    assert_eq!(
+        estimate(&frames).unwrap().digest,
+        digest::of_estimate(&expected.unwrap())
+    );
+    assert!(board.status().link.not_sent > 80);
+}
+
+#[test]
+fn a_crash_loop_leaves_a_heartbeat() {
+    let (description, _) = described();
+    let mut first = board();
+    first.status();
+    let task = rundown::task::Task::new(Ok(PROVISIONING), Flash::erased(8), true);
+    let mut board = Board {
+        task: Box::new(task),
+        ..first
+    };
+    let frames = board.tick();
+    assert!(matches!(
+        frames[..],
+        [Downlink {
+            body: Body::Status(_),
+            ..
+        }]
+    ));
+    for message in board
+        .desk
+        .prepare(&description, Direction::Up, Pace::Clock)
+        .unwrap()
+    {
+        assert!(answer(&board.say(&message)).unwrap().result.is_err());
+    }
+    assert!(!board.status().running);
+}

@@ -1,0 +1,243 @@
+//! The other end of the link: what a DAS computer says to the board, and in which order.
+//!
+//! In: train, track, configuration, measurements. Out: messages, secured where they must be. The link that carries them is the caller's.
+
+use crate::track_file::TrackFile;
+use rundown::auth::{Provisioning, Refusal, SealError, Signer};
+use rundown::config::Config;
+use rundown::digest;
+use rundown::estimator::Estimator;
+use rundown::task::DATA_ID;
+use rundown::track::{Direction, Gradient, Track};
+use rundown::train::{Train, TrainDescription};
+use rundown::uplink::{
+    self, Command, GRADIENTS, Pace, Request, SECURED, Setting, TrackPart, TrainFrame, Uplink,
+};
+use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
+use std::fmt;
+
+/// What a board is told before a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Description {
+    /// The train.
+    pub train: TrainDescription,
+    /// Length of the track, m.
+    pub track_length_m: f64,
+    /// Its gradients.
+    pub gradients: Vec<Gradient>,
+    /// The configuration.
+    pub config: Config,
+}
+
+impl Description {
+    /// Of the files that `replay` takes.
+    pub fn new(train: &Train, track: &TrackFile, config: Config) -> Self {
+        let gradients = track.gradient.iter().map(|entry| Gradient {
+            from_m: entry.from_m,
+            permille: entry.permille,
+        });
+        Self {
+            train: *train.description(),
+            track_length_m: track.length_m,
+            gradients: gradients.collect(),
+            config,
+        }
+    }
+
+    /// The estimator that the board makes of it.
+    ///
+    /// # Errors
+    /// What the board would refuse, in words.
+    pub fn estimator(&self) -> Result<Estimator, String> {
+        let train = Train::try_new(self.train).map_err(|error| error.to_string())?;
+        let track = Track::try_new(self.track_length_m, self.gradients.iter().copied())
+            .map_err(|error| error.to_string())?;
+        Estimator::try_new(self.config, train, track).map_err(|error| error.to_string())
+    }
+
+    /// Tells tracks and their versions apart.
+    pub fn track_id(&self) -> u32 {
+        digest::of(&(self.track_length_m, &self.gradients))
+    }
+
+    /// The requests that describe it to the board of this train.
+    pub fn requests(&self, train_id: u64) -> Vec<Request> {
+        let mut requests: Vec<Request> = Setting::all(&self.config)
+            .into_iter()
+            .map(Request::Setting)
+            .collect();
+        requests.push(Request::Train(TrainFrame {
+            id: train_id,
+            description: self.train,
+        }));
+        let total = u16::try_from(self.gradients.len()).unwrap_or(u16::MAX);
+        let mut parts: Vec<&[Gradient]> = self.gradients.chunks(GRADIENTS).collect();
+        if parts.is_empty() {
+            parts.push(&[]);
+        }
+        let mut first = 0;
+        for part in parts {
+            requests.push(Request::Track(TrackPart {
+                id: self.track_id(),
+                length_m: self.track_length_m,
+                total,
+                first,
+                gradients: part.iter().copied().collect(),
+            }));
+            first += u16::try_from(part.len()).unwrap_or(0);
+        }
+        requests
+    }
+}
+
+/// Why a message could not be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum DeskError {
+    /// The board has not yet announced its freshness; ask it for its status first.
+    NotAnnounced,
+    /// The board's announcement was made with another key.
+    WrongKey(Refusal),
+    /// The message is longer than the link allows.
+    TooLong,
+    /// No more messages in this epoch: restart the board.
+    Seal(SealError),
+}
+
+impl fmt::Display for DeskError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotAnnounced => write!(
+                f,
+                "the board has announced no freshness: it has no key, cannot write its flash, or was not asked for its status yet"
+            ),
+            Self::WrongKey(_) => write!(f, "the board was provisioned with another key"),
+            Self::TooLong => write!(f, "a message must not be longer than {MAX_MESSAGE} bytes"),
+            Self::Seal(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for DeskError {}
+
+impl From<EncodeError> for DeskError {
+    fn from(_: EncodeError) -> Self {
+        Self::TooLong
+    }
+}
+
+/// One end of a conversation with a board.
+#[derive(Clone, Debug)]
+pub struct Desk {
+    provisioning: Provisioning,
+    signer: Option<Signer>,
+    sequence: u16,
+    snapshot: Vec<SnapshotPart>,
+}
+
+impl Desk {
+    /// `provisioning` is the record that the board was given.
+    pub fn new(provisioning: Provisioning) -> Self {
+        Self {
+            provisioning,
+            signer: None,
+            sequence: 0,
+            snapshot: Vec::new(),
+        }
+    }
+
+    /// Takes from a frame of the board what the next messages need: the freshness, and the pieces of a snapshot.
+    ///
+    /// # Errors
+    /// [`DeskError::WrongKey`]: the board has another key.
+    pub fn hear(&mut self, frame: &Downlink) -> Result<(), DeskError> {
+        match &frame.body {
+            Body::Status(status) => {
+                if let Some(announcement) = &status.announcement {
+                    match &mut self.signer {
+                        Some(signer) => signer.hear(announcement),
+                        None => Signer::new(&self.provisioning, announcement)
+                            .map(|signer| self.signer = Some(signer)),
+                    }
+                    .map_err(DeskError::WrongKey)?;
+                }
+            }
+            Body::SnapshotPart(part) => {
+                if part.first == 0 {
+                    self.snapshot.clear();
+                }
+                self.snapshot.push(part.clone());
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The last snapshot, if all of it has come.
+    pub fn snapshot(&self) -> Option<&[SnapshotPart]> {
+        let mut next = 0;
+        for part in &self.snapshot {
+            if usize::from(part.first) != next || part.crc != self.snapshot[0].crc {
+                return None;
+            }
+            next += part.bytes.len();
+        }
+        (next > 0 && next == usize::from(self.snapshot[0].total)).then_some(&self.snapshot)
+    }
+
+    /// A message that changes the board.
+    ///
+    /// # Errors
+    /// [`DeskError::NotAnnounced`] before the board's first status.
+    pub fn secured(&mut self, request: Request) -> Result<Vec<u8>, DeskError> {
+        let uplink = self.uplink(request);
+        let signer = self.signer.as_mut().ok_or(DeskError::NotAnnounced)?;
+        let mut bare = [0; MAX_MESSAGE];
+        let mut sealed = [0; MAX_MESSAGE];
+        let bare = uplink::encode(&uplink, SECURED, &mut bare)?;
+        let sealed = signer
+            .seal(DATA_ID, bare, &mut sealed)
+            .map_err(DeskError::Seal)?;
+        Ok(sealed.to_vec())
+    }
+
+    /// A message that asks only: a measurement, or [`Command::Status`].
+    ///
+    /// # Errors
+    /// [`DeskError::TooLong`].
+    pub fn open(&mut self, request: Request) -> Result<Vec<u8>, DeskError> {
+        let uplink = self.uplink(request);
+        let mut buffer = [0; MAX_MESSAGE];
+        Ok(uplink::encode(&uplink, uplink::OPEN, &mut buffer)?.to_vec())
+    }
+
+    /// Everything up to the first measurement.
+    ///
+    /// # Errors
+    /// As [`Desk::secured`].
+    pub fn prepare(
+        &mut self,
+        description: &Description,
+        direction: Direction,
+        pace: Pace,
+    ) -> Result<Vec<Vec<u8>>, DeskError> {
+        let mut requests = description.requests(self.provisioning.train.0);
+        requests.push(Request::Command(Command::Pace(pace)));
+        requests.push(Request::Command(Command::Begin {
+            direction,
+            track_id: description.track_id(),
+        }));
+        requests
+            .into_iter()
+            .map(|request| self.secured(request))
+            .collect()
+    }
+
+    fn uplink(&mut self, request: Request) -> Uplink {
+        self.sequence = self.sequence.wrapping_add(1);
+        Uplink {
+            sequence: self.sequence,
+            request,
+        }
+    }
+}
