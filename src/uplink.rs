@@ -42,10 +42,6 @@ pub struct Uplink {
 /// The frames. New ones are appended, so that the numbers of the old ones stay.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "one frame at a time is in memory, and there is no heap to box it"
-)]
 pub enum Request {
     /// 0: one measurement.
     Measurement(Measurement),

@@ -39,10 +39,6 @@ impl Downlink {
 /// The frames. New ones are appended, so that the numbers of the old ones stay.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "one frame at a time is in memory, and there is no heap to box it"
-)]
 pub enum Body {
     /// 0: where, how fast, which regime. Closes a tick.
     Estimate(Estimate),
