@@ -274,7 +274,7 @@ fn flash_that_swallows_writes_is_named_and_counted() {
 #[test]
 fn a_worn_word_costs_one_page_and_no_payload() {
     let mut flash = Flash::erased(PAGES);
-    flash.stuck_word = Some(PAGE / WORD + 3);
+    flash.stuck_words = vec![PAGE / WORD + 3];
     let mut store = Ring::mount(flash).unwrap();
     for number in 0..50 {
         store.append(identity(), &payload(number)).unwrap();
@@ -283,6 +283,38 @@ fn a_worn_word_costs_one_page_and_no_payload() {
     assert!(store.counters().not_written > 5);
     assert_eq!(store.counters().stored, 50);
     assert_eq!(store.release().violations, 0);
+}
+
+#[test]
+fn the_newest_payload_stays_when_every_other_page_is_worn_out() {
+    let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();
+    store.append(identity(), b"before").unwrap();
+    store.append(identity(), b"newest").unwrap();
+    store.flash_mut().stuck_words = (0..PAGES).map(|page| page * PAGE / WORD).collect();
+    for _ in 0..20 {
+        assert!(matches!(
+            store.append(identity(), b"fails"),
+            Err(AppendError::NotWritten { .. })
+        ));
+        assert_eq!(newest(&mut store), Some(b"newest".to_vec()));
+        let mut after_boot = boot(store.flash().clone());
+        assert_eq!(newest(&mut after_boot), Some(b"newest".to_vec()));
+    }
+}
+
+/// A record that was torn by a cut can fail one read and pass a later one.
+#[test]
+fn a_record_that_can_be_read_again_later_does_not_hide_what_was_stored_meanwhile() {
+    let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();
+    store.append(identity(), b"first").unwrap();
+    store.append(identity(), b"torn").unwrap();
+    store.flash_mut().flip(8 * SLOT);
+    let mut store = boot(store.release());
+    assert_eq!(newest(&mut store), Some(b"first".to_vec()));
+    store.append(identity(), b"after").unwrap();
+    store.flash_mut().flip(8 * SLOT);
+    let mut store = boot(store.release());
+    assert_eq!(newest(&mut store), Some(b"after".to_vec()));
 }
 
 /// A record made by hand from the documented layout.
