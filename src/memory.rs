@@ -17,7 +17,7 @@
 
 mod record;
 
-pub use record::{HypothesisRecord, Implausible, VehicleRecord};
+pub use record::{HypothesisRecord, Implausible, LEAST_SHARE, MOST_SHARE, VehicleRecord};
 
 use crate::Real;
 use crate::config::{ConfigError, between};

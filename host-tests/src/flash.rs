@@ -81,6 +81,8 @@ pub struct Flash {
     pub torn_reads: TornReads,
     /// Writes and erases are acknowledged and do nothing, as in an emulator without a flash controller.
     pub swallows: bool,
+    /// Words whose bits stay as they are when they are programmed: worn out.
+    pub stuck_words: Vec<usize>,
     /// Operations so far.
     pub operations: u64,
     /// Words that were programmed though not erased.
@@ -101,6 +103,7 @@ impl Flash {
             noise: ChaCha8Rng::seed_from_u64(0),
             torn_reads: TornReads::Stable,
             swallows: false,
+            stuck_words: Vec::new(),
             operations: 0,
             violations: 0,
             erases: vec![0; pages],
@@ -159,6 +162,11 @@ impl Flash {
             self.violations += 1;
         }
         let old = self.values[word];
+        let value = if self.stuck_words.contains(&word) {
+            old
+        } else {
+            value
+        };
         (self.values[word], self.words[word]) = match cut {
             None => (old & value, Word::Programmed),
             Some(CutMode::NotDone) => return Err(FlashError::NoPower),

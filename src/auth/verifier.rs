@@ -96,3 +96,42 @@ impl Verifier {
         Some(trailer.to_bytes())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Key, SealError, Signer};
+    use super::*;
+    use crate::train_id::TrainId;
+
+    #[test]
+    fn the_last_counter_of_an_epoch_is_used_and_none_after_it() {
+        let provisioning = Provisioning {
+            key_id: 1,
+            key: Key::new(*b"0123456789abcdef"),
+            train: TrainId::of("2451"),
+        };
+        let mut board = Verifier::new(Ok(provisioning), Ok(u32::MAX));
+        board.last = u32::MAX - 1;
+        let mut desk = Signer::new(&provisioning, &board.announcement().unwrap()).unwrap();
+        let mut buffer = [0; 32];
+        let last = desk.seal(2, b"last", &mut buffer).unwrap();
+        assert_eq!(board.open(2, last), Ok(b"last".as_slice()));
+        assert!(matches!(board.open(2, last), Err(Refusal::Stale { .. })));
+        assert_eq!(
+            desk.seal(2, b"more", &mut [0; 32]),
+            Err(SealError::CounterExhausted)
+        );
+
+        // A counter that begins anew is stale.
+        let freshness = Freshness {
+            epoch: u32::MAX,
+            counter: 0,
+        };
+        let wrapped = Trailer::sign(&provisioning, Direction::ToBoard, 2, freshness, &[]);
+        let (last, found) = (u32::MAX, 0);
+        assert_eq!(
+            board.open(2, &wrapped.to_bytes()),
+            Err(Refusal::Stale { last, found })
+        );
+    }
+}

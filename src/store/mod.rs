@@ -113,7 +113,7 @@ enum Slot {
 }
 
 /// A ring of records in NOR flash, SLOT bytes each. See the [module](self).
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Store<F, const SLOT: usize> {
     flash: F,
     pages: u32,
@@ -216,6 +216,16 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
     /// What happened so far.
     pub fn counters(&self) -> &Counters {
         &self.counters
+    }
+
+    /// The driver, to ask it what only it knows.
+    pub fn flash(&self) -> &F {
+        &self.flash
+    }
+
+    /// The driver. Who writes to the flash by it, mounts anew.
+    pub fn flash_mut(&mut self) -> &mut F {
+        &mut self.flash
     }
 
     /// Gives the flash back.
