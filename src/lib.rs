@@ -23,6 +23,8 @@
 //! | section 3.2 regimes | [`regime::PaperRule`], [`regime::Recogniser`] |
 //! | section 3.3 features | [`features`] |
 //!
+//! What leaves the board and what comes to it are messages of [`link`], over a serial line or CAN.
+//!
 //! *Tick*: one measurement and its answer. *Run*: from one long stop to the next. *Regime*: what the driver does. *Vehicle*: what is known of the train beyond the day.
 //! *Final coast*: coasting before the brake that leaves line speed. Effort and resistance are per rotating mass γ m, in N/kg; traction positive, brake negative, uphill positive,
 //! resistance positive against travel.
@@ -74,6 +76,7 @@ pub mod estimator;
 pub mod features;
 pub mod kinematics;
 pub mod learning;
+pub mod link;
 pub mod measurement;
 pub mod memory;
 pub mod motion;
