@@ -4,13 +4,10 @@
 
 use crate::estimate::Estimate;
 use crate::ukf::Reading;
-use crc::{CRC_32_ISCSI, Crc, Digest};
+use crc::Digest;
 use postcard::ser_flavors::Flavor;
+use rundown_wire::link::checksum::{CRC_32C, crc32c};
 use serde::Serialize;
-
-/// CRC-32C (Castagnoli), the same as the link's.
-pub const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
-static TABLE: Crc<u32> = CRC;
 
 struct Running(Digest<'static, u32>);
 
@@ -38,12 +35,12 @@ impl Flavor for Running {
 /// assert_eq!(rundown::digest::of_bytes(b"123456789"), 0xE306_9283); // the check value of CRC-32C
 /// ```
 pub fn of_bytes(bytes: &[u8]) -> u32 {
-    TABLE.checksum(bytes)
+    crc32c(bytes)
 }
 
 /// Digest of any value; 0 for one that cannot be written, which none of this library is.
 pub fn of<T: Serialize>(value: &T) -> u32 {
-    postcard::serialize_with_flavor(value, Running(TABLE.digest())).unwrap_or(0)
+    postcard::serialize_with_flavor(value, Running(CRC_32C.digest())).unwrap_or(0)
 }
 
 /// Digest of all that an estimate says, in full precision.

@@ -23,6 +23,8 @@
 //! | section 3.2 regimes | [`regime::PaperRule`], [`regime::Recogniser`] |
 //! | section 3.3 features | [`features`] |
 //!
+//! What leaves the board and what comes to it are messages of [`link`], over a serial line or CAN.
+//!
 //! *Tick*: one measurement and its answer. *Run*: from one long stop to the next. *Regime*: what the driver does. *Vehicle*: what is known of the train beyond the day.
 //! *Final coast*: coasting before the brake that leaves line speed. Effort and resistance are per rotating mass γ m, in N/kg; traction positive, brake negative, uphill positive,
 //! resistance positive against travel.
@@ -96,6 +98,8 @@ pub mod train_id;
 pub mod ukf;
 pub mod units;
 pub mod uplink;
+
+pub use rundown_wire::link;
 
 /// Number type of the whole estimator. With the spread of the paper textbook weights are near 1.7e6, so single precision is not enough.
 pub type Real = f64;

@@ -10,10 +10,8 @@
 use crate::bytes::take;
 use crate::train_id::TrainId;
 use core::fmt;
-use crc::{CRC_32_ISCSI, Crc};
+use rundown_wire::link::checksum::crc32c;
 
-/// CRC-32C, under the catalogue's name for it.
-const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 const MAGIC: [u8; 4] = *b"RDky";
 const VERSION: u16 = 1;
 /// Bytes of a record.
@@ -131,7 +129,7 @@ impl Provisioning {
         if found != MAGIC {
             return Some(Err(ProvisioningError::WrongMagic { found }));
         }
-        if CRC.checksum(covered) != u32::from_le_bytes(take(&mut crc)?) {
+        if crc32c(covered) != u32::from_le_bytes(take(&mut crc)?) {
             return Some(Err(ProvisioningError::Damaged));
         }
         let version = u16::from_le_bytes(take(&mut bytes)?);
@@ -169,9 +167,7 @@ impl Provisioning {
             .iter_mut()
             .zip(fields)
             .for_each(|(byte, field)| *byte = field);
-        let whole = covered
-            .into_iter()
-            .chain(CRC.checksum(&covered).to_le_bytes());
+        let whole = covered.into_iter().chain(crc32c(&covered).to_le_bytes());
         let mut record = [0xFF; SIZE];
         record
             .iter_mut()
@@ -198,7 +194,7 @@ mod tests {
         expected[8..12].copy_from_slice(&[1, 2, 3, 4]);
         expected[12..28].copy_from_slice(b"0123456789abcdef");
         expected[28..36].copy_from_slice(&[1, 2, 3, 4, 5, 6, 7, 8]);
-        let crc = CRC.checksum(&expected[..60]);
+        let crc = crc32c(&expected[..60]);
         expected[60..].copy_from_slice(&crc.to_le_bytes());
         assert_eq!(RECORD.to_bytes(), expected);
     }
@@ -231,7 +227,7 @@ mod tests {
         }
         let mut other = RECORD.to_bytes();
         other[4] = 2;
-        let crc = CRC.checksum(&other[..60]);
+        let crc = crc32c(&other[..60]);
         other[60..].copy_from_slice(&crc.to_le_bytes());
         let refused = Provisioning::from_bytes(&other);
         let (expected, found) = (1, 2);

@@ -12,10 +12,8 @@
 use crate::bytes::{put, take};
 use crate::train_id::TrainId;
 use core::fmt;
-use crc::{CRC_32_ISCSI, Crc};
+use rundown_wire::link::checksum::crc32c;
 
-/// CRC-32C, under the catalogue's name for it.
-const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 const MAGIC: [u8; 4] = *b"RDst";
 /// Bytes before the payload.
 const HEADER: usize = 24;
@@ -68,7 +66,7 @@ pub(super) fn encode(slot: &mut [u8], header: &Header, payload: &[u8]) -> Option
     put(&mut space, &header.epoch.to_le_bytes())?;
     put(&mut space, &header.identity.train.0.to_le_bytes())?;
     put(&mut space, payload)?;
-    let crc = CRC.checksum(slot.get(..length)?).to_le_bytes();
+    let crc = crc32c(slot.get(..length)?).to_le_bytes();
     put(&mut slot.get_mut(length..)?, &crc)?;
     Some(length + crc.len())
 }
@@ -86,7 +84,7 @@ pub(super) fn decode(slot: &[u8]) -> Option<(Header, &[u8])> {
     let train = TrainId(u64::from_le_bytes(take(&mut bytes)?));
     let (payload, mut bytes) = bytes.split_at_checked(usize::from(length))?;
     let crc = u32::from_le_bytes(take(&mut bytes)?);
-    if CRC.checksum(slot.get(..HEADER + payload.len())?) != crc {
+    if crc32c(slot.get(..HEADER + payload.len())?) != crc {
         return None;
     }
     let header = Header {

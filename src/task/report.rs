@@ -23,11 +23,11 @@ impl<F: NorFlash> Task<F> {
         self.send_parameters(estimate, port);
         let effort = frames::effort(estimate, self.estimator.train());
         self.send(Body::Effort(effort), port);
-        if self.tick % MINUTE_TICKS == 0 {
+        if self.tick.is_multiple_of(MINUTE_TICKS) {
             self.send_features(port);
             self.send_status(port);
         }
-        if self.tick % SNAPSHOT_TICKS == 0 {
+        if self.tick.is_multiple_of(SNAPSHOT_TICKS) {
             self.take_snapshot_of_the_run();
         }
         self.send_snapshot_parts(port);

@@ -3,6 +3,7 @@
 //! In a tick the frames come in this order: parameters, effort, the others that are due, and [`Estimate`] last: it closes the tick.
 
 use crate::envelope::{self, DecodeError, EncodeError};
+use crate::link::Counters;
 use crate::words::{Cause, Regime, Validity};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -329,14 +330,8 @@ pub enum Memory {
 /// What the link has dropped or lost since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LinkCounters {
-    /// Messages received whole.
-    pub received: u32,
-    /// Messages whose CRC was wrong.
-    pub crc: u32,
-    /// Messages whose framing was wrong.
-    pub framing: u32,
-    /// Messages longer than any.
-    pub too_long: u32,
+    /// The link itself.
+    pub messages: Counters,
     /// Bytes that the receiver had no room for, or that came damaged.
     pub overrun: u32,
     /// Frames of ours that found no room.

@@ -9,7 +9,7 @@ use serde::{Serialize, de::DeserializeOwned};
 /// Version of the messages that this library writes; it reads this one.
 pub const VERSION: u8 = 1;
 
-/// Longest message, bytes. A link carries no longer one.
+/// Largest message, bytes. With its checksum below the 655 bytes up to which CRC-32C finds any five flipped bits.
 pub const MAX_MESSAGE: usize = 512;
 
 /// Why a message was not read.

@@ -22,6 +22,7 @@
 
 mod downlink;
 mod envelope;
+pub mod link;
 mod words;
 
 pub use downlink::*;

@@ -1,0 +1,136 @@
+//! A message with its CRC-32C, the same on every link.
+//!
+//! In: a message. Out: the message and four bytes, little endian.
+//!
+//! ```text
+//! message | crc32c(message)        reflected polynomial 0x82F63B78, start and final xor 0xFFFFFFFF
+//! ```
+//!
+//! CRC-32C finds every error of up to five bits in messages up to 655 bytes, and every burst of up to 32 bits (Koopman, 32-Bit Cyclic Redundancy Codes for Internet Applications, DSN 2002).
+//!
+//! Over CAN, too, although each frame has a CRC of its own. ISO-TP has none over the message, and its sequence number comes round after 16 frames; between controller and program the frame's CRC
+//! is gone, and SLCAN turns a flipped bit of one hex digit into another hex digit. Four bytes close all three holes.
+
+use super::MAX_CHECKED;
+use core::fmt;
+use crc::{CRC_32_ISCSI, Crc};
+use heapless::Vec;
+
+/// Bytes that the checksum adds.
+pub const CHECKSUM_BYTES: usize = 4;
+
+/// CRC-32C has many names; this is Castagnoli's polynomial as in iSCSI.
+pub static CRC_32C: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
+
+/// A message that cannot be sent because of its length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LengthError {
+    /// Bytes of the message.
+    pub found: usize,
+}
+
+/// Why checked bytes are no message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ChecksumError {
+    /// Fewer than one byte and its checksum.
+    TooShort {
+        /// Bytes with the checksum.
+        found: usize,
+    },
+    /// The bytes were changed on their way.
+    Mismatch {
+        /// Checksum of the bytes that came.
+        expected: u32,
+        /// Checksum that came.
+        found: u32,
+    },
+}
+
+impl fmt::Display for ChecksumError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooShort { found } => write!(f, "expected at least 5 bytes, found {found}"),
+            Self::Mismatch { expected, found } => {
+                write!(f, "expected checksum {expected:08x}, found {found:08x}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ChecksumError {}
+
+/// CRC-32C of some bytes.
+///
+/// ```
+/// assert_eq!(rundown_wire::link::checksum::crc32c(b"123456789"), 0xE306_9283);
+/// ```
+pub fn crc32c(bytes: &[u8]) -> u32 {
+    CRC_32C.checksum(bytes)
+}
+
+/// The message followed by its checksum.
+///
+/// # Errors
+/// [`LengthError`] when it is empty or longer than [`MAX_MESSAGE`](super::MAX_MESSAGE).
+///
+/// ```
+/// let checked = rundown_wire::link::checksum::append(b"123456789").unwrap();
+/// assert_eq!(checked, *b"123456789\x83\x92\x06\xE3");
+/// assert_eq!(rundown_wire::link::checksum::check(&checked), Ok(&b"123456789"[..]));
+/// ```
+pub fn append(message: &[u8]) -> Result<Vec<u8, MAX_CHECKED>, LengthError> {
+    let error = LengthError {
+        found: message.len(),
+    };
+    if message.is_empty() {
+        return Err(error);
+    }
+    let mut checked = Vec::from_slice(message).map_err(|_| error)?;
+    checked
+        .extend_from_slice(&crc32c(message).to_le_bytes())
+        .map_err(|_| error)?;
+    Ok(checked)
+}
+
+/// The message within checked bytes.
+///
+/// # Errors
+/// [`ChecksumError`] when they are too short or their checksum is another one.
+pub fn check(checked: &[u8]) -> Result<&[u8], ChecksumError> {
+    match checked.split_last_chunk::<CHECKSUM_BYTES>() {
+        Some((message, checksum)) if !message.is_empty() => {
+            let (expected, found) = (crc32c(message), u32::from_le_bytes(*checksum));
+            if expected == found {
+                Ok(message)
+            } else {
+                Err(ChecksumError::Mismatch { expected, found })
+            }
+        }
+        _ => Err(ChecksumError::TooShort {
+            found: checked.len(),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::MAX_MESSAGE;
+
+    #[test]
+    fn an_empty_message_does_not_exist() {
+        assert_eq!(append(&[]), Err(LengthError { found: 0 }));
+        // Four zeros are the empty message's checksum.
+        assert_eq!(crc32c(&[]), 0);
+        assert_eq!(check(&[0; 4]), Err(ChecksumError::TooShort { found: 4 }));
+    }
+
+    #[test]
+    fn the_largest_message_fits_and_one_more_byte_does_not() {
+        assert_eq!(append(&[7; MAX_MESSAGE]).unwrap().len(), MAX_CHECKED);
+        for found in MAX_MESSAGE + 1..MAX_MESSAGE + 6 {
+            assert_eq!(append(&[7; 600][..found]), Err(LengthError { found }));
+        }
+    }
+}

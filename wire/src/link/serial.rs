@@ -1,0 +1,233 @@
+//! Messages on a serial line: checksum, COBS, and a zero byte behind.
+//!
+//! In: a message. Out: bytes without a zero but the last, at most [`MAX_SERIAL`]; and back.
+//!
+//! ```text
+//! COBS(message | crc32c) | 00
+//! ```
+//!
+//! COBS (Cheshire and Baker, 1997) replaces every zero by the distance to the next one, so that a zero byte is nothing but the end of a message. Whatever was lost or added, the decoder is in step
+//! again at the next zero: garbage costs at most the one message that it ran into. Zeros in a row are fine, so a sender may begin with one to end what noise began.
+//!
+//! A flip in the message's own bytes is found by the checksum for certain (up to five bits). A flip in one of the COBS distances moves bytes, and one that makes or unmakes a zero cuts or joins messages; these meet
+//! the checksum as arbitrary bytes and pass with a chance of 2^-32. `tests/link_serial.rs` in `host-tests` tries every single and double flip of some messages.
+
+use super::checksum::{self, ChecksumError, LengthError};
+use super::{Counters, Link, LinkError, MAX_CHECKED, Message, count};
+use cobs::{CobsEncoder, DecodeResult, DecoderState};
+use core::fmt;
+use embedded_io::{Read, ReadReady, Write};
+use heapless::Vec;
+
+/// Largest message on the line: COBS adds one byte and one more for each 254, then comes the zero.
+pub const MAX_SERIAL: usize = cobs::max_encoding_length(MAX_CHECKED) + 1;
+
+/// Bytes that one call of [`SerialLink::receive`] takes at most, so that a babbling line cannot hold up the caller.
+const BYTES_PER_CALL: usize = 2 * MAX_SERIAL;
+
+/// Why the bytes between two zeros are no message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DecodeError {
+    /// The zero came before the end that COBS had announced.
+    Cobs {
+        /// Bytes decoded until then.
+        decoded: usize,
+    },
+    /// More bytes than the buffer takes.
+    TooLong {
+        /// Size of the buffer.
+        capacity: usize,
+    },
+    /// Too few bytes, or the wrong ones.
+    Checksum(ChecksumError),
+}
+
+impl fmt::Display for DecodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cobs { decoded } => write!(f, "message ends early, after {decoded} bytes"),
+            Self::TooLong { capacity } => {
+                write!(f, "expected at most {capacity} bytes, found more")
+            }
+            Self::Checksum(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for DecodeError {}
+
+impl DecodeError {
+    /// Counts the cause.
+    pub fn count(self, counters: &mut Counters) {
+        count(match self {
+            Self::Cobs { .. } => &mut counters.coding,
+            Self::TooLong { .. } => &mut counters.too_long,
+            Self::Checksum(ChecksumError::TooShort { .. }) => &mut counters.too_short,
+            Self::Checksum(ChecksumError::Mismatch { .. }) => &mut counters.checksum,
+        });
+    }
+}
+
+/// The bytes of one message on the line, with the zero behind.
+///
+/// # Errors
+/// [`LengthError`] when the message is empty or too long.
+///
+/// ```
+/// let bytes = rundown_wire::link::serial::encode(&[0x11, 0x00, 0x22]).unwrap();
+/// // Two bytes on is the first zero, six on the end.
+/// assert_eq!(bytes[..4], [0x02, 0x11, 0x06, 0x22]);
+/// assert_eq!(bytes.last(), Some(&0));
+/// ```
+pub fn encode(message: &[u8]) -> Result<Vec<u8, MAX_SERIAL>, LengthError> {
+    let error = LengthError {
+        found: message.len(),
+    };
+    let checked = checksum::append(message)?;
+    let mut bytes: Vec<u8, MAX_SERIAL> = Vec::new();
+    bytes.resize(MAX_SERIAL, 0).map_err(|_| error)?;
+    let mut encoder = CobsEncoder::new(&mut bytes);
+    // The buffer is made for the largest message, so this does not fail.
+    encoder.push(&checked).map_err(|_| error)?;
+    let length = encoder.finalize();
+    // Everything behind the code is still zero; one of these is the end.
+    bytes.truncate(length + 1);
+    Ok(bytes)
+}
+
+/// Takes bytes one by one and gives messages. `N` is the room for a message with its checksum.
+#[derive(Debug, Default)]
+pub struct Decoder<const N: usize = MAX_CHECKED> {
+    cobs: DecoderState,
+    checked: Vec<u8, N>,
+    overflow: bool,
+}
+
+impl<const N: usize> Decoder<N> {
+    /// A decoder at the begin of a message.
+    pub const fn new() -> Self {
+        Self {
+            cobs: DecoderState::Idle,
+            checked: Vec::new(),
+            overflow: false,
+        }
+    }
+
+    /// Takes the next byte. A zero ends a message, which is then given or refused; nothing between two zeros is no message and no error.
+    ///
+    /// # Errors
+    /// [`DecodeError`] at the zero that ends bytes that are no message. The decoder goes on with what follows.
+    ///
+    /// ```
+    /// use rundown_wire::link::serial::{Decoder, encode};
+    ///
+    /// let mut decoder: Decoder = Decoder::new();
+    /// for byte in [0x55, 0xAA, 0x00] {
+    ///     let _garbage_is_refused_at_the_zero = decoder.push(byte);
+    /// }
+    /// let mut received = 0;
+    /// for byte in encode(b"hello").unwrap() {
+    ///     if let Ok(Some(message)) = decoder.push(byte) {
+    ///         assert_eq!(message, b"hello");
+    ///         received += 1;
+    ///     }
+    /// }
+    /// assert_eq!(received, 1);
+    /// ```
+    pub fn push(&mut self, byte: u8) -> Result<Option<&[u8]>, DecodeError> {
+        match self.cobs.feed(byte) {
+            Ok(DecodeResult::DataStart) => {
+                self.checked.clear();
+                self.overflow = false;
+                Ok(None)
+            }
+            Ok(DecodeResult::DataContinue(decoded)) => {
+                // Refused at the end only: the bytes until then belong to it.
+                self.overflow |= self.checked.push(decoded).is_err();
+                Ok(None)
+            }
+            Ok(DecodeResult::NoData) => Ok(None),
+            Ok(DecodeResult::DataComplete) | Err(_) if self.overflow => {
+                Err(DecodeError::TooLong { capacity: N })
+            }
+            Ok(DecodeResult::DataComplete) => checksum::check(&self.checked)
+                .map(Some)
+                .map_err(DecodeError::Checksum),
+            Err(_) => Err(DecodeError::Cobs {
+                decoded: self.checked.len(),
+            }),
+        }
+    }
+}
+
+/// A [`Link`] over a serial port.
+///
+/// On the board the port is the pair of rings between the UART's interrupt and the tasks. Its `write` is given a whole message and must take it or fail, not wait.
+#[derive(Debug)]
+pub struct SerialLink<P> {
+    port: P,
+    decoder: Decoder,
+    counters: Counters,
+}
+
+impl<P> SerialLink<P> {
+    /// A link over `port`.
+    pub const fn new(port: P) -> Self {
+        Self {
+            port,
+            decoder: Decoder::new(),
+            counters: Counters::ZERO,
+        }
+    }
+
+    /// The port below.
+    pub const fn port_mut(&mut self) -> &mut P {
+        &mut self.port
+    }
+}
+
+impl<P: Read + ReadReady + Write> Link for SerialLink<P> {
+    type PortError = P::Error;
+
+    fn send(&mut self, message: &[u8], _now_us: u64) -> Result<(), LinkError<P::Error>> {
+        let bytes = encode(message)?;
+        self.port.write_all(&bytes).map_err(LinkError::Port)?;
+        self.port.flush().map_err(LinkError::Port)?;
+        count(&mut self.counters.sent);
+        Ok(())
+    }
+
+    fn receive(&mut self, _now_us: u64) -> Result<Option<Message>, LinkError<P::Error>> {
+        for _ in 0..BYTES_PER_CALL {
+            let mut byte = [0];
+            if !self.port.read_ready().map_err(LinkError::Port)?
+                || self.port.read(&mut byte).map_err(LinkError::Port)? == 0
+            {
+                return Ok(None);
+            }
+            let [byte] = byte;
+            match self.decoder.push(byte) {
+                Ok(None) => {}
+                Ok(Some(bytes)) => match Message::from_slice(bytes) {
+                    Ok(message) => {
+                        count(&mut self.counters.received);
+                        return Ok(Some(message));
+                    }
+                    // The decoder's buffer takes no more than MAX_MESSAGE and the checksum.
+                    Err(_) => count(&mut self.counters.too_long),
+                },
+                Err(error) => error.count(&mut self.counters),
+            }
+        }
+        Ok(None)
+    }
+
+    fn is_sending(&self) -> bool {
+        false
+    }
+
+    fn counters(&self) -> Counters {
+        self.counters
+    }
+}
