@@ -83,6 +83,7 @@ pub mod learning;
 pub mod measurement;
 pub mod memory;
 pub mod motion;
+pub mod onboard;
 pub mod paper;
 pub mod plausibility;
 pub mod published;

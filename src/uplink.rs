@@ -166,7 +166,7 @@ pub enum Command {
     Pace(Pace),
     /// 3: say how you are.
     Status,
-    /// 4: send a snapshot now.
+    /// 4: send the next pieces of the snapshot that is on its way, or the first ones of a new one.
     Snapshot,
     /// 5: forget what was learned of the vehicle, between runs.
     Forget,

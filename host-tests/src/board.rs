@@ -3,11 +3,11 @@
 use crate::flash::Flash;
 use rundown::auth::{Key, Provisioning};
 use rundown::measurement::Measurement;
-use rundown::task::{Health, Port, Task};
+use rundown::task::{Port, Task};
 use rundown::track::Direction;
 use rundown::train_id::TrainId;
 use rundown::uplink::{Command, Pace, Request};
-use rundown_wire::{Answer, Body, Downlink, Estimate, Refusal, Status};
+use rundown_wire::{Answer, Body, Downlink, Estimate, Health, Refusal, SnapshotPart, Status};
 use sim_harness::desk::{Description, Desk};
 
 /// The key and the train of the board.
@@ -116,6 +116,17 @@ impl Board {
             _ => None,
         });
         status.expect("a status")
+    }
+
+    /// A whole snapshot.
+    pub fn snapshot(&mut self) -> Vec<SnapshotPart> {
+        loop {
+            self.ask(Request::Command(Command::Snapshot))
+                .expect("a run");
+            if let Some(parts) = self.desk.snapshot() {
+                return parts.to_vec();
+            }
+        }
     }
 
     /// Describes train and track and begins a run in lockstep.

@@ -34,7 +34,7 @@ use crate::store::persisted::Lifetime;
 use crate::track::Track;
 use crate::uplink::{self, Command, Pace, Request, Uplink};
 use embedded_storage::nor_flash::NorFlash;
-use rundown_wire::{Answer, Body, LinkCounters, Memory, REFUSALS, Refusal, ResetCause};
+use rundown_wire::{Answer, Body, Health, Memory, REFUSALS, Refusal};
 use snapshots::SnapshotBuffer;
 
 /// Bytes of a record of the store: two fit in a page of the STM32L4.
@@ -51,21 +51,8 @@ const MOVING_MPS: Real = 3.0;
 pub trait Port {
     /// Hands a message to the link; false when there is no room for it.
     fn send(&mut self, message: &[u8]) -> bool;
-    /// How the board is, for the status frame.
+    /// How the hardware is.
     fn health(&self) -> Health;
-}
-
-/// How the board is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Health {
-    /// Why it started.
-    pub reset_cause: ResetCause,
-    /// Starts other than by power since power came.
-    pub resets: u16,
-    /// What the link has dropped; the task adds what it finds itself.
-    pub link: LinkCounters,
-    /// Most of the stack that was ever used, bytes; 0 where it cannot be known.
-    pub stack_bytes: u32,
 }
 
 /// The whole state of the board's application. Some 60 kB, for a static.

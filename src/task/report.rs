@@ -89,20 +89,13 @@ impl<F: NorFlash> Task<F> {
     }
 
     pub(super) fn send_status(&mut self, port: &mut impl Port) {
-        let health = port.health();
         let counters = self.run.counters();
         let mut causes = [0; CAUSES];
         for (count, cause) in causes.iter_mut().zip(Cause::ALL) {
             *count = counters.of(cause);
         }
-        let mut link = health.link;
-        link.missed = link.missed.saturating_add(self.missed);
-        link.duplicate = link.duplicate.saturating_add(self.duplicate);
-        link.not_sent = link.not_sent.saturating_add(self.not_sent);
         let status = Status {
             announcement: self.verifier.announcement(),
-            reset_cause: health.reset_cause,
-            resets: health.resets,
             train_id: self.train_id,
             track_id: self.track_id,
             setup: self.setup,
@@ -111,12 +104,15 @@ impl<F: NorFlash> Task<F> {
             causes,
             time_not_increasing: counters.time_not_increasing,
             refusals: self.refusals,
-            link,
+            missed: self.missed,
+            duplicate: self.duplicate,
+            not_sent: self.not_sent,
             memory: self.memory,
             records: self.records,
-            stack_bytes: health.stack_bytes,
         };
         self.send(Body::Status(status), port);
+        let health = port.health();
+        self.send(Body::Health(health), port);
     }
 
     pub(super) fn send(&mut self, body: Body, port: &mut impl Port) {

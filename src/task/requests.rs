@@ -59,7 +59,10 @@ impl<F: NorFlash> Task<F> {
                 }
             }
             Command::Status => self.send_status(port),
-            Command::Snapshot if self.running => self.send_snapshot(port),
+            Command::Snapshot if self.running => {
+                self.take_snapshot_of_the_run();
+                self.send_snapshot_parts(port);
+            }
             Command::Snapshot => return Err(Refusal::NotRunning),
             Command::Forget if self.running => return Err(Refusal::Running),
             Command::Forget => self.forget(),

@@ -1,4 +1,4 @@
-//! Snapshots: the run in pieces, a few each tick; and back, when the board has lost it.
+//! Snapshots: the run in pieces, a few each tick or each time it is asked for; and back, when the board has lost it.
 
 use super::{Port, Task};
 use crate::Real;
@@ -104,15 +104,6 @@ impl<F: NorFlash> Task<F> {
             let Some(part) = self.snapshot.part() else {
                 return;
             };
-            self.send(Body::SnapshotPart(part), port);
-        }
-    }
-
-    /// A snapshot of now, all of it at once.
-    pub(super) fn send_snapshot(&mut self, port: &mut impl Port) {
-        self.snapshot.outwards = false;
-        self.take_snapshot_of_the_run();
-        while let Some(part) = self.snapshot.part() {
             self.send(Body::SnapshotPart(part), port);
         }
     }

@@ -3,7 +3,7 @@
 //! In a tick the frames come in this order: parameters, effort, the others that are due, and [`Estimate`] last: it closes the tick.
 
 use crate::envelope::{self, DecodeError, EncodeError};
-use crate::link::Counters;
+use crate::health::Health;
 use crate::words::{Cause, Regime, Validity};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -53,7 +53,7 @@ pub enum Body {
     SwitchingPoints(SwitchingPoints),
     /// 5: the named effects in the board's model.
     Effects(Effects),
-    /// 6: how the board is.
+    /// 6: what the board has, and what it has counted.
     Status(Status),
     /// 7: what is known at the end of a run.
     RunSummary(RunSummary),
@@ -61,6 +61,8 @@ pub enum Body {
     SnapshotPart(SnapshotPart),
     /// 9: what became of an uplink frame.
     Answer(Answer),
+    /// 10: how the hardware is.
+    Health(Health),
 }
 
 impl Body {
@@ -77,6 +79,7 @@ impl Body {
             Self::RunSummary(_) => "run_summary",
             Self::SnapshotPart(_) => "snapshot_part",
             Self::Answer(_) => "answer",
+            Self::Health(_) => "health",
         }
     }
 }
@@ -291,23 +294,6 @@ pub struct Effects {
     pub effects: Vec<Effect, EFFECTS>,
 }
 
-/// Why the board started.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum ResetCause {
-    /// Power came.
-    #[default]
-    PowerOn,
-    /// The reset pin.
-    Pin,
-    /// The watchdog: a task hung.
-    Watchdog,
-    /// The firmware itself, after an error that it could not go on from.
-    Software,
-    /// The supply was too low.
-    BrownOut,
-}
-
 /// How the memory that survives power is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -327,35 +313,16 @@ pub enum Memory {
     ReadOnly,
 }
 
-/// What the link has dropped or lost since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LinkCounters {
-    /// The link itself.
-    pub messages: Counters,
-    /// Bytes that the receiver had no room for, or that came damaged.
-    pub overrun: u32,
-    /// Frames of ours that found no room.
-    pub not_sent: u32,
-    /// Gaps in the sequence of the other side.
-    pub missed: u32,
-    /// Messages that came twice.
-    pub duplicate: u32,
-}
-
 /// Number of [`Cause`]s.
 pub const CAUSES: usize = Cause::ALL.len();
 /// Number of [`Refusal`]s.
 pub const REFUSALS: usize = Refusal::ALL.len();
 
-/// How the board is.
+/// What the board has, and what it has counted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// Epoch and counter of the authentication with their MAC, each start of the board another one; none while everything secured is refused.
     pub announcement: Option<[u8; 16]>,
-    /// Why it started.
-    pub reset_cause: ResetCause,
-    /// Starts other than by power since power came.
-    pub resets: u16,
     /// Which train is described.
     pub train_id: Option<u64>,
     /// Which track is described.
@@ -373,14 +340,16 @@ pub struct Status {
     pub time_not_increasing: u32,
     /// How often uplink frames were refused since the start, in the order of [`Refusal::ALL`].
     pub refusals: [u32; REFUSALS],
-    /// The link.
-    pub link: LinkCounters,
+    /// Gaps in the sequence of the other side.
+    pub missed: u32,
+    /// Messages that came twice.
+    pub duplicate: u32,
+    /// Frames that the link had no room for.
+    pub not_sent: u32,
     /// The memory that survives power.
     pub memory: Memory,
     /// Records written since the start, and those that failed.
     pub records: [u32; 2],
-    /// Most of the stack that was ever used, bytes; 0 where it cannot be known.
-    pub stack_bytes: u32,
 }
 
 /// What is known at the end of a run.

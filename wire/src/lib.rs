@@ -22,9 +22,11 @@
 
 mod downlink;
 mod envelope;
+mod health;
 pub mod link;
 mod words;
 
 pub use downlink::*;
 pub use envelope::{DecodeError, EncodeError, MAX_MESSAGE, VERSION, decode, encode};
+pub use health::{FILE_TAIL, Failure, Health, LineCounts, ResetCause, Stalled};
 pub use words::{Cause, Regime, Validity};

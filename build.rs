@@ -1,0 +1,22 @@
+//! Hands the memory layout of the chosen board to the linker. Does nothing for the host.
+
+use std::path::Path;
+use std::{env, fs, io};
+
+fn main() -> io::Result<()> {
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=src/board/l475/memory.x");
+    println!("cargo::rerun-if-changed=src/board/mps2/memory.x");
+    if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
+        return Ok(());
+    }
+    // Not at the root: the linker would find that one first, whatever the board.
+    let layout = match env::var_os("CARGO_FEATURE_MPS2") {
+        Some(_) => "src/board/mps2/memory.x",
+        None => "src/board/l475/memory.x",
+    };
+    let out = env::var("OUT_DIR").map_err(io::Error::other)?;
+    fs::copy(layout, Path::new(&out).join("memory.x"))?;
+    println!("cargo::rustc-link-search={out}");
+    Ok(())
+}

@@ -1,0 +1,90 @@
+//! The firmware's application: bytes of a serial line into the tick task, its messages onto the line. Board and host call these functions, and differ in nothing else.
+
+use embedded_storage::nor_flash::NorFlash;
+use rundown::auth::{Provisioning, ProvisioningError};
+use rundown::link::Counters;
+use rundown::link::serial::{self, Decoder};
+use rundown::task::{Port, Task};
+use rundown_wire::Health;
+
+/// State of the application, 60 kB: lives in a static of the board.
+pub struct Application<F> {
+    task: Task<F>,
+    decoder: Decoder,
+    messages: Counters,
+}
+
+impl<F: NorFlash> Application<F> {
+    /// After the start of the board.
+    pub fn new(
+        provisioning: Result<Provisioning, ProvisioningError>,
+        flash: F,
+        heartbeat_only: bool,
+    ) -> Self {
+        Self {
+            task: Task::new(provisioning, flash, heartbeat_only),
+            decoder: Decoder::new(),
+            messages: Counters::ZERO,
+        }
+    }
+
+    /// A byte came over the line. `health` is asked when a status is due.
+    pub fn receive(
+        &mut self,
+        byte: u8,
+        health: impl Fn() -> Health,
+        send: &mut impl FnMut(&[u8]) -> bool,
+    ) {
+        match self.decoder.push(byte) {
+            Ok(Some(message)) => {
+                self.messages.received = self.messages.received.saturating_add(1);
+                let mut line = Line {
+                    send,
+                    health,
+                    messages: &mut self.messages,
+                };
+                self.task.receive(message, &mut line);
+            }
+            Ok(None) => {}
+            Err(error) => error.count(&mut self.messages),
+        }
+    }
+
+    /// A tick of the clock.
+    #[cfg_attr(
+        not(target_os = "none"),
+        expect(dead_code, reason = "the host's clock does not tick")
+    )]
+    pub fn tick(&mut self, health: impl Fn() -> Health, send: &mut impl FnMut(&[u8]) -> bool) {
+        let mut line = Line {
+            send,
+            health,
+            messages: &mut self.messages,
+        };
+        self.task.tick(&mut line);
+    }
+}
+
+/// The line as the task sees it.
+struct Line<'a, S, H> {
+    send: &'a mut S,
+    health: H,
+    messages: &'a mut Counters,
+}
+
+impl<S: FnMut(&[u8]) -> bool, H: Fn() -> Health> Port for Line<'_, S, H> {
+    fn send(&mut self, message: &[u8]) -> bool {
+        let sent = serial::encode(message).is_ok_and(|frame| (self.send)(&frame));
+        if sent {
+            self.messages.sent = self.messages.sent.saturating_add(1);
+        }
+        sent
+    }
+
+    fn health(&self) -> Health {
+        Health {
+            messages: *self.messages,
+            ..(self.health)()
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! ST B-L475E-IOT01A: STM32L475VG at 80 MHz, serial line on the debugger's USB port.
+//!
+//! | what | where |
+//! |---|---|
+//! | serial line | USART1, TX PB6, RX PB7, both AF7: the ST-LINK's virtual COM port |
+//! | clock | MSI 4 MHz -> PLL 80 MHz; MSI alone if anything is late |
+//! | watchdog | IWDG on the LSI, 2 s, stands still while a debugger halts the core |
+
+mod clock_tree;
+mod flash;
+mod serial;
+
+pub use serial::SerialPort;
+pub use stm32l4::stm32l4x5 as device;
+
+use super::{Place, stopwatch};
+use core::sync::atomic::{AtomicU32, Ordering};
+use cortex_m_rt::exception;
+use device::{IWDG, Peripherals};
+use flash::Flash;
+use rundown::onboard::clock::{self, Clock, bounded};
+use rundown::onboard::watchdog::Watchdog;
+use rundown_wire::ResetCause;
+
+/// Time until the watchdog bites, in its counts of 2 ms (LSI 32 kHz / 64). The LSI is good to 10 %.
+const BITE_COUNTS: u16 = 1000;
+
+/// Everything that the application is given.
+pub struct Board {
+    pub port: SerialPort,
+    pub watchdog: DogTimer,
+    pub flash: Flash,
+    pub clock: Clock,
+    pub cause: ResetCause,
+}
+
+/// Starts clock, system timer, serial line and watchdog. Nothing here waits for ever.
+pub fn start(mut core: cortex_m::Peripherals) -> Option<Board> {
+    let chip = Peripherals::take()?;
+    let cause = reset_cause(&chip.RCC);
+    let clock = clock::start(&mut clock_tree::Tree {
+        rcc: &chip.RCC,
+        flash: &chip.FLASH,
+    });
+    stopwatch::start(&mut core.SYST, clock.hz());
+    let port = SerialPort::start(&chip.RCC, &chip.GPIOB, chip.USART1, clock.hz());
+    // Stop the watchdog while the debugger has halted the core.
+    chip.DBGMCU
+        .apb1fzr1()
+        .modify(|_, w| w.dbg_iwdg_stop().set_bit());
+    let watchdog = DogTimer::start(chip.IWDG);
+    Some(Board {
+        port,
+        watchdog,
+        flash: Flash::new(chip.FLASH),
+        clock,
+        cause,
+    })
+}
+
+fn reset_cause(rcc: &device::RCC) -> ResetCause {
+    let flags = rcc.csr().read();
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    // Several may be set: every internal reset pulls the pin too.
+    if flags.iwdgrstf().bit() || flags.wwdgrstf().bit() {
+        ResetCause::Watchdog
+    } else if flags.sftrstf().bit() {
+        ResetCause::Software
+    } else if flags.borrstf().bit() {
+        ResetCause::PowerOn
+    } else if flags.lpwrstf().bit() || flags.oblrstf().bit() || flags.firewallrstf().bit() {
+        ResetCause::Other
+    } else {
+        ResetCause::Pin
+    }
+}
+
+/// The independent watchdog.
+pub struct DogTimer(IWDG);
+
+impl DogTimer {
+    fn start(iwdg: IWDG) -> Self {
+        // Keys of the reference manual: start, then unlock; start first, because the registers need its clock.
+        iwdg.kr().write(|w| unsafe { w.bits(0xCCCC) }); // SAFETY: a key, no memory.
+        iwdg.kr().write(|w| unsafe { w.bits(0x5555) }); // SAFETY: a key, no memory.
+        iwdg.pr().write(|w| unsafe { w.bits(4) }); // SAFETY: divider 64, one of the eight that exist.
+        iwdg.rlr().write(|w| unsafe { w.bits(BITE_COUNTS) }); // SAFETY: below the field's 4095.
+        // If this is late, the longest time (8 s at this divider) is in force: later, but it bites.
+        let _ = bounded(|| iwdg.sr().read().bits() == 0);
+        let mut watchdog = Self(iwdg);
+        watchdog.feed();
+        watchdog
+    }
+}
+
+impl Watchdog for DogTimer {
+    fn feed(&mut self) {
+        self.0.kr().write(|w| unsafe { w.bits(0xAAAA) }); // SAFETY: a key, no memory.
+    }
+}
+
+/// Double-bit errors that the flash has reported.
+static FLASH_ERRORS: AtomicU32 = AtomicU32::new(0);
+
+/// Double-bit errors that the flash has reported since boot.
+pub fn flash_errors() -> u32 {
+    FLASH_ERRORS.load(Ordering::Relaxed)
+}
+
+/// A word that was torn by a loss of power is reported as a double-bit error, by this interrupt, at every read of it: cleared and counted, or the firmware
+/// would stay here for ever. The reader sees wrong bytes, and the record's checksum refuses them.
+// SAFETY: touches one register that nothing else uses, and one atomic.
+#[exception]
+unsafe fn NonMaskableInt() {
+    // SAFETY: see above.
+    let flash = unsafe { &*device::FLASH::ptr() };
+    if flash.eccr().read().eccd().bit() {
+        flash.eccr().modify(|_, w| w.eccd().set_bit());
+        let count = FLASH_ERRORS.load(Ordering::Relaxed).saturating_add(1);
+        FLASH_ERRORS.store(count, Ordering::Relaxed);
+    }
+}
+
+/// Only the test build fails on demand.
+pub fn provoke(_place: Place) {}

@@ -1,0 +1,39 @@
+//! The metal: registers and linker symbols. The only place with `unsafe`; what can be decided without a register is in `rundown::onboard`.
+//!
+//! | here | what |
+//! |---|---|
+//! | `l475` | ST B-L475E-IOT01A |
+//! | `mps2` | Arm MPS2 AN386, test-only, in the emulator |
+//! | `kept_ram` | RAM that survives a reset |
+//! | `painted_stack` | how deep the stack has been |
+//! | `fallen` | panics and faults: write down why, then reset |
+//! | `stopwatch` | time in counts of the system timer |
+
+mod fallen;
+pub mod kept_ram;
+pub mod painted_stack;
+pub mod stopwatch;
+
+#[cfg(not(feature = "mps2"))]
+mod l475;
+#[cfg(not(feature = "mps2"))]
+pub use l475::{Board, DogTimer, SerialPort, device, flash_errors, provoke, start};
+
+#[cfg(feature = "mps2")]
+mod mps2;
+#[cfg(feature = "mps2")]
+pub use mps2::{Board, DogTimer, SerialPort, device, flash_errors, provoke, start};
+
+/// Speed of the serial line, bit/s.
+#[cfg_attr(
+    feature = "mps2",
+    expect(dead_code, reason = "the emulated port takes any")
+)]
+pub const BAUD: u32 = 115_200;
+
+/// Where a test build can be told to fail.
+#[derive(Clone, Copy)]
+pub enum Place {
+    Tick,
+    Link,
+}

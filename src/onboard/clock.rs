@@ -1,0 +1,168 @@
+//! Which clock the processor runs at: 80 MHz from the PLL, or the 4 MHz it woke up with.
+//!
+//! In: an oscillator, a PLL and a flash that may be dead. Out: a clock that runs, and why it is not the fast one.
+//! Every wait is bounded, so a dead crystal costs speed, not the train's estimates: a tick of 150 k instructions takes some 40 ms at 4 MHz.
+
+/// Frequency after reset, Hz.
+pub const SLOW_HZ: u32 = 4_000_000;
+/// Frequency with the PLL, Hz.
+pub const FAST_HZ: u32 = 80_000_000;
+/// Longest wait for one thing, polls. At 4 MHz and some 10 cycles a poll this is 50 ms; a PLL locks within 40 µs.
+pub const MOST_POLLS: u32 = 20_000;
+
+/// The steps that a clock tree can be asked for. Each `..._ready` is polled.
+pub trait ClockTree {
+    /// Starts the PLL on the internal oscillator.
+    fn start_pll(&mut self);
+    /// The PLL is locked.
+    fn pll_ready(&self) -> bool;
+    /// Sets the flash to the wait states that [`FAST_HZ`] needs.
+    fn set_wait_states(&mut self);
+    /// The flash has taken them.
+    fn wait_states_ready(&self) -> bool;
+    /// Runs the processor from the PLL.
+    fn select_pll(&mut self);
+    /// The processor runs from the PLL.
+    fn pll_selected(&self) -> bool;
+    /// Back to the internal oscillator, which has been running all the time; stops the PLL.
+    fn back_to_slow(&mut self);
+}
+
+/// What did not come in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Late {
+    /// The PLL did not lock.
+    Pll,
+    /// The flash did not take its wait states; the fast clock would read wrong instructions.
+    WaitStates,
+    /// The switch to the PLL did not happen.
+    Switch,
+}
+
+/// The clock in force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// [`FAST_HZ`].
+    Fast,
+    /// [`SLOW_HZ`], because something was late.
+    Slow(Late),
+}
+
+impl Clock {
+    /// Frequency of the processor and its buses, Hz.
+    pub const fn hz(self) -> u32 {
+        match self {
+            Self::Fast => FAST_HZ,
+            Self::Slow(_) => SLOW_HZ,
+        }
+    }
+}
+
+/// Brings the clock up, or leaves the slow one in force.
+pub fn start(tree: &mut impl ClockTree) -> Clock {
+    match try_fast(tree) {
+        Ok(()) => Clock::Fast,
+        Err(late) => {
+            tree.back_to_slow();
+            Clock::Slow(late)
+        }
+    }
+}
+
+fn try_fast(tree: &mut impl ClockTree) -> Result<(), Late> {
+    tree.start_pll();
+    bounded(|| tree.pll_ready()).ok_or(Late::Pll)?;
+    tree.set_wait_states();
+    bounded(|| tree.wait_states_ready()).ok_or(Late::WaitStates)?;
+    tree.select_pll();
+    bounded(|| tree.pll_selected()).ok_or(Late::Switch)
+}
+
+/// Polls until it is so, at most [`MOST_POLLS`] times.
+///
+/// ```
+/// use rundown::onboard::clock::bounded;
+///
+/// let mut polls = 0;
+/// assert_eq!(bounded(|| { polls += 1; polls == 3 }), Some(()));
+/// assert_eq!(bounded(|| false), None);
+/// ```
+pub fn bounded(mut ready: impl FnMut() -> bool) -> Option<()> {
+    (0..MOST_POLLS).any(|_| ready()).then_some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A clock tree that dies where it is told to.
+    struct Mock {
+        dead: Option<Late>,
+        running_from_pll: bool,
+        wait_states: bool,
+    }
+
+    impl Mock {
+        fn new(dead: Option<Late>) -> Self {
+            Self {
+                dead,
+                running_from_pll: false,
+                wait_states: false,
+            }
+        }
+    }
+
+    impl ClockTree for Mock {
+        fn start_pll(&mut self) {}
+        fn pll_ready(&self) -> bool {
+            self.dead != Some(Late::Pll)
+        }
+        fn set_wait_states(&mut self) {
+            self.wait_states = self.dead != Some(Late::WaitStates);
+        }
+        fn wait_states_ready(&self) -> bool {
+            self.wait_states
+        }
+        fn select_pll(&mut self) {
+            assert!(self.wait_states && self.dead != Some(Late::Pll));
+            self.running_from_pll = true;
+        }
+        fn pll_selected(&self) -> bool {
+            self.dead != Some(Late::Switch)
+        }
+        fn back_to_slow(&mut self) {
+            self.running_from_pll = false;
+        }
+    }
+
+    #[test]
+    fn a_healthy_tree_runs_fast() {
+        let mut tree = Mock::new(None);
+        assert_eq!(start(&mut tree), Clock::Fast);
+        assert!(tree.running_from_pll);
+    }
+
+    #[test]
+    fn whatever_dies_the_slow_clock_stays() {
+        for late in [Late::Pll, Late::WaitStates, Late::Switch] {
+            let mut tree = Mock::new(Some(late));
+            let clock = start(&mut tree);
+            assert_eq!(clock, Clock::Slow(late));
+            assert_eq!(clock.hz(), SLOW_HZ);
+            assert!(!tree.running_from_pll, "{late:?}");
+        }
+    }
+
+    #[test]
+    fn a_wait_ends() {
+        let mut polls = 0;
+        assert_eq!(
+            bounded(|| {
+                polls += 1;
+                false
+            }),
+            None
+        );
+        assert_eq!(polls, MOST_POLLS);
+    }
+}

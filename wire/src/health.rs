@@ -1,0 +1,174 @@
+//! How the hardware is: why it started, what went wrong on the line, how deep the stack was.
+
+use crate::link::Counters;
+use serde::{Deserialize, Serialize};
+
+/// Why the board started.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum ResetCause {
+    /// Power came, or fell below what the processor needs.
+    #[default]
+    PowerOn,
+    /// The reset pin, a button or a probe.
+    Pin,
+    /// The firmware asked for it: a panic or a fault.
+    Software,
+    /// The watchdog was not fed.
+    Watchdog,
+    /// Something else (option bytes, firewall, low-power entry).
+    Other,
+}
+
+impl ResetCause {
+    /// Whether it counts towards the crash loop. A person who presses the button is no crash.
+    pub const fn is_crash(self) -> bool {
+        matches!(self, Self::Software | Self::Watchdog)
+    }
+
+    /// The word used in every output.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::PowerOn => "power_on",
+            Self::Pin => "pin",
+            Self::Software => "software",
+            Self::Watchdog => "watchdog",
+            Self::Other => "other",
+        }
+    }
+}
+
+/// Bytes kept of a file's name: its end, which tells files apart.
+pub const FILE_TAIL: usize = 24;
+
+/// What the firmware wrote down before the reset.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Failure {
+    /// Nothing: power-on, button, or the end came without warning (stack overflow, power dip).
+    #[default]
+    None,
+    /// A panic in this line of the file whose name ends so.
+    Panic {
+        /// Line.
+        line: u32,
+        /// End of the path, filled with zeros.
+        file: [u8; FILE_TAIL],
+    },
+    /// A processor fault at this address of code.
+    Fault {
+        /// Program counter.
+        at: u32,
+    },
+    /// A task did not advance and the watchdog was not fed.
+    Stalled(Stalled),
+}
+
+impl Failure {
+    /// A panic at this place.
+    ///
+    /// ```
+    /// use rundown_wire::Failure;
+    ///
+    /// let panic = Failure::panic("/home/me/rundown/src/estimator.rs", 12);
+    /// assert_eq!(panic.file(), "undown/src/estimator.rs");
+    /// ```
+    pub fn panic(path: &str, line: u32) -> Self {
+        let bytes = path.as_bytes();
+        let mut from = bytes.len().saturating_sub(FILE_TAIL);
+        // Not in the middle of a character.
+        while !path.is_char_boundary(from) {
+            from += 1;
+        }
+        let mut file = [0; FILE_TAIL];
+        for (to, byte) in file.iter_mut().zip(bytes.iter().skip(from)) {
+            *to = *byte;
+        }
+        Self::Panic { line, file }
+    }
+
+    /// End of the file's name of a panic, else nothing.
+    pub fn file(&self) -> &str {
+        let Self::Panic { file, .. } = self else {
+            return "";
+        };
+        core::str::from_utf8(file)
+            .unwrap_or("")
+            .trim_end_matches('\0')
+    }
+}
+
+/// Which task has not advanced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stalled {
+    /// The tick task.
+    pub tick: bool,
+    /// The link task.
+    pub link: bool,
+}
+
+/// What went wrong on the serial line, counted since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LineCounts {
+    /// A byte came before the last one was read.
+    pub overrun: u32,
+    /// A byte without its stop bit.
+    pub framing: u32,
+    /// The samples of a bit disagreed.
+    pub noise: u32,
+    /// Parity, or what the port cannot name.
+    pub other: u32,
+    /// Bytes dropped because the ring was full.
+    pub ring_full: u32,
+}
+
+/// How the hardware is. The only frame that differs between a board and a host that replays its log.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Health {
+    /// Since the start, s.
+    pub uptime_s: u32,
+    /// Why it started.
+    pub reset_cause: ResetCause,
+    /// What the firmware wrote down before.
+    pub failure: Failure,
+    /// Crashes since power-on.
+    pub resets: u32,
+    /// The processor runs on its slow clock, because the fast one did not come.
+    pub slow_clock: bool,
+    /// Most of the stack that was ever used, bytes.
+    pub stack_bytes: u32,
+    /// Longest time that a tick or a message took, microseconds.
+    pub longest_us: u32,
+    /// Double-bit errors that the flash reported.
+    pub flash_errors: u32,
+    /// The serial line.
+    pub line: LineCounts,
+    /// The link.
+    pub messages: Counters,
+    /// Frames that the line did not take.
+    pub not_sent: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_name_is_kept_whole() {
+        assert_eq!(Failure::panic("src/ukf.rs", 1).file(), "src/ukf.rs");
+    }
+
+    #[test]
+    fn a_long_name_is_cut_at_a_character() {
+        // 13 characters of two bytes: the cut at 24 bytes falls on a boundary, at 25 it would not.
+        let panic = Failure::panic("äääääääääääääb", 1);
+        assert_eq!(panic.file(), "äääääääääääb");
+    }
+
+    #[test]
+    fn only_crashes_count() {
+        assert!(ResetCause::Watchdog.is_crash());
+        assert!(ResetCause::Software.is_crash());
+        assert!(!ResetCause::Pin.is_crash());
+        assert!(!ResetCause::PowerOn.is_crash());
+    }
+}
