@@ -18,7 +18,7 @@ pub const PERIOD_S: u32 = 10;
 mod app {
     use super::PERIOD_S;
     use crate::application::Application;
-    use crate::board::stopwatch::{Stopwatch, TIMER_HZ};
+    use crate::board::stopwatch::{self, Stopwatch, TIMER_HZ};
     use crate::board::{self, Board, DogTimer, Place, SerialPort, device::Interrupt, kept_ram};
     use core::sync::atomic::{AtomicU32, Ordering};
     use heapless::spsc::{Consumer, Producer, Queue};
@@ -43,7 +43,6 @@ mod app {
     static LINK_BEATS: AtomicU32 = AtomicU32::new(0);
     /// Timer periods since boot; wraps after 13 years.
     static PERIODS: AtomicU32 = AtomicU32::new(0);
-    static LONGEST_US: AtomicU32 = AtomicU32::new(0);
 
     #[shared]
     struct Shared {
@@ -183,14 +182,14 @@ mod app {
                 line: LINE_ERRORS.counts(),
                 frames_dropped,
                 stack_bytes: board::painted_stack::high_water(),
-                longest_us: LONGEST_US.load(Ordering::Relaxed),
+                longest_us: stopwatch::longest_us(),
                 flash_errors: board::flash_errors(),
             };
             let watch = Stopwatch::start();
             cx.shared.application.tick(&health, &mut |frame| {
                 wires.lock(|port, outbox| say(port, outbox, frame))
             });
-            longest(&watch);
+            watch.stop();
         }
         TICK_BEATS.fetch_add(1, Ordering::Relaxed);
     }
@@ -208,7 +207,7 @@ mod app {
             cx.shared.application.receive(byte, &mut |frame| {
                 wires.lock(|port, outbox| say(port, outbox, frame))
             });
-            longest(&watch);
+            watch.stop();
         }
         if cx.local.ring_out.ready() {
             rtic::pend(Interrupt::TSC);
@@ -221,9 +220,5 @@ mod app {
         // A frame longer than the outbox does not exist: see `application::MOST_BYTES`.
         let _ = outbox.push(frame);
         serial::send(port, outbox);
-    }
-
-    fn longest(watch: &Stopwatch) {
-        LONGEST_US.fetch_max(watch.us(), Ordering::Relaxed);
     }
 }

@@ -1,0 +1,290 @@
+//! QEMU as a child process.
+
+use crate::board::{Board, NoImage};
+use crate::flash_file::{FlashFile, SIZE};
+use crate::qmp::Qmp;
+use serde_json::json;
+use std::io::{self, Read};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Virtual time of one instruction, as QEMU is started here.
+pub const NS_PER_INSTRUCTION: u32 = 1 << SHIFT;
+const SHIFT: u32 = 4;
+const QEMU: &str = "qemu-system-arm";
+/// The first version that has the reference board with a working serial line.
+const OLDEST: u32 = 10;
+/// QEMU has to connect within this time.
+const CONNECT: Duration = Duration::from_secs(10);
+
+/// What time does while the processor sleeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sleep {
+    /// It goes with the host's clock. For anything that talks over the line.
+    #[default]
+    AsHost,
+    /// It jumps to the next interrupt: a day in a minute. Without input.
+    Jumps,
+}
+
+/// How to start the emulator.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The board.
+    pub board: Board,
+    /// Its firmware.
+    pub image: PathBuf,
+    /// What time does while the processor sleeps.
+    pub sleep: Sleep,
+    /// The flash of [`Board::Mps2`]; without it, it is lost with the emulator.
+    pub flash: Option<FlashFile>,
+    /// Files that are laid into the flash of [`Board::L475`] before the start, with their address.
+    pub preloads: Vec<(PathBuf, u32)>,
+}
+
+impl Settings {
+    /// The firmware that `cargo xtask firmware` has built.
+    ///
+    /// # Errors
+    /// [`NoImage`] if it is missing or stale.
+    pub fn new(board: Board) -> Result<Self, NoImage> {
+        Ok(Self {
+            board,
+            image: board.image()?,
+            sleep: Sleep::AsHost,
+            flash: None,
+            preloads: Vec::new(),
+        })
+    }
+}
+
+/// What went wrong with the emulator.
+#[derive(Debug, thiserror::Error)]
+pub enum EmulatorError {
+    /// It could not be started.
+    #[error("{QEMU} could not be started ({0}): `cargo xtask setup` installs it")]
+    NotFound(io::Error),
+    /// It is too old.
+    #[error(
+        "{QEMU} is version {found}, at least {OLDEST} is needed: `cargo xtask setup` installs it"
+    )]
+    TooOld {
+        /// Its version.
+        found: String,
+    },
+    /// It ended at once.
+    #[error("{QEMU} ended: {0}")]
+    Ended(String),
+    /// It talks to nobody.
+    #[error("{QEMU} did not connect within {} s", CONNECT.as_secs())]
+    Silent,
+    /// A connection or file.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+}
+
+/// Version of the emulator on the path, checked to be new enough.
+///
+/// # Errors
+/// It is missing, or too old.
+pub fn version() -> Result<String, EmulatorError> {
+    let output = Command::new(QEMU)
+        .arg("--version")
+        .output()
+        .map_err(EmulatorError::NotFound)?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let found = text
+        .split_whitespace()
+        .skip_while(|word| *word != "version")
+        .nth(1)
+        .unwrap_or("unknown")
+        .to_owned();
+    let major = found
+        .split('.')
+        .next()
+        .and_then(|word| word.parse::<u32>().ok());
+    if major.is_some_and(|major| major >= OLDEST) {
+        Ok(found)
+    } else {
+        Err(EmulatorError::TooOld { found })
+    }
+}
+
+/// A running emulator. Dropping it is the loss of power.
+pub struct Emulator {
+    child: Child,
+    line: TcpStream,
+    qmp: Qmp,
+}
+
+impl Emulator {
+    /// Starts it and connects its serial line. The firmware says when it is ready: what is sent earlier is lost, as on a real line.
+    ///
+    /// # Errors
+    /// [`EmulatorError`] with the remedy.
+    pub fn start(settings: &Settings) -> Result<Self, EmulatorError> {
+        version()?;
+        let (line, line_at) = listen()?;
+        let (control, control_at) = listen()?;
+        let mut command = Command::new(QEMU);
+        let sleep = match settings.sleep {
+            Sleep::AsHost => "on",
+            Sleep::Jumps => "off",
+        };
+        command
+            .args(["-nodefaults", "-display", "none", "-monitor", "none"])
+            .args(["-icount", &format!("shift={SHIFT},sleep={sleep}")])
+            .args(["-chardev", &client("line", line_at)])
+            .args(["-serial", "chardev:line"])
+            .args(["-chardev", &client("control", control_at)])
+            .args(["-mon", "chardev=control,mode=control"])
+            .arg("-kernel")
+            .arg(&settings.image);
+        let mut machine = settings.board.machine().to_owned();
+        if let Some(flash) = &settings.flash {
+            machine.push_str(",memory-backend=psram");
+            command.args([
+                "-object",
+                &format!(
+                    "memory-backend-file,id=psram,size={SIZE},share=on,mem-path={}",
+                    flash.path().display()
+                ),
+            ]);
+        }
+        for (file, address) in &settings.preloads {
+            command.args([
+                "-device",
+                &format!(
+                    "loader,file={},addr={address:#x},force-raw=on",
+                    file.display()
+                ),
+            ]);
+        }
+        command.args(["-M", &machine]);
+        let mut child = command
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(EmulatorError::NotFound)?;
+        let connected = accept(&line, &mut child)
+            .and_then(|line| Ok((line, Qmp::new(accept(&control, &mut child)?)?)));
+        match connected {
+            Ok((line, qmp)) => Ok(Self { child, line, qmp }),
+            Err(error) => {
+                end(&mut child);
+                Err(error)
+            }
+        }
+    }
+
+    /// The serial line: bytes to and from the firmware. Waits at most 10 s, unless changed.
+    pub fn line(&mut self) -> &mut TcpStream {
+        &mut self.line
+    }
+
+    /// A copy of the memory, while the processor stands still for that moment.
+    ///
+    /// # Errors
+    /// QEMU refuses, or is gone.
+    pub fn memory(&mut self, address: u64, bytes: u64) -> io::Result<Vec<u8>> {
+        let folder = tempfile::tempdir()?;
+        let file = folder.path().join("memory");
+        self.qmp.execute(
+            "pmemsave",
+            json!({ "val": address, "size": bytes, "filename": file.to_string_lossy() }),
+        )?;
+        std::fs::read(file)
+    }
+
+    /// A word of the memory.
+    ///
+    /// # Errors
+    /// As [`Self::memory`].
+    pub fn word(&mut self, address: u64) -> io::Result<u32> {
+        let bytes = self.memory(address, 4)?;
+        let bytes = bytes.try_into().map_err(|_| io::Error::other("no word"))?;
+        Ok(u32::from_le_bytes(bytes))
+    }
+
+    /// Holds the processor.
+    ///
+    /// # Errors
+    /// QEMU is gone.
+    pub fn hold(&mut self) -> io::Result<()> {
+        self.qmp.execute("stop", json!({})).map(drop)
+    }
+
+    /// Lets it go on.
+    ///
+    /// # Errors
+    /// QEMU is gone.
+    pub fn go_on(&mut self) -> io::Result<()> {
+        self.qmp.execute("cont", json!({})).map(drop)
+    }
+
+    /// Pushes the reset button. RAM is kept.
+    ///
+    /// # Errors
+    /// QEMU is gone.
+    pub fn reset(&mut self) -> io::Result<()> {
+        self.qmp.execute("system_reset", json!({})).map(drop)
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        end(&mut self.child);
+    }
+}
+
+fn end(child: &mut Child) {
+    // Both fail only if it has ended.
+    let _ = child.kill();
+    let _ = child.wait();
+}
+
+fn listen() -> io::Result<(TcpListener, SocketAddr)> {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
+    listener.set_nonblocking(true)?;
+    let address = listener.local_addr()?;
+    Ok((listener, address))
+}
+
+fn client(id: &str, address: SocketAddr) -> String {
+    format!(
+        "socket,id={id},host={},port={},nodelay=on",
+        address.ip(),
+        address.port()
+    )
+}
+
+fn accept(listener: &TcpListener, child: &mut Child) -> Result<TcpStream, EmulatorError> {
+    let begin = Instant::now();
+    loop {
+        match listener.accept() {
+            Ok((stream, _)) => {
+                stream.set_nonblocking(false)?;
+                stream.set_nodelay(true)?;
+                stream.set_read_timeout(Some(CONNECT))?;
+                stream.set_write_timeout(Some(CONNECT))?;
+                return Ok(stream);
+            }
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+            Err(error) => return Err(error.into()),
+        }
+        if let Some(status) = child.try_wait()? {
+            let mut said = String::new();
+            if let Some(stderr) = &mut child.stderr {
+                stderr.read_to_string(&mut said)?;
+            }
+            return Err(EmulatorError::Ended(format!("{status}, {}", said.trim())));
+        }
+        if begin.elapsed() > CONNECT {
+            return Err(EmulatorError::Silent);
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
