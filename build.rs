@@ -6,14 +6,19 @@ use std::{env, fs, io};
 fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=src/board/l475/memory.x");
+    println!("cargo::rerun-if-changed=src/board/l475/emulator.x");
     println!("cargo::rerun-if-changed=src/board/mps2/memory.x");
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return Ok(());
     }
     // Not at the root: the linker would find that one first, whatever the board.
-    let layout = match env::var_os("CARGO_FEATURE_MPS2") {
-        Some(_) => "src/board/mps2/memory.x",
-        None => "src/board/l475/memory.x",
+    let chosen = |feature| env::var_os(feature).is_some();
+    let layout = if chosen("CARGO_FEATURE_MPS2") {
+        "src/board/mps2/memory.x"
+    } else if chosen("CARGO_FEATURE_EMULATOR") {
+        "src/board/l475/emulator.x"
+    } else {
+        "src/board/l475/memory.x"
     };
     let out = env::var("OUT_DIR").map_err(io::Error::other)?;
     fs::copy(layout, Path::new(&out).join("memory.x"))?;

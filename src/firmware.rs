@@ -19,30 +19,42 @@ mod app {
     use super::PERIOD_S;
     use crate::application::Application;
     use crate::board::stopwatch::{self, Stopwatch, TIMER_HZ};
-    use crate::board::{self, Board, DogTimer, Place, SerialPort, device::Interrupt, kept_ram};
+    use crate::board::{
+        self, Board, DogTimer, Flash, Place, SerialPort, device::Interrupt, kept_ram,
+    };
+    use core::mem::MaybeUninit;
     use core::sync::atomic::{AtomicU32, Ordering};
     use heapless::spsc::{Consumer, Producer, Queue};
+    use rundown::auth::Provisioning;
     use rundown::onboard::clock::Clock;
     use rundown::onboard::crash_loop::Operation;
-    use rundown::onboard::health::Health;
     use rundown::onboard::kept::{Boot, Kept};
     use rundown::onboard::outbox::Outbox;
     use rundown::onboard::serial::{self, LineErrors};
     use rundown::onboard::watchdog::{Beats, FeedRule, Watchdog};
-    use rundown_wire::Failure;
+    use rundown_wire::{Failure, Health};
 
     /// Bytes from the line that may wait: 89 ms of it.
     const RING: usize = 1024;
-    /// Bytes of frames that may wait: 178 ms of the line.
-    const OUTBOX: usize = 2048;
+    /// Bytes of frames that may wait: the most that a tick sends, 356 ms of the line.
+    const OUTBOX: usize = 4096;
     /// Timer periods without a feed after which the reason is written down; the watchdog bites after 20.
     const QUIET_PERIODS: u32 = 5;
 
     static LINE_ERRORS: LineErrors = LineErrors::new();
     static TICK_BEATS: AtomicU32 = AtomicU32::new(0);
+    /// Frames that the line did not take.
+    static DROPPED: AtomicU32 = AtomicU32::new(0);
     static LINK_BEATS: AtomicU32 = AtomicU32::new(0);
     /// Timer periods since boot; wraps after 13 years.
     static PERIODS: AtomicU32 = AtomicU32::new(0);
+
+    /// What is known since the start.
+    #[derive(Clone, Copy)]
+    pub struct Start {
+        boot: Boot,
+        clock: Clock,
+    }
 
     #[shared]
     struct Shared {
@@ -50,7 +62,9 @@ mod app {
         port: SerialPort,
         outbox: Outbox<OUTBOX>,
         #[lock_free]
-        application: &'static mut Application,
+        start: Start,
+        #[lock_free]
+        application: &'static mut Application<Flash>,
     }
 
     #[local]
@@ -61,18 +75,16 @@ mod app {
         feed_rule: FeedRule,
         quiet_periods: u32,
         kept: Kept,
-        boot: Boot,
-        clock: Clock,
         next_tick: u32,
     }
 
-    #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: Application = Application::IDLE])]
+    #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<Flash>> = MaybeUninit::uninit()])]
     fn init(cx: init::Context) -> (Shared, Local) {
         // The chip's registers are taken once, here; if they were not free something is very wrong, and a reset is the answer.
         let Some(Board {
             mut port,
             watchdog,
-            flash: _flash,
+            flash,
             clock,
             cause,
         }) = board::start(cx.core)
@@ -86,22 +98,20 @@ mod app {
             clock.hz(),
             boot.resets
         );
-        let mut outbox = Outbox::new();
-        let application = cx.local.application;
-        if boot.operation == Operation::Normal {
-            application.begin(&boot, &mut |frame| {
-                // A frame longer than the outbox does not exist: see `application::MOST_BYTES`.
-                let _ = outbox.push(frame);
-            });
-        }
-        serial::send(&mut port, &mut outbox);
+        // In place: it takes 60 kB.
+        let application = cx.local.application.write(Application::new(
+            Provisioning::from_bytes(&board::key_record()),
+            flash,
+            boot.operation == Operation::HeartbeatOnly,
+        ));
         let (ring_in, ring_out) = cx.local.ring.split();
         rtic::pend(Interrupt::COMP);
         rtic::pend(Interrupt::TSC);
         (
             Shared {
                 port,
-                outbox,
+                outbox: Outbox::new(),
+                start: Start { boot, clock },
                 application,
             },
             Local {
@@ -111,8 +121,6 @@ mod app {
                 feed_rule: FeedRule::default(),
                 quiet_periods: 0,
                 kept,
-                boot,
-                clock,
                 next_tick: 0,
             },
         )
@@ -166,27 +174,17 @@ mod app {
         rtic::pend(Interrupt::TSC);
     }
 
-    #[task(binds = COMP, priority = 1, shared = [port, outbox, application], local = [boot, clock, next_tick])]
+    #[task(binds = COMP, priority = 1, shared = [port, outbox, start, application], local = [next_tick])]
     fn tick(cx: tick::Context) {
         board::provoke(Place::Tick);
         let periods = PERIODS.load(Ordering::Relaxed);
         // The difference, because the counter wraps.
         if periods.wrapping_sub(*cx.local.next_tick) < u32::MAX / 2 {
             *cx.local.next_tick = cx.local.next_tick.wrapping_add(PERIOD_S * TIMER_HZ);
+            let start = *cx.shared.start;
             let mut wires = (cx.shared.port, cx.shared.outbox);
-            let frames_dropped = wires.lock(|_, outbox| outbox.dropped());
-            let health = Health {
-                uptime_ms: periods.wrapping_mul(1000 / TIMER_HZ),
-                boot: *cx.local.boot,
-                clock: *cx.local.clock,
-                line: LINE_ERRORS.counts(),
-                frames_dropped,
-                stack_bytes: board::painted_stack::high_water(),
-                longest_us: stopwatch::longest_us(),
-                flash_errors: board::flash_errors(),
-            };
             let watch = Stopwatch::start();
-            cx.shared.application.tick(&health, &mut |frame| {
+            cx.shared.application.tick(|| health(&start), &mut |frame| {
                 wires.lock(|port, outbox| say(port, outbox, frame))
             });
             watch.stop();
@@ -194,9 +192,10 @@ mod app {
         TICK_BEATS.fetch_add(1, Ordering::Relaxed);
     }
 
-    #[task(binds = TSC, priority = 1, shared = [port, outbox, application], local = [ring_out])]
+    #[task(binds = TSC, priority = 1, shared = [port, outbox, start, application], local = [ring_out])]
     fn link(cx: link::Context) {
         board::provoke(Place::Link);
+        let start = *cx.shared.start;
         let mut wires = (cx.shared.port, cx.shared.outbox);
         // At most one ring at a time: a line that babbles must not keep the other task waiting.
         for _ in 0..RING {
@@ -204,9 +203,11 @@ mod app {
                 break;
             };
             let watch = Stopwatch::start();
-            cx.shared.application.receive(byte, &mut |frame| {
-                wires.lock(|port, outbox| say(port, outbox, frame))
-            });
+            cx.shared
+                .application
+                .receive(byte, || health(&start), &mut |frame| {
+                    wires.lock(|port, outbox| say(port, outbox, frame))
+                });
             watch.stop();
         }
         if cx.local.ring_out.ready() {
@@ -215,10 +216,27 @@ mod app {
         LINK_BEATS.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Puts a frame into the outbox and starts the line.
-    fn say(port: &mut SerialPort, outbox: &mut Outbox<OUTBOX>, frame: &[u8]) {
-        // A frame longer than the outbox does not exist: see `application::MOST_BYTES`.
-        let _ = outbox.push(frame);
+    /// Puts a frame into the outbox and starts the line. When there is no room the oldest frame goes.
+    fn say(port: &mut SerialPort, outbox: &mut Outbox<OUTBOX>, frame: &[u8]) -> bool {
+        let taken = outbox.push(frame).is_ok();
+        DROPPED.store(outbox.dropped(), Ordering::Relaxed);
         serial::send(port, outbox);
+        taken
+    }
+
+    fn health(start: &Start) -> Health {
+        Health {
+            uptime_s: PERIODS.load(Ordering::Relaxed) / TIMER_HZ,
+            reset_cause: start.boot.cause,
+            failure: start.boot.failure,
+            resets: start.boot.resets,
+            slow_clock: start.clock != Clock::Fast,
+            stack_bytes: board::painted_stack::high_water(),
+            longest_us: stopwatch::longest_us(),
+            flash_errors: board::flash_errors(),
+            line: LINE_ERRORS.counts(),
+            not_sent: DROPPED.load(Ordering::Relaxed),
+            ..Health::default()
+        }
     }
 }

@@ -7,9 +7,14 @@
 //! | watchdog | IWDG on the LSI, 2 s, stands still while a debugger halts the core |
 
 mod clock_tree;
+#[cfg(not(feature = "emulator"))]
 mod flash;
 mod serial;
 
+#[cfg(feature = "emulator")]
+pub use super::ram_flash::Flash;
+#[cfg(not(feature = "emulator"))]
+pub use flash::Flash;
 pub use serial::SerialPort;
 pub use stm32l4::stm32l4x5 as device;
 
@@ -17,7 +22,6 @@ use super::{Place, stopwatch};
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m_rt::exception;
 use device::{IWDG, Peripherals};
-use flash::Flash;
 use rundown::onboard::clock::{self, Clock, bounded};
 use rundown::onboard::watchdog::Watchdog;
 use rundown_wire::ResetCause;
@@ -52,7 +56,10 @@ pub fn start(mut core: cortex_m::Peripherals) -> Option<Board> {
     Some(Board {
         port,
         watchdog,
+        #[cfg(not(feature = "emulator"))]
         flash: Flash::new(chip.FLASH),
+        #[cfg(feature = "emulator")]
+        flash: Flash::start(),
         clock,
         cause,
     })

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `l475` | ST B-L475E-IOT01A |
 //! | `mps2` | Arm MPS2 AN386, test-only, in the emulator |
+//! | `ram_flash` | RAM that plays the flash, in the emulator |
 //! | `kept_ram` | RAM that survives a reset |
 //! | `painted_stack` | how deep the stack has been |
 //! | `fallen` | panics and faults: write down why, then reset |
@@ -12,17 +13,19 @@
 mod fallen;
 pub mod kept_ram;
 pub mod painted_stack;
+#[cfg(any(feature = "mps2", feature = "emulator"))]
+mod ram_flash;
 pub mod stopwatch;
 
 #[cfg(not(feature = "mps2"))]
 mod l475;
 #[cfg(not(feature = "mps2"))]
-pub use l475::{Board, DogTimer, SerialPort, device, flash_errors, provoke, start};
+pub use l475::{Board, DogTimer, Flash, SerialPort, device, flash_errors, provoke, start};
 
 #[cfg(feature = "mps2")]
 mod mps2;
 #[cfg(feature = "mps2")]
-pub use mps2::{Board, DogTimer, SerialPort, device, flash_errors, provoke, start};
+pub use mps2::{Board, DogTimer, Flash, SerialPort, device, flash_errors, provoke, start};
 
 /// Speed of the serial line, bit/s.
 #[cfg_attr(
@@ -36,4 +39,16 @@ pub const BAUD: u32 = 115_200;
 pub enum Place {
     Tick,
     Link,
+}
+
+unsafe extern "C" {
+    /// First byte of the provisioning record; the linker's symbol.
+    static _key: u8;
+}
+
+/// The provisioning record as it stands in flash.
+pub fn key_record() -> [u8; rundown::auth::provisioning::SIZE] {
+    let first = &raw const _key;
+    // SAFETY: the page is flash of its own, and nothing writes to it while the firmware runs; volatile, because the compiler must not think that it knows the bytes.
+    core::array::from_fn(|offset| unsafe { first.add(offset).read_volatile() })
 }

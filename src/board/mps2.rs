@@ -3,9 +3,9 @@
 //! The interrupts bear the reference board's names, so that both boards run the same `firmware.rs`.
 
 pub mod device;
-mod flash;
 mod serial;
 
+pub use super::ram_flash::Flash;
 pub use serial::SerialPort;
 
 use super::{Place, stopwatch};
@@ -13,7 +13,6 @@ use core::hint;
 use cortex_m::peripheral::NVIC;
 use cortex_m_rt::exception;
 use device::Interrupt;
-use flash::Flash;
 use rundown::onboard::clock::Clock;
 use rundown::onboard::watchdog::Watchdog;
 use rundown_wire::ResetCause;
@@ -44,7 +43,7 @@ pub fn start(mut core: cortex_m::Peripherals) -> Option<Board> {
     Some(Board {
         port: SerialPort::start(),
         watchdog: DogTimer::start(),
-        flash: Flash,
+        flash: Flash::start(),
         clock: Clock::Fast,
         cause: ResetCause::Watchdog,
     })

@@ -1,4 +1,5 @@
-//! PSRAM that behaves like the reference board's flash: pages of 2 KiB, double words, programmed once between two erasures.
+//! RAM that behaves like the reference board's flash: pages of 2 KiB, double words, programmed once between two erasures. For the emulator, which has no flash controller:
+//! on the mps2-an386 a file holds it over the loss of power, on the B-L475E-IOT01A it is lost.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read,
@@ -36,6 +37,15 @@ impl NorFlashError for FlashError {
 pub struct Flash;
 
 impl Flash {
+    /// RAM that was just switched on holds zeros: a flash is erased when it is new.
+    pub fn start() -> Self {
+        let size = PAGE * PAGES;
+        if (0..size).all(|offset| Self::byte(offset) == 0) {
+            (0..size).for_each(|offset| Self::put(offset, 0xFF));
+        }
+        Self
+    }
+
     fn at(offset: u32) -> *mut u8 {
         // SAFETY: the callers have checked the range.
         unsafe { (&raw mut _records).add(offset as usize) }
