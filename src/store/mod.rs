@@ -326,13 +326,18 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
     /// The page after the last one in the ring that holds neither of the two newest records.
     fn next_page(&self) -> u32 {
         let holds = |kept: &Option<Kept>, page| kept.is_some_and(|kept| kept.place.page == page);
-        let mut page = (self.last_page + 1) % self.pages;
+        let mut page = self.page_after(self.last_page);
         for _ in 0..2 {
             if holds(&self.newest, page) || holds(&self.previous, page) {
-                page = (page + 1) % self.pages;
+                page = self.page_after(page);
             }
         }
         page
+    }
+
+    /// The next page of the ring.
+    fn page_after(&self, page: u32) -> u32 {
+        if page + 1 < self.pages { page + 1 } else { 0 }
     }
 
     /// Finds the two newest records, the highest epoch, and what is damaged.
@@ -377,7 +382,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
         let in_page = self.after(place).map(|next| self.read(next));
         let next = match in_page {
             Some(Slot::Erased) | None => self.read(Place {
-                page: (place.page + 1) % self.pages,
+                page: self.page_after(place.page),
                 slot: 0,
             }),
             Some(held) => held,
