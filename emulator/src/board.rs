@@ -1,4 +1,4 @@
-//! The two boards and where their firmware lies.
+//! The boards and where their firmware lies.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -6,8 +6,10 @@ use std::time::SystemTime;
 /// A board that the firmware is built for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Board {
-    /// ST B-L475E-IOT01A, the reference board.
+    /// ST B-L475E-IOT01A, the reference board. In the emulator it refuses everything that is secured: it cannot write its flash, so it has no boot epoch.
     L475,
+    /// The same with RAM in the place of the flash pages for records, for the emulator.
+    L475Emulated,
     /// Arm MPS2 AN386: test-only, its watchdog bites and its flash survives the loss of power.
     Mps2,
 }
@@ -31,13 +33,14 @@ pub enum NoImage {
 }
 
 impl Board {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::L475, Self::Mps2];
+    /// All.
+    pub const ALL: [Self; 3] = [Self::L475, Self::L475Emulated, Self::Mps2];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::L475 => "l475",
+            Self::L475Emulated => "l475-emulated",
             Self::Mps2 => "mps2",
         }
     }
@@ -47,10 +50,19 @@ impl Board {
         Self::ALL.into_iter().find(|board| board.name() == name)
     }
 
+    /// The feature of the firmware that makes it.
+    pub fn feature(self) -> Option<&'static str> {
+        match self {
+            Self::L475 => None,
+            Self::L475Emulated => Some("emulator"),
+            Self::Mps2 => Some("mps2"),
+        }
+    }
+
     /// QEMU's name for it.
     pub fn machine(self) -> &'static str {
         match self {
-            Self::L475 => "b-l475e-iot01a",
+            Self::L475 | Self::L475Emulated => "b-l475e-iot01a",
             Self::Mps2 => "mps2-an386",
         }
     }

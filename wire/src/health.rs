@@ -69,8 +69,8 @@ impl Failure {
     /// ```
     /// use rundown_wire::Failure;
     ///
-    /// let panic = Failure::panic("/home/me/rundown/src/estimator.rs", 12);
-    /// assert_eq!(panic.file(), "undown/src/estimator.rs");
+    /// let panic = Failure::panic("/far/away/rundown/src/estimator.rs", 12);
+    /// assert_eq!(panic.file(), "rundown/src/estimator.rs");
     /// ```
     pub fn panic(path: &str, line: u32) -> Self {
         let bytes = path.as_bytes();

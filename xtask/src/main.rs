@@ -1,17 +1,30 @@
-//! Set-up and checks of the workspace: `cargo xtask test`, `cargo xtask ci`.
+//! Set-up and checks of the workspace: `cargo xtask help`.
 //!
 //! Each task is a list of commands. A command is printed before it runs, so that it can be repeated by hand; the first one that fails ends the task.
 #![forbid(unsafe_code)]
 
-use std::path::{Path, PathBuf};
+mod budget;
+mod firmware;
+mod run_firmware;
+mod setup;
+mod shell;
+mod toolchain;
+
+use emulator::Board;
+use shell::{cargo, run};
 use std::process::{Command, ExitCode};
 
 const HELP: &str = "\
 Usage: cargo xtask TASK
 
 Tasks:
-  test  the whole test run: unit, integration and documentation tests of every package
-  ci    everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
+  setup                         finds or installs what the firmware needs: Rust for thumbv7em-none-eabihf, QEMU >= 10
+  firmware [--board NAME]       builds the firmware: l475, l475-emulated, mps2 (default: all)
+  firmware-lint                 clippy over the firmware of all boards
+  run [--board NAME]            starts it in the emulator; its serial line is a TCP port of this machine
+  budget                        flash, RAM, stack and instructions of the firmware against their limits
+  test                          the whole test run: set-up, firmware, unit, integration and documentation tests of every package
+  ci                            everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
 
 Exit codes: 0 passed, 1 a command failed, 2 no such task";
 
@@ -19,6 +32,13 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let done = match arguments.as_slice() {
+        ["setup"] => setup::setup(),
+        ["firmware"] => all(firmware::firmware),
+        ["firmware", "--board", name] => with_board(name, firmware::firmware),
+        ["firmware-lint"] => all(firmware::lint),
+        ["run"] => run_firmware::run_firmware(Board::L475Emulated),
+        ["run", "--board", name] => with_board(name, run_firmware::run_firmware),
+        ["budget"] => budget::budget(),
         ["test"] => test(),
         ["ci"] => run(Command::new("bash").arg(".ci/run")),
         [] | ["help" | "--help" | "-h"] => {
@@ -39,62 +59,22 @@ fn main() -> ExitCode {
     }
 }
 
+fn all(task: fn(Board) -> Result<(), String>) -> Result<(), String> {
+    Board::ALL.into_iter().try_for_each(task)
+}
+
+fn with_board(name: &str, task: fn(Board) -> Result<(), String>) -> Result<(), String> {
+    match Board::named(name) {
+        Some(board) => task(board),
+        None => Err(format!(
+            "no board `{name}`: there are l475, l475-emulated and mps2"
+        )),
+    }
+}
+
 /// Documentation tests are part of `cargo test` as long as it is not told which targets to take.
 fn test() -> Result<(), String> {
+    setup::setup()?;
+    all(firmware::firmware)?;
     run(cargo().args(["test", "--workspace"]))
-}
-
-/// The cargo that runs this task.
-fn cargo() -> Command {
-    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
-}
-
-/// Prints a command and runs it in the root of the workspace.
-fn run(command: &mut Command) -> Result<(), String> {
-    let line = shown(command);
-    println!("$ {line}");
-    match command.current_dir(root()).status() {
-        Ok(status) if status.success() => Ok(()),
-        Ok(status) => Err(format!("`{line}` ended with {status}")),
-        Err(error) => Err(format!("`{line}` could not be started: {error}")),
-    }
-}
-
-/// The command as a person would type it.
-fn shown(command: &Command) -> String {
-    let program = Path::new(command.get_program())
-        .file_name()
-        .unwrap_or(command.get_program());
-    let words = std::iter::once(program).chain(command.get_args());
-    words
-        .map(|word| word.to_string_lossy())
-        .collect::<Vec<_>>()
-        .join(" ")
-}
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn commands_are_shown_as_typed() {
-        let mut command = Command::new("/usr/bin/cargo");
-        assert_eq!(
-            shown(command.args(["test", "--workspace"])),
-            "cargo test --workspace"
-        );
-    }
-
-    #[test]
-    fn a_command_that_cannot_be_started_is_named() {
-        let error = run(&mut Command::new("no-such-command")).unwrap_err();
-        assert!(
-            error.starts_with("`no-such-command` could not be started: "),
-            "{error}"
-        );
-    }
 }

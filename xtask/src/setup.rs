@@ -1,0 +1,145 @@
+//! `cargo xtask setup`: everything that the firmware's build and its emulator need. Says what it finds and what it does; a second run finds all and does nothing.
+
+use crate::shell::{ask, run};
+use crate::toolchain::{TARGET, Toolchain};
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// rustup answers within seconds, or its server cannot be reached.
+const RUSTUP_TIME: Duration = Duration::from_secs(120);
+const DEBIAN_RUST: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
+const BACKPORTS: &str = "/etc/apt/sources.list.d/rundown-backports.sources";
+
+pub fn setup() -> Result<(), String> {
+    let toolchain = toolchain()?;
+    println!("compiler  {}", toolchain.shown());
+    let qemu = qemu()?;
+    println!("emulator  qemu-system-arm {qemu}");
+    Ok(())
+}
+
+fn toolchain() -> Result<Toolchain, String> {
+    if let Some(found) = Toolchain::find() {
+        return Ok(found);
+    }
+    if ask("rustup", &["--version"]).is_some()
+        && add_target()
+        && let Some(found) = Toolchain::find()
+    {
+        return Ok(found);
+    }
+    if has_apt() {
+        println!("rustup cannot bring {TARGET} here; taking Debian's Rust for the firmware");
+        apt(&["update"])?;
+        let mut words = vec!["install", "-y", "--no-install-recommends"];
+        words.extend(DEBIAN_RUST);
+        apt(&words)?;
+    }
+    Toolchain::find().ok_or_else(|| {
+        format!(
+            "no compiler for {TARGET}. Either `rustup target add {TARGET}` (needs access to static.rust-lang.org),\n\
+             or on Debian 12: `apt-get install --no-install-recommends {}` next to a rustup toolchain, whose rust-lld it uses",
+            DEBIAN_RUST.join(" ")
+        )
+    })
+}
+
+/// Whether rustup brought the target. Its failure is no error: there is another way.
+fn add_target() -> bool {
+    let mut command = Command::new("rustup");
+    command
+        .args(["target", "add", TARGET])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
+    println!("$ rustup target add {TARGET}");
+    let Ok(mut child) = command.spawn() else {
+        return false;
+    };
+    let begin = Instant::now();
+    while begin.elapsed() < RUSTUP_TIME {
+        match child.try_wait() {
+            Ok(None) => std::thread::sleep(Duration::from_millis(100)),
+            Ok(Some(status)) => return status.success(),
+            Err(_) => return false,
+        }
+    }
+    let _ = child.kill();
+    let _ = child.wait();
+    false
+}
+
+fn qemu() -> Result<String, String> {
+    let missing = match emulator::version() {
+        Ok(version) => return Ok(version),
+        Err(missing) => missing,
+    };
+    println!("{missing}");
+    if has_apt() {
+        // Debian 12 has 7.2, its backports have 10.
+        let old = ask("sh", &["-c", ". /etc/os-release; echo $VERSION_CODENAME"])
+            .is_some_and(|name| name == "bookworm");
+        if old {
+            add_backports()?;
+        }
+        apt(&["update"])?;
+        let mut words = vec!["install", "-y", "--no-install-recommends"];
+        if old {
+            words.extend(["-t", "bookworm-backports"]);
+        }
+        words.push("qemu-system-arm");
+        apt(&words)?;
+    }
+    emulator::version().map_err(|error| {
+        format!("{error}\nor by hand: QEMU 10 or newer with qemu-system-arm on the path (https://www.qemu.org/download)")
+    })
+}
+
+fn add_backports() -> Result<(), String> {
+    let known =
+        ask("apt-cache", &["policy"]).is_some_and(|text| text.contains("bookworm-backports"));
+    if known {
+        return Ok(());
+    }
+    println!("adding the suite bookworm-backports: {BACKPORTS}");
+    let text = "Types: deb\nURIs: http://deb.debian.org/debian\nSuites: bookworm-backports\nComponents: main\n\
+                Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg\n";
+    let mut child = as_root("tee")
+        .arg(BACKPORTS)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .map_err(|error| format!("`tee {BACKPORTS}` could not be started: {error}"))?;
+    if let Some(mut stdin) = child.stdin.take() {
+        stdin
+            .write_all(text.as_bytes())
+            .map_err(|error| format!("{BACKPORTS}: {error}"))?;
+    }
+    match child.wait() {
+        Ok(status) if status.success() => Ok(()),
+        _ => Err(format!("{BACKPORTS} could not be written")),
+    }
+}
+
+fn has_apt() -> bool {
+    Path::new("/etc/debian_version").exists() && Path::new("/usr/bin/apt-get").exists()
+}
+
+fn apt(words: &[&str]) -> Result<(), String> {
+    run(as_root("apt-get")
+        .args(words)
+        .env("DEBIAN_FRONTEND", "noninteractive"))
+}
+
+/// The program as root: by sudo, which is shown and asks, unless this is root.
+fn as_root(program: &str) -> Command {
+    if ask("id", &["-u"]).as_deref() == Some("0") {
+        return Command::new(program);
+    }
+    println!("(needs root: by sudo)");
+    let mut sudo = Command::new("sudo");
+    sudo.arg(program);
+    sudo
+}
