@@ -13,12 +13,14 @@
 //! | what does it say? | [`replay`] |
 //! | where is it written? | [`output`], [`table`], [`report`] |
 //! | train, track, configuration | [`train_file`], [`track_file`], [`config_file`], all by [`toml_file`] |
+//! | how does the host reach a board? | [`link`] |
 //! | the command `rundown` | [`commands`] |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod commands;
 pub mod config_file;
+pub mod link;
 pub mod map_matching;
 pub mod output;
 pub mod place;
