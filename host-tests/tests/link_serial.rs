@@ -111,7 +111,11 @@ fn a_flip_costs_one_message_or_two_when_it_joins_them() {
     for bit in 8 * (first - 1)..8 * first {
         let mut line = line.clone();
         flip(&mut line, bit);
-        assert_eq!(decode(&line).0, [three.clone()], "delimiter, bit {bit}");
+        assert_eq!(
+            decode(&line).0,
+            std::slice::from_ref(&three),
+            "delimiter, bit {bit}"
+        );
     }
 }
 
