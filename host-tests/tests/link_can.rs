@@ -257,7 +257,7 @@ fn a_controller_that_is_full_loses_nothing() {
         type Error = pipe::BusError;
         fn transmit(&mut self, frame: &CanFrame) -> nb::Result<Option<CanFrame>, Self::Error> {
             self.1 += 1;
-            if self.1 % 3 == 0 {
+            if self.1.is_multiple_of(3) {
                 self.0.transmit(frame)
             } else {
                 Err(nb::Error::WouldBlock)
