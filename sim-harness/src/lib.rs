@@ -14,6 +14,7 @@
 //! | where is it written? | [`output`], [`table`], [`report`] |
 //! | train, track, configuration | [`train_file`], [`track_file`], [`config_file`], all by [`toml_file`] |
 //! | what does a DAS computer say to the board? | [`desk`] |
+//! | how does the host reach a board? | [`link`] |
 //! | the command `rundown` | [`commands`] |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -21,6 +22,7 @@
 pub mod commands;
 pub mod config_file;
 pub mod desk;
+pub mod link;
 pub mod map_matching;
 pub mod output;
 pub mod place;

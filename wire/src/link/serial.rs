@@ -91,8 +91,9 @@ pub fn encode(message: &[u8]) -> Result<Vec<u8, MAX_SERIAL>, LengthError> {
     // The buffer is made for the largest message, so this does not fail.
     encoder.push(&checked).map_err(|_| error)?;
     let length = encoder.finalize();
-    // Everything behind the code is still zero; one of these is the end.
-    bytes.truncate(length + 1);
+    // One byte behind the code may have been written to, when the code ends with a full block.
+    bytes.truncate(length);
+    bytes.push(0).map_err(|_| error)?;
     Ok(bytes)
 }
 

@@ -1,0 +1,275 @@
+//! Where a board is, in one word.
+//!
+//! In: an address from the command line. Out: the open link.
+//!
+//! | address | link |
+//! |---|---|
+//! | `/dev/ttyACM0@115200`, `COM3@115200` | serial |
+//! | `tcp:127.0.0.1:5555` | serial, over TCP: the emulator's UART |
+//! | `stdio:` | serial, over standard input and output |
+//! | `slcan:PORT`, `slcanfd:PORT` | CAN behind one of the ports above, frames of 8 or 64 bytes |
+//! | `can:can0`, `canfd:can0` | CAN, a network interface of Linux |
+//!
+//! The bit rate of the bus is set where the adapter or the interface is set up, not here: a wrong one would stop the whole bus.
+
+use super::port::HostPort;
+use super::{HostLink, Unwrapped};
+use rundown::link::can_link::CanLink;
+use rundown::link::isotp::Config;
+use rundown::link::serial::SerialLink;
+use rundown::link::slcan::Slcan;
+use std::fmt;
+use std::io;
+use std::net::TcpStream;
+use std::str::FromStr;
+
+/// A port that carries bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PortAddress {
+    /// A serial port.
+    Serial {
+        /// Name of the device.
+        path: String,
+        /// Its bit rate.
+        baud: u32,
+    },
+    /// A TCP server.
+    Tcp(String),
+    /// Standard input and output.
+    Stdio,
+}
+
+/// A link.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Address {
+    /// Messages in COBS.
+    Serial(PortAddress),
+    /// Messages in ISO-TP in SLCAN.
+    Slcan {
+        /// Where the adapter is.
+        port: PortAddress,
+        /// Whether frames have up to 64 bytes.
+        fd: bool,
+    },
+    /// Messages in ISO-TP.
+    Can {
+        /// Name of the network interface.
+        interface: String,
+        /// Whether frames have up to 64 bytes.
+        fd: bool,
+    },
+}
+
+/// A word that is no address.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "no address: `{found}`; expected for instance /dev/ttyACM0@115200, tcp:127.0.0.1:5555, stdio:, slcan:/dev/ttyACM0@115200 or can:can0"
+)]
+pub struct AddressError {
+    /// The word.
+    pub found: String,
+}
+
+impl FromStr for PortAddress {
+    type Err = AddressError;
+
+    fn from_str(word: &str) -> Result<Self, AddressError> {
+        let error = || AddressError {
+            found: word.to_owned(),
+        };
+        if word == "stdio:" {
+            return Ok(Self::Stdio);
+        }
+        if let Some(server) = word.strip_prefix("tcp:") {
+            let (host, port) = server.rsplit_once(':').ok_or_else(error)?;
+            port.parse::<u16>().map_err(|_| error())?;
+            if host.is_empty() {
+                return Err(error());
+            }
+            return Ok(Self::Tcp(server.to_owned()));
+        }
+        let (path, baud) = word.rsplit_once('@').ok_or_else(error)?;
+        match baud.parse() {
+            Ok(baud) if baud > 0 && !path.is_empty() && !path.contains(':') => Ok(Self::Serial {
+                path: path.to_owned(),
+                baud,
+            }),
+            _ => Err(error()),
+        }
+    }
+}
+
+impl FromStr for Address {
+    type Err = AddressError;
+
+    fn from_str(word: &str) -> Result<Self, AddressError> {
+        let can = |interface: &str, fd| {
+            if interface.is_empty() {
+                return Err(AddressError {
+                    found: word.to_owned(),
+                });
+            }
+            Ok(Self::Can {
+                interface: interface.to_owned(),
+                fd,
+            })
+        };
+        match word.split_once(':') {
+            Some(("slcan", port)) => Ok(Self::Slcan {
+                port: port.parse()?,
+                fd: false,
+            }),
+            Some(("slcanfd", port)) => Ok(Self::Slcan {
+                port: port.parse()?,
+                fd: true,
+            }),
+            Some(("can", interface)) => can(interface, false),
+            Some(("canfd", interface)) => can(interface, true),
+            _ => word.parse().map(Self::Serial),
+        }
+    }
+}
+
+impl fmt::Display for PortAddress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Serial { path, baud } => write!(f, "{path}@{baud}"),
+            Self::Tcp(server) => write!(f, "tcp:{server}"),
+            Self::Stdio => f.write_str("stdio:"),
+        }
+    }
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let fd = |fd: &bool| if *fd { "fd" } else { "" };
+        match self {
+            Self::Serial(port) => port.fmt(f),
+            Self::Slcan { port, fd: is_fd } => write!(f, "slcan{}:{port}", fd(is_fd)),
+            Self::Can {
+                interface,
+                fd: is_fd,
+            } => write!(f, "can{}:{interface}", fd(is_fd)),
+        }
+    }
+}
+
+impl PortAddress {
+    /// Opens the port.
+    ///
+    /// # Errors
+    /// Those of the system, with the address in front.
+    pub fn open(&self) -> io::Result<HostPort> {
+        let port = match self {
+            Self::Serial { path, baud } => HostPort::serial(path, *baud),
+            Self::Tcp(server) => TcpStream::connect(server).and_then(HostPort::tcp),
+            Self::Stdio => Ok(HostPort::stdio()),
+        };
+        port.map_err(|error| named(self, &error))
+    }
+}
+
+impl Address {
+    /// Opens the link, as the host's side.
+    ///
+    /// # Errors
+    /// Those of the system, with the address in front; `can:` on a system other than Linux.
+    pub fn open(&self) -> io::Result<HostLink> {
+        match self {
+            Self::Serial(port) => Ok(HostLink::new(SerialLink::new(port.open()?))),
+            Self::Slcan { port, fd } => {
+                let adapter =
+                    Slcan::open(port.open()?, None).map_err(|error| named(self, &error))?;
+                Ok(HostLink::new(Unwrapped(CanLink::host(
+                    adapter,
+                    config(*fd),
+                ))))
+            }
+            Self::Can { interface, fd } => {
+                open_interface(interface, *fd).map_err(|error| named(self, &error))
+            }
+        }
+    }
+}
+
+fn config(fd: bool) -> Config {
+    if fd { Config::FD } else { Config::CLASSIC }
+}
+
+#[cfg(target_os = "linux")]
+fn open_interface(interface: &str, fd: bool) -> io::Result<HostLink> {
+    let socket = super::socket::Socket::open(interface)?;
+    Ok(HostLink::new(Unwrapped(CanLink::host(socket, config(fd)))))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn open_interface(_interface: &str, _fd: bool) -> io::Result<HostLink> {
+    Err(io::Error::new(
+        io::ErrorKind::Unsupported,
+        "CAN interfaces are there on Linux only; elsewhere use an adapter with slcan:",
+    ))
+}
+
+fn named(address: &impl fmt::Display, error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("{address}: {error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_are_read_and_written_back() {
+        for word in [
+            "/dev/ttyACM0@115200",
+            "COM3@9600",
+            "tcp:127.0.0.1:5555",
+            "tcp:[::1]:5555",
+            "stdio:",
+            "slcan:tcp:localhost:5555",
+            "slcanfd:/dev/ttyACM0@115200",
+            "can:can0",
+            "canfd:vcan0",
+        ] {
+            let address: Address = word.parse().unwrap();
+            assert_eq!(address.to_string(), word);
+        }
+        assert_eq!(
+            "/dev/serial/by-id/x@y@115200".parse(),
+            Ok(PortAddress::Serial {
+                path: "/dev/serial/by-id/x@y".to_owned(),
+                baud: 115_200
+            })
+        );
+    }
+
+    #[test]
+    fn words_that_are_no_address_are_named() {
+        for word in [
+            "",
+            "/dev/ttyACM0",
+            "/dev/ttyACM0@fast",
+            "@9600",
+            "/dev/ttyACM0@0",
+            "tcp:127.0.0.1",
+            "tcp::5555",
+            "tcp:host:99999",
+            "can:",
+            "slcan:can0",
+            "udp:1.2.3.4:5",
+            "http:host@80",
+        ] {
+            let error = word.parse::<Address>().unwrap_err().to_string();
+            assert!(error.starts_with("no address: "), "{word}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_port_that_is_not_there_is_named() {
+        for word in ["/dev/no-such-port@9600", "can:no-such-interface"] {
+            let address: Address = word.parse().unwrap();
+            let error = address.open().err().unwrap().to_string();
+            assert!(error.starts_with(&format!("{word}: ")), "{error}");
+        }
+    }
+}

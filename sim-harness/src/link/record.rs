@@ -1,0 +1,272 @@
+//! Every message of a link with time and direction, as CSV; and back.
+//!
+//! In: any link and a writer. Out: the same link, and a line a message (`docs/formats.md`).
+
+use rundown::link::{Counters, Link, LinkError, MAX_MESSAGE, Message};
+use std::io::{self, Read, Write};
+
+/// Which way a message went, seen from the recorder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Away.
+    Sent,
+    /// Here.
+    Received,
+}
+
+impl Way {
+    const fn word(self) -> &'static str {
+        match self {
+            Self::Sent => "sent",
+            Self::Received => "received",
+        }
+    }
+}
+
+/// One message of a recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Recorded {
+    /// Time of the link's clock, µs.
+    pub time_us: u64,
+    /// Which way it went.
+    pub way: Way,
+    /// Its bytes.
+    pub message: Message,
+}
+
+/// Why a recording cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// A line is no CSV, or the file cannot be read.
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    /// The header is another one.
+    #[error("expected the columns time_us,direction,message, found {found}")]
+    Header {
+        /// What stands there.
+        found: String,
+    },
+    /// A field cannot be read.
+    #[error("line {line}, {column}: expected {expected}, found `{found}`")]
+    Field {
+        /// Counted from 1.
+        line: u64,
+        /// Name of the column.
+        column: &'static str,
+        /// What belongs there.
+        expected: &'static str,
+        /// What stands there.
+        found: String,
+    },
+}
+
+const HEADER: [&str; 3] = ["time_us", "direction", "message"];
+
+/// A link that is recorded. A message that the link refused is not.
+///
+/// A writer that fails does not stop the link: its first error is kept for [`finish`](Self::finish), and nothing more is written.
+pub struct Recorder<L, W: Write> {
+    link: L,
+    csv: csv::Writer<W>,
+    failed: Option<csv::Error>,
+}
+
+impl<L: Link, W: Write> Recorder<L, W> {
+    /// Records `link` to `writer`, a header first.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn new(link: L, writer: W) -> io::Result<Self> {
+        let mut csv = csv::Writer::from_writer(writer);
+        csv.write_record(HEADER)?;
+        csv.flush()?;
+        Ok(Self {
+            link,
+            csv,
+            failed: None,
+        })
+    }
+
+    /// The end of the recording: the link again.
+    ///
+    /// # Errors
+    /// The first error of the writer; the recording lacks everything from then on.
+    pub fn finish(mut self) -> io::Result<L> {
+        self.csv.flush()?;
+        match self.failed {
+            Some(error) => Err(error.into()),
+            None => Ok(self.link),
+        }
+    }
+
+    fn record(&mut self, time_us: u64, way: Way, message: &[u8]) {
+        if self.failed.is_some() {
+            return;
+        }
+        let row = [
+            time_us.to_string(),
+            way.word().to_owned(),
+            hex::encode(message),
+        ];
+        // A line a message, so that what was said last is there after a crash.
+        let written = self.csv.write_record(row);
+        self.failed = written
+            .and_then(|()| self.csv.flush().map_err(csv::Error::from))
+            .err();
+    }
+}
+
+impl<L: Link, W: Write> Link for Recorder<L, W> {
+    type PortError = L::PortError;
+
+    fn send(&mut self, message: &[u8], now_us: u64) -> Result<(), LinkError<L::PortError>> {
+        self.link.send(message, now_us)?;
+        self.record(now_us, Way::Sent, message);
+        Ok(())
+    }
+
+    fn receive(&mut self, now_us: u64) -> Result<Option<Message>, LinkError<L::PortError>> {
+        let message = self.link.receive(now_us)?;
+        if let Some(message) = &message {
+            self.record(now_us, Way::Received, message);
+        }
+        Ok(message)
+    }
+
+    fn is_sending(&self) -> bool {
+        self.link.is_sending()
+    }
+
+    fn counters(&self) -> Counters {
+        self.link.counters()
+    }
+}
+
+/// The messages of a recording, in their order.
+///
+/// # Errors
+/// [`RecordError`] at the first line that cannot be read.
+pub fn read(reader: impl Read) -> Result<Vec<Recorded>, RecordError> {
+    let mut csv = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_reader(reader);
+    let header = csv.headers()?;
+    if header != HEADER.as_slice() {
+        return Err(RecordError::Header {
+            found: header.iter().collect::<Vec<_>>().join(","),
+        });
+    }
+    csv.records().map(|row| recorded(&row?)).collect()
+}
+
+fn recorded(row: &csv::StringRecord) -> Result<Recorded, RecordError> {
+    let line = row.position().map_or(0, csv::Position::line);
+    let field = |place: usize| row.get(place).unwrap_or_default();
+    let error = |place: usize, column, expected| RecordError::Field {
+        line,
+        column,
+        expected,
+        found: field(place).to_owned(),
+    };
+    let way = [Way::Sent, Way::Received]
+        .into_iter()
+        .find(|way| way.word() == field(1))
+        .ok_or_else(|| error(1, "direction", "sent or received"))?;
+    let message = hex::decode(field(2))
+        .ok()
+        .filter(|bytes| (1..=MAX_MESSAGE).contains(&bytes.len()))
+        .and_then(|bytes| Message::from_slice(&bytes).ok())
+        .ok_or_else(|| error(2, "message", "1 to 512 bytes in hexadecimal digits"))?;
+    Ok(Recorded {
+        time_us: field(0)
+            .parse()
+            .map_err(|_| error(0, "time_us", "microseconds"))?,
+        way,
+        message,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::pipe;
+    use rundown::link::serial::SerialLink;
+
+    #[test]
+    fn a_recording_is_these_lines_and_reads_back() {
+        let (here, there) = pipe::bytes();
+        let mut file = Vec::new();
+        let mut recorder = Recorder::new(SerialLink::new(here), &mut file).unwrap();
+        let mut board = SerialLink::new(there);
+        recorder.send(&[0, 0xAB], 10).unwrap();
+        assert!(recorder.send(&[], 11).is_err(), "refused, not recorded");
+        board.send(b"ok", 12).unwrap();
+        assert_eq!(recorder.receive(20).unwrap().unwrap(), *b"ok");
+        assert!(recorder.receive(21).unwrap().is_none());
+        recorder.finish().unwrap();
+        let text = String::from_utf8(file).unwrap();
+        assert_eq!(
+            text,
+            "time_us,direction,message\n10,sent,00ab\n20,received,6f6b\n"
+        );
+        let messages = read(text.as_bytes()).unwrap();
+        assert_eq!(messages.len(), 2);
+        assert_eq!(
+            messages[1],
+            Recorded {
+                time_us: 20,
+                way: Way::Received,
+                message: Message::from_slice(b"ok").unwrap()
+            }
+        );
+    }
+
+    #[test]
+    fn a_line_that_cannot_be_read_is_named() {
+        for (line, cause) in [
+            (
+                "x,sent,00",
+                "line 2, time_us: expected microseconds, found `x`",
+            ),
+            (
+                "1,lost,00",
+                "line 2, direction: expected sent or received, found `lost`",
+            ),
+            (
+                "1,sent,0g",
+                "line 2, message: expected 1 to 512 bytes in hexadecimal digits, found `0g`",
+            ),
+            (
+                "1,sent,",
+                "line 2, message: expected 1 to 512 bytes in hexadecimal digits, found ``",
+            ),
+        ] {
+            let text = format!("time_us,direction,message\n{line}\n");
+            assert_eq!(read(text.as_bytes()).unwrap_err().to_string(), cause);
+        }
+        assert!(read(&b"time,way\n"[..]).is_err());
+    }
+
+    #[test]
+    fn a_full_disk_does_not_stop_the_link_and_is_reported() {
+        struct Full(usize);
+        impl Write for Full {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                self.0 = self
+                    .0
+                    .checked_sub(bytes.len())
+                    .ok_or(io::ErrorKind::StorageFull)?;
+                Ok(bytes.len())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let (here, _there) = pipe::bytes();
+        let mut recorder = Recorder::new(SerialLink::new(here), Full(30)).unwrap();
+        for time in 0..5 {
+            recorder.send(b"message", time).unwrap();
+        }
+        assert!(recorder.finish().is_err());
+    }
+}
