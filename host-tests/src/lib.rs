@@ -29,5 +29,6 @@ pub mod habits;
 pub mod line;
 pub mod scenario;
 pub mod sensors;
+pub mod target;
 pub mod textbook;
 pub mod truth;

@@ -14,7 +14,7 @@
 //! | where is it written? | [`output`], [`table`], [`report`] |
 //! | train, track, configuration | [`train_file`], [`track_file`], [`config_file`], all by [`toml_file`] |
 //! | what does a DAS computer say to the board? | [`desk`] |
-//! | how does the host reach a board? | [`link`] |
+//! | how does the host reach a board, and talk to it? | [`link`], [`session`] |
 //! | the command `rundown` | [`commands`] |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -31,6 +31,7 @@ pub mod replay;
 pub mod report;
 pub mod run_log;
 pub mod run_set;
+pub mod session;
 pub mod table;
 pub mod toml_file;
 pub mod track_file;

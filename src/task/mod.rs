@@ -25,6 +25,7 @@ use crate::Real;
 use crate::auth::Verifier;
 use crate::digest;
 use crate::estimator::Estimator;
+use crate::frames;
 use crate::measurement::Measurement;
 use crate::memory::Vehicle;
 use crate::published::Published;
@@ -212,6 +213,7 @@ impl<F: NorFlash> Task<F> {
         self.tick = self.tick.wrapping_add(1);
         self.report(&estimate, port);
         self.watch_for_the_end(&estimate, port);
+        self.send(Body::Estimate(frames::estimate(&estimate)), port);
         Ok(())
     }
 

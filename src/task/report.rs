@@ -1,4 +1,4 @@
-//! Which frames a tick sends, and in which order: the estimate last, it closes the tick.
+//! Which frames a tick sends beside the estimate, which closes it.
 
 use super::{Port, Task};
 use crate::config::Mode;
@@ -31,7 +31,6 @@ impl<F: NorFlash> Task<F> {
             self.take_snapshot_of_the_run();
         }
         self.send_snapshot_parts(port);
-        self.send(Body::Estimate(frames::estimate(estimate)), port);
     }
 
     fn send_parameters(&mut self, estimate: &Estimate, port: &mut impl Port) {

@@ -74,6 +74,9 @@ impl<F: NorFlash> Task<F> {
         self.estimator
             .begin_run_in(&mut self.run, &self.vehicle, direction);
         self.running = true;
+        // So that a run gives the same frames whatever was before it.
+        self.tick = 0;
+        self.sequence = 0;
         self.moved = false;
         self.standing_since_s = None;
         self.newest = None;

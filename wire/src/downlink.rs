@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 /// One frame of the board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Downlink {
-    /// Counts every frame of the board; wraps. A gap is a loss.
+    /// Counts every frame of the board; wraps, and begins anew with each run. A gap is a loss.
     pub sequence: u16,
-    /// Ticks since the board started, or since the tick of a restored snapshot.
+    /// Ticks of the run.
     pub tick: u32,
     /// What it says.
     pub body: Body,
