@@ -34,6 +34,8 @@ pub struct Image {
     pub flash: u64,
     /// Bytes of variables in RAM, without the stack.
     pub ram: u64,
+    /// Address and bytes of the code.
+    pub code: (u64, Vec<u8>),
     symbols: Vec<(String, u64, u64)>,
 }
 
@@ -66,6 +68,10 @@ impl Image {
             flash += if stored { section.size() } else { 0 };
             ram += if variables { section.size() } else { 0 };
         }
+        let code = file
+            .section_by_name(".text")
+            .and_then(|section| Some((section.address(), section.data().ok()?.to_vec())))
+            .unwrap_or_default();
         let symbols = file
             .symbols()
             .filter_map(|symbol| {
@@ -79,6 +85,7 @@ impl Image {
         Ok(Self {
             flash,
             ram,
+            code,
             symbols,
         })
     }

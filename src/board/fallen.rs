@@ -1,6 +1,7 @@
 //! The firmware fell: write down why, then reset. The next boot says so in its status.
 
-use super::kept_ram;
+use super::{kept_ram, painted_stack};
+use core::arch::naked_asm;
 use core::panic::PanicInfo;
 // The transport of the log: a ring in RAM that a probe reads.
 use cortex_m::peripheral::SCB;
@@ -18,15 +19,34 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     SCB::sys_reset()
 }
 
-// SAFETY: touches the kept RAM only, in the way of `kept_ram`, and does not return. A stack overflow does not come here (there is no stack left): the
-// processor locks up, and the watchdog ends that.
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    kept_ram::write_down(Failure::Fault { at: frame.pc() });
+/// Takes the stack from its top again, because there may be none left, then goes on in [`fault`].
+// SAFETY: the start-up code's trampoline jumps here with the frame's address in r0 and uses no stack; nothing returns, so what lay on the stack is not needed.
+#[unsafe(naked)]
+#[unsafe(export_name = "HardFault")]
+#[unsafe(link_section = ".HardFault.rundown")]
+unsafe extern "C" fn hard_fault(frame: *const ExceptionFrame) -> ! {
+    naked_asm!(
+        "ldr r1, =_stack_start",
+        "mov sp, r1",
+        "b {fault}",
+        fault = sym fault
+    )
+}
+
+extern "C" fn fault(frame: *const ExceptionFrame) -> ! {
+    let failure = if painted_stack::holds(frame.cast()) {
+        // SAFETY: the processor has put its frame there, within the stack; the words that were just pushed lie at its other end.
+        Failure::Fault {
+            at: unsafe { (*frame).pc() },
+        }
+    } else {
+        Failure::StackOverflow
+    };
+    kept_ram::write_down(failure);
     SCB::sys_reset()
 }
 
-// SAFETY: as above. An interrupt that nobody bound; its number takes the place of the address.
+// SAFETY: touches the kept RAM only, in the way of `kept_ram`, and does not return. An interrupt that nobody bound; its number takes the place of the address.
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
     kept_ram::write_down(Failure::Fault {

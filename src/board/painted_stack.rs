@@ -19,3 +19,8 @@ pub fn high_water() -> u32 {
     });
     u32::try_from(high_water_bytes(stack)).unwrap_or(u32::MAX)
 }
+
+/// Whether an exception's frame lies within the stack. It does not after an overflow.
+pub fn holds(frame: *const u32) -> bool {
+    (&raw const _stack_end..&raw const _stack_start).contains(&frame)
+}

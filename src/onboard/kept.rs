@@ -11,7 +11,7 @@ use rundown_wire::{FILE_TAIL, Failure, ResetCause};
 /// Size in RAM, words.
 pub const WORDS: usize = 16;
 /// Changes with the layout below, so that an older firmware's RAM is not read.
-const MAGIC: u32 = 0x52_44_4b_01;
+const MAGIC: u32 = 0x5244_4b01;
 const CASTAGNOLI: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
 
 /// What is kept.
@@ -66,6 +66,7 @@ impl Kept {
                 tick: value & 1 != 0,
                 link: value & 2 != 0,
             }),
+            4 => Failure::StackOverflow,
             _ => return None,
         };
         let crash_loop = CrashLoop {
@@ -90,6 +91,7 @@ impl Kept {
                 let value = u32::from(who.tick) | u32::from(who.link) << 1;
                 (3, value, [0; FILE_TAIL])
             }
+            Failure::StackOverflow => (4, 0, [0; FILE_TAIL]),
         };
         let CrashLoop {
             clock_s,
@@ -133,9 +135,10 @@ impl Kept {
         let mut kept = found.unwrap_or_default();
         let cause = match (found.map(|kept| kept.failure), register) {
             (None, _) => ResetCause::PowerOn,
-            (Some(Failure::Panic { .. } | Failure::Fault { .. }), PowerOn | Watchdog) => {
-                ResetCause::Software
-            }
+            (
+                Some(Failure::Panic { .. } | Failure::Fault { .. } | Failure::StackOverflow),
+                PowerOn | Watchdog,
+            ) => ResetCause::Software,
             (Some(Failure::Stalled(_)), PowerOn) => Watchdog,
             (Some(_), register) => register,
         };
@@ -204,6 +207,7 @@ mod tests {
             Failure::panic("0123456789012345678901234567", u32::MAX),
             Failure::Fault { at: 0x0800_1234 },
             Failure::Stalled(stalled),
+            Failure::StackOverflow,
         ] {
             let kept = Kept {
                 failure,

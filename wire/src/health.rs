@@ -44,7 +44,7 @@ pub const FILE_TAIL: usize = 24;
 /// What the firmware wrote down before the reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Failure {
-    /// Nothing: power-on, button, or the end came without warning (stack overflow, power dip).
+    /// Nothing: power-on, button, or the end came without warning.
     #[default]
     None,
     /// A panic in this line of the file whose name ends so.
@@ -59,6 +59,8 @@ pub enum Failure {
         /// Program counter.
         at: u32,
     },
+    /// The stack was used up.
+    StackOverflow,
     /// A task did not advance and the watchdog was not fed.
     Stalled(Stalled),
 }
