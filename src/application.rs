@@ -4,25 +4,28 @@ use embedded_storage::nor_flash::NorFlash;
 use rundown::auth::{Provisioning, ProvisioningError};
 use rundown::link::Counters;
 use rundown::link::serial::{self, Decoder};
-use rundown::task::{Port, Task};
+use rundown::run_state::RunState;
+use rundown::task::{Port, Room, Task};
 use rundown_wire::Health;
 
-/// State of the application, 60 kB: lives in a static of the board.
-pub struct Application<F> {
-    task: Task<F>,
+/// State of the application.
+pub struct Application<'a, F> {
+    task: Task<'a, F>,
     decoder: Decoder,
     messages: Counters,
 }
 
-impl<F: NorFlash> Application<F> {
+impl<'a, F: NorFlash> Application<'a, F> {
     /// After the start of the board.
     pub fn new(
         provisioning: Result<Provisioning, ProvisioningError>,
         flash: F,
         heartbeat_only: bool,
+        run: &'a mut RunState,
+        room: &'a mut Room,
     ) -> Self {
         Self {
-            task: Task::new(provisioning, flash, heartbeat_only),
+            task: Task::new(provisioning, flash, heartbeat_only, run, room),
             decoder: Decoder::new(),
             messages: Counters::ZERO,
         }

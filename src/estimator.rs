@@ -21,6 +21,7 @@ use crate::run_state::RunState;
 use crate::state::{Gaussian, LOCATION, SPEED};
 use crate::track::{Direction, Track};
 use crate::train::Train;
+use core::borrow::{Borrow, BorrowMut};
 use core::fmt;
 
 /// Without a location for longer than this the location is invalid; the same for the speed, s.
@@ -28,12 +29,12 @@ const INVALID_AFTER_S: Real = 60.0;
 /// Without a speed for longer than this the regime is unknown, s.
 const LOST_S: Real = 60.0;
 
-/// What is set once: configuration, train, track.
+/// What is set once: configuration, train, track. The board lends its track (`T = &mut Track`), for that takes 12 kB.
 #[derive(Clone, Debug)]
-pub struct Estimator {
+pub struct Estimator<T = Track> {
     config: Config,
     train: Train,
-    track: Track,
+    track: T,
 }
 
 /// Why a measurement gave no estimate. Nothing has changed but its counter.
@@ -77,12 +78,12 @@ pub struct RunSummary {
     pub counters: Counters,
 }
 
-impl Estimator {
+impl<T: Borrow<Track>> Estimator<T> {
     /// Checks the configuration.
     ///
     /// # Errors
     /// [`ConfigError`] names the first field that is out of range.
-    pub fn try_new(config: Config, train: Train, track: Track) -> Result<Self, ConfigError> {
+    pub fn try_new(config: Config, train: Train, track: T) -> Result<Self, ConfigError> {
         config.check()?;
         Ok(Self {
             config,
@@ -91,12 +92,12 @@ impl Estimator {
         })
     }
 
-    /// Without a train and a track, for a board that is still to be told: not to be stepped before both are set.
-    pub(crate) fn undescribed() -> Self {
+    /// Without a train, for a board that is still to be told: not to be stepped before train and track are set.
+    pub(crate) fn undescribed(track: T) -> Self {
         Self {
             config: Config::default(),
             train: Train::undescribed(),
-            track: Track::empty(),
+            track,
         }
     }
 
@@ -105,8 +106,11 @@ impl Estimator {
     }
 
     /// Takes the track and gives back the one before. In place: a track takes 12 kB.
-    pub(crate) fn swap_track(&mut self, track: &mut Track) {
-        core::mem::swap(&mut self.track, track);
+    pub(crate) fn swap_track(&mut self, track: &mut Track)
+    where
+        T: BorrowMut<Track>,
+    {
+        core::mem::swap(self.track.borrow_mut(), track);
     }
 
     pub(crate) fn set_config(&mut self, config: Config) -> Result<(), ConfigError> {
@@ -117,7 +121,7 @@ impl Estimator {
 
     /// The track as it was described.
     pub fn track(&self) -> &Track {
-        &self.track
+        self.track.borrow()
     }
 
     /// The train as it was described.
@@ -172,7 +176,7 @@ impl Estimator {
                 &config.plausibility,
                 &config.sensor,
                 &self.train,
-                self.track.length_m(),
+                self.track().length_m(),
                 run.direction,
                 measurement,
             )
@@ -186,7 +190,7 @@ impl Estimator {
             })?;
         let line = Line {
             train: &self.train,
-            track: &self.track,
+            track: self.track(),
             direction: run.direction,
         };
         let validity = self.count(run, &judged);

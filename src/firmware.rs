@@ -32,6 +32,8 @@ mod app {
     use rundown::onboard::outbox::Outbox;
     use rundown::onboard::serial::{self, LineErrors};
     use rundown::onboard::watchdog::{Beats, FeedRule, Watchdog};
+    use rundown::run_state::RunState;
+    use rundown::task::Room;
     use rundown_wire::{Failure, Health};
 
     /// Bytes from the line that may wait: 89 ms of it.
@@ -64,7 +66,7 @@ mod app {
         #[lock_free]
         start: Start,
         #[lock_free]
-        application: &'static mut Application<Flash>,
+        application: &'static mut Application<'static, Flash>,
     }
 
     #[local]
@@ -78,11 +80,11 @@ mod app {
         next_tick: u32,
     }
 
-    #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<Flash>> = MaybeUninit::uninit()])]
+    #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<'static, Flash>> = MaybeUninit::uninit(), run: MaybeUninit<RunState> = MaybeUninit::uninit(), room: Room = Room::EMPTY])]
     fn init(cx: init::Context) -> (Shared, Local) {
         // The chip's registers are taken once, here; if they were not free something is very wrong, and a reset is the answer.
         let Some(Board {
-            mut port,
+            port,
             watchdog,
             flash,
             clock,
@@ -98,11 +100,12 @@ mod app {
             clock.hz(),
             boot.resets
         );
-        // In place: it takes 60 kB.
         let application = cx.local.application.write(Application::new(
             Provisioning::from_bytes(&board::key_record()),
             flash,
             boot.operation == Operation::HeartbeatOnly,
+            cx.local.run.write(RunState::idle()),
+            cx.local.room,
         ));
         let (ring_in, ring_out) = cx.local.ring.split();
         rtic::pend(Interrupt::COMP);

@@ -10,6 +10,8 @@ use embedded_storage::nor_flash::{
     check_write,
 };
 use rundown::auth::provisioning::{Provisioning, SIZE};
+use rundown::run_state::RunState;
+use rundown::task::Room;
 use rundown_wire::Health;
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
@@ -28,7 +30,8 @@ pub fn run() -> io::Result<()> {
     })?;
     let flash = FileFlash::open(records.map(PathBuf::from))?;
     let provisioning = Provisioning::from_bytes(&key);
-    let mut application = Box::new(Application::new(provisioning, flash, false));
+    let (mut run, mut room) = (Box::new(RunState::idle()), Box::new(Room::EMPTY));
+    let mut application = Application::new(provisioning, flash, false, &mut run, &mut room);
     let (mut stdin, mut stdout) = (io::stdin().lock(), io::stdout().lock());
     let mut written = Ok(());
     let mut send = |frame: &[u8]| {

@@ -62,6 +62,8 @@ impl core::error::Error for NoSnapshot {}
 
 impl RunState {
     /// No run.
+    // Of its own, so that the caller's place for it is filled and not a copy on the stack.
+    #[inline(never)]
     pub fn idle() -> Self {
         let begin = Gaussian::independent([0.0; 3], [0.0; 3]);
         Self {

@@ -1,9 +1,10 @@
 //! A board on the host: the tick task over a flash and a link of test's own, and a desk that talks to it.
 
 use crate::flash::Flash;
-use rundown::auth::{Key, Provisioning};
+use rundown::auth::{Key, Provisioning, ProvisioningError};
 use rundown::measurement::Measurement;
-use rundown::task::{Port, Task};
+use rundown::run_state::RunState;
+use rundown::task::{Port, Room, Task};
 use rundown::track::Direction;
 use rundown::train_id::TrainId;
 use rundown::uplink::{Command, Pace, Request};
@@ -44,10 +45,21 @@ impl Port for Wire {
     }
 }
 
+/// A task of its own. Its memory is never given back, as on a board; a test starts a few.
+pub fn task(
+    provisioning: Result<Provisioning, ProvisioningError>,
+    flash: Flash,
+    heartbeat_only: bool,
+) -> Task<'static, Flash> {
+    let run = Box::leak(Box::new(RunState::idle()));
+    let room = Box::leak(Box::new(Room::EMPTY));
+    Task::new(provisioning, flash, heartbeat_only, run, room)
+}
+
 /// A board and who talks to it.
 pub struct Board {
-    /// The application; on the heap, for it is large.
-    pub task: Box<Task<Flash>>,
+    /// The application.
+    pub task: Task<'static, Flash>,
     /// Its link.
     pub wire: Wire,
     /// The other end.
@@ -58,7 +70,7 @@ impl Board {
     /// Starts with this flash.
     pub fn start(flash: Flash) -> Self {
         Self {
-            task: Box::new(Task::new(Ok(PROVISIONING), flash, false)),
+            task: task(Ok(PROVISIONING), flash, false),
             wire: Wire::default(),
             desk: Desk::new(PROVISIONING),
         }

@@ -1,6 +1,6 @@
 //! The firmware in the emulator beside the task on the host: the same messages in, and frame by frame the same bytes out.
 
-use crate::board::{PROVISIONING, Wire};
+use crate::board::{PROVISIONING, Wire, task};
 use crate::flash::Flash;
 use emulator::{Board, Emulator, Settings};
 use rundown::link::serial::{self, SerialLink};
@@ -14,19 +14,12 @@ use sim_harness::desk::{Description, Desk};
 use sim_harness::link::port::HostPort;
 use sim_harness::session::{Heard, PATIENCE, Session};
 use std::error::Error;
-use std::path::PathBuf;
 use std::time::Instant;
-
-/// Where the key lies in the flash of the reference board.
-const KEY_ADDRESS: u32 = 0x080F_F800;
 
 /// How to start the firmware, or a message that says why it is not: it needs a compiler and an emulator that plain `cargo test` does not bring.
 pub fn firmware() -> Option<Settings> {
     match Settings::new(Board::L475Emulated) {
-        Ok(settings) => Some(Settings {
-            preloads: vec![(key_file(), KEY_ADDRESS)],
-            ..settings
-        }),
+        Ok(settings) => Some(settings),
         Err(missing) if std::env::var_os("RUNDOWN_EMULATOR").is_some() => panic!("{missing}"),
         Err(missing) => {
             println!("skipped: {missing} (`cargo xtask test` does)");
@@ -35,16 +28,9 @@ pub fn firmware() -> Option<Settings> {
     }
 }
 
-/// The provisioning record of the tests, as a file for the emulator.
-fn key_file() -> PathBuf {
-    let path = std::env::temp_dir().join(format!("rundown-test-key-{}", std::process::id()));
-    std::fs::write(&path, PROVISIONING.to_bytes()).expect("a temporary file");
-    path
-}
-
 /// The task on the host, as a link: what is sent goes in, what comes out is received.
 struct HostBoard {
-    task: Box<Task<Flash>>,
+    task: Task<'static, Flash>,
     wire: Wire,
 }
 
@@ -76,7 +62,7 @@ impl Link for HostBoard {
 /// A session with the task on the host.
 fn on_host() -> Session<impl Link<PortError = std::convert::Infallible>> {
     let board = HostBoard {
-        task: Box::new(Task::new(Ok(PROVISIONING), Flash::erased(8), false)),
+        task: task(Ok(PROVISIONING), Flash::erased(8), false),
         wire: Wire::default(),
     };
     Session::new(board, Desk::new(PROVISIONING))

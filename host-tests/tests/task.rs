@@ -1,7 +1,7 @@
 //! Does the board do what it is asked, and only that? The tick task over a flash and a link of the test's own.
 
 use host_tests::accuracy::{description, measurements};
-use host_tests::board::{Board, PROVISIONING, answer, estimate};
+use host_tests::board::{Board, PROVISIONING, answer, estimate, task};
 use host_tests::flash::Flash;
 use host_tests::scenario::{Scenario, simulate};
 use rundown::auth::{Provisioning, Signer};
@@ -166,15 +166,12 @@ fn a_recorded_message_is_refused_after_a_restart() {
 
 #[test]
 fn a_board_without_a_key_refuses_and_says_so() {
-    let task = rundown::task::Task::new(
+    let task = task(
         Provisioning::from_bytes(&[0xFF; 64]),
         Flash::erased(8),
         false,
     );
-    let mut board = Board {
-        task: Box::new(task),
-        ..board()
-    };
+    let mut board = Board { task, ..board() };
     assert_eq!(board.status().announcement, None);
     let mut desk = Desk::new(PROVISIONING);
     assert!(desk.secured(Request::Command(Command::End)).is_err());
@@ -401,11 +398,8 @@ fn a_crash_loop_leaves_a_heartbeat() {
     let (description, _) = described();
     let mut first = board();
     first.status();
-    let task = rundown::task::Task::new(Ok(PROVISIONING), Flash::erased(8), true);
-    let mut board = Board {
-        task: Box::new(task),
-        ..first
-    };
+    let task = task(Ok(PROVISIONING), Flash::erased(8), true);
+    let mut board = Board { task, ..first };
     let frames = board.tick();
     assert!(matches!(frames[0].body, Body::Status(_)));
     for message in board

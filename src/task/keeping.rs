@@ -1,7 +1,7 @@
 //! What survives the power: read when the board starts and when its train is described, written at each end of a run.
 
 use super::snapshots::SnapshotBuffer;
-use super::{SLOT, Task};
+use super::{Room, SLOT, Task};
 use crate::auth::{Provisioning, ProvisioningError, Verifier};
 use crate::estimator::Estimator;
 use crate::memory::{MemoryConfig, Vehicle};
@@ -9,21 +9,22 @@ use crate::published::Published;
 use crate::run_state::RunState;
 use crate::store::persisted::{LAYOUT, Lifetime, NotRestored, Persisted};
 use crate::store::{EpochError, Identity, Refused, Store};
-use crate::track::Track;
 use crate::train_id::TrainId;
 use crate::uplink::Pace;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use rundown_wire::{Memory, REFUSALS};
 
-impl<F: NorFlash> Task<F> {
+impl<'a, F: NorFlash> Task<'a, F> {
     /// The task of a board that has just started. `heartbeat_only`: it has started too often in a short time, and only says how it is.
     pub fn new(
         provisioning: Result<Provisioning, ProvisioningError>,
         flash: F,
         heartbeat_only: bool,
+        run: &'a mut RunState,
+        room: &'a mut Room,
     ) -> Self {
-        let estimator = Estimator::undescribed();
+        let estimator = Estimator::undescribed(&mut room.track);
         let nominal = estimator.train().davis();
         let mut store = Store::mount(flash).ok();
         let train = provisioning.map(|provisioning| provisioning.train);
@@ -40,10 +41,10 @@ impl<F: NorFlash> Task<F> {
             train_id: None,
             track_id: None,
             setup: 0,
-            incoming: Track::empty(),
+            incoming: &mut room.incoming,
             incoming_id: 0,
             vehicle: Vehicle::new(&MemoryConfig::default(), nominal),
-            run: RunState::idle(),
+            run,
             running: false,
             moved: false,
             standing_since_s: None,
@@ -66,7 +67,7 @@ impl<F: NorFlash> Task<F> {
             lifetime: Lifetime::default(),
             memory,
             records: [0; 2],
-            snapshot: SnapshotBuffer::new(),
+            snapshot: SnapshotBuffer::new(&mut room.snapshot),
         }
     }
 

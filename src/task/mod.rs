@@ -29,7 +29,7 @@ use crate::frames;
 use crate::measurement::Measurement;
 use crate::memory::Vehicle;
 use crate::published::Published;
-use crate::run_state::RunState;
+use crate::run_state::{MAX_SNAPSHOT, RunState};
 use crate::store::Store;
 use crate::store::persisted::Lifetime;
 use crate::track::Track;
@@ -56,19 +56,35 @@ pub trait Port {
     fn health(&self) -> Health;
 }
 
-/// The whole state of the board's application. Some 60 kB, for a static.
-pub struct Task<F> {
-    estimator: Estimator,
+/// The room that a task needs beside itself; zeros, for a static. 37 kB.
+pub struct Room {
+    track: Track,
+    incoming: Track,
+    snapshot: [u8; MAX_SNAPSHOT],
+}
+
+impl Room {
+    /// Nothing is in it.
+    pub const EMPTY: Self = Self {
+        track: Track::empty(),
+        incoming: Track::empty(),
+        snapshot: [0; MAX_SNAPSHOT],
+    };
+}
+
+/// The state of the board's application.
+pub struct Task<'a, F> {
+    estimator: Estimator<&'a mut Track>,
     train_id: Option<u64>,
     track_id: Option<u32>,
     /// Digest of train, track and configuration.
     setup: u32,
     /// The track that is coming in, and its id.
-    incoming: Track,
+    incoming: &'a mut Track,
     incoming_id: u32,
 
     vehicle: Vehicle,
-    run: RunState,
+    run: &'a mut RunState,
     running: bool,
     /// The train has run since the run began.
     moved: bool,
@@ -95,10 +111,10 @@ pub struct Task<F> {
     lifetime: Lifetime,
     memory: Memory,
     records: [u32; 2],
-    snapshot: SnapshotBuffer,
+    snapshot: SnapshotBuffer<'a>,
 }
 
-impl<F: NorFlash> Task<F> {
+impl<F: NorFlash> Task<'_, F> {
     /// One message from the link.
     pub fn receive(&mut self, message: &[u8], port: &mut impl Port) {
         let digest = digest::of_bytes(message);
@@ -206,7 +222,7 @@ impl<F: NorFlash> Task<F> {
     fn step(&mut self, measurement: &Measurement, port: &mut impl Port) -> Result<(), Refusal> {
         let estimate = self
             .estimator
-            .step(&mut self.run, measurement)
+            .step(self.run, measurement)
             .map_err(|_| Refusal::TimeNotIncreasing)?;
         self.last_time_s = Some(measurement.time_s);
         self.silent_ticks = 0;

@@ -18,7 +18,7 @@ const MINUTE_TICKS: u32 = 6;
 /// Ticks from one snapshot to the next: a brown-out loses two minutes at most.
 const SNAPSHOT_TICKS: u32 = 12;
 
-impl<F: NorFlash> Task<F> {
+impl<F: NorFlash> Task<'_, F> {
     pub(super) fn report(&mut self, estimate: &Estimate, port: &mut impl Port) {
         self.send_parameters(estimate, port);
         let effort = frames::effort(estimate, self.estimator.train());

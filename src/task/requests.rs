@@ -12,7 +12,7 @@ use crate::uplink::{Command, Pace, Request, Setting, TrackPart, TrainFrame};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::Refusal;
 
-impl<F: NorFlash> Task<F> {
+impl<F: NorFlash> Task<'_, F> {
     pub(super) fn carry_out(
         &mut self,
         request: &Request,
@@ -72,7 +72,7 @@ impl<F: NorFlash> Task<F> {
 
     pub(super) fn begin(&mut self, direction: Direction) {
         self.estimator
-            .begin_run_in(&mut self.run, &self.vehicle, direction);
+            .begin_run_in(self.run, &self.vehicle, direction);
         self.running = true;
         // So that a run gives the same frames whatever was before it.
         self.tick = 0;
@@ -85,7 +85,7 @@ impl<F: NorFlash> Task<F> {
 
     /// Ends the run: its summary goes out, what it taught into the vehicle and the flash.
     pub(super) fn end(&mut self, port: &mut impl Port) {
-        let summary = self.estimator.end_run(&mut self.run, &mut self.vehicle);
+        let summary = self.estimator.end_run(self.run, &mut self.vehicle);
         self.running = false;
         self.newest = None;
         self.keep();
@@ -153,7 +153,7 @@ impl<F: NorFlash> Task<F> {
             return Err(Refusal::OutOfOrder);
         }
         if self.incoming.entries() == usize::from(part.total) {
-            self.estimator.swap_track(&mut self.incoming);
+            self.estimator.swap_track(self.incoming);
             self.track_id = Some(part.id);
             self.settle();
         }

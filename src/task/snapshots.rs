@@ -22,8 +22,8 @@ struct Around {
 }
 
 /// A snapshot on its way out, or in.
-pub(super) struct SnapshotBuffer {
-    bytes: [u8; MAX_SNAPSHOT],
+pub(super) struct SnapshotBuffer<'a> {
+    bytes: &'a mut [u8; MAX_SNAPSHOT],
     /// Head of the parts: tick, setup, digest.
     tick: u32,
     setup: u32,
@@ -34,10 +34,10 @@ pub(super) struct SnapshotBuffer {
     outwards: bool,
 }
 
-impl SnapshotBuffer {
-    pub(super) fn new() -> Self {
+impl<'a> SnapshotBuffer<'a> {
+    pub(super) fn new(bytes: &'a mut [u8; MAX_SNAPSHOT]) -> Self {
         Self {
-            bytes: [0; MAX_SNAPSHOT],
+            bytes,
             tick: 0,
             setup: 0,
             crc: 0,
@@ -70,7 +70,7 @@ impl SnapshotBuffer {
     }
 }
 
-impl<F: NorFlash> Task<F> {
+impl<F: NorFlash> Task<'_, F> {
     /// A snapshot of this tick; one that is still on its way out goes first.
     pub(super) fn take_snapshot_of_the_run(&mut self) {
         let buffer = &mut self.snapshot;
@@ -82,7 +82,7 @@ impl<F: NorFlash> Task<F> {
             moved: self.moved,
             standing_since_s: self.standing_since_s,
         };
-        let Ok(head) = postcard::to_slice(&around, &mut buffer.bytes).map(|head| head.len()) else {
+        let Ok(head) = postcard::to_slice(&around, buffer.bytes).map(|head| head.len()) else {
             return;
         };
         let Some(rest) = buffer.bytes.get_mut(head..) else {
