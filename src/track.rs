@@ -273,6 +273,12 @@ impl Point {
         }
         self.begun.height_m + (location_m - self.begun.from_m) * self.begun.slope
     }
+
+    /// How far it may be shifted to either side within its piece.
+    #[inline]
+    fn room_m(&self) -> Real {
+        (self.location_m - self.begun.from_m).min(self.until_m - self.location_m)
+    }
 }
 
 /// A train standing on a track: two searches at construction, none afterwards.
@@ -316,6 +322,20 @@ impl<'a> UnderTrain<'a> {
         let front_m = self.track.rise_m(&self.front, shift_m);
         let tail_m = self.track.rise_m(&self.tail, shift_m);
         (front_m - tail_m) / self.train_length_m
+    }
+
+    /// The same for a pair of shifts by ±√`epsilon_m2`: change = ± √ε odd + even. Returns odd and even.
+    #[inline]
+    pub fn mean_gradient_of_pair(&self, epsilon_m2: Real) -> (Real, Real) {
+        let room_m = self.front.room_m().min(self.tail.room_m());
+        if epsilon_m2 <= room_m * room_m {
+            let bend = self.front.begun.slope - self.tail.begun.slope;
+            return (bend / self.train_length_m, 0.0);
+        }
+        let root_m = libm::sqrt(epsilon_m2);
+        let ahead = self.mean_gradient_change(root_m);
+        let behind = self.mean_gradient_change(-root_m);
+        ((ahead - behind) / (2.0 * root_m), 0.5 * (ahead + behind))
     }
 }
 
