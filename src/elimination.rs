@@ -71,11 +71,8 @@ pub fn eliminate<const N: usize, const K: usize>(
         let d = above_zero(dl[j], j)?;
         let mut l = SVector::zeros();
         l[j] = 1.0;
-        if j + 1 < K {
-            let inverse = 1.0 / d;
-            for i in j + 1..K {
-                l[i] = dl[i] * inverse;
-            }
+        for i in j + 1..K {
+            l[i] = dl[i] / d;
         }
         columns[j] = Column { d, l, dl };
     }

@@ -45,9 +45,10 @@ pub struct Line<'a> {
 impl<'a> Line<'a> {
     /// Gravity's part of the resistance at a location, g(s) of Eq. (1), N/kg, uphill positive.
     pub fn gradient_n_per_kg(&self, location_m: Real) -> Real {
-        self.train.gravity_n_per_kg() * self.under_train(location_m).mean_gradient()
+        self.train.gravity_n_per_kg_m() * self.under_train(location_m).rise_m()
     }
 
+    #[inline(always)]
     fn under_train(&self, location_m: Real) -> UnderTrain<'a> {
         UnderTrain::new(
             self.track,
@@ -62,7 +63,7 @@ impl<'a> Line<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
     under_train: UnderTrain<'a>,
-    gravity_n_per_kg: Real,
+    gravity_n_per_kg_m: Real,
     effort_n_per_kg: Real,
     dt_s: Real,
     /// σ Δt / 2.
@@ -103,7 +104,7 @@ impl<'a> Motion<'a> {
     ) -> Self {
         let mut motion = Self {
             under_train: line.under_train(x[LOCATION]),
-            gravity_n_per_kg: line.train.gravity_n_per_kg(),
+            gravity_n_per_kg_m: line.train.gravity_n_per_kg_m(),
             effort_n_per_kg,
             dt_s,
             half_way_s: 0.5 * line.direction.sign() * dt_s,
@@ -114,7 +115,7 @@ impl<'a> Motion<'a> {
             let lead_mps = 0.5 * dt_s * motion.acceleration_mps2(x);
             let midway_m = motion.half_way_s * (x[SPEED] + 0.5 * lead_mps);
             motion.lead_mps = lead_mps;
-            motion.under_train = line.under_train(x[LOCATION] + midway_m);
+            motion.under_train = motion.under_train.shifted(midway_m);
         }
         motion
     }
@@ -137,7 +138,7 @@ impl<'a> Motion<'a> {
         };
         effort
             - (x[R0] + w * (x[R1] + w * x[R2]))
-            - self.gravity_n_per_kg * self.under_train.mean_gradient()
+            - self.gravity_n_per_kg_m * self.under_train.rise_m()
     }
 }
 
@@ -147,11 +148,11 @@ impl<const N: usize> Process<N, MOVING> for Motion<'_> {
         self.acceleration_mps2(x)
     }
 
-    /// Of the track the points make their own slope.
     #[inline]
     fn slope(&self, x: &SVector<Real, N>) -> SVector<Real, N> {
         let w = x[SPEED] + self.lead_mps;
         let mut slope = SVector::zeros();
+        slope[LOCATION] = -self.gravity_n_per_kg_m * self.under_train.rise_slope();
         slope[SPEED] = -(x[R1] + 2.0 * w * x[R2]);
         slope[R0] = -1.0;
         slope[R1] = -w;
@@ -162,7 +163,7 @@ impl<const N: usize> Process<N, MOVING> for Motion<'_> {
         slope
     }
 
-    /// Of r1 v + r2 v² what is not linear, written down; the gradient is looked up at both points.
+    /// Of r1 v + r2 v² what is not linear, written down. The gradient is looked up at both points if its slope changes between them.
     #[inline]
     fn pair(&self, x: &SVector<Real, N>, column: &Column<N, MOVING>, c: Real) -> Pair {
         let Column { d, l, dl } = column;
@@ -173,12 +174,11 @@ impl<const N: usize> Process<N, MOVING> for Motion<'_> {
             even: -dv * (dl[R1] + x[R2] * dl[SPEED] + 2.0 * w * dl[R2]),
         };
         // Only the column of the location shifts the train, by √(c D).
-        if l[LOCATION] != 0.0 {
-            let (odd, even) = self.under_train.mean_gradient_of_pair(c * d);
-            pair.odd -= self.gravity_n_per_kg * odd;
-            if even != 0.0 {
-                pair.even -= self.gravity_n_per_kg * even / c;
-            }
+        if l[LOCATION] != 0.0
+            && let Some((odd, even)) = self.under_train.rise_over_edges(c * d)
+        {
+            pair.odd -= self.gravity_n_per_kg_m * odd;
+            pair.even -= self.gravity_n_per_kg_m * even / c;
         }
         pair
     }

@@ -8,6 +8,8 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Train {
     description: TrainDescription,
+    gravity_n_per_kg: Real,
+    gravity_n_per_kg_m: Real,
 }
 
 /// What a train file or train frame states; unchecked.
@@ -102,7 +104,13 @@ impl Train {
                 });
             }
         }
-        Ok(Self { description })
+        // The only place where the division by γ is made.
+        let gravity_n_per_kg = crate::units::GRAVITY_MPS2 / description.rotating_mass_factor;
+        Ok(Self {
+            description,
+            gravity_n_per_kg,
+            gravity_n_per_kg_m: gravity_n_per_kg / description.length_m,
+        })
     }
 
     /// The description that was checked.
@@ -126,9 +134,13 @@ impl Train {
     }
 
     /// Weight over rotating mass, 9.80665 / γ in N/kg: turns a gradient (m/m) into a resistance per γ m.
-    /// The only place where the division by γ is made.
     pub fn gravity_n_per_kg(&self) -> Real {
-        crate::units::GRAVITY_MPS2 / self.description.rotating_mass_factor
+        self.gravity_n_per_kg
+    }
+
+    /// The same over the length of the train, in N/(kg m): turns the height of its front above its tail into a resistance per γ m.
+    pub fn gravity_n_per_kg_m(&self) -> Real {
+        self.gravity_n_per_kg_m
     }
 
     /// Largest applicable effort in N/kg at a speed: constant effort below, constant power above the transition speed (section 4.4).

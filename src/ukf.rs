@@ -254,7 +254,7 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
     /// One step: predict, then update with what there is of a measurement.
     ///
     /// # Errors
-    /// [`NotPositiveDefinite`]; `belief` is then as it was.
+    /// [`NotPositiveDefinite`]; `belief` is then of no use. It is worked on in place, so a caller who needs the old one keeps a copy.
     #[inline]
     pub fn step<const K: usize>(
         &self,
@@ -265,18 +265,17 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
     ) -> Result<Innovation<M>, NotPositiveDefinite> {
         let noise = process.noise_variance();
         let in_gain = if self.reuse_points { 0.0 } else { noise };
-        let mut next = self.propagate(belief, process, in_gain)?;
-        let innovation = self.take_in(&mut next, observation, z)?;
+        self.propagate(belief, process, in_gain)?;
+        let innovation = self.take_in(belief, observation, z)?;
         if self.reuse_points && noise != 0.0 {
             let b = process.carry(&SVector::zeros(), 1.0);
             for j in 0..K {
                 for i in j..K {
-                    next.covariance[(i, j)] += noise * b[i] * b[j];
+                    belief.covariance[(i, j)] += noise * b[i] * b[j];
                 }
             }
         }
-        mirror(&mut next.covariance);
-        *belief = next;
+        mirror(&mut belief.covariance);
         Ok(innovation)
     }
 
@@ -290,16 +289,15 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         belief: &mut Gaussian<N>,
         process: &impl Process<N, K>,
     ) -> Result<(), NotPositiveDefinite> {
-        let mut next = self.propagate(belief, process, process.noise_variance())?;
-        mirror(&mut next.covariance);
-        *belief = next;
+        self.propagate(belief, process, process.noise_variance())?;
+        mirror(&mut belief.covariance);
         Ok(())
     }
 
     /// Update, Eq. (12)-(18), one reading after another; a missing or gated reading is left out.
     ///
     /// # Errors
-    /// [`NotPositiveDefinite`] with the row of the variance that is no longer above zero; `belief` is then as it was.
+    /// [`NotPositiveDefinite`] with the row of the variance that is no longer above zero; `belief` is then of no use.
     #[inline]
     pub fn update(
         &self,
@@ -307,21 +305,19 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         observation: &impl Observation<M>,
         z: &[Option<Real>; M],
     ) -> Result<Innovation<M>, NotPositiveDefinite> {
-        let mut next = *belief;
-        let innovation = self.take_in(&mut next, observation, z)?;
-        mirror(&mut next.covariance);
-        *belief = next;
+        let innovation = self.take_in(belief, observation, z)?;
+        mirror(&mut belief.covariance);
         Ok(innovation)
     }
 
-    /// Eq. (7)-(11) in the form that the module's header derives. Of the covariance returned only the lower triangle is good.
+    /// Eq. (7)-(11) in the form that the module's header derives. Leaves only the lower triangle of the covariance good.
     #[inline]
     fn propagate<const K: usize>(
         &self,
-        belief: &Gaussian<N>,
+        belief: &mut Gaussian<N>,
         process: &impl Process<N, K>,
         noise_variance: Real,
-    ) -> Result<Gaussian<N>, NotPositiveDefinite> {
+    ) -> Result<(), NotPositiveDefinite> {
         let (x, p) = (&belief.mean, &belief.covariance);
         let c = self.spread.reach(N);
         let columns = eliminate::<N, K>(p)?;
@@ -344,38 +340,38 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         let curvature = self.spread.beta - self.spread.alpha * self.spread.alpha;
         let mean = process.drive(x) + m;
         let with_x = p * slope;
-        let variance = slope.dot(&with_x) + c * scatter + curvature * m * m + noise_variance;
+        let straight: Real = slope.iter().zip(&with_x).map(|(g, c)| g * c).sum();
+        let variance = straight + c * scatter + curvature * m * m + noise_variance;
 
         // x' is linear in (x, a): so are its covariances with x and with a, and with itself.
-        let mut next = *belief;
         let carried = process.carry(x, mean);
         let with_a = process.carry(&with_x, variance);
         let mut rows = SMatrix::<Real, K, N>::zeros();
         for i in 0..N {
-            rows.set_column(i, &process.carry(&p.column(i).into_owned(), with_x[i]));
+            rows.set_column(i, &process.carry(&p.row(i).transpose(), with_x[i]));
         }
         for k in 0..K {
-            next.mean[k] = carried[k];
+            belief.mean[k] = carried[k];
             let row = process.carry(&rows.row(k).transpose(), with_a[k]);
             for i in k..K {
-                next.covariance[(i, k)] = row[i];
+                belief.covariance[(i, k)] = row[i];
             }
             for i in K..N {
-                next.covariance[(i, k)] = rows[(k, i)];
+                belief.covariance[(i, k)] = rows[(k, i)];
             }
         }
-        Ok(next)
+        Ok(())
     }
 
-    /// As [`Ukf::update`], on a belief of the caller's own: after an error it is of no use. Works on the lower triangle alone.
+    /// [`Ukf::update`] of the lower triangle.
     #[inline]
     fn take_in<O: Observation<M>>(
         &self,
-        next: &mut Gaussian<N>,
+        belief: &mut Gaussian<N>,
         observation: &O,
         z: &[Option<Real>; M],
     ) -> Result<Innovation<M>, NotPositiveDefinite> {
-        let Gaussian { mean, covariance } = next;
+        let Gaussian { mean, covariance } = belief;
         let mut innovation = Innovation {
             value: SVector::zeros(),
             covariance: SMatrix::from_fn(|i, j| {
