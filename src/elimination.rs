@@ -1,8 +1,7 @@
-//! Square-root-free Cholesky factor of a covariance, for its first columns: P = L D Lᵀ.
+//! Square-root-free Cholesky factor of a covariance, its first columns: P = L D Lᵀ.
 //!
-//! In: a symmetric matrix. Out: the first K columns of L (unit diagonal) with their pivots D, and what is left of P when they are eliminated,
-//! which is the covariance of the other components once the first K are known. With K = N it is the whole factor.
-//! A pivot that is not above zero stops it with its row.
+//! In: a symmetric matrix. Out: the first K columns of L D with their pivots D, and the first K rows of the same columns of L (unit diagonal).
+//! With K = N it is the whole factor. A pivot that is not above zero stops it with its row.
 
 use crate::Real;
 use core::fmt;
@@ -29,63 +28,55 @@ impl fmt::Display for NotPositiveDefinite {
 
 impl core::error::Error for NotPositiveDefinite {}
 
-/// The first K columns of the factor and the rest.
+/// A column of the factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Factor<const N: usize, const K: usize> {
-    /// Columns of L; 0 above the diagonal, 1 on it.
-    pub columns: [SVector<Real, N>; K],
-    /// Pivots D, all above zero.
-    pub pivots: [Real; K],
-    /// Rows and columns from K on: covariance of these components given the first K. Elsewhere without meaning.
-    pub rest: SMatrix<Real, N, N>,
+pub struct Column<const N: usize, const K: usize> {
+    /// Pivot D, above zero.
+    pub d: Real,
+    /// First K rows of the column of L: 0 above the diagonal, 1 on it.
+    pub l: SVector<Real, K>,
+    /// The whole column of L, times D.
+    pub dl: SVector<Real, N>,
 }
 
-/// Eliminates the first K components of a covariance; only its lower triangle is read.
+/// The first K columns of the factor of a covariance.
 ///
 /// # Errors
-/// [`NotPositiveDefinite`] with the row and value of the first pivot that is not above zero; the diagonal of the rest is checked too.
+/// [`NotPositiveDefinite`] with the row and value of the first pivot that is not above zero.
 ///
 /// ```
 /// use nalgebra::matrix;
 /// use rundown::elimination::eliminate;
 ///
-/// let factor = eliminate::<2, 1>(&matrix![4.0, 2.0; 2.0, 3.0]).unwrap();
-/// assert_eq!(factor.pivots, [4.0]);
-/// assert_eq!(factor.columns[0][1], 0.5);
-/// assert_eq!(factor.rest[(1, 1)], 2.0);
+/// let [first, second] = eliminate::<2, 2>(&matrix![4.0, 2.0; 2.0, 3.0]).unwrap();
+/// assert_eq!((first.d, second.d), (4.0, 2.0));
+/// assert_eq!(first.l[1], 0.5);
+/// assert_eq!(first.dl[1], 2.0);
 /// ```
 #[inline]
 pub fn eliminate<const N: usize, const K: usize>(
     covariance: &SMatrix<Real, N, N>,
-) -> Result<Factor<N, K>, NotPositiveDefinite> {
-    let mut rest = *covariance;
-    let mut columns = [SVector::zeros(); K];
-    let mut pivots = [0.0; K];
+) -> Result<[Column<N, K>; K], NotPositiveDefinite> {
+    let mut columns = [Column {
+        d: 0.0,
+        l: SVector::zeros(),
+        dl: SVector::zeros(),
+    }; K];
     for j in 0..K {
-        let pivot = above_zero(rest[(j, j)], j)?;
-        pivots[j] = pivot;
-        let inverse = 1.0 / pivot;
-        columns[j][j] = 1.0;
-        for i in j + 1..N {
-            columns[j][i] = rest[(i, j)] * inverse;
+        let mut dl = covariance.column(j).into_owned();
+        for before in &columns[..j] {
+            dl -= before.dl * before.l[j];
         }
-        for k in j + 1..N {
-            for i in k..N {
-                rest[(i, k)] -= columns[j][i] * rest[(k, j)];
-            }
+        dl.rows_mut(0, j).fill(0.0);
+        let d = above_zero(dl[j], j)?;
+        let mut l = SVector::zeros();
+        l[j] = 1.0;
+        for i in j + 1..K {
+            l[i] = dl[i] / d;
         }
+        columns[j] = Column { d, l, dl };
     }
-    for k in K..N {
-        above_zero(rest[(k, k)], k)?;
-        for i in k + 1..N {
-            rest[(k, i)] = rest[(i, k)];
-        }
-    }
-    Ok(Factor {
-        columns,
-        pivots,
-        rest,
-    })
+    Ok(columns)
 }
 
 /// Passes a pivot that is above zero.
@@ -107,15 +98,25 @@ mod tests {
     #[test]
     fn factor_gives_back_the_matrix() {
         let p = matrix![4.0, 2.0, -1.0; 2.0, 3.0, 0.5; -1.0, 0.5, 2.0];
-        let factor = eliminate::<3, 3>(&p).unwrap();
-        let sum = (0..3)
-            .map(|j| factor.columns[j] * factor.columns[j].transpose() * factor.pivots[j])
+        let columns = eliminate::<3, 3>(&p).unwrap();
+        let sum = columns
+            .iter()
+            .map(|column| column.dl * column.l.transpose())
             .sum::<SMatrix<Real, 3, 3>>();
         assert!((sum - p).amax() < 1e-15);
-        let partial = eliminate::<3, 1>(&p).unwrap();
-        let column = partial.columns[0];
-        let sum = column * column.transpose() * partial.pivots[0] + partial.rest;
-        assert!((sum - p).view((1, 1), (2, 2)).amax() < 1e-15);
+        for column in &columns {
+            assert!((column.l * column.d - column.dl).amax() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_part_is_the_beginning_of_the_whole() {
+        let p = matrix![4.0, 2.0, -1.0; 2.0, 3.0, 0.5; -1.0, 0.5, 2.0];
+        let whole = eliminate::<3, 3>(&p).unwrap();
+        for (part, whole) in eliminate::<3, 2>(&p).unwrap().iter().zip(&whole) {
+            assert_eq!((part.d, part.dl), (whole.d, whole.dl));
+            assert_eq!(part.l, whole.l.fixed_rows::<2>(0));
+        }
     }
 
     #[test]
@@ -126,7 +127,6 @@ mod tests {
             pivot: -3.0,
         };
         assert_eq!(eliminate::<2, 2>(&indefinite), Err(expected));
-        assert_eq!(eliminate::<2, 1>(&indefinite), Err(expected));
         let not_a_number = matrix![Real::NAN, 0.0; 0.0, 1.0];
         assert_eq!(eliminate::<2, 2>(&not_a_number).unwrap_err().row, 0);
     }

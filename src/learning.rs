@@ -14,7 +14,6 @@ use crate::motion::{Evaluate, Line, Motion};
 use crate::state::{Gaussian, LOCATION, R0, SIZE_WITH_GAIN, SPEED};
 use crate::ukf::{Innovation, Observation, Reading, Spread, Ukf};
 use heapless::Deque;
-use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
 /// When and how the resistance is learned.
@@ -112,13 +111,11 @@ pub struct LocationAndSpeed {
     pub speed_variance: Real,
 }
 
-impl<const N: usize> Observation<N, 2> for LocationAndSpeed {
-    fn read(&self, i: usize, x: &SVector<Real, N>) -> Real {
-        if i == LOCATION { x[LOCATION] } else { x[SPEED] }
-    }
+impl Observation<2> for LocationAndSpeed {
+    const COMPONENTS: [usize; 2] = [LOCATION, SPEED];
 
     fn variance(&self, i: usize) -> Real {
-        if i == LOCATION {
+        if i == 0 {
             self.location_variance
         } else {
             self.speed_variance

@@ -13,11 +13,12 @@
 //! remaining error is below 0.001 % (`host-tests/tests/paper.rs` measures both).
 
 use crate::Real;
+use crate::elimination::Column;
 use crate::state::{GAIN, LOCATION, MOVING, R0, R1, R2, SPEED};
 use crate::track::{Direction, Track, UnderTrain};
 use crate::train::Train;
 use crate::ukf::{Pair, Process};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
 /// Where within a step resistance and gradient are evaluated.
@@ -44,9 +45,10 @@ pub struct Line<'a> {
 impl<'a> Line<'a> {
     /// Gravity's part of the resistance at a location, g(s) of Eq. (1), N/kg, uphill positive.
     pub fn gradient_n_per_kg(&self, location_m: Real) -> Real {
-        self.train.gravity_n_per_kg() * self.under_train(location_m).mean_gradient()
+        self.train.gravity_n_per_kg_m() * self.under_train(location_m).rise_m()
     }
 
+    #[inline(always)]
     fn under_train(&self, location_m: Real) -> UnderTrain<'a> {
         UnderTrain::new(
             self.track,
@@ -61,12 +63,14 @@ impl<'a> Line<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
     under_train: UnderTrain<'a>,
-    gravity_n_per_kg: Real,
-    sign: Real,
+    gravity_n_per_kg_m: Real,
     effort_n_per_kg: Real,
     dt_s: Real,
+    /// σ Δt / 2.
+    half_way_s: Real,
     lead_mps: Real,
-    noise_mps2: Real,
+    /// Variance of the acceleration beyond the model.
+    noise_variance: Real,
 }
 
 impl<'a> Motion<'a> {
@@ -100,25 +104,28 @@ impl<'a> Motion<'a> {
     ) -> Self {
         let mut motion = Self {
             under_train: line.under_train(x[LOCATION]),
-            gravity_n_per_kg: line.train.gravity_n_per_kg(),
-            sign: line.direction.sign(),
+            gravity_n_per_kg_m: line.train.gravity_n_per_kg_m(),
             effort_n_per_kg,
             dt_s,
+            half_way_s: 0.5 * line.direction.sign() * dt_s,
             lead_mps: 0.0,
-            noise_mps2: 0.0,
+            noise_variance: 0.0,
         };
         if evaluate == Evaluate::Midway {
             let lead_mps = 0.5 * dt_s * motion.acceleration_mps2(x);
-            let midway_m = motion.sign * 0.5 * dt_s * (x[SPEED] + 0.5 * lead_mps);
+            let midway_m = motion.half_way_s * (x[SPEED] + 0.5 * lead_mps);
             motion.lead_mps = lead_mps;
-            motion.under_train = line.under_train(x[LOCATION] + midway_m);
+            motion.under_train = motion.under_train.shifted(midway_m);
         }
         motion
     }
 
     /// The same step with white noise of this standard deviation in the acceleration, constant over the step (Q of Eq. 3).
     pub fn with_noise(self, noise_mps2: Real) -> Self {
-        Self { noise_mps2, ..self }
+        Self {
+            noise_variance: noise_mps2 * noise_mps2,
+            ..self
+        }
     }
 
     /// Acceleration at a state, Eq. (5), m/s².
@@ -131,66 +138,61 @@ impl<'a> Motion<'a> {
         };
         effort
             - (x[R0] + w * (x[R1] + w * x[R2]))
-            - self.gravity_n_per_kg * self.under_train.mean_gradient()
-    }
-
-    /// Shift of (s, v) by an acceleration over the step.
-    fn by_acceleration(&self, a_mps2: Real) -> SVector<Real, MOVING> {
-        let dv = self.dt_s * a_mps2;
-        SVector::from([self.sign * 0.5 * self.dt_s * dv, dv])
-    }
-
-    /// Acceleration for a change of the constants: -(dr0 + w dr1 + w² dr2) + u dgain.
-    fn by_constants<const N: usize>(&self, w: Real, change: &SVector<Real, N>) -> Real {
-        let resistance = change[R0] + w * (change[R1] + w * change[R2]);
-        if N > GAIN {
-            self.effort_n_per_kg * change[GAIN] - resistance
-        } else {
-            -resistance
-        }
+            - self.gravity_n_per_kg_m * self.under_train.rise_m()
     }
 }
 
 impl<const N: usize> Process<N, MOVING> for Motion<'_> {
-    fn advance(&self, x: &SVector<Real, N>) -> SVector<Real, MOVING> {
-        let straight = SVector::from([x[LOCATION] + self.sign * self.dt_s * x[SPEED], x[SPEED]]);
-        straight + self.by_acceleration(self.acceleration_mps2(x))
+    #[inline]
+    fn drive(&self, x: &SVector<Real, N>) -> Real {
+        self.acceleration_mps2(x)
     }
 
-    /// The speed enters as a polynomial, so its odd and even parts are written down; the gradient is looked up at both points.
-    fn pair(&self, x: &SVector<Real, N>, l: &SVector<Real, N>, epsilon: Real) -> Pair<MOVING> {
+    #[inline]
+    fn slope(&self, x: &SVector<Real, N>) -> SVector<Real, N> {
         let w = x[SPEED] + self.lead_mps;
-        let (dv, dr2) = (l[SPEED], l[R2]);
-        let mut odd = self.by_constants(w, l) - dv * (x[R1] + 2.0 * x[R2] * w + epsilon * dv * dr2);
-        let mut even = -dv * (l[R1] + x[R2] * dv + 2.0 * w * dr2);
-        // Only the column of the location shifts the train.
-        if l[LOCATION] != 0.0 {
-            let root = libm::sqrt(epsilon);
-            let ahead = self.under_train.mean_gradient_change(root * l[LOCATION]);
-            let behind = self.under_train.mean_gradient_change(-root * l[LOCATION]);
-            odd -= self.gravity_n_per_kg * (ahead - behind) / (2.0 * root);
-            even -= self.gravity_n_per_kg * (ahead + behind) / (2.0 * epsilon);
+        let mut slope = SVector::zeros();
+        slope[LOCATION] = -self.gravity_n_per_kg_m * self.under_train.rise_slope();
+        slope[SPEED] = -(x[R1] + 2.0 * w * x[R2]);
+        slope[R0] = -1.0;
+        slope[R1] = -w;
+        slope[R2] = -w * w;
+        if N > GAIN {
+            slope[GAIN] = self.effort_n_per_kg;
         }
-        let straight = SVector::from([l[LOCATION] + self.sign * self.dt_s * dv, dv]);
-        Pair {
-            odd: straight + self.by_acceleration(odd),
-            even: self.by_acceleration(even),
-        }
+        slope
     }
 
-    fn constants(&self, x: &SVector<Real, N>, change: &SVector<Real, N>) -> SVector<Real, MOVING> {
+    /// Of r1 v + r2 v² what is not linear, written down. The gradient is looked up at both points if its slope changes between them.
+    #[inline]
+    fn pair(&self, x: &SVector<Real, N>, column: &Column<N, MOVING>, c: Real) -> Pair {
+        let Column { d, l, dl } = column;
         let w = x[SPEED] + self.lead_mps;
-        self.by_acceleration(self.by_constants(w, change))
+        let dv = l[SPEED];
+        let mut pair = Pair {
+            odd: -c * dv * dv * dl[R2],
+            even: -dv * (dl[R1] + x[R2] * dl[SPEED] + 2.0 * w * dl[R2]),
+        };
+        // Only the column of the location shifts the train, by √(c D).
+        if l[LOCATION] != 0.0
+            && let Some((odd, even)) = self.under_train.rise_over_edges(c * d)
+        {
+            pair.odd -= self.gravity_n_per_kg_m * odd;
+            pair.even -= self.gravity_n_per_kg_m * even / c;
+        }
+        pair
     }
 
-    fn noise(&self) -> Option<SMatrix<Real, N, N>> {
-        if self.noise_mps2 == 0.0 {
-            return None;
-        }
-        let moved = self.by_acceleration(self.noise_mps2);
-        let mut q = SMatrix::<Real, N, N>::zeros();
-        q.fixed_view_mut::<MOVING, MOVING>(0, 0)
-            .copy_from(&(moved * moved.transpose()));
-        Some(q)
+    /// Eq. (4): v' = v + Δt a, s' = s + σ Δt (v + v') / 2.
+    #[inline]
+    fn carry(&self, x: &SVector<Real, N>, a: Real) -> SVector<Real, MOVING> {
+        let speed = x[SPEED] + self.dt_s * a;
+        let location = x[LOCATION] + self.half_way_s * (x[SPEED] + speed);
+        SVector::from([location, speed])
+    }
+
+    #[inline]
+    fn noise_variance(&self) -> Real {
+        self.noise_variance
     }
 }

@@ -1,6 +1,7 @@
 //! The track: gradient averaged over the length of the train.
 //!
-//! In: a list of (from, gradient), sorted, at most [`MAX_GRADIENTS`]. Out: mean gradient under a train, in either direction, in O(log n).
+//! In: a list of (from, gradient), sorted, at most [`MAX_GRADIENTS`]. Out: mean gradient under a train, in either direction: a search for its
+//! front, O(log n), and a walk over the few pieces under it.
 //!
 //! ```text
 //! mean gradient = (h(front) - h(tail)) / length        uphill in the direction of travel is positive
@@ -56,8 +57,16 @@ struct Piece {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Track {
     length_m: Real,
-    pieces: Vec<Piece, MAX_GRADIENTS>,
+    /// The first is the flat start, so every location lies in a piece.
+    pieces: Vec<Piece, { MAX_GRADIENTS + 1 }>,
 }
+
+const FLAT_START: Piece = Piece {
+    // Not -∞, which makes NaN of a height.
+    from_m: Real::MIN,
+    slope: 0.0,
+    height_m: 0.0,
+};
 
 /// Why a track was refused. The old one stays in force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,6 +160,8 @@ impl Track {
         }
         self.length_m = length_m;
         self.pieces.clear();
+        // An empty list has room.
+        let _first = self.pieces.push(FLAT_START).is_ok();
         Ok(())
     }
 
@@ -159,23 +170,20 @@ impl Track {
     /// # Errors
     /// [`TrackError`]; the track is as before.
     pub(crate) fn push(&mut self, gradient: Gradient) -> Result<(), TrackError> {
-        let index = self.pieces.len();
+        let index = self.entries();
         // Also refuses NaN.
         let plausible = gradient.from_m.is_finite() && gradient.permille.abs() <= 200.0;
         if !plausible {
             return Err(TrackError::BadGradient { index });
         }
-        let height_m = match self.pieces.last() {
-            Some(last) if gradient.from_m <= last.from_m => {
-                return Err(TrackError::NotSorted { index });
-            }
-            Some(last) => last.height_m + (gradient.from_m - last.from_m) * last.slope,
-            None => 0.0,
-        };
+        let last = self.pieces.last().unwrap_or(&FLAT_START);
+        if gradient.from_m <= last.from_m {
+            return Err(TrackError::NotSorted { index });
+        }
         let piece = Piece {
             from_m: gradient.from_m,
             slope: gradient.permille / 1000.0,
-            height_m,
+            height_m: last.height_at_m(gradient.from_m),
         };
         self.pieces
             .push(piece)
@@ -184,7 +192,8 @@ impl Track {
 
     /// Number of entries.
     pub(crate) fn entries(&self) -> usize {
-        self.pieces.len()
+        // The flat beginning is none.
+        self.pieces.len().saturating_sub(1)
     }
 
     /// Length, m.
@@ -194,159 +203,189 @@ impl Track {
 
     /// Mean gradient (m/m) under a train whose front is at `front_m`, uphill in the direction of travel positive.
     pub fn mean_gradient(&self, front_m: Real, train_length_m: Real, direction: Direction) -> Real {
-        UnderTrain::new(self, front_m, train_length_m, direction).mean_gradient()
+        UnderTrain::new(self, front_m, train_length_m, direction).rise_m() / train_length_m
     }
 
     /// Height above the first entry, m.
     pub fn height_m(&self, location_m: Real) -> Real {
-        self.point(location_m).height_m
+        self.search(location_m).height_m
     }
 
+    /// The point at a location.
     #[inline]
-    fn point(&self, location_m: Real) -> Point {
-        // The number of pieces that begin at or before the location; 0 means the flat start.
-        let piece = self.pieces.partition_point(|p| p.from_m <= location_m);
-        let flat = Piece {
-            from_m: Real::NEG_INFINITY,
-            slope: 0.0,
-            height_m: 0.0,
-        };
-        let begun = self.begun(piece).copied().unwrap_or(flat);
-        let mut point = Point {
-            location_m,
-            piece,
-            height_m: 0.0,
-            begun,
-            until_m: self.pieces.get(piece).map_or(Real::INFINITY, |p| p.from_m),
-        };
-        point.height_m = point.height_in_piece_m(location_m);
-        point
+    fn search(&self, location_m: Real) -> Point {
+        let begun = self.pieces.partition_point(|p| p.from_m <= location_m);
+        self.point(begun.saturating_sub(1), location_m)
     }
 
-    /// As [`Track::point`]; no search when the location lies in the piece of `near`.
+    /// The point at a distance of either sign, found by walking from here.
     #[inline]
-    fn point_near(&self, near: &Point, location_m: Real) -> Point {
-        if near.begun.from_m <= location_m && location_m < near.until_m {
-            Point {
-                location_m,
-                height_m: near.height_in_piece_m(location_m),
-                ..*near
+    fn walk(&self, from: &Point, distance_m: Real) -> Point {
+        let location_m = from.location_m + distance_m;
+        let mut index = from.index;
+        if distance_m < 0.0 {
+            while index > 0 && location_m < self.begin_m(index) {
+                index -= 1;
             }
         } else {
-            self.point(location_m)
+            while index + 1 < self.pieces.len() && self.begin_m(index + 1) <= location_m {
+                index += 1;
+            }
+        }
+        self.point(index, location_m)
+    }
+
+    #[inline]
+    fn point(&self, index: usize, location_m: Real) -> Point {
+        let piece = self.piece(index);
+        let behind_m = location_m - piece.from_m;
+        let before_m = self.begin_m(index + 1) - location_m;
+        Point {
+            location_m,
+            index,
+            slope: piece.slope,
+            height_m: piece.height_at_m(location_m),
+            room_m: if behind_m < before_m {
+                behind_m
+            } else {
+                before_m
+            },
         }
     }
 
-    /// The piece in which a point with `count` begun pieces lies.
     #[inline]
-    fn begun(&self, count: usize) -> Option<&Piece> {
-        self.pieces.get(count.wrapping_sub(1))
+    fn piece(&self, index: usize) -> &Piece {
+        self.pieces.get(index).unwrap_or(&FLAT_START)
+    }
+
+    /// Where a piece begins; behind the last one, never.
+    #[inline]
+    fn begin_m(&self, index: usize) -> Real {
+        self.pieces.get(index).map_or(Real::INFINITY, |p| p.from_m)
     }
 
     /// Height gained from a point over a distance of either sign, m: summed piece by piece, so that it is exact
     /// to rounding of the distance even where the height is large and the distance tiny.
-    #[inline]
     fn rise_m(&self, from: &Point, distance_m: Real) -> Real {
         let end_m = from.location_m + distance_m;
-        if from.begun.from_m <= end_m && end_m <= from.until_m {
-            return distance_m * from.begun.slope;
-        }
-        self.rise_over_edges_m(from, distance_m)
-    }
-
-    fn rise_over_edges_m(&self, from: &Point, distance_m: Real) -> Real {
-        let end_m = from.location_m + distance_m;
-        let mut piece = from.piece;
+        let mut index = from.index;
         let mut at_m = from.location_m;
         let mut rest_m = distance_m;
         let mut rise_m = 0.0;
         loop {
-            let begun = self.begun(piece);
-            let slope = begun.map_or(0.0, |p| p.slope);
-            let edge_m = if distance_m >= 0.0 {
-                self.pieces
-                    .get(piece)
-                    .map(|p| p.from_m)
-                    .filter(|edge| *edge < end_m)
+            let slope = self.piece(index).slope;
+            let (edge_m, next, crossed) = if distance_m >= 0.0 {
+                let edge_m = self.begin_m(index + 1);
+                (edge_m, index + 1, edge_m < end_m)
             } else {
-                begun.map(|p| p.from_m).filter(|edge| *edge > end_m)
+                let edge_m = self.begin_m(index);
+                (edge_m, index.saturating_sub(1), edge_m > end_m)
             };
-            let Some(edge_m) = edge_m else {
+            if !crossed || next == index {
                 return rise_m + rest_m * slope;
-            };
+            }
             rise_m += (edge_m - at_m) * slope;
             rest_m -= edge_m - at_m;
             at_m = edge_m;
-            piece = if distance_m >= 0.0 {
-                piece + 1
-            } else {
-                piece - 1
-            };
+            index = next;
         }
     }
 }
 
+impl Piece {
+    #[inline]
+    fn height_at_m(&self, location_m: Real) -> Real {
+        self.height_m + (location_m - self.from_m) * self.slope
+    }
+}
+
+/// A location and what is found there.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     location_m: Real,
-    piece: usize,
+    /// The piece.
+    index: usize,
+    slope: Real,
     height_m: Real,
-    /// The piece and where it ends; kept here because most shifts stay within it.
-    begun: Piece,
-    until_m: Real,
+    /// Distance to the nearer edge of the piece.
+    room_m: Real,
 }
 
-impl Point {
-    #[inline]
-    fn height_in_piece_m(&self, location_m: Real) -> Real {
-        if self.piece == 0 {
-            return 0.0;
-        }
-        self.begun.height_m + (location_m - self.begun.from_m) * self.begun.slope
-    }
-}
-
-/// A train standing on a track: two searches at construction, none afterwards.
+/// A train standing on a track: searched once, at construction.
 #[derive(Clone, Copy, Debug)]
 pub struct UnderTrain<'a> {
     track: &'a Track,
     front: Point,
     tail: Point,
-    train_length_m: Real,
 }
 
 impl<'a> UnderTrain<'a> {
     /// Finds front and tail. `train_length_m` above 0.
-    #[inline]
+    #[inline(always)]
     pub fn new(
         track: &'a Track,
         front_m: Real,
         train_length_m: Real,
         direction: Direction,
     ) -> Self {
-        let front = track.point(front_m);
+        let front = track.search(front_m);
+        let to_tail_m = match direction {
+            Direction::Up => -train_length_m,
+            Direction::Down => train_length_m,
+        };
         Self {
             track,
             front,
-            tail: track.point_near(&front, front_m - direction.sign() * train_length_m),
-            train_length_m,
+            tail: track.walk(&front, to_tail_m),
         }
     }
 
-    /// Mean gradient (m/m), uphill in the direction of travel positive.
-    pub fn mean_gradient(&self) -> Real {
-        (self.front.height_m - self.tail.height_m) / self.train_length_m
+    /// The same train, shifted along the track's locations: found by walking, without a search.
+    pub fn shifted(&self, shift_m: Real) -> Self {
+        Self {
+            track: self.track,
+            front: self.track.walk(&self.front, shift_m),
+            tail: self.track.walk(&self.tail, shift_m),
+        }
     }
 
-    /// Change of the mean gradient when the train is shifted by `shift_m` along the track's locations.
-    ///
-    /// A difference of its own, because two mean gradients subtracted would leave nothing but rounding for the
-    /// millimetre shifts of the paper's sigma points (α = 0.001).
+    /// Height of the front above the tail, m: over the length of the train it is the mean gradient.
     #[inline]
-    pub fn mean_gradient_change(&self, shift_m: Real) -> Real {
-        let front_m = self.track.rise_m(&self.front, shift_m);
-        let tail_m = self.track.rise_m(&self.tail, shift_m);
-        (front_m - tail_m) / self.train_length_m
+    pub fn rise_m(&self) -> Real {
+        self.front.height_m - self.tail.height_m
+    }
+
+    /// Change of the rise when the train is shifted by `shift_m` along the track's locations.
+    ///
+    /// A difference of its own, because two rises subtracted would leave nothing but rounding for the
+    /// millimetre shifts of the paper's sigma points (α = 0.001).
+    pub fn rise_change_m(&self, shift_m: Real) -> Real {
+        self.track.rise_m(&self.front, shift_m) - self.track.rise_m(&self.tail, shift_m)
+    }
+
+    /// Slope of the rise where neither front nor tail crosses an edge.
+    #[inline]
+    pub fn rise_slope(&self) -> Real {
+        self.front.slope - self.tail.slope
+    }
+
+    /// What a pair of shifts by ±√`epsilon_m2` sees beyond that slope: change = ± √ε (slope + odd) + even. `None`: no edge is that near.
+    #[inline]
+    pub fn rise_over_edges(&self, epsilon_m2: Real) -> Option<(Real, Real)> {
+        let within = |room_m: Real| epsilon_m2 <= room_m * room_m;
+        if within(self.front.room_m) && within(self.tail.room_m) {
+            return None;
+        }
+        Some(self.beyond_edges(libm::sqrt(epsilon_m2)))
+    }
+
+    /// Taken by value: a train that nobody points at may live in registers.
+    #[cold]
+    fn beyond_edges(self, shift_m: Real) -> (Real, Real) {
+        let ahead_m = self.rise_change_m(shift_m);
+        let behind_m = self.rise_change_m(-shift_m);
+        let odd = (ahead_m - behind_m) / (2.0 * shift_m) - self.rise_slope();
+        (odd, 0.5 * (ahead_m + behind_m))
     }
 }
 
@@ -387,10 +426,43 @@ mod tests {
             for front_m in [-20.0, 100.0, 160.0, 305.0, 310.0, 899.9, 950.0, 1900.0] {
                 let here = UnderTrain::new(&track, front_m, 120.0, direction);
                 for shift_m in [-700.0, -40.0, -10.0, -1e-3, 0.0, 1e-3, 5.0, 10.0, 650.0] {
-                    let change = track.mean_gradient(front_m + shift_m, 120.0, direction)
-                        - here.mean_gradient();
-                    let error = here.mean_gradient_change(shift_m) - change;
-                    assert!(error.abs() < 1e-15, "{front_m} {shift_m} {error}");
+                    let there = UnderTrain::new(&track, front_m + shift_m, 120.0, direction);
+                    let change_m = there.rise_m() - here.rise_m();
+                    let error = here.rise_change_m(shift_m) - change_m;
+                    assert!(error.abs() < 1e-13, "{front_m} {shift_m} {error}");
+                    let shifted = here.shifted(shift_m);
+                    assert_eq!(shifted.front.index, there.front.index);
+                    assert_eq!(shifted.tail.index, there.tail.index);
+                    assert!((shifted.rise_m() - there.rise_m()).abs() < 1e-13);
+                    if shift_m > 0.0 {
+                        let pair = here.rise_over_edges(shift_m * shift_m);
+                        let (odd, even) = pair.unwrap_or((0.0, 0.0));
+                        for (shift_m, change_m) in
+                            [shift_m, -shift_m].map(|s| (s, here.rise_change_m(s)))
+                        {
+                            let error = shift_m * (here.rise_slope() + odd) + even - change_m;
+                            assert!(error.abs() < 1e-13, "{front_m} {shift_m} {error}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_location_that_is_none_ends_every_walk() {
+        let track = track();
+        let odd = [Real::NAN, Real::INFINITY, Real::NEG_INFINITY, Real::MAX];
+        for direction in [Direction::Up, Direction::Down] {
+            for odd_m in odd {
+                let there = UnderTrain::new(&track, odd_m, 120.0, direction);
+                let here = UnderTrain::new(&track, 305.0, 120.0, direction);
+                assert!(here.shifted(odd_m).front.index <= 4);
+                for shift_m in odd.iter().chain(&[-10.0, 10.0]) {
+                    assert!(there.shifted(*shift_m).tail.index <= 4);
+                    for under_train in [&there, &here] {
+                        let _ends = under_train.rise_change_m(*shift_m);
+                    }
                 }
             }
         }

@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Train {
     description: TrainDescription,
+    gravity_n_per_kg: Real,
+    gravity_n_per_kg_m: Real,
 }
 
 /// What a train file or train frame states; unchecked.
@@ -103,7 +105,17 @@ impl Train {
                 });
             }
         }
-        Ok(Self { description })
+        Ok(Self::new(description))
+    }
+
+    const fn new(description: TrainDescription) -> Self {
+        // The only place where the division by γ is made.
+        let gravity_n_per_kg = crate::units::GRAVITY_MPS2 / description.rotating_mass_factor;
+        Self {
+            description,
+            gravity_n_per_kg,
+            gravity_n_per_kg_m: gravity_n_per_kg / description.length_m,
+        }
     }
 
     /// The description that was checked.
@@ -127,28 +139,30 @@ impl Train {
     }
 
     /// Weight over rotating mass, 9.80665 / γ in N/kg: turns a gradient (m/m) into a resistance per γ m.
-    /// The only place where the division by γ is made.
     pub fn gravity_n_per_kg(&self) -> Real {
-        crate::units::GRAVITY_MPS2 / self.description.rotating_mass_factor
+        self.gravity_n_per_kg
+    }
+
+    /// The same over the length of the train, in N/(kg m): turns the height of its front above its tail into a resistance per γ m.
+    pub fn gravity_n_per_kg_m(&self) -> Real {
+        self.gravity_n_per_kg_m
     }
 
     /// Stands in until a train is described; no run begins with it.
     pub(crate) const fn undescribed() -> Self {
-        Self {
-            description: TrainDescription {
-                mass_kg: 1.0,
-                rotating_mass_factor: 1.0,
-                length_m: 1.0,
-                davis: Davis {
-                    r0: 1.0,
-                    r1: 1.0,
-                    r2: 1.0,
-                },
-                max_tractive_effort_n: 1.0,
-                max_power_w: 1.0,
-                max_brake_mps2: 1.0,
+        Self::new(TrainDescription {
+            mass_kg: 1.0,
+            rotating_mass_factor: 1.0,
+            length_m: 1.0,
+            davis: Davis {
+                r0: 1.0,
+                r1: 1.0,
+                r2: 1.0,
             },
-        }
+            max_tractive_effort_n: 1.0,
+            max_power_w: 1.0,
+            max_brake_mps2: 1.0,
+        })
     }
 
     /// Largest brake effort per rotating mass, N/kg, positive.

@@ -2,68 +2,84 @@
 //!
 //! In: a belief (mean, covariance), a motion, a measurement. Out: the belief one step later, and the innovation.
 //!
-//! The method is the paper's: van der Merwe's points x and x ± √c l_j, c = α² (N + κ), with l_j the columns of the Cholesky factor (Eq. 7-9),
-//! sent through the motion f (Eq. 8), and their weighted sums (Eq. 10-18). The form is another, because λ = c - N makes weights of 1.7e6 when
-//! α = 0.001, and twelve digits are lost. Seen from the central point, a pair of points has an odd and an even part,
+//! The method is the paper's: van der Merwe's points x and x ± √c l, c = α² (N + κ), with l the columns of the Cholesky factor (Eq. 7-9),
+//! sent through the motion (Eq. 8), and their weighted sums (Eq. 10-18). The form is another, because λ = c - N makes weights of 1.7e6 when
+//! α = 0.001, and twelve digits are lost. Three observations make it exact and short; each is an identity, not an approximation.
+//!
+//! **One number is not linear.** The motion is x' = T x + b a(x) with a scalar a, for a train its acceleration (Eq. 4, 5). Weighted sums pass
+//! through what is linear, so only a needs points: its mean ā, its variance V and its covariance C with x. Then x' has the mean T x + b ā, and
+//! its covariance follows from P, C and V in the same way.
+//!
+//! **Seen from the central point, a pair of points has an odd and an even part.** With P = L D Lᵀ (no square root), ε = c D_j, l = column j of L
+//! and any vector g, for us the slope of a at x,
 //!
 //! ```text
-//! f(x ± √ε l) - f(x) = ± √ε odd + ε even              ε = c D_j, P = L D Lᵀ, l = column j of L
+//! a(x ± √ε l) - a(x) = ± √ε (g·l + odd_j) + c even_j
 //! ```
 //!
-//! and with the weights of Eq. (9) put in, Eq. (10) and (11) become, without any rounding,
+//! and with the weights of Eq. (9) put in, λ and all large terms cancel:
 //!
 //! ```text
-//! x̄  = f(x) + m                                       m = Σ D_j even_j
-//! Px = Σ D_j odd_j odd_jᵀ + c Σ D_j² even_j even_jᵀ + (β - α²) m mᵀ + Q
+//! ā = a(x) + m                                                m = Σ even_j
+//! C = Σ D_j l_j (g·l_j + odd_j) = P ĝ                         ĝ = g + L⁻ᵀ odd
+//! V = ĝᵀ P ĝ + c Σ even_j² + (β - α²) m²
 //! ```
 //!
-//! No term is large, λ is never formed, and no square root is taken. One thing more saves half of the work: the last N - K
-//! components of our states are constants of the train that enter f linearly and do not change. The points along their columns
-//! only carry their covariance (given the moving part) through a linear map, so that is what is done. The paper's own
-//! arithmetic stands in the tests as the witness of both steps (`host-tests/tests/textbook.rs`).
+//! ĝ is the slope as the points see it: for them the motion is a straight line of slope ĝ and a scatter about it.
 //!
-//! Measurements are linear, z = H x (Eq. 6: location and speed are read), so Eq. (12)-(15) are products with P, and with independent
-//! readings the components are taken in one after another; a missing one is left out.
+//! **Most pairs see a straight line.** The last N - K components of our states are constants of the train that enter a linearly. Along their
+//! columns odd and even are zero, so the factor ends after K columns.
+//!
+//! Readings are components of the state (Eq. 6: location and speed) and independent, so Eq. (12)-(18) take them in one after another;
+//! a missing one is left out. The paper's own arithmetic stands in the tests as the witness of all this (`host-tests/tests/textbook.rs`).
 //!
 //! Printed as it is, Eq. (11)-(15) leave Q out of the gain; [`Ukf::reuse_points`] keeps that.
 
 use crate::Real;
-use crate::elimination::{NotPositiveDefinite, above_zero, eliminate};
+use crate::elimination::{Column, NotPositiveDefinite, above_zero, eliminate};
 use crate::state::Gaussian;
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-/// A motion f of N components of which the first K move. The last N - K are constants that enter f linearly.
-/// With K = N it is any motion at all.
+/// A motion x' = T x + b (a(x) + noise) of N components, driven by one number a. The first K components move;
+/// the last N - K are constants, and enter a linearly.
 pub trait Process<const N: usize, const K: usize> {
+    /// a(x).
+    fn drive(&self, x: &SVector<Real, N>) -> Real;
+
+    /// Slope g of a at x, exact for the constants. For the moving part it may be anything, if [`Process::pair`] knows it.
+    fn slope(&self, x: &SVector<Real, N>) -> SVector<Real, N>;
+
+    /// What a pair of points sees of a beyond a(x) and the slope: a(x ± √(c D) l) - a(x) = ± √(c D) (g·l + odd) + c even.
+    fn pair(&self, x: &SVector<Real, N>, column: &Column<N, K>, c: Real) -> Pair;
+
+    /// The moving part of T x + b a: linear in both.
+    fn carry(&self, x: &SVector<Real, N>, a: Real) -> SVector<Real, K>;
+
+    /// Variance q of the noise in a, which makes Q = q b bᵀ of Eq. (11). Zero, as in the paper, when not given.
+    fn noise_variance(&self) -> Real {
+        0.0
+    }
+
     /// The moving part of f(x), Eq. (3).
-    fn advance(&self, x: &SVector<Real, N>) -> SVector<Real, K>;
-
-    /// What the pair x ± √ε l sees beyond f(x). Not called with ε = 0.
-    fn pair(&self, x: &SVector<Real, N>, l: &SVector<Real, N>, epsilon: Real) -> Pair<K>;
-
-    /// Change of the moving part for a change of the constants alone: linear in `change`, whose first K components are ignored.
-    fn constants(&self, x: &SVector<Real, N>, change: &SVector<Real, N>) -> SVector<Real, K>;
-
-    /// Process noise Q of Eq. (11). None, as in the paper, means zero.
-    fn noise(&self) -> Option<SMatrix<Real, N, N>> {
-        None
+    fn advance(&self, x: &SVector<Real, N>) -> SVector<Real, K> {
+        self.carry(x, self.drive(x))
     }
 }
 
-/// Odd and even part of a pair of sigma points, moving rows only: f(x ± √ε l) - f(x) = ± √ε odd + ε even.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair<const K: usize> {
-    /// Half the difference of the two, over √ε: the slope along l.
-    pub odd: SVector<Real, K>,
-    /// Half the sum of the two, over ε: the curvature along l.
-    pub even: SVector<Real, K>,
+/// What a pair of sigma points sees beyond a straight line, [`Process::pair`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pair {
+    /// Slope along l beyond g·l.
+    pub odd: Real,
+    /// Half the sum of the two, over c.
+    pub even: Real,
 }
 
-/// A linear measurement z = H x + noise of M independent readings, Eq. (6).
-pub trait Observation<const N: usize, const M: usize> {
-    /// Row `i` of H times `x`.
-    fn read(&self, i: usize, x: &SVector<Real, N>) -> Real;
+/// Readings z = (components of x) + noise, M of them, independent of each other, Eq. (6).
+pub trait Observation<const M: usize> {
+    /// Which component of the state each reading reads.
+    const COMPONENTS: [usize; M];
 
     /// Variance of reading `i`, above zero.
     fn variance(&self, i: usize) -> Real;
@@ -238,150 +254,145 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
     /// One step: predict, then update with what there is of a measurement.
     ///
     /// # Errors
-    /// [`NotPositiveDefinite`]; `belief` is then as it was.
+    /// [`NotPositiveDefinite`]; `belief` is then of no use. It is worked on in place, so a caller who needs the old one keeps a copy.
+    #[inline]
     pub fn step<const K: usize>(
         &self,
         belief: &mut Gaussian<N>,
         process: &impl Process<N, K>,
-        observation: &impl Observation<N, M>,
+        observation: &impl Observation<M>,
         z: &[Option<Real>; M],
     ) -> Result<Innovation<M>, NotPositiveDefinite> {
-        let mut next = self.propagate(belief, process)?;
-        let noise = process.noise();
-        if let (Some(q), false) = (&noise, self.reuse_points) {
-            next.covariance += q;
+        let noise = process.noise_variance();
+        let in_gain = if self.reuse_points { 0.0 } else { noise };
+        self.propagate(belief, process, in_gain)?;
+        let innovation = self.take_in(belief, observation, z)?;
+        if self.reuse_points && noise != 0.0 {
+            let b = process.carry(&SVector::zeros(), 1.0);
+            for j in 0..K {
+                for i in j..K {
+                    belief.covariance[(i, j)] += noise * b[i] * b[j];
+                }
+            }
         }
-        let innovation = self.take_in(&mut next, observation, z)?;
-        if let (Some(q), true) = (&noise, self.reuse_points) {
-            next.covariance += q;
-        }
-        *belief = next;
+        mirror(&mut belief.covariance);
         Ok(innovation)
     }
 
-    /// Prediction alone, Eq. (7)-(11) with Q.
+    /// Prediction alone, Eq. (7)-(11).
     ///
     /// # Errors
     /// [`NotPositiveDefinite`]; `belief` is then as it was.
+    #[inline]
     pub fn predict<const K: usize>(
         &self,
         belief: &mut Gaussian<N>,
         process: &impl Process<N, K>,
     ) -> Result<(), NotPositiveDefinite> {
-        let mut next = self.propagate(belief, process)?;
-        if let Some(q) = process.noise() {
-            next.covariance += q;
-        }
-        *belief = next;
+        self.propagate(belief, process, process.noise_variance())?;
+        mirror(&mut belief.covariance);
         Ok(())
-    }
-
-    /// Eq. (7)-(11) without Q, in the form that the module's header derives.
-    #[inline]
-    fn propagate<const K: usize>(
-        &self,
-        belief: &Gaussian<N>,
-        process: &impl Process<N, K>,
-    ) -> Result<Gaussian<N>, NotPositiveDefinite> {
-        let x = &belief.mean;
-        let c = self.spread.reach(N);
-        let factor = eliminate::<N, K>(&belief.covariance)?;
-
-        // Rows 0..K of Px; the rows of the constants among themselves stay.
-        let mut rows = SMatrix::<Real, K, N>::zeros();
-        let mut m = SVector::<Real, K>::zeros();
-        for (l, d) in factor.columns.iter().zip(factor.pivots) {
-            let pair = process.pair(x, l, c * d);
-            let even = pair.even * d;
-            m += even;
-            for i in 0..K {
-                let weighted = d * pair.odd[i];
-                let bent = c * even[i];
-                for j in i..K {
-                    rows[(i, j)] += weighted * pair.odd[j] + bent * even[j];
-                }
-                for j in K..N {
-                    rows[(i, j)] += weighted * l[j];
-                }
-            }
-        }
-
-        // The constants given the moving part have covariance R: F R, and F R Fᵀ.
-        let mut moved = [SVector::<Real, N>::zeros(); K];
-        for j in K..N {
-            let column = process.constants(x, &factor.rest.column(j).into_owned());
-            for i in 0..K {
-                moved[i][j] = column[i];
-                rows[(i, j)] += column[i];
-            }
-        }
-        let curvature = self.spread.beta - self.spread.alpha * self.spread.alpha;
-        for i in 0..K {
-            let square = process.constants(x, &moved[i]);
-            for j in i..K {
-                rows[(i, j)] += square[j] + curvature * m[i] * m[j];
-            }
-        }
-
-        let mut next = *belief;
-        let moved = process.advance(x) + m;
-        for i in 0..K {
-            next.mean[i] = moved[i];
-            for j in i..N {
-                next.covariance[(i, j)] = rows[(i, j)];
-                next.covariance[(j, i)] = rows[(i, j)];
-            }
-        }
-        Ok(next)
     }
 
     /// Update, Eq. (12)-(18), one reading after another; a missing or gated reading is left out.
     ///
     /// # Errors
-    /// [`NotPositiveDefinite`] with the row of the variance that is no longer above zero; `belief` is then as it was.
+    /// [`NotPositiveDefinite`] with the row of the variance that is no longer above zero; `belief` is then of no use.
     #[inline]
     pub fn update(
         &self,
         belief: &mut Gaussian<N>,
-        observation: &impl Observation<N, M>,
+        observation: &impl Observation<M>,
         z: &[Option<Real>; M],
     ) -> Result<Innovation<M>, NotPositiveDefinite> {
-        let mut next = *belief;
-        let innovation = self.take_in(&mut next, observation, z)?;
-        *belief = next;
+        let innovation = self.take_in(belief, observation, z)?;
+        mirror(&mut belief.covariance);
         Ok(innovation)
     }
 
-    /// As [`Ukf::update`], on a belief of the caller's own: after an error it is of no use.
+    /// Eq. (7)-(11) in the form that the module's header derives. Leaves only the lower triangle of the covariance good.
     #[inline]
-    fn take_in(
+    fn propagate<const K: usize>(
         &self,
-        next: &mut Gaussian<N>,
-        observation: &impl Observation<N, M>,
+        belief: &mut Gaussian<N>,
+        process: &impl Process<N, K>,
+        noise_variance: Real,
+    ) -> Result<(), NotPositiveDefinite> {
+        let (x, p) = (&belief.mean, &belief.covariance);
+        let c = self.spread.reach(N);
+        let columns = eliminate::<N, K>(p)?;
+
+        // What the pairs see; then ĝ by back substitution.
+        let pairs = columns.each_ref().map(|column| process.pair(x, column, c));
+        let mut slope = process.slope(x);
+        let mut beyond = SVector::<Real, K>::zeros();
+        for j in (0..K).rev() {
+            beyond[j] = pairs[j].odd;
+            for i in j + 1..K {
+                beyond[j] -= columns[j].l[i] * beyond[i];
+            }
+            slope[j] += beyond[j];
+        }
+
+        // Mean of a, covariance with x, variance.
+        let m: Real = pairs.iter().map(|pair| pair.even).sum();
+        let scatter: Real = pairs.iter().map(|pair| pair.even * pair.even).sum();
+        let curvature = self.spread.beta - self.spread.alpha * self.spread.alpha;
+        let mean = process.drive(x) + m;
+        let with_x = p * slope;
+        let straight: Real = slope.iter().zip(&with_x).map(|(g, c)| g * c).sum();
+        let variance = straight + c * scatter + curvature * m * m + noise_variance;
+
+        // x' is linear in (x, a): so are its covariances with x and with a, and with itself.
+        let carried = process.carry(x, mean);
+        let with_a = process.carry(&with_x, variance);
+        let mut rows = SMatrix::<Real, K, N>::zeros();
+        for i in 0..N {
+            rows.set_column(i, &process.carry(&p.row(i).transpose(), with_x[i]));
+        }
+        for k in 0..K {
+            belief.mean[k] = carried[k];
+            let row = process.carry(&rows.row(k).transpose(), with_a[k]);
+            for i in k..K {
+                belief.covariance[(i, k)] = row[i];
+            }
+            for i in K..N {
+                belief.covariance[(i, k)] = rows[(k, i)];
+            }
+        }
+        Ok(())
+    }
+
+    /// [`Ukf::update`] of the lower triangle.
+    #[inline]
+    fn take_in<O: Observation<M>>(
+        &self,
+        belief: &mut Gaussian<N>,
+        observation: &O,
         z: &[Option<Real>; M],
     ) -> Result<Innovation<M>, NotPositiveDefinite> {
+        let Gaussian { mean, covariance } = belief;
         let mut innovation = Innovation {
             value: SVector::zeros(),
-            covariance: SMatrix::zeros(),
+            covariance: SMatrix::from_fn(|i, j| {
+                lower(covariance, O::COMPONENTS[i], O::COMPONENTS[j])
+            }),
             readings: [Reading::Missing; M],
             sequential: [(0.0, 0.0); M],
         };
         for i in 0..M {
-            if let Some(z) = z[i] {
-                innovation.value[i] = z - observation.read(i, &next.mean);
-            }
-            let p_h = project(&next.covariance, observation, i);
-            for j in i..M {
-                innovation.covariance[(i, j)] = observation.read(j, &p_h);
-                innovation.covariance[(j, i)] = innovation.covariance[(i, j)];
-            }
             innovation.covariance[(i, i)] += observation.variance(i);
+            if let Some(z) = z[i] {
+                innovation.value[i] = z - mean[O::COMPONENTS[i]];
+            }
         }
         for i in 0..M {
             let Some(z) = z[i] else { continue };
-            let p_h = project(&next.covariance, observation, i);
-            let value = z - observation.read(i, &next.mean);
-            let variance = observation.read(i, &p_h) + observation.variance(i);
+            let read = O::COMPONENTS[i];
+            let column = SVector::<Real, N>::from_fn(|j, _| lower(covariance, j, read));
+            let noise = observation.variance(i);
+            let value = z - mean[read];
+            let variance = column[read] + noise;
             innovation.sequential[i] = (value, variance);
             if let Some(gate) = self.gate[i]
                 && value * value > gate * gate * variance
@@ -390,34 +401,40 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
                 continue;
             }
             innovation.readings[i] = Reading::Used;
-            let gain = p_h * (1.0 / variance); // Eq. (16)
-            next.mean += gain * value; // Eq. (17)
-            for j in 0..N {
-                for k in j..N {
-                    // Eq. (18); both halves get the same bits, so the covariance stays symmetric.
-                    next.covariance[(k, j)] -= gain[j] * p_h[k];
-                }
-            }
-            for j in 0..N {
-                for k in j + 1..N {
-                    next.covariance[(j, k)] = next.covariance[(k, j)];
+            let gain = column * (1.0 / variance); // Eq. (16)
+            *mean += gain * value; // Eq. (17)
+            for k in 0..N {
+                for j in k..N {
+                    // Eq. (18); where the row is the reading's own, column - gain column = gain noise without a difference.
+                    if j == read {
+                        covariance[(j, k)] = gain[k] * noise;
+                    } else if k == read {
+                        covariance[(j, k)] = gain[j] * noise;
+                    } else {
+                        covariance[(j, k)] -= gain[j] * column[k];
+                    }
                 }
             }
         }
         for row in 0..N {
-            let pivot = next.covariance[(row, row)];
-            above_zero(pivot, row)?;
+            above_zero(covariance[(row, row)], row)?;
         }
         Ok(innovation)
     }
 }
 
-/// P hᵢ, the column of the covariance that belongs to reading i.
+/// Element (i, j) of a symmetric matrix of which the lower triangle is good.
 #[inline]
-fn project<const N: usize, const M: usize>(
-    covariance: &SMatrix<Real, N, N>,
-    observation: &impl Observation<N, M>,
-    i: usize,
-) -> SVector<Real, N> {
-    SVector::from_fn(|j, _| observation.read(i, &covariance.column(j).into_owned()))
+fn lower<const N: usize>(matrix: &SMatrix<Real, N, N>, i: usize, j: usize) -> Real {
+    matrix[(i.max(j), i.min(j))]
+}
+
+/// Writes the lower triangle into the upper one: symmetric to the last bit.
+#[inline]
+fn mirror<const N: usize>(matrix: &mut SMatrix<Real, N, N>) {
+    for j in 0..N {
+        for i in j + 1..N {
+            matrix[(j, i)] = matrix[(i, j)];
+        }
+    }
 }

@@ -4,6 +4,7 @@ use host_tests::textbook::{Points, Shape};
 use nalgebra::{SMatrix, SVector, Vector2};
 use proptest::prelude::*;
 use rundown::config::{Config, Mode};
+use rundown::elimination::Column;
 use rundown::estimate::Estimate;
 use rundown::estimator::Estimator;
 use rundown::learning::LocationAndSpeed;
@@ -64,27 +65,31 @@ fn symmetric_and_positive<const N: usize>(p: &SMatrix<f64, N, N>) -> bool {
         && host_tests::textbook::cholesky(&(correlation + SMatrix::identity() * 1e-9)).is_some()
 }
 
-/// A linear motion without constants: x' = F x.
+/// A linear motion without constants: x' = T x + b (g·x + noise).
 struct Linear {
-    f: SMatrix<f64, 3, 3>,
-    q: SMatrix<f64, 3, 3>,
+    t: SMatrix<f64, 3, 3>,
+    b: SVector<f64, 3>,
+    g: SVector<f64, 3>,
+    q: f64,
 }
 
 impl Process<3, 3> for Linear {
-    fn advance(&self, x: &SVector<f64, 3>) -> SVector<f64, 3> {
-        self.f * x
+    fn drive(&self, x: &SVector<f64, 3>) -> f64 {
+        self.g.dot(x)
     }
-    fn pair(&self, _: &SVector<f64, 3>, l: &SVector<f64, 3>, _: f64) -> Pair<3> {
-        Pair {
-            odd: self.f * l,
-            even: SVector::zeros(),
-        }
+    /// Not the slope of all of it: the rest is left to the pairs, as a motion may.
+    fn slope(&self, _: &SVector<f64, 3>) -> SVector<f64, 3> {
+        SVector::from([self.g[0], 0.0, 0.0])
     }
-    fn constants(&self, _: &SVector<f64, 3>, _: &SVector<f64, 3>) -> SVector<f64, 3> {
-        SVector::zeros()
+    fn pair(&self, _: &SVector<f64, 3>, column: &Column<3, 3>, _: f64) -> Pair {
+        let odd = self.g[1] * column.l[1] + self.g[2] * column.l[2];
+        Pair { odd, even: 0.0 }
     }
-    fn noise(&self) -> Option<SMatrix<f64, 3, 3>> {
-        Some(self.q)
+    fn carry(&self, x: &SVector<f64, 3>, a: f64) -> SVector<f64, 3> {
+        self.t * x + self.b * a
+    }
+    fn noise_variance(&self) -> f64 {
+        self.q
     }
 }
 
@@ -168,19 +173,21 @@ proptest! {
     /// An identity motion through the filter itself: mean and covariance come back, at alpha = 0.001 too.
     #[test]
     fn linear_model_equals_the_closed_kalman_form(
-        p in prop::collection::vec(-1.0..1.0, 9), f in prop::collection::vec(-1.0..1.0, 9), q in prop::collection::vec(-0.5..0.5, 9),
+        p in prop::collection::vec(-1.0..1.0, 9), t in prop::collection::vec(-1.0..1.0, 9), b in prop::array::uniform3(-1.0..1.0),
+        g in prop::array::uniform3(-1.0..1.0), q in 0.0..0.5,
         mean in prop::array::uniform3(-5.0..5.0), z in prop::array::uniform2(-5.0..5.0), variance in prop::array::uniform2(0.05..4.0),
         alpha in prop_oneof![Just(1e-3), Just(1.0)],
     ) {
-        let linear = Linear { f: SMatrix::from_fn(|i, j| f[3 * i + j]), q: covariance(&q) };
+        let linear = Linear { t: SMatrix::from_fn(|i, j| t[3 * i + j]), b: SVector::from(b), g: SVector::from(g), q };
         let begin = Gaussian::<3> { mean: SVector::from(mean), covariance: covariance(&p) };
         let observation = LocationAndSpeed { location_variance: variance[0], speed_variance: variance[1] };
         let ukf = Ukf { spread: Spread::try_new(alpha, 2.0, -2.0).unwrap(), gate: [None; 2], reuse_points: false };
         let mut ours = begin;
         let innovation = ukf.step(&mut ours, &linear, &observation, &z.map(Some)).unwrap();
 
-        let prior_mean = linear.f * begin.mean;
-        let prior = linear.f * begin.covariance * linear.f.transpose() + linear.q;
+        let f = linear.t + linear.b * linear.g.transpose();
+        let prior_mean = f * begin.mean;
+        let prior = f * begin.covariance * f.transpose() + linear.b * linear.b.transpose() * q;
         let mut s = prior.fixed_view::<2, 2>(0, 0).into_owned();
         s[(0, 0)] += variance[0];
         s[(1, 1)] += variance[1];
