@@ -274,6 +274,7 @@ fn report<'a>(setup: &'a Setup, results: &'a Results) -> Report<'a> {
         train: &setup.core_train,
         runs: results.runs.iter().map(view).collect(),
         mode: mode_word(setup.config.mode),
+        features: setup.config.features,
         vehicle: results.runs.iter().map(vehicle).collect(),
     }
 }
