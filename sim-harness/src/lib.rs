@@ -11,12 +11,14 @@
 //! | what stands in a log? | [`run_log`] |
 //! | what does the estimator get? | [`recording`], [`map_matching`] |
 //! | what does it say? | [`replay`] |
+//! | what spoils all of it? | [`advice`] |
 //! | where is it written? | [`output`], [`table`], [`report`] |
 //! | train, track, configuration | [`train_file`], [`track_file`], [`config_file`], all by [`toml_file`] |
 //! | the command `rundown` | [`commands`] |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod advice;
 pub mod commands;
 pub mod config_file;
 pub mod map_matching;
