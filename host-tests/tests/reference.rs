@@ -48,6 +48,11 @@ fn replayed(spread: Spread) -> Vec<Estimate> {
         .collect()
 }
 
+/// As `max`, but NaN wins: no comparison with a limit accepts it.
+fn worst_of(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
 /// Largest difference of a state component from the reference, as a share of the component's largest value,
 /// and in standard deviations; of the covariance, relative to √(Pii Pjj).
 struct Distance {
@@ -77,14 +82,15 @@ fn distance(estimates: &[Estimate], reference: &[Row]) -> Distance {
             .collect();
         for i in 0..SIZE {
             let error = (estimate.belief.mean[i] - number(row, &format!("x_{i}"))).abs();
-            worst.state = worst.state.max(error / largest[i]);
-            worst.state_in_sd = worst.state_in_sd.max(error / variance[i].sqrt());
+            worst.state = worst_of(worst.state, error / largest[i]);
+            worst.state_in_sd = worst_of(worst.state_in_sd, error / variance[i].sqrt());
             for j in i..SIZE {
                 let error = estimate.belief.covariance[(i, j)] - number(row, &format!("P_{i}{j}"));
                 let scale = (variance[i] * variance[j]).sqrt();
-                worst.covariance = worst.covariance.max(error.abs() / scale);
+                worst.covariance = worst_of(worst.covariance, error.abs() / scale);
             }
         }
+        assert_eq!(estimate.innovation.is_none(), row["nu_s"].is_empty());
         if let Some(innovation) = &estimate.innovation {
             let s = &innovation.covariance;
             for (found, column) in [
@@ -96,7 +102,7 @@ fn distance(estimates: &[Estimate], reference: &[Row]) -> Distance {
             ] {
                 let expected = number(row, column);
                 let scale = if column.ends_with('v') { 0.1 } else { 10.0 };
-                worst.innovation = worst.innovation.max((found - expected).abs() / scale);
+                worst.innovation = worst_of(worst.innovation, (found - expected).abs() / scale);
             }
         }
     }
