@@ -6,7 +6,7 @@ use super::{Learned, RUNS_IN_FULL, Report, RunView, colours, figures, regime_sha
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use rundown::Real;
 use rundown::estimate::Cause;
-use rundown::features::{FeatureConfig, Features, Phase};
+use rundown::features::{EffortLine, FeatureConfig, Features, Phase};
 use rundown::regime::Regime;
 use rundown::state::Gaussian;
 use rundown::train::Train;
@@ -490,6 +490,12 @@ fn feature_table(features: &Features, train: &Train, config: &FeatureConfig) -> 
     };
     let line = features.max_effort.as_ref();
     let effort = line.map(|line| line.effort).unwrap_or_default();
+    let [effort_count, effort_mean, _] = statistic(&effort, mass_kg / 1e3, 1);
+    let effort_sd = number(
+        line.and_then(EffortLine::known_sd)
+            .map(|sd| sd * mass_kg / 1e3),
+        1,
+    );
     let window = |[lower, upper]: [Real; 2]| format!("{lower} to {upper} km/h");
     let energy = &features.energy;
     let energies = [
@@ -508,9 +514,9 @@ fn feature_table(features: &Features, train: &Train, config: &FeatureConfig) -> 
                 th scope="col" { "standard deviation" } th.text scope="col" { "unit" }
             } }
             tbody {
-                (row(&format!("Largest tractive effort, {}", window(config.effort_window_kmh)), "kN", statistic(&effort, mass_kg / 1e3, 1)))
+                (row(&format!("Largest tractive effort, {}", window(config.effort_window_kmh)), "kN", [effort_count, effort_mean, effort_sd]))
                 (row("Tractive effort of the fitted line at its lower speed", "kN", once(line.map(|l| l.at_lower_n_per_kg * mass_kg / 1e3), 1)))
-                (row("Slope of the fitted line", "kN per m/s", once(line.map(|l| l.slope * mass_kg / 1e3), 2)))
+                (row("Slope of the fitted line", "kN per m/s", once(line.and_then(EffortLine::known_slope).map(|slope| slope * mass_kg / 1e3), 2)))
                 (row(&format!("Tractive power, {}", window(config.power_window_kmh)), "kW", statistic(&features.power_w_per_kg, mass_kg / 1e3, 0)))
                 (row(&format!("Largest tractive power, {}", window(config.max_power_window_kmh)), "kW", once(features.max_power_w_per_kg.map(|p| p * mass_kg / 1e3), 0)))
                 @for (step, rate) in brake_steps(config).iter().zip(&features.brake_rate_mps2) {
