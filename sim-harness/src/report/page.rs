@@ -72,7 +72,7 @@ fn summary(report: &Report) -> Markup {
                     (duration(duration_s)) ". "
                 }
                 @if learned.samples > 0 {
-                    "The running resistance was learned over " strong { (number(learned.distance_m / 1000.0, 1)) " km" }
+                    (learning_words(report)) " over " strong { (number(learned.distance_m / 1000.0, 1)) " km" }
                     ", " (share) " of the time"
                     @if let Some(speeds) = &learned.speeds_mps {
                         ", at " (number(KMH * speeds.start, 0)) " to " (number(KMH * speeds.end, 0)) " km/h"
@@ -332,7 +332,7 @@ fn run_section(index: usize, run: &RunView, report: &Report) -> Markup {
     html! {
         section.run id=(format!("run-{}", index + 1)) {
             h2 { (run.name) }
-            p { (run_words(run)) " " a href="#runs" { "Back to the table" } }
+            p { (run_words(run, report)) " " a href="#runs" { "Back to the table" } }
             @if !run.warnings.is_empty() {
                 details open[run.warnings.len() <= 5] {
                     summary { (counted(run.warnings.len(), "warning", "warnings")) " about the log" }
@@ -358,7 +358,15 @@ fn run_section(index: usize, run: &RunView, report: &Report) -> Markup {
     }
 }
 
-fn run_words(run: &RunView) -> String {
+/// What happened to the resistance where `learning` is set. The paper's filter corrects it all along and learns nothing of the truth.
+fn learning_words(report: &Report) -> &'static str {
+    match report.mode {
+        "paper" => "The filter corrected r0, r1 and r2",
+        _ => "The running resistance was learned",
+    }
+}
+
+fn run_words(run: &RunView, report: &Report) -> String {
     if run.estimates.is_empty() {
         return format!("There is {}.", no_samples(run));
     }
@@ -372,7 +380,8 @@ fn run_words(run: &RunView) -> String {
     );
     if learned.samples > 0 {
         words += &format!(
-            " The resistance was learned over {} km, {} of the time.",
+            " {} over {} km, {} of the time.",
+            learning_words(report),
             number(learned.distance_m / 1000.0, 1),
             percent((duration_s > 0.0).then_some(learned.time_s / duration_s)),
         );
@@ -853,7 +862,13 @@ mod tests {
         let runs = [Example::run()];
         let mut report = report(&runs, &train);
         assert!(!html(&report).contains("reference mode"));
+        assert!(html(&report).contains("resistance was learned over"));
         report.mode = "paper";
-        assert!(html(&report).contains("does not follow"));
+        let page = html(&report);
+        assert!(
+            page.contains("does not follow")
+                && page.contains("The filter corrected r0, r1 and r2 over")
+        );
+        assert!(!page.contains("resistance was learned over"));
     }
 }
