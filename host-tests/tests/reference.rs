@@ -128,14 +128,13 @@ fn regimes_are_equal(estimates: &[Estimate], reference: &[Row]) {
     }
 }
 
-/// α = 1, well conditioned: what is left is the rounding of double precision.
-#[test]
-fn well_conditioned_run_equals_50_digits() {
-    let estimates = replayed(Spread::WIDE);
-    let reference = rows("D_run01.csv");
+/// One run against its 50-digit twin: state and covariance of every step to the rounding of double precision, regimes by name.
+fn equals_50_digits(spread: Spread, name: &str) {
+    let estimates = replayed(spread);
+    let reference = rows(name);
     let worst = distance(&estimates, &reference);
     println!(
-        "D: x {:.1e} of the largest, {:.1e} sd; P {:.1e}; innovation {:.1e}",
+        "{name}: x {:.1e} of the largest, {:.1e} sd; P {:.1e}; innovation {:.1e}",
         worst.state, worst.state_in_sd, worst.covariance, worst.innovation
     );
     assert!(worst.state < 1e-12 && worst.state_in_sd < 1e-8);
@@ -143,17 +142,14 @@ fn well_conditioned_run_equals_50_digits() {
     regimes_are_equal(&estimates, &reference);
 }
 
+/// α = 1, well conditioned: what is left is the rounding of double precision.
+#[test]
+fn well_conditioned_run_equals_50_digits() {
+    equals_50_digits(Spread::WIDE, "D_run01.csv");
+}
+
 /// Table 1, α = 0.001: textbook forms lose seven digits here.
 #[test]
 fn run_of_table_1_equals_50_digits() {
-    let estimates = replayed(Spread::PAPER);
-    let reference = rows("A_run01.csv");
-    let worst = distance(&estimates, &reference);
-    println!(
-        "A: x {:.1e} of the largest, {:.1e} sd; P {:.1e}; innovation {:.1e}",
-        worst.state, worst.state_in_sd, worst.covariance, worst.innovation
-    );
-    assert!(worst.state < 1e-12 && worst.state_in_sd < 1e-8);
-    assert!(worst.covariance < 1e-9 && worst.innovation < 1e-9);
-    regimes_are_equal(&estimates, &reference);
+    equals_50_digits(Spread::PAPER, "A_run01.csv");
 }
