@@ -85,7 +85,13 @@ impl PlausibilityConfig {
             10.0,
         )?;
         between("plausibility.off_track_m", self.off_track_m, 0.0, 1e9)?;
-        between("plausibility.long_gap_s", self.long_gap_s, 10.0, 1e6)
+        between("plausibility.long_gap_s", self.long_gap_s, 10.0, 1e6)?;
+        between(
+            "plausibility.agreeing",
+            Real::from(self.agreeing),
+            1.0,
+            100.0,
+        )
     }
 }
 
@@ -313,5 +319,21 @@ impl Plausibility {
         self.expected_m = Some(expected_m + share * (location_m - expected_m));
         self.since_location_m = 0.0;
         self.agreeing_locations = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn agreeing_readings_are_at_least_one_and_not_a_whole_run() {
+        for (agreeing, accepted) in [(0, false), (1, true), (100, true), (101, false)] {
+            let config = PlausibilityConfig {
+                agreeing,
+                ..PlausibilityConfig::default()
+            };
+            assert_eq!(config.check().is_ok(), accepted, "{agreeing}");
+        }
     }
 }

@@ -5,6 +5,11 @@ use crate::resistance::Davis;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
+/// Largest effort of the weakest train, N/kg: less than any train needs to start on the level (r0 is near 0.01), so it was stated in kN.
+const LEAST_EFFORT_N_PER_KG: Real = 5e-3;
+/// Largest power of the weakest train, W/kg: that effort at 10 m/s; less was stated in kW.
+const LEAST_POWER_W_PER_KG: Real = 0.05;
+
 /// A checked description of the train. Made by [`Train::try_new`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Train {
@@ -84,6 +89,8 @@ impl Train {
     /// ```
     pub fn try_new(description: TrainDescription) -> Result<Self, TrainError> {
         let d = &description;
+        // Not a number there leaves a bound that refuses everything; the mass itself is refused first.
+        let rotating_mass_kg = d.rotating_mass_factor * d.mass_kg;
         let bounds = [
             ("mass_kg", d.mass_kg, 1e3, 1e8),
             ("rotating_mass_factor", d.rotating_mass_factor, 1.0, 2.0),
@@ -91,8 +98,18 @@ impl Train {
             ("davis.r0", d.davis.r0, 1e-5, 1.0),
             ("davis.r1", d.davis.r1, 0.0, 0.1),
             ("davis.r2", d.davis.r2, 0.0, 0.01),
-            ("max_tractive_effort_n", d.max_tractive_effort_n, 1.0, 1e8),
-            ("max_power_w", d.max_power_w, 1.0, 1e9),
+            (
+                "max_tractive_effort_n",
+                d.max_tractive_effort_n,
+                LEAST_EFFORT_N_PER_KG * rotating_mass_kg,
+                1e8,
+            ),
+            (
+                "max_power_w",
+                d.max_power_w,
+                LEAST_POWER_W_PER_KG * rotating_mass_kg,
+                1e9,
+            ),
             ("max_brake_mps2", d.max_brake_mps2, 0.01, 10.0),
         ];
         for (field, found, least, most) in bounds {
@@ -174,5 +191,50 @@ impl Train {
     pub fn max_effort_n_per_kg(&self, speed_mps: Real) -> Real {
         let by_power = self.description.max_power_w / speed_mps.max(Real::MIN_POSITIVE);
         self.description.max_tractive_effort_n.min(by_power) / self.rotating_mass_kg()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn description() -> TrainDescription {
+        TrainDescription {
+            mass_kg: 364e3,
+            rotating_mass_factor: 1.06,
+            length_m: 162.0,
+            davis: Davis {
+                r0: 7.38e-3,
+                r1: 1.6e-4,
+                r2: 2.8e-5,
+            },
+            max_tractive_effort_n: 192.92e3,
+            max_power_w: 2.036e6,
+            max_brake_mps2: 0.66,
+        }
+    }
+
+    fn refused(spoil: impl Fn(&mut TrainDescription)) -> &'static str {
+        let mut description = description();
+        spoil(&mut description);
+        match Train::try_new(description) {
+            Err(TrainError::OutOfRange { field, .. }) => field,
+            Ok(_) => "nothing",
+        }
+    }
+
+    #[test]
+    fn kilonewtons_and_kilowatts_are_not_taken_for_newtons_and_watts() {
+        assert_eq!(refused(|_| ()), "nothing");
+        assert_eq!(
+            refused(|d| d.max_tractive_effort_n /= 1e3),
+            "max_tractive_effort_n"
+        );
+        assert_eq!(refused(|d| d.max_power_w /= 1e3), "max_power_w");
+        // A heavy freight train behind a weak engine: 4000 t, 300 kN, 1.5 MW.
+        let freight = |d: &mut TrainDescription| {
+            (d.mass_kg, d.max_tractive_effort_n, d.max_power_w) = (4e6, 300e3, 1.5e6);
+        };
+        assert_eq!(refused(freight), "nothing");
     }
 }

@@ -1,6 +1,6 @@
 //! How near does it come to the truth? Fleets of simulated vehicles on both sides of the manufacturer's values.
 //!
-//! The limits are the goals of the project where they are met, rounded up for another set of seeds; the full table is printed by
+//! The limits are the goals of the project where they are met, rounded up for another set of seeds, and elsewhere what was reached; the full table is printed by
 //! `cargo run --release -p host-tests --example accuracy`.
 
 use host_tests::accuracy::{Table, judge};
@@ -70,7 +70,7 @@ fn wind_between_runs_does_not_poison_the_vehicle() {
     };
     let table = judged("gated, wind 2 m/s", Config::default(), &windy, 4, 40);
     assert!(table.vehicle[2].rmse_percent() < 3.5);
-    assert!(table.running[2].rmse_percent() < 3.5);
+    assert!(table.running[2].rmse_percent() < 2.5);
     assert!(table.vehicle[2].coverage() > 0.75);
 }
 
@@ -105,9 +105,10 @@ fn truncated_speed_costs_nothing_when_configured() {
     assert!(table.feature_p90()[2] < 0.7);
 }
 
-/// Fast logs show each rounding step many times over; r must not be believed more than it is known.
+/// Fast logs show each rounding step many times over; r must not be believed more than it is known. It is not known better than from 10 s samples
+/// either: over these five runs the error stays near that of the first, with a bias of 1 %.
 #[test]
-fn one_second_logs_are_not_worse() {
+fn one_second_logs_are_not_overconfident() {
     let fast = Scenario {
         sensors: Sensors {
             sampling_s: 1.0,

@@ -137,9 +137,13 @@ fn replays_give_the_accepted_answers() {
     let golden =
         std::fs::read_to_string(&path).expect("data/golden/replay.csv: run once with BLESS=1");
     assert_eq!(golden.lines().count(), rows.len() + 1);
+    let names = COLUMNS.iter().map(|(name, _)| *name);
+    let header: Vec<&str> = std::iter::once("run").chain(names).collect();
+    assert_eq!(golden.lines().next(), Some(header.join(",").as_str()));
     for (line, (name, values)) in golden.lines().skip(1).zip(&rows) {
         let mut cells = line.split(',');
         assert_eq!(cells.next(), Some(name.as_str()));
+        assert_eq!(cells.clone().count(), COLUMNS.len(), "{name}");
         for ((cell, value), (column, tolerance)) in cells.zip(values).zip(COLUMNS) {
             let accepted: f64 = cell.parse().unwrap();
             let moved = (accepted - value).abs();

@@ -1,13 +1,16 @@
 //! Does it behave? Logs with faults cut into them; every scenario is judged against truth or against the same log without the fault.
 
-use host_tests::accuracy::{estimator, measurements, resistance};
+use host_tests::accuracy::{Errors, estimator, measurements, resistance};
 use host_tests::scenario::{Run, Scenario, simulate};
-use host_tests::sensors::Sensors;
+use host_tests::sensors::{LocationWalk, Sensors};
+use host_tests::truth::DavisTruth;
+use rand::{RngExt, SeedableRng};
 use rundown::config::{Config, Mode};
 use rundown::estimate::{Cause, Estimate, Validity};
 use rundown::estimator::{Estimator, RunSummary, StepError};
 use rundown::measurement::Measurement;
 use rundown::regime::Regime;
+use rundown::resistance::Davis;
 use rundown::state::{LOCATION, SPEED};
 use rundown::track::{Direction, Gradient, Track};
 
@@ -437,4 +440,195 @@ fn a_train_going_down_a_mirrored_line_learns_the_same() {
         let (r, _) = resistance(&expected.run_davis, kmh);
         assert!((resistance(&found.run_davis, kmh).0 / r - 1.0).abs() < 1e-9);
     }
+}
+
+#[test]
+fn a_location_that_wanders_over_a_minute_does_not_bend_the_resistance() {
+    // Given a receiver whose error of 10 m s.d. keeps its sign for about 60 s, as multipath and satellite geometry do
+    let wandering = Scenario {
+        sensors: Sensors {
+            location_walk: Some(LocationWalk::of(10.0)),
+            ..Sensors::default()
+        },
+        ..Scenario::default()
+    };
+    let estimator = estimator(Config::default(), &wandering);
+    for seed in 0..10 {
+        let run = simulate(&wandering, seed);
+        let (estimates, found) = replay(&estimator, &measurements(&run));
+        // The same run with the white part of the noise only
+        let (_, white) = replay(
+            &estimator,
+            &measurements(&simulate(&Scenario::default(), seed)),
+        );
+        // Then no reading is doubted, and r is that of the white log and of the truth
+        assert!(
+            estimates.iter().all(|e| e.validity == Validity::Valid),
+            "seed {seed}"
+        );
+        for kmh in [60.0, 100.0, 140.0] {
+            let (r, sd) = resistance(&found.run_davis, kmh);
+            let moved = (r - resistance(&white.run_davis, kmh).0) / sd;
+            let truth = run.facts.davis.resistance_n_per_kg(kmh / 3.6);
+            let error = (r - truth) / sd;
+            println!(
+                "wander {seed} {kmh}: moved {moved:.3} sd, error {error:.3} sd, {:.2} %",
+                100.0 * (r / truth - 1.0)
+            );
+            assert!(moved.abs() < 0.5, "seed {seed}, {kmh} km/h: {moved} sd");
+            assert!(error.abs() < 3.0, "seed {seed}, {kmh} km/h: {error} sd");
+        }
+    }
+}
+
+/// Share of the time that went to another regime than the true one, as far as the sums show it. Both enumerations have one order.
+fn misjudged_share(run: &Run, summary: &RunSummary) -> f64 {
+    let times_s = summary.features.regime_time_s;
+    let total_s: f64 = times_s.iter().sum();
+    let moved = Regime::ALL.into_iter().map(|found| {
+        let truly = run
+            .truth
+            .iter()
+            .filter(|at| at.regime as usize == found as usize)
+            .count();
+        (times_s[found as usize] / total_s - truly as f64 / run.truth.len() as f64).abs()
+    });
+    0.5 * moved.sum::<f64>()
+}
+
+#[test]
+fn samples_5_to_15_s_apart_say_the_same_as_regular_ones() {
+    // Given one recorder, read every 10 s, and the same one read whenever the bus delivers: 5 to 15 s apart
+    let each_second = Scenario {
+        sensors: Sensors {
+            sampling_s: 1.0,
+            ..Sensors::default()
+        },
+        final_dwell: true,
+        ..Scenario::default()
+    };
+    let estimator = estimator(Config::default(), &each_second);
+    let (mut regular_errors, mut jittered_errors) = (Errors::default(), Errors::default());
+    let (mut regular_misjudged, mut jittered_misjudged) = (0.0, 0.0);
+    let mut brake_errors_s = Vec::new();
+    for seed in 0..20 {
+        let run = simulate(&each_second, seed);
+        let log = measurements(&run);
+        let regular: Vec<Measurement> = log.iter().copied().step_by(10).collect();
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        let mut jittered = Vec::new();
+        let mut next = 0;
+        while let Some(&measurement) = log.get(next) {
+            jittered.push(measurement);
+            next += rng.random_range(5..=15);
+        }
+        let gaps = || {
+            jittered
+                .windows(2)
+                .map(|pair| pair[1].time_s - pair[0].time_s)
+        };
+        assert!(gaps().any(|gap_s| gap_s < 6.0) && gaps().any(|gap_s| gap_s > 14.0));
+        let (_, expected) = replay(&estimator, &regular);
+        let (estimates, found) = replay(&estimator, &jittered);
+        // Then every sample is believed, and train and driver are the same. Other samples have other rounding errors: hence the tolerances.
+        assert!(
+            estimates.iter().all(|e| e.validity == Validity::Valid),
+            "seed {seed}"
+        );
+        let DavisTruth { r0, r1, r2 } = run.facts.davis;
+        regular_errors.add(&expected.run_davis, &Davis { r0, r1, r2 });
+        jittered_errors.add(&found.run_davis, &Davis { r0, r1, r2 });
+        for kmh in [60.0, 100.0, 140.0] {
+            let (r, sd) = resistance(&found.run_davis, kmh);
+            let moved = (r - resistance(&expected.run_davis, kmh).0) / sd;
+            assert!(moved.abs() < 2.0, "seed {seed}, {kmh} km/h: {moved} sd");
+        }
+        regular_misjudged += misjudged_share(&run, &expected);
+        jittered_misjudged += misjudged_share(&run, &found);
+        let brake = found.features.final_brake;
+        let error_s = brake.map(|brake| brake.start_time_s - run.facts.final_brake.time_s);
+        brake_errors_s.push(error_s.map_or(f64::INFINITY, f64::abs));
+    }
+    brake_errors_s.sort_by(f64::total_cmp);
+    let [ninety, all] = [brake_errors_s[17], brake_errors_s[19]];
+    println!("start of the final brake: 90 % within {ninety:.1} s, all within {all:.1} s");
+    assert!(ninety < 5.0 && all < 15.0, "{brake_errors_s:?} s");
+    let [regular, jittered] = [&regular_errors, &jittered_errors].map(Errors::rmse_percent);
+    println!("rms error of r(v): regular {regular:.2} %, jittered {jittered:.2} %");
+    let [regular_share, jittered_share] =
+        [regular_misjudged, jittered_misjudged].map(|sum| sum / 20.0);
+    println!("time in the wrong regime: regular {regular_share:.4}, jittered {jittered_share:.4}");
+    // The recogniser's evidence is whole ticks of together 10 s at least: here 10 to 20 s, so a change of regime is placed less well.
+    assert!(jittered_share < regular_share + 0.03);
+    assert!(
+        jittered < 1.2 * regular + 0.1,
+        "{jittered} % against {regular} %"
+    );
+}
+
+/// From the middle of a segment on, `bend` makes location and speed contradict each other for 80 s.
+fn frozen_while_readings_contradict(cause: Cause, bend: impl Fn(&mut Measurement, &Measurement)) {
+    let scenario = Scenario::default();
+    let estimator = estimator(Config::default(), &scenario);
+    let mut judged = 0;
+    for seed in 0..20 {
+        let run = simulate(&scenario, seed);
+        let mut log = measurements(&run);
+        // Given a segment that has taught for a minute and goes on teaching
+        let k = in_final_coast(&run, 0.5);
+        let (untouched, _) = replay(&estimator, &log);
+        let teaches = untouched[k - 10..k + 8].iter().all(|e| e.learning);
+        if !teaches || davis_bits(&untouched[0]) == davis_bits(&untouched[k - 1]) {
+            continue;
+        }
+        judged += 1;
+        // When location and speed contradict each other
+        let last = log[k - 1];
+        for measurement in &mut log[k..k + 8] {
+            bend(measurement, &last);
+        }
+        let (estimates, _) = replay(&estimator, &log);
+        // Then this is named while it lasts, and from there on r and its covariance do not move by a bit
+        let contradicts = |i: &usize| estimates[*i].validity == Validity::Invalid(cause);
+        let validities: Vec<_> = estimates[k..k + 8].iter().map(|e| e.validity).collect();
+        let named = (k..k + 8)
+            .find(contradicts)
+            .unwrap_or_else(|| panic!("seed {seed}: {validities:?}"));
+        assert!(named < k + 4, "seed {seed}: {validities:?}");
+        for i in named..k + 8 {
+            assert!(contradicts(&i), "seed {seed}: {validities:?}");
+            assert!(!estimates[i].learning, "seed {seed}, sample {i}");
+            assert_eq!(
+                davis_bits(&estimates[i]),
+                davis_bits(&estimates[named]),
+                "seed {seed}, sample {i}"
+            );
+        }
+        // and nothing that was read since the contradiction began has reached them: the end of a segment does not count
+        let frozen = davis_bits(&estimates[k + 7]);
+        let reached_before = |e: &Estimate| davis_bits(e) == frozen;
+        assert!(
+            untouched[k - 1..=k + 1].iter().any(reached_before),
+            "seed {seed}"
+        );
+    }
+    assert!(judged >= 5, "{judged} of 20 runs had such a segment");
+}
+
+#[test]
+fn locations_that_run_back_in_the_middle_of_a_segment_freeze_the_resistance() {
+    frozen_while_readings_contradict(Cause::Reversing, |measurement, last| {
+        let run_m = measurement.location_m.unwrap() - last.location_m.unwrap();
+        measurement.location_m = last.location_m.map(|m| m - run_m);
+    });
+}
+
+#[test]
+fn a_speed_that_sticks_in_the_middle_of_a_segment_freezes_the_resistance() {
+    // The train slows down to three fifths, its speed reading does not
+    frozen_while_readings_contradict(Cause::StuckSpeed, |measurement, last| {
+        let run_m = measurement.location_m.unwrap() - last.location_m.unwrap();
+        measurement.location_m = last.location_m.map(|m| m + 0.6 * run_m);
+        measurement.speed_mps = last.speed_mps;
+    });
 }

@@ -11,6 +11,7 @@
 //! | what stands in a log? | [`run_log`] |
 //! | what does the estimator get? | [`recording`], [`map_matching`] |
 //! | what does it say? | [`replay`] |
+//! | what spoils all of it? | [`advice`] |
 //! | where is it written? | [`output`], [`table`], [`report`] |
 //! | train, track, configuration | [`train_file`], [`track_file`], [`config_file`], all by [`toml_file`] |
 //! | what does a DAS computer say to the board? | [`desk`] |
@@ -19,6 +20,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod advice;
 pub mod commands;
 pub mod config_file;
 pub mod desk;

@@ -106,9 +106,32 @@ impl RunSet {
             let row = indexes[&folder].get(&file_name(&path));
             set.files.push(RunFile::new(path, row));
         }
+        for folder in arguments.iter().filter(|argument| argument.is_dir()) {
+            set.notes.extend(
+                indexes
+                    .get(folder)
+                    .and_then(|index| set.missing(folder, index)),
+            );
+        }
         set.order();
         tell_apart(&mut set.files);
         Ok(set)
+    }
+
+    /// Logs that only the index of a folder knows.
+    fn missing(&self, folder: &Path, index: &HashMap<String, IndexRow>) -> Option<String> {
+        let is_there = |name: &str| self.files.iter().any(|file| file.path == folder.join(name));
+        let mut names: Vec<&str> = index.keys().map(String::as_str).collect();
+        names.retain(|name| !is_there(name));
+        names.sort_unstable();
+        let (count, names) = (names.len(), names.join(", "));
+        let place = folder.join(INDEX);
+        (count > 0).then(|| {
+            format!(
+                "{}: {count} of its runs are not in this folder: {names}",
+                place.display()
+            )
+        })
     }
 
     fn order(&mut self) {
@@ -213,10 +236,14 @@ fn parse_index(path: &Path, bytes: &[u8]) -> Result<HashMap<String, IndexRow>, R
         .trim(csv::Trim::All)
         .from_reader(bytes);
     let mut rows = HashMap::new();
-    for row in reader.deserialize::<IndexRow>() {
-        let row = row.map_err(|error| index_error(path, error.position(), error.to_string()))?;
-        direction(&row.direction)
-            .map_err(|message| index_error(path, None, format!("{}: {message}", row.file)))?;
+    let refused = |error: csv::Error| index_error(path, error.position(), error.to_string());
+    let header = reader.headers().map_err(refused)?.clone();
+    for record in reader.records() {
+        let record = record.map_err(refused)?;
+        let row: IndexRow = record.deserialize(Some(&header)).map_err(refused)?;
+        direction(&row.direction).map_err(|message| {
+            index_error(path, record.position(), format!("{}: {message}", row.file))
+        })?;
         // Only the name counts: an index may lie beside its logs and still name their folder.
         rows.insert(file_name(Path::new(&row.file)), row);
     }
@@ -309,15 +336,28 @@ mod tests {
     }
 
     #[test]
+    fn a_log_that_only_the_index_knows_is_told() {
+        let index = "file\nc.csv\na.csv\nb.csv\n";
+        let folder = folder(&[("a.csv", ""), ("runs.csv", index)]);
+        let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
+        assert_eq!(set.notes.len(), 1);
+        let expected = "runs.csv: 2 of its runs are not in this folder: b.csv, c.csv";
+        assert!(set.notes[0].ends_with(expected), "{}", set.notes[0]);
+        let one = RunSet::find(&[folder.path().join("a.csv")]).unwrap();
+        assert!(one.notes.is_empty(), "one log of many is asked for");
+    }
+
+    #[test]
     fn a_wrong_index_is_refused_with_its_place() {
-        let index = "file,direction\na.csv,upp\n";
+        let index = "file,direction\nb.csv,up\na.csv,upp\n";
         let folder_a = folder(&[("a.csv", ""), ("runs.csv", index)]);
         let error = RunSet::find(&[folder_a.path().to_owned()])
             .unwrap_err()
             .to_string();
         assert!(
-            error.contains("runs.csv")
-                && error.contains("a.csv: expected a direction `up` or `down`, found \"upp\""),
+            error.contains(
+                "runs.csv:3:1: a.csv: expected a direction `up` or `down`, found \"upp\""
+            ),
             "{error}"
         );
         let folder_b = folder(&[("a.csv", ""), ("runs.csv", "name\na\n")]);

@@ -30,17 +30,25 @@ impl Folder {
 
     /// `rundown replay` with the reference train and track, results in `out`.
     fn replay(&self, arguments: &[&str]) -> Output {
-        let reference = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference");
+        self.replay_on(&reference().join("track.toml"), arguments)
+    }
+
+    /// The same on another track.
+    fn replay_on(&self, track: &Path, arguments: &[&str]) -> Output {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
         command.current_dir(self.0.path()).arg("replay");
-        command.arg("--train").arg(reference.join("train.toml"));
-        command.arg("--track").arg(reference.join("track.toml"));
+        command.arg("--train").arg(reference().join("train.toml"));
+        command.arg("--track").arg(track);
         command
             .args(["--out", "out"])
             .args(arguments)
             .output()
             .unwrap()
     }
+}
+
+fn reference() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference")
 }
 
 fn code(output: &Output) -> Option<i32> {
@@ -171,6 +179,36 @@ fn a_row_back_in_time_is_warned_of_and_counted() {
     assert_eq!(json["runs"][0]["counters"]["time_not_increasing"], 1);
     assert_eq!(json["runs"][0]["dropped"][0]["line"], 118);
     assert_eq!(json["runs"][0]["steps"], 116);
+}
+
+#[test]
+fn what_spoils_a_whole_replay_is_said_aloud() {
+    let folder = Folder::new()
+        .with("run.csv", RUN)
+        .with("short.toml", "name = \"km for m\"\nlength_m = 32\n");
+    let notes = |output: &Output| {
+        assert_eq!(code(output), Some(0), "{}", stderr(output));
+        let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
+        let of_json = json["notes"].as_array().unwrap().iter();
+        let of_json: String = of_json
+            .map(|note| format!("note: {}\n", note.as_str().unwrap()))
+            .collect();
+        assert_eq!(of_json, stderr(output));
+        of_json
+    };
+    assert_eq!(notes(&folder.replay(&["run.csv"])), "");
+    assert_eq!(
+        notes(&folder.replay(&["--mode", "measured", "run.csv"])),
+        "note: run: no effort_n_per_kg, without which the measured mode learns nothing\n\
+         note: nothing was learned about the resistance: it takes 60 s of known effort in one piece\n"
+    );
+    let paper = notes(&folder.replay(&["--mode", "paper", "run.csv"]));
+    assert!(paper.contains("does not follow the true resistance"));
+    assert_eq!(
+        notes(&folder.replay_on(Path::new("short.toml"), &["run.csv"])),
+        "note: run: most locations lie off the track, which is 0 to 32 m\n\
+         note: nothing was learned about the resistance: it takes 60 s of coasting above 50 km/h in one piece\n"
+    );
 }
 
 #[test]

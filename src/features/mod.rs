@@ -84,6 +84,18 @@ pub struct EffortLine {
     pub slope: Real,
 }
 
+impl EffortLine {
+    /// The slope, when there are points enough for one.
+    pub fn known_slope(&self) -> Option<Real> {
+        (self.effort.count > 1).then_some(self.slope)
+    }
+
+    /// The standard deviation about the line, when points are left over for one: a line goes through any two.
+    pub fn known_sd(&self) -> Option<Real> {
+        (self.effort.count > 2).then_some(self.effort.sd)
+    }
+}
+
 /// A stretch of one regime.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Phase {

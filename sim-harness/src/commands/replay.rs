@@ -1,6 +1,7 @@
 //! `rundown replay`: recorded runs, a train and a track in; estimates, features, parameters and a report out.
 
 use super::{Failure, SOME_RUNS_FAILED, screen};
+use crate::advice::advice;
 use crate::map_matching::CentreLine;
 use crate::output::json::{self, Failed, mode_word};
 use crate::output::write_tables;
@@ -214,10 +215,12 @@ fn replay(arguments: &Arguments, setup: &Setup) -> Result<Results, Failure> {
         replay_carried(&setup.estimator, &recordings, tick, done)
     };
     bar.finish_and_clear();
+    let mut notes = set.notes;
+    notes.extend(advice(&setup.config, setup.track.length_m, &runs));
     Ok(Results {
         runs,
         failed,
-        notes: set.notes,
+        notes,
         carried: !arguments.no_carry,
         tick,
     })
@@ -274,6 +277,7 @@ fn report<'a>(setup: &'a Setup, results: &'a Results) -> Report<'a> {
         train: &setup.core_train,
         runs: results.runs.iter().map(view).collect(),
         mode: mode_word(setup.config.mode),
+        features: setup.config.features,
         vehicle: results.runs.iter().map(vehicle).collect(),
     }
 }

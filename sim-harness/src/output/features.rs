@@ -102,14 +102,17 @@ fn effort_line(line: Option<&EffortLine>) -> [(&'static str, Cell); 5] {
     [
         ("max_effort_count", Cell::from(statistic.count)),
         ("max_effort_mean_n_per_kg", mean(&statistic)),
-        ("max_effort_sd_n_per_kg", sd(&statistic)),
+        (
+            "max_effort_sd_n_per_kg",
+            Cell::from(line.and_then(EffortLine::known_sd)),
+        ),
         (
             "max_effort_at_lower_speed_n_per_kg",
             Cell::from(line.map(|line| line.at_lower_n_per_kg)),
         ),
         (
             "max_effort_slope_n_per_kg_per_mps",
-            Cell::from(line.map(|line| line.slope)),
+            Cell::from(line.and_then(EffortLine::known_slope)),
         ),
     ]
 }
@@ -218,6 +221,31 @@ mod tests {
             &Cell::Missing
         );
         assert_eq!(cell(&record, "coast_share"), &Cell::Number(0.75));
+    }
+
+    #[test]
+    fn a_line_through_too_few_points_has_no_slope_and_no_deviation() {
+        let cells = |count| {
+            let effort = Statistic {
+                count,
+                mean: 0.4,
+                sd: 0.01,
+            };
+            let features = Features {
+                max_effort: Some(EffortLine {
+                    effort,
+                    at_lower_n_per_kg: 0.45,
+                    slope: -0.02,
+                }),
+                ..Features::default()
+            };
+            let record = of_run(&features, &FeatureConfig::default());
+            ["slope_n_per_kg_per_mps", "sd_n_per_kg"]
+                .map(|name| cell(&record, &format!("max_effort_{name}")).clone())
+        };
+        assert_eq!(cells(1), [Cell::Missing, Cell::Missing]);
+        assert_eq!(cells(2), [Cell::Number(-0.02), Cell::Missing]);
+        assert_eq!(cells(3), [Cell::Number(-0.02), Cell::Number(0.01)]);
     }
 
     #[test]

@@ -34,7 +34,7 @@ pub struct Replay<'a> {
     pub runs: &'a [ReplayedRun],
     /// Those that could not, and why.
     pub failed: &'a [Failed],
-    /// What a person may want to know about their order.
+    /// What a person should know about all of them: [`crate::advice`], and their order.
     pub notes: &'a [String],
 }
 

@@ -5,7 +5,7 @@ use rundown::Real;
 use rundown::config::{Config, Mode};
 use rundown::estimate::{Cause, Counters, Estimate, Validity};
 use rundown::estimator::Estimator;
-use rundown::features::{EffortLine, Features, Phase, Statistic, SwitchingPoint};
+use rundown::features::{EffortLine, FeatureConfig, Features, Phase, Statistic, SwitchingPoint};
 use rundown::measurement::Measurement;
 use rundown::regime::Regime;
 use rundown::resistance::Davis;
@@ -170,6 +170,7 @@ pub fn report<'a>(runs: &'a [Example], train: &'a Train) -> Report<'a> {
         train,
         runs: runs.iter().map(Example::view).collect(),
         mode: "gated",
+        features: FeatureConfig::default(),
         vehicle: runs.iter().enumerate().map(vehicle).collect(),
     }
 }

@@ -23,7 +23,7 @@ mod example;
 
 use rundown::Real;
 use rundown::estimate::{Counters, Estimate};
-use rundown::features::Features;
+use rundown::features::{FeatureConfig, Features};
 use rundown::measurement::Measurement;
 use rundown::regime::Regime;
 use rundown::state::{self, Gaussian};
@@ -45,6 +45,8 @@ pub struct Report<'a> {
     pub runs: Vec<RunView<'a>>,
     /// `paper`, `gated` or `measured`.
     pub mode: &'static str,
+    /// Windows and steps of the features, for their labels.
+    pub features: FeatureConfig,
     /// The vehicle's Davis coefficients after each run, with the run's name.
     pub vehicle: Vec<(String, Gaussian<3>)>,
 }

@@ -6,7 +6,7 @@ use super::{Learned, RUNS_IN_FULL, Report, RunView, colours, figures, regime_sha
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use rundown::Real;
 use rundown::estimate::Cause;
-use rundown::features::{Features, Phase};
+use rundown::features::{EffortLine, FeatureConfig, Features, Phase};
 use rundown::regime::Regime;
 use rundown::state::Gaussian;
 use rundown::train::Train;
@@ -72,7 +72,7 @@ fn summary(report: &Report) -> Markup {
                     (duration(duration_s)) ". "
                 }
                 @if learned.samples > 0 {
-                    "The running resistance was learned over " strong { (number(learned.distance_m / 1000.0, 1)) " km" }
+                    (learning_words(report)) " over " strong { (number(learned.distance_m / 1000.0, 1)) " km" }
                     ", " (share) " of the time"
                     @if let Some(speeds) = &learned.speeds_mps {
                         ", at " (number(KMH * speeds.start, 0)) " to " (number(KMH * speeds.end, 0)) " km/h"
@@ -332,7 +332,7 @@ fn run_section(index: usize, run: &RunView, report: &Report) -> Markup {
     html! {
         section.run id=(format!("run-{}", index + 1)) {
             h2 { (run.name) }
-            p { (run_words(run)) " " a href="#runs" { "Back to the table" } }
+            p { (run_words(run, report)) " " a href="#runs" { "Back to the table" } }
             @if !run.warnings.is_empty() {
                 details open[run.warnings.len() <= 5] {
                     summary { (counted(run.warnings.len(), "warning", "warnings")) " about the log" }
@@ -353,12 +353,20 @@ fn run_section(index: usize, run: &RunView, report: &Report) -> Markup {
                 (readings(run))
             }
             h3 { "Features" }
-            (feature_table(run.features, report.train))
+            (feature_table(run.features, report.train, &report.features))
         }
     }
 }
 
-fn run_words(run: &RunView) -> String {
+/// What happened to the resistance where `learning` is set. The paper's filter corrects it all along and learns nothing of the truth.
+fn learning_words(report: &Report) -> &'static str {
+    match report.mode {
+        "paper" => "The filter corrected r0, r1 and r2",
+        _ => "The running resistance was learned",
+    }
+}
+
+fn run_words(run: &RunView, report: &Report) -> String {
     if run.estimates.is_empty() {
         return format!("There is {}.", no_samples(run));
     }
@@ -372,7 +380,8 @@ fn run_words(run: &RunView) -> String {
     );
     if learned.samples > 0 {
         words += &format!(
-            " The resistance was learned over {} km, {} of the time.",
+            " {} over {} km, {} of the time.",
+            learning_words(report),
             number(learned.distance_m / 1000.0, 1),
             percent((duration_s > 0.0).then_some(learned.time_s / duration_s)),
         );
@@ -465,7 +474,7 @@ fn readings(run: &RunView) -> Markup {
     }
 }
 
-fn feature_table(features: &Features, train: &Train) -> Markup {
+fn feature_table(features: &Features, train: &Train, config: &FeatureConfig) -> Markup {
     let mass_kg = train.rotating_mass_kg();
     let row = |name: &str, unit: &str, [count, mean, sd]: [String; 3]| {
         html! { tr { th scope="row" { (name) } td { (count) } td { (mean) } td { (sd) } td.text { (unit) } } }
@@ -490,13 +499,13 @@ fn feature_table(features: &Features, train: &Train) -> Markup {
     };
     let line = features.max_effort.as_ref();
     let effort = line.map(|line| line.effort).unwrap_or_default();
-    let brake_steps = [
-        "above 130 km/h",
-        "130 to 80 km/h",
-        "80 to 60 km/h",
-        "60 to 40 km/h",
-        "below 40 km/h",
-    ];
+    let [effort_count, effort_mean, _] = statistic(&effort, mass_kg / 1e3, 1);
+    let effort_sd = number(
+        line.and_then(EffortLine::known_sd)
+            .map(|sd| sd * mass_kg / 1e3),
+        1,
+    );
+    let window = |[lower, upper]: [Real; 2]| format!("{lower} to {upper} km/h");
     let energy = &features.energy;
     let energies = [
         ("Work of the traction", energy.traction_j_per_kg),
@@ -514,12 +523,12 @@ fn feature_table(features: &Features, train: &Train) -> Markup {
                 th scope="col" { "standard deviation" } th.text scope="col" { "unit" }
             } }
             tbody {
-                (row("Largest tractive effort, 10 to 30 km/h", "kN", statistic(&effort, mass_kg / 1e3, 1)))
+                (row(&format!("Largest tractive effort, {}", window(config.effort_window_kmh)), "kN", [effort_count, effort_mean, effort_sd]))
                 (row("Tractive effort of the fitted line at its lower speed", "kN", once(line.map(|l| l.at_lower_n_per_kg * mass_kg / 1e3), 1)))
-                (row("Slope of the fitted line", "kN per m/s", once(line.map(|l| l.slope * mass_kg / 1e3), 2)))
-                (row("Tractive power, 50 to 130 km/h", "kW", statistic(&features.power_w_per_kg, mass_kg / 1e3, 0)))
-                (row("Largest tractive power, 50 to 90 km/h", "kW", once(features.max_power_w_per_kg.map(|p| p * mass_kg / 1e3), 0)))
-                @for (step, rate) in brake_steps.iter().zip(&features.brake_rate_mps2) {
+                (row("Slope of the fitted line", "kN per m/s", once(line.and_then(EffortLine::known_slope).map(|slope| slope * mass_kg / 1e3), 2)))
+                (row(&format!("Tractive power, {}", window(config.power_window_kmh)), "kW", statistic(&features.power_w_per_kg, mass_kg / 1e3, 0)))
+                (row(&format!("Largest tractive power, {}", window(config.max_power_window_kmh)), "kW", once(features.max_power_w_per_kg.map(|p| p * mass_kg / 1e3), 0)))
+                @for (step, rate) in brake_steps(config).iter().zip(&features.brake_rate_mps2) {
                     (row(&format!("Brake rate, {step}"), "m/s\u{b2}", statistic(rate, 1.0, 3)))
                 }
                 (row("Cruise speed", "km/h", statistic(&features.cruise_speed_mps, KMH, 1)))
@@ -532,11 +541,23 @@ fn feature_table(features: &Features, train: &Train) -> Markup {
             }
         } }
         p.small {
-            "Speed windows are the paper's unless the configuration says otherwise. Forces, powers and energies are those per mass times the rotating mass of the train file, "
+            "Forces, powers and energies are those per mass times the rotating mass of the train file, "
             (number(mass_kg / 1000.0, 1)) " t."
         }
         (switching_points(features))
     }
+}
+
+/// The ATB-EG steps as configured, from the fastest.
+fn brake_steps(config: &FeatureConfig) -> [String; 5] {
+    let [a, b, c, d] = config.brake_steps_kmh;
+    [
+        format!("above {a} km/h"),
+        format!("{a} to {b} km/h"),
+        format!("{b} to {c} km/h"),
+        format!("{c} to {d} km/h"),
+        format!("below {d} km/h"),
+    ]
 }
 
 fn switching_points(features: &Features) -> Markup {
@@ -759,10 +780,55 @@ mod tests {
             train: &train(),
             runs: Vec::new(),
             mode: "gated",
+            features: FeatureConfig::default(),
             vehicle: report_of_nan,
         });
         check(&page);
         assert!(page.contains("left behind is not finite"));
+    }
+
+    #[test]
+    fn windows_are_those_of_the_configuration() {
+        let (train, runs) = (train(), [Example::run()]);
+        let config = FeatureConfig {
+            effort_window_kmh: [5.0, 35.0],
+            power_window_kmh: [45.0, 100.0],
+            max_power_window_kmh: [60.5, 95.0],
+            brake_steps_kmh: [160.0, 120.0, 90.0, 45.0],
+            ..FeatureConfig::default()
+        };
+        let mut report = report(&runs, &train);
+        let paper = [
+            "10 to 30 km/h",
+            "50 to 130 km/h",
+            "50 to 90 km/h",
+            "above 130 km/h",
+            "80 to 60 km/h",
+        ];
+        let own = [
+            "5 to 35 km/h",
+            "45 to 100 km/h",
+            "60.5 to 95 km/h",
+            "above 160 km/h",
+            "120 to 90 km/h",
+        ];
+        let page = html(&report);
+        assert!(
+            paper
+                .iter()
+                .all(|label| page.contains(&format!(", {label}<")))
+        );
+        report.features = config;
+        let page = html(&report);
+        assert!(
+            own.iter()
+                .all(|label| page.contains(&format!(", {label}<")))
+        );
+        assert!(
+            !paper
+                .iter()
+                .any(|label| page.contains(&format!(", {label}<")))
+        );
     }
 
     #[test]
@@ -796,7 +862,13 @@ mod tests {
         let runs = [Example::run()];
         let mut report = report(&runs, &train);
         assert!(!html(&report).contains("reference mode"));
+        assert!(html(&report).contains("resistance was learned over"));
         report.mode = "paper";
-        assert!(html(&report).contains("does not follow"));
+        let page = html(&report);
+        assert!(
+            page.contains("does not follow")
+                && page.contains("The filter corrected r0, r1 and r2 over")
+        );
+        assert!(!page.contains("resistance was learned over"));
     }
 }

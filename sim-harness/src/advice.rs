@@ -1,0 +1,69 @@
+//! What a person should know before trusting the results: things that are no error of any log, and still spoil all of it.
+//!
+//! In: the configuration, the track, the runs as replayed. Out: notes, one line each.
+
+use crate::replay::ReplayedRun;
+use rundown::config::{Config, Mode};
+use rundown::estimate::Cause;
+
+/// Runs that are named in one note.
+const NAMED: usize = 3;
+
+/// The notes on a replay.
+pub fn advice(config: &Config, track_length_m: f64, runs: &[ReplayedRun]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let mut about = |runs: Vec<&ReplayedRun>, text: &str| {
+        if !runs.is_empty() {
+            notes.push(format!("{}: {text}", names(&runs)));
+        }
+    };
+    let off_track = |run: &&ReplayedRun| {
+        2 * run.summary.counters.of(Cause::LocationOutOfRange) as usize > run.estimates.len()
+    };
+    about(
+        runs.iter().filter(off_track).collect(),
+        &format!("most locations lie off the track, which is 0 to {track_length_m} m"),
+    );
+    if config.mode == Mode::Measured {
+        let without_effort = |run: &&ReplayedRun| {
+            let mut rows = run.measurements.iter();
+            rows.all(|measurement| measurement.effort_n_per_kg.is_none())
+        };
+        about(
+            runs.iter().filter(without_effort).collect(),
+            "no effort_n_per_kg, without which the measured mode learns nothing",
+        );
+    }
+    if config.mode == Mode::Paper {
+        notes.push(
+            "in the paper mode the estimate does not follow the true resistance, and its deviation is no measure of accuracy"
+                .to_owned(),
+        );
+    } else if runs.iter().all(|run| run.summary.learned_s == 0.0) {
+        let learning = &config.learning;
+        let what = match config.mode {
+            Mode::Gated => format!("coasting above {} km/h", learning.min_speed_kmh),
+            _ => "known effort".to_owned(),
+        };
+        notes.push(format!(
+            "nothing was learned about the resistance: it takes {} s of {what} in one piece",
+            learning.min_segment_s
+        ));
+    }
+    notes
+}
+
+/// `run01, run02, run03 and 4 more runs`
+fn names(runs: &[&ReplayedRun]) -> String {
+    let first: Vec<&str> = runs
+        .iter()
+        .take(NAMED)
+        .map(|run| run.name.as_str())
+        .collect();
+    let text = first.join(", ");
+    match runs.len().saturating_sub(NAMED) {
+        0 => text,
+        1 => format!("{text} and 1 more run"),
+        more => format!("{text} and {more} more runs"),
+    }
+}
