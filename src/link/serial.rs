@@ -13,7 +13,7 @@
 //! the checksum as arbitrary bytes and pass with a chance of 2^-32. `tests/link_serial.rs` in `host-tests` tries every single and double flip of some messages.
 
 use super::checksum::{self, ChecksumError, LengthError};
-use super::{Counters, Link, LinkError, MAX_CHECKED, Message, count, write_whole};
+use super::{Counters, Link, LinkError, MAX_CHECKED, MAX_MESSAGE, Message, count, write_whole};
 use cobs::{CobsEncoder, DecodeResult, DecoderState};
 use core::fmt;
 use embedded_io::{Read, ReadReady, Write};
@@ -84,12 +84,17 @@ pub fn encode(message: &[u8]) -> Result<Vec<u8, MAX_SERIAL>, LengthError> {
     let error = LengthError {
         found: message.len(),
     };
-    let checked = checksum::append(message)?;
+    if message.is_empty() || message.len() > MAX_MESSAGE {
+        return Err(error);
+    }
     let mut bytes: Vec<u8, MAX_SERIAL> = Vec::new();
     bytes.resize(MAX_SERIAL, 0).map_err(|_| error)?;
     let mut encoder = CobsEncoder::new(&mut bytes);
-    // The buffer is made for the largest message, so this does not fail.
-    encoder.push(&checked).map_err(|_| error)?;
+    // In two pieces, for want of stack for a copy. The buffer is made for the largest message, so neither fails.
+    encoder
+        .push(message)
+        .and_then(|()| encoder.push(&checksum::crc32c(message).to_le_bytes()))
+        .map_err(|_| error)?;
     let length = encoder.finalize();
     // One byte behind the code may have been written to, when the code ends with a full block.
     bytes.truncate(length);

@@ -131,7 +131,8 @@ impl<const N: usize> Sender<N> {
         if payload.is_empty() {
             return Err(error);
         }
-        self.payload = Vec::from_slice(payload).map_err(|_| error)?;
+        self.payload.clear();
+        self.payload.extend_from_slice(payload).map_err(|_| error)?;
         self.state = State::Begin;
         Ok(())
     }
