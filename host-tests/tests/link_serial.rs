@@ -5,7 +5,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown::link::checksum::{ChecksumError, crc32c};
 use rundown::link::serial::{DecodeError, Decoder, MAX_SERIAL, SerialLink, encode};
-use rundown::link::{Counters, Link, MAX_MESSAGE};
+use rundown::link::{Counters, Link, LinkError, MAX_MESSAGE};
 use sim_harness::link::faults::{FaultyPort, Rates};
 use sim_harness::link::pipe;
 use std::cell::Cell;
@@ -341,6 +341,53 @@ fn over_a_bad_wire_come_only_messages_that_were_sent_and_afterwards_all() {
             counters.checksum + counters.coding > 20,
             "seed {seed}: {counters:?}"
         );
+    }
+}
+
+#[test]
+fn a_full_port_costs_the_cut_message_only() {
+    /// Takes `room` bytes, then nothing.
+    struct Ring {
+        taken: Vec<u8>,
+        room: usize,
+    }
+    impl embedded_io::ErrorType for Ring {
+        type Error = std::io::Error;
+    }
+    impl embedded_io::ReadReady for Ring {
+        fn read_ready(&mut self) -> std::io::Result<bool> {
+            Ok(false)
+        }
+    }
+    impl embedded_io::Read for Ring {
+        fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
+            Ok(0)
+        }
+    }
+    impl embedded_io::Write for Ring {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            let length = bytes.len().min(self.room);
+            self.room -= length;
+            self.taken.extend(&bytes[..length]);
+            Ok(length)
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+    for room in 0..25 {
+        let ring = Ring {
+            taken: vec![],
+            room,
+        };
+        let mut link = SerialLink::new(ring);
+        // 20 bytes are 26 on the line.
+        assert!(matches!(link.send(&[1; 20], 0), Err(LinkError::Full)));
+        link.port_mut().room = 100;
+        link.send(&[2; 20], 0).unwrap();
+        let (messages, _) = decode(&link.port_mut().taken);
+        assert_eq!(messages, [vec![2; 20]], "room for {room}");
+        assert_eq!(link.counters().sent, 1);
     }
 }
 

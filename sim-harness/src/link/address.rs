@@ -17,7 +17,7 @@ use super::{HostLink, Unwrapped};
 use rundown::link::can_link::CanLink;
 use rundown::link::isotp::Config;
 use rundown::link::serial::SerialLink;
-use rundown::link::slcan::Slcan;
+use rundown::link::slcan::{PortError, Slcan};
 use std::fmt;
 use std::io;
 use std::net::TcpStream;
@@ -178,8 +178,10 @@ impl Address {
         match self {
             Self::Serial(port) => Ok(HostLink::new(SerialLink::new(port.open()?))),
             Self::Slcan { port, fd } => {
-                let adapter =
-                    Slcan::open(port.open()?, None).map_err(|error| named(self, &error))?;
+                let adapter = Slcan::open(port.open()?, None).map_err(|error| match error {
+                    PortError::Port(error) => named(self, &error),
+                    PortError::Full => named(self, &io::ErrorKind::WriteZero.into()),
+                })?;
                 Ok(HostLink::new(Unwrapped(CanLink::host(
                     adapter,
                     config(*fd),

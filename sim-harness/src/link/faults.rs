@@ -213,7 +213,7 @@ fn flip(bytes: &mut [u8], rng: &mut impl Rng, bits: usize) {
 
 /// A link whose messages are damaged in both directions.
 ///
-/// A message that came out empty or too long is no message and is lost.
+/// A message that came out empty or too long is no message and is lost, as is one that a full port cut.
 pub struct FaultyLink<L> {
     link: L,
     out: Wire,
@@ -242,7 +242,7 @@ impl<L: Link> FaultyLink<L> {
     fn pass_on(&mut self, now_us: u64) -> Result<(), LinkError<L::PortError>> {
         while let Some(message) = self.waiting.take().or_else(|| self.out.take(now_us)) {
             match self.link.send(&message, now_us) {
-                Ok(()) | Err(LinkError::Length { .. }) => {}
+                Ok(()) | Err(LinkError::Length { .. } | LinkError::Full) => {}
                 Err(LinkError::Busy) => {
                     self.waiting = Some(message);
                     break;

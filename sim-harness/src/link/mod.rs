@@ -28,6 +28,7 @@ pub mod record;
 #[cfg(target_os = "linux")]
 pub mod socket;
 
+use rundown::link::slcan::PortError;
 use rundown::link::{Counters, Link, LinkError, Message};
 use std::io;
 use std::time::Instant;
@@ -83,7 +84,7 @@ impl Clock {
 /// A link over SLCAN fails with the error of its port.
 pub(crate) struct Unwrapped<L>(pub(crate) L);
 
-impl<L: Link<PortError = rundown::link::slcan::PortError<io::Error>>> Link for Unwrapped<L> {
+impl<L: Link<PortError = PortError<io::Error>>> Link for Unwrapped<L> {
     type PortError = io::Error;
 
     fn send(&mut self, message: &[u8], now_us: u64) -> Result<(), LinkError<io::Error>> {
@@ -103,11 +104,10 @@ impl<L: Link<PortError = rundown::link::slcan::PortError<io::Error>>> Link for U
     }
 }
 
-fn unwrap_port(
-    error: LinkError<rundown::link::slcan::PortError<io::Error>>,
-) -> LinkError<io::Error> {
+fn unwrap_port(error: LinkError<PortError<io::Error>>) -> LinkError<io::Error> {
     match error {
-        LinkError::Port(error) => LinkError::Port(error.0),
+        LinkError::Port(PortError::Port(error)) => LinkError::Port(error),
+        LinkError::Port(PortError::Full) | LinkError::Full => LinkError::Full,
         LinkError::Length { found } => LinkError::Length { found },
         LinkError::Busy => LinkError::Busy,
         // A cause that is newer than this function.

@@ -55,7 +55,7 @@ fn port(error: io::Error) -> nb::Error<PortError<io::Error>> {
     if error.kind() == io::ErrorKind::WouldBlock {
         nb::Error::WouldBlock
     } else {
-        nb::Error::Other(PortError(error))
+        nb::Error::Other(PortError::Port(error))
     }
 }
 

@@ -154,7 +154,8 @@ impl<C: Can<Frame = CanFrame>> CanLink<C> {
                     Err(error) => self.count_sent(error),
                 }
             }
-            let slot = if self.answer.is_some() {
+            let is_answer = self.answer.is_some();
+            let slot = if is_answer {
                 &mut self.answer
             } else {
                 &mut self.frame
@@ -164,7 +165,12 @@ impl<C: Can<Frame = CanFrame>> CanLink<C> {
             };
             match self.controller.transmit(frame) {
                 // A frame that a controller gives back had to make way for one of higher priority. All of ours have the same, so there is none.
-                Ok(_) => *slot = None,
+                Ok(_) => {
+                    *slot = None;
+                    if !is_answer {
+                        self.sender.confirm(now_us);
+                    }
+                }
                 Err(nb::Error::WouldBlock) => return Ok(()),
                 Err(nb::Error::Other(error)) => return Err(LinkError::Port(error)),
             }

@@ -98,6 +98,8 @@ impl<L: Link + ?Sized> Link for &mut L {
 pub enum LinkError<E> {
     /// The port below failed.
     Port(E),
+    /// The port took a part of the message or nothing, and no more. What the other side has of it, it drops.
+    Full,
     /// The message before is still on its way out.
     Busy,
     /// A message has 1 to [`MAX_MESSAGE`] bytes.
@@ -111,6 +113,7 @@ impl<E: fmt::Display> fmt::Display for LinkError<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Port(error) => write!(f, "port: {error}"),
+            Self::Full => f.write_str("the port takes no more bytes"),
             Self::Busy => f.write_str("the message before is still being sent"),
             Self::Length { found } => write!(f, "expected 1 to {MAX_MESSAGE} bytes, found {found}"),
         }
@@ -123,6 +126,37 @@ impl<E> From<checksum::LengthError> for LinkError<E> {
     fn from(error: checksum::LengthError) -> Self {
         Self::Length { found: error.found }
     }
+}
+
+impl<E> From<WriteError<E>> for LinkError<E> {
+    fn from(error: WriteError<E>) -> Self {
+        match error {
+            WriteError::Port(error) => Self::Port(error),
+            WriteError::Full => Self::Full,
+        }
+    }
+}
+
+/// Why a port did not take all bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum WriteError<E> {
+    Port(E),
+    Full,
+}
+
+/// Writes all bytes. `write_all` of `embedded-io` panics when the port takes nothing, which a full ring may well do.
+pub(crate) fn write_whole<P: embedded_io::Write>(
+    port: &mut P,
+    mut bytes: &[u8],
+) -> Result<(), WriteError<P::Error>> {
+    while !bytes.is_empty() {
+        let taken = port.write(bytes).map_err(WriteError::Port)?;
+        bytes = match bytes.get(taken..) {
+            Some(rest) if taken > 0 => rest,
+            _ => return Err(WriteError::Full),
+        };
+    }
+    Ok(())
 }
 
 /// What a link has counted since it was made. Counts stay at their largest value.

@@ -13,7 +13,7 @@
 //! the checksum as arbitrary bytes and pass with a chance of 2^-32. `tests/link_serial.rs` in `host-tests` tries every single and double flip of some messages.
 
 use super::checksum::{self, ChecksumError, LengthError};
-use super::{Counters, Link, LinkError, MAX_CHECKED, Message, count};
+use super::{Counters, Link, LinkError, MAX_CHECKED, MAX_MESSAGE, Message, count, write_whole};
 use cobs::{CobsEncoder, DecodeResult, DecoderState};
 use core::fmt;
 use embedded_io::{Read, ReadReady, Write};
@@ -84,12 +84,17 @@ pub fn encode(message: &[u8]) -> Result<Vec<u8, MAX_SERIAL>, LengthError> {
     let error = LengthError {
         found: message.len(),
     };
-    let checked = checksum::append(message)?;
+    if message.is_empty() || message.len() > MAX_MESSAGE {
+        return Err(error);
+    }
     let mut bytes: Vec<u8, MAX_SERIAL> = Vec::new();
     bytes.resize(MAX_SERIAL, 0).map_err(|_| error)?;
     let mut encoder = CobsEncoder::new(&mut bytes);
-    // The buffer is made for the largest message, so this does not fail.
-    encoder.push(&checked).map_err(|_| error)?;
+    // In two pieces, for want of stack for a copy. The buffer is made for the largest message, so neither fails.
+    encoder
+        .push(message)
+        .and_then(|()| encoder.push(&checksum::crc32c(message).to_le_bytes()))
+        .map_err(|_| error)?;
     let length = encoder.finalize();
     // One byte behind the code may have been written to, when the code ends with a full block.
     bytes.truncate(length);
@@ -164,11 +169,14 @@ impl<const N: usize> Decoder<N> {
 
 /// A [`Link`] over a serial port.
 ///
-/// On the board the port is the pair of rings between the UART's interrupt and the tasks. Its `write` is given a whole message and must take it or fail, not wait.
+/// On the board the port is the pair of rings between the UART's interrupt and the tasks. Its `write` is given a whole message and must not wait: it takes what it has room for, nothing at all if it likes.
+/// The message is then lost ([`LinkError::Full`]), and the next one begins with a zero that ends what went out of it.
 #[derive(Debug)]
 pub struct SerialLink<P> {
     port: P,
     decoder: Decoder,
+    // A message was cut by a port that was full.
+    cut: bool,
     counters: Counters,
 }
 
@@ -178,6 +186,7 @@ impl<P> SerialLink<P> {
         Self {
             port,
             decoder: Decoder::new(),
+            cut: false,
             counters: Counters::ZERO,
         }
     }
@@ -193,7 +202,12 @@ impl<P: Read + ReadReady + Write> Link for SerialLink<P> {
 
     fn send(&mut self, message: &[u8], _now_us: u64) -> Result<(), LinkError<P::Error>> {
         let bytes = encode(message)?;
-        self.port.write_all(&bytes).map_err(LinkError::Port)?;
+        if self.cut {
+            write_whole(&mut self.port, &[0])?;
+        }
+        self.cut = true;
+        write_whole(&mut self.port, &bytes)?;
+        self.cut = false;
         self.port.flush().map_err(LinkError::Port)?;
         count(&mut self.counters.sent);
         Ok(())

@@ -13,7 +13,7 @@
 //! a single BEL says that a command was refused. Lines have no checksum: a message's own CRC-32C is what protects it.
 
 use super::can::{CanFrame, FD_BYTES, FD_LENGTHS, Format, fd_code};
-use super::count;
+use super::{WriteError, count, write_whole};
 use core::fmt;
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use embedded_io::{Read, ReadReady, Write};
@@ -118,17 +118,23 @@ pub fn encode(frame: &CanFrame) -> Vec<u8, MAX_LINE> {
         Id::Standard(id) => (short, u32::from(id.as_raw()), 3),
         Id::Extended(id) => (long, id.as_raw(), 8),
     };
-    let identifier = (0..digits).rev().map(|place| id >> (4 * place) & 0xF);
+    let mut line: Vec<u8, MAX_LINE> = Vec::new();
+    // The line has room for the longest frame. (Collecting it would bring in a panic that is never reached.)
+    let mut push = |character| {
+        let _fits = line.push(character);
+    };
+    push(letter);
+    for place in (0..digits).rev() {
+        push(digit(id >> (4 * place)));
+    }
     // A frame has a length of its format, so it has a code.
-    let code = fd_code(frame.dlc()).unwrap_or_default();
-    let data = frame
-        .data()
-        .iter()
-        .flat_map(|byte| [u32::from(byte >> 4), u32::from(byte & 0xF)]);
-    core::iter::once(letter)
-        .chain(identifier.chain([u32::from(code)]).chain(data).map(digit))
-        .chain([RETURN])
-        .collect()
+    push(digit(u32::from(fd_code(frame.dlc()).unwrap_or_default())));
+    for byte in frame.data() {
+        push(digit(u32::from(byte >> 4)));
+        push(digit(u32::from(byte & 0xF)));
+    }
+    push(RETURN);
+    line
 }
 
 fn digit(value: u32) -> u8 {
@@ -268,6 +274,8 @@ pub struct Slcan<P> {
     port: P,
     decoder: Decoder,
     answers: bool,
+    // A line was cut by a port that was full: the next begins with its end.
+    cut: bool,
     damaged: u32,
     refused: u32,
 }
@@ -283,6 +291,7 @@ impl<P> Slcan<P> {
             port,
             decoder: Decoder::new(),
             answers,
+            cut: false,
             damaged: 0,
             refused: 0,
         }
@@ -309,15 +318,15 @@ impl<P: Write> Slcan<P> {
     ///
     /// # Errors
     /// Those of the port.
-    pub fn open(mut port: P, bit_rate: Option<BitRate>) -> Result<Self, P::Error> {
+    pub fn open(port: P, bit_rate: Option<BitRate>) -> Result<Self, PortError<P::Error>> {
+        let mut adapter = Self::new(port, false);
         // The first return ends what noise began.
-        port.write_all(b"\rC\r")?;
+        adapter.write(b"\rC\r")?;
         if let Some(bit_rate) = bit_rate {
-            port.write_all(&[b'S', bit_rate.digit(), RETURN])?;
+            adapter.write(&[b'S', bit_rate.digit(), RETURN])?;
         }
-        port.write_all(b"O\r")?;
-        port.flush()?;
-        Ok(Self::new(port, false))
+        adapter.write(b"O\r")?;
+        Ok(adapter)
     }
 }
 
@@ -353,11 +362,28 @@ impl BitRate {
 
 /// How a port fails, as an error of a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PortError<E>(pub E);
+pub enum PortError<E> {
+    /// The port failed.
+    Port(E),
+    /// The port took a part of a line or nothing, and no more.
+    Full,
+}
+
+impl<E> From<WriteError<E>> for PortError<E> {
+    fn from(error: WriteError<E>) -> Self {
+        match error {
+            WriteError::Port(error) => Self::Port(error),
+            WriteError::Full => Self::Full,
+        }
+    }
+}
 
 impl<E: fmt::Display> fmt::Display for PortError<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
+        match self {
+            Self::Port(error) => error.fmt(f),
+            Self::Full => f.write_str("the port takes no more bytes"),
+        }
     }
 }
 
@@ -369,24 +395,36 @@ impl<E: fmt::Debug> embedded_can::Error for PortError<E> {
     }
 }
 
+impl<P: Write> Slcan<P> {
+    fn write(&mut self, line: &[u8]) -> Result<(), PortError<P::Error>> {
+        if self.cut {
+            write_whole(&mut self.port, &[RETURN])?;
+        }
+        self.cut = true;
+        write_whole(&mut self.port, line)?;
+        self.cut = false;
+        self.port.flush().map_err(PortError::Port)
+    }
+}
+
 impl<P: Read + ReadReady + Write> embedded_can::nb::Can for Slcan<P> {
     type Frame = CanFrame;
     type Error = PortError<P::Error>;
 
     fn transmit(&mut self, frame: &CanFrame) -> nb::Result<Option<CanFrame>, Self::Error> {
-        let sent = self
-            .port
-            .write_all(&encode(frame))
-            .and_then(|()| self.port.flush());
-        sent.map_err(PortError)?;
-        Ok(None)
+        match self.write(&encode(frame)) {
+            Ok(()) => Ok(None),
+            // Sent again as a whole; the other side drops what it has of the cut line.
+            Err(PortError::Full) => Err(nb::Error::WouldBlock),
+            Err(error) => Err(nb::Error::Other(error)),
+        }
     }
 
     fn receive(&mut self) -> nb::Result<CanFrame, Self::Error> {
         for _ in 0..BYTES_PER_CALL {
             let mut byte = [0];
-            if !self.port.read_ready().map_err(PortError)?
-                || self.port.read(&mut byte).map_err(PortError)? == 0
+            if !self.port.read_ready().map_err(PortError::Port)?
+                || self.port.read(&mut byte).map_err(PortError::Port)? == 0
             {
                 return Err(nb::Error::WouldBlock);
             }
@@ -398,7 +436,11 @@ impl<P: Read + ReadReady + Write> embedded_can::nb::Can for Slcan<P> {
                         b'S' | b's' | b'Y' | b'O' | b'L' | b'C' => RETURN,
                         _ => BELL,
                     };
-                    self.port.write_all(&[answer]).map_err(PortError)?;
+                    match self.write(&[answer]) {
+                        // An answer for which there is no room is left out: adapters' hosts do not wait for one.
+                        Ok(()) | Err(PortError::Full) => {}
+                        Err(error) => return Err(nb::Error::Other(error)),
+                    }
                 }
                 Ok(Some(Line::Refused)) => count(&mut self.refused),
                 Ok(_) => {}

@@ -277,12 +277,11 @@ pub fn encode_consecutive(sequence: u8, left: &[u8], format: Format) -> (FrameDa
 
 /// Header and data, padded to a length that the format has. Callers give no more than fits.
 fn frame(header: &[u8], data: &[u8], format: Format) -> FrameData {
-    let mut frame: FrameData = header
-        .iter()
-        .chain(data)
-        .copied()
-        .take(format.capacity())
-        .collect();
+    let mut frame = FrameData::new();
+    // Headers and data are cut to the capacity by the callers.
+    let _fits = frame
+        .extend_from_slice(header)
+        .and_then(|()| frame.extend_from_slice(data));
     if let Format::Fd { .. } = format
         && let Some(length) = fd_length_for(frame.len())
     {

@@ -55,6 +55,14 @@ impl fmt::Display for SendError {
 
 impl core::error::Error for SendError {}
 
+/// Where the separation time begins. It counts from the end of a frame, which is after the `now_us` of the call that sent it; so it is taken from the next call, and is never too short.
+#[derive(Clone, Copy, Debug)]
+enum Pace {
+    Free,
+    SentIn { call_us: u64 },
+    SentBefore { call_us: u64 },
+}
+
 #[derive(Clone, Copy, Debug, Default)]
 enum State {
     #[default]
@@ -65,7 +73,7 @@ enum State {
         waits: u8,
     },
     Consecutive {
-        sent_us: Option<u64>,
+        pace: Pace,
         gap_us: u64,
         // Frames until the next flow control; none for all.
         block: Option<u8>,
@@ -123,12 +131,13 @@ impl<const N: usize> Sender<N> {
         if payload.is_empty() {
             return Err(error);
         }
-        self.payload = Vec::from_slice(payload).map_err(|_| error)?;
+        self.payload.clear();
+        self.payload.extend_from_slice(payload).map_err(|_| error)?;
         self.state = State::Begin;
         Ok(())
     }
 
-    /// The next frame, if one is due. It counts as sent.
+    /// The next frame, if one is due. It counts as sent now, or when [`confirm`](Self::confirm) says so.
     ///
     /// # Errors
     /// [`SendError::Timeout`]. The payload is given up.
@@ -158,12 +167,25 @@ impl<const N: usize> Sender<N> {
                 Err(SendError::Timeout { waited_us })
             }
             State::Consecutive {
-                sent_us,
+                pace,
                 gap_us,
                 block,
             } => {
-                if sent_us.is_some_and(|sent_us| now_us.saturating_sub(sent_us) < gap_us) {
-                    return Ok(None);
+                match pace {
+                    Pace::SentIn { call_us } if gap_us > 0 => {
+                        if now_us > call_us {
+                            self.state = State::Consecutive {
+                                pace: Pace::SentBefore { call_us: now_us },
+                                gap_us,
+                                block,
+                            };
+                        }
+                        return Ok(None);
+                    }
+                    Pace::SentBefore { call_us } if now_us.saturating_sub(call_us) < gap_us => {
+                        return Ok(None);
+                    }
+                    _ => {}
                 }
                 let left = self.payload.get(self.sent..).unwrap_or_default();
                 let (frame, taken) = encode_consecutive(self.sequence, left, self.config.format);
@@ -179,13 +201,25 @@ impl<const N: usize> Sender<N> {
                     }
                 } else {
                     State::Consecutive {
-                        sent_us: Some(now_us),
+                        pace: Pace::SentIn { call_us: now_us },
                         gap_us,
                         block,
                     }
                 };
                 Ok(Some(frame))
             }
+        }
+    }
+
+    /// The controller took the last frame only now: separation time and N_Bs begin here.
+    pub fn confirm(&mut self, now_us: u64) {
+        match &mut self.state {
+            State::AwaitFlowControl { since_us, .. } => *since_us = now_us,
+            State::Consecutive {
+                pace: Pace::SentIn { call_us },
+                ..
+            } => *call_us = now_us,
+            _ => {}
         }
     }
 
@@ -200,7 +234,7 @@ impl<const N: usize> Sender<N> {
         let error = match answer.status {
             FlowStatus::Continue => {
                 self.state = State::Consecutive {
-                    sent_us: None,
+                    pace: Pace::Free,
                     gap_us: answer.separation.to_us(),
                     block: (answer.block_size > 0).then_some(answer.block_size),
                 };
@@ -253,8 +287,10 @@ mod tests {
             .on_flow_control(answer(FlowStatus::Continue, 2, 5), 0)
             .unwrap();
         assert_eq!(sender.next_frame(0).unwrap().unwrap()[0], 0x21);
-        assert_eq!(sender.next_frame(4_999), Ok(None));
-        assert_eq!(sender.next_frame(5_000).unwrap().unwrap()[0], 0x22);
+        // The frame went out after the call at 0 began and before the one at 1.
+        assert_eq!(sender.next_frame(1), Ok(None));
+        assert_eq!(sender.next_frame(5_000), Ok(None));
+        assert_eq!(sender.next_frame(5_001).unwrap().unwrap()[0], 0x22);
         assert_eq!(sender.next_frame(20_000), Ok(None), "the block is over");
         // The next flow control may change both.
         sender
@@ -264,6 +300,22 @@ mod tests {
             assert_eq!(sender.next_frame(20_000).unwrap().unwrap()[0], sequence);
         }
         assert!(sender.is_idle());
+    }
+
+    #[test]
+    fn distance_and_silence_count_from_when_the_controller_took_the_frame() {
+        let mut sender = waiting();
+        sender.confirm(500_000);
+        assert_eq!(sender.next_frame(1_400_000), Ok(None));
+        sender
+            .on_flow_control(answer(FlowStatus::Continue, 0, 5), 1_400_000)
+            .unwrap();
+        assert!(sender.next_frame(1_400_000).unwrap().is_some());
+        sender.confirm(1_410_000);
+        assert_eq!(sender.next_frame(1_410_000), Ok(None));
+        assert_eq!(sender.next_frame(1_410_100), Ok(None));
+        assert_eq!(sender.next_frame(1_415_099), Ok(None));
+        assert!(sender.next_frame(1_415_100).unwrap().is_some());
     }
 
     #[test]
