@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | 3 | `line` | serial port | bytes into the ring, bytes out of the outbox |
 //! | 2 | `timer` | system timer, 10 Hz | time, watchdog, wakes the two below |
-//! | 1 | `tick` | `timer` | every [`PERIOD_S`]: the application's tick |
+//! | 1 | `tick` | `timer` | every [`PERIOD_S`]: the application's tick, or its heartbeat after too many crashes |
 //! | 1 | `link` | `line`, `timer` | bytes of the ring into the application |
 //! | 0 | `idle` | | sleeps |
 //!
@@ -64,6 +64,8 @@ mod app {
         boot: Boot,
         clock: Clock,
         next_tick: u32,
+        /// Bytes go to the application.
+        normal: bool,
     }
 
     #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: Application = Application::IDLE])]
@@ -114,6 +116,7 @@ mod app {
                 boot,
                 clock,
                 next_tick: 0,
+                normal: boot.operation == Operation::Normal,
             },
         )
     }
@@ -168,7 +171,10 @@ mod app {
 
     #[task(binds = COMP, priority = 1, shared = [port, outbox, application], local = [boot, clock, next_tick])]
     fn tick(cx: tick::Context) {
-        board::provoke(Place::Tick);
+        let normal = cx.local.boot.operation == Operation::Normal;
+        if normal {
+            board::provoke(Place::Tick);
+        }
         let periods = PERIODS.load(Ordering::Relaxed);
         // The difference, because the counter wraps.
         if periods.wrapping_sub(*cx.local.next_tick) < u32::MAX / 2 {
@@ -185,24 +191,33 @@ mod app {
                 longest_us: stopwatch::longest_us(),
                 flash_errors: board::flash_errors(),
             };
+            let mut send = |frame: &[u8]| wires.lock(|port, outbox| say(port, outbox, frame));
             let watch = Stopwatch::start();
-            cx.shared.application.tick(&health, &mut |frame| {
-                wires.lock(|port, outbox| say(port, outbox, frame))
-            });
+            if normal {
+                cx.shared.application.tick(&health, &mut send);
+            } else {
+                cx.shared.application.heartbeat(&health, &mut send);
+            }
             watch.stop();
         }
         TICK_BEATS.fetch_add(1, Ordering::Relaxed);
     }
 
-    #[task(binds = TSC, priority = 1, shared = [port, outbox, application], local = [ring_out])]
+    #[task(binds = TSC, priority = 1, shared = [port, outbox, application], local = [ring_out, normal])]
     fn link(cx: link::Context) {
-        board::provoke(Place::Link);
+        let normal = *cx.local.normal;
+        if normal {
+            board::provoke(Place::Link);
+        }
         let mut wires = (cx.shared.port, cx.shared.outbox);
         // At most one ring at a time: a line that babbles must not keep the other task waiting.
         for _ in 0..RING {
             let Some(byte) = cx.local.ring_out.dequeue() else {
                 break;
             };
+            if !normal {
+                continue;
+            }
             let watch = Stopwatch::start();
             cx.shared.application.receive(byte, &mut |frame| {
                 wires.lock(|port, outbox| say(port, outbox, frame))

@@ -74,5 +74,8 @@ fn with_board(name: &str, task: fn(Board) -> Result<(), String>) -> Result<(), S
 fn test() -> Result<(), String> {
     setup::setup()?;
     both(firmware::firmware)?;
-    run(cargo().args(["test", "--workspace"]))
+    // With it the tests with the emulator must run.
+    run(cargo()
+        .args(["test", "--workspace"])
+        .env("RUNDOWN_EMULATOR", "required"))
 }
