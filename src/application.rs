@@ -29,8 +29,8 @@ impl Application {
         received: heapless::Vec::new(),
     };
 
-    /// After boot.
-    pub fn begin(&mut self, _boot: &Boot, send: &mut impl FnMut(&[u8])) {
+    /// After boot, with the record that was written at the depot.
+    pub fn begin(&mut self, _boot: &Boot, _record: &[u8; 64], send: &mut impl FnMut(&[u8])) {
         let train = Train::try_new(TrainDescription {
             mass_kg: 364e3,
             rotating_mass_factor: 1.06,

@@ -91,7 +91,7 @@ mod app {
         let mut outbox = Outbox::new();
         let application = cx.local.application;
         if boot.operation == Operation::Normal {
-            application.begin(&boot, &mut |frame| {
+            application.begin(&boot, &board::provisioning::record(), &mut |frame| {
                 // A frame longer than the outbox does not exist: see `application::MOST_BYTES`.
                 let _ = outbox.push(frame);
             });

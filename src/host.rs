@@ -14,7 +14,7 @@ pub fn run() -> io::Result<()> {
             written = stdout.write_all(frame).and_then(|()| stdout.flush());
         }
     };
-    application.begin(&Boot::default(), &mut send);
+    application.begin(&Boot::default(), &[0xFF; 64], &mut send);
     loop {
         let bytes = stdin.fill_buf()?;
         if bytes.is_empty() {

@@ -7,11 +7,13 @@
 //! | `kept_ram` | RAM that survives a reset |
 //! | `painted_stack` | how deep the stack has been |
 //! | `fallen` | panics and faults: write down why, then reset |
+//! | `provisioning` | the record that was written at the depot |
 //! | `stopwatch` | time in counts of the system timer |
 
 mod fallen;
 pub mod kept_ram;
 pub mod painted_stack;
+pub mod provisioning;
 pub mod stopwatch;
 
 #[cfg(not(feature = "mps2"))]
