@@ -101,7 +101,7 @@ mod app {
             boot.resets
         );
         let application = cx.local.application.write(Application::new(
-            Provisioning::from_bytes(&board::key_record()),
+            Provisioning::from_bytes(&board::provisioning::record()),
             flash,
             boot.operation == Operation::HeartbeatOnly,
             cx.local.run.write(RunState::idle()),
@@ -179,7 +179,9 @@ mod app {
 
     #[task(binds = COMP, priority = 1, shared = [port, outbox, start, application], local = [next_tick])]
     fn tick(cx: tick::Context) {
-        board::provoke(Place::Tick);
+        if cx.shared.start.boot.operation == Operation::Normal {
+            board::provoke(Place::Tick);
+        }
         let periods = PERIODS.load(Ordering::Relaxed);
         // The difference, because the counter wraps.
         if periods.wrapping_sub(*cx.local.next_tick) < u32::MAX / 2 {
@@ -197,7 +199,9 @@ mod app {
 
     #[task(binds = TSC, priority = 1, shared = [port, outbox, start, application], local = [ring_out])]
     fn link(cx: link::Context) {
-        board::provoke(Place::Link);
+        if cx.shared.start.boot.operation == Operation::Normal {
+            board::provoke(Place::Link);
+        }
         let start = *cx.shared.start;
         let mut wires = (cx.shared.port, cx.shared.outbox);
         // At most one ring at a time: a line that babbles must not keep the other task waiting.

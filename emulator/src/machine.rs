@@ -3,6 +3,7 @@
 use crate::board::{Board, NoImage};
 use crate::flash_file::{FlashFile, SIZE};
 use crate::qmp::Qmp;
+use ihex::Record;
 use serde_json::json;
 use std::io::{self, Read};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
@@ -40,8 +41,8 @@ pub struct Settings {
     pub sleep: Sleep,
     /// The flash of [`Board::Mps2`]; without it, it is lost with the emulator.
     pub flash: Option<FlashFile>,
-    /// Files that are laid into the flash of [`Board::L475`] before the start, with their address.
-    pub preloads: Vec<(PathBuf, u32)>,
+    /// Bytes that lie in the flash of [`Board::L475`] before the start, with their address.
+    pub preloads: Vec<(u32, Vec<u8>)>,
 }
 
 impl Settings {
@@ -153,14 +154,11 @@ impl Emulator {
                 ),
             ]);
         }
-        for (file, address) in &settings.preloads {
-            command.args([
-                "-device",
-                &format!(
-                    "loader,file={},addr={address:#x},force-raw=on",
-                    file.display()
-                ),
-            ]);
+        let folder = tempfile::tempdir()?;
+        for (address, bytes) in &settings.preloads {
+            let file = folder.path().join(format!("{address:x}.hex"));
+            std::fs::write(&file, hex(*address, bytes)?)?;
+            command.args(["-device", &format!("loader,file={}", file.display())]);
         }
         command.args(["-M", &machine]);
         let mut child = command
@@ -169,8 +167,12 @@ impl Emulator {
             .stderr(Stdio::piped())
             .spawn()
             .map_err(EmulatorError::NotFound)?;
-        let connected = accept(&line, &mut child)
-            .and_then(|line| Ok((line, Qmp::new(accept(&control, &mut child)?)?)));
+        let connected = accept(&line, &mut child).and_then(|line| {
+            let control = accept(&control, &mut child)?;
+            let qmp =
+                Qmp::new(control).map_err(|error| ended(&mut child).unwrap_or(error.into()))?;
+            Ok((line, qmp))
+        });
         match connected {
             Ok((line, qmp)) => Ok(Self { child, line, qmp }),
             Err(error) => {
@@ -246,6 +248,20 @@ fn end(child: &mut Child) {
     let _ = child.wait();
 }
 
+/// As Intel HEX: this format QEMU lays into a flash; a raw file it refuses on a machine without RAM of variable size, and single words it drops.
+fn hex(address: u32, bytes: &[u8]) -> io::Result<String> {
+    let mut records = Vec::new();
+    for (at, value) in (address..).step_by(16).zip(bytes.chunks(16)) {
+        records.push(Record::ExtendedLinearAddress((at >> 16) as u16));
+        records.push(Record::Data {
+            offset: (at & 0xFFFF) as u16,
+            value: value.to_vec(),
+        });
+    }
+    records.push(Record::EndOfFile);
+    ihex::create_object_file_representation(&records).map_err(io::Error::other)
+}
+
 fn listen() -> io::Result<(TcpListener, SocketAddr)> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
     listener.set_nonblocking(true)?;
@@ -259,6 +275,15 @@ fn client(id: &str, address: SocketAddr) -> String {
         address.ip(),
         address.port()
     )
+}
+
+/// What it said, if it ends by itself within a moment.
+fn ended(child: &mut Child) -> Option<EmulatorError> {
+    std::thread::sleep(Duration::from_millis(100));
+    let status = child.try_wait().ok()??;
+    let mut said = String::new();
+    child.stderr.as_mut()?.read_to_string(&mut said).ok()?;
+    Some(EmulatorError::Ended(format!("{status}, {}", said.trim())))
 }
 
 fn accept(listener: &TcpListener, child: &mut Child) -> Result<TcpStream, EmulatorError> {
@@ -275,12 +300,8 @@ fn accept(listener: &TcpListener, child: &mut Child) -> Result<TcpStream, Emulat
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
             Err(error) => return Err(error.into()),
         }
-        if let Some(status) = child.try_wait()? {
-            let mut said = String::new();
-            if let Some(stderr) = &mut child.stderr {
-                stderr.read_to_string(&mut said)?;
-            }
-            return Err(EmulatorError::Ended(format!("{status}, {}", said.trim())));
+        if child.try_wait()?.is_some() {
+            return Err(ended(child).unwrap_or(EmulatorError::Silent));
         }
         if begin.elapsed() > CONNECT {
             return Err(EmulatorError::Silent);

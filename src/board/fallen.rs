@@ -20,12 +20,13 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 }
 
 /// Takes the stack from its top again, because there may be none left, then goes on in [`fault`].
-// SAFETY: the start-up code's trampoline jumps here with the frame's address in r0 and uses no stack; nothing returns, so what lay on the stack is not needed.
+// SAFETY: the vector table's entry for the fault. The frame is where the stack pointer points at entry; nothing returns, so what lay on the stack is not needed.
 #[unsafe(naked)]
 #[unsafe(export_name = "HardFault")]
 #[unsafe(link_section = ".HardFault.rundown")]
-unsafe extern "C" fn hard_fault(frame: *const ExceptionFrame) -> ! {
+unsafe extern "C" fn hard_fault() -> ! {
     naked_asm!(
+        "mrs r0, MSP",
         "ldr r1, =_stack_start",
         "mov sp, r1",
         "b {fault}",

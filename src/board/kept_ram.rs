@@ -10,6 +10,8 @@ struct Ram(UnsafeCell<MaybeUninit<[u32; WORDS]>>);
 // SAFETY: one core, and every access below is a volatile copy of plain words within a critical section.
 unsafe impl Sync for Ram {}
 
+// SAFETY: no other symbol has this name, which the tests look up. The section is neither zeroed nor set; the type allows any content.
+#[unsafe(export_name = "KEPT")]
 #[unsafe(link_section = ".uninit.kept")]
 static RAM: Ram = Ram(UnsafeCell::new(MaybeUninit::uninit()));
 

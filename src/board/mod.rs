@@ -8,11 +8,13 @@
 //! | `kept_ram` | RAM that survives a reset |
 //! | `painted_stack` | how deep the stack has been |
 //! | `fallen` | panics and faults: write down why, then reset |
+//! | `provisioning` | the record that was written at the depot |
 //! | `stopwatch` | time in counts of the system timer |
 
 mod fallen;
 pub mod kept_ram;
 pub mod painted_stack;
+pub mod provisioning;
 #[cfg(any(feature = "mps2", feature = "emulator"))]
 mod ram_flash;
 pub mod stopwatch;
@@ -39,29 +41,4 @@ pub const BAUD: u32 = 115_200;
 pub enum Place {
     Tick,
     Link,
-}
-
-#[cfg(not(feature = "emulator"))]
-unsafe extern "C" {
-    /// First byte of the provisioning record; the linker's symbol.
-    static _key: u8;
-}
-
-/// The provisioning record of the tests, which everybody knows: the emulator of the B-L475E-IOT01A cannot be given one. No image for a train has this feature.
-#[cfg(feature = "emulator")]
-pub fn key_record() -> [u8; rundown::auth::provisioning::SIZE] {
-    rundown::auth::Provisioning {
-        key_id: 1,
-        key: rundown::auth::Key::new(*b"not a secret key"),
-        train: rundown::train_id::TrainId(0x2451),
-    }
-    .to_bytes()
-}
-
-/// The provisioning record as it stands in flash.
-#[cfg(not(feature = "emulator"))]
-pub fn key_record() -> [u8; rundown::auth::provisioning::SIZE] {
-    let first = &raw const _key;
-    // SAFETY: the page is flash of its own, and nothing writes to it while the firmware runs; volatile, because the compiler must not think that it knows the bytes.
-    core::array::from_fn(|offset| unsafe { first.add(offset).read_volatile() })
 }

@@ -9,9 +9,11 @@ use rundown_wire::ResetCause::{PowerOn, Watchdog};
 use rundown_wire::{FILE_TAIL, Failure, ResetCause};
 
 /// Size in RAM, words.
-pub const WORDS: usize = 16;
+pub const WORDS: usize = 24;
+/// Words of a failure.
+const FAILURE_WORDS: usize = 2 + FILE_TAIL / 4;
 /// Changes with the layout below, so that an older firmware's RAM is not read.
-const MAGIC: u32 = 0x5244_4b01;
+const MAGIC: u32 = 0x5244_4b02;
 const CASTAGNOLI: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
 
 /// What is kept.
@@ -19,8 +21,10 @@ const CASTAGNOLI: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
 pub struct Kept {
     /// Resets since power-on.
     pub crash_loop: CrashLoop,
-    /// Why the firmware fell. Written just before.
+    /// Why the firmware falls. Written just before.
     pub failure: Failure,
+    /// Why it fell last, since power-on.
+    pub last: Failure,
 }
 
 /// What a boot found. Goes into the status.
@@ -47,28 +51,13 @@ impl Kept {
             at_2,
             resets,
             gave_up,
-            kind,
-            value,
-            file @ ..,
+            failures @ ..,
             checksum,
         ] = *words;
         if magic != MAGIC || checksum != check(words) {
             return None;
         }
-        let failure = match kind {
-            0 => Failure::None,
-            1 => Failure::Panic {
-                line: value,
-                file: bytes(&file),
-            },
-            2 => Failure::Fault { at: value },
-            3 => Failure::Stalled(Stalled {
-                tick: value & 1 != 0,
-                link: value & 2 != 0,
-            }),
-            4 => Failure::StackOverflow,
-            _ => return None,
-        };
+        let (failure, last) = failures.split_at(FAILURE_WORDS);
         let crash_loop = CrashLoop {
             clock_s,
             at_s: [at_0, at_1, at_2],
@@ -77,22 +66,13 @@ impl Kept {
         };
         Some(Self {
             crash_loop,
-            failure,
+            failure: from_words(failure)?,
+            last: from_words(last)?,
         })
     }
 
     /// The words to keep.
     pub fn to_words(&self) -> [u32; WORDS] {
-        let (kind, value, file) = match self.failure {
-            Failure::None => (0, 0, [0; FILE_TAIL]),
-            Failure::Panic { line, file } => (1, line, file),
-            Failure::Fault { at } => (2, at, [0; FILE_TAIL]),
-            Failure::Stalled(who) => {
-                let value = u32::from(who.tick) | u32::from(who.link) << 1;
-                (3, value, [0; FILE_TAIL])
-            }
-            Failure::StackOverflow => (4, 0, [0; FILE_TAIL]),
-        };
         let CrashLoop {
             clock_s,
             at_s: [at_0, at_1, at_2],
@@ -100,23 +80,11 @@ impl Kept {
             gave_up,
         } = self.crash_loop;
         let mut words = [0; WORDS];
-        let head = [
-            MAGIC,
-            clock_s,
-            at_0,
-            at_1,
-            at_2,
-            resets,
-            u32::from(gave_up),
-            kind,
-            value,
-        ];
-        let body = head.into_iter().chain(file.chunks(4).map(|bytes| {
-            bytes
-                .iter()
-                .rev()
-                .fold(0, |word, byte| word << 8 | u32::from(*byte))
-        }));
+        let head = [MAGIC, clock_s, at_0, at_1, at_2, resets, u32::from(gave_up)];
+        let body = head
+            .into_iter()
+            .chain(to_words(&self.failure))
+            .chain(to_words(&self.last));
         for (to, word) in words.iter_mut().zip(body) {
             *to = word;
         }
@@ -154,7 +122,10 @@ impl Kept {
             resets: kept.crash_loop.resets(),
             operation: kept.crash_loop.operation(),
         };
-        // Said once: the next reset has its own reason.
+        // The next reset has its own reason.
+        if cause.is_crash() {
+            kept.last = kept.failure;
+        }
         kept.failure = Failure::None;
         (kept, boot)
     }
@@ -169,16 +140,62 @@ fn check(words: &[u32; WORDS]) -> u32 {
     digest.finalize()
 }
 
-fn bytes(words: &[u32]) -> [u8; FILE_TAIL] {
-    let mut file = [0; FILE_TAIL];
-    let all = words.iter().flat_map(|word| word.to_le_bytes());
-    for (to, byte) in file.iter_mut().zip(all) {
-        *to = byte;
+/// Kind, value, file.
+fn to_words(failure: &Failure) -> [u32; FAILURE_WORDS] {
+    let (kind, value, file) = match *failure {
+        Failure::None => (0, 0, [0; FILE_TAIL]),
+        Failure::Panic { line, file } => (1, line, file),
+        Failure::Fault { at } => (2, at, [0; FILE_TAIL]),
+        Failure::Stalled(who) => {
+            let value = u32::from(who.tick) | u32::from(who.link) << 1;
+            (3, value, [0; FILE_TAIL])
+        }
+        Failure::StackOverflow => (4, 0, [0; FILE_TAIL]),
+    };
+    let mut words = [0; FAILURE_WORDS];
+    let file = file.chunks(4).map(|bytes| {
+        bytes
+            .iter()
+            .rev()
+            .fold(0, |word, byte| word << 8 | u32::from(*byte))
+    });
+    for (to, word) in words.iter_mut().zip([kind, value].into_iter().chain(file)) {
+        *to = word;
     }
-    file
+    words
 }
 
-const _: () = assert!(WORDS == 9 + FILE_TAIL / 4 + 1, "head, file, checksum");
+fn from_words(words: &[u32]) -> Option<Failure> {
+    let [kind, value, file @ ..] = words else {
+        return None;
+    };
+    match kind {
+        0 => Some(Failure::None),
+        1 => {
+            let mut tail = [0; FILE_TAIL];
+            let all = file.iter().flat_map(|word| word.to_le_bytes());
+            for (to, byte) in tail.iter_mut().zip(all) {
+                *to = byte;
+            }
+            Some(Failure::Panic {
+                line: *value,
+                file: tail,
+            })
+        }
+        2 => Some(Failure::Fault { at: *value }),
+        3 => Some(Failure::Stalled(Stalled {
+            tick: value & 1 != 0,
+            link: value & 2 != 0,
+        })),
+        4 => Some(Failure::StackOverflow),
+        _ => None,
+    }
+}
+
+const _: () = assert!(
+    WORDS == 7 + 2 * FAILURE_WORDS + 1,
+    "head, failures, checksum"
+);
 const _: () = assert!(MOST_RESETS == 3, "the layout has three times");
 
 #[cfg(test)]
@@ -192,6 +209,7 @@ mod tests {
         Kept {
             crash_loop,
             failure: Failure::panic("src/ukf.rs", 77),
+            last: Failure::StackOverflow,
         }
     }
 
@@ -241,6 +259,7 @@ mod tests {
         assert_eq!(boot.resets, 2);
         assert_eq!(boot.failure, Failure::panic("src/ukf.rs", 77));
         assert_eq!(kept.failure, Failure::None);
+        assert_eq!(kept.last, Failure::panic("src/ukf.rs", 77));
         let (_, boot) = Kept::boot(Some(kept), ResetCause::Watchdog);
         assert_eq!(boot.operation, Operation::HeartbeatOnly);
     }

@@ -76,5 +76,8 @@ fn with_board(name: &str, task: fn(Board) -> Result<(), String>) -> Result<(), S
 fn test() -> Result<(), String> {
     setup::setup()?;
     all(firmware::firmware)?;
-    run(cargo().args(["test", "--workspace"]))
+    // With it the tests with the emulator must run.
+    run(cargo()
+        .args(["test", "--workspace"])
+        .env("RUNDOWN_EMULATOR", "required"))
 }

@@ -1,0 +1,19 @@
+//! The record that was written at the depot, at a fixed address of its own page. The firmware never writes there.
+
+/// Length of the record, bytes.
+pub const LENGTH: usize = 64;
+
+unsafe extern "C" {
+    /// Its first byte; the linker's symbol, its address is the value.
+    static _key: u8;
+}
+
+/// As it stands; a page that was never written reads 0xFF (in the emulator of the reference board 0).
+pub fn record() -> [u8; LENGTH] {
+    let mut record = [0; LENGTH];
+    for (index, byte) in record.iter_mut().enumerate() {
+        // SAFETY: within the page; volatile, because the compiler does not know what was written there.
+        *byte = unsafe { (&raw const _key).add(index).read_volatile() };
+    }
+    record
+}
