@@ -5,7 +5,7 @@ mod common;
 use common::{frame, settings, wait_for};
 use emulator::{Board, Emulator, FlashFile, Image, Provoke};
 use rundown::onboard::crash_loop::{MOST_RESETS, Operation};
-use rundown::onboard::failure::Failure;
+use rundown_wire::Failure;
 use rundown::onboard::kept::Kept;
 use rundown::onboard::watchdog::Stalled;
 

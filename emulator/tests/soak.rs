@@ -4,7 +4,7 @@ mod common;
 
 use common::{frame, settings, wait_for};
 use emulator::{Board, Emulator, Image, Sleep};
-use rundown::onboard::failure::Failure;
+use rundown_wire::Failure;
 
 /// Two hours on both boards: the watchdog of the test board would have bitten 3600 times.
 #[test]
