@@ -5,9 +5,9 @@ mod common;
 use common::{frame, settings, wait_for};
 use emulator::{Board, Emulator, FlashFile, Image, Provoke};
 use rundown::onboard::crash_loop::{MOST_RESETS, Operation};
-use rundown_wire::Failure;
 use rundown::onboard::kept::Kept;
 use rundown::onboard::watchdog::Stalled;
+use rundown_wire::Failure;
 
 /// Starts the firmware, provokes it once it is ready, and waits until it has fallen so many times.
 fn after(what: Provoke, falls: u32) -> Option<Kept> {

@@ -1,21 +1,106 @@
 //! Is it the same code? The firmware in the emulator and the task on the host, fed with the same logs, say the same bytes.
 
-use host_tests::accuracy::description;
-use host_tests::scenario::Scenario;
-use host_tests::target::{compare, firmware};
-use rundown::config::Config;
+use host_tests::accuracy::{description, measurements};
+use host_tests::line::Line;
+use host_tests::scenario::{Scenario, simulate};
+use host_tests::sensors::{Bursts, Sensors};
+use host_tests::target::{Same, compare, firmware};
+use rundown::config::{Config, Mode};
 use rundown::track::Direction;
+use sim_harness::desk::Description;
+use sim_harness::recording::{DirectionChoice, Recording};
+use sim_harness::run_log::{BadRows, RunLog};
+use sim_harness::run_set::RunSet;
+use sim_harness::track_file::TrackFile;
+use sim_harness::train_file::TrainFile;
+use std::path::Path;
+
+/// Compares a simulated run, and says what it was.
+fn simulated(what: &str, mode: Mode, scenario: &Scenario, seed: u64) {
+    let Some(settings) = firmware() else { return };
+    let log = measurements(&simulate(scenario, seed));
+    let description = description(Config::with_mode(mode), scenario);
+    let same = compare(&settings, &description, Direction::Up, &log);
+    say(
+        what,
+        &same.unwrap_or_else(|error| panic!("{what}, seed {seed}: {error}")),
+    );
+}
+
+fn say(what: &str, same: &Same) {
+    println!(
+        "{what}: {} ticks, {} frames and {} bytes the same; stack {} B, longest call {} us",
+        same.ticks, same.frames, same.line_bytes, same.health.stack_bytes, same.health.longest_us
+    );
+    assert!(
+        same.frames > 3 * same.ticks,
+        "{what}: {} frames",
+        same.frames
+    );
+}
 
 #[test]
-fn simulated_runs_give_the_same_bytes() {
+fn a_run_of_the_case_study() {
+    simulated("gated", Mode::Gated, &Scenario::default(), 3);
+}
+
+#[test]
+fn the_papers_mode() {
+    simulated("paper", Mode::Paper, &Scenario::default(), 4);
+}
+
+#[test]
+fn the_measured_mode() {
+    simulated("measured", Mode::Measured, &Scenario::default(), 5);
+}
+
+#[test]
+fn a_hilly_line_with_wind() {
+    let scenario = Scenario {
+        line: Line::hilly(8),
+        wind_sd_mps: 2.0,
+        ..Scenario::default()
+    };
+    simulated("hills and wind", Mode::Gated, &scenario, 6);
+}
+
+#[test]
+fn a_run_with_dropouts() {
+    let sensors = Sensors {
+        dropout_probability: 0.2,
+        bursts: Some(Bursts {
+            probability: 0.03,
+            samples: [3, 12],
+        }),
+        ..Sensors::default()
+    };
+    let scenario = Scenario {
+        sensors,
+        ..Scenario::default()
+    };
+    simulated("dropouts", Mode::Gated, &scenario, 7);
+}
+
+#[test]
+fn a_recorded_run() {
     let Some(settings) = firmware() else { return };
-    let scenario = Scenario::default();
-    let log = host_tests::accuracy::measurements(&host_tests::scenario::simulate(&scenario, 3));
-    let description = description(Config::default(), &scenario);
-    let same = compare(&settings, &description, Direction::Up, &log).unwrap();
-    println!(
-        "{} ticks, {} frames, {} bytes\n{:?}",
-        same.ticks, same.frames, same.line_bytes, same.health
-    );
-    assert_eq!(same.ticks, log.len());
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = here.join("../../shared/data/recorded-gpx");
+    if !folder.join("runs").is_dir() {
+        println!("SKIPPED: no recorded runs in ../shared/data/recorded-gpx beside the workspace");
+        return;
+    }
+    let (track, _) = TrackFile::read(&folder.join("track_kolkata.toml")).unwrap();
+    let (_, train) = TrainFile::read(&here.join("../data/reference/train.toml")).unwrap();
+    let file = RunSet::find(&[folder.join("runs")])
+        .unwrap()
+        .files
+        .remove(0);
+    let log = RunLog::read(&file.path, BadRows::Refuse).unwrap();
+    let recording = Recording::new(&file, &log, None, DirectionChoice::Auto).unwrap();
+    let rows = recording.rows.iter().map(|row| row.measurement);
+    let log: Vec<_> = rows.collect();
+    let description = Description::new(&train, &track, Config::default());
+    let same = compare(&settings, &description, recording.direction, &log).unwrap();
+    say(&recording.name, &same);
 }

@@ -22,6 +22,9 @@ Tasks:
   firmware [--board NAME]       builds the firmware: l475, l475-emulated, mps2 (default: all)
   firmware-lint                 clippy over the firmware of all boards
   run [--board NAME]            starts it in the emulator; its serial line is a TCP port of this machine
+  emulate RUN.csv [T.toml K.toml] [FRAMES.bin]
+                                plays a log to the firmware in the emulator and to the host, in lockstep: the same bytes, or the first tick that
+                                differs (default: train and track of data/reference)
   budget                        flash, RAM, stack and instructions of the firmware against their limits
   test                          the whole test run: set-up, firmware, unit, integration and documentation tests of every package
   ci                            everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
@@ -38,6 +41,7 @@ fn main() -> ExitCode {
         ["firmware-lint"] => all(firmware::lint),
         ["run"] => run_firmware::run_firmware(Board::L475Emulated),
         ["run", "--board", name] => with_board(name, run_firmware::run_firmware),
+        ["emulate", arguments @ ..] => emulate(arguments),
         ["budget"] => budget::budget(),
         ["test"] => test(),
         ["ci"] => run(Command::new("bash").arg(".ci/run")),
@@ -57,6 +61,37 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+fn emulate(arguments: &[&str]) -> Result<(), String> {
+    let (run_log, rest) = arguments
+        .split_first()
+        .ok_or("expected RUN.csv [T.toml K.toml] [FRAMES.bin]")?;
+    let reference = ["data/reference/train.toml", "data/reference/track.toml"];
+    let (described, frames) = match rest {
+        [] => (reference, None),
+        [frames] => (reference, Some(*frames)),
+        [train, track] => ([*train, *track], None),
+        [train, track, frames] => ([*train, *track], Some(*frames)),
+        _ => return Err("expected RUN.csv [T.toml K.toml] [FRAMES.bin]".to_owned()),
+    };
+    setup::setup()?;
+    firmware::firmware(Board::L475Emulated)?;
+    run(cargo()
+        .args([
+            "run",
+            "--release",
+            "--quiet",
+            "-p",
+            "host-tests",
+            "--example",
+            "emulate",
+            "--",
+            run_log,
+        ])
+        .args(described)
+        .args(frames)
+        .env("RUNDOWN_EMULATOR", "required"))
 }
 
 fn all(task: fn(Board) -> Result<(), String>) -> Result<(), String> {

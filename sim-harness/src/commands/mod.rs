@@ -3,6 +3,8 @@
 //! Exit codes: see [`AFTER_HELP`]. Errors are one line each on stderr: what, where, what to do.
 
 pub mod demo;
+pub mod link;
+pub mod provision;
 pub mod replay;
 mod screen;
 
@@ -16,7 +18,8 @@ Exit codes:
   1  a run could not be used; the others were replayed and written
   2  wrong arguments
   3  the train, the track, the configuration or an index of runs was refused
-  4  an output could not be written";
+  4  an output could not be written
+  5  the board did not answer, or refused";
 
 /// Everything was done, but for runs that could not be used.
 const SOME_RUNS_FAILED: u8 = 1;
@@ -24,6 +27,8 @@ const SOME_RUNS_FAILED: u8 = 1;
 const DESCRIPTION_REFUSED: u8 = 3;
 /// An output could not be written.
 const NOT_WRITTEN: u8 = 4;
+/// The board did not answer, or refused.
+const BOARD: u8 = 5;
 
 /// On-board train motion estimator: learns running resistance, regimes and limits of a train from location and speed.
 #[derive(Debug, Parser)]
@@ -37,6 +42,10 @@ struct Arguments {
 enum Command {
     /// Replay recorded runs through the estimator of the board
     Replay(Box<replay::Arguments>),
+    /// Play recorded runs to a board, real or emulated
+    Link(Box<link::Arguments>),
+    /// Make the record with a new key that a board is given
+    Provision(provision::Arguments),
     /// Replay a run that is built in, and print what it says
     Demo(demo::Arguments),
     /// Print the completions of a shell
@@ -63,6 +72,13 @@ impl Failure {
         }
     }
 
+    fn board(error: impl std::fmt::Display) -> Self {
+        Self {
+            message: error.to_string(),
+            code: BOARD,
+        }
+    }
+
     fn not_written(error: impl std::fmt::Display) -> Self {
         Self {
             message: error.to_string(),
@@ -75,6 +91,8 @@ impl Failure {
 pub fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Replay(arguments) => replay::run(&arguments),
+        Command::Link(arguments) => link::run(&arguments),
+        Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Completions { shell } => {
             clap_complete::generate(

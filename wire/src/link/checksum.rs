@@ -29,6 +29,19 @@ pub struct LengthError {
     pub found: usize,
 }
 
+impl fmt::Display for LengthError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "expected 1 to {} bytes, found {}",
+            super::MAX_MESSAGE,
+            self.found
+        )
+    }
+}
+
+impl core::error::Error for LengthError {}
+
 /// Why checked bytes are no message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]

@@ -1,0 +1,229 @@
+//! `rundown link`: plays recorded runs to a board, over a real line or the emulator's, and keeps what it says.
+
+use super::{Failure, screen};
+use crate::config_file;
+use crate::desk::{Description, Desk};
+use crate::link::address::Address;
+use crate::link::record::Recorder;
+use crate::map_matching::CentreLine;
+use crate::recording::{DirectionChoice, Recording};
+use crate::run_log::{BadRows, RunLog};
+use crate::run_set::RunSet;
+use crate::session::{Heard, Session, SessionError};
+use crate::track_file::TrackFile;
+use crate::train_file::TrainFile;
+use rundown::auth::provisioning::{Provisioning, SIZE};
+use rundown::config::Config;
+use rundown::link::Link;
+use rundown::uplink::{Command, Pace, Request};
+use rundown_wire::{Body, RunSummary};
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+const EXAMPLES: &str = "\
+Examples:
+  Play a log to a board as fast as it answers:
+    rundown link --to /dev/ttyACM0@115200 --key key.bin --train t.toml --track k.toml run.csv
+
+  In real time, with the board's own 10 s tick:
+    rundown link --to tcp:127.0.0.1:5475 --real-time --key key.bin --train t.toml --track k.toml run.csv
+
+--to is one of /dev/ttyACM0@115200, tcp:HOST:PORT, slcan:/dev/ttyACM0@115200, can:can0 (docs/link.md).
+--key is the provisioning record that the board was given (`rundown provision`).
+--record keeps every message of both directions (docs/formats.md).";
+
+/// Arguments of `rundown link`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// Run logs, or folders of run logs
+    #[arg(value_name = "RUN.csv", required = true)]
+    runs: Vec<PathBuf>,
+    /// Where the board is
+    #[arg(long, value_name = "ADDRESS")]
+    to: Address,
+    /// Provisioning record of the board
+    #[arg(long, value_name = "KEY.bin")]
+    key: PathBuf,
+    /// Description of the train
+    #[arg(long, value_name = "T.toml")]
+    train: PathBuf,
+    /// Description of the track
+    #[arg(long, value_name = "K.toml")]
+    track: PathBuf,
+    /// Configuration; what it leaves out keeps its default
+    #[arg(long, value_name = "C.toml")]
+    config: Option<PathBuf>,
+    /// Send each measurement at its time, and let the board's clock tick
+    #[arg(long)]
+    real_time: bool,
+    /// File for every message of both directions
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Direction of the runs that no index names
+    #[arg(long, value_enum, default_value_t)]
+    direction: DirectionChoice,
+}
+
+/// Does what the arguments say.
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let (_, train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
+    let (track, _) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;
+    let config = match &arguments.config {
+        Some(path) => config_file::read(path).map_err(Failure::refused)?,
+        None => Config::default(),
+    };
+    let description = Description::new(&train, &track, config);
+    let recordings = recordings(arguments, &track)?;
+    let desk = Desk::new(read_key(&arguments.key)?);
+    let link = arguments
+        .to
+        .open()
+        .map_err(|error| Failure::board(format!("{}: {error}", arguments.to)))?;
+    match &arguments.record {
+        None => play(
+            arguments,
+            Session::new(link, desk),
+            &description,
+            &recordings,
+        )?,
+        Some(path) => {
+            let at = |error: std::io::Error| {
+                Failure::not_written(format!("{}: {error}", path.display()))
+            };
+            let file = BufWriter::new(File::create(path).map_err(at)?);
+            let mut recorder = Recorder::new(link, file).map_err(at)?;
+            let played = play(
+                arguments,
+                Session::new(&mut recorder, desk),
+                &description,
+                &recordings,
+            );
+            recorder.finish().map_err(at)?;
+            played?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The record that a board was given.
+pub(super) fn read_key(path: &Path) -> Result<Provisioning, Failure> {
+    let at = |error: String| Failure::refused(format!("{}: {error}", path.display()));
+    let bytes = std::fs::read(path).map_err(|error| at(error.to_string()))?;
+    let found = bytes.len();
+    let record: [u8; SIZE] = bytes
+        .try_into()
+        .map_err(|_| at(format!("expected {SIZE} bytes, found {found}")))?;
+    Provisioning::from_bytes(&record).map_err(|error| at(error.to_string()))
+}
+
+fn recordings(arguments: &Arguments, track: &TrackFile) -> Result<Vec<Recording>, Failure> {
+    let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
+    let line = CentreLine::new(&track.centre_line);
+    set.files
+        .iter()
+        .map(|file| {
+            let log = RunLog::read(&file.path, BadRows::Refuse).map_err(Failure::refused)?;
+            Recording::new(file, &log, line.as_ref(), arguments.direction).map_err(Failure::refused)
+        })
+        .collect()
+}
+
+fn play<L: Link>(
+    arguments: &Arguments,
+    mut session: Session<L>,
+    description: &Description,
+    recordings: &[Recording],
+) -> Result<(), Failure>
+where
+    L::PortError: std::fmt::Display,
+{
+    let board = |error: SessionError| Failure::board(error.to_string());
+    let ticks: usize = recordings
+        .iter()
+        .map(|recording| recording.rows.len())
+        .sum();
+    let bar = screen::progress(ticks);
+    for recording in recordings {
+        let pace = if arguments.real_time {
+            Pace::Clock
+        } else {
+            Pace::Lockstep
+        };
+        session
+            .prepare(description, recording.direction, pace)
+            .map_err(board)?;
+        let mut said = Said::default();
+        let begin = Instant::now();
+        let first_s = recording
+            .rows
+            .first()
+            .map_or(0.0, |row| row.measurement.time_s);
+        for row in &recording.rows {
+            if arguments.real_time {
+                let due = Duration::try_from_secs_f64(row.measurement.time_s - first_s);
+                while due.as_ref().is_ok_and(|due| begin.elapsed() < *due) {
+                    match session.listen().map_err(board)? {
+                        Some(heard) => said.hear(&[heard]),
+                        None => std::thread::sleep(Duration::from_millis(5)),
+                    }
+                }
+                session.report(&row.measurement).map_err(board)?;
+            } else {
+                said.hear(&session.measure(&row.measurement).map_err(board)?);
+            }
+            bar.inc(1);
+        }
+        let end = Request::Command(Command::End);
+        said.hear(&session.ask(end, "the end of the run").map_err(board)?);
+        bar.suspend(|| screen::print(&said.line(&recording.name)));
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// What a board said in one run.
+#[derive(Default)]
+struct Said {
+    frames: usize,
+    estimates: usize,
+    refused: usize,
+    summary: Option<RunSummary>,
+}
+
+impl Said {
+    fn hear(&mut self, frames: &[Heard]) {
+        self.frames += frames.len();
+        for heard in frames {
+            match &heard.frame.body {
+                Body::Estimate(_) => self.estimates += 1,
+                Body::RunSummary(summary) => self.summary = Some(*summary),
+                Body::Answer(answer) if answer.result.is_err() => self.refused += 1,
+                _ => {}
+            }
+        }
+    }
+
+    fn line(&self, name: &str) -> String {
+        let Self {
+            frames,
+            estimates,
+            refused,
+            ..
+        } = self;
+        let learned = match &self.summary {
+            Some(summary) => {
+                let [r0, r1, r2] = summary.run_davis.map(|term| term.value);
+                format!(
+                    "r = {r0:.3e} + {r1:.3e} v + {r2:.3e} v2 N/kg, learned over {:.0} s",
+                    summary.learned_s
+                )
+            }
+            None => "no summary".to_owned(),
+        };
+        format!("{name}: {frames} frames, {estimates} estimates, {refused} refused; {learned}\n")
+    }
+}

@@ -1,0 +1,57 @@
+//! `rundown provision`: the record that makes a board known: its key and its train.
+
+use super::{Failure, screen};
+use rundown::auth::{Key, Provisioning};
+use rundown::train_id::TrainId;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  A new key for the board of unit 2451, and how to write it (page of its own, see docs/firmware.md):
+    rundown provision --train-id 2451 --key-id 1 --out key.bin
+    probe-rs download --chip STM32L475VGTx --binary-format bin --base-address 0x080FF800 key.bin
+
+The file is the secret: whoever has it can change the board. Keep it where the operator keeps keys, never beside an image.";
+
+/// Arguments of `rundown provision`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    /// The operator's name of the train
+    #[arg(long, value_name = "NAME")]
+    train_id: String,
+    /// Number of the key, shown in lists; says nothing of the key
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    key_id: u32,
+    /// File for the record; must not exist, for a lost key locks a board
+    #[arg(long, value_name = "KEY.bin")]
+    out: PathBuf,
+}
+
+/// Does what the arguments say.
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let at = |error: String| Failure::not_written(format!("{}: {error}", arguments.out.display()));
+    let mut key = [0; 16];
+    getrandom::fill(&mut key).map_err(|error| at(format!("no random numbers: {error}")))?;
+    let provisioning = Provisioning {
+        key_id: arguments.key_id,
+        key: Key::new(key),
+        train: TrainId::of(&arguments.train_id),
+    };
+    let mut file = std::fs::OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(&arguments.out)
+        .map_err(|error| at(error.to_string()))?;
+    std::io::Write::write_all(&mut file, &provisioning.to_bytes())
+        .map_err(|error| at(error.to_string()))?;
+    screen::print(&format!(
+        "key {} of train {} ({}): {}\n",
+        arguments.key_id,
+        arguments.train_id,
+        provisioning.train,
+        arguments.out.display()
+    ));
+    Ok(ExitCode::SUCCESS)
+}
