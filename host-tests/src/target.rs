@@ -2,7 +2,7 @@
 
 use crate::board::{PROVISIONING, Wire, task};
 use crate::flash::Flash;
-use emulator::{Board, Emulator, Settings};
+use emulator::{Board, Emulator, FlashFile, Settings};
 use rundown::link::serial::{self, SerialLink};
 use rundown::link::{Counters, Link, LinkError, Message};
 use rundown::measurement::Measurement;
@@ -24,6 +24,21 @@ pub fn firmware() -> Option<Settings> {
     match Settings::new(Board::L475Emulated) {
         Ok(settings) => Some(Settings {
             preloads: vec![(KEY_ADDRESS, PROVISIONING.to_bytes().to_vec())],
+            ..settings
+        }),
+        Err(missing) if std::env::var_os("RUNDOWN_EMULATOR").is_some() => panic!("{missing}"),
+        Err(missing) => {
+            println!("SKIPPED: {missing}");
+            None
+        }
+    }
+}
+
+/// The same for the test board, whose flash is a file that outlives the emulator.
+pub fn test_board(flash: &FlashFile) -> Option<Settings> {
+    match Settings::new(Board::Mps2) {
+        Ok(settings) => Some(Settings {
+            flash: Some(flash.clone()),
             ..settings
         }),
         Err(missing) if std::env::var_os("RUNDOWN_EMULATOR").is_some() => panic!("{missing}"),
@@ -75,7 +90,10 @@ fn on_host() -> Session<impl Link<PortError = std::convert::Infallible>> {
 }
 
 /// A session with the firmware in the emulator, once it says that it is there.
-fn on_target(
+///
+/// # Errors
+/// It does not say that it has started.
+pub fn on_target(
     emulator: &mut Emulator,
 ) -> Result<Session<impl Link<PortError = std::io::Error> + use<>>, Box<dyn Error>> {
     let port = HostPort::tcp(emulator.line().try_clone()?)?;

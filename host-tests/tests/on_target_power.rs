@@ -1,0 +1,86 @@
+//! What is left when the power goes? The firmware on the test board of the emulator, whose flash is a file: killing the emulator is the loss of power.
+
+use emulator::{Emulator, FlashFile};
+use host_tests::accuracy::{description, measurements};
+use host_tests::board::PROVISIONING;
+use host_tests::scenario::{Scenario, simulate};
+use host_tests::target::{on_target, test_board};
+use rundown::config::Config;
+use rundown::track::Direction;
+use rundown::uplink::Pace;
+use rundown_wire::{Body, Memory, RunSummary, Status};
+use sim_harness::session::Heard;
+use std::thread::sleep;
+use std::time::Duration;
+
+fn status(frames: &[Heard]) -> Status {
+    let found = frames.iter().find_map(|heard| match heard.frame.body {
+        Body::Status(status) => Some(status),
+        _ => None,
+    });
+    found.expect("a status")
+}
+
+fn summary(frames: &[Heard]) -> RunSummary {
+    let found = frames.iter().find_map(|heard| match heard.frame.body {
+        Body::RunSummary(summary) => Some(summary),
+        _ => None,
+    });
+    found.expect("a summary")
+}
+
+#[test]
+fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let flash = FlashFile::erased(&folder.path().join("flash")).unwrap();
+    flash.put_key(&PROVISIONING.to_bytes()).unwrap();
+    let Some(settings) = test_board(&flash) else {
+        return;
+    };
+    let scenario = Scenario::default();
+    let description = description(Config::default(), &scenario);
+    let log = measurements(&simulate(&scenario, 3));
+
+    let mut emulator = Emulator::start(&settings).unwrap();
+    let mut session = on_target(&mut emulator).unwrap();
+    session
+        .prepare(&description, Direction::Up, Pace::Lockstep)
+        .unwrap();
+    for measurement in &log {
+        session.measure(measurement).unwrap();
+    }
+    let learned = summary(&session.end_run().unwrap());
+    assert!(learned.learned_s > 60.0);
+    drop(emulator);
+
+    // The board writes two records at each start: cut it before, within and after.
+    let mut before = None;
+    for cut_us in [
+        0, 300, 1000, 3000, 10_000, 20_000, 30_000, 50_000, 80_000, 200_000,
+    ] {
+        let emulator = Emulator::start(&settings).unwrap();
+        sleep(Duration::from_micros(cut_us));
+        drop(emulator);
+
+        let mut emulator = Emulator::start(&settings).unwrap();
+        let mut session = on_target(&mut emulator).unwrap();
+        session
+            .prepare(&description, Direction::Up, Pace::Lockstep)
+            .unwrap();
+        let now = status(&session.greet().unwrap());
+        assert!(
+            matches!(now.memory, Memory::Restored | Memory::RestoredOlder),
+            "cut after {cut_us} us: {:?}",
+            now.memory
+        );
+        session.measure(&log[0]).unwrap();
+        let after = summary(&session.end_run().unwrap());
+        assert_eq!(after.vehicle_davis, learned.vehicle_davis, "{cut_us} us");
+        // What was signed for an earlier start is of no use now.
+        let epoch = now
+            .announcement
+            .map(|announcement| announcement[..4].to_vec());
+        assert!(epoch > before, "{before:?} {epoch:?}");
+        before = epoch;
+    }
+}
