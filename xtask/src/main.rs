@@ -21,7 +21,7 @@ Tasks:
   setup                         finds or installs what the firmware needs: Rust for thumbv7em-none-eabihf, QEMU >= 10
   firmware [--board NAME]       builds the firmware: l475, l475-emulated, mps2 (default: all)
   firmware-lint                 clippy over the firmware of all boards
-  run [--board NAME]            starts it in the emulator; its serial line is a TCP port of this machine
+  run [--key KEY.bin]           starts the B-L475E-IOT01A in the emulator; its serial line is a TCP port of this machine
   emulate RUN.csv [T.toml K.toml] [FRAMES.bin]
                                 plays a log to the firmware in the emulator and to the host, in lockstep: the same bytes, or the first tick that
                                 differs (default: train and track of data/reference)
@@ -39,8 +39,8 @@ fn main() -> ExitCode {
         ["firmware"] => all(firmware::firmware),
         ["firmware", "--board", name] => with_board(name, firmware::firmware),
         ["firmware-lint"] => all(firmware::lint),
-        ["run"] => run_firmware::run_firmware(Board::L475Emulated),
-        ["run", "--board", name] => with_board(name, run_firmware::run_firmware),
+        ["run"] => run_firmware::run_firmware(Board::L475Emulated, None),
+        ["run", "--key", key] => run_firmware::run_firmware(Board::L475Emulated, Some(*key)),
         ["emulate", arguments @ ..] => emulate(arguments),
         ["budget"] => budget::budget(),
         ["test"] => test(),
@@ -111,8 +111,18 @@ fn with_board(name: &str, task: fn(Board) -> Result<(), String>) -> Result<(), S
 fn test() -> Result<(), String> {
     setup::setup()?;
     all(firmware::firmware)?;
-    // With it the tests with the emulator must run.
-    run(cargo()
-        .args(["test", "--workspace"])
-        .env("RUNDOWN_EMULATOR", "required"))
+    let peers = setup::peers();
+    // With these the tests with the emulator and with the peers of the CAN link must run.
+    let mut test = cargo();
+    test.args(["test", "--workspace"])
+        .env("RUNDOWN_EMULATOR", "required");
+    match peers {
+        Ok(()) => {
+            test.env("RUNDOWN_PEERS", "required");
+        }
+        Err(reason) => println!(
+            "python-can and can-isotp are not there ({reason}): the test of the CAN link against them says that it is skipped"
+        ),
+    }
+    run(&mut test)
 }

@@ -8,9 +8,18 @@ use std::thread;
 
 /// Port of the serial line.
 const PORT: u16 = 5475;
+/// Where the provisioning record lies in the flash of the reference board.
+const KEY_ADDRESS: u32 = 0x080F_F800;
 
 /// Until the other side hangs up, or the emulator ends.
-pub fn run_firmware(board: Board) -> Result<(), String> {
+///
+/// `key` is the provisioning record that the board is given. Without it the board refuses everything that is secured.
+pub fn run_firmware(board: Board, key: Option<&str>) -> Result<(), String> {
+    let mut preloads = Vec::new();
+    if let Some(path) = key {
+        let record = std::fs::read(path).map_err(|error| format!("{path}: {error}"))?;
+        preloads.push((KEY_ADDRESS, record));
+    }
     setup::setup()?;
     firmware::firmware(board)?;
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, PORT))
@@ -20,7 +29,10 @@ pub fn run_firmware(board: Board) -> Result<(), String> {
     );
     let (other, from) = listener.accept().map_err(|error| error.to_string())?;
     println!("{from} connected");
-    let settings = Settings::new(board).map_err(|error| error.to_string())?;
+    let settings = Settings {
+        preloads,
+        ..Settings::new(board).map_err(|error| error.to_string())?
+    };
     let mut emulator = Emulator::start(&settings).map_err(|error| error.to_string())?;
     join(emulator.line(), other).map_err(|error| error.to_string())
 }

@@ -1,6 +1,6 @@
 //! `cargo xtask setup`: everything that the firmware's build and its emulator need. Says what it finds and what it does; a second run finds all and does nothing.
 
-use crate::shell::{ask, run};
+use crate::shell::{ask, root, run};
 use crate::toolchain::{TARGET, Toolchain};
 use std::io::Write;
 use std::path::Path;
@@ -142,4 +142,21 @@ fn as_root(program: &str) -> Command {
     let mut sudo = Command::new("sudo");
     sudo.arg(program);
     sudo
+}
+
+/// The independent peers of the CAN link, in a Python environment of their own. At once when they are there.
+pub fn peers() -> Result<(), String> {
+    let folder = root().join("target/peers");
+    if folder.join("bin/python").exists() && folder.join("complete").exists() {
+        return Ok(());
+    }
+    run(Command::new("python3").args(["-m", "venv", "target/peers"]))?;
+    run(Command::new(folder.join("bin/pip")).args([
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "-r",
+        "host-tests/peers/requirements.txt",
+    ]))?;
+    std::fs::write(folder.join("complete"), "").map_err(|error| error.to_string())
 }
