@@ -2,6 +2,8 @@
 //!
 //! `BLESS=1 cargo test -p host-tests --test wire -- --test-threads=1` writes the examples and the sizes into the document. It never writes `data/golden/wire_v1.txt`: released bytes do not change.
 
+#[path = "wire/conversation.rs"]
+mod conversation;
 #[path = "wire/examples.rs"]
 mod examples;
 
