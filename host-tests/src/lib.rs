@@ -24,6 +24,7 @@ pub mod board;
 pub mod brake;
 pub mod driver;
 pub mod facts;
+pub mod fields;
 pub mod flash;
 pub mod habits;
 pub mod line;

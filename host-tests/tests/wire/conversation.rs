@@ -1,0 +1,99 @@
+//! Does the board answer in the order that the document states?
+
+use host_tests::accuracy::{description, measurements};
+use host_tests::board::Board;
+use host_tests::flash::Flash;
+use host_tests::scenario::{Scenario, simulate};
+use rundown::config::Config;
+use rundown::measurement::Measurement;
+use rundown::track::Direction;
+use rundown::uplink::{Command, Request};
+use rundown_wire::{Body, Downlink};
+
+fn names(frames: &[Downlink]) -> Vec<&'static str> {
+    frames.iter().map(|frame| frame.body.as_str()).collect()
+}
+
+fn prepared() -> (Board, Vec<Measurement>) {
+    let scenario = Scenario::default();
+    let log = measurements(&simulate(&scenario, 3));
+    let mut board = Board::start(Flash::erased(8));
+    board.prepare(&description(Config::default(), &scenario), Direction::Up);
+    (board, log)
+}
+
+const TICK: [&str; 3] = ["parameters", "effort", "estimate"];
+const MINUTE: [&str; 4] = ["features", "switching_points", "status", "health"];
+
+#[test]
+fn the_frames_of_a_tick_come_in_this_order() {
+    let (mut board, log) = prepared();
+    for (tick, measurement) in (1..=12).zip(&log) {
+        let frames = board.measure(measurement);
+        assert!(frames.iter().all(|frame| frame.tick == tick));
+        if tick == 1 {
+            // The answer to `begin` was number 0.
+            assert_eq!(frames[0].sequence, 1);
+        }
+        let mut expected = TICK.to_vec();
+        if tick % 6 == 0 {
+            expected.splice(2..2, MINUTE);
+        }
+        let mut found = names(&frames);
+        let parts = found
+            .iter()
+            .filter(|name| **name == "snapshot_part")
+            .count();
+        assert_eq!((1..=4).contains(&parts), tick == 12, "tick {tick}");
+        let last = found.len() - 1;
+        found.drain(last - parts..last);
+        assert_eq!(found, expected, "tick {tick}");
+    }
+}
+
+#[test]
+fn the_end_of_a_run_comes_in_this_order() {
+    let (mut board, log) = prepared();
+    for measurement in &log {
+        board.measure(measurement);
+    }
+    let end = board.desk.secured(Request::Command(Command::End)).unwrap();
+    let mut found = names(&board.say(&end));
+    found.dedup();
+    assert_eq!(
+        found,
+        [
+            "features",
+            "switching_points",
+            "run_summary",
+            "status",
+            "health",
+            "answer"
+        ]
+    );
+    // The same bytes once more: no answer at all.
+    assert_eq!(board.say(&end), []);
+}
+
+#[test]
+fn after_a_long_stop_the_estimate_is_the_next_runs_first_frame() {
+    let (mut board, log) = prepared();
+    for measurement in &log {
+        board.measure(measurement);
+    }
+    let mut standing = *log.last().unwrap();
+    standing.speed_mps = Some(0.0);
+    let last = (0..60).find_map(|_| {
+        standing.time_s += 10.0;
+        let frames = board.measure(&standing);
+        let ends = names(&frames).contains(&"run_summary");
+        ends.then_some(frames)
+    });
+    let last = last.expect("a run that ends");
+    let [.., before, estimate] = &last[..] else {
+        panic!("two frames at least: {last:?}");
+    };
+    assert_eq!(before.body.as_str(), "health");
+    assert_eq!((estimate.sequence, estimate.tick), (0, 0));
+    assert!(matches!(estimate.body, Body::Estimate(_)) && before.tick > 0);
+}
