@@ -228,8 +228,15 @@ impl<F: NorFlash> Task<'_, F> {
         self.silent_ticks = 0;
         self.tick = self.tick.wrapping_add(1);
         self.report(&estimate, port);
-        self.watch_for_the_end(&estimate, port);
+        let over = self.is_over(&estimate);
+        if over {
+            self.end(port);
+        }
         self.send(Body::Estimate(frames::estimate(&estimate)), port);
+        if over {
+            // The next run begins at once: nothing that is to be learned waits for somebody to say so.
+            self.begin(self.run.direction());
+        }
         Ok(())
     }
 

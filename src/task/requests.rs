@@ -92,21 +92,17 @@ impl<F: NorFlash> Task<'_, F> {
         self.send_summary(&summary, port);
     }
 
-    /// A long stop ends the run, and the next one begins at once: nothing that was learned waits for somebody to say so.
-    pub(super) fn watch_for_the_end(&mut self, estimate: &Estimate, port: &mut impl Port) {
+    /// A long stop ends the run.
+    pub(super) fn is_over(&mut self, estimate: &Estimate) -> bool {
         if estimate.belief.mean[SPEED] > MOVING_MPS {
             self.moved = true;
         }
         if estimate.regime != Regime::Standstill {
             self.standing_since_s = None;
-            return;
+            return false;
         }
         let since_s = *self.standing_since_s.get_or_insert(estimate.time_s);
-        if self.moved && estimate.time_s - since_s >= LONG_STOP_S {
-            let direction = self.run.direction();
-            self.end(port);
-            self.begin(direction);
-        }
+        self.moved && estimate.time_s - since_s >= LONG_STOP_S
     }
 
     fn take_train(&mut self, frame: &TrainFrame) -> Result<(), Refusal> {

@@ -76,7 +76,7 @@ fn the_end_of_a_run_comes_in_this_order() {
 }
 
 #[test]
-fn after_a_long_stop_the_estimate_is_the_next_runs_first_frame() {
+fn a_long_stop_ends_the_run_with_the_estimate_and_the_next_one_begins_at_zero() {
     let (mut board, log) = prepared();
     for measurement in &log {
         board.measure(measurement);
@@ -94,6 +94,12 @@ fn after_a_long_stop_the_estimate_is_the_next_runs_first_frame() {
         panic!("two frames at least: {last:?}");
     };
     assert_eq!(before.body.as_str(), "health");
-    assert_eq!((estimate.sequence, estimate.tick), (0, 0));
-    assert!(matches!(estimate.body, Body::Estimate(_)) && before.tick > 0);
+    assert!(matches!(estimate.body, Body::Estimate(_)));
+    assert_eq!(
+        (estimate.sequence, estimate.tick),
+        (before.sequence + 1, before.tick)
+    );
+    standing.time_s += 10.0;
+    let next = board.measure(&standing);
+    assert_eq!((next[0].sequence, next[0].tick), (0, 1));
 }
