@@ -80,24 +80,31 @@ pub fn resistance(davis: &Gaussian<3>, kmh: f64) -> (f64, f64) {
     (at.dot(&davis.mean), at.dot(&(davis.covariance * at)).sqrt())
 }
 
+/// Speeds at which r(v) is judged, km/h.
+const SPEEDS_KMH: [f64; 7] = [20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0];
+
 /// Errors of r(v) against the true coefficients.
 #[derive(Clone, Debug, Default)]
 pub struct Errors {
     square: f64,
     count: f64,
     inside: f64,
-    bias: f64,
+    /// Squares of the errors in reported standard deviations.
+    deviations: f64,
+    /// Sum of the errors at each of the speeds.
+    bias: [f64; SPEEDS_KMH.len()],
 }
 
 impl Errors {
     /// Adds one estimate, at 20 to 140 km/h.
     pub fn add(&mut self, davis: &Gaussian<3>, truth: &Davis) {
-        for kmh in (20..=140).step_by(20) {
-            let (r, sd) = resistance(davis, f64::from(kmh));
-            let true_r = truth.resistance_n_per_kg(f64::from(kmh) / 3.6);
+        for (kmh, bias) in SPEEDS_KMH.into_iter().zip(&mut self.bias) {
+            let (r, sd) = resistance(davis, kmh);
+            let true_r = truth.resistance_n_per_kg(kmh / 3.6);
             let error = (r - true_r) / true_r;
             self.square += error * error;
-            self.bias += error;
+            *bias += error;
+            self.deviations += (r - true_r) * (r - true_r) / (sd * sd);
             self.count += 1.0;
             if (r - true_r).abs() <= 1.96 * sd {
                 self.inside += 1.0;
@@ -112,7 +119,18 @@ impl Errors {
 
     /// Mean, %.
     pub fn bias_percent(&self) -> f64 {
-        100.0 * self.bias / self.count
+        100.0 * self.bias.iter().sum::<f64>() / self.count
+    }
+
+    /// Mean at 20, 60, 100 and 140 km/h, %: a tilt shows here.
+    pub fn tilt_percent(&self) -> [f64; 4] {
+        let each = self.count / SPEEDS_KMH.len() as f64;
+        [0, 2, 4, 6].map(|i| 100.0 * self.bias[i] / each)
+    }
+
+    /// Root mean square of error over reported standard deviation: 1 if the interval is as wide as the errors are.
+    pub fn deviations(&self) -> f64 {
+        (self.deviations / self.count).sqrt()
     }
 
     /// Share of truths inside the reported 95 % interval.
@@ -145,15 +163,31 @@ pub fn judge(
     seed: u64,
 ) -> Table {
     let mut table = Table::default();
-    let estimator = estimator(config, scenario);
-    for (vehicle_index, scale) in scales.iter().enumerate() {
+    for (index, scale) in scales.iter().enumerate() {
+        let runs = fleet(scenario, *scale, runs, seed + 1000 * index as u64);
+        table.judge_vehicle(config, scenario, *scale, &runs);
+    }
+    table
+}
+
+impl Table {
+    /// Adds one vehicle by the scale of its r0, r1, r2 and its runs.
+    pub fn judge_vehicle(
+        &mut self,
+        config: Config,
+        scenario: &Scenario,
+        scale: [f64; 3],
+        fleet: &[Run],
+    ) {
+        let table = self;
+        let runs = fleet.len();
+        let estimator = estimator(config, scenario);
         let truth = Davis {
             r0: NOMINAL.r0 * scale[0],
             r1: NOMINAL.r1 * scale[1],
             r2: NOMINAL.r2 * scale[2],
         };
         let mut vehicle = estimator.new_vehicle();
-        let fleet = fleet(scenario, *scale, runs, seed + 1000 * vehicle_index as u64);
         for (index, run) in fleet.iter().enumerate() {
             let (estimates, summary) = replay(&estimator, &mut vehicle, run);
             let slot = match index + 1 {
@@ -183,7 +217,6 @@ pub fn judge(
             table.feature_errors(run, &summary);
         }
     }
-    table
 }
 
 /// The estimator's word for a true regime.
@@ -272,10 +305,11 @@ impl Table {
         let row = |name: &str, errors: &[Errors; 3]| {
             let cell = |e: &Errors| {
                 format!(
-                    "{:.2} % ({:+.2}, {:.0} % inside)",
+                    "{:.2} % ({:+.2}, {:.0} % inside, {:.2} sd)",
                     e.rmse_percent(),
                     e.bias_percent(),
-                    100.0 * e.coverage()
+                    100.0 * e.coverage(),
+                    e.deviations()
                 )
             };
             println!(
@@ -287,6 +321,10 @@ impl Table {
         };
         row("vehicle r(v) rmse", &self.vehicle);
         row("running r(v) rmse", &self.running);
+        println!(
+            "  last vehicle's mean error at 20/60/100/140 km/h: {:+.2?} %",
+            self.vehicle[2].tilt_percent()
+        );
         println!("  slope at 60/100/140 km/h: {:.2?}", self.slopes());
         println!(
             "  regimes (accuracy, macro F1) causal, confirmed: {:.3?}",
