@@ -541,7 +541,8 @@ fn samples_5_to_15_s_apart_say_the_same_as_regular_ones() {
         for kmh in [60.0, 100.0, 140.0] {
             let (r, sd) = resistance(&found.run_davis, kmh);
             let moved = (r - resistance(&expected.run_davis, kmh).0) / sd;
-            assert!(moved.abs() < 2.0, "seed {seed}, {kmh} km/h: {moved} sd");
+            // Two sets of rounding errors, each of one sd: 3 sd is 2 of their difference, over 20 runs.
+            assert!(moved.abs() < 3.0, "seed {seed}, {kmh} km/h: {moved} sd");
         }
         regular_misjudged += misjudged_share(&run, &expected);
         jittered_misjudged += misjudged_share(&run, &found);
