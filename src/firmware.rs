@@ -100,13 +100,15 @@ mod app {
             clock.hz(),
             boot.resets
         );
-        let application = cx.local.application.write(Application::new(
-            Provisioning::from_bytes(&board::provisioning::record()),
+        let run = place_run(cx.local.run);
+        let heartbeat_only = boot.operation == Operation::HeartbeatOnly;
+        let application = place(
+            cx.local.application,
             flash,
-            boot.operation == Operation::HeartbeatOnly,
-            cx.local.run.write(RunState::idle()),
+            heartbeat_only,
+            run,
             cx.local.room,
-        ));
+        );
         let (ring_in, ring_out) = cx.local.ring.split();
         rtic::pend(Interrupt::COMP);
         rtic::pend(Interrupt::TSC);
@@ -221,6 +223,31 @@ mod app {
             rtic::pend(Interrupt::TSC);
         }
         LINK_BEATS.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// In a frame of its own, so that the stack of the start is given back.
+    #[inline(never)]
+    fn place_run(slot: &'static mut MaybeUninit<RunState>) -> &'static mut RunState {
+        slot.write(RunState::idle())
+    }
+
+    /// As above.
+    #[inline(never)]
+    fn place(
+        slot: &'static mut MaybeUninit<Application<'static, Flash>>,
+        flash: Flash,
+        heartbeat_only: bool,
+        run: &'static mut RunState,
+        room: &'static mut Room,
+    ) -> &'static mut Application<'static, Flash> {
+        let provisioning = Provisioning::from_bytes(&board::provisioning::record());
+        slot.write(Application::new(
+            provisioning,
+            flash,
+            heartbeat_only,
+            run,
+            room,
+        ))
     }
 
     /// Puts a frame into the outbox and starts the line. When there is no room the oldest frame goes.

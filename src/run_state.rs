@@ -48,6 +48,19 @@ pub struct RunState {
 /// Most bytes that a snapshot takes. Held by a test over a run that fills every buffer.
 pub const MAX_SNAPSHOT: usize = 12 * 1024;
 
+/// A snapshot that is read.
+pub(crate) type Source<'a> = postcard::Deserializer<'a, postcard::de_flavors::Slice<'a>>;
+
+/// Takes one field. A function of its own, so that the stack holds one field at a time and not all of them.
+#[inline(never)]
+pub(crate) fn take<'de, T: Deserialize<'de>>(
+    field: &mut T,
+    source: &mut Source<'de>,
+) -> postcard::Result<()> {
+    *field = T::deserialize(source)?;
+    Ok(())
+}
+
 /// Why bytes are no snapshot. The run is idle afterwards: half a state is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoSnapshot;
@@ -167,26 +180,24 @@ impl RunState {
     }
 
     /// In the order in which they are declared, which is the order in which they were written.
-    fn take_fields<'de>(
-        &mut self,
-        source: &mut postcard::Deserializer<'de, postcard::de_flavors::Slice<'de>>,
-    ) -> postcard::Result<()> {
-        self.direction = Deserialize::deserialize(&mut *source)?;
-        self.begin = Deserialize::deserialize(&mut *source)?;
-        self.plausibility = Deserialize::deserialize(&mut *source)?;
-        self.kinematics = Deserialize::deserialize(&mut *source)?;
-        self.paper = Deserialize::deserialize(&mut *source)?;
-        self.learner = Deserialize::deserialize(&mut *source)?;
-        self.recogniser = Deserialize::deserialize(&mut *source)?;
-        self.regime = Deserialize::deserialize(&mut *source)?;
-        self.anchor = Deserialize::deserialize(&mut *source)?;
-        self.last = Deserialize::deserialize(&mut *source)?;
-        self.last_effort_n_per_kg = Deserialize::deserialize(&mut *source)?;
-        self.reading = Deserialize::deserialize(&mut *source)?;
-        self.unconfirmed = Deserialize::deserialize(&mut *source)?;
-        self.without_location_s = Deserialize::deserialize(&mut *source)?;
-        self.without_speed_s = Deserialize::deserialize(&mut *source)?;
-        self.counters = Deserialize::deserialize(&mut *source)?;
+    #[inline(never)]
+    fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        take(&mut self.direction, source)?;
+        take(&mut self.begin, source)?;
+        take(&mut self.plausibility, source)?;
+        take(&mut self.kinematics, source)?;
+        take(&mut self.paper, source)?;
+        take(&mut self.learner, source)?;
+        take(&mut self.recogniser, source)?;
+        take(&mut self.regime, source)?;
+        take(&mut self.anchor, source)?;
+        take(&mut self.last, source)?;
+        take(&mut self.last_effort_n_per_kg, source)?;
+        take(&mut self.reading, source)?;
+        take(&mut self.unconfirmed, source)?;
+        take(&mut self.without_location_s, source)?;
+        take(&mut self.without_speed_s, source)?;
+        take(&mut self.counters, source)?;
         self.features.take_fields(source)
     }
 

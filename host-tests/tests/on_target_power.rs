@@ -6,8 +6,9 @@ use host_tests::board::PROVISIONING;
 use host_tests::scenario::{Scenario, simulate};
 use host_tests::target::{on_target, test_board};
 use rundown::config::Config;
+use rundown::digest;
 use rundown::track::Direction;
-use rundown::uplink::Pace;
+use rundown::uplink::{Command, Pace, Request};
 use rundown_wire::{Body, Memory, RunSummary, Status};
 use sim_harness::session::Heard;
 use std::thread::sleep;
@@ -82,5 +83,74 @@ fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
             .map(|announcement| announcement[..4].to_vec());
         assert!(epoch > before, "{before:?} {epoch:?}");
         before = epoch;
+    }
+}
+
+/// The run goes on in a board that has lost everything but its flash, from the snapshot that the desk kept.
+#[test]
+fn a_run_goes_on_after_a_brown_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let flash = FlashFile::erased(&folder.path().join("flash")).unwrap();
+    flash.put_key(&PROVISIONING.to_bytes()).unwrap();
+    let Some(settings) = test_board(&flash) else {
+        return;
+    };
+    let scenario = Scenario::default();
+    let description = description(Config::default(), &scenario);
+    let estimator = description.estimator().unwrap();
+    let mut run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
+    let log = measurements(&simulate(&scenario, 3));
+    let (before, after) = log.split_at(100);
+
+    let mut emulator = Emulator::start(&settings).unwrap();
+    let mut session = on_target(&mut emulator).unwrap();
+    session
+        .prepare(&description, Direction::Up, Pace::Lockstep)
+        .unwrap();
+    for measurement in before {
+        session.measure(measurement).unwrap();
+        estimator.step(&mut run, measurement).unwrap();
+    }
+    // What is on its way is of an earlier tick; the one after it is of now.
+    let parts = loop {
+        let what = "a snapshot";
+        session
+            .ask(Request::Command(Command::Snapshot), what)
+            .unwrap();
+        if let Some(parts) = session
+            .desk()
+            .snapshot()
+            .filter(|parts| parts[0].tick == 100)
+        {
+            break parts.to_vec();
+        }
+    };
+    drop(emulator);
+
+    let mut emulator = Emulator::start(&settings).unwrap();
+    let mut session = on_target(&mut emulator).unwrap();
+    session.greet().unwrap();
+    for request in description.requests(PROVISIONING.train.0) {
+        session.ask(request, "the description").unwrap();
+    }
+    let pace = Request::Command(Command::Pace(Pace::Lockstep));
+    session.ask(pace, "the pace").unwrap();
+    for part in parts {
+        session
+            .ask(Request::Snapshot(part), "a part of the snapshot")
+            .unwrap();
+    }
+    for measurement in after {
+        let frames = session.measure(measurement).unwrap();
+        let expected = estimator.step(&mut run, measurement).unwrap();
+        let Some(Body::Estimate(found)) = frames.last().map(|heard| &heard.frame.body) else {
+            panic!("no estimate at {} s", measurement.time_s);
+        };
+        assert_eq!(
+            found.digest,
+            digest::of_estimate(&expected),
+            "at {} s",
+            measurement.time_s
+        );
     }
 }

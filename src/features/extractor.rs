@@ -17,9 +17,10 @@ use super::{Energy, FeatureConfig, Features, MAX_SWITCHING_POINTS, Observation, 
 use crate::Real;
 use crate::regime::Regime;
 use crate::resistance::Davis;
+use crate::run_state::{Source, take};
 use crate::units::KmPerHour;
 use heapless::{Deque, Vec};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Boundaries kept with what is needed to place them; the final approach must lie within them.
 const MAX_RECENT: usize = 24;
@@ -104,29 +105,26 @@ impl FeatureExtractor {
     }
 
     /// Takes the fields of a snapshot, one after the other in place, in the order in which they are declared.
-    pub(crate) fn take_fields<'de>(
-        &mut self,
-        source: &mut postcard::Deserializer<'de, postcard::de_flavors::Slice<'de>>,
-    ) -> postcard::Result<()> {
-        self.before = Deserialize::deserialize(&mut *source)?;
-        self.stretches = Deserialize::deserialize(&mut *source)?;
-        self.steady_effort = Deserialize::deserialize(&mut *source)?;
-        self.steady_power = Deserialize::deserialize(&mut *source)?;
-        self.steady_brake = Deserialize::deserialize(&mut *source)?;
-        self.effort = Deserialize::deserialize(&mut *source)?;
-        self.power = Deserialize::deserialize(&mut *source)?;
-        self.power_hindsight = Deserialize::deserialize(&mut *source)?;
-        self.max_power_w_per_kg = Deserialize::deserialize(&mut *source)?;
-        self.brake_rates = Deserialize::deserialize(&mut *source)?;
-        self.phases = Deserialize::deserialize(&mut *source)?;
-        self.course = Deserialize::deserialize(&mut *source)?;
-        self.recent = Deserialize::deserialize(&mut *source)?;
-        self.older = Deserialize::deserialize(&mut *source)?;
-        self.lost = Deserialize::deserialize(&mut *source)?;
-        self.top_speed_mps = Deserialize::deserialize(&mut *source)?;
-        self.arrival_top_speed_mps = Deserialize::deserialize(&mut *source)?;
-        self.regime_time_s = Deserialize::deserialize(&mut *source)?;
-        self.energy = Deserialize::deserialize(&mut *source)?;
+    pub(crate) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        take(&mut self.before, source)?;
+        take(&mut self.stretches, source)?;
+        take(&mut self.steady_effort, source)?;
+        take(&mut self.steady_power, source)?;
+        take(&mut self.steady_brake, source)?;
+        take(&mut self.effort, source)?;
+        take(&mut self.power, source)?;
+        take(&mut self.power_hindsight, source)?;
+        take(&mut self.max_power_w_per_kg, source)?;
+        take(&mut self.brake_rates, source)?;
+        take(&mut self.phases, source)?;
+        take(&mut self.course, source)?;
+        take(&mut self.recent, source)?;
+        take(&mut self.older, source)?;
+        take(&mut self.lost, source)?;
+        take(&mut self.top_speed_mps, source)?;
+        take(&mut self.arrival_top_speed_mps, source)?;
+        take(&mut self.regime_time_s, source)?;
+        take(&mut self.energy, source)?;
         Ok(())
     }
 
