@@ -1,0 +1,273 @@
+//! Does the board survive what `docs/faults.md` lists? The rows that no other test holds, through the tick task and its messages.
+
+use host_tests::accuracy::{description, measurements};
+use host_tests::board::{Board, answer, estimate};
+use host_tests::flash::Flash;
+use host_tests::scenario::{Scenario, simulate};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rundown::config::{Config, Mode};
+use rundown::measurement::Measurement;
+use rundown::track::{Direction, Gradient};
+use rundown::uplink::{self, Command, Request, Setting, Uplink};
+use rundown_wire::{Body, Downlink, Refusal};
+use sim_harness::desk::Description;
+
+fn running() -> (Board, Description, Vec<Measurement>) {
+    let scenario = Scenario::default();
+    let log = measurements(&simulate(&scenario, 3));
+    let description = description(Config::default(), &scenario);
+    let mut board = Board::start(Flash::erased(8));
+    board.prepare(&description, Direction::Up);
+    (board, description, log)
+}
+
+/// Digests of the estimates: equal digests, equal states.
+fn digests(board: &mut Board, log: &[Measurement]) -> Vec<u32> {
+    log.iter()
+        .filter_map(|measurement| Some(estimate(&board.measure(measurement))?.digest))
+        .collect()
+}
+
+fn is_a_number(frame: &Downlink) -> bool {
+    let text = format!("{:?}", frame.body);
+    let mut words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+    !words.any(|word| word == "NaN" || word == "inf")
+}
+
+/// Row 3.
+#[test]
+fn a_message_that_comes_twice_is_answered_once_and_changes_nothing() {
+    let (mut plain, _, log) = running();
+    let expected = digests(&mut plain, &log);
+    let (mut board, ..) = running();
+    let mut found = Vec::new();
+    for measurement in &log {
+        let message = board.desk.open(Request::Measurement(*measurement)).unwrap();
+        found.extend(estimate(&board.say(&message)).map(|estimate| estimate.digest));
+        assert!(board.say(&message).is_empty());
+    }
+    assert_eq!(found, expected);
+    assert_eq!(board.status().duplicate as usize, log.len());
+}
+
+/// Row 4.
+#[test]
+fn a_log_out_of_order_gives_what_its_rising_part_gives() {
+    let (_, _, mut log) = running();
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    for _ in 0..log.len() / 2 {
+        let at = rng.random_range(1..log.len() - 1);
+        log.swap(at, at + 1);
+    }
+    let mut rising: Vec<Measurement> = Vec::new();
+    for measurement in &log {
+        if rising
+            .last()
+            .is_none_or(|last| measurement.time_s > last.time_s)
+        {
+            rising.push(*measurement);
+        }
+    }
+    assert!(rising.len() + 10 < log.len());
+    let expected = digests(&mut running().0, &rising);
+    let mut board = running().0;
+    assert_eq!(digests(&mut board, &log), expected);
+    let refused = board.status().refusals[Refusal::TimeNotIncreasing as usize];
+    assert_eq!(refused as usize, log.len() - rising.len());
+}
+
+/// Row 6.
+#[test]
+fn the_senders_counter_wraps_without_a_gap() {
+    let (mut board, _, log) = running();
+    let mut say = |sequence: u16, request: Request| {
+        let mut buffer = [0; rundown_wire::MAX_MESSAGE];
+        let uplink = Uplink { sequence, request };
+        let message = uplink::encode(&uplink, uplink::OPEN, &mut buffer).unwrap();
+        let frames = board.say(message);
+        frames.into_iter().find_map(|frame| match frame.body {
+            Body::Status(status) => Some(status.missed),
+            _ => None,
+        })
+    };
+    let status = Request::Command(Command::Status);
+    // Far from the counter before: taken for a sender that began anew.
+    for (sequence, measurement) in (u16::MAX - 3..=u16::MAX).chain(0..4).zip(&log) {
+        say(sequence, Request::Measurement(*measurement));
+    }
+    assert_eq!(say(4, status.clone()), Some(0));
+    // Two are lost over the wrap.
+    say(u16::MAX - 1, Request::Measurement(log[8]));
+    say(1, Request::Measurement(log[9]));
+    assert_eq!(say(2, status), Some(2));
+}
+
+/// Row 7.
+#[test]
+fn unknown_versions_kinds_and_lengths_are_refused_by_cause() {
+    let (mut board, ..) = running();
+    let setup = board.status().setup;
+    let mut valid = board.desk.open(Request::Command(Command::Status)).unwrap();
+    let long = [&valid[..], &[0; 600]].concat();
+    let over_long_varint = [&[uplink::VERSION, uplink::OPEN][..], &[0xFF; 12]].concat();
+    let unknown = [uplink::VERSION, uplink::OPEN, 1, 0x63];
+    for message in [
+        &[][..],
+        &[1],
+        &long,
+        &over_long_varint,
+        &unknown,
+        &[1, 9, 0, 0],
+    ] {
+        let refused = answer(&board.say(message)).unwrap();
+        assert_eq!(refused.result, Err(Refusal::Malformed), "{message:?}");
+    }
+    valid[0] = uplink::VERSION + 1;
+    let refused = answer(&board.say(&valid)).unwrap();
+    assert_eq!(refused.result, Err(Refusal::Version));
+    let status = board.status();
+    assert_eq!((status.setup, status.running), (setup, true));
+    assert_eq!(status.refusals[Refusal::Malformed as usize], 6);
+}
+
+/// Row 14.
+#[test]
+fn odd_floats_in_every_field_never_reach_a_frame_and_leave_the_run_usable() {
+    let odd = [
+        f64::NAN,
+        -f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        -0.0,
+        f64::MIN_POSITIVE / 2.0,
+        1e300,
+        -1e300,
+        f64::MAX,
+        401.0 / 3.6,
+    ];
+    for mode in [Mode::Gated, Mode::Measured, Mode::Paper] {
+        let (mut board, _, log) = running();
+        board.ask(Request::Command(Command::End)).unwrap();
+        board.ask(Request::Setting(Setting::Mode(mode))).unwrap();
+        let track_id = board.status().track_id.unwrap();
+        let direction = Direction::Up;
+        let begin = Command::Begin {
+            direction,
+            track_id,
+        };
+        board.ask(Request::Command(begin)).unwrap();
+        for (k, sample) in log.iter().enumerate() {
+            let mut spoilt = *sample;
+            let value = odd[(k / 6) % odd.len()];
+            match k % 6 {
+                1 => spoilt.location_m = Some(value),
+                3 => spoilt.speed_mps = Some(value),
+                5 => spoilt.effort_n_per_kg = Some(value),
+                _ => {}
+            }
+            let frames = board.measure(&spoilt);
+            assert!(frames.iter().all(is_a_number), "{mode:?} {spoilt:?}");
+            let said = estimate(&frames).expect("an estimate for each measurement");
+            // A reading that is not believed leaves the other one in use.
+            let off_m = sample.location_m.unwrap() - f64::from(said.location_m.value);
+            assert!(off_m.abs() < 200.0, "{mode:?} {spoilt:?}: {off_m} m");
+        }
+        for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1e300] {
+            let time_s = wild;
+            let refused = board.measure(&Measurement { time_s, ..log[0] });
+            let refused = answer(&refused).unwrap().result;
+            assert_eq!(refused, Err(Refusal::TimeNotIncreasing), "{time_s}");
+        }
+    }
+}
+
+/// Row 28.
+#[test]
+fn a_hostile_train_or_track_leaves_the_old_one_in_force() {
+    let (mut board, description, log) = running();
+    board.ask(Request::Command(Command::End)).unwrap();
+    let setup = board.status().setup;
+    let mut hostile = Vec::new();
+    for mass_kg in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let mut wrong = description.clone();
+        wrong.train.mass_kg = mass_kg;
+        hostile.push(wrong);
+    }
+    for gradients in [[100.0, 50.0], [f64::NAN, 10.0], [0.0, f64::INFINITY]] {
+        let gradients = gradients.map(|from_m| Gradient {
+            from_m,
+            permille: 1.0,
+        });
+        hostile.push(Description {
+            gradients: gradients.to_vec(),
+            ..description.clone()
+        });
+    }
+    for permille in [f64::NAN, f64::INFINITY, 1e9] {
+        let gradients = vec![Gradient {
+            from_m: 0.0,
+            permille,
+        }];
+        hostile.push(Description {
+            gradients,
+            ..description.clone()
+        });
+    }
+    for wrong in hostile {
+        let mut refusals = Vec::new();
+        for request in wrong.requests(host_tests::board::PROVISIONING.train.0) {
+            refusals.extend(board.ask(request).err());
+        }
+        assert_eq!(refusals, [Refusal::OutOfRange], "{wrong:?}");
+        assert_eq!(board.status().setup, setup);
+    }
+    // And the board still runs with the old one.
+    let direction = Direction::Up;
+    let track_id = description.track_id();
+    let begin = Command::Begin {
+        direction,
+        track_id,
+    };
+    board.ask(Request::Command(begin)).unwrap();
+    assert!(estimate(&board.measure(&log[0])).is_some());
+}
+
+/// Row 26.
+#[test]
+fn a_train_described_with_a_third_of_its_resistance_is_published_within_bounds() {
+    let scenario = Scenario::default();
+    let mut wrong = description(Config::default(), &scenario);
+    let davis = &mut wrong.train.davis;
+    (davis.r0, davis.r1, davis.r2) = (davis.r0 / 3.0, davis.r1 / 3.0, davis.r2 / 3.0);
+    let davis = *davis;
+    let mut board = Board::start(Flash::erased(8));
+    let mut out_of_bounds = 0;
+    for seed in 0..3 {
+        board.prepare(&wrong, Direction::Up);
+        for measurement in measurements(&simulate(&scenario, seed)) {
+            for frame in board.measure(&measurement) {
+                let Body::Parameters(said) = frame.body else {
+                    continue;
+                };
+                if said.learned != rundown_wire::Learned::OutOfBounds {
+                    continue;
+                }
+                out_of_bounds += 1;
+                for (said, nominal) in [
+                    (said.r0, davis.r0),
+                    (said.r1, davis.r1),
+                    (said.r2, davis.r2),
+                ] {
+                    let share = f64::from(said.value) / nominal;
+                    assert!((0.4999..=2.0001).contains(&share), "{share}");
+                }
+            }
+        }
+        board.ask(Request::Command(Command::End)).unwrap();
+    }
+    assert!(
+        out_of_bounds > 0,
+        "three times the described resistance was never seen"
+    );
+}
