@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             recording.name, same.ticks, same.frames, same.line_bytes
         );
         println!(
-            "deepest stack {} B, longest call {} us, {:.0} bytes a tick",
+            "stack_bytes={} longest_us={} line_bytes_per_tick={:.0}",
             same.health.stack_bytes,
             same.health.longest_us,
             same.line_bytes as f64 / same.ticks as f64

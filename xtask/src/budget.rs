@@ -1,12 +1,11 @@
 //! `cargo xtask budget`: what the firmware costs, against what it may cost.
 
 mod calls;
-mod drive;
 
+use crate::shell::root;
 use crate::{firmware, setup};
-use emulator::{Board, Emulator, Image, NS_PER_INSTRUCTION, Settings};
-use rundown::onboard::clock::FAST_HZ;
-use rundown::onboard::stack::high_water_bytes;
+use emulator::{Board, Image, NS_PER_INSTRUCTION};
+use std::process::Stdio;
 
 /// Flash for code, constants and first values, bytes.
 const MOST_FLASH: u64 = 96 << 10;
@@ -29,7 +28,8 @@ pub fn budget() -> Result<(), String> {
     setup::setup()?;
     firmware::firmware(Board::L475)?;
     let image = Image::read(&Board::L475.image_path()).map_err(|error| error.to_string())?;
-    let (stack, instructions) = measure(&image)?;
+    firmware::firmware(Board::L475Emulated)?;
+    let run = measure()?;
     let panics = calls::to_panics(&image);
     let allocators = calls::allocators(&image);
     let lines = [
@@ -48,13 +48,13 @@ pub fn budget() -> Result<(), String> {
         Line {
             what: "stack: deepest in a run, painted",
             unit: "B",
-            found: stack,
+            found: run.stack_bytes,
             most: MOST_STACK,
         },
         Line {
             what: "longest call of the application",
             unit: "instructions",
-            found: instructions,
+            found: run.instructions,
             most: MOST_INSTRUCTIONS,
         },
         Line {
@@ -70,6 +70,7 @@ pub fn budget() -> Result<(), String> {
             most: 0,
         },
     ];
+    println!("\n{} bytes on the line a tick", run.line_bytes_per_tick);
     println!("\n{:<38} {:>9} {:>9}", "", "found", "most");
     let mut above = 0;
     for line in &lines {
@@ -97,26 +98,36 @@ fn count(names: &[String]) -> u64 {
     names.len() as u64
 }
 
-/// Drives a run and reads the board's memory: deepest stack in bytes, longest call in instructions.
-fn measure(image: &Image) -> Result<(u64, u64), String> {
-    let settings = Settings::new(Board::L475).map_err(|error| error.to_string())?;
-    let mut emulator = Emulator::start(&settings).map_err(|error| error.to_string())?;
-    drive::drive(emulator.line()).map_err(|error| format!("the run in the emulator: {error}"))?;
-    let address = |symbol| image.address(symbol).map_err(|error| error.to_string());
-    let (low, high) = (address("_stack_end")?, address("_stack_start")?);
-    let stack = emulator
-        .memory(low, high - low)
+/// What a run in the emulator costs.
+struct Run {
+    stack_bytes: u64,
+    instructions: u64,
+    line_bytes_per_tick: u64,
+}
+
+/// Plays the reference run to the firmware and to the host; what the firmware says of itself is in the last line.
+fn measure() -> Result<Run, String> {
+    let mut emulate = crate::emulate_command("data/reference/run01.csv", crate::REFERENCE, None);
+    let output = emulate
+        .current_dir(root())
+        .stderr(Stdio::inherit())
+        .output()
         .map_err(|error| error.to_string())?;
-    let words = stack.chunks_exact(4).map(|word| {
-        word.iter()
-            .rev()
-            .fold(0, |sum, byte| sum << 8 | u32::from(*byte))
-    });
-    let counts = emulator
-        .word(address("LONGEST_COUNTS")?)
-        .map_err(|error| error.to_string())?;
-    // The timer counts at the processor's nominal clock, the emulator gives each instruction a fixed time.
-    let instructions =
-        u64::from(counts) * 1_000_000_000 / u64::from(FAST_HZ) / u64::from(NS_PER_INSTRUCTION);
-    Ok((high_water_bytes(words) as u64, instructions))
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    if !output.status.success() {
+        return Err(format!("the run in the emulator failed: {said}"));
+    }
+    let value = |name: &str| {
+        let word = said
+            .split_whitespace()
+            .find_map(|word| word.strip_prefix(name));
+        word.and_then(|word| word.parse::<u64>().ok())
+            .ok_or_else(|| format!("expected {name} in: {said}"))
+    };
+    Ok(Run {
+        stack_bytes: value("stack_bytes=")?,
+        // The emulator gives each instruction a fixed time.
+        instructions: value("longest_us=")? * 1000 / u64::from(NS_PER_INSTRUCTION),
+        line_bytes_per_tick: value("line_bytes_per_tick=")?,
+    })
 }

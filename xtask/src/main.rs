@@ -67,31 +67,30 @@ fn emulate(arguments: &[&str]) -> Result<(), String> {
     let (run_log, rest) = arguments
         .split_first()
         .ok_or("expected RUN.csv [T.toml K.toml] [FRAMES.bin]")?;
-    let reference = ["data/reference/train.toml", "data/reference/track.toml"];
     let (described, frames) = match rest {
-        [] => (reference, None),
-        [frames] => (reference, Some(*frames)),
+        [] => (REFERENCE, None),
+        [frames] => (REFERENCE, Some(*frames)),
         [train, track] => ([*train, *track], None),
         [train, track, frames] => ([*train, *track], Some(*frames)),
         _ => return Err("expected RUN.csv [T.toml K.toml] [FRAMES.bin]".to_owned()),
     };
     setup::setup()?;
     firmware::firmware(Board::L475Emulated)?;
-    run(cargo()
-        .args([
-            "run",
-            "--release",
-            "--quiet",
-            "-p",
-            "host-tests",
-            "--example",
-            "emulate",
-            "--",
-            run_log,
-        ])
+    run(&mut emulate_command(run_log, described, frames))
+}
+
+/// Train and track that a log is taken to be of when none are named.
+const REFERENCE: [&str; 2] = ["data/reference/train.toml", "data/reference/track.toml"];
+
+fn emulate_command(run_log: &str, described: [&str; 2], frames: Option<&str>) -> Command {
+    let mut command = cargo();
+    command
+        .args(["run", "--release", "--quiet", "-p", "host-tests"])
+        .args(["--example", "emulate", "--", run_log])
         .args(described)
         .args(frames)
-        .env("RUNDOWN_EMULATOR", "required"))
+        .env("RUNDOWN_EMULATOR", "required");
+    command
 }
 
 fn all(task: fn(Board) -> Result<(), String>) -> Result<(), String> {
