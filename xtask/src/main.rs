@@ -5,6 +5,7 @@
 
 mod budget;
 mod firmware;
+mod fuzz;
 mod run_firmware;
 mod setup;
 mod shell;
@@ -27,6 +28,7 @@ Tasks:
                                 differs (default: train and track of data/reference)
   budget                        flash, RAM, stack and instructions of the firmware against their limits
   test                          the whole test run: set-up, firmware, unit, integration and documentation tests of every package
+  fuzz [SECONDS]                every fuzz target for so long (default: 60); needs nightly Rust and cargo-fuzz
   ci                            everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
 
 Exit codes: 0 passed, 1 a command failed, 2 no such task";
@@ -44,6 +46,8 @@ fn main() -> ExitCode {
         ["emulate", arguments @ ..] => emulate(arguments),
         ["budget"] => budget::budget(),
         ["test"] => test(),
+        ["fuzz"] => fuzz::fuzz("60"),
+        ["fuzz", seconds] => fuzz::fuzz(seconds),
         ["ci"] => run(Command::new("bash").arg(".ci/run")),
         [] | ["help" | "--help" | "-h"] => {
             println!("{HELP}");
