@@ -6,7 +6,7 @@
 
 use host_tests::accuracy::description;
 use host_tests::board::PROVISIONING;
-use host_tests::scenario::Scenario;
+use sim_harness::truth::scenario::Scenario;
 use rundown::auth::Signer;
 use rundown::config::{Config, Mode};
 use rundown::measurement::Measurement;

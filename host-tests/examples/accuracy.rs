@@ -1,10 +1,10 @@
 //! Prints estimates against truth for fleets of simulated vehicles: `cargo run --release -p host-tests --example accuracy [vehicles] [runs] [mode]`.
 
 use host_tests::accuracy::judge;
-use host_tests::scenario::Scenario;
-use host_tests::sensors::Sensors;
 use rand::{RngExt, SeedableRng};
 use rundown::config::{Config, Mode};
+use sim_harness::truth::scenario::Scenario;
+use sim_harness::truth::sensors::Sensors;
 
 fn main() {
     let argument = |i: usize| std::env::args().nth(i);
@@ -40,7 +40,7 @@ fn main() {
         (
             "hilly",
             Scenario {
-                line: host_tests::line::Line::hilly(3),
+                line: sim_harness::truth::line::Line::hilly(3),
                 ..Scenario::default()
             },
         ),

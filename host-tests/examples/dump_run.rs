@@ -2,9 +2,9 @@
 //!
 //! The first four columns that a run log knows keep their names; the truth stands beside them.
 
-use host_tests::habits::DriverKind;
-use host_tests::line::Line;
-use host_tests::scenario::{Scenario, UnscheduledStop, simulate};
+use sim_harness::truth::habits::DriverKind;
+use sim_harness::truth::line::Line;
+use sim_harness::truth::scenario::{Scenario, UnscheduledStop, simulate};
 
 fn main() {
     let mut arguments = std::env::args().skip(1);

@@ -1,7 +1,5 @@
 //! Estimates judged against truth: the same table for the test, for tuning and for the README.
 
-use crate::driver::Regime as TrueRegime;
-use crate::scenario::{Run, Scenario, fleet};
 use rundown::config::Config;
 use rundown::estimate::Estimate;
 use rundown::estimator::{Estimator, RunSummary};
@@ -13,6 +11,8 @@ use rundown::state::Gaussian;
 use rundown::track::{Direction, Gradient};
 use rundown::train::TrainDescription;
 use sim_harness::desk::Description;
+use sim_harness::truth::driver::Regime as TrueRegime;
+use sim_harness::truth::scenario::{Run, Scenario, fleet};
 
 /// The manufacturer's description that every simulated vehicle deviates from.
 pub const NOMINAL: Davis = Davis {
@@ -49,7 +49,7 @@ pub fn estimator(config: Config, scenario: &Scenario) -> Estimator {
 
 /// The measurements of a simulated run.
 pub fn measurements(run: &Run) -> Vec<Measurement> {
-    let of_sample = |sample: &crate::sensors::Sample| Measurement {
+    let of_sample = |sample: &sim_harness::truth::sensors::Sample| Measurement {
         time_s: sample.time_s,
         location_m: sample.location_m,
         speed_mps: sample.speed_kmh.map(|kmh| kmh / 3.6),

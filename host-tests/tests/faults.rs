@@ -3,7 +3,6 @@
 use host_tests::accuracy::{description, measurements};
 use host_tests::board::{Board, answer, estimate};
 use host_tests::flash::Flash;
-use host_tests::scenario::{Scenario, simulate};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown::config::{Config, Mode};
@@ -12,6 +11,7 @@ use rundown::track::{Direction, Gradient};
 use rundown::uplink::{self, Command, Request, Setting, Uplink};
 use rundown_wire::{Body, Downlink, Refusal};
 use sim_harness::desk::Description;
+use sim_harness::truth::scenario::{Scenario, simulate};
 
 fn running() -> (Board, Description, Vec<Measurement>) {
     let scenario = Scenario::default();

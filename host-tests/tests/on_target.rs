@@ -1,9 +1,6 @@
 //! Is it the same code? The firmware in the emulator and the task on the host, fed with the same logs, say the same bytes.
 
 use host_tests::accuracy::{description, measurements};
-use host_tests::line::Line;
-use host_tests::scenario::{Scenario, simulate};
-use host_tests::sensors::{Bursts, Sensors};
 use host_tests::target::{Same, compare, firmware};
 use rundown::config::{Config, Mode};
 use rundown::track::Direction;
@@ -13,6 +10,9 @@ use sim_harness::run_log::{BadRows, RunLog};
 use sim_harness::run_set::RunSet;
 use sim_harness::track_file::TrackFile;
 use sim_harness::train_file::TrainFile;
+use sim_harness::truth::line::Line;
+use sim_harness::truth::scenario::{Scenario, simulate};
+use sim_harness::truth::sensors::{Bursts, Sensors};
 use std::path::Path;
 
 /// Compares a simulated run, and says what it was.

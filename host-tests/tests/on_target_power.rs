@@ -3,7 +3,6 @@
 use emulator::{Emulator, FlashFile};
 use host_tests::accuracy::{description, measurements};
 use host_tests::board::PROVISIONING;
-use host_tests::scenario::{Scenario, simulate};
 use host_tests::target::{on_target, test_board};
 use rundown::config::Config;
 use rundown::digest;
@@ -11,6 +10,7 @@ use rundown::track::Direction;
 use rundown::uplink::{Command, Pace, Request};
 use rundown_wire::{Body, Memory, RunSummary, Status};
 use sim_harness::session::Heard;
+use sim_harness::truth::scenario::{Scenario, simulate};
 use std::thread::sleep;
 use std::time::Duration;
 

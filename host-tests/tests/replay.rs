@@ -3,8 +3,6 @@
 //! `BLESS=1 cargo test -p host-tests --test replay` rewrites it; the commit then says why it moved.
 
 use host_tests::accuracy::{estimator, measurements, resistance};
-use host_tests::scenario::{Scenario, simulate};
-use host_tests::sensors::Sensors;
 use rundown::config::{Config, Mode};
 use rundown::estimator::Estimator;
 use rundown::measurement::Measurement;
@@ -12,6 +10,8 @@ use rundown::regime::Regime;
 use rundown::track::Direction;
 use sim_harness::track_file::TrackFile;
 use sim_harness::train_file::TrainFile;
+use sim_harness::truth::scenario::{Scenario, simulate};
+use sim_harness::truth::sensors::Sensors;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 

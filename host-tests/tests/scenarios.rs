@@ -1,9 +1,6 @@
 //! Does it behave? Logs with faults cut into them; every scenario is judged against truth or against the same log without the fault.
 
 use host_tests::accuracy::{Errors, estimator, measurements, resistance};
-use host_tests::scenario::{Run, Scenario, simulate};
-use host_tests::sensors::{LocationWalk, Sensors};
-use host_tests::truth::DavisTruth;
 use rand::{RngExt, SeedableRng};
 use rundown::config::{Config, Mode};
 use rundown::estimate::{Cause, Estimate, Validity};
@@ -13,6 +10,9 @@ use rundown::regime::Regime;
 use rundown::resistance::Davis;
 use rundown::state::{LOCATION, SPEED};
 use rundown::track::{Direction, Gradient, Track};
+use sim_harness::truth::scenario::{Run, Scenario, simulate};
+use sim_harness::truth::sensors::{LocationWalk, Sensors};
+use sim_harness::truth::train::DavisTruth;
 
 const SEED: u64 = 31;
 
@@ -400,7 +400,7 @@ fn a_hostile_configuration_is_refused_whole() {
 fn a_train_going_down_a_mirrored_line_learns_the_same() {
     // Given a run up a line, and the same run down the line mirrored
     let scenario = Scenario {
-        line: host_tests::line::Line::hilly(7),
+        line: sim_harness::truth::line::Line::hilly(7),
         ..Scenario::default()
     };
     let run = simulate(&scenario, SEED);

@@ -3,7 +3,6 @@
 use host_tests::accuracy::{description, measurements};
 use host_tests::board::{Board, PROVISIONING, answer, estimate, task};
 use host_tests::flash::Flash;
-use host_tests::scenario::{Scenario, simulate};
 use rundown::auth::{Provisioning, Signer};
 use rundown::config::{Config, Mode};
 use rundown::digest;
@@ -13,6 +12,7 @@ use rundown::track::Direction;
 use rundown::uplink::{Command, Pace, Request, Setting};
 use rundown_wire::{Body, Downlink, Memory, Refusal, RunSummary};
 use sim_harness::desk::{Description, Desk};
+use sim_harness::truth::scenario::{Scenario, simulate};
 
 fn described() -> (Description, Vec<Measurement>) {
     let scenario = Scenario::default();

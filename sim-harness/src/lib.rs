@@ -16,6 +16,7 @@
 //! | train, track, configuration | [`train_file`], [`track_file`], [`config_file`], all by [`toml_file`] |
 //! | what does a DAS computer say to the board? | [`desk`] |
 //! | how does the host reach a board, and talk to it? | [`link`], [`session`] |
+//! | what really happens, and what sensors make of it? | [`truth`] |
 //! | the command `rundown` | [`commands`] |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -38,3 +39,4 @@ pub mod table;
 pub mod toml_file;
 pub mod track_file;
 pub mod train_file;
+pub mod truth;

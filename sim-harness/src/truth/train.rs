@@ -9,7 +9,7 @@
 //!
 //! w is the headwind. Classical Runge-Kutta of fourth order; a train that would roll back stands instead.
 
-use crate::line::Line;
+use crate::truth::line::Line;
 
 /// Standard gravity, m/s².
 pub const GRAVITY_MPS2: f64 = 9.806_65;

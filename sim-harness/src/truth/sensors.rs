@@ -4,7 +4,7 @@
 //!
 //! A reading at time t shows the train at t - latency. Noise comes before the rounding. A standing train reads 0 km/h without noise.
 
-use crate::driver::Regime;
+use crate::truth::driver::Regime;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Normal};
 

@@ -10,9 +10,9 @@
 //! the effort has followed: power being let go before a coast is still traction or cruise, and before a brake as well.
 //! The driver is skilled: the load of the train is known, so braking ends where it should whatever the gradient.
 
-use crate::habits::{Cruising, Habits, Plateau};
-use crate::line::Line;
-use crate::truth::{Motion, TrainTruth};
+use crate::truth::habits::{Cruising, Habits, Plateau};
+use crate::truth::line::Line;
+use crate::truth::train::{Motion, TrainTruth};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 

@@ -3,12 +3,12 @@
 //! The seed feeds separate streams for the world (load, wind, stops), the driver, the driver's wander, and the sensors. So another recorder
 //! sees the same run, and another driver meets the same wind.
 
-use crate::driver::{Driver, Regime, Stop};
-use crate::facts::{Facts, Recorder};
-use crate::habits::{DriverKind, Habits};
-use crate::line::Line;
-use crate::sensors::{Sample, Sensors, TraceStep, TruthSample};
-use crate::truth::{Motion, TrainTruth};
+use crate::truth::driver::{Driver, Regime, Stop};
+use crate::truth::facts::{Facts, Recorder};
+use crate::truth::habits::{DriverKind, Habits};
+use crate::truth::line::Line;
+use crate::truth::sensors::{Sample, Sensors, TraceStep, TruthSample};
+use crate::truth::train::{Motion, TrainTruth};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -238,8 +238,8 @@ fn stream(seed: u64, number: u64) -> ChaCha8Rng {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensors::SpeedReading;
-    use crate::truth::{DavisTruth, GRAVITY_MPS2};
+    use crate::truth::sensors::SpeedReading;
+    use crate::truth::train::{DavisTruth, GRAVITY_MPS2};
 
     fn scenarios() -> [(&'static str, Scenario); 4] {
         let red = UnscheduledStop {

@@ -3,7 +3,7 @@
 //! The ranges follow section 4 of the paper: gentle departures, cruise speeds skewed towards 140 km/h, final coasts of 2.5 to 10 min
 //! with a coefficient of variation of 30 %, brakes that build up over 2 to 3 s.
 
-use crate::brake::BrakeHabit;
+use crate::truth::brake::BrakeHabit;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Exp, Normal};
 

@@ -2,10 +2,10 @@
 //!
 //! In: every step of the run. Out: [`Facts`]. Marks are exact to one step.
 
-use crate::driver::Regime;
-use crate::habits::Habits;
-use crate::sensors::TraceStep;
-use crate::truth::{DavisTruth, TrainTruth};
+use crate::truth::driver::Regime;
+use crate::truth::habits::Habits;
+use crate::truth::sensors::TraceStep;
+use crate::truth::train::{DavisTruth, TrainTruth};
 
 /// When, where and how fast.
 #[derive(Clone, Copy, Debug, PartialEq)]

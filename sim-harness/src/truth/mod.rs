@@ -1,0 +1,26 @@
+//! The simulator: what really happens, with its own equations, and what the sensors make of it.
+//!
+//! ```text
+//! scenario -> driver + train (every 0.05 s) -> trace -> sensors (every 10 s) -> samples, truth, facts
+//! ```
+//!
+//! Nothing here uses the `rundown` crate: own equations, own integrator, plain `f64`, so an error in the estimator's motion model
+//! cannot hide in the truth. Units are in the names; effort and resistance are per rotating mass, F/(γ m), in N/kg.
+//! Traction is positive, brake negative; uphill positive; resistance positive against travel; headwind positive.
+//!
+//! ```
+//! use sim_harness::truth::scenario::{Scenario, simulate};
+//!
+//! let run = simulate(&Scenario::default(), 1);
+//! assert_eq!(run.samples.len(), run.truth.len());
+//! assert!((run.facts.stop.location_m - 32_103.0).abs() < 5.0);
+//! ```
+
+pub mod brake;
+pub mod driver;
+pub mod facts;
+pub mod habits;
+pub mod line;
+pub mod scenario;
+pub mod sensors;
+pub mod train;
