@@ -117,7 +117,7 @@ fn test() -> Result<(), String> {
     let peers = setup::peers();
     // With these the tests with the emulator and with the peers of the CAN link must run.
     let mut test = cargo();
-    test.args(["test", "--workspace"])
+    test.args(["test", "--workspace", "--no-fail-fast"])
         .env("RUNDOWN_EMULATOR", "required");
     match peers {
         Ok(()) => {
