@@ -25,6 +25,7 @@ pub mod advice;
 pub mod commands;
 pub mod config_file;
 pub mod desk;
+pub mod gap;
 pub mod link;
 pub mod map_matching;
 pub mod output;

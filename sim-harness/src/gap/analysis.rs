@@ -1,0 +1,359 @@
+//! From recorded runs to the missing effects: the order of the steps, and nothing else.
+
+use super::calibrate::{Calibrated, calibrate};
+use super::caps::{FoundLimit, Pull, limits, pulls};
+use super::coasting::coasted;
+use super::kinematics::{Kinematics, kinematics};
+use super::rows::{Believed, Row};
+use super::runs::{EffortReading, Interval, Readings, Run, intervals};
+use super::select::{ENOUGH, Search};
+use super::terms::{Context, Term};
+
+/// What may be known of a line beyond its gradients.
+#[derive(Clone, Debug, Default)]
+pub struct Surroundings {
+    /// Curves: (from, to, Röckl's number), m, N/N.
+    pub curves: Vec<(f64, f64, f64)>,
+    /// Tunnels: (from, to), m.
+    pub tunnels: Vec<(f64, f64)>,
+    /// Feeding sections: (from, to), m.
+    pub feeding: Vec<(f64, f64)>,
+    /// Platforms, m.
+    pub stops: Vec<f64>,
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Findings {
+    /// Speed against location.
+    pub kinematics: Kinematics,
+    /// How the readings are corrected.
+    pub readings: Readings,
+    /// With an effort column.
+    pub measured: bool,
+    /// Rows that counted.
+    pub rows: Vec<Row>,
+    /// Their noise.
+    pub calibrated: Calibrated,
+    /// Missing terms of the resistance, with their coefficients.
+    pub terms: Vec<Fitted>,
+    /// Limits of the traction that are not as believed.
+    pub limit: Option<FoundLimit>,
+    /// Gain of log-likelihood of a wind of its own in each run, over other differences between runs.
+    pub wind_gain: f64,
+    /// Mean temperature of the rows, °C.
+    pub temperature_c: f64,
+    /// Days from the first to the last run.
+    pub period_days: f64,
+}
+
+/// A term with its coefficients.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The term.
+    pub term: Term,
+    /// Its coefficients.
+    pub beta: Vec<f64>,
+    /// Their standard deviations, the larger of noise model and spread between runs.
+    pub sd: Vec<f64>,
+    /// Log-likelihood that would be lost without it.
+    pub gain: f64,
+    /// Others that would do nearly as well in its place, with how much worse they are.
+    pub rivals: Vec<(Term, f64)>,
+}
+
+/// A rival within this of a term cannot be told apart from it.
+const NEAR: f64 = 3.0;
+/// Share of moving samples with an effort above which the effort counts as measured.
+const MEASURED_SHARE: f64 = 0.7;
+/// Deviation of the resistance from its description within which coasting is still recognised: wide at first.
+const UNCERTAIN: [f64; 3] = [0.3, 0.15, 0.1];
+/// Gain of log-likelihood above which runs have a wind of their own, and the least one that matters, m/s.
+const WIND_GAIN: f64 = 6.0;
+/// See [`WIND_GAIN`].
+pub const LEAST_WIND_MPS: f64 = 0.6;
+
+impl Findings {
+    /// Runs differ in their wind.
+    pub fn run_wind(&self) -> bool {
+        self.wind_gain > WIND_GAIN && self.calibrated.own.wind_mps > LEAST_WIND_MPS
+    }
+}
+
+/// Analyses runs against the believed model. `None` if there is nothing to analyse: no run has enough of location and speed.
+pub fn analyse(
+    believed: Believed<'_>,
+    surroundings: &Surroundings,
+    runs: &[Run],
+    mut story: impl FnMut(&str),
+) -> Option<Findings> {
+    let kinematics = kinematics(runs);
+    let mut readings = kinematics.readings();
+    let measured = measured(runs);
+    let period_days = runs.iter().filter_map(|run| run.day).fold(0.0, f64::max);
+    let temperatures = || {
+        runs.iter()
+            .flat_map(|run| run.samples.iter().filter_map(|s| s.temperature_c))
+    };
+    let temperature_c = temperatures().sum::<f64>() / temperatures().count().max(1) as f64;
+    let context = Context {
+        believed,
+        curves: &surroundings.curves,
+        temperature_c,
+        period_days,
+    };
+    if measured {
+        readings.effort = effort_reading(&context, runs, &readings);
+        story(&format!("effort column read as {:?}", readings.effort));
+    }
+    let cut: Vec<Vec<Interval>> = runs
+        .iter()
+        .enumerate()
+        .map(|(i, run)| intervals(i, run, believed.line(run.direction), &readings))
+        .collect();
+    let rounds = if measured { 1 } else { UNCERTAIN.len() };
+    let mut model: Vec<Term> = Vec::new();
+    let mut beta: Vec<f64> = Vec::new();
+    let mut last = None;
+    for uncertain in UNCERTAIN.iter().take(rounds) {
+        let rows = rows(&context, runs, &cut, measured, (&model, &beta), *uncertain);
+        if rows.len() < 30 {
+            break;
+        }
+        let (calibrated, likelihood) = calibrate(&context, &rows, measured, true, &model);
+        let search = Search::new(&context, &rows, &calibrated, measured);
+        model = search.select();
+        let base = search.base(&model)?;
+        beta = expanded(&model, base.beta.as_slice());
+        last = Some((rows, calibrated, likelihood));
+    }
+    let (rows, calibrated, likelihood) = last?;
+    let (_, without_wind) = calibrate(&context, &rows, measured, false, &model);
+    let search = Search::new(&context, &rows, &calibrated, measured);
+    let terms = fitted(&search, &model);
+    let ratio_noise = 1.5 * calibrated.noise.reading_mps / 10.0;
+    let of_runs: Vec<Vec<Pull>> = cut
+        .iter()
+        .zip(runs)
+        .map(|(intervals, run)| {
+            let effort = efforts(&context, run, intervals, measured, (&model, &beta));
+            let sd = if measured { 0.0 } else { ratio_noise };
+            pulls(&believed, run.direction, intervals, &effort, sd)
+        })
+        .collect();
+    let limit = limits(&of_runs)
+        .into_iter()
+        .next()
+        .filter(|l| l.value > ENOUGH);
+    Some(Findings {
+        kinematics,
+        readings,
+        measured,
+        terms,
+        limit,
+        wind_gain: likelihood - without_wind,
+        rows,
+        calibrated,
+        temperature_c,
+        period_days,
+    })
+}
+
+/// Coefficients with the fixed one of [`Term::Length`] put in its place.
+fn expanded(model: &[Term], free: &[f64]) -> Vec<f64> {
+    let mut free = free.iter();
+    let mut beta = Vec::new();
+    for term in model {
+        match term {
+            Term::Length(_) => beta.push(1.0),
+            other => beta.extend(free.by_ref().take(other.count())),
+        }
+    }
+    beta
+}
+
+fn measured(runs: &[Run]) -> bool {
+    let moving = || {
+        runs.iter()
+            .flat_map(|run| &run.samples)
+            .filter(|s| s.speed_mps.is_some_and(|v| v > 1.0))
+    };
+    let with = moving().filter(|s| s.effort_n_per_kg.is_some()).count();
+    with as f64 > MEASURED_SHARE * moving().count() as f64 && with > 0
+}
+
+/// The reading under which the residuals are smaller.
+fn effort_reading(context: &Context<'_>, runs: &[Run], readings: &Readings) -> EffortReading {
+    let spread = |effort| {
+        let readings = Readings {
+            effort,
+            ..*readings
+        };
+        let mut residuals: Vec<f64> = runs
+            .iter()
+            .enumerate()
+            .flat_map(|(i, run)| {
+                let line = context.believed.line(run.direction);
+                intervals(i, run, line, &readings)
+                    .into_iter()
+                    .filter(|interval| interval.effort_change_n_per_kg > 0.03)
+                    .filter_map(|interval| {
+                        let effort = interval.effort_n_per_kg?;
+                        let load = super::rows::believed_load(line, &interval);
+                        Some((effort - interval.acceleration_mps2() - load).abs())
+                    })
+                    .collect::<Vec<_>>()
+            })
+            .collect();
+        residuals.sort_by(f64::total_cmp);
+        residuals.get(residuals.len() / 2).copied().unwrap_or(0.0)
+    };
+    if spread(EffortReading::MeanSinceLast) < 0.7 * spread(EffortReading::Momentary) {
+        EffortReading::MeanSinceLast
+    } else {
+        EffortReading::Momentary
+    }
+}
+
+/// Extra resistance of a model along intervals, N/kg.
+fn extra(
+    context: &Context<'_>,
+    run: &Run,
+    intervals: &[Interval],
+    (model, beta): (&[Term], &[f64]),
+) -> Vec<f64> {
+    let rows: Vec<Row> = intervals
+        .iter()
+        .map(|interval| Row {
+            interval: interval.clone(),
+            direction: run.direction,
+            effort_n_per_kg: interval.effort_n_per_kg.unwrap_or(0.0),
+            residual_n_per_kg: 0.0,
+        })
+        .collect();
+    let mut extra = vec![0.0; rows.len()];
+    let columns = model.iter().flat_map(|term| term.columns(context, &rows));
+    for (column, beta) in columns.zip(beta) {
+        for (sum, value) in extra.iter_mut().zip(column) {
+            *sum += beta * value;
+        }
+    }
+    extra
+}
+
+fn rows(
+    context: &Context<'_>,
+    runs: &[Run],
+    cut: &[Vec<Interval>],
+    measured: bool,
+    model: (&[Term], &[f64]),
+    uncertain: f64,
+) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for (run, intervals) in runs.iter().zip(cut) {
+        let line = context.believed.line(run.direction);
+        if measured {
+            rows.extend(
+                intervals
+                    .iter()
+                    .filter_map(|i| Row::new(line, i, i.effort_n_per_kg)),
+            );
+        } else {
+            let extra = extra(context, run, intervals, model);
+            let noise = 0.0115;
+            let coasts = coasted(
+                &context.believed,
+                run.direction,
+                intervals,
+                &extra,
+                noise,
+                uncertain,
+            );
+            rows.extend(
+                intervals
+                    .iter()
+                    .zip(coasts)
+                    .filter(|(_, coasts)| *coasts)
+                    .filter_map(|(i, _)| Row::new(line, i, Some(0.0))),
+            );
+        }
+    }
+    rows
+}
+
+/// The effort of each interval: measured, or what the model says it takes.
+fn efforts(
+    context: &Context<'_>,
+    run: &Run,
+    intervals: &[Interval],
+    measured: bool,
+    model: (&[Term], &[f64]),
+) -> Vec<Option<f64>> {
+    let line = context.believed.line(run.direction);
+    let extra = extra(context, run, intervals, model);
+    intervals
+        .iter()
+        .zip(extra)
+        .map(|(interval, extra)| {
+            if measured {
+                interval
+                    .effort_n_per_kg
+                    .filter(|_| interval.effort_change_n_per_kg < 0.05)
+            } else {
+                Some(
+                    interval.acceleration_mps2()
+                        + super::rows::believed_load(line, interval)
+                        + extra,
+                )
+            }
+        })
+        .collect()
+}
+
+/// Each term of the model with its coefficients, what it brings beside the others, and who would do as well.
+fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
+    let Some(base) = search.base(model) else {
+        return Vec::new();
+    };
+    let score = search.score(model);
+    let (naive, robust) = (base.naive(), base.robust());
+    let mut place = 0;
+    let mut fitted = Vec::new();
+    for (index, term) in model.iter().enumerate() {
+        let count = if matches!(term, Term::Length(_)) {
+            0
+        } else {
+            term.count()
+        };
+        let range = place..place + count;
+        place += count;
+        let mut others = model.to_vec();
+        others.remove(index);
+        let gain = search
+            .candidates(&others)
+            .iter()
+            .find(|found| core::mem::discriminant(&found.term) == core::mem::discriminant(term))
+            .map_or(0.0, |found| found.gain.gain);
+        let rivals = search
+            .candidates(&others)
+            .into_iter()
+            .filter(|found| core::mem::discriminant(&found.term) != core::mem::discriminant(term))
+            .filter_map(|found| {
+                let mut with = others.clone();
+                with.insert(index, found.term.clone());
+                let worse = score - search.score(&with);
+                (worse < NEAR).then_some((found.term, worse))
+            })
+            .collect();
+        fitted.push(Fitted {
+            term: term.clone(),
+            beta: range.clone().map(|i| base.beta[i]).collect(),
+            sd: range
+                .map(|i| naive[(i, i)].max(robust[(i, i)]).sqrt())
+                .collect(),
+            gain,
+            rivals,
+        });
+    }
+    fitted
+}

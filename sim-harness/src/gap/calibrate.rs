@@ -1,0 +1,233 @@
+//! The noise of a data set, found from the data.
+//!
+//! Maximum likelihood over reading error, disturbance, share of effort changes, and what each run has for itself, beside a model flexible enough to
+//! take up any effect. Outliers are given a wider spread instead of being dropped.
+
+use super::fit::Base;
+use super::rows::Row;
+use super::runs::Interval;
+use super::terms::{Context, Coordinate, Term, both_directions};
+use super::whitening::{Noise, Whitening};
+use nalgebra::DVector;
+
+/// What differs from run to run, standard deviations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Own {
+    /// A constant resistance, N/kg.
+    pub constant_n_per_kg: f64,
+    /// Wind along the line, m/s.
+    pub wind_mps: f64,
+    /// Mass, or gain of the measured effort: a share of u - r2 v².
+    pub mass: f64,
+}
+
+/// The noise of a data set.
+#[derive(Clone, Debug)]
+pub struct Calibrated {
+    /// Of rows.
+    pub noise: Noise,
+    /// Of runs.
+    pub own: Own,
+    /// Factor on the standard deviation of each row.
+    pub spread: Vec<f64>,
+}
+
+/// Beyond this many standard deviations a row is an outlier.
+const OUTLIER: f64 = 3.5;
+/// Knots of the flexible model along the location.
+const KNOTS: usize = 30;
+
+impl Calibrated {
+    /// The whitening of these rows.
+    pub fn whitening(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
+        whitening(
+            &self.noise,
+            &self.own,
+            &self.spread,
+            rows,
+            &own_columns(context, rows),
+        )
+    }
+}
+
+/// Columns of what each run has for itself: constant, wind, mass.
+pub fn own_columns(context: &Context<'_>, rows: &[Row]) -> [Vec<f64>; 3] {
+    let one = |term: Term| term.columns(context, rows).swap_remove(0);
+    let (wind, mass) = (one(Term::Wind(0.0)), one(Term::Mass));
+    [vec![1.0; rows.len()], wind, mass]
+}
+
+fn whitening(
+    noise: &Noise,
+    own: &Own,
+    spread: &[f64],
+    rows: &[Row],
+    columns: &[Vec<f64>; 3],
+) -> Whitening {
+    let intervals: Vec<&Interval> = rows.iter().map(|row| &row.interval).collect();
+    let [constant, wind, mass] = columns;
+    Whitening::new(&intervals, noise, spread).with_own(&[
+        (constant, own.constant_n_per_kg),
+        (wind, own.wind_mps),
+        (mass, own.mass),
+    ])
+}
+
+/// Knots between the smallest and the largest value, equally filled.
+pub fn knots(values: impl Iterator<Item = f64>, count: usize) -> Vec<f64> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    if sorted.is_empty() {
+        return Vec::new();
+    }
+    let mut knots: Vec<f64> = (0..count)
+        .map(|i| sorted[i * (sorted.len() - 1) / (count - 1).max(1)])
+        .collect();
+    knots.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    knots
+}
+
+/// Finds the noise of these rows. `measured`: the effort is measured, so its gain may differ from run to run.
+/// `wind` allows a wind of its own to each run. Also the log-likelihood reached.
+pub fn calibrate(
+    context: &Context<'_>,
+    rows: &[Row],
+    measured: bool,
+    wind: bool,
+    model: &[Term],
+) -> (Calibrated, f64) {
+    let columns = own_columns(context, rows);
+    let flexible = flexible(context, rows, model);
+    let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
+    let mut found = Calibrated {
+        noise: Noise {
+            reading_mps: 0.08,
+            acceleration_mps2: 0.003,
+            change_share: if measured { 0.3 } else { 0.0 },
+        },
+        own: Own::default(),
+        spread: vec![1.0; rows.len()],
+    };
+    let likelihood = |noise: &Noise, own: &Own, spread: &[f64]| -> (f64, Option<DVector<f64>>) {
+        let whitening = whitening(noise, own, spread, rows, &columns);
+        let white: Vec<_> = flexible.iter().map(|c| whitening.whiten(c)).collect();
+        match Base::new(&whitening.whiten(&y), &white, whitening.runs()) {
+            Some(base) => (
+                -whitening.log_determinant() - base.half_sum(),
+                Some(base.residual),
+            ),
+            None => (f64::NEG_INFINITY, None),
+        }
+    };
+    let mut reached = f64::NEG_INFINITY;
+    for round in 0..3 {
+        let mut best = likelihood(&found.noise, &found.own, &found.spread).0;
+        let mut factor: f64 = if round == 0 { 2.0 } else { 1.4 };
+        let mut own_zero = [false; 3];
+        while factor > 1.07 {
+            let mut moved = false;
+            for which in 0..6 {
+                if which == 2 && !measured || which == 4 && !wind || which >= 3 && round == 0 {
+                    continue;
+                }
+                for step in [factor, 1.0 / factor] {
+                    let (mut noise, mut own) = (found.noise, found.own);
+                    let (value, start, most) = match which {
+                        0 => (&mut noise.reading_mps, 0.08, 1.0),
+                        1 => (&mut noise.acceleration_mps2, 0.003, 0.2),
+                        2 => (&mut noise.change_share, 0.3, 2.0),
+                        3 => (&mut own.constant_n_per_kg, 5e-4, 0.05),
+                        4 => (&mut own.wind_mps, 0.5, 20.0),
+                        _ => (&mut own.mass, 5e-3, 0.2),
+                    };
+                    if which >= 3 && *value == 0.0 {
+                        if own_zero[which - 3] || step < 1.0 {
+                            continue;
+                        }
+                        *value = start;
+                    } else {
+                        *value = (*value * step).min(most);
+                        if which >= 3 && *value < 0.1 * start {
+                            *value = 0.0;
+                        }
+                    }
+                    let (now, _) = likelihood(&noise, &own, &found.spread);
+                    if now > best + 1e-3 {
+                        best = now;
+                        (found.noise, found.own) = (noise, own);
+                        moved = true;
+                        break;
+                    } else if which >= 3 {
+                        own_zero[which - 3] |= match which {
+                            3 => found.own.constant_n_per_kg == 0.0,
+                            4 => found.own.wind_mps == 0.0,
+                            _ => found.own.mass == 0.0,
+                        };
+                    }
+                }
+            }
+            if !moved {
+                factor = factor.sqrt();
+                own_zero = [false; 3];
+            }
+        }
+        reached = best;
+        if round < 2 {
+            if let (_, Some(residual)) = likelihood(&found.noise, &found.own, &found.spread) {
+                for (spread, e) in found.spread.iter_mut().zip(residual.iter()) {
+                    *spread = (*spread * e.abs() / OUTLIER).max(1.0);
+                }
+            }
+        }
+    }
+    (found, reached)
+}
+
+/// Columns that take up any effect: Davis, location, time, the known model, and effects of the effort.
+fn flexible(context: &Context<'_>, rows: &[Row], model: &[Term]) -> Vec<Vec<f64>> {
+    let of = |which| move |row: &Row| super::terms::coordinate(which, row, row.interval.middle());
+    let location = knots(rows.iter().filter_map(of(Coordinate::Location)), KNOTS);
+    let time = knots(rows.iter().filter_map(of(Coordinate::Time)), 6);
+    let speed = knots(rows.iter().filter_map(of(Coordinate::Speed)), 6);
+    let mut columns = Term::Smooth(Coordinate::Location, location).columns(context, rows);
+    // One knot left out: the sum of all is the constant, which the location has.
+    columns.extend(
+        Term::Smooth(Coordinate::Time, time)
+            .columns(context, rows)
+            .into_iter()
+            .skip(1),
+    );
+    columns.extend(
+        Term::Smooth(Coordinate::Speed, speed)
+            .columns(context, rows)
+            .into_iter()
+            .skip(1),
+    );
+    columns.extend(Term::Mass.columns(context, rows));
+    if both_directions(rows) {
+        let signed: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|c| {
+                c.iter()
+                    .zip(rows)
+                    .map(|(v, row)| v * row.direction.sign())
+                    .collect()
+            })
+            .collect();
+        columns.extend(signed);
+    }
+    for which in [Coordinate::Temperature, Coordinate::Day] {
+        let at = knots(rows.iter().filter_map(of(which)), 4);
+        columns.extend(
+            Term::Smooth(which, at)
+                .columns(context, rows)
+                .into_iter()
+                .skip(1),
+        );
+    }
+    for term in model {
+        columns.extend(term.columns(context, rows));
+    }
+    columns.retain(|c| c.iter().any(|v| *v != 0.0));
+    columns
+}

@@ -1,0 +1,483 @@
+//! Limits of the traction: does the train give what its description says, everywhere and every day?
+//!
+//! In: intervals of steady power while the train gains speed, and ρ = effort over believed limit. A driver asks for a share a of the nominal effort and another of the
+//! nominal power, the same all through a run but not the same in every run; the train gives the smaller of that share and its true limit F:
+//!
+//! ```text
+//! ρ_i = min(a_r, F(location, speed)) + noise        a_r unknown in each run, for effort and for power, even prior
+//! ```
+//!
+//! | hypothesis | F |
+//! |---|---|
+//! | as believed | 1 |
+//! | `traction_scale` | the factor, everywhere |
+//! | `power_limit_section` | the factor, for power, inside a section |
+//! | `low_adhesion` | the factor times the largest effort below a speed, in some runs |
+//!
+//! Compared by marginal likelihood, the share integrated out run by run.
+
+use super::rows::Believed;
+use super::runs::Interval;
+use rundown::track::Direction;
+
+/// An interval of steady power.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pull {
+    /// Index of its run.
+    pub run: usize,
+    /// Location of the front half-way, m.
+    pub location_m: f64,
+    /// Mean speed, m/s.
+    pub speed_mps: f64,
+    /// Effort over believed limit.
+    pub ratio: f64,
+    /// Standard deviation of the ratio.
+    pub sd: f64,
+    /// Largest effort over the limit at this speed: above 1 where the power limits.
+    pub effort_over_limit: f64,
+}
+
+impl Pull {
+    /// The power is what limits, not the effort.
+    fn by_power(&self) -> bool {
+        self.effort_over_limit > 1.001
+    }
+}
+
+/// A limit that is not as believed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Limit {
+    /// Everywhere.
+    Scale {
+        /// Of effort and power.
+        factor: f64,
+    },
+    /// In a section.
+    Section {
+        /// From, m.
+        from_m: f64,
+        /// To, m.
+        to_m: f64,
+        /// Of the power.
+        factor: f64,
+    },
+    /// At low speed, in some runs.
+    Adhesion {
+        /// Of the largest effort.
+        factor: f64,
+        /// Below this speed, km/h.
+        below_kmh: f64,
+        /// Which runs.
+        runs: Vec<usize>,
+    },
+}
+
+/// A limit with what was found of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundLimit {
+    /// The limit.
+    pub limit: Limit,
+    /// Gain of log-likelihood.
+    pub gain: f64,
+    /// The same less the cost of its freedom.
+    pub value: f64,
+    /// Standard deviation of the factor.
+    pub factor_sd: f64,
+}
+
+/// Shares that drivers ask for.
+const SHARES: usize = 41;
+const LEAST_SHARE: f64 = 0.4;
+/// Probability that an interval is not steady power after all.
+const STRAY: f64 = 0.1;
+/// Effort limit over power limit up to which the corner reaches.
+const CORNER: f64 = 1.35;
+/// A limit nearer to the believed one is no finding.
+const LEAST_SCALE: f64 = 0.03;
+/// More runs than this are no bad days but the train.
+const MOST_SLIPPERY: f64 = 0.6;
+const LEAST_ACCELERATION_MPS2: f64 = 0.03;
+
+/// Intervals of steady power of one run. `effort`: measured, or calculated from the change of speed and the model.
+pub fn pulls(
+    believed: &Believed<'_>,
+    direction: Direction,
+    intervals: &[Interval],
+    effort: &[Option<f64>],
+    effort_sd: f64,
+) -> Vec<Pull> {
+    let train = believed.line(direction).train;
+    let ratios: Vec<Option<Pull>> = intervals
+        .iter()
+        .zip(effort)
+        .map(|(interval, effort)| {
+            let effort = (*effort)?;
+            let limit = interval.mean(|p| train.max_effort_n_per_kg(p.speed_mps.max(0.5)));
+            let most = train.max_effort_n_per_kg(0.1);
+            let ratio = effort / limit;
+            let slowest = interval.speed_mps[0].min(interval.speed_mps[1]);
+            let pull = Pull {
+                run: interval.run,
+                location_m: interval.middle().location_m,
+                speed_mps: interval.mean_speed_mps(),
+                ratio,
+                sd: (effort_sd / limit)
+                    .hypot(0.008)
+                    .hypot(0.06 / interval.mean_speed_mps().max(1.0)),
+                effort_over_limit: most / limit,
+            };
+            // Near the corner of effort and power a driver who asks for less effort than power is limited by neither share.
+            let at_corner = (1.001..CORNER).contains(&pull.effort_over_limit);
+            (ratio > LEAST_SHARE - 0.1
+                && !at_corner
+                && slowest > 1.5
+                && interval.acceleration_mps2() > LEAST_ACCELERATION_MPS2)
+                .then_some(pull)
+        })
+        .collect();
+    // Steady: like a neighbour.
+    let near = |a: &Pull, b: &Option<Pull>| {
+        b.is_some_and(|b| (a.ratio - b.ratio).abs() < 0.02 + 2.5 * a.sd.hypot(b.sd))
+    };
+    (0..ratios.len())
+        .filter_map(|i| {
+            let pull = ratios[i]?;
+            let before = i > 0 && near(&pull, &ratios[i - 1]);
+            let after = ratios.get(i + 1).is_some_and(|next| near(&pull, next));
+            // Calculated from the change of speed, the interval in which the power is raised looks like less power.
+            let raised = effort_sd > 0.0 && (i == 0 || ratios[i - 1].is_none());
+            ((before || after) && !raised).then_some(pull)
+        })
+        .collect()
+}
+
+/// Log density of a ratio when `given` is what the train gives.
+fn density(pull: &Pull, given: f64) -> f64 {
+    let z = (pull.ratio - given) / pull.sd;
+    let normal = (-0.5 * z * z).exp() / (pull.sd * 2.506_628_274_631);
+    ((1.0 - STRAY) * normal + STRAY / 0.9).ln()
+}
+
+fn shares(most: f64) -> impl Iterator<Item = f64> {
+    (0..SHARES).map(move |k| LEAST_SHARE + (most - LEAST_SHARE) * k as f64 / (SHARES - 1) as f64)
+}
+
+/// Log of the mean over shares of exp(log-likelihood).
+fn over_shares(of_share: &[f64]) -> f64 {
+    let most = of_share.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+    most + (of_share.iter().map(|l| (l - most).exp()).sum::<f64>() / of_share.len() as f64).ln()
+}
+
+fn run_likelihood(pulls: &[Pull], most_share: f64, limit: impl Fn(&Pull) -> f64) -> f64 {
+    [false, true]
+        .iter()
+        .map(|power| {
+            let of_share: Vec<f64> = shares(most_share)
+                .map(|share| {
+                    pulls
+                        .iter()
+                        .filter(|pull| pull.by_power() == *power)
+                        .map(|pull| density(pull, share.min(limit(pull))))
+                        .sum()
+                })
+                .collect();
+            over_shares(&of_share)
+        })
+        .sum()
+}
+
+/// All limits that are better than the believed one, best first. `pulls` by run.
+pub fn limits(pulls: &[Vec<Pull>]) -> Vec<FoundLimit> {
+    let runs: Vec<&[Pull]> = pulls
+        .iter()
+        .map(Vec::as_slice)
+        .filter(|p| p.len() >= 2)
+        .collect();
+    if runs.len() < 3 {
+        return Vec::new();
+    }
+    let believed: Vec<f64> = runs
+        .iter()
+        .map(|p| run_likelihood(p, 1.0, |_| 1.0))
+        .collect();
+    let mut found = Vec::new();
+    found.extend(scale(&runs, &believed));
+    found.extend(section(&runs, &believed));
+    found.extend(adhesion(&runs, &believed));
+    found.sort_by(|a, b| b.value.total_cmp(&a.value));
+    found
+}
+
+/// Sum without the best tenth: what rests on a few runs is no limit of the train.
+fn trimmed(gains: impl Iterator<Item = f64>) -> f64 {
+    let mut gains: Vec<f64> = gains.collect();
+    gains.sort_by(f64::total_cmp);
+    let kept = gains.len() - (gains.len() / 10).max(1);
+    gains[..kept].iter().sum::<f64>() * gains.len() as f64 / kept as f64
+}
+
+fn best_factor(
+    range: impl Iterator<Item = f64>,
+    gain: impl Fn(f64) -> f64,
+) -> Option<(f64, f64, f64)> {
+    let mut best: Option<(f64, f64)> = None;
+    for factor in range {
+        let now = gain(factor);
+        if best.is_none_or(|(_, most)| now > most) {
+            best = Some((factor, now));
+        }
+    }
+    let (mut factor, mut most) = best?;
+    let mut step = 0.02;
+    while step > 5e-4 {
+        let mut moved = false;
+        for other in [factor - step, factor + step] {
+            let now = gain(other);
+            if now > most {
+                (factor, most, moved) = (other, now, true);
+            }
+        }
+        if !moved {
+            step *= 0.5;
+        }
+    }
+    // Curvature of the log-likelihood, over a step wide enough for its roughness.
+    let h = 0.01;
+    let curvature = (2.0 * most - gain(factor - h) - gain(factor + h)) / (h * h);
+    let sd = if curvature > 0.0 {
+        1.0 / curvature.sqrt()
+    } else {
+        h
+    };
+    Some((factor, most, sd))
+}
+
+fn scale(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
+    let total: f64 = believed.iter().sum();
+    let gain = |factor: f64| {
+        runs.iter()
+            .map(|p| run_likelihood(p, factor.max(1.0), |_| factor))
+            .sum::<f64>()
+            - total
+    };
+    let range = (10..40)
+        .map(|i| 0.04 * f64::from(i))
+        .filter(|f| (f - 1.0).abs() > LEAST_SCALE);
+    let (factor, gain, factor_sd) = best_factor(range, gain)?;
+    let of_runs = runs
+        .iter()
+        .zip(believed)
+        .map(|(p, b)| run_likelihood(p, factor.max(1.0), |_| factor) - b);
+    let gain = gain.min(trimmed(of_runs));
+    ((factor - 1.0).abs() > LEAST_SCALE).then_some(FoundLimit {
+        limit: Limit::Scale { factor },
+        gain,
+        value: gain - 2.1,
+        factor_sd,
+    })
+}
+
+/// Edges of sections lie on this grid before they are refined, m.
+const EDGE_M: f64 = 250.0;
+const FACTORS: usize = 14;
+
+fn section(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
+    let at = || runs.iter().flat_map(|p| p.iter().map(|p| p.location_m));
+    let low = at().fold(f64::INFINITY, f64::min) - EDGE_M;
+    let high = at().fold(f64::NEG_INFINITY, f64::max) + EDGE_M;
+    let bins = (((high - low) / EDGE_M).ceil() as usize).clamp(2, 160);
+    let width = (high - low) / bins as f64;
+    let bin = |pull: &Pull| (((pull.location_m - low) / width) as usize).min(bins - 1);
+    let mut gains = vec![0.0; FACTORS * (bins + 1) * (bins + 1)];
+    for pulls in runs {
+        let touched: Vec<bool> = {
+            let mut touched = vec![false; bins];
+            pulls.iter().for_each(|p| touched[bin(p)] = true);
+            touched
+        };
+        // A section limits the power only.
+        let pulls: Vec<&Pull> = pulls.iter().filter(|p| p.by_power()).collect();
+        let believed = {
+            let of_share: Vec<f64> = shares(1.0)
+                .map(|share| pulls.iter().map(|p| density(p, share)).sum())
+                .collect();
+            over_shares(&of_share)
+        };
+        let all: Vec<f64> = shares(1.0)
+            .map(|share| pulls.iter().map(|p| density(p, share)).sum())
+            .collect();
+        for f in 0..FACTORS {
+            let factor = 0.3 + 0.05 * f as f64;
+            // Cumulative change of log-likelihood by bin, for each share.
+            let mut cumulative = vec![[0.0; SHARES]; bins + 1];
+            for (k, share) in shares(1.0).enumerate() {
+                let mut change = vec![0.0; bins];
+                for pull in &pulls {
+                    let limited = share.min(factor);
+                    change[bin(pull)] += density(pull, limited) - density(pull, share);
+                }
+                for b in 0..bins {
+                    cumulative[b + 1][k] = cumulative[b][k] + change[b];
+                }
+            }
+            for a in 0..bins {
+                let mut last = 0.0;
+                for b in a + 1..=bins {
+                    if touched[b - 1] {
+                        let of_share: [f64; SHARES] =
+                            core::array::from_fn(|k| all[k] + cumulative[b][k] - cumulative[a][k]);
+                        last = over_shares(&of_share) - believed;
+                    }
+                    gains[(f * (bins + 1) + a) * (bins + 1) + b] += last;
+                }
+            }
+        }
+    }
+    let best = (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b]))?;
+    let (f, a, b) = (
+        best / ((bins + 1) * (bins + 1)),
+        best / (bins + 1) % (bins + 1),
+        best % (bins + 1),
+    );
+    let total: f64 = believed.iter().sum();
+    let gain_of = |from: f64, to: f64, factor: f64| {
+        runs.iter()
+            .map(|p| {
+                run_likelihood(p, 1.0, |pull| {
+                    if (from..to).contains(&pull.location_m) && pull.by_power() {
+                        factor
+                    } else {
+                        1.0
+                    }
+                })
+            })
+            .sum::<f64>()
+            - total
+    };
+    let (mut from, mut to) = (low + a as f64 * width, low + b as f64 * width);
+    let mut factor = 0.3 + 0.05 * f as f64;
+    let mut most = gain_of(from, to, factor);
+    let mut step = [0.5 * width, 0.5 * width, 0.025];
+    for _ in 0..8 {
+        for (which, step) in step.iter().enumerate() {
+            for by in [*step, -*step] {
+                let mut other = [from, to, factor];
+                other[which] += by;
+                let now = gain_of(other[0], other[1], other[2]);
+                if now > most + 1e-9 && other[1] > other[0] {
+                    [from, to, factor] = other;
+                    most = now;
+                }
+            }
+        }
+        step.iter_mut().for_each(|s| *s *= 0.6);
+    }
+    let h = 0.01;
+    let curvature =
+        (2.0 * most - gain_of(from, to, factor - h) - gain_of(from, to, factor + h)) / (h * h);
+    let of_runs = runs.iter().zip(believed).map(|(p, believed)| {
+        run_likelihood(p, 1.0, |pull| {
+            if (from..to).contains(&pull.location_m) && pull.by_power() {
+                factor
+            } else {
+                1.0
+            }
+        }) - believed
+    });
+    let gain = most.min(trimmed(of_runs));
+    Some(FoundLimit {
+        limit: Limit::Section {
+            from_m: from,
+            to_m: to,
+            factor,
+        },
+        gain,
+        value: gain - 2.1 - 5.0,
+        factor_sd: if curvature > 0.0 {
+            1.0 / curvature.sqrt()
+        } else {
+            h
+        },
+    })
+}
+
+fn adhesion(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
+    let limit = |pull: &Pull, factor: f64, below_kmh: f64| {
+        if 3.6 * pull.speed_mps < below_kmh {
+            factor * pull.effort_over_limit
+        } else {
+            1.0
+        }
+    };
+    let gains = |factor: f64, below_kmh: f64| -> Vec<f64> {
+        runs.iter()
+            .zip(believed)
+            .map(|(p, believed)| {
+                run_likelihood(p, 1.0, |pull| limit(pull, factor, below_kmh)) - believed
+            })
+            .collect()
+    };
+    // Share of the runs on slippery days, by expectation and maximisation.
+    let mixture = |gains: &[f64]| -> (f64, f64) {
+        let mut share: f64 = 0.2;
+        for _ in 0..30 {
+            let sum: f64 = gains
+                .iter()
+                .map(|g| {
+                    let odds = share * g.clamp(-50.0, 50.0).exp();
+                    odds / (odds + 1.0 - share)
+                })
+                .sum();
+            share = (sum / gains.len() as f64).clamp(0.5 / gains.len() as f64, MOST_SLIPPERY);
+        }
+        let total = gains
+            .iter()
+            .map(|g| (share * g.clamp(-50.0, 700.0).exp() + 1.0 - share).ln())
+            .sum();
+        (share, total)
+    };
+    let mut best: Option<(f64, f64, f64, Vec<f64>, f64)> = None;
+    for below in (3..=12).map(|i| 5.0 * f64::from(i)) {
+        for factor in (3..20).map(|i| 0.05 * f64::from(i)) {
+            let gains = gains(factor, below);
+            let (share, total) = mixture(&gains);
+            if best.as_ref().is_none_or(|b| total > b.2) {
+                best = Some((factor, below, total, gains, share));
+            }
+        }
+    }
+    let (mut factor, mut below, mut total, mut of_runs, mut share) = best?;
+    for step in [0.02, 0.01, 0.005, 0.0025] {
+        for (f, b) in [
+            (step, 0.0),
+            (-step, 0.0),
+            (0.0, 100.0 * step),
+            (0.0, -100.0 * step),
+        ] {
+            let gains = gains(factor + f, below + b);
+            let (s, t) = mixture(&gains);
+            if t > total {
+                (factor, below, total, of_runs, share) = (factor + f, below + b, t, gains, s);
+            }
+        }
+    }
+    let slippery: Vec<usize> = of_runs
+        .iter()
+        .enumerate()
+        .filter(|(_, g)| share * g.clamp(-50.0, 50.0).exp() > 1.0 - share)
+        .filter_map(|(i, _)| runs[i].first().map(|p| p.run))
+        .collect();
+    if slippery.is_empty() || slippery.len() as f64 > MOST_SLIPPERY * runs.len() as f64 {
+        return None;
+    }
+    Some(FoundLimit {
+        limit: Limit::Adhesion {
+            factor,
+            below_kmh: below,
+            runs: slippery,
+        },
+        gain: total,
+        value: total - 2.0 * 2.1 - 1.5 - 3.0,
+        factor_sd: 0.01,
+    })
+}

@@ -1,0 +1,157 @@
+//! Least squares in whitened rows, with runs as the unit.
+
+use core::ops::Range;
+use nalgebra::{DMatrix, DVector};
+
+/// A design in whitened rows, reduced to what fits need.
+#[derive(Clone, Debug)]
+pub struct Base {
+    /// Whitened columns of the current model.
+    x: DMatrix<f64>,
+    /// (XᵀX)⁻¹.
+    inverse: DMatrix<f64>,
+    /// Coefficients.
+    pub beta: DVector<f64>,
+    /// Whitened residuals.
+    pub residual: DVector<f64>,
+    runs: Vec<Range<usize>>,
+}
+
+/// What further columns would bring.
+#[derive(Clone, Debug)]
+pub struct Gain {
+    /// Coefficients of the further columns.
+    pub beta: DVector<f64>,
+    /// Their covariance as the noise model has it.
+    pub naive: DMatrix<f64>,
+    /// Their covariance from the spread between runs.
+    pub robust: DMatrix<f64>,
+    /// Gain of log-likelihood under the noise model.
+    pub naive_gain: f64,
+    /// The same, but no more than the spread between runs allows.
+    pub gain: f64,
+    /// The gain without the tenth of the runs that gain most, scaled up to all runs.
+    pub without_best: f64,
+}
+
+fn inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    // Columns of very different size: scaled to ones on the diagonal first.
+    let scale = matrix
+        .diagonal()
+        .map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
+    let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
+        matrix[(i, j)] * scale[i] * scale[j] + if i == j { 1e-10 } else { 0.0 }
+    });
+    let inverse = scaled.cholesky()?.inverse();
+    Some(DMatrix::from_fn(
+        inverse.nrows(),
+        inverse.ncols(),
+        |i, j| inverse[(i, j)] * scale[i] * scale[j],
+    ))
+}
+
+impl Base {
+    /// Fits the current model. `None` if its columns cannot be told apart.
+    pub fn new(y: &DVector<f64>, columns: &[DVector<f64>], runs: &[Range<usize>]) -> Option<Self> {
+        let x = if columns.is_empty() {
+            DMatrix::zeros(y.len(), 0)
+        } else {
+            DMatrix::from_columns(columns)
+        };
+        let inverse = inverse(x.transpose() * &x)?;
+        let beta = &inverse * (x.transpose() * y);
+        let residual = y - &x * &beta;
+        Some(Self {
+            x,
+            inverse,
+            beta,
+            residual,
+            runs: runs.to_vec(),
+        })
+    }
+
+    /// A column with the current model projected out.
+    pub fn beside(&self, column: &DVector<f64>) -> DVector<f64> {
+        if self.x.ncols() == 0 {
+            return column.clone();
+        }
+        column - &self.x * (&self.inverse * (self.x.transpose() * column))
+    }
+
+    /// A Gram matrix of columns with the current model projected out.
+    pub fn project(&self, columns: &DMatrix<f64>, gram: &DMatrix<f64>) -> DMatrix<f64> {
+        if self.x.ncols() == 0 {
+            return gram.clone();
+        }
+        let with = self.x.transpose() * columns;
+        gram - with.transpose() * &self.inverse * with
+    }
+
+    /// Half the sum of squares.
+    pub fn half_sum(&self) -> f64 {
+        0.5 * self.residual.norm_squared()
+    }
+
+    /// Covariance of the coefficients as the noise model has it.
+    pub fn naive(&self) -> &DMatrix<f64> {
+        &self.inverse
+    }
+
+    /// Covariance of the coefficients from the spread between runs.
+    pub fn robust(&self) -> DMatrix<f64> {
+        let scores = self.scores(&self.x, &self.residual);
+        let count = self.runs.len() as f64;
+        let correction = count / (count - 1.0).max(1.0);
+        &self.inverse * (&scores * scores.transpose()) * &self.inverse * correction
+    }
+
+    fn scores(&self, x: &DMatrix<f64>, residual: &DVector<f64>) -> DMatrix<f64> {
+        let mut scores = DMatrix::zeros(x.ncols(), self.runs.len());
+        for (k, range) in self.runs.iter().enumerate() {
+            let score = x.rows(range.start, range.len()).transpose()
+                * residual.rows(range.start, range.len());
+            scores.set_column(k, &score);
+        }
+        scores
+    }
+
+    /// What these whitened columns bring beside the current model.
+    pub fn gain(&self, columns: &[DVector<f64>]) -> Option<Gain> {
+        let x = DMatrix::from_columns(&columns.iter().map(|c| self.beside(c)).collect::<Vec<_>>());
+        let naive = inverse(x.transpose() * &x)?;
+        let beta = &naive * (x.transpose() * &self.residual);
+        let left = &self.residual - &x * &beta;
+        let scores = self.scores(&x, &left);
+        let count = self.runs.len() as f64;
+        let correction = count / (count - beta.len() as f64).max(1.0);
+        let robust = &naive * (&scores * scores.transpose()) * &naive * correction;
+        let naive_gain = 0.5 * (self.residual.norm_squared() - left.norm_squared());
+        let mut of_runs: Vec<f64> = self
+            .runs
+            .iter()
+            .map(|range| {
+                let sum = |e: &DVector<f64>| e.rows(range.start, range.len()).norm_squared();
+                0.5 * (sum(&self.residual) - sum(&left))
+            })
+            .collect();
+        of_runs.sort_by(f64::total_cmp);
+        let kept = of_runs.len() - (of_runs.len() / 10).max(1).min(of_runs.len());
+        let without_best =
+            of_runs[..kept].iter().sum::<f64>() * of_runs.len() as f64 / kept.max(1) as f64;
+        // How much wider the spread between runs is than the noise model says, over the directions of these columns.
+        let wider = robust
+            .diagonal()
+            .iter()
+            .zip(naive.diagonal().iter())
+            .map(|(r, n)| r / n)
+            .fold(1.0, f64::max);
+        Some(Gain {
+            gain: naive_gain / wider,
+            naive_gain,
+            without_best,
+            beta,
+            naive,
+            robust,
+        })
+    }
+}

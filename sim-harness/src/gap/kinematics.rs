@@ -1,0 +1,262 @@
+//! Do speed and location agree? Scale, offset and lag, before any question about forces.
+//!
+//! Over each pair of samples, with σ the sign of the direction and v̄ the mean of the two speed readings:
+//!
+//! ```text
+//! σ Δs - v̄ dt = ε v̄ dt + b dt - lag Δv        ε = 1/scale - 1,  b: half a quantum if the recorder truncates
+//! ```
+//!
+//! Location noise is shared by neighbouring pairs with opposite sign; what the rounding of the speed leaves adds up. Fitted run by run, then over runs:
+//! a run is the unit, and one bad run must not decide.
+
+use super::fit::Base;
+use super::runs::{Readings, Run, usual_step_s};
+use nalgebra::DVector;
+
+/// What was found, each with its standard deviation from the spread between runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Kinematics {
+    /// Measured over true speed, less 1.
+    pub scale: (f64, f64),
+    /// Offset of the speed reading, true less read, m/s.
+    pub offset_mps: (f64, f64),
+    /// Age of the location reading less that of the speed, s.
+    pub lag_s: (f64, f64),
+    /// The step of the speed readings, m/s; 0 if there is none.
+    pub quantum_mps: f64,
+}
+
+/// How often a value must exceed its standard deviation before it is believed.
+const SURE: f64 = 5.0;
+/// A scale nearer to 1 is within what wheels are allowed.
+const LEAST_SCALE: f64 = 0.003;
+/// A lag below this is what receivers have, s.
+const LEAST_LAG_S: f64 = 1.2;
+/// Standard deviation of a location reading that is assumed for the weights, m, and of the way by speed over a second, m/√s.
+const LOCATION_SD_M: f64 = 4.0;
+const WAY_SD_M: f64 = 0.25;
+
+impl Kinematics {
+    /// The scale is beyond doubt and matters.
+    pub fn scale_matters(&self) -> bool {
+        let (value, sd) = self.scale;
+        value.abs() > LEAST_SCALE && value.abs() > SURE * sd
+    }
+
+    /// The same of the lag.
+    pub fn lag_matters(&self) -> bool {
+        let (value, sd) = self.lag_s;
+        value.abs() > LEAST_LAG_S && value.abs() > SURE * sd
+    }
+
+    /// The recorder truncates its speeds.
+    pub fn truncates(&self) -> bool {
+        let half = 0.5 * self.quantum_mps;
+        let (value, sd) = self.offset_mps;
+        half > 0.0 && (value - half).abs() < 0.5 * half && value > 3.0 * sd
+    }
+
+    /// What is corrected before any force is looked at.
+    pub fn readings(&self) -> Readings {
+        Readings {
+            speed_scale: if self.scale_matters() {
+                1.0 + self.scale.0
+            } else {
+                1.0
+            },
+            speed_offset_mps: if self.truncates() {
+                0.5 * self.quantum_mps
+            } else {
+                0.0
+            },
+            location_lag_s: if self.lag_matters() {
+                self.lag_s.0
+            } else {
+                0.0
+            },
+            ..Readings::default()
+        }
+    }
+}
+
+/// One run's normal equations.
+struct OfRun {
+    information: nalgebra::Matrix3<f64>,
+    score: nalgebra::Vector3<f64>,
+}
+
+/// Finds scale, offset and lag over all runs.
+pub fn kinematics(runs: &[Run]) -> Kinematics {
+    let quantum_mps = quantum_mps(runs);
+    let of_runs: Vec<OfRun> = runs.iter().filter_map(of_run).collect();
+    // Without a quantum there is no truncation, so no offset to look for.
+    let free: Vec<usize> = if quantum_mps > 0.0 {
+        vec![0, 1, 2]
+    } else {
+        vec![0, 2]
+    };
+    let mut kept: Vec<&OfRun> = of_runs.iter().collect();
+    let mut found = Kinematics {
+        quantum_mps,
+        ..Kinematics::default()
+    };
+    for _ in 0..3 {
+        let Some((beta, sd, outside)) = over_runs(&kept, &free) else {
+            return found;
+        };
+        found.scale = (1.0 / (1.0 + beta[0]) - 1.0, sd[0]);
+        found.offset_mps = (beta[1], sd[1]);
+        found.lag_s = (beta[2], sd[2]);
+        if outside.is_empty() {
+            break;
+        }
+        kept = kept
+            .into_iter()
+            .enumerate()
+            .filter(|(index, _)| !outside.contains(index))
+            .map(|(_, run)| run)
+            .collect();
+    }
+    found
+}
+
+/// Values, deviations from the spread of runs, and runs that are far from all others.
+fn over_runs(runs: &[&OfRun], free: &[usize]) -> Option<([f64; 3], [f64; 3], Vec<usize>)> {
+    use nalgebra::{DMatrix, DVector};
+    let count = free.len();
+    let pick = |run: &OfRun| {
+        (
+            DMatrix::from_fn(count, count, |i, j| run.information[(free[i], free[j])]),
+            DVector::from_fn(count, |i, _| run.score[free[i]]),
+        )
+    };
+    let mut information = DMatrix::zeros(count, count);
+    let mut score = DVector::zeros(count);
+    for run in runs {
+        let (i, s) = pick(run);
+        information += i;
+        score += s;
+    }
+    let inverse = information.clone().cholesky()?.inverse();
+    let beta = &inverse * score;
+    let mut meat = DMatrix::zeros(count, count);
+    let mut sizes = Vec::new();
+    for run in runs {
+        let (i, s) = pick(run);
+        let left = s - i * &beta;
+        let moved = &inverse * &left;
+        sizes.push(moved[0].abs());
+        meat += &left * left.transpose();
+    }
+    let n = runs.len() as f64;
+    let robust = &inverse * meat * &inverse * (n / (n - count as f64).max(1.0));
+    let (mut value, mut sd) = ([0.0; 3], [0.0; 3]);
+    for (place, which) in free.iter().enumerate() {
+        value[*which] = beta[place];
+        // Never surer than the noise model with its few assumptions, halved.
+        sd[*which] = robust[(place, place)]
+            .sqrt()
+            .max(0.5 * inverse[(place, place)].sqrt());
+    }
+    let mut sorted = sizes.clone();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let outside = if runs.len() < 6 {
+        Vec::new()
+    } else {
+        (0..sizes.len())
+            .filter(|i| sizes[*i] > 12.0 * median)
+            .collect()
+    };
+    Some((value, sd, outside))
+}
+
+fn of_run(run: &Run) -> Option<OfRun> {
+    let sign = run.direction.sign();
+    let longest_s = 3.0 * usual_step_s(run).max(5.0);
+    // Fast logs: pairs about 10 s apart, or the way between two samples drowns in the noise of the location.
+    let read: Vec<(f64, f64, f64)> = run
+        .samples
+        .iter()
+        .filter_map(|s| Some((s.time_s, s.location_m?, s.speed_mps?)))
+        .collect();
+    let mut way = vec![0.0; read.len()];
+    for i in 1..read.len() {
+        way[i] = way[i - 1] + 0.5 * (read[i].0 - read[i - 1].0) * (read[i].2 + read[i - 1].2);
+    }
+    let mut picked: Vec<usize> = Vec::new();
+    for (i, r) in read.iter().enumerate() {
+        if picked.last().is_none_or(|last| r.0 - read[*last].0 > 9.5) {
+            picked.push(i);
+        }
+    }
+    let (mut y, mut scale, mut offset, mut lag) = (vec![], vec![], vec![], vec![]);
+    let (mut diagonal, mut below) = (vec![], vec![]);
+    let mut last_end = None;
+    for pair in picked.windows(2) {
+        let (a, b) = (read[pair[0]], read[pair[1]]);
+        let dt = b.0 - a.0;
+        // A standing train has no rounding and no truncation.
+        if dt > longest_s.max(30.0) || a.2.min(b.2) < 1.0 {
+            last_end = None;
+            continue;
+        }
+        let by_speed = way[pair[1]] - way[pair[0]];
+        y.push(sign * (b.1 - a.1) - by_speed);
+        scale.push(by_speed);
+        offset.push(dt);
+        lag.push(-(b.2 - a.2));
+        let variance = 2.0 * LOCATION_SD_M * LOCATION_SD_M + WAY_SD_M * WAY_SD_M * dt;
+        let shared = last_end == Some(pair[0]);
+        let off: f64 = if shared {
+            -LOCATION_SD_M * LOCATION_SD_M / diagonal.last().copied().unwrap_or(1.0)
+        } else {
+            0.0
+        };
+        diagonal.push((variance - off * off).sqrt());
+        below.push(off);
+        last_end = Some(pair[1]);
+    }
+    if y.len() < 10 {
+        return None;
+    }
+    let whiten = |column: &[f64]| {
+        let mut white: Vec<f64> = Vec::with_capacity(column.len());
+        for (i, value) in column.iter().enumerate() {
+            let before = if i == 0 { 0.0 } else { white[i - 1] };
+            white.push((value - below[i] * before) / diagonal[i]);
+        }
+        DVector::from_vec(white)
+    };
+    let columns = [whiten(&scale), whiten(&offset), whiten(&lag)];
+    // Outliers of the location: winsorised at four deviations around a first fit.
+    let mut white_y = whiten(&y);
+    let all = 0..y.len();
+    let base = Base::new(&white_y, &columns, core::slice::from_ref(&all))?;
+    for (value, left) in white_y.iter_mut().zip(base.residual.iter()) {
+        *value -= left - left.clamp(-4.0, 4.0);
+    }
+    let information = nalgebra::Matrix3::from_fn(|i, j| columns[i].dot(&columns[j]));
+    let score = nalgebra::Vector3::from_fn(|i, _| columns[i].dot(&white_y));
+    Some(OfRun { information, score })
+}
+
+/// The step of the speed readings if nearly all are whole multiples of 1, 0.5 or 0.1 km/h and not of less.
+fn quantum_mps(runs: &[Run]) -> f64 {
+    let speeds: Vec<f64> = runs
+        .iter()
+        .flat_map(|run| run.samples.iter().filter_map(|s| s.speed_mps))
+        .filter(|v| *v > 0.0)
+        .map(|v| 3.6 * v)
+        .collect();
+    for quantum_kmh in [1.0, 0.5] {
+        let whole = speeds
+            .iter()
+            .filter(|v| ((*v / quantum_kmh).round() * quantum_kmh - *v).abs() < 1e-3)
+            .count();
+        if whole as f64 > 0.98 * speeds.len() as f64 && !speeds.is_empty() {
+            return quantum_kmh / 3.6;
+        }
+    }
+    0.0
+}

@@ -1,0 +1,14 @@
+//! The gap workflow: where simulation and measured data disagree, which effect is missing, and the gap shrinking.
+
+pub mod analysis;
+pub mod calibrate;
+pub mod caps;
+pub mod coasting;
+pub mod fit;
+pub mod kinematics;
+pub mod rows;
+pub mod runs;
+pub mod scan;
+pub mod select;
+pub mod terms;
+pub mod whitening;

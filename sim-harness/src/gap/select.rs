@@ -1,0 +1,452 @@
+//! Which terms are missing: forward selection by penalised gain of log-likelihood, with second thoughts.
+//!
+//! Each family (one named effect, or a smooth function of one coordinate) offers its best shape beside the current model. Its value is the gain, scaled down
+//! where runs differ more than the noise model says, minus what its freedom costs.
+
+use super::calibrate::{Calibrated, knots};
+use super::fit::{Base, Gain};
+use super::rows::Row;
+use super::scan::{Kind, Scan};
+use super::terms::{Context, Coordinate, Term, both_directions, coordinate};
+use super::whitening::Whitening;
+use nalgebra::DVector;
+
+/// A value below this is chance: with some fifteen families a data set without an effect reaches it once in about a hundred.
+pub const ENOUGH: f64 = 5.0;
+/// Cost of a free coefficient: half the logarithm of about 67 runs.
+const COEFFICIENT: f64 = 2.1;
+/// Cost of the freedom to choose a section, or a time constant.
+const SECTION: f64 = 5.0;
+const SHAPE: f64 = 1.5;
+/// What an unnamed smooth function must be better by than a named effect.
+const UNNAMED: f64 = 4.0;
+/// Most terms in a model.
+const MOST_TERMS: usize = 4;
+
+/// A term with what was found of it.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The term, its shape chosen.
+    pub term: Term,
+    /// What it brings beside the others.
+    pub gain: Gain,
+    /// `gain` less the cost of its freedom.
+    pub value: f64,
+}
+
+/// A family of terms: which shapes there are.
+#[derive(Clone, Debug)]
+pub enum Family {
+    /// Some shapes to try.
+    Shapes(Vec<Term>),
+    /// A section of the line.
+    Section(Box<Scan>),
+    /// A length of the train; its coefficient is 1.
+    Length,
+    /// A steady wind, linearised where it is.
+    Wind,
+    /// The runs in which a brake drags.
+    Dragging,
+}
+
+/// All that a search needs.
+pub struct Search<'a> {
+    context: &'a Context<'a>,
+    rows: &'a [Row],
+    whitening: Whitening,
+    y: DVector<f64>,
+    /// Whitened columns of what sensors do; part of every fit.
+    sensors: Vec<DVector<f64>>,
+    families: Vec<Family>,
+}
+
+impl<'a> Search<'a> {
+    /// Prepares the search. `measured`: with an effort column.
+    pub fn new(
+        context: &'a Context<'a>,
+        rows: &'a [Row],
+        calibrated: &Calibrated,
+        measured: bool,
+    ) -> Self {
+        let whitening = calibrated.whitening(context, rows);
+        let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
+        let y = whitening.whiten(&y);
+        let families = families(context, rows, &whitening, measured);
+        let mut sensors = Vec::new();
+        if measured {
+            sensors.push(whitening.whiten(&Term::Delay.columns(context, rows)[0]));
+        }
+        Self {
+            context,
+            rows,
+            whitening,
+            y,
+            sensors,
+            families,
+        }
+    }
+
+    fn white(&self, term: &Term) -> Vec<DVector<f64>> {
+        let columns = term.columns(self.context, self.rows);
+        columns.iter().map(|c| self.whitening.whiten(c)).collect()
+    }
+
+    /// The fit of a model: its coefficients in the order of the terms, then those of sensors.
+    pub fn base(&self, model: &[Term]) -> Option<Base> {
+        let y = model
+            .iter()
+            .filter(|term| matches!(term, Term::Length(_)))
+            .fold(self.y.clone(), |y, term| y - &self.white(term)[0]);
+        let free: Vec<_> = model
+            .iter()
+            .filter(|term| !matches!(term, Term::Length(_)))
+            .flat_map(|term| self.white(term))
+            .chain(self.sensors.iter().cloned())
+            .collect();
+        Base::new(&y, &free, self.whitening.runs())
+    }
+
+    /// The best shape of each family beside a model, best first.
+    pub fn candidates(&self, model: &[Term]) -> Vec<Found> {
+        let Some(base) = self.base(model) else {
+            return Vec::new();
+        };
+        let mut found: Vec<Found> = self
+            .families
+            .iter()
+            .filter_map(|family| self.best_of(family, &base, model))
+            .collect();
+        found.sort_by(|a, b| b.value.total_cmp(&a.value));
+        found
+    }
+
+    fn best_of(&self, family: &Family, base: &Base, model: &[Term]) -> Option<Found> {
+        let terms = match family {
+            Family::Shapes(terms) => terms.clone(),
+            Family::Section(scan) => {
+                vec![
+                    scan.refined(base, self.context, self.rows, &self.whitening)
+                        .map(|s| scan_term(scan, s))?,
+                ]
+            }
+            Family::Wind => {
+                let mut wind_mps = 0.0;
+                for _ in 0..3 {
+                    wind_mps = base.gain(&self.white(&Term::Wind(wind_mps)))?.beta[0];
+                }
+                vec![Term::Wind(wind_mps)]
+            }
+            Family::Length => return self.best_length(base),
+            Family::Dragging => vec![self.dragging(base)?],
+        };
+        terms
+            .into_iter()
+            .filter(|term| {
+                let same =
+                    |other: &Term| core::mem::discriminant(other) == core::mem::discriminant(term);
+                is_section(term) || !model.iter().any(same) || matches!(term, Term::Smooth(..))
+            })
+            .filter_map(|term| {
+                let gain = base.gain(&self.white(&term))?;
+                if !matters(&term, gain.beta.as_slice(), self.context, self.rows) {
+                    return None;
+                }
+                let cost = cost(&term, self.rows);
+                let (value, sure) = (gain.naive_gain - cost, gain.gain - cost);
+                // A gain that rests on a few runs is worth what it is worth run by run.
+                let few = matches!(term, Term::DraggingBrake(_));
+                let sure = if few {
+                    sure
+                } else {
+                    sure.min(gain.without_best - cost)
+                };
+                let value = if sure > ENOUGH {
+                    value
+                } else {
+                    value.min(sure)
+                };
+                Some(Found { term, gain, value })
+            })
+            .max_by(|a, b| a.value.total_cmp(&b.value))
+    }
+
+    /// Another length: the coefficient is 1, so the gain is not that of a free fit.
+    fn best_length(&self, base: &Base) -> Option<Found> {
+        let believed_m = self.context.believed.train().length_m();
+        (4..40)
+            .filter(|i: &i32| (i - 20).abs() >= 3)
+            .filter_map(|i| {
+                let true_m = believed_m * f64::from(i) / 20.0;
+                let term = Term::Length(true_m);
+                let column = base.beside(&self.white(&term)[0]);
+                let mut gain = base.gain(core::slice::from_ref(&column))?;
+                let naive = base.residual.dot(&column) - 0.5 * column.norm_squared();
+                gain.gain *= naive / gain.naive_gain.max(1e-12);
+                gain.naive_gain = naive;
+                let value = gain.gain - cost(&term, self.rows);
+                Some(Found { term, gain, value })
+            })
+            .max_by(|a, b| a.value.total_cmp(&b.value))
+    }
+
+    /// The runs in which a constant resistance after the first brake application, the same in all of them, explains most.
+    fn dragging(&self, base: &Base) -> Option<Term> {
+        let all: Vec<usize> = self.rows.iter().map(|row| row.interval.run).collect();
+        let column = &self.white(&Term::DraggingBrake(all))[0];
+        let column = base.beside(column);
+        let of_runs: Vec<(usize, f64, f64)> = self
+            .whitening
+            .runs()
+            .iter()
+            .map(|range| {
+                let c = column.rows(range.start, range.len());
+                let e = base.residual.rows(range.start, range.len());
+                (
+                    self.rows[range.start].interval.run,
+                    c.dot(&e),
+                    c.norm_squared(),
+                )
+            })
+            .filter(|(_, _, information)| *information > 0.0)
+            .collect();
+        let mut best: Option<(f64, Vec<usize>)> = None;
+        for (_, score, information) in &of_runs {
+            let mut drag = score / information;
+            if drag <= 0.0 {
+                continue;
+            }
+            let mut chosen: Vec<&(usize, f64, f64)> = Vec::new();
+            for _ in 0..6 {
+                chosen = of_runs
+                    .iter()
+                    .filter(|(_, g, i)| g * drag - 0.5 * i * drag * drag > 1.0)
+                    .collect();
+                let (g, i) = chosen
+                    .iter()
+                    .fold((0.0, 0.0), |(a, b), c| (a + c.1, b + c.2));
+                if i <= 0.0 {
+                    break;
+                }
+                drag = g / i;
+            }
+            let (g, i) = chosen
+                .iter()
+                .fold((0.0, 0.0), |(a, b), c| (a + c.1, b + c.2));
+            let runs: Vec<usize> = chosen.iter().map(|c| c.0).collect();
+            let value = if i > 0.0 { 0.5 * g * g / i } else { 0.0 }
+                - choice_cost(runs.len(), of_runs.len());
+            if !runs.is_empty() && best.as_ref().is_none_or(|b| value > b.0) {
+                best = Some((value, runs));
+            }
+        }
+        best.map(|(_, runs)| Term::DraggingBrake(runs))
+    }
+
+    /// Penalised log-likelihood of a model.
+    pub fn score(&self, model: &[Term]) -> f64 {
+        let Some(base) = self.base(model) else {
+            return f64::NEG_INFINITY;
+        };
+        let costs: f64 = model
+            .iter()
+            .map(|term| cost(term, self.rows) + ENOUGH)
+            .sum();
+        0.5 * self.y.norm_squared() - base.half_sum() - costs
+    }
+
+    /// The model.
+    pub fn select(&self) -> Vec<Term> {
+        let first = self.candidates(&[]);
+        let mut best: (f64, Vec<Term>) = (0.0, Vec::new());
+        for start in first.iter().filter(|f| f.value > ENOUGH).take(3) {
+            let mut model = vec![start.term.clone()];
+            self.grow(&mut model);
+            let score = self.score(&model);
+            if score > best.0 + 1e-6 {
+                best = (score, model);
+            }
+        }
+        best.1
+    }
+
+    fn grow(&self, model: &mut Vec<Term>) {
+        loop {
+            self.reconsider(model);
+            if model.len() >= MOST_TERMS {
+                return;
+            }
+            match self.candidates(model).into_iter().next() {
+                Some(next) if next.value > ENOUGH => model.push(next.term),
+                _ => return,
+            }
+        }
+    }
+
+    /// Takes each term out in turn: what would now be best in its place, if anything?
+    fn reconsider(&self, model: &mut Vec<Term>) {
+        for _ in 0..3 {
+            let mut changed = false;
+            let mut index = 0;
+            while index < model.len() {
+                let mut others = model.clone();
+                others.remove(index);
+                let score = self.score(model);
+                match self.candidates(&others).into_iter().next() {
+                    Some(found) if found.value > ENOUGH => {
+                        let mut with = others.clone();
+                        with.insert(index, found.term);
+                        if with != *model && self.score(&with) > score + 0.5 {
+                            *model = with;
+                            changed = true;
+                        }
+                        index += 1;
+                    }
+                    _ => {
+                        *model = others;
+                        changed = true;
+                    }
+                }
+            }
+            if !changed {
+                return;
+            }
+        }
+    }
+}
+
+fn is_section(term: &Term) -> bool {
+    matches!(term, Term::Tunnel(_) | Term::Gradient(_) | Term::Bump(_))
+}
+
+fn scan_term(scan: &Scan, section: [f64; 2]) -> Term {
+    scan.kind().term(section)
+}
+
+/// Whether a term is large enough to matter to a train: what is smaller is left to the Davis coefficients' uncertainty and to sensors.
+fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bool {
+    /// A resistance below this is no finding, N/kg: 1 % of a train's at 100 km/h.
+    const LEAST_N_PER_KG: f64 = 3e-4;
+    /// The same in a section of the line: 0.2 permille.
+    const LEAST_IN_SECTION_N_PER_KG: f64 = 2e-3;
+    let most = || {
+        let columns = term.columns(context, rows);
+        (0..rows.len())
+            .map(|i| {
+                columns
+                    .iter()
+                    .zip(beta)
+                    .map(|(c, b)| c[i] * b)
+                    .sum::<f64>()
+                    .abs()
+            })
+            .fold(0.0, f64::max)
+    };
+    match term {
+        Term::Mass => beta[0].abs() > 0.008,
+        Term::BrakeFade(_) => beta[0] > 0.04,
+        Term::Length(_) => true,
+        Term::Tunnel(_) => beta[0] > 0.0 && most() > LEAST_IN_SECTION_N_PER_KG,
+        Term::Gradient(_) | Term::Bump(_) => most() > LEAST_IN_SECTION_N_PER_KG,
+        Term::Curve | Term::WarmUp(_) | Term::DraggingBrake(_) => {
+            beta[0] > 0.0 && most() > LEAST_N_PER_KG
+        }
+        _ => most() > LEAST_N_PER_KG,
+    }
+}
+
+/// Cost of a term's freedom.
+pub fn cost(term: &Term, rows: &[Row]) -> f64 {
+    match term {
+        Term::Davis(wrong) => wrong.iter().filter(|w| **w).count() as f64 * COEFFICIENT,
+        Term::Tunnel(_) | Term::Gradient(_) => COEFFICIENT + SECTION,
+        Term::Bump(_) => COEFFICIENT + SECTION + UNNAMED,
+        // One law instead of three coefficients: a little dearer than one of them.
+        Term::Cube => COEFFICIENT + 1.0,
+        Term::Delay => 0.0,
+        Term::Curve | Term::Wind(_) | Term::Mass | Term::Season => COEFFICIENT,
+        Term::Length(_) => COEFFICIENT + SHAPE,
+        Term::Temperature => 2.0 * COEFFICIENT,
+        Term::WarmUp(_) | Term::BrakeFade(_) => COEFFICIENT + SHAPE,
+        Term::DraggingBrake(runs) => {
+            COEFFICIENT + choice_cost(runs.len(), rows.last().map_or(1, |r| r.interval.run + 1))
+        }
+        Term::Smooth(_, knots) => knots.len() as f64 * COEFFICIENT + UNNAMED,
+    }
+}
+
+/// Log of the number of ways to choose `chosen` of `all` runs, about.
+fn choice_cost(chosen: usize, all: usize) -> f64 {
+    let p = (chosen as f64 / all as f64).clamp(1e-9, 1.0 - 1e-9);
+    -(all as f64) * (p * p.ln() + (1.0 - p) * (1.0 - p).ln()) + 0.5 * (all as f64).ln()
+}
+
+fn families(
+    context: &Context<'_>,
+    rows: &[Row],
+    whitening: &Whitening,
+    measured: bool,
+) -> Vec<Family> {
+    let kmh = |v: f64| v / 3.6;
+    let mut families = vec![
+        // r1 alone is what a one-way wind looks like, and no way in which a description goes wrong.
+        Family::Shapes(
+            [
+                [true, false, false],
+                [false, false, true],
+                [true, false, true],
+                [true, true, true],
+            ]
+            .map(Term::Davis)
+            .to_vec(),
+        ),
+        Family::Shapes(vec![Term::Cube]),
+        Family::Wind,
+        Family::Shapes(
+            [60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1000.0]
+                .map(Term::WarmUp)
+                .to_vec(),
+        ),
+        Family::Length,
+        Family::Dragging,
+    ];
+    for kind in [Kind::Tunnel, Kind::Gradient] {
+        families.push(Family::Section(Box::new(Scan::new(
+            kind, context, rows, whitening,
+        ))));
+    }
+    if both_directions(rows) {
+        families.push(Family::Section(Box::new(Scan::new(
+            Kind::Bump,
+            context,
+            rows,
+            whitening,
+        ))));
+    }
+    if !context.curves.is_empty() {
+        families.push(Family::Shapes(vec![Term::Curve]));
+    }
+    if measured {
+        families.push(Family::Shapes(vec![Term::Mass]));
+        families.push(Family::Shapes(
+            [20.0, 40.0, 60.0, 80.0, 100.0]
+                .map(|v| Term::BrakeFade(kmh(v)))
+                .to_vec(),
+        ));
+    }
+    let mut coordinates = vec![(Coordinate::Speed, 7), (Coordinate::Time, 7)];
+    if rows.iter().any(|row| row.interval.temperature_c.is_some()) {
+        families.push(Family::Shapes(vec![Term::Temperature]));
+        coordinates.push((Coordinate::Temperature, 5));
+    }
+    if context.period_days > 0.0 {
+        families.push(Family::Shapes(vec![Term::Season]));
+        coordinates.push((Coordinate::Day, 5));
+    }
+    for (which, count) in coordinates {
+        let at = rows
+            .iter()
+            .filter_map(|row| coordinate(which, row, row.interval.middle()));
+        families.push(Family::Shapes(vec![Term::Smooth(which, knots(at, count))]));
+    }
+    families
+}

@@ -1,0 +1,220 @@
+//! Terms that may be missing in the model, as columns of a linear fit.
+//!
+//! A term with its shape fixed (a section, a time constant, ...) gives one column for each free coefficient: the extra resistance per unit of the
+//! coefficient, averaged along the path of each interval.
+
+use super::rows::{Believed, Row};
+use super::runs::Point;
+use rundown::motion::Line;
+use rundown::track::Direction;
+
+/// A coordinate along which something unknown may act.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Coordinate {
+    /// Location, m.
+    Location,
+    /// Speed, m/s.
+    Speed,
+    /// Time since departure, s.
+    Time,
+    /// Ambient temperature, °C.
+    Temperature,
+    /// Days since the first run.
+    Day,
+}
+
+/// A term, its shape fixed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Term {
+    /// Those of the Davis coefficients that are wrong: 1, v, v².
+    Davis([bool; 3]),
+    /// Speed read later than the effort: step of the effort over the interval's length; coefficient in s. A matter of sensors, not of the train.
+    Delay,
+    /// v³: no named law, and hard to tell from wrong Davis coefficients.
+    Cube,
+    /// v² while in the section, m.
+    Tunnel([f64; 2]),
+    /// g/γ times the share of the train in the section, sign of the direction; coefficient m/m.
+    Gradient([f64; 2]),
+    /// Constant in the section, both directions alike.
+    Bump([f64; 2]),
+    /// Röckl's formula of the track's curves.
+    Curve,
+    /// 2 r2 v σ + r2 |w|: the wind at which it is linearised, m/s.
+    Wind(f64),
+    /// u - r2 v²: coefficient e/(1 + e).
+    Mass,
+    /// Temperature above the mean of the set, and a constant.
+    Temperature,
+    /// Share of the period passed.
+    Season,
+    /// exp(-t/τ), τ in s.
+    WarmUp(f64),
+    /// Gradient over another length, m, minus that over the believed one.
+    Length(f64),
+    /// u (v - from)/(140 km/h - from) while braking, from in m/s.
+    BrakeFade(f64),
+    /// After the first brake application, in these runs.
+    DraggingBrake(Vec<usize>),
+    /// Piecewise linear along a coordinate, with these knots.
+    Smooth(Coordinate, Vec<f64>),
+}
+
+/// What the columns are made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Context<'a> {
+    /// The believed model.
+    pub believed: Believed<'a>,
+    /// Radii of the track: (from, to, Röckl's number), m, N/N.
+    pub curves: &'a [(f64, f64, f64)],
+    /// Mean temperature, °C.
+    pub temperature_c: f64,
+    /// Days from the first run to the last.
+    pub period_days: f64,
+}
+
+/// Share of the train within a section.
+fn share(line: &Line<'_>, front_m: f64, [from_m, to_m]: [f64; 2]) -> f64 {
+    let length_m = line.train.length_m();
+    let tail_m = front_m - line.direction.sign() * length_m;
+    let (low, high) = (front_m.min(tail_m), front_m.max(tail_m));
+    (high.min(to_m) - low.max(from_m)).max(0.0) / length_m
+}
+
+impl Term {
+    /// How many coefficients it has.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Davis(wrong) => wrong.iter().filter(|w| **w).count(),
+            Self::Temperature => 2,
+            Self::Smooth(_, knots) => knots.len(),
+            _ => 1,
+        }
+    }
+
+    /// Its columns, one for each coefficient.
+    pub fn columns(&self, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
+        let train = context.believed.train();
+        let r2 = train.davis().r2;
+        let gravity = train.gravity_n_per_kg();
+        let along = |law: &dyn Fn(&Line<'_>, &Row, &Point) -> f64| -> Vec<f64> {
+            rows.iter()
+                .map(|row| {
+                    let line = context.believed.line(row.direction);
+                    row.interval.mean(|point| law(line, row, point))
+                })
+                .collect()
+        };
+        match self {
+            Self::Davis(wrong) => (0..3)
+                .filter(|k| wrong[*k as usize])
+                .map(|k| along(&|_, _, p| p.speed_mps.powi(k)))
+                .collect(),
+            Self::Delay => vec![along(&|_, row, _| {
+                row.interval.effort_step_n_per_kg / row.interval.dt_s
+            })],
+            Self::Cube => vec![along(&|_, _, p| p.speed_mps.powi(3))],
+            Self::Tunnel(section) => vec![along(&|line, _, p| {
+                p.speed_mps * p.speed_mps * share(line, p.location_m, *section)
+            })],
+            Self::Gradient(section) => vec![along(&|line, _, p| {
+                gravity * line.direction.sign() * share(line, p.location_m, *section)
+            })],
+            Self::Bump(section) => {
+                vec![along(&|line, _, p| share(line, p.location_m, *section))]
+            }
+            Self::Curve => vec![along(&|line, _, p| {
+                gravity
+                    * context
+                        .curves
+                        .iter()
+                        .map(|&(from_m, to_m, roeckl)| {
+                            roeckl * share(line, p.location_m, [from_m, to_m])
+                        })
+                        .sum::<f64>()
+            })],
+            Self::Wind(wind_mps) => vec![along(&|line, _, p| {
+                r2 * (2.0 * p.speed_mps * line.direction.sign() + wind_mps)
+            })],
+            Self::Mass => vec![along(&|_, row, p| {
+                row.effort_n_per_kg - r2 * p.speed_mps * p.speed_mps
+            })],
+            Self::Temperature => vec![
+                along(&|_, row, _| {
+                    row.interval
+                        .temperature_c
+                        .map_or(0.0, |t| t - context.temperature_c)
+                }),
+                along(&|_, _, _| 1.0),
+            ],
+            Self::Season => vec![along(&|_, row, _| {
+                row.interval
+                    .day
+                    .map_or(0.0, |day| day / context.period_days.max(1e-9))
+            })],
+            Self::WarmUp(tau_s) => {
+                vec![along(&|_, _, p| (-p.since_departure_s / tau_s).exp())]
+            }
+            Self::Length(true_m) => vec![along(&|line, _, p| {
+                gravity
+                    * (line
+                        .track
+                        .mean_gradient(p.location_m, *true_m, line.direction)
+                        - line.track.mean_gradient(
+                            p.location_m,
+                            line.train.length_m(),
+                            line.direction,
+                        ))
+            })],
+            Self::BrakeFade(from_mps) => vec![along(&|_, row, p| {
+                let over = (p.speed_mps - from_mps) / (140.0 / 3.6 - from_mps);
+                row.effort_n_per_kg.min(0.0) * over.max(0.0)
+            })],
+            Self::DraggingBrake(runs) => vec![along(&|_, row, _| {
+                f64::from(row.interval.braked && runs.contains(&row.interval.run))
+            })],
+            Self::Smooth(coordinate, knots) => smooth(*coordinate, knots, rows),
+        }
+    }
+}
+
+/// The coordinate's value at a point.
+pub fn coordinate(which: Coordinate, row: &Row, point: &Point) -> Option<f64> {
+    match which {
+        Coordinate::Location => Some(point.location_m),
+        Coordinate::Speed => Some(point.speed_mps),
+        Coordinate::Time => Some(point.since_departure_s),
+        Coordinate::Temperature => row.interval.temperature_c,
+        Coordinate::Day => row.interval.day,
+    }
+}
+
+/// Hat functions on knots, averaged along each interval.
+fn smooth(which: Coordinate, knots: &[f64], rows: &[Row]) -> Vec<Vec<f64>> {
+    let mut columns = vec![vec![0.0; rows.len()]; knots.len()];
+    for (i, row) in rows.iter().enumerate() {
+        let weight = 1.0 / row.interval.path.len() as f64;
+        for point in &row.interval.path {
+            let Some(at) = coordinate(which, row, point) else {
+                continue;
+            };
+            let above = knots.partition_point(|k| *k <= at);
+            if above == 0 {
+                columns[0][i] += weight;
+            } else if above == knots.len() {
+                columns[above - 1][i] += weight;
+            } else {
+                let t = (at - knots[above - 1]) / (knots[above] - knots[above - 1]);
+                columns[above - 1][i] += weight * (1.0 - t);
+                columns[above][i] += weight * t;
+            }
+        }
+    }
+    columns
+}
+
+/// Whether both directions occur.
+pub fn both_directions(rows: &[Row]) -> bool {
+    rows.iter().any(|row| row.direction == Direction::Up)
+        && rows.iter().any(|row| row.direction == Direction::Down)
+}
