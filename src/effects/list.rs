@@ -113,15 +113,23 @@ impl Effects {
     /// # Ok::<(), rundown::effects::EffectError>(())
     /// ```
     pub fn correct(&self, direction_sign: Real, location_m: Real, speed_mps: Real) -> (Real, Real) {
-        let late = |effect: &&Effect| matches!(effect, Effect::LocationLag(_));
-        let speed_first = self
-            .iter()
-            .filter(|effect| !late(effect))
-            .chain(self.iter().filter(late));
-        speed_first.fold(
-            (location_m, speed_mps),
-            |(location_m, speed_mps), effect| effect.correct(direction_sign, location_m, speed_mps),
-        )
+        let speed_mps = self.true_speed_mps(speed_mps);
+        let location_m = self.true_location_m(direction_sign, location_m, speed_mps);
+        (location_m, speed_mps)
+    }
+
+    /// The speed as it is, from its reading.
+    pub fn true_speed_mps(&self, reading_mps: Real) -> Real {
+        self.iter().fold(reading_mps, |speed_mps, effect| {
+            effect.correct(1.0, 0.0, speed_mps).1
+        })
+    }
+
+    /// The location as it is, from its reading and the speed as it is.
+    pub fn true_location_m(&self, direction_sign: Real, reading_m: Real, speed_mps: Real) -> Real {
+        self.iter().fold(reading_m, |location_m, effect| {
+            effect.correct(direction_sign, location_m, speed_mps).0
+        })
     }
 
     /// Standard deviation of the wind from run to run, where an effect states it, m/s: it takes the place of the memory's setting.

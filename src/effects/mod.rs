@@ -18,6 +18,7 @@
 //!
 //! Every effect has a wire number, [`Effect::kind`]; with the feature `alloc` it is read and written by name, as `[[effect]] name = "tunnel_drag"` in a train or track file.
 
+mod acting;
 mod brake_fade;
 mod curve_resistance;
 mod davis_error;
@@ -43,6 +44,7 @@ mod tunnel_drag;
 mod unknown;
 mod warm_up;
 
+pub use acting::{Acting, Journey, Surroundings};
 pub use brake_fade::BrakeFade;
 pub use curve_resistance::{CurveResistance, roeckl};
 pub use davis_error::DavisError;
