@@ -5,13 +5,14 @@
 
 use crate::Real;
 use crate::config::{Config, ConfigError, Mode};
+use crate::effects::{Acting, Effects, Surroundings};
 use crate::effort::{self, Point};
 use crate::estimate::{Cause, Counters, Estimate, Validity};
 use crate::features::{Features, Observation};
 use crate::kinematics::Kinematics;
 use crate::learning::Tick;
 use crate::measurement::Measurement;
-use crate::memory::Vehicle;
+use crate::memory::{MemoryConfig, Vehicle};
 use crate::motion::Line;
 use crate::paper::PaperLoop;
 use crate::plausibility::Judged;
@@ -29,12 +30,13 @@ const INVALID_AFTER_S: Real = 60.0;
 /// Without a speed for longer than this the regime is unknown, s.
 const LOST_S: Real = 60.0;
 
-/// What is set once: configuration, train, track. The board lends its track (`T = &mut Track`), for that takes 12 kB.
+/// What is set once: configuration, train, track, effects. The board lends its track and effects (`T = &mut Track`, `E = &mut Effects`), for they take 14 kB and 2 kB.
 #[derive(Clone, Debug)]
-pub struct Estimator<T = Track> {
+pub struct Estimator<T = Track, E = Effects> {
     config: Config,
     train: Train,
     track: T,
+    effects: E,
 }
 
 /// Why a measurement gave no estimate. Nothing has changed but its counter.
@@ -79,7 +81,7 @@ pub struct RunSummary {
 }
 
 impl<T: Borrow<Track>> Estimator<T> {
-    /// Checks the configuration.
+    /// Checks the configuration. The model has no named effects yet.
     ///
     /// # Errors
     /// [`ConfigError`] names the first field that is out of range.
@@ -89,16 +91,48 @@ impl<T: Borrow<Track>> Estimator<T> {
             config,
             train,
             track,
+            effects: Effects::NONE,
         })
     }
 
+    /// The same with these effects in the model.
+    ///
+    /// ```
+    /// use rundown::{config::Config, effects::*, estimator::Estimator, resistance::Davis};
+    /// use rundown::{track::*, train::*};
+    ///
+    /// # let description = TrainDescription {
+    /// #     mass_kg: 364e3, rotating_mass_factor: 1.06, length_m: 162.0,
+    /// #     davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
+    /// #     max_tractive_effort_n: 192.92e3, max_power_w: 2.036e6, max_brake_mps2: 0.66,
+    /// # };
+    /// let train = Train::try_new(description)?;
+    /// let track = Track::try_new(32e3, [])?;
+    /// let tunnel = Effect::TunnelDrag(TunnelDrag { from_m: 4e3, to_m: 9e3, k: 1e-5 });
+    /// let estimator = Estimator::try_new(Config::default(), train, track)?
+    ///     .with_effects(Effects::try_new([tunnel])?);
+    /// assert_eq!(estimator.effects().len(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_effects(self, effects: Effects) -> Self {
+        Self { effects, ..self }
+    }
+}
+
+impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     /// Without a train, for a board that is still to be told: not to be stepped before train and track are set.
-    pub(crate) fn undescribed(track: T) -> Self {
+    pub(crate) fn undescribed(track: T, effects: E) -> Self {
         Self {
             config: Config::default(),
             train: Train::undescribed(),
             track,
+            effects,
         }
+    }
+
+    /// The named effects of the model.
+    pub fn effects(&self) -> &Effects {
+        self.effects.borrow()
     }
 
     pub(crate) fn set_train(&mut self, train: Train) {
@@ -134,13 +168,40 @@ impl<T: Borrow<Track>> Estimator<T> {
         &self.config
     }
 
+    /// The memory's settings; how windy the line is may be known as an effect.
+    pub fn memory_config(&self) -> MemoryConfig {
+        let memory = self.config.memory;
+        MemoryConfig {
+            wind_sd_mps: self.effects().wind_sd_mps().unwrap_or(memory.wind_sd_mps),
+            ..memory
+        }
+    }
+
+    /// Largest tractive effort and largest brake effort, N/kg, both positive, as the model believes them at a location and speed.
+    pub fn limits_n_per_kg(&self, location_m: Real, speed_mps: Real) -> (Real, Real) {
+        if self.effects().is_empty() {
+            let train = &self.train;
+            return (
+                train.max_effort_n_per_kg(speed_mps),
+                train.max_brake_n_per_kg(),
+            );
+        }
+        let limits = self.effects().limits(&self.train, location_m, speed_mps);
+        (limits.traction_n_per_kg(speed_mps), limits.brake_n_per_kg)
+    }
+
+    /// Temperature and date, for the effects that depend on them; from the next tick on, until they are told anew.
+    pub fn tell(&self, run: &mut RunState, surroundings: Surroundings) {
+        run.journey.surroundings = surroundings;
+    }
+
     /// The vehicle as its manufacturer describes it, before any run.
     pub fn new_vehicle(&self) -> Vehicle {
         match self.config.mode {
             Mode::Paper => {
                 Vehicle::independent(self.train.davis(), self.config.paper.initial_davis_sd)
             }
-            Mode::Gated | Mode::Measured => Vehicle::new(&self.config.memory, self.train.davis()),
+            Mode::Gated | Mode::Measured => Vehicle::new(&self.memory_config(), self.train.davis()),
         }
     }
 
@@ -155,7 +216,7 @@ impl<T: Borrow<Track>> Estimator<T> {
     pub fn begin_run_in(&self, run: &mut RunState, vehicle: &Vehicle, direction: Direction) {
         let begin = match self.config.mode {
             Mode::Paper => vehicle.davis(),
-            Mode::Gated | Mode::Measured => vehicle.next_run(&self.config.memory),
+            Mode::Gated | Mode::Measured => vehicle.next_run(&self.memory_config()),
         };
         run.begin(&self.config.learning, begin, direction);
     }
@@ -170,6 +231,7 @@ impl<T: Borrow<Track>> Estimator<T> {
         measurement: &Measurement,
     ) -> Result<Estimate, StepError> {
         let config = &self.config;
+        let measurement = &self.corrected(run, measurement);
         let judged = run
             .plausibility
             .judge(
@@ -193,13 +255,42 @@ impl<T: Borrow<Track>> Estimator<T> {
             track: self.track(),
             direction: run.direction,
         };
+        run.journey.measured(judged.time_s, judged.speed_mps.ok());
+        let acting = Acting::new(self.effects.borrow(), run.journey);
         let validity = self.count(run, &judged);
         let estimate = match config.mode {
-            Mode::Paper => self.paper_tick(run, &line, &judged, validity),
-            Mode::Gated | Mode::Measured => self.learning_tick(run, &line, &judged, validity),
+            Mode::Paper => self.paper_tick(run, &line, &acting, &judged, validity),
+            Mode::Gated | Mode::Measured => {
+                self.learning_tick(run, &line, &acting, &judged, validity)
+            }
         };
-        self.observe(run, &line, &judged, &estimate);
+        self.observe(run, &line, &acting, &judged, &estimate);
+        // What the regime is at this tick may be taken back at the next one; a brake is not.
+        if estimate.confirmed == Some(Regime::Brake) {
+            run.journey.brake();
+        }
         Ok(estimate)
+    }
+
+    /// The readings as the effects put them right. A location without a speed is carried on by the last one.
+    fn corrected(&self, run: &RunState, measurement: &Measurement) -> Measurement {
+        let effects = self.effects();
+        if effects.is_empty() {
+            return *measurement;
+        }
+        let speed_mps = measurement
+            .speed_mps
+            .map(|speed_mps| effects.true_speed_mps(speed_mps));
+        let last_mps = run.last.map_or(0.0, |last| last.speed_mps);
+        let location_m = measurement.location_m.map(|location_m| {
+            let now_mps = speed_mps.unwrap_or(last_mps);
+            effects.true_location_m(run.direction.sign(), location_m, now_mps)
+        });
+        Measurement {
+            location_m,
+            speed_mps,
+            ..*measurement
+        }
     }
 
     /// Ends a run: what it said about the train goes into the vehicle's memory.
@@ -208,7 +299,7 @@ impl<T: Borrow<Track>> Estimator<T> {
         match self.config.mode {
             Mode::Paper => vehicle.replace(&run_davis),
             Mode::Gated | Mode::Measured => {
-                vehicle.learn(&self.config.memory, &run.begin, &run_davis);
+                vehicle.learn(&self.memory_config(), &run.begin, &run_davis);
             }
         }
         if let Some(last) = run.unconfirmed.take() {
@@ -261,26 +352,37 @@ impl<T: Borrow<Track>> Estimator<T> {
         &self,
         run: &mut RunState,
         line: &Line<'_>,
+        acting: &Acting<'_>,
         judged: &Judged,
         validity: Validity,
     ) -> Estimate {
         let config = &self.config.paper;
         let (location_m, speed_mps) = (judged.location_m.ok(), judged.speed_mps.ok());
+        let time_s = judged.time_s;
         let davis = run.davis();
         let mut innovation = None;
         let mut validity = validity;
         let mut next = match run.paper {
             Some(paper) if !judged.anew => paper,
-            _ => PaperLoop::begin(config, line, &davis, location_m, speed_mps),
+            _ => PaperLoop::begin(config, line, acting, time_s, &davis, location_m, speed_mps),
         };
         if !judged.anew {
-            match next.step(config, line, judged.dt_s, location_m, speed_mps) {
+            match next.step(
+                config,
+                line,
+                acting,
+                time_s,
+                judged.dt_s,
+                [location_m, speed_mps],
+            ) {
                 Ok(found) => innovation = Some(found),
                 Err(_) => {
                     // The covariance is of no use any more: begin again with what was learned.
                     run.counters.count(Cause::Numerics);
                     validity = Validity::Held(Cause::Numerics);
-                    next = PaperLoop::begin(config, line, &run.begin, location_m, speed_mps);
+                    next = PaperLoop::begin(
+                        config, line, acting, time_s, &run.begin, location_m, speed_mps,
+                    );
                 }
             }
         }
@@ -315,6 +417,7 @@ impl<T: Borrow<Track>> Estimator<T> {
         &self,
         run: &mut RunState,
         line: &Line<'_>,
+        acting: &Acting<'_>,
         judged: &Judged,
         validity: Validity,
     ) -> Estimate {
@@ -349,7 +452,7 @@ impl<T: Borrow<Track>> Estimator<T> {
         // Effort over the piece of evidence that ends now.
         let read = speed_mps.is_some();
         let standing = read && now.speed_mps <= 0.25 * config.sensor.speed_quantum_kmh / 3.6;
-        let recognised = self.recognise(run, line, &now, read, standing);
+        let recognised = self.recognise(run, line, acting, &now, read, standing);
         let regime = run.regime;
 
         // Learning.
@@ -382,7 +485,7 @@ impl<T: Borrow<Track>> Estimator<T> {
                     };
                     match run
                         .learner
-                        .step(&config.learning, &config.sensor, line, &tick)
+                        .step(&config.learning, &config.sensor, line, acting, &tick)
                     {
                         Ok(found) => {
                             innovation = found;
@@ -410,7 +513,7 @@ impl<T: Borrow<Track>> Estimator<T> {
                 if config.mode == Mode::Measured
                     || run
                         .learner
-                        .step(&config.learning, &config.sensor, line, &tick)
+                        .step(&config.learning, &config.sensor, line, acting, &tick)
                         .is_err()
                 {
                     run.learner.end();
@@ -443,6 +546,7 @@ impl<T: Borrow<Track>> Estimator<T> {
         &self,
         run: &mut RunState,
         line: &Line<'_>,
+        acting: &Acting<'_>,
         now: &Point,
         read: bool,
         standing: bool,
@@ -453,7 +557,7 @@ impl<T: Borrow<Track>> Estimator<T> {
         let over = run.anchor.filter(|_| read).map(|anchor| {
             (
                 anchor,
-                effort::over_interval(line, &davis_of(&belief), &anchor, now),
+                effort::over_interval(line, acting, &davis_of(&belief), &anchor, now),
             )
         });
         let mut recognition = Recognition {
@@ -491,7 +595,7 @@ impl<T: Borrow<Track>> Estimator<T> {
                     / interval_s,
                 resistance_n_per_kg: effort.resistance_n_per_kg,
                 resistance_sd_n_per_kg: resistance_sd(&belief, midway_mps),
-                max_effort_n_per_kg: self.train.max_effort_n_per_kg(midway_mps),
+                max_effort_n_per_kg: self.limits_n_per_kg(now.location_m, midway_mps).0,
             },
         );
         run.regime = recognised.now.regime();
@@ -519,7 +623,14 @@ impl<T: Borrow<Track>> Estimator<T> {
     }
 
     /// Hands the last tick to the features, now that its regime is confirmed, and keeps this one.
-    fn observe(&self, run: &mut RunState, line: &Line<'_>, judged: &Judged, estimate: &Estimate) {
+    fn observe(
+        &self,
+        run: &mut RunState,
+        line: &Line<'_>,
+        acting: &Acting<'_>,
+        judged: &Judged,
+        estimate: &Estimate,
+    ) {
         if let (Some(mut last), Some(regime)) = (run.unconfirmed, estimate.confirmed) {
             if last.regime != Regime::Standstill {
                 last.regime = regime;
@@ -538,7 +649,7 @@ impl<T: Borrow<Track>> Estimator<T> {
             .ok()
             .map(|speed_mps| Point { speed_mps, ..now });
         let effort = match (run.reading, reading) {
-            (Some(from), Some(to)) => Some(effort::over_interval(line, &davis, &from, &to)),
+            (Some(from), Some(to)) => Some(effort::over_interval(line, acting, &davis, &from, &to)),
             _ => None,
         };
         run.reading = reading;

@@ -8,7 +8,6 @@ use crate::features::{self, Features};
 use crate::memory::Vehicle;
 use crate::resistance::Davis;
 use crate::state::{Gaussian, LOCATION, R0, SPEED};
-use crate::train::Train;
 use rundown_wire as wire;
 use rundown_wire::{Learned, Value};
 
@@ -65,14 +64,15 @@ pub fn parameters(
     }
 }
 
-/// Applied effort and its bounds.
-pub fn effort(estimate: &Estimate, train: &Train) -> wire::Effort {
+/// Applied effort and its bounds; `limits_n_per_kg` of traction and brake as [`Estimator::limits_n_per_kg`](crate::estimator::Estimator::limits_n_per_kg) gives them.
+pub fn effort(estimate: &Estimate, limits_n_per_kg: (Real, Real)) -> wire::Effort {
+    let (traction_n_per_kg, brake_n_per_kg) = limits_n_per_kg;
     wire::Effort {
         effort_n_per_kg: estimate.effort_n_per_kg.map(|effort| effort as f32),
         acceleration_mps2: estimate.acceleration_mps2.map(|rate| rate as f32),
         gradient_n_per_kg: estimate.gradient_n_per_kg as f32,
-        max_traction_n_per_kg: train.max_effort_n_per_kg(estimate.belief.mean[SPEED]) as f32,
-        max_brake_n_per_kg: train.max_brake_n_per_kg() as f32,
+        max_traction_n_per_kg: traction_n_per_kg as f32,
+        max_brake_n_per_kg: brake_n_per_kg as f32,
     }
 }
 

@@ -10,6 +10,7 @@
 
 use crate::Real;
 use crate::config::{ConfigError, SensorConfig, between};
+use crate::effects::Acting;
 use crate::elimination::NotPositiveDefinite;
 use crate::motion::{Evaluate, Line, Motion};
 use crate::state::{Gaussian, LOCATION, R0, SIZE_WITH_GAIN, SPEED};
@@ -276,12 +277,13 @@ impl Learner {
         config: &LearningConfig,
         sensor: &SensorConfig,
         line: &Line<'_>,
+        acting: &Acting<'_>,
         tick: &Tick,
     ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
         let Some(segment) = &mut self.segment else {
             return Ok(None);
         };
-        let stepped = segment.step(config, sensor, line, tick);
+        let stepped = segment.step(config, sensor, line, acting, tick);
         match stepped {
             Ok((innovation, true)) => {
                 self.settle(config, tick.time_s);
@@ -357,6 +359,7 @@ impl Segment {
         config: &LearningConfig,
         sensor: &SensorConfig,
         line: &Line<'_>,
+        acting: &Acting<'_>,
         tick: &Tick,
     ) -> Result<(Innovation<2>, bool), NotPositiveDefinite> {
         let ukf = Ukf {
@@ -371,14 +374,12 @@ impl Segment {
             config.acceleration_noise_mps2 * config.acceleration_noise_mps2 * 10.0 / tick.dt_s;
         let effort = tick.effort_sd_n_per_kg * tick.effort_sd_n_per_kg;
         let noise_mps2 = libm::sqrt((gusts + effort) * sub_steps);
+        let mut begin_s = tick.time_s - tick.dt_s;
         for _ in 0..sub_steps as u32 {
-            let motion = Motion::new(
-                line,
-                &self.belief.mean,
-                tick.effort_n_per_kg,
-                h_s,
-                Evaluate::Midway,
-            );
+            let (x, evaluate) = (&self.belief.mean, Evaluate::Midway);
+            let motion = Motion::new(line, x, tick.effort_n_per_kg, h_s, evaluate)
+                .with_effects(line, acting, x, begin_s, evaluate);
+            begin_s += h_s;
             ukf.predict(&mut self.belief, &motion.with_noise(noise_mps2))?;
         }
         let staircase = (config.staircase_s / tick.dt_s).max(1.0);

@@ -71,7 +71,9 @@
 pub mod auth;
 mod bytes;
 pub mod config;
+mod curves;
 pub mod digest;
+pub mod effects;
 pub mod effort;
 pub mod elimination;
 pub mod estimate;

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! s' = s + σ (Δt v + ½ Δt² a)      v' = v + Δt a                       Eq. (4), σ = +1 up, -1 down
-//! a  = u - r0 - r1 w - r2 w² - g                                       Eq. (5)
+//! a  = u - r0 - r1 w - r2 w² - g - X                                   Eq. (5); X of the named effects
 //! ```
 //!
 //! As printed, w = v and g is taken at s: both at the beginning of the step. A coasting train slows meanwhile, so one such step of 10 s takes too much
@@ -13,8 +13,10 @@
 //! remaining error is below 0.001 % (`host-tests/tests/paper.rs` measures both).
 
 use crate::Real;
+use crate::effects::Acting;
+use crate::effort::Point;
 use crate::elimination::Column;
-use crate::state::{GAIN, LOCATION, MOVING, R0, R1, R2, SPEED};
+use crate::state::{self, GAIN, LOCATION, MOVING, R0, R1, R2, SPEED};
 use crate::track::{Direction, Track, UnderTrain};
 use crate::train::Train;
 use crate::ukf::{Pair, Process};
@@ -69,6 +71,8 @@ pub struct Motion<'a> {
     /// σ Δt / 2.
     half_way_s: Real,
     lead_mps: Real,
+    /// Resistance of the named effects, N/kg.
+    extra_n_per_kg: Real,
     /// Variance of the acceleration beyond the model.
     noise_variance: Real,
 }
@@ -109,6 +113,7 @@ impl<'a> Motion<'a> {
             dt_s,
             half_way_s: 0.5 * line.direction.sign() * dt_s,
             lead_mps: 0.0,
+            extra_n_per_kg: 0.0,
             noise_variance: 0.0,
         };
         if evaluate == Evaluate::Midway {
@@ -118,6 +123,35 @@ impl<'a> Motion<'a> {
             motion.under_train = motion.under_train.shifted(midway_m);
         }
         motion
+    }
+
+    /// The same step with the effects of the model, where the train is at the mean `x`: at the beginning, or half-way as all else. `begin_s` is the time of the beginning.
+    pub fn with_effects<const N: usize>(
+        mut self,
+        line: &Line<'_>,
+        acting: &Acting<'_>,
+        x: &SVector<Real, N>,
+        begin_s: Real,
+        evaluate: Evaluate,
+    ) -> Self {
+        if acting.is_empty() {
+            return self;
+        }
+        let lead_s = match evaluate {
+            Evaluate::Beginning => 0.0,
+            Evaluate::Midway => 0.5 * self.dt_s,
+        };
+        let mean_mps = x[SPEED] + 0.5 * self.lead_mps;
+        let at = Point {
+            time_s: begin_s + lead_s,
+            location_m: x[LOCATION] + line.direction.sign() * lead_s * mean_mps,
+            speed_mps: x[SPEED] + self.lead_mps,
+        };
+        let effort_n_per_kg = self.effort_at(x);
+        self.extra_n_per_kg = acting.extra_n_per_kg(line, &state::davis(x), &at, effort_n_per_kg);
+        // It slows the train on its way to where resistance and gradient are taken, too.
+        self.lead_mps -= lead_s * self.extra_n_per_kg;
+        self
     }
 
     /// The same step with white noise of this standard deviation in the acceleration, constant over the step (Q of Eq. 3).
@@ -131,14 +165,19 @@ impl<'a> Motion<'a> {
     /// Acceleration at a state, Eq. (5), m/s².
     pub fn acceleration_mps2<const N: usize>(&self, x: &SVector<Real, N>) -> Real {
         let w = x[SPEED] + self.lead_mps;
-        let effort = if N > GAIN {
+        self.effort_at(x)
+            - (x[R0] + w * (x[R1] + w * x[R2]))
+            - self.gravity_n_per_kg_m * self.under_train.rise_m()
+            - self.extra_n_per_kg
+    }
+
+    #[inline]
+    fn effort_at<const N: usize>(&self, x: &SVector<Real, N>) -> Real {
+        if N > GAIN {
             x[GAIN] * self.effort_n_per_kg
         } else {
             self.effort_n_per_kg
-        };
-        effort
-            - (x[R0] + w * (x[R1] + w * x[R2]))
-            - self.gravity_n_per_kg_m * self.under_train.rise_m()
+        }
     }
 }
 

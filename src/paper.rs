@@ -10,7 +10,8 @@
 
 use crate::Real;
 use crate::config::{Difference, PaperConfig};
-use crate::effort;
+use crate::effects::Acting;
+use crate::effort::{self, Point};
 use crate::elimination::NotPositiveDefinite;
 use crate::learning::LocationAndSpeed;
 use crate::motion::{Line, Motion};
@@ -36,6 +37,8 @@ impl PaperLoop {
     pub fn begin(
         config: &PaperConfig,
         line: &Line<'_>,
+        acting: &Acting<'_>,
+        time_s: Real,
         davis: &Gaussian<3>,
         location_m: Option<Real>,
         speed_mps: Option<Real>,
@@ -54,10 +57,10 @@ impl PaperLoop {
             .copy_from(&davis.covariance);
         let effort_n_per_kg = effort::of_paper(
             line,
+            acting,
             &state::davis(&belief.mean),
             0.0,
-            belief.mean[LOCATION],
-            belief.mean[SPEED],
+            &point(time_s, &belief),
         );
         Self {
             belief,
@@ -68,7 +71,7 @@ impl PaperLoop {
         }
     }
 
-    /// One step of `dt_s`.
+    /// One step of `dt_s` up to `time_s`, with the readings of location and speed.
     ///
     /// # Errors
     /// [`NotPositiveDefinite`]; the loop is then as it was.
@@ -76,10 +79,12 @@ impl PaperLoop {
         &mut self,
         config: &PaperConfig,
         line: &Line<'_>,
+        acting: &Acting<'_>,
+        time_s: Real,
         dt_s: Real,
-        location_m: Option<Real>,
-        speed_mps: Option<Real>,
+        readings: [Option<Real>; 2],
     ) -> Result<Innovation<2>, NotPositiveDefinite> {
+        let [_, speed_mps] = readings;
         let ukf = Ukf {
             spread: config.spread,
             gate: [None; 2],
@@ -92,13 +97,12 @@ impl PaperLoop {
         };
         let before_mps = self.belief.mean[SPEED];
         let effort_of = |belief: &Gaussian<SIZE>, acceleration_mps2| {
-            let (location_m, speed_mps) = (belief.mean[LOCATION], belief.mean[SPEED]);
             effort::of_paper(
                 line,
+                acting,
                 &state::davis(&belief.mean),
                 acceleration_mps2,
-                location_m,
-                speed_mps,
+                &point(time_s, belief),
             )
         };
         let driving_n_per_kg = match (config.difference, by_readings) {
@@ -109,12 +113,16 @@ impl PaperLoop {
         let mut belief = self.belief;
         let sub_steps = libm::ceil(dt_s / config.sub_step_s).clamp(1.0, 1000.0);
         let h_s = dt_s / sub_steps;
-        let motion = |belief: &Gaussian<SIZE>| {
-            Motion::new(line, &belief.mean, driving_n_per_kg, h_s, config.evaluate)
+        let motion = |belief: &Gaussian<SIZE>, step: u32| {
+            let (x, evaluate) = (&belief.mean, config.evaluate);
+            let begin_s = time_s - dt_s + Real::from(step) * h_s;
+            Motion::new(line, x, driving_n_per_kg, h_s, evaluate)
+                .with_effects(line, acting, x, begin_s, evaluate)
                 .with_noise(config.acceleration_noise_mps2)
         };
-        for _ in 1..sub_steps as u32 {
-            let motion = motion(&belief);
+        let last = sub_steps as u32 - 1;
+        for step in 0..last {
+            let motion = motion(&belief, step);
             ukf.predict(&mut belief, &motion)?;
         }
         let speed_sd_mps = config.speed_sd_kmh / 3.6;
@@ -122,8 +130,8 @@ impl PaperLoop {
             location_variance: config.location_sd_m * config.location_sd_m,
             speed_variance: speed_sd_mps * speed_sd_mps,
         };
-        let last = motion(&belief);
-        let innovation = ukf.step(&mut belief, &last, &observation, &[location_m, speed_mps])?;
+        let last = motion(&belief, last);
+        let innovation = ukf.step(&mut belief, &last, &observation, &readings)?;
 
         self.belief = belief;
         self.acceleration_mps2 = (belief.mean[SPEED] - before_mps) / dt_s;
@@ -136,5 +144,13 @@ impl PaperLoop {
             self.since_reading_s = 0.0;
         }
         Ok(innovation)
+    }
+}
+
+fn point(time_s: Real, belief: &Gaussian<SIZE>) -> Point {
+    Point {
+        time_s,
+        location_m: belief.mean[LOCATION],
+        speed_mps: belief.mean[SPEED],
     }
 }

@@ -3,6 +3,7 @@
 //! In: nothing but what [`crate::estimator`] writes here. Out: the belief at any time; the whole state as bytes, from which the run goes on.
 
 use crate::Real;
+use crate::effects::Journey;
 use crate::effort::Point;
 use crate::estimate::Counters;
 use crate::features::{FeatureExtractor, Observation};
@@ -42,6 +43,7 @@ pub struct RunState {
     pub(crate) without_location_s: Real,
     pub(crate) without_speed_s: Real,
     pub(crate) counters: Counters,
+    pub(crate) journey: Journey,
     pub(crate) features: FeatureExtractor,
 }
 
@@ -96,6 +98,7 @@ impl RunState {
             without_location_s: 0.0,
             without_speed_s: 0.0,
             counters: Counters::default(),
+            journey: Journey::default(),
             features: FeatureExtractor::new(),
         }
     }
@@ -123,6 +126,7 @@ impl RunState {
         self.without_location_s = 0.0;
         self.without_speed_s = 0.0;
         self.counters = Counters::default();
+        self.journey.begin();
         self.features.clear();
     }
 
@@ -198,6 +202,7 @@ impl RunState {
         take(&mut self.without_location_s, source)?;
         take(&mut self.without_speed_s, source)?;
         take(&mut self.counters, source)?;
+        take(&mut self.journey, source)?;
         self.features.take_fields(source)
     }
 

@@ -24,7 +24,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
         run: &'a mut RunState,
         room: &'a mut Room,
     ) -> Self {
-        let estimator = Estimator::undescribed(&mut room.track);
+        let estimator = Estimator::undescribed(&mut room.track, &mut room.effects);
         let nominal = estimator.train().davis();
         let mut store = Store::mount(flash).ok();
         let train = provisioning.map(|provisioning| provisioning.train);

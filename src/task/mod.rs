@@ -24,6 +24,7 @@ mod snapshots;
 use crate::Real;
 use crate::auth::Verifier;
 use crate::digest;
+use crate::effects::Effects;
 use crate::estimator::Estimator;
 use crate::frames;
 use crate::measurement::Measurement;
@@ -56,10 +57,11 @@ pub trait Port {
     fn health(&self) -> Health;
 }
 
-/// The room that a task needs beside itself; zeros, for a static. 37 kB.
+/// The room that a task needs beside itself; zeros, for a static. 43 kB.
 pub struct Room {
     track: Track,
     incoming: Track,
+    effects: Effects,
     snapshot: [u8; MAX_SNAPSHOT],
 }
 
@@ -68,13 +70,14 @@ impl Room {
     pub const EMPTY: Self = Self {
         track: Track::empty(),
         incoming: Track::empty(),
+        effects: Effects::NONE,
         snapshot: [0; MAX_SNAPSHOT],
     };
 }
 
 /// The state of the board's application.
 pub struct Task<'a, F> {
-    estimator: Estimator<&'a mut Track>,
+    estimator: Estimator<&'a mut Track, &'a mut Effects>,
     train_id: Option<u64>,
     track_id: Option<u32>,
     /// Digest of train, track and configuration.

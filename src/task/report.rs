@@ -8,7 +8,7 @@ use crate::features::Features;
 use crate::frames;
 use crate::published::JUDGED_KMH;
 use crate::resistance::resistance_sd;
-use crate::state::{Gaussian, R0};
+use crate::state::{Gaussian, LOCATION, R0, SPEED};
 use crate::units::KmPerHour;
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Body, CAUSES, Downlink, MAX_MESSAGE, SWITCHING_POINTS, Status};
@@ -21,7 +21,9 @@ const SNAPSHOT_TICKS: u32 = 12;
 impl<F: NorFlash> Task<'_, F> {
     pub(super) fn report(&mut self, estimate: &Estimate, port: &mut impl Port) {
         self.send_parameters(estimate, port);
-        let effort = frames::effort(estimate, self.estimator.train());
+        let mean = &estimate.belief.mean;
+        let limits = self.estimator.limits_n_per_kg(mean[LOCATION], mean[SPEED]);
+        let effort = frames::effort(estimate, limits);
         self.send(Body::Effort(effort), port);
         if self.tick.is_multiple_of(MINUTE_TICKS) {
             self.send_features(port);
@@ -72,7 +74,7 @@ impl<F: NorFlash> Task<'_, F> {
     pub(super) fn send_summary(&mut self, summary: &RunSummary, port: &mut impl Port) {
         self.send(Body::Features(frames::features(&summary.features)), port);
         self.send_all_switching_points(&summary.features, port);
-        let wind_sd_mps = self.vehicle.wind_sd_mps(&self.estimator.config().memory);
+        let wind_sd_mps = self.vehicle.wind_sd_mps(&self.estimator.memory_config());
         let frame = frames::run_summary(summary, &self.vehicle, wind_sd_mps);
         self.send(Body::RunSummary(frame), port);
         self.send_status(port);
