@@ -41,8 +41,16 @@ pub struct Findings {
     pub limit: Option<FoundLimit>,
     /// Gain of log-likelihood of a wind of its own in each run, over other differences between runs.
     pub wind_gain: f64,
+    /// The believed r2, N/(kg (m/s)²).
+    pub believed_r2: f64,
+    /// g/γ of the believed train, N/kg.
+    pub gravity_n_per_kg: f64,
+    /// Believed length of the train, m.
+    pub length_m: f64,
     /// Mean temperature of the rows, °C.
     pub temperature_c: f64,
+    /// Day of the first run, since 1970-01-01.
+    pub first_day: f64,
     /// Days from the first to the last run.
     pub period_days: f64,
 }
@@ -58,6 +66,8 @@ pub struct Fitted {
     pub sd: Vec<f64>,
     /// Log-likelihood that would be lost without it.
     pub gain: f64,
+    /// 95 % limits of the edges of a section, m.
+    pub edges_m: Option<[(f64, f64); 2]>,
     /// Others that would do nearly as well in its place, with how much worse they are.
     pub rivals: Vec<(Term, f64)>,
 }
@@ -90,7 +100,9 @@ pub fn analyse(
     let kinematics = kinematics(runs);
     let mut readings = kinematics.readings();
     let measured = measured(runs);
-    let period_days = runs.iter().filter_map(|run| run.day).fold(0.0, f64::max);
+    let days = || runs.iter().filter_map(|run| run.day);
+    let first_day = days().fold(f64::INFINITY, f64::min).min(1e6);
+    let period_days = (days().fold(0.0, f64::max) - first_day).max(0.0);
     let temperatures = || {
         runs.iter()
             .flat_map(|run| run.samples.iter().filter_map(|s| s.temperature_c))
@@ -100,6 +112,7 @@ pub fn analyse(
         believed,
         curves: &surroundings.curves,
         temperature_c,
+        first_day,
         period_days,
     };
     if measured {
@@ -152,9 +165,13 @@ pub fn analyse(
         terms,
         limit,
         wind_gain: likelihood - without_wind,
+        believed_r2: believed.train().davis().r2,
+        gravity_n_per_kg: believed.train().gravity_n_per_kg(),
+        length_m: believed.train().length_m(),
         rows,
         calibrated,
         temperature_c,
+        first_day,
         period_days,
     })
 }
@@ -352,6 +369,7 @@ fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
                 .map(|i| naive[(i, i)].max(robust[(i, i)]).sqrt())
                 .collect(),
             gain,
+            edges_m: search.edges(&others, term),
             rivals,
         });
     }

@@ -40,7 +40,7 @@ pub struct Run {
     pub name: String,
     /// Direction of travel.
     pub direction: Direction,
-    /// Days since the first run of the set, if the index knows it.
+    /// Day of the departure, since 1970-01-01 UTC, if the index knows it.
     pub day: Option<f64>,
     /// Samples, times increasing.
     pub samples: Vec<Sample>,
@@ -109,7 +109,7 @@ pub struct Interval {
     pub effort_step_n_per_kg: f64,
     /// Temperature, °C.
     pub temperature_c: Option<f64>,
-    /// Days since the first run.
+    /// Day, since 1970-01-01 UTC.
     pub day: Option<f64>,
     /// The brake has been applied since the departure.
     pub braked: bool,

@@ -254,6 +254,35 @@ impl<'a> Search<'a> {
         0.5 * self.y.norm_squared() - base.half_sum() - costs
     }
 
+    /// How far each edge of a section may move before the log-likelihood has lost what a 95 % limit allows.
+    pub fn edges(&self, others: &[Term], term: &Term) -> Option<[(f64, f64); 2]> {
+        /// Half the 95 % point of chi square with one degree of freedom.
+        const LOSS: f64 = 1.92;
+        let (section, kind): ([f64; 2], fn([f64; 2]) -> Term) = match term {
+            Term::Tunnel(s) => (*s, Term::Tunnel),
+            Term::Gradient(s) => (*s, Term::Gradient),
+            Term::Bump(s) => (*s, Term::Bump),
+            _ => return None,
+        };
+        let base = self.base(others)?;
+        let gain = |section: [f64; 2]| {
+            base.gain(&self.white(&kind(section)))
+                .map_or(0.0, |gain| gain.gain)
+        };
+        let most = gain(section);
+        let reach = |edge: usize, by: f64| {
+            let mut moved = section;
+            for _ in 0..60 {
+                moved[edge] += by;
+                if moved[1] - moved[0] < 50.0 || gain(moved) < most - LOSS {
+                    break;
+                }
+            }
+            moved[edge]
+        };
+        Some([0, 1].map(|edge| (reach(edge, -40.0), reach(edge, 40.0))))
+    }
+
     /// The model.
     pub fn select(&self) -> Vec<Term> {
         let first = self.candidates(&[]);

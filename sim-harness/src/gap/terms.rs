@@ -19,7 +19,7 @@ pub enum Coordinate {
     Time,
     /// Ambient temperature, °C.
     Temperature,
-    /// Days since the first run.
+    /// Days since 1970-01-01.
     Day,
 }
 
@@ -69,6 +69,8 @@ pub struct Context<'a> {
     pub curves: &'a [(f64, f64, f64)],
     /// Mean temperature, °C.
     pub temperature_c: f64,
+    /// Day of the first run, since 1970-01-01.
+    pub first_day: f64,
     /// Days from the first run to the last.
     pub period_days: f64,
 }
@@ -148,9 +150,9 @@ impl Term {
                 along(&|_, _, _| 1.0),
             ],
             Self::Season => vec![along(&|_, row, _| {
-                row.interval
-                    .day
-                    .map_or(0.0, |day| day / context.period_days.max(1e-9))
+                row.interval.day.map_or(0.0, |day| {
+                    (day - context.first_day) / context.period_days.max(1e-9)
+                })
             })],
             Self::WarmUp(tau_s) => {
                 vec![along(&|_, _, p| (-p.since_departure_s / tau_s).exp())]

@@ -1,0 +1,232 @@
+//! The gap itself: recorded runs simulated with a model, against what was measured.
+//!
+//! In: runs that took no part in the analysis, the believed model, the effects that were found. Out: the error of the simulated speed before and after, and
+//! the noise floor: what a perfect model would leave with these sensors.
+//!
+//! Windows of [`WINDOW_S`] begin at a measured speed; in them the train is driven by the recorded effort (measured, or zero while coasting), or by the limits of the
+//! model where it pulls with full power. Resistance and limits of the effects come from [`rundown::effects`], the code of the board.
+
+use super::analysis::Findings;
+use super::caps::Pull;
+use super::rows::{Believed, Row};
+use rundown::effects::{Effect, Effects, Moment};
+use rundown::track::Direction;
+
+/// Length of a window, s.
+pub const WINDOW_S: f64 = 120.0;
+/// Step of the integration, s.
+const STEP_S: f64 = 1.0;
+
+/// A simulated speed beside the measured one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compared {
+    /// Index of the run.
+    pub run: usize,
+    /// Time, s.
+    pub time_s: f64,
+    /// Location, m.
+    pub location_m: f64,
+    /// Measured, m/s.
+    pub measured_mps: f64,
+    /// Simulated less measured with the believed model, m/s.
+    pub before_mps: f64,
+    /// The same with the effects.
+    pub after_mps: f64,
+    /// Variance of the difference with a perfect model, (m/s)².
+    pub floor: f64,
+}
+
+/// Root mean squares over all that was compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gap {
+    /// With the believed model, m/s.
+    pub before_mps: f64,
+    /// With the effects, m/s.
+    pub after_mps: f64,
+    /// What a perfect model would leave, m/s.
+    pub floor_mps: f64,
+    /// Share of the removable gap that is gone, 0 to 1; 1 where there was none.
+    pub removed_share: f64,
+}
+
+impl Gap {
+    /// Over speeds compared.
+    pub fn of(compared: &[Compared]) -> Self {
+        let n = compared.len().max(1) as f64;
+        let mean = |of: &dyn Fn(&Compared) -> f64| compared.iter().map(of).sum::<f64>() / n;
+        let before = mean(&|c| c.before_mps * c.before_mps);
+        let after = mean(&|c| c.after_mps * c.after_mps);
+        let floor = mean(&|c| c.floor);
+        // In mean squares: errors of model and sensors add up in them.
+        let removable = before - floor;
+        let removed_share = if removable > 0.02 * floor {
+            ((before - after) / removable).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        Self {
+            before_mps: before.sqrt(),
+            after_mps: after.sqrt(),
+            floor_mps: floor.sqrt(),
+            removed_share,
+        }
+    }
+}
+
+/// Simulates each window of adjacent rows with and without the effects.
+pub fn resisted(
+    believed: &Believed<'_>,
+    findings: &Findings,
+    effects: &Effects,
+    rows: &[Row],
+) -> Vec<Compared> {
+    let none = Effects::NONE;
+    let mut compared = Vec::new();
+    let mut begin = 0;
+    while begin < rows.len() {
+        let mut end = begin + 1;
+        let duration = |end: usize| {
+            let last: &Row = &rows[end];
+            last.interval.begin_s + last.interval.dt_s - rows[begin].interval.begin_s
+        };
+        while end < rows.len()
+            && rows[end].interval.follows
+            && rows[end].interval.run == rows[begin].interval.run
+            && (rows[end].interval.begin_s
+                - rows[end - 1].interval.begin_s
+                - rows[end - 1].interval.dt_s)
+                .abs()
+                < 1e-6
+            && duration(end) <= WINDOW_S
+        {
+            end += 1;
+        }
+        let window = &rows[begin..end];
+        let before = simulate(believed, &none, window);
+        let after = simulate(believed, effects, window);
+        let noise = &findings.calibrated.noise;
+        let mut walk = 0.0;
+        for (i, row) in window.iter().enumerate() {
+            let interval = &row.interval;
+            let change = noise.change_share * interval.effort_change_n_per_kg;
+            walk +=
+                (noise.acceleration_mps2.powi(2) + change * change) * interval.dt_s * interval.dt_s;
+            compared.push(Compared {
+                run: interval.run,
+                time_s: interval.begin_s + interval.dt_s,
+                location_m: interval.path[interval.path.len() - 1].location_m,
+                measured_mps: interval.speed_mps[1],
+                before_mps: before[i] - interval.speed_mps[1],
+                after_mps: after[i] - interval.speed_mps[1],
+                floor: 2.0 * noise.reading_mps * noise.reading_mps + walk,
+            });
+        }
+        begin = end;
+    }
+    compared
+}
+
+/// Speeds at the ends of the rows of a window, driven by their efforts.
+fn simulate(believed: &Believed<'_>, effects: &Effects, window: &[Row]) -> Vec<f64> {
+    let line = believed.line(window[0].direction);
+    let davis = line.train.davis();
+    let sign = line.direction.sign();
+    let first = &window[0].interval;
+    let mut speed = first.speed_mps[0];
+    let mut location_m =
+        first.path[0].location_m - sign * speed * 0.5 * first.dt_s / first.path.len() as f64;
+    let mut speeds = Vec::with_capacity(window.len());
+    for row in window {
+        let interval = &row.interval;
+        let steps = (interval.dt_s / STEP_S).ceil().max(1.0);
+        let dt = interval.dt_s / steps;
+        for k in 0..steps as usize {
+            let since = interval.path[k * interval.path.len() / steps as usize].since_departure_s;
+            let moment = Moment {
+                location_m,
+                speed_mps: speed,
+                effort_n_per_kg: row.effort_n_per_kg,
+                since_departure_s: since,
+                braked: interval.braked,
+                temperature_c: interval.temperature_c,
+                day: interval.day,
+            };
+            let acceleration = row.effort_n_per_kg
+                - davis.resistance_n_per_kg(speed)
+                - line.gradient_n_per_kg(location_m)
+                - effects.resistance_n_per_kg(line, &davis, &moment);
+            location_m += sign * (speed * dt + 0.5 * acceleration * dt * dt);
+            speed = (speed + acceleration * dt).max(0.0);
+        }
+        speeds.push(speed);
+    }
+    speeds
+}
+
+/// Pulling at full power: the change of speed that limit and driver's share foresee, against the one that was.
+pub fn pulled(
+    believed: &Believed<'_>,
+    direction: Direction,
+    effects: &Effects,
+    pulls: &[Pull],
+    dt_s: f64,
+) -> Vec<Compared> {
+    let train = believed.line(direction).train;
+    let none = Effects::NONE;
+    let limit = |effects: &Effects, pull: &Pull| {
+        effects
+            .limits(train, pull.location_m, pull.speed_mps)
+            .traction_n_per_kg(pull.speed_mps)
+            / train.max_effort_n_per_kg(pull.speed_mps)
+    };
+    // The driver's share: the largest that is often reached, of effort and of power.
+    let share = |by_power: bool| {
+        let mut ratios: Vec<f64> = pulls
+            .iter()
+            .filter(|p| (p.effort_over_limit > 1.001) == by_power)
+            .map(|p| p.ratio)
+            .collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios
+            .get(ratios.len() * 4 / 5)
+            .copied()
+            .unwrap_or(1.0)
+            .min(1.0)
+    };
+    let shares = [share(false), share(true)];
+    pulls
+        .iter()
+        .map(|pull| {
+            let asked = shares[usize::from(pull.effort_over_limit > 1.001)];
+            let most = train.max_effort_n_per_kg(pull.speed_mps);
+            let error = |effects: &Effects, believed_share: f64| {
+                (believed_share.min(limit(effects, pull)) - pull.ratio) * most * dt_s
+            };
+            Compared {
+                run: pull.run,
+                time_s: 0.0,
+                location_m: pull.location_m,
+                measured_mps: pull.speed_mps,
+                before_mps: error(&none, asked),
+                after_mps: error(effects, asked),
+                floor: (pull.sd * most * dt_s).powi(2),
+            }
+        })
+        .collect()
+}
+
+/// The effects that act on motion or limits, as the board takes them.
+pub fn effects(named: &[super::named::Named]) -> Effects {
+    let mut effects = Effects::NONE;
+    for one in named {
+        // Readings were put right before anything was compared.
+        if matches!(one.effect, Effect::SpeedScale(_) | Effect::LocationLag(_)) {
+            continue;
+        }
+        // A list that is full takes no more; the largest come first.
+        if effects.push(one.effect.clone()).is_err() {
+            break;
+        }
+    }
+    effects
+}
