@@ -11,8 +11,8 @@
 //! The driver is skilled: the load of the train is known, so braking ends where it should whatever the gradient.
 
 use crate::truth::habits::{Cruising, Habits, Plateau};
-use crate::truth::line::Line;
-use crate::truth::train::{Motion, TrainTruth};
+use crate::truth::motion::Motion;
+use crate::truth::world::{History, World};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
@@ -87,9 +87,8 @@ enum Phase {
 #[derive(Debug)]
 pub struct Driver<'a> {
     habits: Habits,
-    train: &'a TrainTruth,
-    line: &'a Line,
-    headwind_mps: f64,
+    world: &'a World,
+    history: History,
     stops: Vec<Stop>,
     stops_made: usize,
     phase: Phase,
@@ -109,19 +108,11 @@ pub struct Driver<'a> {
 
 impl<'a> Driver<'a> {
     /// A driver standing at the first platform. `stops` in order; the last one ends the run.
-    pub fn new(
-        habits: Habits,
-        train: &'a TrainTruth,
-        line: &'a Line,
-        headwind_mps: f64,
-        stops: Vec<Stop>,
-        wander_rng: ChaCha8Rng,
-    ) -> Self {
+    pub fn new(habits: Habits, world: &'a World, stops: Vec<Stop>, wander_rng: ChaCha8Rng) -> Self {
         Self {
             habits,
-            train,
-            line,
-            headwind_mps,
+            world,
+            history: History::default(),
             stops,
             stops_made: 0,
             phase: Phase::Stand {
@@ -139,8 +130,11 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// What is done in the step that begins here: effort (held over the step) and its label while moving.
-    pub fn act(&mut self, time_s: f64, at: Motion, step_s: f64) -> (f64, Regime) {
+    /// What is done in the step that begins here: demanded effort (held over the step) and its label while moving.
+    /// `at` is what the driver sees: the speed is that of the speedometer.
+    pub fn act(&mut self, history: History, at: Motion, step_s: f64) -> (f64, Regime) {
+        let time_s = history.time_s;
+        self.history = history;
         // Slow decisions on whole seconds, so that a finer step changes nothing else.
         let second = (time_s + step_s / 2.0).floor();
         if second > self.seconds {
@@ -166,7 +160,7 @@ impl<'a> Driver<'a> {
     }
 
     fn load_n_per_kg(&self, at: Motion) -> f64 {
-        self.train.load_n_per_kg(self.line, at, self.headwind_mps)
+        self.world.load_n_per_kg(self.history, at)
     }
 
     fn next_stop(&self) -> Option<Stop> {
@@ -183,7 +177,10 @@ impl<'a> Driver<'a> {
     }
 
     fn permitted_mps(&self, at: Motion) -> f64 {
-        self.line.permitted_mps(at.location_m, self.train.length_m)
+        let world = self.world;
+        world
+            .line
+            .permitted_mps(at.location_m, world.train.length_m)
     }
 
     fn desired_mps(&self, at: Motion) -> f64 {
@@ -210,7 +207,7 @@ impl<'a> Driver<'a> {
         };
         let full = self.habits.brake.distance_m(at.speed_mps)
             + at.speed_mps * self.habits.brake.build_up_s / 2.0;
-        let limits = self.line.limits_kmh();
+        let limits = self.world.line.limits_kmh();
         let signs = limits
             .windows(2)
             .filter(|pair| pair[1].1 < pair[0].1 && pair[1].0 > at.location_m && pair[1].0 < stop_m)
@@ -260,9 +257,11 @@ impl<'a> Driver<'a> {
             if let Some(target) = self.due(at) {
                 return target.approach;
             }
-            at = self
-                .train
-                .advance(self.line, at, 0.0, self.headwind_mps, 1.0);
+            let then = History {
+                time_s: self.history.time_s + time_s,
+                ..self.history
+            };
+            at = self.world.advance(then, at, 0.0, 1.0);
             at.speed_mps = at.speed_mps.min(self.permitted_mps(at) + OVERSPEED_MPS);
             time_s += 1.0;
         }
@@ -360,11 +359,9 @@ impl<'a> Driver<'a> {
 
     fn wanted_n_per_kg(&mut self, at: Motion, step_s: f64) -> f64 {
         let desired = self.desired_mps(at);
-        let most = self.train.max_effort_n_per_kg(
-            at.speed_mps,
-            self.habits.effort_share,
-            self.habits.power_share,
-        );
+        let most =
+            self.world
+                .max_effort_n_per_kg(at, self.habits.effort_share, self.habits.power_share);
         match self.phase {
             Phase::Stand { .. } | Phase::Coast(_) => 0.0,
             Phase::Power => match self.habits.cruising {

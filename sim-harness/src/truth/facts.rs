@@ -4,8 +4,11 @@
 
 use crate::truth::driver::Regime;
 use crate::truth::habits::Habits;
+use crate::truth::plan::RunPlan;
 use crate::truth::sensors::TraceStep;
 use crate::truth::train::{DavisTruth, TrainTruth};
+use crate::truth::weather::Weather;
+use crate::truth::world::World;
 
 /// When, where and how fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +24,8 @@ pub struct Mark {
 /// The truth about a run as a whole. Power is per rotating mass, W/kg, effort times speed at the wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facts {
-    /// Seed of the run.
-    pub seed: u64,
+    /// Seed, direction, departure, effects.
+    pub plan: RunPlan,
     /// Start of the coast that ended in the final brake; `None` if the driver braked from power.
     pub final_coast: Option<Mark>,
     /// Start of the brake towards the platform, from the speed of the line. With a zone of 40 km/h it ends there, and
@@ -44,8 +47,12 @@ pub struct Facts {
     pub max_power_w_per_kg: f64,
     /// Running resistance of this run as still air would have it: load and wind included.
     pub davis: DavisTruth,
-    /// The train as loaded in this run.
+    /// The train as it was in this run.
     pub train: TrainTruth,
+    /// Mass by passengers over the described one; an effect on the mass is not in it.
+    pub load: f64,
+    /// Temperature.
+    pub weather: Weather,
     /// Wind against the direction of travel, m/s.
     pub headwind_mps: f64,
     /// The driver.
@@ -132,10 +139,10 @@ impl Recorder {
     ///
     /// # Panics
     /// If the train never braked or never stopped.
-    pub fn finish(self, seed: u64, train: TrainTruth, headwind_mps: f64, habits: Habits) -> Facts {
+    pub fn finish(self, plan: RunPlan, world: &World, load: f64, habits: Habits) -> Facts {
         let mean = self.power_sum / self.power_steps as f64;
         Facts {
-            seed,
+            plan,
             final_coast: self.final_coast,
             final_brake: self.final_brake.expect("a run ends with a brake"),
             stop_brake: self.stop_brake.expect("a run ends with a brake"),
@@ -145,9 +152,11 @@ impl Recorder {
             mean_power_50_130_w_per_kg: (self.power_steps > 0).then_some(mean),
             max_power_50_90_w_per_kg: self.max_50_90,
             max_power_w_per_kg: self.max,
-            davis: train.davis.with_headwind(headwind_mps),
-            train,
-            headwind_mps,
+            davis: world.train.davis.with_headwind(world.headwind_mps),
+            train: world.train,
+            load,
+            weather: world.weather,
+            headwind_mps: world.headwind_mps,
             habits,
         }
     }

@@ -62,6 +62,33 @@ const CORRIDOR_PERMILLE: [(f64, f64); 36] = [
     (31_200.0, 0.0),
 ];
 
+/// Curves of the flat corridor, (from_m, to_m, radius_m). Invented.
+const CORRIDOR_CURVES_M: [(f64, f64, f64); 9] = [
+    (300.0, 720.0, 420.0),
+    (2_100.0, 2_900.0, 1_500.0),
+    (6_200.0, 7_300.0, 1_900.0),
+    (10_400.0, 11_000.0, 1_200.0),
+    (14_600.0, 15_800.0, 2_200.0),
+    (19_000.0, 19_900.0, 1_400.0),
+    (24_200.0, 25_300.0, 1_700.0),
+    (28_700.0, 29_400.0, 1_100.0),
+    (31_200.0, 31_700.0, 480.0),
+];
+
+/// What lies further than this beyond an end of a line does not matter, m.
+const BEYOND_M: f64 = 1e5;
+
+/// A curve of the line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curve {
+    /// Where it begins, m.
+    pub from_m: f64,
+    /// Where it ends, m.
+    pub to_m: f64,
+    /// Radius, m.
+    pub radius_m: f64,
+}
+
 /// A line from 0 to its end, where the platform is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
@@ -69,6 +96,8 @@ pub struct Line {
     gradients_permille: Vec<(f64, f64)>,
     limits_kmh: Vec<(f64, f64)>,
     heights_m: Vec<f64>,
+    curves: Vec<Curve>,
+    calls_m: Vec<f64>,
 }
 
 impl Line {
@@ -104,7 +133,83 @@ impl Line {
             gradients_permille,
             limits_kmh,
             heights_m,
+            curves: Vec::new(),
+            calls_m: Vec::new(),
         }
+    }
+
+    /// Replaces the curves, sorted by where they begin. They act only by an effect.
+    pub fn set_curves(&mut self, curves: Vec<Curve>) {
+        self.curves = curves;
+    }
+
+    /// Replaces the stops between both ends at which every run calls, sorted.
+    pub fn set_calls(&mut self, calls_m: Vec<f64>) {
+        self.calls_m = calls_m;
+    }
+
+    /// The same line travelled from its end: what lay at x lies at length - x, uphill becomes downhill.
+    pub fn reversed(&self) -> Self {
+        let from_end = |at_m: f64| self.length_m - at_m;
+        let mut gradients = Vec::new();
+        let mut limits = Vec::new();
+        // The last entries go on beyond the end.
+        gradients.extend(self.gradients_permille.last().map(|g| (-BEYOND_M, -g.1)));
+        limits.extend(self.limits_kmh.last().map(|l| (-BEYOND_M, l.1)));
+        let pairs = self.gradients_permille.windows(2).rev();
+        gradients.extend(pairs.map(|p| (from_end(p[1].0), -p[0].1)));
+        let pairs = self.limits_kmh.windows(2).rev();
+        limits.extend(pairs.map(|p| (from_end(p[1].0), p[0].1)));
+        // Before its first gradient the line is level.
+        gradients.extend(
+            self.gradients_permille
+                .first()
+                .map(|g| (from_end(g.0), 0.0)),
+        );
+        let mut reversed = Self::new(self.length_m, gradients, limits);
+        reversed.curves = self
+            .curves
+            .iter()
+            .rev()
+            .map(|c| Curve {
+                from_m: from_end(c.to_m),
+                to_m: from_end(c.from_m),
+                ..*c
+            })
+            .collect();
+        reversed
+            .curves
+            .sort_by(|a, b| a.from_m.total_cmp(&b.from_m));
+        reversed.calls_m = self.calls_m.iter().rev().map(|m| from_end(*m)).collect();
+        reversed
+    }
+
+    /// The same line with so many permille more between two locations.
+    pub fn with_extra_gradient(&self, from_m: f64, to_m: f64, permille: f64) -> Self {
+        let mut edges: Vec<f64> = self.gradients_permille.iter().map(|g| g.0).collect();
+        edges.extend([from_m, to_m]);
+        edges.sort_by(f64::total_cmp);
+        edges.dedup();
+        let gradients = edges
+            .into_iter()
+            .map(|at_m| {
+                let described = self.permille(at_m);
+                let inside = (from_m..to_m).contains(&at_m);
+                (at_m, described + if inside { permille } else { 0.0 })
+            })
+            .collect();
+        Self {
+            curves: self.curves.clone(),
+            calls_m: self.calls_m.clone(),
+            ..Self::new(self.length_m, gradients, self.limits_kmh.clone())
+        }
+    }
+
+    fn permille(&self, at_m: f64) -> f64 {
+        let begun = self.gradients_permille.partition_point(|g| g.0 <= at_m);
+        begun
+            .checked_sub(1)
+            .map_or(0.0, |index| self.gradients_permille[index].1)
     }
 
     /// A level line of this length, one limit.
@@ -114,11 +219,13 @@ impl Line {
 
     /// Shaped like the case study: 32 103 m, 140 km/h, 40 km/h at both ends, gradients within 2 permille and six short ramps of 5.
     pub fn flat_corridor() -> Self {
-        Self::new(
+        let mut line = Self::new(
             CORRIDOR_LENGTH_M,
             CORRIDOR_PERMILLE.to_vec(),
             CORRIDOR_LIMITS_KMH.to_vec(),
-        )
+        );
+        line.set_curves(corridor_curves());
+        line
     }
 
     /// Length and limits of the case study with gradients up to 10 permille, drawn from the seed. Level at both platforms.
@@ -138,7 +245,9 @@ impl Line {
             height_m += extent_m * permille / 1000.0;
         }
         gradients.push((at_m, 0.0));
-        Self::new(CORRIDOR_LENGTH_M, gradients, CORRIDOR_LIMITS_KMH.to_vec())
+        let mut line = Self::new(CORRIDOR_LENGTH_M, gradients, CORRIDOR_LIMITS_KMH.to_vec());
+        line.set_curves(corridor_curves());
+        line
     }
 
     /// Location of the platform, m.
@@ -154,6 +263,24 @@ impl Line {
     /// (from_m, km/h), sorted.
     pub fn limits_kmh(&self) -> &[(f64, f64)] {
         &self.limits_kmh
+    }
+
+    /// Curves, sorted by where they begin.
+    pub fn curves(&self) -> &[Curve] {
+        &self.curves
+    }
+
+    /// Stops between both ends, sorted, m.
+    pub fn calls_m(&self) -> &[f64] {
+        &self.calls_m
+    }
+
+    /// The highest speed limit, m/s.
+    pub fn top_mps(&self) -> f64 {
+        self.limits_kmh
+            .iter()
+            .map(|l| l.1 / 3.6)
+            .fold(0.0, f64::max)
     }
 
     /// Height above the first entry, m.
@@ -190,9 +317,62 @@ impl Line {
     }
 }
 
+fn corridor_curves() -> Vec<Curve> {
+    let curve = |&(from_m, to_m, radius_m): &(f64, f64, f64)| Curve {
+        from_m,
+        to_m,
+        radius_m,
+    };
+    CORRIDOR_CURVES_M.iter().map(curve).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_reversed_line_has_the_same_heights_from_the_other_end() {
+        for line in [Line::flat_corridor(), Line::hilly(4)] {
+            let reversed = line.reversed();
+            let offset_m = reversed.height_m(0.0) - line.height_m(line.length_m());
+            for at in -10..400 {
+                let at_m = f64::from(at) * 100.0 + 7.0;
+                let there_m = line.height_m(line.length_m() - at_m);
+                assert!(
+                    (reversed.height_m(at_m) - offset_m - there_m).abs() < 1e-9,
+                    "{at_m}"
+                );
+            }
+            let twice = reversed.reversed();
+            for at in 0..321 {
+                let at_m = f64::from(at) * 100.0 + 7.0;
+                assert_eq!(
+                    twice.permitted_mps(at_m, 0.0),
+                    line.permitted_mps(at_m, 0.0)
+                );
+            }
+            assert_eq!(twice.curves(), line.curves());
+        }
+        assert_eq!(
+            Line::flat_corridor().reversed().permitted_mps(300.0, 0.0),
+            40.0 / 3.6
+        );
+    }
+
+    #[test]
+    fn an_extra_gradient_raises_what_lies_behind_it() {
+        let line = Line::flat_corridor();
+        let steeper = line.with_extra_gradient(10_000.0, 10_500.0, 4.0);
+        for (at_m, raised_m) in [
+            (9_900.0, 0.0),
+            (10_250.0, 1.0),
+            (10_500.0, 2.0),
+            (30_000.0, 2.0),
+        ] {
+            let found_m = steeper.height_m(at_m) - line.height_m(at_m);
+            assert!((found_m - raised_m).abs() < 1e-9, "{at_m}: {found_m}");
+        }
+    }
 
     #[test]
     fn half_a_train_on_a_ramp_feels_half_of_it() {

@@ -1,7 +1,9 @@
 //! The simulator: what really happens, with its own equations, and what the sensors make of it.
 //!
 //! ```text
-//! scenario -> driver + train (every 0.05 s) -> trace -> sensors (every 10 s) -> samples, truth, facts
+//! scenario -> plan of the runs -> world of a run: line + train + wind + weather + effects
+//!                                   |
+//!                                 driver + motion (every 0.05 s) -> trace -> sensors (every 10 s) -> samples, truth, facts
 //! ```
 //!
 //! Nothing here uses the `rundown` crate: own equations, own integrator, plain `f64`, so an error in the estimator's motion model
@@ -18,9 +20,14 @@
 
 pub mod brake;
 pub mod driver;
+pub mod effects;
 pub mod facts;
 pub mod habits;
 pub mod line;
+pub mod motion;
+pub mod plan;
 pub mod scenario;
 pub mod sensors;
 pub mod train;
+pub mod weather;
+pub mod world;

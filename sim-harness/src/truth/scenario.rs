@@ -4,11 +4,16 @@
 //! sees the same run, and another driver meets the same wind.
 
 use crate::truth::driver::{Driver, Regime, Stop};
+use crate::truth::effects::Effect;
 use crate::truth::facts::{Facts, Recorder};
 use crate::truth::habits::{DriverKind, Habits};
 use crate::truth::line::Line;
+use crate::truth::motion::Motion;
+use crate::truth::plan::{Dates, Heading, Headings, RunPlan, plan};
 use crate::truth::sensors::{Sample, Sensors, TraceStep, TruthSample};
-use crate::truth::train::{Motion, TrainTruth};
+use crate::truth::train::TrainTruth;
+use crate::truth::weather::Climate;
+use crate::truth::world::{History, World};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -48,6 +53,14 @@ pub struct Scenario {
     pub wind_sd_mps: f64,
     /// Load, one draw a run, standard deviation as a share of the mass.
     pub load_sd: f64,
+    /// Directions of the runs.
+    pub headings: Headings,
+    /// When the runs are.
+    pub dates: Dates,
+    /// Temperatures.
+    pub climate: Climate,
+    /// What the description does not have.
+    pub effects: Vec<Effect>,
     /// Integration step, s; divides 1 s and the sampling time.
     pub step_s: f64,
     /// The recorder.
@@ -67,6 +80,10 @@ impl Default for Scenario {
             davis_scale: [1.0; 3],
             wind_sd_mps: 0.0,
             load_sd: 0.0,
+            headings: Headings::Up,
+            dates: Dates::default(),
+            climate: Climate::default(),
+            effects: Vec::new(),
             step_s: 0.05,
             sensors: Sensors::default(),
         }
@@ -89,10 +106,26 @@ pub struct Run {
 /// # Panics
 /// If the scenario cannot be driven: a step that does not divide 1 s or the sampling time, or a train that does not arrive within 4 h.
 pub fn simulate(scenario: &Scenario, seed: u64) -> Run {
-    let (trace, facts) = drive(scenario, seed);
-    let (samples, truth) = scenario
-        .sensors
-        .read(&trace, scenario.step_s, &mut stream(seed, 3));
+    simulate_planned(scenario, &RunPlan::alone(scenario, seed))
+}
+
+/// Drives one run of a plan and records it.
+///
+/// # Panics
+/// As [`simulate`].
+pub fn simulate_planned(scenario: &Scenario, plan: &RunPlan) -> Run {
+    let (trace, facts, world) = drive_planned(scenario, plan);
+    let sensors = Sensors {
+        speed_gain: scenario.sensors.speed_gain * world.speed_scale,
+        location_lag_s: scenario.sensors.location_lag_s + world.location_lag_s,
+        ..scenario.sensors.clone()
+    };
+    let (samples, truth) = sensors.read(
+        &trace,
+        scenario.step_s,
+        &mut stream(plan.seed, 3),
+        &mut stream(plan.seed, 6),
+    );
     Run {
         samples,
         truth,
@@ -101,13 +134,17 @@ pub fn simulate(scenario: &Scenario, seed: u64) -> Run {
 }
 
 /// Many runs of the same train; run `i` has the seed [`run_seed`]`(seed, i)`. `davis_scale` takes the place of the scenario's.
+///
+/// # Panics
+/// As [`simulate`].
 pub fn fleet(scenario: &Scenario, davis_scale: [f64; 3], runs: usize, seed: u64) -> Vec<Run> {
     let scenario = Scenario {
         davis_scale,
         ..scenario.clone()
     };
-    (0..runs)
-        .map(|i| simulate(&scenario, run_seed(seed, i)))
+    plan(&scenario, runs, seed)
+        .iter()
+        .map(|plan| simulate_planned(&scenario, plan))
         .collect()
 }
 
@@ -122,24 +159,29 @@ pub fn run_seed(seed: u64, run: usize) -> u64 {
 /// # Panics
 /// As [`simulate`].
 pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TraceStep>, Facts) {
+    let (trace, facts, _) = drive_planned(scenario, &RunPlan::alone(scenario, seed));
+    (trace, facts)
+}
+
+/// Drives one run of a plan: every integration step, the facts, and the world it was driven in. Locations of trace and facts are those of the line,
+/// they fall in a run down; those of the world are along the way travelled.
+///
+/// # Panics
+/// As [`simulate`].
+pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> (Vec<TraceStep>, Facts, World) {
     let step_s = scenario.step_s;
     let each_second = (1.0 / step_s).round();
     assert!(
         (each_second * step_s - 1.0).abs() < 1e-9,
         "the step {step_s} s must divide 1 s"
     );
-    let line = &scenario.line;
-
-    let mut world = stream(seed, 0);
+    let seed = plan.seed;
+    let mut draws = stream(seed, 0);
     let unit = Normal::new(0.0, 1.0).expect("constant");
-    let load: f64 = 1.0 + scenario.load_sd * unit.sample(&mut world);
-    let headwind_mps = scenario.wind_sd_mps * unit.sample(&mut world);
-    let described = TrainTruth {
-        davis: scenario.train.davis.scaled(scenario.davis_scale),
-        ..scenario.train
-    };
-    let train = described.loaded(load.max(0.5));
-    let stops = stops(scenario, &mut world);
+    let load = f64::max(1.0 + scenario.load_sd * unit.sample(&mut draws), 0.5);
+    let headwind_mps = scenario.wind_sd_mps * unit.sample(&mut draws);
+    let world = World::new(scenario, plan, load, headwind_mps);
+    let stops = stops(scenario, &world, &mut draws);
     let stay_s = if scenario.final_dwell {
         stops.last().map_or(0.0, |s| s.dwell_s)
     } else {
@@ -147,25 +189,20 @@ pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TraceStep>, Facts) {
     };
     let stop_count = stops.len();
     let habits = Habits::draw(scenario.driver, scenario.cycle_share, &mut stream(seed, 1));
-    let mut driver = Driver::new(habits, &train, line, headwind_mps, stops, stream(seed, 2));
+    let mut driver = Driver::new(habits, &world, stops, stream(seed, 2));
 
     let mut recorder = Recorder::default();
     let mut motion = Motion::default();
-    let mut from = TraceStep {
-        time_s: 0.0,
-        location_m: 0.0,
-        speed_mps: 0.0,
-        effort_n_per_kg: 0.0,
-        regime: Regime::Standstill,
-        resistance_n_per_kg: train.resistance_n_per_kg(0.0, headwind_mps),
-    };
+    let mut history = History::default();
+    let mut from = row(&world, plan, history, motion, [0.0; 2], Regime::Standstill);
     let mut trace = vec![from];
     let mut rest_s = stay_s + scenario.sensors.sampling_s;
     for i in 0_u64.. {
-        let time_s = i as f64 / each_second;
+        history.time_s = i as f64 / each_second;
         assert!(
-            time_s < LONGEST_RUN_S,
-            "seed {seed}: still at {motion:?} after {time_s} s"
+            history.time_s < LONGEST_RUN_S,
+            "seed {seed}: still at {motion:?} after {} s",
+            history.time_s
         );
         if driver.stops_made() == stop_count {
             rest_s -= step_s;
@@ -173,36 +210,74 @@ pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TraceStep>, Facts) {
                 break;
             }
         }
-        let (effort_n_per_kg, doing) = driver.act(time_s, motion, step_s);
+        let seen = Motion {
+            speed_mps: motion.speed_mps * world.speed_scale,
+            ..motion
+        };
+        let (demanded, doing) = driver.act(history, seen, step_s);
+        let mut applied = 0.0;
         // A standing train is held by its brake, also on a slope.
         if doing != Regime::Standstill {
-            motion = train.advance(line, motion, effort_n_per_kg, headwind_mps, step_s);
+            history.departed_s.get_or_insert(history.time_s);
+            history.braked |= demanded < 0.0;
+            applied = world.applied_n_per_kg(demanded, motion);
+            motion = world.advance(history, motion, applied, step_s);
         }
-        let to = TraceStep {
-            time_s: (i + 1) as f64 / each_second,
-            location_m: motion.location_m,
-            speed_mps: motion.speed_mps,
-            effort_n_per_kg,
-            // A train that has just stopped, or has not yet moved, stands.
-            regime: if motion.speed_mps == 0.0 {
-                Regime::Standstill
-            } else {
-                doing
-            },
-            resistance_n_per_kg: train.resistance_n_per_kg(motion.speed_mps, headwind_mps),
+        history.time_s = (i + 1) as f64 / each_second;
+        // A train that has just stopped, or has not yet moved, stands.
+        let regime = if motion.speed_mps == 0.0 {
+            Regime::Standstill
+        } else {
+            doing
         };
+        let to = row(&world, plan, history, motion, [demanded, applied], regime);
         recorder.observe(&from, &to, driver.on_plateau());
         trace.push(to);
         from = to;
     }
-    (trace, recorder.finish(seed, train, headwind_mps, habits))
+    let facts = recorder.finish(plan.clone(), &world, load, habits);
+    (trace, facts, world)
 }
 
-/// The stops of a run: every 4 to 6 km for short hops, the red signal, the platform at the end.
-fn stops(scenario: &Scenario, rng: &mut ChaCha8Rng) -> Vec<Stop> {
-    let end_m = scenario.line.length_m();
+/// A row of the trace: the end of a step with this demanded and applied effort.
+fn row(
+    world: &World,
+    plan: &RunPlan,
+    history: History,
+    motion: Motion,
+    [demanded, applied]: [f64; 2],
+    regime: Regime,
+) -> TraceStep {
+    let extra_n_per_kg = world.extra_n_per_kg(history, motion);
+    TraceStep {
+        time_s: history.time_s,
+        location_m: match plan.heading {
+            Heading::Up => motion.location_m,
+            Heading::Down => world.line.length_m() - motion.location_m,
+        },
+        speed_mps: motion.speed_mps,
+        effort_n_per_kg: applied,
+        reported_n_per_kg: world.reported_n_per_kg(demanded, applied),
+        regime,
+        resistance_n_per_kg: world.resistance_n_per_kg(history, motion),
+        extra_n_per_kg,
+        gravity_n_per_kg: world.gravity_n_per_kg(motion),
+        temperature_c: world.weather.temperature_c(history.time_s),
+    }
+}
+
+/// The stops of a run along its way: those of the line, or every 4 to 6 km for short hops on a line without; the red signal; the platform at the end.
+fn stops(scenario: &Scenario, world: &World, rng: &mut ChaCha8Rng) -> Vec<Stop> {
+    let end_m = world.line.length_m();
     let mut stops = Vec::new();
-    if scenario.driver == DriverKind::ShortHop {
+    for at_m in world.line.calls_m() {
+        stops.push(Stop {
+            at_m: *at_m,
+            dwell_s: rng.random_range(DWELL_S),
+            planned: true,
+        });
+    }
+    if scenario.driver == DriverKind::ShortHop && stops.is_empty() {
         let mut at_m = rng.random_range(4_000.0..6_000.0);
         while at_m < end_m - 3_000.0 {
             stops.push(Stop {
@@ -229,7 +304,7 @@ fn stops(scenario: &Scenario, rng: &mut ChaCha8Rng) -> Vec<Stop> {
     stops
 }
 
-fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+pub(super) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
     rng
@@ -278,12 +353,9 @@ mod tests {
     #[test]
     fn the_same_seed_is_the_same_run_and_another_is_not() {
         for (name, scenario) in scenarios() {
-            assert_eq!(simulate(&scenario, 7), simulate(&scenario, 7), "{name}");
-            assert_ne!(
-                simulate(&scenario, 7).samples,
-                simulate(&scenario, 8).samples,
-                "{name}"
-            );
+            let run = simulate(&scenario, 7);
+            assert!(run == simulate(&scenario, 7), "{name}");
+            assert!(run.samples != simulate(&scenario, 8).samples, "{name}");
         }
     }
 
@@ -567,13 +639,13 @@ mod tests {
     fn a_fleet_is_its_runs() {
         let scenario = Scenario::default();
         let runs = fleet(&scenario, [1.1, 1.0, 0.9], 2, 5);
-        let alone = simulate(
-            &Scenario {
-                davis_scale: [1.1, 1.0, 0.9],
-                ..scenario
-            },
-            run_seed(5, 1),
-        );
-        assert_eq!(runs[1], alone);
+        let scenario = Scenario {
+            davis_scale: [1.1, 1.0, 0.9],
+            ..scenario
+        };
+        assert!(runs[1] == simulate_planned(&scenario, &plan(&scenario, 2, 5)[1]));
+        // Only the date is another.
+        let alone = simulate(&scenario, run_seed(5, 1));
+        assert_eq!(runs[1].facts.stop, alone.facts.stop);
     }
 }

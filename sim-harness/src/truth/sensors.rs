@@ -11,10 +11,10 @@ use rand_distr::{Distribution, Normal};
 /// How the speed is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpeedReading {
-    /// To the nearest km/h.
+    /// To the nearest km/h (or other quantum).
     #[default]
     Rounded,
-    /// To the km/h below.
+    /// To the km/h (or other quantum) below.
     Truncated,
     /// With all digits.
     Exact,
@@ -66,8 +66,14 @@ pub struct Sensors {
     pub bursts: Option<Bursts>,
     /// Age of location and speed when they are stamped, s.
     pub latency_s: f64,
+    /// How much older the location is than that, s: a slow receiver.
+    pub location_lag_s: f64,
+    /// The step of a speed that is rounded or truncated, km/h.
+    pub speed_quantum_kmh: f64,
     /// Shown over true effort, 1 for none.
     pub effort_gain: f64,
+    /// White noise of the effort, standard deviation, N/kg.
+    pub effort_noise_n_per_kg: f64,
 }
 
 impl Default for Sensors {
@@ -83,7 +89,10 @@ impl Default for Sensors {
             dropout_probability: 0.0,
             bursts: None,
             latency_s: 0.0,
+            location_lag_s: 0.0,
+            speed_quantum_kmh: 1.0,
             effort_gain: 1.0,
+            effort_noise_n_per_kg: 0.0,
         }
     }
 }
@@ -97,12 +106,20 @@ pub struct TraceStep {
     pub location_m: f64,
     /// m/s.
     pub speed_mps: f64,
-    /// Held over the step that ended here, N/kg.
+    /// At the wheels, held over the step that ended here, N/kg.
     pub effort_n_per_kg: f64,
+    /// What the train's computer makes of it, N/kg of described rotating mass.
+    pub reported_n_per_kg: f64,
     /// In the step that ended here.
     pub regime: Regime,
-    /// At this speed, with this wind, N/kg.
+    /// At this speed, with this wind and all effects, N/kg.
     pub resistance_n_per_kg: f64,
+    /// What of it is due to effects other than wind, mass and Davis parameters, N/kg.
+    pub extra_n_per_kg: f64,
+    /// Gravity along the track, positive uphill in the direction of travel, N/kg.
+    pub gravity_n_per_kg: f64,
+    /// Ambient temperature, °C.
+    pub temperature_c: f64,
 }
 
 /// What the estimator may see.
@@ -114,8 +131,11 @@ pub struct Sample {
     pub location_m: Option<f64>,
     /// km/h.
     pub speed_kmh: Option<f64>,
-    /// Mean effort since the sample before, times the gain, N/kg. 0 in the first sample.
+    /// Mean effort since the sample before as the train's computer reports it, times the gain, plus noise, N/kg of described rotating mass.
+    /// 0 in the first sample.
     pub effort_n_per_kg: f64,
+    /// Ambient temperature to 0.1 °C.
+    pub temperature_c: f64,
 }
 
 /// What was true at the time of the sample in the same row.
@@ -133,12 +153,19 @@ pub struct TruthSample {
     pub mean_effort_n_per_kg: f64,
     /// At this moment.
     pub regime: Regime,
-    /// At this moment, wind included, gravity not, N/kg.
+    /// At this moment, wind and effects included, gravity not, N/kg.
     pub resistance_n_per_kg: f64,
+    /// What of it is due to effects other than wind, mass and Davis parameters, N/kg.
+    pub extra_n_per_kg: f64,
+    /// Gravity along the track, positive uphill in the direction of travel, N/kg.
+    pub gravity_n_per_kg: f64,
+    /// Ambient temperature, °C.
+    pub temperature_c: f64,
 }
 
 impl Sensors {
-    /// Reads the trace, whose first row is time 0 and whose rows are `step_s` apart.
+    /// Reads the trace, whose first row is time 0 and whose rows are `step_s` apart. Location and speed draw from `rng`, the effort from
+    /// `effort_rng`.
     ///
     /// # Panics
     /// If the sampling is not a multiple of the step.
@@ -147,6 +174,7 @@ impl Sensors {
         trace: &[TraceStep],
         step_s: f64,
         rng: &mut impl Rng,
+        effort_rng: &mut impl Rng,
     ) -> (Vec<Sample>, Vec<TruthSample>) {
         let stride = (self.sampling_s / step_s).round() as usize;
         assert!(
@@ -176,23 +204,33 @@ impl Sensors {
                 let [least, most] = bursts.samples;
                 lost = least + (extent * (most - least + 1) as f64) as usize;
             }
-            let (location_m, speed_mps) = delayed(trace, row, self.latency_s / step_s);
+            let (_, speed_mps) = delayed(trace, row, self.latency_s / step_s);
+            let location_age_s = self.latency_s + self.location_lag_s;
+            let (location_m, _) = delayed(trace, row, location_age_s / step_s);
             let heard = lost == 0;
             let location_m = location_m + walk_m + self.location_noise_m * location_unit;
             let speed_kmh = self.shown_kmh(speed_mps, speed_unit);
 
             let begun = &trace[row.saturating_sub(stride) + 1..=row.max(1)];
-            let mean_effort_n_per_kg = if row == 0 {
+            let mean = |effort: fn(&TraceStep) -> f64| {
+                if row == 0 {
+                    return 0.0;
+                }
+                begun.iter().map(effort).sum::<f64>() / stride as f64
+            };
+            let mean_effort_n_per_kg = mean(|s| s.effort_n_per_kg);
+            let noise = if row == 0 {
                 0.0
             } else {
-                begun.iter().map(|s| s.effort_n_per_kg).sum::<f64>() / stride as f64
+                self.effort_noise_n_per_kg * unit.sample(effort_rng)
             };
             samples.push(Sample {
                 time_s: at.time_s,
                 location_m: (heard && drop_location >= self.dropout_probability)
                     .then_some(location_m),
                 speed_kmh: (heard && drop_speed >= self.dropout_probability).then_some(speed_kmh),
-                effort_n_per_kg: self.effort_gain * mean_effort_n_per_kg,
+                effort_n_per_kg: self.effort_gain * mean(|s| s.reported_n_per_kg) + noise,
+                temperature_c: (10.0 * at.temperature_c).round() / 10.0,
             });
             truth.push(TruthSample {
                 time_s: at.time_s,
@@ -202,6 +240,9 @@ impl Sensors {
                 mean_effort_n_per_kg,
                 regime: at.regime,
                 resistance_n_per_kg: at.resistance_n_per_kg,
+                extra_n_per_kg: at.extra_n_per_kg,
+                gravity_n_per_kg: at.gravity_n_per_kg,
+                temperature_c: at.temperature_c,
             });
             lost = lost.saturating_sub(1);
         }
@@ -213,9 +254,10 @@ impl Sensors {
             return 0.0;
         }
         let kmh = (3.6 * speed_mps * self.speed_gain + self.speed_noise_kmh * unit).max(0.0);
+        let step = self.speed_quantum_kmh;
         match self.speed {
-            SpeedReading::Rounded => kmh.round(),
-            SpeedReading::Truncated => kmh.floor(),
+            SpeedReading::Rounded => step * (kmh / step).round(),
+            SpeedReading::Truncated => step * (kmh / step).floor(),
             SpeedReading::Exact => kmh,
         }
     }
@@ -246,15 +288,24 @@ mod tests {
             location_m: i as f64 * 3.0,
             speed_mps: 30.0,
             effort_n_per_kg: i as f64,
+            reported_n_per_kg: i as f64,
             regime: Regime::Cruise,
             resistance_n_per_kg: 0.05,
+            extra_n_per_kg: 0.0,
+            gravity_n_per_kg: 0.0,
+            temperature_c: 10.04,
         };
         (0..rows).map(at).collect()
     }
 
     fn read(sensors: &Sensors, rows: usize) -> Vec<Sample> {
         sensors
-            .read(&steady(rows), 0.1, &mut ChaCha8Rng::seed_from_u64(3))
+            .read(
+                &steady(rows),
+                0.1,
+                &mut ChaCha8Rng::seed_from_u64(3),
+                &mut ChaCha8Rng::seed_from_u64(4),
+            )
             .0
     }
 
@@ -269,6 +320,39 @@ mod tests {
         let samples = read(&sensors, 31);
         assert_eq!(samples[0].location_m, Some(0.0));
         assert!((samples[2].location_m.unwrap() - (60.0 - 7.5)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_late_location_stands_beside_a_speed_of_now() {
+        let sensors = Sensors {
+            sampling_s: 1.0,
+            location_noise_m: 0.0,
+            location_lag_s: 2.0,
+            ..Sensors::default()
+        };
+        let samples = read(&sensors, 51);
+        assert!((samples[4].location_m.unwrap() - (120.0 - 60.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn noise_of_the_effort_has_its_size_and_moves_nothing_else() {
+        let noisy = Sensors {
+            sampling_s: 0.1,
+            effort_noise_n_per_kg: 0.02,
+            ..Sensors::default()
+        };
+        let clean = Sensors {
+            effort_noise_n_per_kg: 0.0,
+            ..noisy.clone()
+        };
+        let (a, b) = (read(&noisy, 20_000), read(&clean, 20_000));
+        let errors = a
+            .iter()
+            .zip(&b)
+            .map(|(a, b)| a.effort_n_per_kg - b.effort_n_per_kg);
+        let sd = (errors.map(|e| e * e).sum::<f64>() / 20_000.0).sqrt();
+        assert!((sd - 0.02).abs() < 0.001, "{sd}");
+        assert!(a.iter().zip(&b).all(|(a, b)| a.location_m == b.location_m));
     }
 
     #[test]
@@ -296,6 +380,11 @@ mod tests {
         assert_eq!(shown(SpeedReading::Rounded, 10.0 / 3.6 + 0.2), 11.0);
         assert_eq!(shown(SpeedReading::Truncated, 10.0 / 3.6 + 0.2), 10.0);
         assert!((shown(SpeedReading::Exact, 10.0) - 36.0).abs() < 1e-12);
+        let half = Sensors {
+            speed_quantum_kmh: 0.5,
+            ..Sensors::default()
+        };
+        assert_eq!(half.shown_kmh(10.3 / 3.6, 0.0), 10.5);
     }
 
     #[test]

@@ -1,15 +1,8 @@
-//! The train as it really is, and its motion.
-//!
-//! In: effort held over one short step, the line, the wind. Out: location and speed at the end of the step.
+//! The train as it really is: mass, length, resistance, limits.
 //!
 //! ```text
-//! dv/dt = u - r0 - r1 v - r2 (v + w)|v + w| - 9.80665/gamma * mean gradient
-//! ds/dt = v
+//! resistance = r0 + r1 v + r2 (v + w)|v + w|                w is the headwind
 //! ```
-//!
-//! w is the headwind. Classical Runge-Kutta of fourth order; a train that would roll back stands instead.
-
-use crate::truth::line::Line;
 
 /// Standard gravity, m/s².
 pub const GRAVITY_MPS2: f64 = 9.806_65;
@@ -66,6 +59,8 @@ pub struct TrainTruth {
     pub max_tractive_effort_n: f64,
     /// Largest tractive power at the wheel, W.
     pub max_power_w: f64,
+    /// Largest deceleration by the brake alone, m/s², positive.
+    pub max_brake_mps2: f64,
 }
 
 impl Default for TrainTruth {
@@ -82,17 +77,9 @@ impl Default for TrainTruth {
             },
             max_tractive_effort_n: 192_920.0,
             max_power_w: 2_036_377.8,
+            max_brake_mps2: 0.66,
         }
     }
-}
-
-/// Location of the front and speed.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion {
-    /// m.
-    pub location_m: f64,
-    /// m/s, never negative.
-    pub speed_mps: f64,
 }
 
 impl TrainTruth {
@@ -110,17 +97,19 @@ impl TrainTruth {
         }
     }
 
+    /// The same train with `factor` times the mass at the same rotating mass factor: inertia, gravity and rolling resistance in newton grow
+    /// with it, air drag in newton stays.
+    pub fn heavier(self, factor: f64) -> Self {
+        Self {
+            mass_kg: self.mass_kg * factor,
+            davis: self.davis.scaled([1.0, 1.0, 1.0 / factor]),
+            ..self
+        }
+    }
+
     /// γ m, kg.
     pub fn rotating_mass_kg(&self) -> f64 {
         self.gamma * self.mass_kg
-    }
-
-    /// Largest tractive effort at a speed, N/kg: constant, then constant power; each limit times its share.
-    pub fn max_effort_n_per_kg(&self, speed_mps: f64, effort_share: f64, power_share: f64) -> f64 {
-        let effort_n = self.max_tractive_effort_n * effort_share;
-        // At standstill the quotient is infinite and the constant effort wins.
-        let power_n = self.max_power_w * power_share / speed_mps;
-        effort_n.min(power_n) / self.rotating_mass_kg()
     }
 
     /// Running resistance, N/kg. Only air drag feels the wind.
@@ -128,136 +117,11 @@ impl TrainTruth {
         let air_mps = speed_mps + headwind_mps;
         self.davis.r0 + self.davis.r1 * speed_mps + self.davis.r2 * air_mps * air_mps.abs()
     }
-
-    /// Gravity along the track, N/kg, positive uphill.
-    pub fn gravity_n_per_kg(&self, line: &Line, front_m: f64) -> f64 {
-        GRAVITY_MPS2 / self.gamma * line.mean_gradient(front_m, self.length_m)
-    }
-
-    /// Everything that brakes a coasting train, N/kg: resistance and gravity.
-    pub fn load_n_per_kg(&self, line: &Line, motion: Motion, headwind_mps: f64) -> f64 {
-        self.resistance_n_per_kg(motion.speed_mps, headwind_mps)
-            + self.gravity_n_per_kg(line, motion.location_m)
-    }
-
-    /// One step under a constant effort. A train that stops within the step stands at its end, held by the brake.
-    pub fn advance(
-        &self,
-        line: &Line,
-        motion: Motion,
-        effort_n_per_kg: f64,
-        headwind_mps: f64,
-        step_s: f64,
-    ) -> Motion {
-        let slope = |m: Motion| {
-            (
-                m.speed_mps,
-                effort_n_per_kg - self.load_n_per_kg(line, m, headwind_mps),
-            )
-        };
-        let along = |(ds, dv): (f64, f64), t: f64| Motion {
-            location_m: motion.location_m + ds * t,
-            speed_mps: motion.speed_mps + dv * t,
-        };
-        let k1 = slope(motion);
-        let k2 = slope(along(k1, step_s / 2.0));
-        let k3 = slope(along(k2, step_s / 2.0));
-        let k4 = slope(along(k3, step_s));
-        let mean = |f: fn((f64, f64)) -> f64| (f(k1) + 2.0 * f(k2) + 2.0 * f(k3) + f(k4)) / 6.0;
-        let (ds, dv) = (mean(|k| k.0), mean(|k| k.1));
-        let end = along((ds, dv), step_s);
-        if end.speed_mps > 0.0 {
-            end
-        } else {
-            // v²/(2|a|) with the mean deceleration of the step.
-            let rest_m = if dv < 0.0 {
-                motion.speed_mps * motion.speed_mps / (-2.0 * dv)
-            } else {
-                0.0
-            };
-            Motion {
-                location_m: motion.location_m + rest_m,
-                speed_mps: 0.0,
-            }
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn coasting_against_a_constant_resistance_follows_the_closed_form() {
-        let davis = DavisTruth {
-            r0: 0.03,
-            r1: 0.0,
-            r2: 0.0,
-        };
-        let train = TrainTruth {
-            davis,
-            ..TrainTruth::default()
-        };
-        let line = Line::level(50_000.0, 140.0);
-        let mut motion = Motion {
-            location_m: 100.0,
-            speed_mps: 38.0,
-        };
-        for _ in 0..6000 {
-            motion = train.advance(&line, motion, 0.0, 0.0, 0.1);
-        }
-        let t = 600.0;
-        assert!((motion.speed_mps - (38.0 - 0.03 * t)).abs() < 1e-9);
-        assert!((motion.location_m - (100.0 + 38.0 * t - 0.015 * t * t)).abs() < 1e-6);
-    }
-
-    #[test]
-    fn coasting_against_air_alone_follows_the_closed_form() {
-        // dv/dt = -r2 v²  =>  1/v = 1/v0 + r2 t
-        let davis = DavisTruth {
-            r0: 0.0,
-            r1: 0.0,
-            r2: 2.8e-5,
-        };
-        let train = TrainTruth {
-            davis,
-            ..TrainTruth::default()
-        };
-        let line = Line::level(50_000.0, 140.0);
-        let mut motion = Motion {
-            location_m: 0.0,
-            speed_mps: 38.0,
-        };
-        for _ in 0..6000 {
-            motion = train.advance(&line, motion, 0.0, 0.0, 0.1);
-        }
-        let expected = 1.0 / (1.0 / 38.0 + 2.8e-5 * 600.0);
-        assert!((motion.speed_mps - expected).abs() < 1e-9);
-        assert!((motion.location_m - (38.0_f64 / expected).ln() / 2.8e-5).abs() < 1e-6);
-    }
-
-    #[test]
-    fn a_braked_train_stops_after_the_closed_form_distance_and_stands() {
-        let davis = DavisTruth {
-            r0: 0.0,
-            r1: 0.0,
-            r2: 0.0,
-        };
-        let train = TrainTruth {
-            davis,
-            ..TrainTruth::default()
-        };
-        let line = Line::level(1_000.0, 140.0);
-        let mut motion = Motion {
-            location_m: 0.0,
-            speed_mps: 10.03,
-        };
-        for _ in 0..1000 {
-            motion = train.advance(&line, motion, -0.5, 0.0, 0.1);
-        }
-        assert_eq!(motion.speed_mps, 0.0);
-        assert!((motion.location_m - 10.03 * 10.03).abs() < 1e-9);
-    }
 
     #[test]
     fn headwind_as_equivalent_parameters_is_the_same_resistance() {
@@ -275,9 +139,19 @@ mod tests {
     #[test]
     fn a_fuller_train_has_the_same_air_drag_in_newton() {
         let empty = TrainTruth::default();
-        let full = empty.loaded(1.2);
         let newton = |t: TrainTruth, r: f64| r * t.rotating_mass_kg();
-        assert!((newton(empty, empty.davis.r2) - newton(full, full.davis.r2)).abs() < 1e-9);
-        assert!((newton(full, full.davis.r0) / newton(empty, empty.davis.r0) - 1.2).abs() < 1e-12);
+        for full in [empty.loaded(1.2), empty.heavier(1.2)] {
+            assert!((newton(empty, empty.davis.r2) - newton(full, full.davis.r2)).abs() < 1e-9);
+            let rolling = newton(full, full.davis.r0) / newton(empty, empty.davis.r0);
+            assert!((rolling - 1.2).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn passengers_do_not_rotate_but_a_wrong_data_sheet_keeps_its_factor() {
+        let empty = TrainTruth::default();
+        let rotating = |t: TrainTruth| (t.gamma - 1.0) * t.mass_kg;
+        assert!((rotating(empty.loaded(1.2)) - rotating(empty)).abs() < 1e-6);
+        assert_eq!(empty.heavier(1.2).gamma, empty.gamma);
     }
 }
