@@ -144,16 +144,7 @@ pub fn analyse(
     let (_, without_wind) = calibrate(&context, &rows, measured, false, &model);
     let search = Search::new(&context, &rows, &calibrated, measured);
     let terms = fitted(&search, &model);
-    let ratio_noise = 1.5 * calibrated.noise.reading_mps / 10.0;
-    let of_runs: Vec<Vec<Pull>> = cut
-        .iter()
-        .zip(runs)
-        .map(|(intervals, run)| {
-            let effort = efforts(&context, run, intervals, measured, (&model, &beta));
-            let sd = if measured { 0.0 } else { ratio_noise };
-            pulls(&believed, run.direction, intervals, &effort, sd)
-        })
-        .collect();
+    let of_runs = pulls_of(&context, runs, &cut, measured, (&model, &beta), &calibrated);
     let limit = limits(&of_runs)
         .into_iter()
         .next()
@@ -174,6 +165,74 @@ pub fn analyse(
         first_day,
         period_days,
     })
+}
+
+fn pulls_of(
+    context: &Context<'_>,
+    runs: &[Run],
+    cut: &[Vec<Interval>],
+    measured: bool,
+    model: (&[Term], &[f64]),
+    calibrated: &Calibrated,
+) -> Vec<Vec<Pull>> {
+    let sd = if measured {
+        0.0
+    } else {
+        1.5 * calibrated.noise.reading_mps / 10.0
+    };
+    cut.iter()
+        .zip(runs)
+        .map(|(intervals, run)| {
+            let effort = efforts(context, run, intervals, measured, model);
+            pulls(&context.believed, run.direction, intervals, &effort, sd)
+        })
+        .collect()
+}
+
+/// Rows and pulls of other runs, as the findings would have them: for judging on runs that took no part.
+pub fn apply(
+    believed: Believed<'_>,
+    surroundings: &Surroundings,
+    findings: &Findings,
+    runs: &[Run],
+) -> (Vec<Row>, Vec<Vec<Pull>>) {
+    let context = Context {
+        believed,
+        curves: &surroundings.curves,
+        temperature_c: findings.temperature_c,
+        first_day: findings.first_day,
+        period_days: findings.period_days,
+    };
+    let cut: Vec<Vec<Interval>> = runs
+        .iter()
+        .enumerate()
+        .map(|(i, run)| intervals(i, run, believed.line(run.direction), &findings.readings))
+        .collect();
+    let model: Vec<Term> = findings
+        .terms
+        .iter()
+        .map(|fitted| fitted.term.clone())
+        .collect();
+    let beta: Vec<f64> = findings
+        .terms
+        .iter()
+        .flat_map(|fitted| match fitted.term {
+            Term::Length(_) => vec![1.0],
+            _ => fitted.beta.clone(),
+        })
+        .collect();
+    let model = (model.as_slice(), beta.as_slice());
+    let last = UNCERTAIN[UNCERTAIN.len() - 1];
+    let rows = rows(&context, runs, &cut, findings.measured, model, last);
+    let pulls = pulls_of(
+        &context,
+        runs,
+        &cut,
+        findings.measured,
+        model,
+        &findings.calibrated,
+    );
+    (rows, pulls)
 }
 
 /// Coefficients with the fixed one of [`Term::Length`] put in its place.

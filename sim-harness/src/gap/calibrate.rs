@@ -108,20 +108,30 @@ pub fn calibrate(
         own: Own::default(),
         spread: vec![1.0; rows.len()],
     };
-    let likelihood = |noise: &Noise, own: &Own, spread: &[f64]| -> (f64, Option<DVector<f64>>) {
-        let whitening = whitening(noise, own, spread, rows, &columns);
+    // The flexible model is taken out once a round, under the noise found so far; what is left, widened for what it took, is judged.
+    let left = |found: &Calibrated| -> Option<(Vec<f64>, DVector<f64>)> {
+        let whitening = whitening(&found.noise, &found.own, &found.spread, rows, &columns);
         let white: Vec<_> = flexible.iter().map(|c| whitening.whiten(c)).collect();
-        match Base::new(&whitening.whiten(&y), &white, whitening.runs()) {
-            Some(base) => (
-                -whitening.log_determinant() - base.half_sum(),
-                Some(base.residual),
-            ),
-            None => (f64::NEG_INFINITY, None),
+        let base = Base::new(&whitening.whiten(&y), &white, whitening.runs())?;
+        let mut left = y.clone();
+        for (column, beta) in flexible.iter().zip(base.beta.iter()) {
+            left.iter_mut()
+                .zip(column)
+                .for_each(|(e, c)| *e -= beta * c);
         }
+        Some((left, base.residual))
+    };
+    let freedom = rows.len() as f64 / (rows.len() as f64 - flexible.len() as f64).max(1.0);
+    let likelihood = |noise: &Noise, own: &Own, spread: &[f64], residual: &[f64]| {
+        let whitening = whitening(noise, own, spread, rows, &columns);
+        -whitening.log_determinant() - 0.5 * freedom * whitening.whiten(residual).norm_squared()
     };
     let mut reached = f64::NEG_INFINITY;
     for round in 0..3 {
-        let mut best = likelihood(&found.noise, &found.own, &found.spread).0;
+        let Some((residual, _)) = left(&found) else {
+            return (found, reached);
+        };
+        let mut best = likelihood(&found.noise, &found.own, &found.spread, &residual);
         let mut factor: f64 = if round == 0 { 2.0 } else { 1.4 };
         let mut own_zero = [false; 3];
         while factor > 1.07 {
@@ -151,7 +161,7 @@ pub fn calibrate(
                             *value = 0.0;
                         }
                     }
-                    let (now, _) = likelihood(&noise, &own, &found.spread);
+                    let now = likelihood(&noise, &own, &found.spread, &residual);
                     if now > best + 1e-3 {
                         best = now;
                         (found.noise, found.own) = (noise, own);
@@ -173,7 +183,7 @@ pub fn calibrate(
         }
         reached = best;
         if round < 2 {
-            if let (_, Some(residual)) = likelihood(&found.noise, &found.own, &found.spread) {
+            if let Some((_, residual)) = left(&found) {
                 for (spread, e) in found.spread.iter_mut().zip(residual.iter()) {
                     *spread = (*spread * e.abs() / OUTLIER).max(1.0);
                 }

@@ -94,6 +94,8 @@ const STRAY: f64 = 0.1;
 const CORNER: f64 = 1.35;
 /// A limit nearer to the believed one is no finding.
 const LEAST_SCALE: f64 = 0.03;
+/// What it takes to believe that it is not all drivers who are cautious.
+const CAUTION: f64 = 6.0;
 /// More runs than this are no bad days but the train.
 const MOST_SLIPPERY: f64 = 0.6;
 const LEAST_ACCELERATION_MPS2: f64 = 0.03;
@@ -252,29 +254,38 @@ fn best_factor(
     Some((factor, most, sd))
 }
 
+/// The train gives another share of its description everywhere. Either drivers ask for more than it gives, and many runs lie at the very limit; or what they ask
+/// for scales with what there is, and no run comes near the described limit (which may also be caution: dearer).
 fn scale(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
-    let total: f64 = believed.iter().sum();
-    let gain = |factor: f64| {
+    let capped = |factor: f64| -> Vec<f64> {
         runs.iter()
-            .map(|p| run_likelihood(p, factor.max(1.0), |_| factor))
-            .sum::<f64>()
-            - total
+            .zip(believed)
+            .map(|(p, b)| run_likelihood(p, factor.max(1.0), |_| factor) - b)
+            .collect()
     };
-    let range = (10..40)
-        .map(|i| 0.04 * f64::from(i))
-        .filter(|f| (f - 1.0).abs() > LEAST_SCALE);
-    let (factor, gain, factor_sd) = best_factor(range, gain)?;
-    let of_runs = runs
-        .iter()
-        .zip(believed)
-        .map(|(p, b)| run_likelihood(p, factor.max(1.0), |_| factor) - b);
-    let gain = gain.min(trimmed(of_runs));
-    ((factor - 1.0).abs() > LEAST_SCALE).then_some(FoundLimit {
-        limit: Limit::Scale { factor },
-        gain,
-        value: gain - 2.1,
-        factor_sd,
-    })
+    let scaled = |factor: f64| -> Vec<f64> {
+        runs.iter()
+            .zip(believed)
+            .map(|(p, b)| run_likelihood(p, factor, |_| factor) - b)
+            .collect()
+    };
+    let one = |of: &dyn Fn(f64) -> Vec<f64>, cost: f64| {
+        let range = (15..40)
+            .map(|i| 0.04 * f64::from(i))
+            .filter(|f| (f - 1.0).abs() > LEAST_SCALE);
+        let (factor, _, factor_sd) = best_factor(range, |factor| of(factor).iter().sum())?;
+        let gain = trimmed(of(factor).into_iter()).min(of(factor).iter().sum());
+        ((factor - 1.0).abs() > LEAST_SCALE).then_some(FoundLimit {
+            limit: Limit::Scale { factor },
+            gain,
+            value: gain - cost,
+            factor_sd,
+        })
+    };
+    [one(&capped, 2.1), one(&scaled, 2.1 + CAUTION)]
+        .into_iter()
+        .flatten()
+        .max_by(|a, b| a.value.total_cmp(&b.value))
 }
 
 /// Edges of sections lie on this grid before they are refined, m.

@@ -1,9 +1,11 @@
 //! The gap workflow: where simulation and measured data disagree, which effect is missing, and the gap shrinking.
 
 pub mod analysis;
+pub mod bench;
 pub mod calibrate;
 pub mod caps;
 pub mod coasting;
+pub mod evidence;
 pub mod fit;
 pub mod forward;
 pub mod kinematics;
@@ -15,3 +17,4 @@ pub mod scan;
 pub mod select;
 pub mod terms;
 pub mod whitening;
+pub mod workflow;

@@ -114,19 +114,40 @@ impl Scan {
         best
     }
 
-    /// The same with edges refined below the grid.
-    pub fn refined(
-        &self,
-        base: &Base,
-        context: &Context<'_>,
-        rows: &[Row],
-        whitening: &Whitening,
-    ) -> Option<[f64; 2]> {
+    /// The same with edges refined below the grid: a cumulative column between two edges is, within a train's length, the straight line between theirs.
+    pub fn refined(&self, base: &Base) -> Option<[f64; 2]> {
+        let with_residual = self.columns.transpose() * &base.residual;
+        let gram = base.project(&self.columns, &self.gram);
         let (mut section, _) = self.best(base)?;
+        let last = self.edges_m.len() - 2;
+        let weights = |edge_m: f64| {
+            let i = self
+                .edges_m
+                .partition_point(|e| *e <= edge_m)
+                .saturating_sub(1)
+                .min(last);
+            let t = (edge_m - self.edges_m[i]) / (self.edges_m[i + 1] - self.edges_m[i]);
+            [(i, 1.0 - t), (i + 1, t)]
+        };
         let gain = |section: [f64; 2]| {
-            let column = self.kind.term(section).columns(context, rows);
-            base.gain(&[whitening.whiten(&column[0])])
-                .map_or(0.0, |gain| gain.naive_gain)
+            let (from, to) = (weights(section[0]), weights(section[1]));
+            let terms = [
+                (from[0].0, -from[0].1),
+                (from[1].0, -from[1].1),
+                to[0],
+                to[1],
+            ];
+            let score: f64 = terms.iter().map(|(i, w)| w * with_residual[*i]).sum();
+            let information: f64 = terms
+                .iter()
+                .flat_map(|(i, a)| terms.iter().map(move |(j, b)| (i, j, a * b)))
+                .map(|(i, j, w)| w * gram[(*i, *j)])
+                .sum();
+            if information > 0.0 {
+                0.5 * score * score / information
+            } else {
+                0.0
+            }
         };
         let mut most = gain(section);
         let mut step_m = 0.5 * (self.edges_m[1] - self.edges_m[0]);

@@ -10,6 +10,9 @@ use super::scan::{Kind, Scan};
 use super::terms::{Context, Coordinate, Term, both_directions, coordinate};
 use super::whitening::Whitening;
 use nalgebra::DVector;
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::rc::Rc;
 
 /// A value below this is chance: with some fifteen families a data set without an effect reaches it once in about a hundred.
 pub const ENOUGH: f64 = 5.0;
@@ -58,6 +61,8 @@ pub struct Search<'a> {
     /// Whitened columns of what sensors do; part of every fit.
     sensors: Vec<DVector<f64>>,
     families: Vec<Family>,
+    /// Whitened columns of terms that were tried, by their text.
+    known: RefCell<HashMap<String, Rc<Vec<DVector<f64>>>>>,
 }
 
 impl<'a> Search<'a> {
@@ -83,12 +88,19 @@ impl<'a> Search<'a> {
             y,
             sensors,
             families,
+            known: RefCell::default(),
         }
     }
 
-    fn white(&self, term: &Term) -> Vec<DVector<f64>> {
+    fn white(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {
+        let key = format!("{term:?}");
+        if let Some(known) = self.known.borrow().get(&key) {
+            return Rc::clone(known);
+        }
         let columns = term.columns(self.context, self.rows);
-        columns.iter().map(|c| self.whitening.whiten(c)).collect()
+        let white = Rc::new(columns.iter().map(|c| self.whitening.whiten(c)).collect());
+        self.known.borrow_mut().insert(key, Rc::clone(&white));
+        white
     }
 
     /// The fit of a model: its coefficients in the order of the terms, then those of sensors.
@@ -100,7 +112,7 @@ impl<'a> Search<'a> {
         let free: Vec<_> = model
             .iter()
             .filter(|term| !matches!(term, Term::Length(_)))
-            .flat_map(|term| self.white(term))
+            .flat_map(|term| self.white(term).to_vec())
             .chain(self.sensors.iter().cloned())
             .collect();
         Base::new(&y, &free, self.whitening.runs())
@@ -124,10 +136,7 @@ impl<'a> Search<'a> {
         let terms = match family {
             Family::Shapes(terms) => terms.clone(),
             Family::Section(scan) => {
-                vec![
-                    scan.refined(base, self.context, self.rows, &self.whitening)
-                        .map(|s| scan_term(scan, s))?,
-                ]
+                vec![scan.refined(base).map(|s| scan_term(scan, s))?]
             }
             Family::Wind => {
                 let mut wind_mps = 0.0;

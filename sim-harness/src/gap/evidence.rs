@@ -1,0 +1,116 @@
+//! Is there a gap at all, and along what?
+//!
+//! Witnesses are functions of location, speed, time since departure, temperature and day that name no cause. Under the null each run's score of a witness is as likely positive
+//! as negative, so flipping the signs of whole runs gives the distribution of the largest of them, whatever the correlation within a run and
+//! between witnesses. (Sign-flip test; runs are the unit.)
+
+use super::calibrate::{Calibrated, knots};
+use super::rows::Row;
+use super::terms::{Context, Coordinate, Term, coordinate};
+use nalgebra::DVector;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// How strongly the residuals depend on one coordinate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evidence {
+    /// Along what.
+    pub coordinate: &'static str,
+    /// Largest score over runs, in standard deviations.
+    pub score: f64,
+    /// Where it is largest.
+    pub at: f64,
+    /// Probability of such a score, or a larger one, somewhere along this coordinate, without a gap.
+    pub p_value: f64,
+}
+
+const FLIPS: usize = 999;
+
+/// Evidence along each coordinate, strongest first, and the probability of the strongest of all without a gap.
+pub fn evidence(
+    context: &Context<'_>,
+    rows: &[Row],
+    calibrated: &Calibrated,
+) -> (Vec<Evidence>, f64) {
+    let whitening = calibrated.whitening(context, rows);
+    let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
+    let y = whitening.whiten(&y);
+    let coordinates = [
+        (Coordinate::Location, "location", 24),
+        (Coordinate::Speed, "speed", 7),
+        (Coordinate::Time, "time", 7),
+        (Coordinate::Temperature, "temperature", 5),
+        (Coordinate::Day, "day", 5),
+    ];
+    // For each witness: which coordinate, where, score of each run.
+    let mut witnesses: Vec<(usize, f64, Vec<f64>)> = Vec::new();
+    for (which, (axis, _, count)) in coordinates.iter().enumerate() {
+        let at = rows
+            .iter()
+            .filter_map(|row| coordinate(*axis, row, row.interval.middle()));
+        let knots = knots(at, *count);
+        let columns = Term::Smooth(*axis, knots.clone()).columns(context, rows);
+        for (knot, column) in knots.iter().zip(columns) {
+            let column: DVector<f64> = whitening.whiten(&column);
+            let scores: Vec<f64> = whitening
+                .runs()
+                .iter()
+                .map(|r| column.rows(r.start, r.len()).dot(&y.rows(r.start, r.len())))
+                .collect();
+            if scores.iter().filter(|s| **s != 0.0).count() >= 3 {
+                witnesses.push((which, *knot, scores));
+            }
+        }
+    }
+    let size = |scores: &[f64], signs: Option<&[f64]>| {
+        let sum: f64 = match signs {
+            Some(signs) => scores.iter().zip(signs).map(|(s, sign)| s * sign).sum(),
+            None => scores.iter().sum(),
+        };
+        sum.abs() / scores.iter().map(|s| s * s).sum::<f64>().sqrt()
+    };
+    let observed: Vec<f64> = witnesses.iter().map(|(_, _, s)| size(s, None)).collect();
+    let most = |of: &[f64], which: usize| {
+        witnesses
+            .iter()
+            .zip(of)
+            .filter(|((w, _, _), _)| *w == which)
+            .map(|(_, v)| *v)
+            .fold(0.0, f64::max)
+    };
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let runs = whitening.runs().len();
+    let (mut exceeded, mut any) = (vec![0_usize; coordinates.len()], 0);
+    let largest = observed.iter().copied().fold(0.0, f64::max);
+    for _ in 0..FLIPS {
+        let signs: Vec<f64> = (0..runs)
+            .map(|_| if rng.next_u32() & 1 == 0 { 1.0 } else { -1.0 })
+            .collect();
+        let flipped: Vec<f64> = witnesses
+            .iter()
+            .map(|(_, _, s)| size(s, Some(&signs)))
+            .collect();
+        any += usize::from(flipped.iter().copied().fold(0.0, f64::max) >= largest);
+        for (which, count) in exceeded.iter_mut().enumerate() {
+            *count += usize::from(most(&flipped, which) >= most(&observed, which));
+        }
+    }
+    let p = |count: usize| (count + 1) as f64 / (FLIPS + 1) as f64;
+    let mut all: Vec<Evidence> = coordinates
+        .iter()
+        .enumerate()
+        .filter_map(|(which, (_, name, _))| {
+            let best = (0..witnesses.len())
+                .filter(|i| witnesses[*i].0 == which)
+                .max_by(|a, b| observed[*a].total_cmp(&observed[*b]))?;
+            Some(Evidence {
+                coordinate: name,
+                score: observed[best],
+                at: witnesses[best].1,
+                p_value: p(exceeded[which]),
+            })
+        })
+        .collect();
+    all.sort_by(|a, b| b.score.total_cmp(&a.score));
+    (all, p(any))
+}
