@@ -26,6 +26,7 @@ fn main() {
             unscheduled_stop: Some(UnscheduledStop {
                 at_m: 14_000.0,
                 dwell_s: 45.0,
+                share: 1.0,
             }),
             ..Scenario::default()
         },

@@ -17,6 +17,7 @@
 //! | what does a DAS computer say to the board? | [`desk`] |
 //! | how does the host reach a board, and talk to it? | [`link`], [`session`] |
 //! | what really happens, and what sensors make of it? | [`truth`] |
+//! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | the command `rundown` | [`commands`] |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -36,6 +37,7 @@ pub mod report;
 pub mod run_log;
 pub mod run_set;
 pub mod session;
+pub mod simulation;
 pub mod table;
 pub mod toml_file;
 pub mod track_file;

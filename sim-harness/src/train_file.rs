@@ -55,6 +55,14 @@ impl TrainFile {
         checked(TomlFile::parse(path, text)?)
     }
 
+    /// The estimator's train.
+    ///
+    /// # Errors
+    /// [`TrainError`] names the field that is out of range.
+    pub fn train(&self) -> Result<Train, TrainError> {
+        Train::try_new(self.description())
+    }
+
     fn description(&self) -> TrainDescription {
         let DavisTable { r0, r1, r2 } = self.davis;
         TrainDescription {
@@ -70,7 +78,7 @@ impl TrainFile {
 }
 
 fn checked(file: TomlFile<TrainFile>) -> Result<(TrainFile, Train), TomlError> {
-    match Train::try_new(file.values.description()) {
+    match file.values.train() {
         Ok(train) => Ok((file.values, train)),
         Err(error) => Err(match error {
             TrainError::OutOfRange { field, .. } => file.refuse_dotted(field, error.to_string()),

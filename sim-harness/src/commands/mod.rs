@@ -7,6 +7,7 @@ pub mod link;
 pub mod provision;
 pub mod replay;
 mod screen;
+pub mod simulate;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
@@ -17,7 +18,7 @@ Exit codes:
   0  everything was done
   1  a run could not be used; the others were replayed and written
   2  wrong arguments
-  3  the train, the track, the configuration or an index of runs was refused
+  3  the train, the track, the configuration, a scenario or an index of runs was refused
   4  an output could not be written
   5  the board did not answer, or refused";
 
@@ -42,6 +43,8 @@ struct Arguments {
 enum Command {
     /// Replay recorded runs through the estimator of the board
     Replay(Box<replay::Arguments>),
+    /// Simulate runs with known truth, and with effects that the description does not have
+    Simulate(simulate::Arguments),
     /// Play recorded runs to a board, real or emulated
     Link(Box<link::Arguments>),
     /// Make the record with a new key that a board is given
@@ -91,6 +94,7 @@ impl Failure {
 pub fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Replay(arguments) => replay::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Link(arguments) => link::run(&arguments),
         Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),

@@ -32,6 +32,9 @@ const APPROACH_M: f64 = 1_500.0;
 /// A coast this much above the limit on a downgrade is restrained, m/s.
 const OVERSPEED_MPS: f64 = 0.6;
 
+/// The trial of the brake takes this much speed off, m/s.
+const BRAKE_TEST_MPS: f64 = 10.0 / 3.6;
+
 /// What the driver does, as true label of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Regime {
@@ -64,6 +67,8 @@ struct Target {
     speed_mps: f64,
     /// Part of the approach to a planned stop.
     approach: bool,
+    /// A sign or a stop stands there; without, the brake is only tried.
+    sign: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,6 +109,8 @@ pub struct Driver<'a> {
     plateau: bool,
     /// The first top of a cycle has been reached.
     cycling: bool,
+    /// The brake has been tried, or need not be.
+    brake_tested: bool,
 }
 
 impl<'a> Driver<'a> {
@@ -127,6 +134,7 @@ impl<'a> Driver<'a> {
             ahead: None,
             plateau: false,
             cycling: false,
+            brake_tested: false,
         }
     }
 
@@ -215,11 +223,13 @@ impl<'a> Driver<'a> {
                 at_m: pair[1].0,
                 speed_mps: self.kept_mps(pair[1].1 / 3.6),
                 approach: stop.planned && stop_m - pair[1].0 <= APPROACH_M,
+                sign: true,
             });
         let stop = Target {
             at_m: stop_m,
             speed_mps: 0.0,
             approach: stop.planned,
+            sign: true,
         };
         signs.chain([stop]).find(|target| {
             let needed_m = full - self.habits.brake.distance_m(target.speed_mps);
@@ -289,6 +299,10 @@ impl<'a> Driver<'a> {
                 if let Some(stop) = self.due(at).filter(|t| t.speed_mps == 0.0) {
                     self.phase = Phase::Brake(stop);
                 } else if at.speed_mps <= target.speed_mps + 0.05 {
+                    if !target.sign {
+                        self.phase = Phase::Power;
+                        return;
+                    }
                     self.ahead = Some(target);
                     self.plateau = target.approach;
                     self.phase = if target.approach && self.habits.plateau == Plateau::Coast {
@@ -303,6 +317,25 @@ impl<'a> Driver<'a> {
         }
         if let Some(target) = self.due(at) {
             self.phase = Phase::Brake(target);
+            return;
+        }
+        if self.phase == Phase::Power
+            && !self.brake_tested
+            && self
+                .habits
+                .brake_test_mps
+                .is_some_and(|v| at.speed_mps >= v)
+        {
+            self.brake_tested = true;
+            let speed_mps = at.speed_mps - BRAKE_TEST_MPS;
+            let brake = &self.habits.brake;
+            self.phase = Phase::Brake(Target {
+                at_m: at.location_m + brake.distance_m(at.speed_mps) - brake.distance_m(speed_mps)
+                    + at.speed_mps * brake.build_up_s,
+                speed_mps,
+                approach: false,
+                sign: false,
+            });
             return;
         }
         let desired = self.desired_mps(at);

@@ -135,18 +135,15 @@ impl Recorder {
         }
     }
 
-    /// The facts of a run that ended at a platform.
-    ///
-    /// # Panics
-    /// If the train never braked or never stopped.
-    pub fn finish(self, plan: RunPlan, world: &World, load: f64, habits: Habits) -> Facts {
+    /// The facts of a run that ended at a platform; `None` if the train never braked or never stopped.
+    pub fn finish(self, plan: RunPlan, world: &World, load: f64, habits: Habits) -> Option<Facts> {
         let mean = self.power_sum / self.power_steps as f64;
-        Facts {
+        Some(Facts {
             plan,
             final_coast: self.final_coast,
-            final_brake: self.final_brake.expect("a run ends with a brake"),
-            stop_brake: self.stop_brake.expect("a run ends with a brake"),
-            stop: *self.stops.last().expect("a run ends with a stop"),
+            final_brake: self.final_brake?,
+            stop_brake: self.stop_brake?,
+            stop: *self.stops.last()?,
             stops: self.stops,
             cruise_mps: habits.cruise_mps,
             mean_power_50_130_w_per_kg: (self.power_steps > 0).then_some(mean),
@@ -158,6 +155,6 @@ impl Recorder {
             weather: world.weather,
             headwind_mps: world.headwind_mps,
             habits,
-        }
+        })
     }
 }

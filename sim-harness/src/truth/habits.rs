@@ -70,6 +70,8 @@ pub struct Habits {
     pub brake: BrakeHabit,
     /// What is done at 40 km/h.
     pub plateau: Plateau,
+    /// Speed at which the brake is tried after the departure, m/s; `None` for no trial.
+    pub brake_test_mps: Option<f64>,
     /// Where the train stops, relative to the platform, m.
     pub stop_error_m: f64,
 }
@@ -137,6 +139,7 @@ impl Habits {
             least_coast_mps: least_coast_kmh / 3.6,
             brake,
             plateau,
+            brake_test_mps: None,
             stop_error_m,
         }
     }

@@ -17,6 +17,7 @@ use crate::truth::world::{History, World};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
+use thiserror::Error;
 
 /// Nobody drives longer than this, s.
 const LONGEST_RUN_S: f64 = 4.0 * 3600.0;
@@ -26,10 +27,12 @@ const DWELL_S: std::ops::Range<f64> = 30.0..60.0;
 /// A red signal in mid-run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnscheduledStop {
-    /// Where, m.
+    /// Where along the way travelled, m.
     pub at_m: f64,
     /// How long, s.
     pub dwell_s: f64,
+    /// Share of the runs that meet it.
+    pub share: f64,
 }
 
 /// What is simulated. The default is the case study.
@@ -43,6 +46,8 @@ pub struct Scenario {
     pub driver: DriverKind,
     /// Probability that a driver cruises by cycles of power and coast.
     pub cycle_share: f64,
+    /// Probability that a driver tries the brake after the departure.
+    pub brake_test_share: f64,
     /// Whether the run goes on for 30 to 60 s at the last platform. Without, it ends up to one sampling time after the stop.
     pub final_dwell: bool,
     /// A red signal.
@@ -75,6 +80,7 @@ impl Default for Scenario {
             line: Line::flat_corridor(),
             driver: DriverKind::CaseStudy,
             cycle_share: 0.4,
+            brake_test_share: 0.0,
             final_dwell: false,
             unscheduled_stop: None,
             davis_scale: [1.0; 3],
@@ -88,6 +94,34 @@ impl Default for Scenario {
             sensors: Sensors::default(),
         }
     }
+}
+
+/// Why a run could not be driven.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum DriveError {
+    /// The train is still on its way after 4 h.
+    #[error(
+        "run {run} (seed {seed}): expected the train at its platform within 4 h, found it at {location_m:.0} m with {speed_kmh:.0} km/h; is the line too steep or the resistance too large?"
+    )]
+    Late {
+        /// Number of the run.
+        run: usize,
+        /// Its seed.
+        seed: u64,
+        /// Where it is.
+        location_m: f64,
+        /// How fast.
+        speed_kmh: f64,
+    },
+    /// The train came to a stand without its brake.
+    #[error("run {run} (seed {seed}): expected a brake before the stop, found none")]
+    NeverBraked {
+        /// Number of the run.
+        run: usize,
+        /// Its seed.
+        seed: u64,
+    },
 }
 
 /// A simulated run. `samples` and `truth` are the same times, row by row.
@@ -106,18 +140,26 @@ pub struct Run {
 /// # Panics
 /// If the scenario cannot be driven: a step that does not divide 1 s or the sampling time, or a train that does not arrive within 4 h.
 pub fn simulate(scenario: &Scenario, seed: u64) -> Run {
-    simulate_planned(scenario, &RunPlan::alone(scenario, seed))
+    simulate_planned(scenario, &RunPlan::alone(scenario, seed)).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Drives one run of a plan and records it.
 ///
+/// # Errors
+/// [`DriveError`] if the train does not arrive.
+///
 /// # Panics
-/// As [`simulate`].
-pub fn simulate_planned(scenario: &Scenario, plan: &RunPlan) -> Run {
-    let (trace, facts, world) = drive_planned(scenario, plan);
+/// If the step does not divide 1 s or the sampling time.
+pub fn simulate_planned(scenario: &Scenario, plan: &RunPlan) -> Result<Run, DriveError> {
+    let (trace, facts, world) = drive_planned(scenario, plan)?;
+    let gain_unit = Normal::new(0.0, 1.0)
+        .expect("constant")
+        .sample(&mut stream(plan.seed, 8));
     let sensors = Sensors {
         speed_gain: scenario.sensors.speed_gain * world.speed_scale,
         location_lag_s: scenario.sensors.location_lag_s + world.location_lag_s,
+        effort_gain: scenario.sensors.effort_gain
+            * (1.0 + scenario.sensors.effort_gain_sd * gain_unit),
         ..scenario.sensors.clone()
     };
     let (samples, truth) = sensors.read(
@@ -126,11 +168,11 @@ pub fn simulate_planned(scenario: &Scenario, plan: &RunPlan) -> Run {
         &mut stream(plan.seed, 3),
         &mut stream(plan.seed, 6),
     );
-    Run {
+    Ok(Run {
         samples,
         truth,
         facts,
-    }
+    })
 }
 
 /// Many runs of the same train; run `i` has the seed [`run_seed`]`(seed, i)`. `davis_scale` takes the place of the scenario's.
@@ -144,7 +186,7 @@ pub fn fleet(scenario: &Scenario, davis_scale: [f64; 3], runs: usize, seed: u64)
     };
     plan(&scenario, runs, seed)
         .iter()
-        .map(|plan| simulate_planned(&scenario, plan))
+        .map(|plan| simulate_planned(&scenario, plan).unwrap_or_else(|e| panic!("{e}")))
         .collect()
 }
 
@@ -159,16 +201,23 @@ pub fn run_seed(seed: u64, run: usize) -> u64 {
 /// # Panics
 /// As [`simulate`].
 pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TraceStep>, Facts) {
-    let (trace, facts, _) = drive_planned(scenario, &RunPlan::alone(scenario, seed));
+    let (trace, facts, _) =
+        drive_planned(scenario, &RunPlan::alone(scenario, seed)).unwrap_or_else(|e| panic!("{e}"));
     (trace, facts)
 }
 
 /// Drives one run of a plan: every integration step, the facts, and the world it was driven in. Locations of trace and facts are those of the line,
 /// they fall in a run down; those of the world are along the way travelled.
 ///
+/// # Errors
+/// [`DriveError`] if the train does not arrive.
+///
 /// # Panics
-/// As [`simulate`].
-pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> (Vec<TraceStep>, Facts, World) {
+/// If the step does not divide 1 s.
+pub fn drive_planned(
+    scenario: &Scenario,
+    plan: &RunPlan,
+) -> Result<(Vec<TraceStep>, Facts, World), DriveError> {
     let step_s = scenario.step_s;
     let each_second = (1.0 / step_s).round();
     assert!(
@@ -179,16 +228,18 @@ pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> (Vec<TraceStep>, Fa
     let mut draws = stream(seed, 0);
     let unit = Normal::new(0.0, 1.0).expect("constant");
     let load = f64::max(1.0 + scenario.load_sd * unit.sample(&mut draws), 0.5);
-    let headwind_mps = scenario.wind_sd_mps * unit.sample(&mut draws);
+    // Adding zero turns -0 into 0.
+    let headwind_mps = scenario.wind_sd_mps * unit.sample(&mut draws) + 0.0;
     let world = World::new(scenario, plan, load, headwind_mps);
-    let stops = stops(scenario, &world, &mut draws);
+    let stops = stops(scenario, &world, seed, &mut draws);
     let stay_s = if scenario.final_dwell {
         stops.last().map_or(0.0, |s| s.dwell_s)
     } else {
         0.0
     };
     let stop_count = stops.len();
-    let habits = Habits::draw(scenario.driver, scenario.cycle_share, &mut stream(seed, 1));
+    let mut habits = Habits::draw(scenario.driver, scenario.cycle_share, &mut stream(seed, 1));
+    habits.brake_test_mps = brake_test_mps(scenario.brake_test_share, &mut stream(seed, 10));
     let mut driver = Driver::new(habits, &world, stops, stream(seed, 2));
 
     let mut recorder = Recorder::default();
@@ -199,11 +250,14 @@ pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> (Vec<TraceStep>, Fa
     let mut rest_s = stay_s + scenario.sensors.sampling_s;
     for i in 0_u64.. {
         history.time_s = i as f64 / each_second;
-        assert!(
-            history.time_s < LONGEST_RUN_S,
-            "seed {seed}: still at {motion:?} after {} s",
-            history.time_s
-        );
+        if history.time_s >= LONGEST_RUN_S {
+            return Err(DriveError::Late {
+                run: plan.number,
+                seed,
+                location_m: from.location_m,
+                speed_kmh: 3.6 * motion.speed_mps,
+            });
+        }
         if driver.stops_made() == stop_count {
             rest_s -= step_s;
             if rest_s < 0.0 {
@@ -235,8 +289,20 @@ pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> (Vec<TraceStep>, Fa
         trace.push(to);
         from = to;
     }
-    let facts = recorder.finish(plan.clone(), &world, load, habits);
-    (trace, facts, world)
+    let facts =
+        recorder
+            .finish(plan.clone(), &world, load, habits)
+            .ok_or(DriveError::NeverBraked {
+                run: plan.number,
+                seed,
+            })?;
+    Ok((trace, facts, world))
+}
+
+/// The speed at which the driver tries the brake, if this one does.
+fn brake_test_mps(share: f64, rng: &mut ChaCha8Rng) -> Option<f64> {
+    let speed_mps = rng.random_range(70.0..110.0) / 3.6;
+    rng.random_bool(share).then_some(speed_mps)
 }
 
 /// A row of the trace: the end of a step with this demanded and applied effort.
@@ -267,7 +333,7 @@ fn row(
 }
 
 /// The stops of a run along its way: those of the line, or every 4 to 6 km for short hops on a line without; the red signal; the platform at the end.
-fn stops(scenario: &Scenario, world: &World, rng: &mut ChaCha8Rng) -> Vec<Stop> {
+fn stops(scenario: &Scenario, world: &World, seed: u64, rng: &mut ChaCha8Rng) -> Vec<Stop> {
     let end_m = world.line.length_m();
     let mut stops = Vec::new();
     for at_m in world.line.calls_m() {
@@ -288,7 +354,9 @@ fn stops(scenario: &Scenario, world: &World, rng: &mut ChaCha8Rng) -> Vec<Stop> 
             at_m += rng.random_range(4_000.0..6_000.0);
         }
     }
-    if let Some(red) = scenario.unscheduled_stop {
+    // A stream of its own, so that the other draws of the run stay.
+    let met = |red: &UnscheduledStop| stream(seed, 9).random_bool(red.share);
+    if let Some(red) = scenario.unscheduled_stop.filter(met) {
         stops.push(Stop {
             at_m: red.at_m,
             dwell_s: red.dwell_s,
@@ -320,6 +388,7 @@ mod tests {
         let red = UnscheduledStop {
             at_m: 14_000.0,
             dwell_s: 45.0,
+            share: 1.0,
         };
         [
             ("case study", Scenario::default()),
@@ -643,7 +712,7 @@ mod tests {
             davis_scale: [1.1, 1.0, 0.9],
             ..scenario
         };
-        assert!(runs[1] == simulate_planned(&scenario, &plan(&scenario, 2, 5)[1]));
+        assert!(runs[1] == simulate_planned(&scenario, &plan(&scenario, 2, 5)[1]).unwrap());
         // Only the date is another.
         let alone = simulate(&scenario, run_seed(5, 1));
         assert_eq!(runs[1].facts.stop, alone.facts.stop);

@@ -72,6 +72,8 @@ pub struct Sensors {
     pub speed_quantum_kmh: f64,
     /// Shown over true effort, 1 for none.
     pub effort_gain: f64,
+    /// How much this gain differs from run to run, standard deviation; drawn where a run is simulated.
+    pub effort_gain_sd: f64,
     /// White noise of the effort, standard deviation, N/kg.
     pub effort_noise_n_per_kg: f64,
 }
@@ -92,6 +94,7 @@ impl Default for Sensors {
             location_lag_s: 0.0,
             speed_quantum_kmh: 1.0,
             effort_gain: 1.0,
+            effort_gain_sd: 0.0,
             effort_noise_n_per_kg: 0.0,
         }
     }

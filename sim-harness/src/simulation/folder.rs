@@ -1,0 +1,272 @@
+//! A simulated data set on disk.
+//!
+//! | path | what it holds |
+//! |---|---|
+//! | `runs/runNNN.csv` | the logs, as a recorder on board writes them |
+//! | `runs/runs.csv` | index: file, departure_utc, unit, direction |
+//! | `track.toml`, `train.toml` | the descriptions as believed |
+//! | `truth/truth.json` | what was true: effects, train, facts of each run ([`key`]) |
+//! | `truth/runNNN.csv` | what was true at each sample |
+//! | `truth/scenario.toml` | the scenario file |
+//!
+//! Who looks for effects gets all but `truth/`.
+
+use super::key;
+use super::scenario_file::Simulation;
+use crate::run_set::INDEX;
+use crate::truth::driver::Regime;
+use crate::truth::facts::Facts;
+use crate::truth::plan::{Heading, RunPlan, plan};
+use crate::truth::scenario::{DriveError, Run, simulate_planned};
+use crate::truth::sensors::SpeedReading;
+use jiff::Timestamp;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a data set was not written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FolderError {
+    /// There is something already.
+    #[error("{}: expected an empty or new folder, found files in it; choose another folder or overwrite with --force", path.display())]
+    NotEmpty {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A file could not be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A run could not be driven.
+    #[error(transparent)]
+    Drive(#[from] DriveError),
+}
+
+fn io_at(path: &Path) -> impl FnOnce(io::Error) -> FolderError {
+    let path = path.to_owned();
+    move |source| FolderError::Io { path, source }
+}
+
+/// Name of a run's files.
+///
+/// ```
+/// assert_eq!(sim_harness::simulation::folder::file_name(7, 67), "run007.csv");
+/// ```
+pub fn file_name(number: usize, runs: usize) -> String {
+    let width = runs.to_string().len().max(3);
+    format!("run{number:0width$}.csv")
+}
+
+/// Drives all runs side by side and writes the data set. What is written depends on scenario and seed alone, not on the number of threads.
+/// With `force` the files of an earlier data set are removed first.
+///
+/// # Errors
+/// [`FolderError`] names the file or the run.
+pub fn write(
+    simulation: &Simulation,
+    folder: &Path,
+    force: bool,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Facts>, FolderError> {
+    prepare(folder, force)?;
+    let (runs, truth) = (folder.join("runs"), folder.join("truth"));
+    for path in [&runs, &truth] {
+        std::fs::create_dir_all(path).map_err(io_at(path))?;
+    }
+    write_toml(&folder.join("track.toml"), &simulation.track)?;
+    write_toml(&folder.join("train.toml"), &simulation.train)?;
+    let scenario = truth.join("scenario.toml");
+    std::fs::write(&scenario, &simulation.text).map_err(io_at(&scenario))?;
+
+    let plans = plan(&simulation.scenario, simulation.runs, simulation.seed);
+    let facts = plans
+        .par_iter()
+        .map(|plan| {
+            let run = simulate_planned(&simulation.scenario, plan)?;
+            let name = file_name(plan.number, plans.len());
+            write_csv(&runs.join(&name), |csv| write_log(csv, simulation, &run))?;
+            write_csv(&truth.join(&name), |csv| write_truth(csv, &run))?;
+            done();
+            Ok(run.facts)
+        })
+        .collect::<Result<Vec<Facts>, FolderError>>()?;
+    write_csv(&runs.join(INDEX), |csv| {
+        write_index(csv, simulation, &plans)
+    })?;
+    let path = truth.join("truth.json");
+    let json = format!("{:#}\n", key::value(simulation, &facts));
+    std::fs::write(&path, json).map_err(io_at(&path))?;
+    Ok(facts)
+}
+
+/// Makes the folder; refuses one with files unless forced, and then removes those of a data set.
+fn prepare(folder: &Path, force: bool) -> Result<(), FolderError> {
+    std::fs::create_dir_all(folder).map_err(io_at(folder))?;
+    let mut entries = std::fs::read_dir(folder).map_err(io_at(folder))?;
+    if entries.next().is_none() {
+        return Ok(());
+    }
+    if !force {
+        return Err(FolderError::NotEmpty {
+            path: folder.to_owned(),
+        });
+    }
+    // Logs of a longer data set must not stay beside those of a shorter one.
+    for part in ["runs", "truth"] {
+        let path = folder.join(part);
+        if path.exists() {
+            std::fs::remove_dir_all(&path).map_err(io_at(&path))?;
+        }
+    }
+    Ok(())
+}
+
+fn write_toml(path: &Path, value: &impl Serialize) -> Result<(), FolderError> {
+    let text = toml::to_string(value).map_err(|error| io_at(path)(io::Error::other(error)))?;
+    std::fs::write(path, text).map_err(io_at(path))
+}
+
+type Csv = csv::Writer<BufWriter<File>>;
+
+fn write_csv(
+    path: &Path,
+    rows: impl FnOnce(&mut Csv) -> io::Result<()>,
+) -> Result<(), FolderError> {
+    let file = File::create(path).map_err(io_at(path))?;
+    let mut csv = csv::Writer::from_writer(BufWriter::new(file));
+    rows(&mut csv)
+        .and_then(|()| csv.flush())
+        .map_err(io_at(path))
+}
+
+fn write_log(csv: &mut Csv, simulation: &Simulation, run: &Run) -> io::Result<()> {
+    let (effort, temperature) = (simulation.effort_column, simulation.temperature_column);
+    let mut header = vec!["time_s", "location_m", "speed_kmh"];
+    header.extend(effort.then_some("effort_n_per_kg"));
+    header.extend(temperature.then_some("ambient_temperature_c"));
+    csv.write_record(&header)?;
+    let digits = match simulation.scenario.sensors.speed {
+        SpeedReading::Exact => 4,
+        // As many as the quantum has.
+        _ => (0..6)
+            .find(|digits| {
+                let scaled = simulation.scenario.sensors.speed_quantum_kmh * 10_f64.powi(*digits);
+                (scaled - scaled.round()).abs() < 1e-6
+            })
+            .unwrap_or(6) as usize,
+    };
+    for sample in &run.samples {
+        let mut row = vec![
+            time(sample.time_s),
+            sample
+                .location_m
+                .map_or(String::new(), |m| format!("{m:.2}")),
+            sample
+                .speed_kmh
+                .map_or(String::new(), |kmh| format!("{kmh:.digits$}")),
+        ];
+        row.extend(effort.then(|| format!("{:.5}", sample.effort_n_per_kg)));
+        row.extend(temperature.then(|| format!("{:.1}", sample.temperature_c)));
+        csv.write_record(&row)?;
+    }
+    Ok(())
+}
+
+/// The columns of `truth/runNNN.csv`; per *true* rotating mass of the run where it says N/kg.
+pub const TRUTH_COLUMNS: [&str; 11] = [
+    "time_s",
+    "location_m",
+    "speed_mps",
+    "regime",
+    "effort_n_per_kg",
+    "mean_effort_n_per_kg",
+    "effort_n",
+    "resistance_n_per_kg",
+    "extra_n_per_kg",
+    "gravity_n_per_kg",
+    "ambient_temperature_c",
+];
+
+fn write_truth(csv: &mut Csv, run: &Run) -> io::Result<()> {
+    csv.write_record(TRUTH_COLUMNS)?;
+    let rotating_mass_kg = run.facts.train.rotating_mass_kg();
+    for at in &run.truth {
+        csv.write_record([
+            time(at.time_s),
+            format!("{:.3}", at.location_m),
+            format!("{:.6}", at.speed_mps),
+            regime_word(at.regime).to_owned(),
+            format!("{:.7}", at.effort_n_per_kg),
+            format!("{:.7}", at.mean_effort_n_per_kg),
+            format!("{:.1}", at.effort_n_per_kg * rotating_mass_kg),
+            format!("{:.7}", at.resistance_n_per_kg),
+            format!("{:.7}", at.extra_n_per_kg),
+            format!("{:.7}", at.gravity_n_per_kg),
+            format!("{:.3}", at.temperature_c),
+        ])?;
+    }
+    Ok(())
+}
+
+fn write_index(csv: &mut Csv, simulation: &Simulation, plans: &[RunPlan]) -> io::Result<()> {
+    csv.write_record(["file", "departure_utc", "unit", "direction"])?;
+    for plan in plans {
+        csv.write_record([
+            file_name(plan.number, plans.len()).as_str(),
+            &departure_utc(plan),
+            &simulation.unit,
+            heading_word(plan.heading),
+        ])?;
+    }
+    Ok(())
+}
+
+/// Start of the log as in the index.
+pub(super) fn departure_utc(plan: &RunPlan) -> String {
+    Timestamp::from_second(plan.departure_s).map_or(String::new(), |at| at.to_string())
+}
+
+/// The word for a direction.
+pub(super) const fn heading_word(heading: Heading) -> &'static str {
+    match heading {
+        Heading::Up => "up",
+        Heading::Down => "down",
+    }
+}
+
+/// The word for a true regime, as the estimator's.
+const fn regime_word(regime: Regime) -> &'static str {
+    match regime {
+        Regime::Standstill => "standstill",
+        Regime::Traction => "traction",
+        Regime::Cruise => "cruise",
+        Regime::Coast => "coast",
+        Regime::Brake => "brake",
+    }
+}
+
+/// To the millisecond, without needless zeros.
+fn time(time_s: f64) -> String {
+    let text = format!("{time_s:.3}");
+    let text = text.trim_end_matches('0');
+    let fraction = if text.ends_with('.') { "0" } else { "" };
+    format!("{text}{fraction}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_no_needless_digits() {
+        assert_eq!([time(10.0), time(0.25), time(1.2)], ["10.0", "0.25", "1.2"]);
+    }
+}

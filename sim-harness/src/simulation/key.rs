@@ -1,0 +1,107 @@
+//! `truth.json`: what was true, for those who judge.
+//!
+//! Sums up what no log says: the effects with the files of the runs they acted in, the true train, and for each run its wind, load, temperature,
+//! Davis parameters in still air, and the marks of its phases. Locations are those of the line, N/kg are per true rotating mass of the run.
+
+use super::folder::{departure_utc, file_name, heading_word};
+use super::scenario_file::Simulation;
+use crate::truth::facts::{Facts, Mark};
+use crate::truth::train::{DavisTruth, TrainTruth};
+use serde_json::{Value, json};
+
+/// The whole file.
+pub fn value(simulation: &Simulation, facts: &[Facts]) -> Value {
+    let scenario = &simulation.scenario;
+    let effects: Vec<Value> = scenario
+        .effects
+        .iter()
+        .enumerate()
+        .map(|(index, effect)| {
+            let files = facts.iter().filter(|f| f.plan.acting[index]);
+            let files: Vec<String> = files
+                .map(|f| file_name(f.plan.number, facts.len()))
+                .collect();
+            json!({
+                "name": effect.name(),
+                "parameters": parameters(effect),
+                "unknown_coordinate": effect.unknown_coordinate(),
+                "runs": files,
+            })
+        })
+        .collect();
+    json!({
+        "dataset": simulation.name,
+        "seed": simulation.seed,
+        "effects": effects,
+        "described": {
+            "train": train(&scenario.train),
+            "davis": davis(&scenario.train.davis),
+        },
+        "true_davis_over_described": scenario.davis_scale,
+        "runs": facts.iter().map(|f| run(f, facts.len())).collect::<Vec<Value>>(),
+    })
+}
+
+fn parameters(effect: &impl serde::Serialize) -> Value {
+    let mut value = serde_json::to_value(effect).unwrap_or(Value::Null);
+    if let Some(map) = value.as_object_mut() {
+        map.remove("name");
+    }
+    value
+}
+
+fn train(train: &TrainTruth) -> Value {
+    json!({
+        "mass_kg": train.mass_kg,
+        "rotating_mass_factor": train.gamma,
+        "length_m": train.length_m,
+        "max_tractive_effort_n": train.max_tractive_effort_n,
+        "max_power_w": train.max_power_w,
+        "max_brake_mps2": train.max_brake_mps2,
+    })
+}
+
+fn davis(davis: &DavisTruth) -> Value {
+    json!({"r0": davis.r0, "r1": davis.r1, "r2": davis.r2})
+}
+
+fn mark(mark: &Mark) -> Value {
+    json!({
+        "time_s": mark.time_s,
+        "location_m": mark.location_m,
+        "speed_mps": mark.speed_mps,
+    })
+}
+
+fn run(facts: &Facts, runs: usize) -> Value {
+    let plan = &facts.plan;
+    let habits = &facts.habits;
+    json!({
+        "file": file_name(plan.number, runs),
+        // A number of 64 bits does not fit into every reader's numbers.
+        "seed": plan.seed.to_string(),
+        "departure_utc": departure_utc(plan),
+        "direction": heading_word(plan.heading),
+        "season": plan.season,
+        "headwind_mps": facts.headwind_mps,
+        "load": facts.load,
+        "temperature_c": {
+            "start": facts.weather.start_c,
+            "drift_per_h": facts.weather.drift_c_per_h,
+        },
+        "train": train(&facts.train),
+        "davis": davis(&facts.train.davis),
+        "davis_with_wind": davis(&facts.davis),
+        "cruise_mps": facts.cruise_mps,
+        "final_coast": facts.final_coast.as_ref().map(mark),
+        "final_brake": mark(&facts.final_brake),
+        "stop_brake": mark(&facts.stop_brake),
+        "stops": facts.stops.iter().map(mark).collect::<Vec<Value>>(),
+        "mean_power_50_130_w_per_kg": facts.mean_power_50_130_w_per_kg,
+        "max_power_50_90_w_per_kg": facts.max_power_50_90_w_per_kg,
+        "max_power_w_per_kg": facts.max_power_w_per_kg,
+        "effort_share": habits.effort_share,
+        "power_share": habits.power_share,
+        "brake_rates_mps2": habits.brake.rates_mps2,
+    })
+}
