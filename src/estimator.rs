@@ -135,6 +135,22 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         self.effects.borrow()
     }
 
+    /// To be changed between runs only.
+    pub(crate) fn effects_mut(&mut self) -> &mut Effects
+    where
+        E: BorrowMut<Effects>,
+    {
+        self.effects.borrow_mut()
+    }
+
+    /// To be changed between runs only.
+    pub(crate) fn track_mut(&mut self) -> &mut Track
+    where
+        T: BorrowMut<Track>,
+    {
+        self.track.borrow_mut()
+    }
+
     pub(crate) fn set_train(&mut self, train: Train) {
         self.train = train;
     }
