@@ -57,7 +57,7 @@ pub trait Port {
     fn health(&self) -> Health;
 }
 
-/// The room that a task needs beside itself; zeros, for a static. 43 kB.
+/// The room that a task needs beside itself; zeros, for a static. 47 kB.
 pub struct Room {
     track: Track,
     incoming: Track,
