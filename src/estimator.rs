@@ -30,7 +30,7 @@ const INVALID_AFTER_S: Real = 60.0;
 /// Without a speed for longer than this the regime is unknown, s.
 const LOST_S: Real = 60.0;
 
-/// What is set once: configuration, train, track, effects. The board lends its track and effects (`T = &mut Track`, `E = &mut Effects`), for they take 14 kB and 2 kB.
+/// What is set once: configuration, train, track, effects. The board lends its track and effects (`T = &mut Track`, `E = &mut Effects`), for they take 16 kB and 2 kB.
 #[derive(Clone, Debug)]
 pub struct Estimator<T = Track, E = Effects> {
     config: Config,
@@ -135,11 +135,27 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         self.effects.borrow()
     }
 
+    /// To be changed between runs only.
+    pub(crate) fn effects_mut(&mut self) -> &mut Effects
+    where
+        E: BorrowMut<Effects>,
+    {
+        self.effects.borrow_mut()
+    }
+
+    /// To be changed between runs only.
+    pub(crate) fn track_mut(&mut self) -> &mut Track
+    where
+        T: BorrowMut<Track>,
+    {
+        self.track.borrow_mut()
+    }
+
     pub(crate) fn set_train(&mut self, train: Train) {
         self.train = train;
     }
 
-    /// Takes the track and gives back the one before. In place: a track takes 12 kB.
+    /// Takes the track and gives back the one before. In place: a track takes 16 kB.
     pub(crate) fn swap_track(&mut self, track: &mut Track)
     where
         T: BorrowMut<Track>,

@@ -97,7 +97,7 @@ pub enum TrackError {
         /// Which entry, counted from 0.
         index: usize,
     },
-    /// Curve `index` is none (ends, radius), begins before the one before it ends, or is one more than [`MAX_CURVES`].
+    /// Curve `index` is none (ends, radius), begins before the one before it, or is one more than [`MAX_CURVES`].
     BadCurve {
         /// Which curve, counted from 0.
         index: usize,
@@ -121,7 +121,7 @@ impl fmt::Display for TrackError {
             ),
             Self::BadCurve { index } => write!(
                 f,
-                "track: curve {index} must have a radius above 0 and an end behind its beginning, begin where the one before it ends or later, and be one of at most {MAX_CURVES}"
+                "track: curve {index} must have a radius above 0 and an end behind its beginning, not begin before the one before it, and be one of at most {MAX_CURVES}"
             ),
         }
     }
@@ -241,6 +241,16 @@ impl Track {
         } else {
             Err(TrackError::BadCurve { index })
         }
+    }
+
+    /// Takes all curves out.
+    pub(crate) fn clear_curves(&mut self) {
+        self.curves.clear();
+    }
+
+    /// Number of curves.
+    pub(crate) fn curves(&self) -> usize {
+        self.curves.len()
     }
 
     /// Mean of Roeckl's formula ([`roeckl`](crate::effects::roeckl), a share of the weight) under a train whose front is at `front_m`.

@@ -9,13 +9,14 @@
 
 use crate::Real;
 use crate::config::{Config, Mode, PaperConfig, SensorConfig};
+use crate::effects::Surroundings;
 use crate::features::FeatureConfig;
 use crate::learning::LearningConfig;
 use crate::measurement::Measurement;
 use crate::memory::MemoryConfig;
 use crate::plausibility::PlausibilityConfig;
 use crate::regime::{PaperRule, RecogniserConfig};
-use crate::track::{Direction, Gradient};
+use crate::track::{Curve, Direction, Gradient};
 use crate::train::TrainDescription;
 use heapless::Vec;
 use rundown_wire::{Effect, SnapshotPart};
@@ -57,6 +58,10 @@ pub enum Request {
     Command(Command),
     /// 6: a part of a snapshot to go on from.
     Snapshot(SnapshotPart),
+    /// 7: temperature and date, for the effects that depend on them; at any time.
+    Surroundings(Surroundings),
+    /// 8: curves of the track in force, between runs.
+    Curves(CurvePart),
 }
 
 /// The train.
@@ -81,6 +86,20 @@ pub struct TrackPart {
     pub first: u16,
     /// The gradients.
     pub gradients: Vec<Gradient, GRADIENTS>,
+}
+
+/// Curves in one [`CurvePart`].
+pub const CURVES: usize = 16;
+
+/// Curves of the track in force. Each part is in force as soon as it has come.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CurvePart {
+    /// The track that the sender means.
+    pub track_id: u32,
+    /// Number of the first one here; parts come in order, and 0 begins anew.
+    pub first: u16,
+    /// The curves.
+    pub curves: Vec<Curve, CURVES>,
 }
 
 /// A section of the configuration; the whole is checked before it takes the old one's place.
@@ -170,6 +189,8 @@ pub enum Command {
     Snapshot,
     /// 5: forget what was learned of the vehicle, between runs.
     Forget,
+    /// 6: take all named effects out of the model, between runs.
+    ClearEffects,
 }
 
 /// Reads the payload of a message whose MAC was checked, or that may come open.

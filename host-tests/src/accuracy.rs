@@ -1,6 +1,7 @@
 //! Estimates judged against truth: the same table for the test, for tuning and for the README.
 
 use rundown::config::Config;
+use rundown::effects::Effects;
 use rundown::estimate::Estimate;
 use rundown::estimator::{Estimator, RunSummary};
 use rundown::measurement::Measurement;
@@ -38,6 +39,8 @@ pub fn description(config: Config, scenario: &Scenario) -> Description {
         gradients: gradients
             .map(|&(from_m, permille)| Gradient { from_m, permille })
             .collect(),
+        curves: Vec::new(),
+        effects: Effects::NONE,
         config,
     }
 }

@@ -37,7 +37,9 @@ fn a_boot_after_every_run_changes_no_bit_of_what_is_learned() {
 
                 replay(&estimator, &mut vehicle, run);
                 replay(&estimator, &mut always_on, run);
-                Persisted::new(&vehicle).save(&mut store, train).unwrap();
+                Persisted::new(&vehicle, estimator.effects())
+                    .save(&mut store, train)
+                    .unwrap();
                 flash = store.release();
             }
         }

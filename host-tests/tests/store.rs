@@ -5,9 +5,10 @@ use embedded_storage::nor_flash::NorFlash;
 use host_tests::flash::{CUT_MODES, CutMode, Flash, PAGE, TornReads, WORD};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rundown::effects::{Coordinate, Effect, Effects, TunnelDrag, Unknown, WarmUp};
 use rundown::memory::{Implausible, MemoryConfig, Vehicle};
 use rundown::resistance::Davis;
-use rundown::store::persisted::{LAYOUT, Lifetime, NotRestored, Persisted, StoredEffect};
+use rundown::store::persisted::{LAYOUT, Lifetime, NotRestored, Persisted};
 use rundown::store::{AppendError, EpochError, Identity, OVERHEAD, Refused, Store, TooFewPages};
 use rundown::train_id::TrainId;
 
@@ -485,17 +486,27 @@ fn learned() -> (Vehicle, Persisted) {
     end.mean *= 0.9;
     end.covariance *= 0.2;
     vehicle.learn(&config, &begin, &end);
-    let mut persisted = Persisted::new(&vehicle);
+    let effects = [
+        Effect::WarmUp(WarmUp {
+            amplitude: 3e-3,
+            tau_s: 300.0,
+        }),
+        Effect::Unknown(Unknown {
+            coordinate: Coordinate::Speed,
+            table: [(10.0, 0.0), (40.0, 1e-3)].into_iter().collect(),
+        }),
+        Effect::TunnelDrag(TunnelDrag {
+            from_m: 4e3,
+            to_m: 9e3,
+            k: 1e-5,
+        }),
+    ];
+    let mut persisted = Persisted::new(&vehicle, &Effects::try_new(effects).unwrap());
     persisted.lifetime = Lifetime {
         resets: 3,
         runs: 70_000,
         stops: 1_000_000,
     };
-    let effect = StoredEffect {
-        kind: 4,
-        parameters: [1.5, -0.0, 1e-300, 7.0],
-    };
-    persisted.effects.push(effect).unwrap();
     (vehicle, persisted)
 }
 
@@ -511,6 +522,8 @@ fn what_was_learned_comes_back_bit_for_bit_after_a_boot() {
     let loaded = Persisted::load(&mut store, train, &DAVIS).unwrap().unwrap();
     assert_eq!(loaded.vehicle, vehicle);
     assert_eq!(loaded.persisted, persisted);
+    let names: Vec<_> = loaded.effects.iter().map(Effect::name).collect();
+    assert_eq!(names, ["warm_up", "tunnel_drag", "unknown"]);
     assert!(!loaded.fallen_back);
     assert_eq!(persisted.begin_epoch(&mut store, train), Ok(2));
 }
@@ -539,8 +552,12 @@ fn what_cannot_be_believed_is_not_restored_and_the_cause_is_named() {
         NotRestored::Vehicle(Implausible::NotFinite)
     );
     assert_eq!(
-        stored(|p| p.effects[0].parameters[2] = f64::INFINITY, &DAVIS),
-        NotRestored::Effect { kind: 4 }
+        stored(|p| p.effects[0].values[1] = f64::INFINITY, &DAVIS),
+        NotRestored::Effect { kind: 17 }
+    );
+    assert_eq!(
+        stored(|p| p.effects[1].kind = 20, &DAVIS),
+        NotRestored::Effect { kind: 20 }
     );
 
     let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();

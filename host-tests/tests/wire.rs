@@ -463,13 +463,13 @@ fn the_board_names_what_it_does_not_know() {
         Refusal::Version
     );
     assert_eq!(open(&[UPLINK_VERSION, 2, 21, 5, 3]), Refusal::Malformed);
-    assert_eq!(open(&[UPLINK_VERSION, OPEN, 21, 7]), Refusal::Malformed);
+    assert_eq!(open(&[UPLINK_VERSION, OPEN, 21, 9]), Refusal::Malformed);
     assert_eq!(open(&[&status[..], &[0]].concat()), Refusal::Malformed);
     assert_eq!(open(&status[..1]), Refusal::Malformed);
-    assert_eq!(secured(&[21, 7]), Refusal::Malformed);
+    assert_eq!(secured(&[21, 9]), Refusal::Malformed);
     assert_eq!(secured(&[21, 5, 3, 0]), Refusal::Malformed);
 
-    // Every request but a measurement and the question for the status must be secured; the model has no effects.
+    // Every request but a measurement and the question for the status must be secured; of the effects only those that the model has are taken.
     for (name, frame) in all() {
         let Frame::Up(protection, uplink) = &frame else {
             continue;
@@ -480,7 +480,11 @@ fn the_board_names_what_it_does_not_know() {
             let unsigned = [&[UPLINK_VERSION, OPEN], bare].concat();
             assert_eq!(open(&unsigned), Refusal::NotSecured, "{name}");
             if let Request::Effect(_) = uplink.request {
-                assert_eq!(secured(bare), Refusal::UnknownEffect);
+                // The second byte behind the sequence number is the kind.
+                let mut other = bare.to_vec();
+                assert_eq!(other[2], 1);
+                other[2] = 20;
+                assert_eq!(secured(&other), Refusal::UnknownEffect);
             }
         }
     }

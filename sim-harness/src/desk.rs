@@ -6,12 +6,14 @@ use crate::track_file::TrackFile;
 use rundown::auth::{Provisioning, Refusal, SealError, Signer};
 use rundown::config::Config;
 use rundown::digest;
+use rundown::effects::{Effect, Effects};
 use rundown::estimator::Estimator;
 use rundown::task::DATA_ID;
-use rundown::track::{Direction, Gradient, Track};
+use rundown::track::{Curve, Direction, Gradient, Track};
 use rundown::train::{Train, TrainDescription};
 use rundown::uplink::{
-    self, Command, GRADIENTS, Pace, Request, SECURED, Setting, TrackPart, TrainFrame, Uplink,
+    self, CURVES, Command, CurvePart, GRADIENTS, Pace, Request, SECURED, Setting, TrackPart,
+    TrainFrame, Uplink,
 };
 use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
 use std::fmt;
@@ -25,12 +27,16 @@ pub struct Description {
     pub track_length_m: f64,
     /// Its gradients.
     pub gradients: Vec<Gradient>,
+    /// Its curves.
+    pub curves: Vec<Curve>,
+    /// Named effects, which take the place of the board's; with none the board keeps those that it has.
+    pub effects: Effects,
     /// The configuration.
     pub config: Config,
 }
 
 impl Description {
-    /// Of the files that `replay` takes.
+    /// Of the files that `replay` takes, without their effects: a board has the same in all runs, so the caller says which.
     pub fn new(train: &Train, track: &TrackFile, config: Config) -> Self {
         let gradients = track.gradient.iter().map(|entry| Gradient {
             from_m: entry.from_m,
@@ -40,6 +46,8 @@ impl Description {
             train: *train.description(),
             track_length_m: track.length_m,
             gradients: gradients.collect(),
+            curves: track.curves().collect(),
+            effects: Effects::NONE,
             config,
         }
     }
@@ -51,13 +59,19 @@ impl Description {
     pub fn estimator(&self) -> Result<Estimator, String> {
         let train = Train::try_new(self.train).map_err(|error| error.to_string())?;
         let track = Track::try_new(self.track_length_m, self.gradients.iter().copied())
+            .and_then(|track| track.with_curves(self.curves.iter().copied()))
             .map_err(|error| error.to_string())?;
-        Estimator::try_new(self.config, train, track).map_err(|error| error.to_string())
+        Estimator::try_new(self.config, train, track)
+            .map(|estimator| estimator.with_effects(self.effects.clone()))
+            .map_err(|error| error.to_string())
     }
 
     /// Tells tracks and their versions apart.
     pub fn track_id(&self) -> u32 {
-        digest::of(&(self.track_length_m, &self.gradients))
+        if self.curves.is_empty() {
+            return digest::of(&(self.track_length_m, &self.gradients));
+        }
+        digest::of(&(self.track_length_m, &self.gradients, &self.curves))
     }
 
     /// The requests that describe it to the board of this train.
@@ -85,6 +99,18 @@ impl Description {
                 gradients: part.iter().copied().collect(),
             }));
             first += u16::try_from(part.len()).unwrap_or(0);
+        }
+        for (index, part) in self.curves.chunks(CURVES).enumerate() {
+            requests.push(Request::Curves(CurvePart {
+                track_id: self.track_id(),
+                first: u16::try_from(index * CURVES).unwrap_or(u16::MAX),
+                curves: part.iter().copied().collect(),
+            }));
+        }
+        if !self.effects.is_empty() {
+            requests.push(Request::Command(Command::ClearEffects));
+            let parts = self.effects.iter().flat_map(Effect::parts);
+            requests.extend(parts.map(Request::Effect));
         }
         requests
     }

@@ -13,7 +13,7 @@
 //! | what does it say? | [`replay`] |
 //! | what spoils all of it? | [`advice`] |
 //! | where is it written? | [`output`], [`table`], [`report`] |
-//! | train, track, configuration | [`train_file`], [`track_file`], [`config_file`], all by [`toml_file`] |
+//! | train, track, configuration, effects | [`train_file`], [`track_file`], [`config_file`], [`effect_file`], all by [`toml_file`] |
 //! | what does a DAS computer say to the board? | [`desk`] |
 //! | how does the host reach a board, and talk to it? | [`link`], [`session`] |
 //! | what really happens, and what sensors make of it? | [`truth`] |
@@ -26,6 +26,7 @@ pub mod advice;
 pub mod commands;
 pub mod config_file;
 pub mod desk;
+pub mod effect_file;
 pub mod gap;
 pub mod link;
 pub mod map_matching;

@@ -5,6 +5,7 @@
 //! A log without a column `location_m`, or with an empty one, is matched onto the centre line. Direction: that of the index, else the one asked for, else found
 //! from the locations ([`DirectionChoice::Auto`]): the median of the last ones against the median of the first ones.
 
+use crate::effect_file::day_of;
 use crate::map_matching::{CentreLine, MatchState, NoMatch};
 use crate::run_log::{RunLog, Sample};
 use crate::run_set::RunFile;
@@ -38,6 +39,8 @@ pub struct Row {
     pub line: u64,
     /// What the estimator gets.
     pub measurement: Measurement,
+    /// Ambient temperature, °C, for the effects that depend on it.
+    pub temperature_c: Option<f64>,
 }
 
 /// A run, ready to be replayed.
@@ -51,6 +54,8 @@ pub struct Recording {
     pub unit: String,
     /// Direction of travel.
     pub direction: Direction,
+    /// Date of the departure, days since 1970-01-01 UTC, if the index has one that can be read.
+    pub day: Option<f64>,
     /// All rows of the log, whatever their times.
     pub rows: Vec<Row>,
     /// What looked wrong, one line each, with file and line.
@@ -111,6 +116,7 @@ impl Recording {
             path: file.path.clone(),
             unit: file.unit.clone(),
             direction,
+            day: file.departure_utc.as_deref().and_then(day_of),
             rows,
             warnings,
         })
@@ -129,6 +135,7 @@ fn row((sample, location_m): (&Sample, Option<f64>)) -> Row {
     Row {
         line: sample.line,
         measurement,
+        temperature_c: sample.ambient_temperature_c,
     }
 }
 

@@ -11,6 +11,7 @@
 
 use crate::recording::{Recording, Row};
 use rayon::prelude::*;
+use rundown::effects::Surroundings;
 use rundown::estimate::Estimate;
 use rundown::estimator::{Estimator, RunSummary, StepError};
 use rundown::measurement::Measurement;
@@ -88,7 +89,14 @@ pub fn replay(
     let mut measurements = Vec::new();
     let mut estimates = Vec::new();
     let mut dropped = Vec::new();
+    let mut surroundings = Surroundings {
+        temperature_c: None,
+        day: recording.day,
+    };
     for row in steps(&recording.rows, tick) {
+        // An empty field: as it was.
+        surroundings.temperature_c = row.temperature_c.or(surroundings.temperature_c);
+        estimator.tell(&mut run, surroundings);
         match estimator.step(&mut run, &row.measurement) {
             Ok(estimate) => {
                 measurements.push(row.measurement);
@@ -138,6 +146,16 @@ pub fn replay_carried(
     tick: Tick,
     done: impl Fn() + Sync,
 ) -> Vec<ReplayedRun> {
+    replay_carried_by(&|_: &Recording| estimator, recordings, tick, done)
+}
+
+/// As [`replay_carried`], each run by the model of its own: an effect may act in some runs only.
+pub fn replay_carried_by<'a>(
+    model: &(impl Fn(&Recording) -> &'a Estimator + Sync),
+    recordings: &[Recording],
+    tick: Tick,
+    done: impl Fn() + Sync,
+) -> Vec<ReplayedRun> {
     let mut units: Vec<Vec<usize>> = Vec::new();
     let mut of_name: HashMap<&str, usize> = HashMap::new();
     for (index, recording) in recordings.iter().enumerate() {
@@ -148,9 +166,10 @@ pub fn replay_carried(
         units[unit].push(index);
     }
     let of_unit = |indexes: &Vec<usize>| -> Vec<(usize, ReplayedRun)> {
-        let mut vehicle = estimator.new_vehicle();
+        let mut vehicle = model(&recordings[indexes[0]]).new_vehicle();
         let one = |index: &usize| {
-            let run = replay(estimator, &mut vehicle, &recordings[*index], tick);
+            let recording = &recordings[*index];
+            let run = replay(model(recording), &mut vehicle, recording, tick);
             done();
             (*index, run)
         };
@@ -168,7 +187,18 @@ pub fn replay_apart(
     tick: Tick,
     done: impl Fn() + Sync,
 ) -> Vec<ReplayedRun> {
+    replay_apart_by(&|_: &Recording| estimator, recordings, tick, done)
+}
+
+/// As [`replay_apart`], each run by the model of its own.
+pub fn replay_apart_by<'a>(
+    model: &(impl Fn(&Recording) -> &'a Estimator + Sync),
+    recordings: &[Recording],
+    tick: Tick,
+    done: impl Fn() + Sync,
+) -> Vec<ReplayedRun> {
     let one = |recording: &Recording| {
+        let estimator = model(recording);
         let run = replay(estimator, &mut estimator.new_vehicle(), recording, tick);
         done();
         run
@@ -221,6 +251,7 @@ mod tests {
                 time_s: *time_s,
                 ..Measurement::default()
             },
+            temperature_c: None,
         };
         times_s.iter().enumerate().map(row).collect()
     }

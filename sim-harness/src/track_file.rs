@@ -1,7 +1,8 @@
 //! Track descriptions: a TOML file, see [`TrackFile`]. Out: the estimator's [`Track`], and the tables the estimator has no use for.
 
+use crate::effect_file::{self, EffectEntry};
 use crate::toml_file::{Step, TomlError, TomlFile};
-use rundown::track::{Gradient, MAX_GRADIENTS, Track, TrackError};
+use rundown::track::{self, Gradient, MAX_CURVES, MAX_GRADIENTS, Track, TrackError};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -34,6 +35,9 @@ pub struct TrackFile {
     /// Polyline for map matching.
     #[serde(default)]
     pub centre_line: Vec<CentreLinePoint>,
+    /// Named effects of the place.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effect: Vec<EffectEntry>,
 }
 
 /// One gradient.
@@ -121,6 +125,15 @@ impl TrackFile {
         checked(TomlFile::read(path)?)
     }
 
+    /// The curves as the estimator takes them.
+    pub fn curves(&self) -> impl Iterator<Item = track::Curve> {
+        self.curve.iter().map(|curve| track::Curve {
+            from_m: curve.from_m,
+            to_m: curve.to_m,
+            radius_m: curve.radius_m,
+        })
+    }
+
     /// Reads and checks a text; `path` is for the messages.
     ///
     /// # Errors
@@ -204,11 +217,13 @@ fn checked(file: TomlFile<TrackFile>) -> Result<(TrackFile, Track), TomlError> {
         let message = "track: a centre line needs at least 2 points, found 1";
         return Err(file.refuse_dotted("centre_line", message));
     }
+    effect_file::check(&file, &values.effect)?;
     let gradients = values.gradient.iter().map(|entry| Gradient {
         from_m: entry.from_m,
         permille: entry.permille,
     });
-    match Track::try_new(values.length_m, gradients) {
+    let track = Track::try_new(values.length_m, gradients);
+    match track.and_then(|track| track.with_curves(values.curves())) {
         Ok(track) => Ok((file.values, track)),
         Err(error) => Err(track_refusal(&file, error)),
     }
@@ -232,6 +247,19 @@ fn track_refusal(file: &TomlFile<TrackFile>, error: TrackError) -> TomlError {
                 entries.len()
             );
             file.refuse(&gradient(MAX_GRADIENTS, "from_m"), message)
+        }
+        // Order, ends and radius were checked before.
+        TrackError::BadCurve { index } => {
+            let message = format!(
+                "track: at most {MAX_CURVES} curves, found {}",
+                file.values.curve.len()
+            );
+            let steps = [
+                Step::Name("curve"),
+                Step::Index(index),
+                Step::Name("from_m"),
+            ];
+            file.refuse(&steps, message)
         }
         TrackError::BadGradient { index } => {
             let (from_m, permille) = entries

@@ -1,5 +1,6 @@
 //! Train descriptions: a TOML file, see [`TrainFile`]. Out: the estimator's [`Train`].
 
+use crate::effect_file::{self, EffectEntry};
 use crate::toml_file::{TomlError, TomlFile};
 use rundown::resistance::Davis;
 use rundown::train::{Train, TrainDescription, TrainError};
@@ -26,6 +27,9 @@ pub struct TrainFile {
     pub max_brake_mps2: f64,
     /// Manufacturer's Davis coefficients.
     pub davis: DavisTable,
+    /// Named effects of the train.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effect: Vec<EffectEntry>,
 }
 
 /// The table `[davis]`: N/kg, N/(kg m/s), N/(kg (m/s)²), per rotating mass γ m.
@@ -78,6 +82,7 @@ impl TrainFile {
 }
 
 fn checked(file: TomlFile<TrainFile>) -> Result<(TrainFile, Train), TomlError> {
+    effect_file::check(&file, &file.values.effect)?;
     match file.values.train() {
         Ok(train) => Ok((file.values, train)),
         Err(error) => Err(match error {

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! So the effects move the mean and add no slope to the covariance: that they damp a speed error (2 k v for a tunnel) or change with an uncertain location is left out.
-//! `host-tests/tests/effects.rs` measures what it costs: below 0.1 % of r(v) for a tunnel that adds a third to r2 all along the line.
+//! `host-tests/tests/effects.rs` measures what it costs: 0.015 % of r(v) for a tunnel that adds a third to r2 all along the line.
 
 use super::{Effects, Moment};
 use crate::Real;

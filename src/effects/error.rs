@@ -83,6 +83,8 @@ impl fmt::Display for EffectError {
 impl core::error::Error for EffectError {}
 
 /// A parameter and its range. Refuses NaN.
+// Called thirty times: inlined it took 1.4 kB more of the board's flash.
+#[inline(never)]
 pub(super) fn within(
     effect: &'static str,
     parameter: &'static str,

@@ -1,11 +1,13 @@
 //! The effects of a model.
 
-use super::{Effect, EffectError, Limits, Moment};
+use super::frame::{UNKNOWN, point_of};
+use super::{Effect, EffectError, FrameError, Limits, Moment, Unknown};
 use crate::Real;
 use crate::motion::Line;
 use crate::resistance::Davis;
 use crate::train::Train;
 use heapless::Vec;
+use rundown_wire as wire;
 
 /// Most effects of a model.
 pub const MAX_EFFECTS: usize = 8;
@@ -56,6 +58,59 @@ impl Effects {
         self.list
             .push(effect)
             .map_err(|_| EffectError::TooMany { most: MAX_EFFECTS })
+    }
+
+    /// Takes an effect from a frame: appends it, or one point of the table of an unknown effect.
+    ///
+    /// # Errors
+    /// [`FrameError`]; the list is as before.
+    pub fn take(&mut self, frame: &wire::Effect) -> Result<(), FrameError> {
+        if frame.kind == UNKNOWN {
+            return self.take_point(frame);
+        }
+        let effect = Effect::from_frame(frame)?;
+        self.push(effect).map_err(FrameError::Refused)
+    }
+
+    fn take_point(&mut self, frame: &wire::Effect) -> Result<(), FrameError> {
+        let (coordinate, index, point) = point_of(frame)?;
+        let table = self.list.iter_mut().find_map(|effect| match effect {
+            Effect::Unknown(unknown) => Some(unknown),
+            _ => None,
+        });
+        match table {
+            None if index > 0 => Err(FrameError::OutOfOrder),
+            None => {
+                let table = core::iter::once(point).collect();
+                let unknown = Effect::Unknown(Unknown { coordinate, table });
+                self.push(unknown).map_err(FrameError::Refused)
+            }
+            Some(unknown) if index == 0 => {
+                let table = core::iter::once(point).collect();
+                let anew = Unknown { coordinate, table };
+                anew.check().map_err(FrameError::Refused)?;
+                *unknown = anew;
+                Ok(())
+            }
+            Some(unknown) => {
+                if unknown.coordinate != coordinate || unknown.table.len() != index {
+                    return Err(FrameError::OutOfOrder);
+                }
+                // There is room: a point's number is below the capacity.
+                let _fits = unknown.table.push(point).is_ok();
+                unknown.check().map_err(|error| {
+                    unknown.table.pop();
+                    FrameError::Refused(error)
+                })
+            }
+        }
+    }
+
+    /// The frame in which the board publishes them.
+    pub fn to_frame(&self) -> wire::Effects {
+        wire::Effects {
+            effects: self.iter().map(Effect::to_frame).collect(),
+        }
     }
 
     /// Takes all effects out.

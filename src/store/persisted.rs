@@ -4,7 +4,7 @@
 //! record: it has to outlive a change of layout.
 
 use super::{AppendError, EpochError, Identity, Refused, Store};
-use crate::Real;
+use crate::effects::{Effect, Effects, MAX_EFFECTS, MAX_POINTS, UNKNOWN, Unknown};
 use crate::memory::{Implausible, Vehicle, VehicleRecord};
 use crate::resistance::Davis;
 use crate::train_id::TrainId;
@@ -14,9 +14,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order, or [`SCALES`](crate::memory::SCALES).
-pub const LAYOUT: u16 = 1;
-/// Most effects that are kept.
-pub const MAX_EFFECTS: usize = 16;
+pub const LAYOUT: u16 = 2;
 
 /// What survives a power cut.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,8 +23,10 @@ pub struct Persisted {
     pub vehicle: VehicleRecord,
     /// What happened since the board was provisioned.
     pub lifetime: Lifetime,
-    /// Effects that were added to the model.
+    /// Effects that were added to the model, but for the unknown one.
     pub effects: Vec<StoredEffect, MAX_EFFECTS>,
+    /// The unknown one.
+    pub table: Option<Unknown>,
 }
 
 /// Counts over the life of the board.
@@ -40,20 +40,16 @@ pub struct Lifetime {
     pub stops: u32,
 }
 
-/// A named effect in numbers. What they mean is the business of its kind; here they need only be finite.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StoredEffect {
-    /// Which effect.
-    pub kind: u8,
-    /// Its parameters.
-    pub parameters: [Real; 4],
-}
+/// A named effect in numbers, as in frames.
+pub use rundown_wire::Effect as StoredEffect;
 
 /// What was brought back.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loaded {
     /// The vehicle, checked.
     pub vehicle: Vehicle,
+    /// The effects, checked.
+    pub effects: Effects,
     /// All that was stored.
     pub persisted: Persisted,
     /// A newer record may be lost; see [`Restored`](super::Restored).
@@ -70,7 +66,7 @@ pub enum NotRestored {
     NotDecoded,
     /// The vehicle is not believed.
     Vehicle(Implausible),
-    /// A parameter of this effect is not finite.
+    /// This effect is not believed.
     Effect {
         /// Its kind.
         kind: u8,
@@ -84,7 +80,10 @@ impl fmt::Display for NotRestored {
             Self::NotDecoded => write!(f, "store: payload is not of layout {LAYOUT}"),
             Self::Vehicle(cause) => cause.fmt(f),
             Self::Effect { kind } => {
-                write!(f, "stored effect {kind}: a parameter is not finite")
+                write!(
+                    f,
+                    "stored effect {kind}: no effect of this model, or a parameter out of range"
+                )
             }
         }
     }
@@ -94,15 +93,47 @@ impl core::error::Error for NotRestored {}
 
 impl Persisted {
     /// Largest number of bytes it is stored in: 8 a number, 5 a count.
-    pub const MAX_SIZE: usize = 8 * 3 + 4 * 8 * 10 + 5 + 3 * 5 + 1 + MAX_EFFECTS * (1 + 8 * 4);
+    pub const MAX_SIZE: usize = 8 * 3
+        + 4 * 8 * 10
+        + 5
+        + 3 * 5
+        + 1
+        + MAX_EFFECTS * (1 + 1 + 2 * 8 + 1 + 4 * 8)
+        + 1
+        + 1
+        + 1
+        + MAX_POINTS * 2 * 4;
 
-    /// What a train without history begins with.
-    pub fn new(vehicle: &Vehicle) -> Self {
+    /// A vehicle and the effects of the model, nothing counted.
+    pub fn new(vehicle: &Vehicle, effects: &Effects) -> Self {
+        let table = effects.iter().find_map(|effect| match effect {
+            Effect::Unknown(unknown) => Some(unknown.clone()),
+            _ => None,
+        });
+        let named = effects.iter().filter(|effect| effect.kind() != UNKNOWN);
         Self {
             vehicle: vehicle.to_record(),
             lifetime: Lifetime::default(),
-            effects: Vec::new(),
+            effects: named.map(Effect::to_frame).collect(),
+            table,
         }
+    }
+
+    fn effects(&self) -> Result<Effects, NotRestored> {
+        let mut effects = Effects::NONE;
+        for stored in &self.effects {
+            let kind = stored.kind;
+            let taken = Effect::from_frame(stored).map(|effect| effects.push(effect));
+            if !matches!(taken, Ok(Ok(()))) {
+                return Err(NotRestored::Effect { kind });
+            }
+        }
+        if let Some(table) = &self.table {
+            effects
+                .push(Effect::Unknown(table.clone()))
+                .map_err(|_| NotRestored::Effect { kind: UNKNOWN })?;
+        }
+        Ok(effects)
     }
 
     /// Brings back what was stored last. `Ok(None)`: nothing was ever stored.
@@ -127,13 +158,10 @@ impl Persisted {
         };
         let vehicle =
             Vehicle::from_record(&persisted.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
-        for StoredEffect { kind, parameters } in persisted.effects.iter().copied() {
-            if !parameters.iter().all(|parameter| parameter.is_finite()) {
-                return Err(NotRestored::Effect { kind });
-            }
-        }
+        let effects = persisted.effects()?;
         Ok(Some(Loaded {
             vehicle,
+            effects,
             persisted,
             fallen_back: restored.fallen_back,
         }))
@@ -188,6 +216,7 @@ fn identity(train: TrainId) -> Identity {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::Coordinate;
     use crate::memory::MemoryConfig;
 
     #[test]
@@ -197,7 +226,8 @@ mod tests {
             r1: 1.6e-4,
             r2: 2.8e-5,
         };
-        let mut full = Persisted::new(&Vehicle::new(&MemoryConfig::default(), davis));
+        let vehicle = Vehicle::new(&MemoryConfig::default(), davis);
+        let mut full = Persisted::new(&vehicle, &Effects::NONE);
         full.vehicle.runs = u32::MAX;
         full.lifetime = Lifetime {
             resets: u32::MAX,
@@ -206,9 +236,14 @@ mod tests {
         };
         let effect = StoredEffect {
             kind: u8::MAX,
-            parameters: [Real::MAX; 4],
+            section_m: Some([f64::MAX; 2]),
+            values: [f64::MAX; 4].into_iter().collect(),
         };
         full.effects = core::iter::repeat_n(effect, MAX_EFFECTS).collect();
+        full.table = Some(Unknown {
+            coordinate: Coordinate::Day,
+            table: core::iter::repeat_n((f32::MAX, f32::MAX), MAX_POINTS).collect(),
+        });
         let mut buffer = [0; Persisted::MAX_SIZE];
         assert_eq!(full.encode(&mut buffer).unwrap().len(), Persisted::MAX_SIZE);
     }

@@ -66,6 +66,8 @@ impl<'a, F: NorFlash> Task<'a, F> {
             store,
             lifetime: Lifetime::default(),
             memory,
+            effects_told: false,
+            effects_unsaved: false,
             records: [0; 2],
             snapshot: SnapshotBuffer::new(&mut room.snapshot),
         }
@@ -86,6 +88,9 @@ impl<'a, F: NorFlash> Task<'a, F> {
             Ok(Some(loaded)) => {
                 self.vehicle = loaded.vehicle;
                 self.lifetime = loaded.persisted.lifetime;
+                if !self.effects_told {
+                    *self.estimator.effects_mut() = loaded.effects;
+                }
                 if loaded.fallen_back {
                     Memory::RestoredOlder
                 } else {
@@ -114,11 +119,10 @@ impl<'a, F: NorFlash> Task<'a, F> {
         self.write();
     }
 
-    fn write(&mut self) {
+    pub(super) fn write(&mut self) {
         let persisted = Persisted {
-            vehicle: self.vehicle.to_record(),
             lifetime: self.lifetime,
-            effects: Vec::new(),
+            ..Persisted::new(&self.vehicle, self.estimator.effects())
         };
         let written = match (&mut self.store, self.verifier.train()) {
             (Some(store), Some(train)) => persisted.save(store, train).is_ok(),
@@ -127,6 +131,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
         let [written_count, failed_count] = &mut self.records;
         let count = if written { written_count } else { failed_count };
         *count = count.saturating_add(1);
+        self.effects_unsaved &= !written;
         if !written {
             self.memory = Memory::ReadOnly;
         }

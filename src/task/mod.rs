@@ -57,7 +57,7 @@ pub trait Port {
     fn health(&self) -> Health;
 }
 
-/// The room that a task needs beside itself; zeros, for a static. 43 kB.
+/// The room that a task needs beside itself; zeros, for a static. 47 kB.
 pub struct Room {
     track: Track,
     incoming: Track,
@@ -80,7 +80,7 @@ pub struct Task<'a, F> {
     estimator: Estimator<&'a mut Track, &'a mut Effects>,
     train_id: Option<u64>,
     track_id: Option<u32>,
-    /// Digest of train, track and configuration.
+    /// Digest of train, track, configuration and effects.
     setup: u32,
     /// The track that is coming in, and its id.
     incoming: &'a mut Track,
@@ -113,6 +113,10 @@ pub struct Task<'a, F> {
     store: Option<Store<F, SLOT>>,
     lifetime: Lifetime,
     memory: Memory,
+    /// Effects were told since the start: those in the store are of the past.
+    effects_told: bool,
+    /// They are not in the store yet.
+    effects_unsaved: bool,
     records: [u32; 2],
     snapshot: SnapshotBuffer<'a>,
 }

@@ -28,6 +28,9 @@ impl<F: NorFlash> Task<'_, F> {
         if self.tick.is_multiple_of(MINUTE_TICKS) {
             self.send_features(port);
             self.send_status(port);
+            if !self.estimator.effects().is_empty() {
+                self.send(Body::Effects(self.estimator.effects().to_frame()), port);
+            }
         }
         if self.tick.is_multiple_of(SNAPSHOT_TICKS) {
             self.take_snapshot_of_the_run();

@@ -3,14 +3,16 @@
 use super::{LONG_STOP_S, MOVING_MPS, Port, Task};
 use crate::config::Mode;
 use crate::digest;
+use crate::effects::{self, Effects, FrameError};
 use crate::estimate::Estimate;
 use crate::regime::Regime;
 use crate::state::SPEED;
 use crate::track::Direction;
 use crate::train::Train;
-use crate::uplink::{Command, Pace, Request, Setting, TrackPart, TrainFrame};
+use crate::uplink::{Command, CurvePart, Pace, Request, Setting, TrackPart, TrainFrame};
 use embedded_storage::nor_flash::NorFlash;
-use rundown_wire::Refusal;
+use rundown_wire::{Body, Effect, Refusal};
+use serde::ser::{Serialize, SerializeSeq, Serializer};
 
 impl<F: NorFlash> Task<'_, F> {
     pub(super) fn carry_out(
@@ -20,13 +22,17 @@ impl<F: NorFlash> Task<'_, F> {
     ) -> Result<(), Refusal> {
         match request {
             Request::Command(command) => self.command(*command, port),
+            Request::Surroundings(surroundings) => {
+                self.estimator.tell(self.run, *surroundings);
+                Ok(())
+            }
             _ if self.running => Err(Refusal::Running),
             Request::Train(frame) => self.take_train(frame),
             Request::Track(part) => self.take_track(part),
             Request::Setting(setting) => self.take_setting(setting),
             Request::Snapshot(part) => self.take_snapshot(part),
-            // The model has none yet.
-            Request::Effect(_) => Err(Refusal::UnknownEffect),
+            Request::Effect(effect) => self.take_effect(effect, port),
+            Request::Curves(part) => self.take_curves(part),
             // Taken care of before.
             Request::Measurement(_) => Err(Refusal::Malformed),
         }
@@ -66,11 +72,20 @@ impl<F: NorFlash> Task<'_, F> {
             Command::Snapshot => return Err(Refusal::NotRunning),
             Command::Forget if self.running => return Err(Refusal::Running),
             Command::Forget => self.forget(),
+            Command::ClearEffects if self.running => return Err(Refusal::Running),
+            Command::ClearEffects => {
+                self.estimator.effects_mut().clear();
+                self.effects_changed(port);
+            }
         }
         Ok(())
     }
 
     pub(super) fn begin(&mut self, direction: Direction) {
+        // Once, and not with each of their frames.
+        if self.effects_unsaved {
+            self.write();
+        }
         self.estimator
             .begin_run_in(self.run, &self.vehicle, direction);
         self.running = true;
@@ -156,6 +171,48 @@ impl<F: NorFlash> Task<'_, F> {
         Ok(())
     }
 
+    fn take_curves(&mut self, part: &CurvePart) -> Result<(), Refusal> {
+        if self.track_id != Some(part.track_id) {
+            return Err(Refusal::OtherTrack);
+        }
+        let track = self.estimator.track_mut();
+        if part.first == 0 {
+            track.clear_curves();
+        }
+        let taken = if track.curves() == usize::from(part.first) {
+            let mut curves = part.curves.iter();
+            curves.try_for_each(|curve| track.push_curve(*curve).map_err(|_| Refusal::OutOfRange))
+        } else {
+            Err(Refusal::OutOfOrder)
+        };
+        if taken == Err(Refusal::OutOfRange) {
+            // Half of a description is none.
+            track.clear_curves();
+        }
+        self.settle();
+        taken
+    }
+
+    fn take_effect(&mut self, effect: &Effect, port: &mut impl Port) -> Result<(), Refusal> {
+        self.estimator
+            .effects_mut()
+            .take(effect)
+            .map_err(|error| match error {
+                FrameError::UnknownKind => Refusal::UnknownEffect,
+                FrameError::OutOfOrder => Refusal::OutOfOrder,
+                _ => Refusal::OutOfRange,
+            })?;
+        self.effects_changed(port);
+        Ok(())
+    }
+
+    fn effects_changed(&mut self, port: &mut impl Port) {
+        self.effects_told = true;
+        self.effects_unsaved = true;
+        self.settle();
+        self.send(Body::Effects(self.estimator.effects().to_frame()), port);
+    }
+
     fn take_setting(&mut self, setting: &Setting) -> Result<(), Refusal> {
         let before = self.estimator.config().mode;
         let mut config = *self.estimator.config();
@@ -171,7 +228,7 @@ impl<F: NorFlash> Task<'_, F> {
         Ok(())
     }
 
-    /// Train, track and configuration in force have changed.
+    /// Train, track, configuration or effects in force have changed.
     pub(super) fn settle(&mut self) {
         let estimator = &self.estimator;
         self.setup = digest::of(&(
@@ -181,5 +238,21 @@ impl<F: NorFlash> Task<'_, F> {
             estimator.train().description(),
             estimator.track(),
         ));
+        if !estimator.effects().is_empty() {
+            self.setup = digest::of(&(self.setup, Parts(estimator.effects())));
+        }
+    }
+}
+
+/// All frames of all effects, for their digest.
+struct Parts<'a>(&'a Effects);
+
+impl Serialize for Parts<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut sequence = serializer.serialize_seq(Some(self.0.len()))?;
+        for part in self.0.iter().flat_map(effects::Effect::parts) {
+            sequence.serialize_element(&part)?;
+        }
+        sequence.end()
     }
 }

@@ -4,13 +4,15 @@ use host_tests::board::PROVISIONING;
 use host_tests::fields::Fields;
 use rundown::auth::{Signer, Verifier};
 use rundown::config::Config;
+use rundown::effects::Surroundings;
 use rundown::measurement::Measurement;
 use rundown::resistance::Davis;
 use rundown::task::DATA_ID;
-use rundown::track::{Direction, Gradient};
+use rundown::track::{Curve, Direction, Gradient};
 use rundown::train::TrainDescription;
 use rundown::uplink::{
-    self, Command, GRADIENTS, OPEN, Pace, Request, SECURED, Setting, TrackPart, TrainFrame, Uplink,
+    self, CURVES, Command, CurvePart, GRADIENTS, OPEN, Pace, Request, SECURED, Setting, TrackPart,
+    TrainFrame, Uplink,
 };
 use rundown_wire::link::Counters;
 use rundown_wire::*;
@@ -121,7 +123,7 @@ fn effect() -> Effect {
     Effect {
         kind: 1,
         section_m: Some([1200.0, 3400.0]),
-        values: [0.5, 2.0].into_iter().collect(),
+        values: [1.25e-5].into_iter().collect(),
     }
 }
 
@@ -352,11 +354,35 @@ fn uplink() -> Vec<(String, Frame)> {
         ));
     }
     frames.push(up("snapshot", SECURED, Request::Snapshot(snapshot_part())));
+    frames.push(up(
+        "surroundings",
+        SECURED,
+        Request::Surroundings(Surroundings {
+            temperature_c: Some(-7.5),
+            day: Some(20_513.5),
+        }),
+    ));
+    frames.push(up(
+        "curves",
+        SECURED,
+        Request::Curves(CurvePart {
+            track_id: 70_000,
+            first: 0,
+            curves: [(1000.0, 1400.0, 500.0)]
+                .map(|(from_m, to_m, radius_m)| Curve {
+                    from_m,
+                    to_m,
+                    radius_m,
+                })
+                .into_iter()
+                .collect(),
+        }),
+    ));
     frames
 }
 
 /// All commands.
-pub const COMMANDS: [Command; 6] = [
+pub const COMMANDS: [Command; 7] = [
     Command::Begin {
         direction: Direction::Down,
         track_id: 70_000,
@@ -366,6 +392,7 @@ pub const COMMANDS: [Command; 6] = [
     Command::Status,
     Command::Snapshot,
     Command::Forget,
+    Command::ClearEffects,
 ];
 
 /// The word of a setting or a command.
@@ -518,6 +545,11 @@ pub fn largest() -> Vec<(String, Frame)> {
                     })
                 }
                 Request::Snapshot(_) => Request::Snapshot(largest_snapshot_part()),
+                Request::Curves(part) => Request::Curves(CurvePart {
+                    track_id: u32::MAX,
+                    first: u16::MAX,
+                    curves: full::<_, CURVES>(&part.curves[0]),
+                }),
                 Request::Setting(Setting::Features(mut windows)) => {
                     windows.bridge_samples = u32::MAX;
                     Request::Setting(Setting::Features(windows))

@@ -3,6 +3,7 @@
 use super::{Failure, screen};
 use crate::config_file;
 use crate::desk::{Description, Desk};
+use crate::effect_file;
 use crate::link::address::Address;
 use crate::link::record::Recorder;
 use crate::map_matching::CentreLine;
@@ -70,13 +71,18 @@ pub struct Arguments {
 
 /// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let (_, train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
+    let (train_file, train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
     let (track, _) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;
     let config = match &arguments.config {
         Some(path) => config_file::read(path).map_err(Failure::refused)?,
         None => Config::default(),
     };
-    let description = Description::new(&train, &track, config);
+    let effects =
+        effect_file::effects(&track.effect, &train_file.effect, None).map_err(Failure::refused)?;
+    let description = Description {
+        effects,
+        ..Description::new(&train, &track, config)
+    };
     let recordings = recordings(arguments, &track)?;
     let desk = Desk::new(read_key(&arguments.key)?);
     let link = arguments

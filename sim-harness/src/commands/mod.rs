@@ -3,6 +3,7 @@
 //! Exit codes: see [`AFTER_HELP`]. Errors are one line each on stderr: what, where, what to do.
 
 pub mod demo;
+pub mod gap;
 pub mod link;
 pub mod provision;
 pub mod replay;
@@ -47,6 +48,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Play recorded runs to a board, real or emulated
     Link(Box<link::Arguments>),
+    /// Find which effect a model lacks, add it, and show the gap shrink
+    Gap(Box<gap::Arguments>),
     /// Make the record with a new key that a board is given
     Provision(provision::Arguments),
     /// Replay a run that is built in, and print what it says
@@ -96,6 +99,7 @@ pub fn main() -> ExitCode {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Link(arguments) => link::run(&arguments),
+        Command::Gap(arguments) => gap::run(&arguments),
         Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Completions { shell } => {

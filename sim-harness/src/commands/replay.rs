@@ -2,11 +2,12 @@
 
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::advice::advice;
+use crate::effect_file;
 use crate::map_matching::CentreLine;
 use crate::output::json::{self, Failed, mode_word};
 use crate::output::write_tables;
 use crate::recording::{DirectionChoice, Recording};
-use crate::replay::{ReplayedRun, Tick, replay_apart, replay_carried};
+use crate::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
 use crate::report::{Report, RunView, write_report};
 use crate::run_log::{BadRows, RunLog};
 use crate::run_set::{RunFile, RunSet};
@@ -19,6 +20,7 @@ use rundown::config::{Config, Mode};
 use rundown::estimator::Estimator;
 use rundown::train::Train;
 use serde_json::Value;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -117,6 +119,7 @@ pub(super) struct Setup {
     pub(super) train: TrainFile,
     pub(super) core_train: Train,
     pub(super) track: TrackFile,
+    /// With the effects that act in all runs.
     pub(super) estimator: Estimator,
 }
 
@@ -174,7 +177,11 @@ fn setup(arguments: &Arguments) -> Result<Setup, Failure> {
     if let Some(mode) = arguments.mode {
         config.mode = mode.into();
     }
-    let estimator = Estimator::try_new(config, core_train, core_track).map_err(Failure::refused)?;
+    let effects =
+        effect_file::effects(&track.effect, &train.effect, None).map_err(Failure::refused)?;
+    let estimator = Estimator::try_new(config, core_train, core_track)
+        .map_err(Failure::refused)?
+        .with_effects(effects);
     Ok(Setup {
         config,
         train,
@@ -209,10 +216,12 @@ fn replay(arguments: &Arguments, setup: &Setup) -> Result<Results, Failure> {
         .map_or(Tick::EverySample, |seconds| Tick::Period { seconds });
     let bar = screen::progress(recordings.len());
     let done = || bar.inc(1);
+    let own = own_estimators(setup, &recordings)?;
+    let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&setup.estimator);
     let runs = if arguments.no_carry {
-        replay_apart(&setup.estimator, &recordings, tick, done)
+        replay_apart_by(&model, &recordings, tick, done)
     } else {
-        replay_carried(&setup.estimator, &recordings, tick, done)
+        replay_carried_by(&model, &recordings, tick, done)
     };
     bar.finish_and_clear();
     let mut notes = set.notes;
@@ -224,6 +233,27 @@ fn replay(arguments: &Arguments, setup: &Setup) -> Result<Results, Failure> {
         carried: !arguments.no_carry,
         tick,
     })
+}
+
+/// The estimators of the runs in which not the same effects act as in all.
+fn own_estimators(
+    setup: &Setup,
+    recordings: &[Recording],
+) -> Result<HashMap<String, Estimator>, Failure> {
+    let mut own = HashMap::new();
+    for recording in recordings {
+        let effects = effect_file::effects(
+            &setup.track.effect,
+            &setup.train.effect,
+            Some(&recording.name),
+        )
+        .map_err(Failure::refused)?;
+        if effects != *setup.estimator.effects() {
+            let estimator = setup.estimator.clone().with_effects(effects);
+            own.insert(recording.name.clone(), estimator);
+        }
+    }
+    Ok(own)
 }
 
 fn read(

@@ -2,21 +2,19 @@
 //!
 //! Scenarios are drawn by seed over effect, size, data and sensors. The workflow gets runs, the believed train and the believed track; the key stays here.
 
-use super::analysis::Surroundings;
-use super::rows::Believed;
-use super::runs::{Run, Sample};
-use super::workflow::{Investigation, investigate};
+use crate::simulation;
+use crate::simulation::believed::{corridor, train_file};
+use crate::simulation::folder::FolderError;
+use crate::simulation::scenario_file::{Simulation, TrainTable};
 use crate::truth::effects::{Affected, Effect};
 use crate::truth::habits::DriverKind;
 use crate::truth::line::Line as TrueLine;
-use crate::truth::plan::{Heading, Headings, plan};
-use crate::truth::scenario::{Scenario, simulate_planned};
+use crate::truth::plan::Headings;
+use crate::truth::scenario::Scenario;
 use crate::truth::sensors::LocationWalk;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rundown::resistance::Davis;
-use rundown::track::{Direction, Gradient, Track};
-use rundown::train::{Train, TrainDescription};
+use std::path::Path;
 
 /// How large the hidden effect is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,8 +45,6 @@ pub struct Set {
     pub size: Size,
     /// With an effort column.
     pub effort: bool,
-    /// Momentary efforts instead of means.
-    pub momentary: bool,
     /// Dirty sensors.
     pub dirty: bool,
     /// All that is simulated.
@@ -99,7 +95,7 @@ impl Set {
         if rng.random_bool(0.3) {
             scenario.driver = DriverKind::ShortHop;
         }
-        let momentary = rng.random_bool(0.5);
+        scenario.sensors.effort_momentary = rng.random_bool(0.5);
         if rng.random_bool(0.5) {
             scenario.headings = Headings::Both;
         }
@@ -233,7 +229,6 @@ impl Set {
             hidden,
             size,
             effort,
-            momentary,
             dirty,
             scenario,
             runs: 67,
@@ -241,82 +236,24 @@ impl Set {
         }
     }
 
-    /// What the workflow gets.
-    pub fn blind(&self) -> (Vec<Run>, Train, Track, Surroundings) {
-        let believed = crate::truth::train::TrainTruth::default();
-        let train = Train::try_new(TrainDescription {
-            mass_kg: believed.mass_kg,
-            rotating_mass_factor: believed.gamma,
-            length_m: believed.length_m,
-            davis: Davis {
-                r0: believed.davis.r0,
-                r1: believed.davis.r1,
-                r2: believed.davis.r2,
-            },
-            max_tractive_effort_n: believed.max_tractive_effort_n,
-            max_power_w: believed.max_power_w,
-            max_brake_mps2: 0.66,
-        })
-        .expect("constant");
-        let line = &self.scenario.line;
-        let gradients = line
-            .gradients_permille()
-            .iter()
-            .map(|&(from_m, permille)| Gradient { from_m, permille });
-        let track = Track::try_new(line.length_m(), gradients).expect("the simulator's line");
-        let runs = plan(&self.scenario, self.runs, self.seed)
-            .iter()
-            .map(|plan| {
-                let run = simulate_planned(&self.scenario, plan);
-                Run {
-                    name: format!("run{:03}", plan.number),
-                    direction: match plan.heading {
-                        Heading::Up => Direction::Up,
-                        Heading::Down => Direction::Down,
-                    },
-                    day: Some(plan.departure_s as f64 / 86_400.0),
-                    samples: run
-                        .samples
-                        .iter()
-                        .zip(&run.truth)
-                        .map(|(s, t)| Sample {
-                            time_s: s.time_s,
-                            location_m: s.location_m,
-                            speed_mps: s.speed_kmh.map(|v| v / 3.6),
-                            effort_n_per_kg: self.effort.then_some(
-                                if self.momentary && t.mean_effort_n_per_kg == s.effort_n_per_kg {
-                                    t.effort_n_per_kg
-                                } else {
-                                    s.effort_n_per_kg
-                                },
-                            ),
-                            temperature_c: Some(s.temperature_c),
-                        })
-                        .collect(),
-                }
-            })
-            .collect();
-        let surroundings = Surroundings {
-            curves: line
-                .curves()
-                .iter()
-                .map(|c| (c.from_m, c.to_m, rundown::effects::roeckl(c.radius_m)))
-                .collect(),
-            ..Surroundings::default()
+    /// Writes the set as `rundown simulate` does.
+    ///
+    /// # Errors
+    /// [`FolderError`] names the file or the run.
+    pub fn write(&self, folder: &Path) -> Result<(), FolderError> {
+        let simulation = Simulation {
+            name: format!("set {}", self.seed),
+            track: corridor(&self.scenario.line, "line".to_owned()),
+            train: train_file(&TrainTable::default()),
+            scenario: self.scenario.clone(),
+            runs: self.runs,
+            seed: self.seed,
+            unit: "1".to_owned(),
+            effort_column: self.effort,
+            temperature_column: true,
+            text: String::new(),
         };
-        (runs, train, track, surroundings)
-    }
-
-    /// Runs the workflow, blind.
-    pub fn investigate(&self) -> Option<Investigation> {
-        let (runs, train, track, surroundings) = self.blind();
-        investigate(
-            Believed::new(&train, &track),
-            &surroundings,
-            &runs,
-            None,
-            |_| (),
-        )
+        simulation::folder::write(&simulation, folder, true, || ()).map(drop)
     }
 
     /// The names that the key has, unknown things as `unknown`.

@@ -5,6 +5,7 @@
 //! between witnesses. (Sign-flip test; runs are the unit.)
 
 use super::calibrate::{Calibrated, knots};
+use super::fit::Base;
 use super::rows::Row;
 use super::terms::{Context, Coordinate, Term, coordinate};
 use nalgebra::DVector;
@@ -25,6 +26,8 @@ pub struct Evidence {
 }
 
 const FLIPS: usize = 999;
+/// An effort that changes by more within an interval is no evidence, N/kg.
+const STEADY_N_PER_KG: f64 = 0.01;
 
 /// Evidence along each coordinate, strongest first, and the probability of the strongest of all without a gap.
 pub fn evidence(
@@ -34,7 +37,16 @@ pub fn evidence(
 ) -> (Vec<Evidence>, f64) {
     let whitening = calibrated.whitening(context, rows);
     let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
-    let y = whitening.whiten(&y);
+    let delay = whitening.whiten(&Term::Delay.columns(context, rows)[0]);
+    let sensors: &[DVector<f64>] = if delay.iter().any(|v| *v != 0.0) {
+        &[delay]
+    } else {
+        &[]
+    };
+    let Some(base) = Base::new(&whitening.whiten(&y), sensors, whitening.runs()) else {
+        return (Vec::new(), 1.0);
+    };
+    let y = &base.residual;
     let coordinates = [
         (Coordinate::Location, "location", 24),
         (Coordinate::Speed, "speed", 7),
@@ -50,8 +62,14 @@ pub fn evidence(
             .filter_map(|row| coordinate(*axis, row, row.interval.middle()));
         let knots = knots(at, *count);
         let columns = Term::Smooth(*axis, knots.clone()).columns(context, rows);
-        for (knot, column) in knots.iter().zip(columns) {
-            let column: DVector<f64> = whitening.whiten(&column);
+        for (knot, mut column) in knots.iter().zip(columns) {
+            // Where the effort changes within an interval its mean is a guess, and the guess is wrong in the same way in all runs.
+            for (value, row) in column.iter_mut().zip(rows) {
+                if row.interval.effort_change_n_per_kg > STEADY_N_PER_KG {
+                    *value = 0.0;
+                }
+            }
+            let column: DVector<f64> = base.beside(&whitening.whiten(&column));
             let scores: Vec<f64> = whitening
                 .runs()
                 .iter()

@@ -9,7 +9,7 @@
 use super::analysis::Findings;
 use super::caps::Pull;
 use super::rows::{Believed, Row};
-use rundown::effects::{Effect, Effects, Moment};
+use rundown::effects::{Effect, Effects, Limits, Moment};
 use rundown::track::Direction;
 
 /// Length of a window, s.
@@ -105,12 +105,19 @@ pub fn resisted(
         let before = simulate(believed, &none, window);
         let after = simulate(believed, effects, window);
         let noise = &findings.calibrated.noise;
-        let mut walk = 0.0;
+        // What a run has for itself, no model of other runs can know.
+        let own = &findings.calibrated.own;
+        let (mut walk, mut by_wind, mut by_mass, mut by_constant) = (0.0, 0.0, 0.0, 0.0);
         for (i, row) in window.iter().enumerate() {
             let interval = &row.interval;
             let change = noise.change_share * interval.effort_change_n_per_kg;
             walk +=
                 (noise.acceleration_mps2.powi(2) + change * change) * interval.dt_s * interval.dt_s;
+            let (r2, speed) = (findings.believed_r2, interval.mean_speed_mps());
+            by_wind += 2.0 * r2 * speed * own.wind_mps * interval.dt_s;
+            by_mass += (row.effort_n_per_kg - r2 * speed * speed) * own.mass * interval.dt_s;
+            by_constant += own.constant_n_per_kg * interval.dt_s;
+            let own = by_wind * by_wind + by_mass * by_mass + by_constant * by_constant;
             compared.push(Compared {
                 run: interval.run,
                 time_s: interval.begin_s + interval.dt_s,
@@ -118,7 +125,7 @@ pub fn resisted(
                 measured_mps: interval.speed_mps[1],
                 before_mps: before[i] - interval.speed_mps[1],
                 after_mps: after[i] - interval.speed_mps[1],
-                floor: 2.0 * noise.reading_mps * noise.reading_mps + walk,
+                floor: 2.0 * noise.reading_mps * noise.reading_mps + walk + own,
             });
         }
         begin = end;
@@ -151,7 +158,13 @@ fn simulate(believed: &Believed<'_>, effects: &Effects, window: &[Row]) -> Vec<f
                 temperature_c: interval.temperature_c,
                 day: interval.day,
             };
-            let acceleration = row.effort_n_per_kg
+            let effort = if row.effort_n_per_kg < 0.0 {
+                let limits = effects.limits(line.train, location_m, speed);
+                row.effort_n_per_kg * limits.brake_n_per_kg / Limits::of(line.train).brake_n_per_kg
+            } else {
+                row.effort_n_per_kg
+            };
+            let acceleration = effort
                 - davis.resistance_n_per_kg(speed)
                 - line.gradient_n_per_kg(location_m)
                 - effects.resistance_n_per_kg(line, &davis, &moment);

@@ -2,12 +2,13 @@
 
 use super::analysis::Surroundings;
 use super::runs::{Run, Sample};
+use crate::effect_file::day_of;
 use crate::map_matching::CentreLine;
 use crate::recording::{DirectionChoice, Recording, RecordingError};
 use crate::run_log::{BadRows, RunLog, RunLogError};
-use crate::run_set::RunFile;
+use crate::run_set::{RunFile, RunSet};
 use crate::track_file::TrackFile;
-use jiff::civil::{Date, DateTime};
+use rayon::prelude::*;
 use thiserror::Error;
 
 /// Why a log gives no run.
@@ -30,18 +31,6 @@ pub enum LoadError {
     },
 }
 
-/// Days from 1970-01-01 to a date, or to a date and time, in UTC.
-fn day(text: &str) -> Option<f64> {
-    let plain = text.trim().trim_end_matches('Z').replace(' ', "T");
-    let at = plain
-        .parse::<DateTime>()
-        .or_else(|_| plain.parse::<Date>().map(|date| date.at(0, 0, 0, 0)))
-        .ok()?;
-    let epoch = jiff::civil::date(1970, 1, 1).at(0, 0, 0, 0);
-    let since = at.since(epoch).ok()?;
-    since.total(jiff::Unit::Second).ok().map(|s| s / 86_400.0)
-}
-
 /// Reads one run.
 ///
 /// # Errors
@@ -58,7 +47,7 @@ pub fn run(
         .as_deref()
         .filter(|text| !text.is_empty())
     {
-        Some(text) => Some(day(text).ok_or_else(|| LoadError::Departure {
+        Some(text) => Some(day_of(text).ok_or_else(|| LoadError::Departure {
             file: file.path.display().to_string(),
             found: text.to_owned(),
         })?),
@@ -91,6 +80,31 @@ pub fn run(
     Ok((run, recording.warnings))
 }
 
+/// Reads all runs; those that cannot be used are left out, with the reason.
+pub fn runs(
+    set: &RunSet,
+    track: &TrackFile,
+    direction: DirectionChoice,
+) -> (Vec<Run>, Vec<String>) {
+    let line = CentreLine::new(&track.centre_line);
+    let read: Vec<_> = set
+        .files
+        .par_iter()
+        .map(|file| run(file, line.as_ref(), direction))
+        .collect();
+    let (mut runs, mut notes) = (Vec::new(), Vec::new());
+    for result in read {
+        match result {
+            Ok((run, warnings)) => {
+                notes.extend(warnings);
+                runs.push(run);
+            }
+            Err(error) => notes.push(format!("{error}; the run was left out")),
+        }
+    }
+    (runs, notes)
+}
+
 /// What the track file says beside gradients.
 pub fn surroundings(track: &TrackFile) -> Surroundings {
     Surroundings {
@@ -106,18 +120,5 @@ pub fn surroundings(track: &TrackFile) -> Surroundings {
             .map(|f| (f.from_m, f.to_m))
             .collect(),
         stops: track.stop.iter().map(|s| s.at_m).collect(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::day;
-
-    #[test]
-    fn dates_are_days_since_1970() {
-        assert_eq!(day("1970-01-02"), Some(1.0));
-        assert_eq!(day("2026-01-01T12:00:00Z"), Some(20_454.5));
-        assert_eq!(day("2026-01-01 12:00:00"), Some(20_454.5));
-        assert_eq!(day("soon"), None);
     }
 }

@@ -22,6 +22,7 @@ pub fn corridor(line: &Line, name: String) -> TrackFile {
         name: name.to_owned(),
     };
     TrackFile {
+        effect: Vec::new(),
         name,
         length_m: line.length_m(),
         gradient: line
@@ -77,6 +78,7 @@ pub fn line_of(track: &TrackFile) -> Line {
 /// The train as described.
 pub fn train_file(train: &TrainTable) -> TrainFile {
     TrainFile {
+        effect: Vec::new(),
         name: train.name.clone(),
         mass_kg: train.mass_kg,
         rotating_mass_factor: train.rotating_mass_factor,

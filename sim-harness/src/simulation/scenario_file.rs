@@ -248,6 +248,8 @@ pub enum SpeedWord {
 pub struct EffortTable {
     /// Whether logs have the column `effort_n_per_kg`.
     pub column: bool,
+    /// At the moment of the sample, not the mean since the sample before.
+    pub momentary: bool,
     pub gain: f64,
     /// Standard deviation of the gain between runs.
     pub gain_sd: f64,
@@ -385,6 +387,7 @@ impl Default for EffortTable {
     fn default() -> Self {
         Self {
             column: false,
+            momentary: false,
             gain: 1.0,
             gain_sd: 0.0,
             noise_n_per_kg: 0.0,
@@ -523,6 +526,7 @@ fn scenario(values: &ScenarioFile, line: Line, dates: Dates) -> Scenario {
             latency_s: sensors.latency_s,
             location_lag_s: sensors.location_lag_s,
             effort_gain: values.effort.gain,
+            effort_momentary: values.effort.momentary,
             effort_gain_sd: values.effort.gain_sd,
             effort_noise_n_per_kg: values.effort.noise_n_per_kg,
         },

@@ -72,6 +72,8 @@ pub struct Sensors {
     pub speed_quantum_kmh: f64,
     /// Shown over true effort, 1 for none.
     pub effort_gain: f64,
+    /// The effort at the moment of the sample instead of the mean since the sample before.
+    pub effort_momentary: bool,
     /// How much this gain differs from run to run, standard deviation; drawn where a run is simulated.
     pub effort_gain_sd: f64,
     /// White noise of the effort, standard deviation, N/kg.
@@ -94,6 +96,7 @@ impl Default for Sensors {
             location_lag_s: 0.0,
             speed_quantum_kmh: 1.0,
             effort_gain: 1.0,
+            effort_momentary: false,
             effort_gain_sd: 0.0,
             effort_noise_n_per_kg: 0.0,
         }
@@ -232,7 +235,13 @@ impl Sensors {
                 location_m: (heard && drop_location >= self.dropout_probability)
                     .then_some(location_m),
                 speed_kmh: (heard && drop_speed >= self.dropout_probability).then_some(speed_kmh),
-                effort_n_per_kg: self.effort_gain * mean(|s| s.reported_n_per_kg) + noise,
+                effort_n_per_kg: self.effort_gain
+                    * if self.effort_momentary {
+                        at.reported_n_per_kg
+                    } else {
+                        mean(|s| s.reported_n_per_kg)
+                    }
+                    + noise,
                 temperature_c: (10.0 * at.temperature_c).round() / 10.0,
             });
             truth.push(TruthSample {

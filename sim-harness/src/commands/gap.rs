@@ -1,0 +1,236 @@
+//! `rundown gap`: recorded runs and the believed model in; which effect is missing, and the model with it, out.
+
+use super::{Failure, screen};
+use crate::effect_file::EffectEntry;
+use crate::gap::load;
+use crate::gap::rows::Believed;
+use crate::gap::workflow::{Investigation, investigate};
+use crate::output::WriteError;
+use crate::recording::DirectionChoice;
+use crate::run_set::RunSet;
+use crate::track_file::TrackFile;
+use crate::train_file::TrainFile;
+use serde::Serialize;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  Where do these runs and the model disagree, and why?
+    rundown gap --train train.toml --track track.toml --runs runs/ --out gap
+
+  The same for a program; ten runs held out to judge the repaired model:
+    rundown gap --train t.toml --track k.toml --runs runs/ --out gap --hold-out 10 --json
+
+  A set with a hidden effect to try it on:
+    rundown simulate --example > scenario.toml
+    rundown simulate --scenario scenario.toml --out set
+    rundown gap --train set/train.toml --track set/track.toml --runs set/runs --out gap
+
+Files in the output folder:
+  gap.json              verdict, effects with 95 % intervals and rivals, gap before and after, evidence
+  model/train.toml      the believed train with the effects of the train
+  model/track.toml      the believed track with the effects of the place
+  residuals.csv         each interval's residual with time, location, speed, effort
+  before_after.csv      simulated against measured speed on the held-out runs";
+
+/// Arguments of `rundown gap`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
+pub struct Arguments {
+    /// The believed train
+    #[arg(long, value_name = "T.toml")]
+    train: PathBuf,
+    /// The believed track
+    #[arg(long, value_name = "K.toml")]
+    track: PathBuf,
+    /// Folder of run logs, or run logs
+    #[arg(long, value_name = "DIR", required = true, num_args = 1..)]
+    runs: Vec<PathBuf>,
+    /// Folder for the results; made when it does not exist
+    #[arg(long, value_name = "OUT", default_value = "gap")]
+    out: PathBuf,
+    /// Number of runs held out to judge the repaired model; a fifth without it
+    #[arg(long, value_name = "N")]
+    hold_out: Option<usize>,
+    /// Direction of the runs that no index names
+    #[arg(long, value_enum, default_value_t)]
+    direction: DirectionChoice,
+    /// Print gap.json to stdout, and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// Does what the arguments say.
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let (train, core_train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
+    let (track, core_track) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;
+    let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
+    let (runs, notes) = load::runs(&set, &track, arguments.direction);
+    set.notes
+        .iter()
+        .chain(&notes)
+        .for_each(|text| screen::note(text));
+    let believed = Believed::new(&core_train, &core_track);
+    let surroundings = load::surroundings(&track);
+    let tell = |text: &str| {
+        if !arguments.json {
+            screen::note(text);
+        }
+    };
+    let found = investigate(believed, &surroundings, &runs, arguments.hold_out, tell);
+    let Some(found) = found else {
+        return Err(Failure {
+            message: format!(
+                "{} runs have too little to compare: expected moving samples with location and speed, and an effort column or long coasting; nothing was written",
+                runs.len()
+            ),
+            code: super::SOME_RUNS_FAILED,
+        });
+    };
+    let dataset = arguments
+        .runs
+        .iter()
+        .map(|p| p.display().to_string())
+        .collect::<Vec<_>>()
+        .join(" ");
+    let json = found.json(&dataset);
+    write(
+        &arguments.out,
+        &found,
+        &train,
+        &track,
+        &format!("{json:#}\n"),
+    )
+    .map_err(Failure::not_written)?;
+    if arguments.json {
+        screen::print(&format!("{json:#}\n"));
+    } else {
+        screen::print(&story(&found));
+        screen::print(&format!("\nresults: {}\n", arguments.out.display()));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What a person reads on the screen.
+fn story(found: &Investigation) -> String {
+    let gap = &found.gap;
+    let mut text = format!(
+        "verdict: {}   p-value of the residuals without a gap: {:.3}\n",
+        found.verdict(),
+        found.p_value
+    );
+    for one in &found.named {
+        let json = one.json();
+        text.push_str(&format!("  {}  {}", one.effect.name(), json["parameters"]));
+        if let Some((from_m, to_m)) = one.effect.section_m() {
+            text.push_str(&format!("  from {from_m:.0} to {to_m:.0} m"));
+        }
+        text.push_str(&format!("  confidence {:.2}", one.confidence));
+        if !one.ambiguous_with.is_empty() {
+            text.push_str(&format!(
+                "  cannot be told from {}; would tell: {}",
+                one.ambiguous_with.join(", "),
+                one.would_separate.join(", ")
+            ));
+        }
+        text.push('\n');
+    }
+    text.push_str(&format!(
+        "simulated against measured speed, {} held-out runs: {:.3} m/s before, {:.3} after, noise floor {:.3}: {:.0} % of the removable gap is gone\n",
+        found.held_out.len(),
+        gap.before_mps,
+        gap.after_mps,
+        gap.floor_mps,
+        100.0 * gap.removed_share
+    ));
+    text
+}
+
+#[derive(Serialize)]
+struct ResidualRow {
+    run: usize,
+    time_s: f64,
+    location_m: f64,
+    speed_kmh: f64,
+    effort_n_per_kg: f64,
+    residual_n_per_kg: f64,
+}
+
+#[derive(Serialize)]
+struct ComparedRow {
+    run: usize,
+    time_s: f64,
+    location_m: f64,
+    measured_kmh: f64,
+    before_kmh: f64,
+    after_kmh: f64,
+}
+
+fn write(
+    out: &Path,
+    found: &Investigation,
+    train: &TrainFile,
+    track: &TrackFile,
+    json: &str,
+) -> Result<(), WriteError> {
+    let model = out.join("model");
+    let at = |path: &Path| {
+        let path = path.to_owned();
+        move |source| WriteError { path, source }
+    };
+    fs::create_dir_all(&model).map_err(at(&model))?;
+    let put = |path: PathBuf, text: &str| fs::write(&path, text).map_err(at(&path));
+    put(out.join("gap.json"), json)?;
+    let (mut train, mut track) = (train.clone(), track.clone());
+    for one in &found.named {
+        let entry = EffectEntry {
+            effect: one.effect.clone(),
+            runs: (!one.runs.is_empty()).then(|| one.runs.clone()),
+        };
+        match one.effect.section_m() {
+            Some(_) => track.effect.push(entry),
+            None => train.effect.push(entry),
+        }
+    }
+    let path = model.join("train.toml");
+    let text = toml::to_string(&train).map_err(|e| at(&path)(std::io::Error::other(e)))?;
+    put(path, &text)?;
+    let path = model.join("track.toml");
+    let text = toml::to_string(&track).map_err(|e| at(&path)(std::io::Error::other(e)))?;
+    put(path, &text)?;
+    let rows = found.findings.rows.iter().map(|row| ResidualRow {
+        run: row.interval.run + 1,
+        time_s: row.interval.begin_s,
+        location_m: row.interval.middle().location_m,
+        speed_kmh: 3.6 * row.interval.mean_speed_mps(),
+        effort_n_per_kg: row.effort_n_per_kg,
+        residual_n_per_kg: row.residual_n_per_kg,
+    });
+    table(&out.join("residuals.csv"), rows)?;
+    let rows = found.compared.iter().map(|c| ComparedRow {
+        run: found.held_out[c.run] + 1,
+        time_s: c.time_s,
+        location_m: c.location_m,
+        measured_kmh: 3.6 * c.measured_mps,
+        before_kmh: 3.6 * (c.measured_mps + c.before_mps),
+        after_kmh: 3.6 * (c.measured_mps + c.after_mps),
+    });
+    table(&out.join("before_after.csv"), rows)
+}
+
+fn table(path: &Path, rows: impl Iterator<Item = impl Serialize>) -> Result<(), WriteError> {
+    let failed = |error: csv::Error| WriteError {
+        path: path.to_owned(),
+        source: std::io::Error::other(error),
+    };
+    let mut csv = csv::Writer::from_path(path).map_err(failed)?;
+    for row in rows {
+        csv.serialize(row).map_err(failed)?;
+    }
+    csv.flush().map_err(|source| WriteError {
+        path: path.to_owned(),
+        source,
+    })
+}
