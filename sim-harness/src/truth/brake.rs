@@ -25,9 +25,9 @@ const EASE_BELOW_MPS: f64 = 1.5;
 /// Mean decelerations of the five steps of the paper, lowest speeds first, m/s². Harder at low speed (its Fig. 8).
 const MEAN_MPS2: [f64; 5] = [0.42, 0.37, 0.36, 0.28, 0.27];
 
-/// Coefficient of variation of each step, on top of the driver's own 12 %; widest below 40 km/h.
+/// Coefficient of variation of each step, on top of the driver's own 17.5 %; widest below 40 km/h.
 const STEP_SD: [f64; 5] = [0.25, 0.2, 0.2, 0.18, 0.18];
-const DRIVER_SD: f64 = 0.12;
+const DRIVER_SD: f64 = 0.175;
 
 /// Decelerations of one driver in one run.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -27,8 +27,11 @@ const HOLD_INTEGRAL_GAIN: f64 = 0.004;
 const TAPER_GAIN: f64 = 0.25;
 /// Time constant of the wander of the speed held, s.
 const WANDER_S: f64 = 20.0;
-/// The final coast ends in a brake for a stop that is at most this far behind the sign, m.
+/// The final coast ends in a brake for a stop that is at most this far behind the sign, m; further if all signs between lower the limit.
 const APPROACH_M: f64 = 1_500.0;
+/// The final coast begins where the speed kept is above this share of the cruise speed.
+const LEAST_OPEN_SHARE: f64 = 0.5;
+const LONG_APPROACH_M: f64 = 5_000.0;
 /// A coast this much above the limit on a downgrade is restrained, m/s.
 const OVERSPEED_MPS: f64 = 0.6;
 
@@ -107,6 +110,10 @@ pub struct Driver<'a> {
     ahead: Option<Target>,
     /// Between the approach brake and the stop.
     plateau: bool,
+    /// Location of the last stop.
+    left_m: f64,
+    /// Where the approach to the next stop begins: its first sign, or itself.
+    approach_from_m: f64,
     /// The first top of a cycle has been reached.
     cycling: bool,
     /// The brake has been tried, or need not be.
@@ -116,6 +123,9 @@ pub struct Driver<'a> {
 impl<'a> Driver<'a> {
     /// A driver standing at the first platform. `stops` in order; the last one ends the run.
     pub fn new(habits: Habits, world: &'a World, stops: Vec<Stop>, wander_rng: ChaCha8Rng) -> Self {
+        let approach_from_m = stops
+            .first()
+            .map_or(0.0, |stop| approach_from_m(world, stop));
         Self {
             habits,
             world,
@@ -133,6 +143,8 @@ impl<'a> Driver<'a> {
             seconds: -1.0,
             ahead: None,
             plateau: false,
+            left_m: 0.0,
+            approach_from_m,
             cycling: false,
             brake_tested: false,
         }
@@ -222,7 +234,7 @@ impl<'a> Driver<'a> {
             .map(|pair| Target {
                 at_m: pair[1].0,
                 speed_mps: self.kept_mps(pair[1].1 / 3.6),
-                approach: stop.planned && stop_m - pair[1].0 <= APPROACH_M,
+                approach: stop.planned && pair[1].0 >= self.approach_from_m,
                 sign: true,
             });
         let stop = Target {
@@ -245,8 +257,9 @@ impl<'a> Driver<'a> {
             Phase::Coast(kind) => kind == CoastKind::Cycle,
             _ => false,
         };
-        let open_line = self.desired_mps(at) == self.habits.cruise_mps
-            && at.speed_mps >= 0.9 * self.habits.cruise_mps;
+        let desired_mps = self.desired_mps(at);
+        let open_line = desired_mps > LEAST_OPEN_SHARE * self.habits.cruise_mps
+            && at.speed_mps >= 0.9 * desired_mps;
         if cruising && open_line && self.coast_reaches_brake(at) {
             self.phase = Phase::Coast(CoastKind::Final);
         }
@@ -257,13 +270,14 @@ impl<'a> Driver<'a> {
         let Some(stop) = self.next_stop().filter(|stop| stop.planned) else {
             return false;
         };
+        let coast_s = self.habits.coast_on_s(stop.at_m - self.left_m);
         // Too far even without any loss of speed and with 1 km for the brake: spares the look ahead on most of the line.
-        let reach_m = 1.3 * self.habits.cruise_mps * self.habits.coast_s + 3_000.0;
-        if self.habits.coast_s == 0.0 || stop.at_m - at.location_m > reach_m {
+        let reach_m = 1.3 * self.habits.cruise_mps * coast_s + 3_000.0;
+        if coast_s == 0.0 || self.approach_from_m - at.location_m > reach_m {
             return false;
         }
         let mut time_s = 0.0;
-        while time_s <= self.habits.coast_s && at.speed_mps >= self.habits.least_coast_mps {
+        while time_s <= coast_s && at.speed_mps >= self.habits.least_coast_mps {
             if let Some(target) = self.due(at) {
                 return target.approach;
             }
@@ -291,7 +305,7 @@ impl<'a> Driver<'a> {
             }
             Phase::Brake(target) if target.speed_mps == 0.0 => {
                 if at.speed_mps == 0.0 {
-                    self.arrive(time_s);
+                    self.arrive(time_s, at.location_m);
                 }
                 return;
             }
@@ -379,9 +393,13 @@ impl<'a> Driver<'a> {
         Phase::Hold
     }
 
-    fn arrive(&mut self, time_s: f64) {
+    fn arrive(&mut self, time_s: f64, at_m: f64) {
+        self.left_m = at_m;
         let dwell_s = self.next_stop().map_or(0.0, |stop| stop.dwell_s);
         self.stops_made += 1;
+        if let Some(stop) = self.next_stop() {
+            self.approach_from_m = approach_from_m(self.world, &stop);
+        }
         self.plateau = false;
         self.cycling = false;
         self.ahead = None;
@@ -427,8 +445,9 @@ impl<'a> Driver<'a> {
                     - self.habits.brake.distance_m(target.speed_mps);
                 let left_m = (target.at_m - at.location_m).max(1e-3);
                 let scale = (needed_m / left_m).clamp(0.5, 1.6);
-                let deceleration = (self.habits.brake.rate_mps2(at.speed_mps) * scale).min(0.7);
-                (self.load_n_per_kg(at) - deceleration).min(0.0)
+                let deceleration = self.habits.brake.rate_mps2(at.speed_mps) * scale;
+                let most = self.world.max_brake_n_per_kg();
+                (self.load_n_per_kg(at) - deceleration).clamp(-most, 0.0)
             }
         }
     }
@@ -465,4 +484,20 @@ impl<'a> Driver<'a> {
             _ => self.regime,
         }
     }
+}
+
+/// The first sign towards a stop from which on the limit only falls, not too far from it; the stop itself if there is none.
+fn approach_from_m(world: &World, stop: &Stop) -> f64 {
+    let limits = world.line.limits_kmh();
+    let before = &limits[..limits.partition_point(|l| l.0 < stop.at_m)];
+    let mut from_m = stop.at_m;
+    let mut falling = true;
+    for pair in before.windows(2).rev() {
+        falling &= pair[1].1 < pair[0].1;
+        let far_m = stop.at_m - pair[1].0;
+        if pair[1].1 < pair[0].1 && (far_m <= APPROACH_M || falling && far_m <= LONG_APPROACH_M) {
+            from_m = pair[1].0;
+        }
+    }
+    from_m
 }

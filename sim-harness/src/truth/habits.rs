@@ -10,6 +10,12 @@ use rand_distr::{Distribution, Exp, Normal};
 /// Final coast of the case study: mean, standard deviation, least, most, s.
 const COAST_S: [f64; 4] = [370.0, 110.0, 150.0, 600.0];
 
+/// The case study's intercity has its habits on a line of at least this length, m; on shorter ones the coast is shorter in proportion.
+const COAST_HOP_M: f64 = 30_000.0;
+/// Where trains stop beside the mark: standard deviation and most, m.
+const STOP_SD_M: f64 = 0.6;
+const STOP_MOST_M: f64 = 1.6;
+
 /// What kind of service is driven.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DriverKind {
@@ -64,6 +70,8 @@ pub struct Habits {
     pub wander_sd_mps: f64,
     /// Length of the final coast the driver aims at, s; 0 for none.
     pub coast_s: f64,
+    /// On hops shorter than this the coast is shorter in proportion, m.
+    pub coast_hop_m: f64,
     /// A coast is not let fall below this, m/s.
     pub least_coast_mps: f64,
     /// Decelerations.
@@ -77,8 +85,17 @@ pub struct Habits {
 }
 
 impl Habits {
-    /// Draws a driver. `cycle_share` is the probability of cruising by cycles; short hops are too short for them.
-    pub fn draw(kind: DriverKind, cycle_share: f64, rng: &mut impl Rng) -> Self {
+    /// The final coast aimed at on a hop of this length, s.
+    pub fn coast_on_s(&self, hop_m: f64) -> f64 {
+        if hop_m < self.coast_hop_m {
+            self.coast_s * hop_m / self.coast_hop_m
+        } else {
+            self.coast_s
+        }
+    }
+
+    /// Draws a driver for a line with this highest limit. `cycle_share` is the probability of cruising by cycles; short hops are too short for them.
+    pub fn draw(kind: DriverKind, cycle_share: f64, top_mps: f64, rng: &mut impl Rng) -> Self {
         let unit = Normal::new(0.0, 1.0).expect("constant");
         let departure_s = rng.random_range(0.0..10.0);
         let effort_share = rng.random_range(0.75..1.0);
@@ -94,12 +111,12 @@ impl Habits {
         } else {
             Plateau::Coast
         };
-        let stop_error_m = f64::clamp(unit.sample(rng), -2.5, 2.5);
+        let stop_error_m = f64::clamp(STOP_SD_M * unit.sample(rng), -STOP_MOST_M, STOP_MOST_M);
 
         let below_limit = Exp::new(1.0 / 3.5).expect("constant");
         let (drawn_kmh, coast_s, least_coast_kmh): (f64, f64, f64) = match kind {
             DriverKind::CaseStudy => {
-                let near_kmh = 140.0 + 0.6 * unit.sample(rng);
+                let near_kmh = 140.15 + 0.6 * unit.sample(rng);
                 let [mean, sd, least, most] = COAST_S;
                 let coast_s = mean + sd * unit.sample(rng);
                 let cruise_kmh: f64 = near_kmh - below_limit.sample(rng);
@@ -116,11 +133,15 @@ impl Habits {
                 (cruise_kmh, if coasts { coast_s } else { 0.0 }, 45.0)
             }
         };
-        let mut cruise_mps = drawn_kmh / 3.6;
+        // Drawn for a line of 140 km/h.
+        let mut cruise_mps = match kind {
+            DriverKind::CaseStudy => drawn_kmh / 140.0 * top_mps,
+            DriverKind::ShortHop => (drawn_kmh / 3.6).min(top_mps),
+        };
         let mut cruising = Cruising::Hold;
         if cycles && kind == DriverKind::CaseStudy {
-            // The upper end of a cycle stays near the limit of the line.
-            cruise_mps = cruise_mps.min(141.0 / 3.6 - half_width_mps);
+            // The speed that is liked is the upper end of the cycles.
+            cruise_mps -= half_width_mps;
             cruising = Cruising::Cycles {
                 half_width_mps,
                 effort_n_per_kg: cycle_effort_n_per_kg,
@@ -136,7 +157,11 @@ impl Habits {
             cruising,
             wander_sd_mps: 0.12,
             coast_s,
-            least_coast_mps: least_coast_kmh / 3.6,
+            coast_hop_m: match kind {
+                DriverKind::CaseStudy => COAST_HOP_M,
+                DriverKind::ShortHop => 0.0,
+            },
+            least_coast_mps: (least_coast_kmh / 3.6).min(0.45 * top_mps),
             brake,
             plateau,
             brake_test_mps: None,

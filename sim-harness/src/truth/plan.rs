@@ -100,7 +100,9 @@ pub fn plan(scenario: &Scenario, runs: usize, seed: u64) -> Vec<RunPlan> {
             // Each effect draws its runs on its own.
             let seed = seed ^ (index as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
             match effect {
-                Effect::DraggingBrake { runs, .. } => runs.choose(&each, seed),
+                Effect::DraggingBrake { runs, .. } | Effect::PowerLimitSection { runs, .. } => {
+                    runs.choose(&each, seed)
+                }
                 Effect::LowAdhesion { runs, .. } => runs.choose(&days, seed),
                 _ => vec![true; runs],
             }

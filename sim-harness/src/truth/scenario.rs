@@ -238,7 +238,12 @@ pub fn drive_planned(
         0.0
     };
     let stop_count = stops.len();
-    let mut habits = Habits::draw(scenario.driver, scenario.cycle_share, &mut stream(seed, 1));
+    let mut habits = Habits::draw(
+        scenario.driver,
+        scenario.cycle_share,
+        world.line.top_mps(),
+        &mut stream(seed, 1),
+    );
     habits.brake_test_mps = brake_test_mps(scenario.brake_test_share, &mut stream(seed, 10));
     let mut driver = Driver::new(habits, &world, stops, stream(seed, 2));
 
@@ -383,6 +388,7 @@ mod tests {
     use super::*;
     use crate::truth::sensors::SpeedReading;
     use crate::truth::train::{DavisTruth, GRAVITY_MPS2};
+    use rayon::prelude::*;
 
     fn scenarios() -> [(&'static str, Scenario); 4] {
         let red = UnscheduledStop {
@@ -447,12 +453,12 @@ mod tests {
     }
 
     #[test]
-    fn every_run_stops_within_four_metres_of_the_platform() {
+    fn every_run_stops_within_two_metres_of_the_platform() {
         for (name, scenario) in scenarios() {
             for seed in 0..40 {
                 let (_, facts) = drive(&scenario, seed);
                 let off_m = facts.stop.location_m - scenario.line.length_m();
-                assert!(off_m.abs() < 4.0, "{name}, seed {seed}: {off_m} m");
+                assert!(off_m.abs() < 2.0, "{name}, seed {seed}: {off_m} m");
             }
         }
     }
@@ -603,9 +609,11 @@ mod tests {
 
     #[test]
     fn the_case_study_looks_like_the_paper() {
-        let facts: Vec<Facts> = (0..67)
-            .map(|i| drive(&Scenario::default(), run_seed(1, i)).1)
+        let runs: Vec<Run> = (0..670)
+            .into_par_iter()
+            .map(|i| simulate(&Scenario::default(), run_seed(1, i)))
             .collect();
+        let facts: Vec<&Facts> = runs.iter().map(|run| &run.facts).collect();
         let mean_and_cv = |values: &[f64]| {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             let variance =
@@ -618,12 +626,16 @@ mod tests {
             .collect();
         let (mean, cv) = mean_and_cv(&coasts);
         assert!(
-            (300.0..430.0).contains(&mean) && (0.2..0.4).contains(&cv),
+            (330.0..400.0).contains(&mean) && (0.27..0.33).contains(&cv),
             "coast {mean} s, cv {cv}"
         );
+        let within = coasts
+            .iter()
+            .filter(|c| (150.0..600.0).contains(*c))
+            .count();
         assert!(
-            coasts.iter().all(|c| (140.0..620.0).contains(c)),
-            "{coasts:?}"
+            within > 640,
+            "{within} of 670 final coasts of 2.5 to 10 min"
         );
         let brakes: Vec<f64> = facts
             .iter()
@@ -631,8 +643,17 @@ mod tests {
             .collect();
         let (mean, cv) = mean_and_cv(&brakes);
         assert!(
-            (70.0..150.0).contains(&mean) && (0.1..0.3).contains(&cv),
+            (80.0..120.0).contains(&mean) && (0.17..0.23).contains(&cv),
             "brake {mean} s, cv {cv}"
+        );
+        // Readings of whole km/h, as the paper's.
+        let above = runs
+            .iter()
+            .filter(|run| run.samples.iter().any(|s| s.speed_kmh > Some(140.0)))
+            .count();
+        assert!(
+            (0.09..0.15).contains(&(above as f64 / 670.0)),
+            "{above} of 670 runs above 140 km/h"
         );
         let cruises: Vec<f64> = facts.iter().map(|f| 3.6 * f.cruise_mps).collect();
         let (mean, _) = mean_and_cv(&cruises);
@@ -643,7 +664,7 @@ mod tests {
         );
         let named = TrainTruth::default();
         let largest = named.max_power_w / named.rotating_mass_kg();
-        for f in &facts {
+        for f in facts {
             let share = f.mean_power_50_130_w_per_kg.unwrap() / largest;
             assert!((0.7..=1.01).contains(&share), "power {share}");
             assert!(f.max_power_w_per_kg < 1.01 * largest);

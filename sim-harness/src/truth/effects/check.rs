@@ -108,7 +108,10 @@ impl Effect {
                 from_m,
                 to_m,
                 factor,
-            } => beyond(*from_m, *to_m).and(positive("factor", *factor)),
+                runs: some,
+            } => beyond(*from_m, *to_m)
+                .and(positive("factor", *factor))
+                .and(runs(some)),
             TractionScale { factor } => positive("factor", *factor),
             LowAdhesion {
                 factor,

@@ -28,6 +28,7 @@ pub fn capability(effects: &[Effect], at: Motion) -> Capability {
                 from_m,
                 to_m,
                 factor,
+                ..
             } if (from_m..=to_m).contains(&at.location_m) => {
                 left.power_cap = left.power_cap.min(factor);
             }
@@ -77,6 +78,7 @@ mod tests {
                 from_m: 0.0,
                 to_m: 3_000.0,
                 factor: 0.8,
+                runs: Affected::Share(1.0),
             },
             Effect::LowAdhesion {
                 factor: 0.5,

@@ -45,8 +45,14 @@ pub enum Effect {
     MassError { relative: f64 },
     /// Constant extra resistance after the first application of the brake.
     DraggingBrake { drag_n_per_kg: f64, runs: Affected },
-    /// Tractive power is capped in a section of the line; the front of the train counts.
-    PowerLimitSection { from_m: f64, to_m: f64, factor: f64 },
+    /// Tractive power is capped in a section of the line, in all runs unless said; the front of the train counts.
+    PowerLimitSection {
+        from_m: f64,
+        to_m: f64,
+        factor: f64,
+        #[serde(default = "all")]
+        runs: Affected,
+    },
     /// Largest effort and power are others everywhere.
     TractionScale { factor: f64 },
     /// Tractive effort is capped at low speed, on some days.
@@ -96,6 +102,10 @@ pub enum Effect {
     Frost { below_c: f64, drag_n_per_kg: f64 },
     /// Not in the catalogue: more resistance from a day on (a worn bearing); `from_share` of the period of the runs.
     DayStep { from_share: f64, drag_n_per_kg: f64 },
+}
+
+fn all() -> Affected {
+    Affected::Share(1.0)
 }
 
 impl Effect {
