@@ -15,7 +15,7 @@ pub mod chart;
 pub mod colours;
 pub mod figures;
 mod numbers;
-mod page;
+pub mod page;
 pub mod resistance;
 
 #[cfg(test)]
