@@ -382,7 +382,7 @@ impl Figure {
             (1.0 - step.log10()).ceil().clamp(0.0, 12.0) as usize
         };
         // A narrow plot has room for fewer numbers.
-        let x_labels = (12 * width as usize / WIDTH as usize).max(4);
+        let x_labels = (12 * width as usize / WIDTH as usize).max(6);
         let (x_digits, y_digits) = (digits(&x, x_labels as Real), digits(&y, y_labels as Real));
         let has_y = panel.axes != Axes::Strip;
         let x_text = |value: &Real| {

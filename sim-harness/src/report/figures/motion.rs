@@ -14,6 +14,9 @@ use std::ops::Range;
 /// Readings this much above the estimated speeds do not stretch the axis.
 const SPEED_HEADROOM: Real = 1.3;
 
+/// A truth further off than so many heights of the picture is not drawn but said.
+const TRUTH_REACH: Real = 1.0;
+
 /// Fig. 3: speed, acceleration, effort and the three coefficients with their 95 % bands.
 pub fn motion(run: &RunView, train: &Train) -> String {
     let axis = Axis::of_motion(run);
@@ -128,25 +131,33 @@ fn effort_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
         let is_speed = speed_mps.is_finite() && trusted(estimate);
         is_speed.then(|| (x, train.max_effort_n_per_kg(speed_mps.max(0.0))))
     });
+    let mut layers = Vec::new();
+    if let Some(truth) = run.truth() {
+        let points = axis.series(run.estimates, |index, _, x| {
+            Some((x, truth.effort_n_per_kg[index]))
+        });
+        layers.push(line("true", colours::TRUTH, Stroke::Solid, points));
+    }
+    layers.extend([
+        line(
+            "mean since the sample before",
+            colours::ESTIMATED,
+            Stroke::Thin,
+            values,
+        ),
+        line(
+            "largest tractive effort",
+            colours::LIMIT,
+            Stroke::Dashed,
+            limit,
+        ),
+    ]);
     Panel {
         label: "effort, N/kg".to_owned(),
         height: 260,
         y: None,
         axes: Axes::Left,
-        layers: vec![
-            line(
-                "mean since the sample before",
-                colours::ESTIMATED,
-                Stroke::Thin,
-                values,
-            ),
-            line(
-                "largest tractive effort",
-                colours::LIMIT,
-                Stroke::Dashed,
-                limit,
-            ),
-        ],
+        layers,
         empty: no_difference(run),
     }
 }
@@ -178,7 +189,9 @@ fn coefficient_panel(
     let ends = [axis.range.start, axis.range.end];
     let learned = axis.spans(run.estimates, |_, estimate| estimate.learning);
     let mut layers = Vec::new();
-    if !learned.is_empty() {
+    // Where all of the run is learning, as in the paper's mode, the background says nothing.
+    let always = run.estimates.iter().skip(1).all(|e| e.learning);
+    if !learned.is_empty() && !always {
         layers.push(Layer::Spans {
             legend: "learned".to_owned(),
             colour: colours::LEARNING,
@@ -201,10 +214,30 @@ fn coefficient_panel(
             ends.map(|x| Some((x, per_unit * stated))).to_vec(),
         ),
     ]);
+    let mut y = None;
+    if let Some(truth) = run.truth() {
+        let true_value =
+            per_unit * [truth.davis.r0, truth.davis.r1, truth.davis.r2][component - state::R0];
+        // A truth far off must not flatten what the estimate does.
+        let drawn = layers.iter().flat_map(Layer::heights);
+        let near = range_of(drawn);
+        let reach = TRUTH_REACH * (near.end - near.start);
+        let is_near = (near.start - reach..=near.end + reach).contains(&true_value);
+        let legend = match is_near {
+            true => "true".to_owned(),
+            false => format!("true {true_value:.2}, outside"),
+        };
+        let points = ends.map(|x| Some((x, true_value))).to_vec();
+        layers.push(line(&legend, colours::TRUTH, Stroke::Dotted, points));
+        if !is_near {
+            let air = 0.06 * (near.end - near.start);
+            y = Some(near.start - air..near.end + air);
+        }
+    }
     Panel {
         label: label.to_owned(),
         height: 220,
-        y: None,
+        y,
         axes: Axes::Left,
         layers,
         empty: nothing_estimated(run),

@@ -36,6 +36,14 @@ pub fn regimes(run: &RunView) -> String {
                 .map(|phase| (phase.start_location_m / 1000.0, KMH * phase.start_speed_mps))
                 .collect(),
         });
+        if let Some(truth) = run.truth() {
+            let starts = truth.starts.iter();
+            layers.push(Layer::Marks {
+                legend: "true start".to_owned(),
+                colour: colours::TRUTH,
+                points: starts.map(|(s, v)| (s / 1000.0, KMH * v)).collect(),
+            });
+        }
         layers.retain(|layer| !matches!(layer, Layer::Marks { points, .. } if points.is_empty()));
     }
     let panel = Panel {

@@ -43,6 +43,16 @@ pub fn resistance_terms(run: &RunView) -> String {
             Some((x, MILLI * estimate.gradient_n_per_kg))
         }),
     });
+    if let Some(truth) = run.truth() {
+        layers.push(Layer::Line {
+            legend: "true running resistance".to_owned(),
+            colour: colours::TRUTH,
+            stroke: Stroke::Dotted,
+            points: axis.series(run.estimates, |index, _, x| {
+                Some((x, MILLI * truth.resistance_n_per_kg[index]))
+            }),
+        });
+    }
     let panel = Panel {
         label: "resistance, 10\u{207b}\u{b3} N/kg".to_owned(),
         height: 480,
