@@ -19,6 +19,7 @@
 //! | what really happens, and what sensors make of it? | [`truth`] |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | [`study`] |
+//! | what would be the paper's best filter? | [`tune`] |
 //! | tables and runs for other tools | [`parquet`] |
 //! | the command `rundown` | [`commands`] |
 #![forbid(unsafe_code)]
@@ -47,3 +48,4 @@ pub mod toml_file;
 pub mod track_file;
 pub mod train_file;
 pub mod truth;
+pub mod tune;

@@ -237,19 +237,13 @@ fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
         "--keep-runs",
         "runs.parquet",
     ]);
-    let description = sim_harness::study::description::of(&sim_harness::study::case::case_study());
-    std::fs::write(
-        folder.path("train.toml"),
-        toml::to_string(&description.train_file).unwrap(),
-    )
-    .unwrap();
-    std::fs::write(
-        folder.path("track.toml"),
-        toml::to_string(&description.track_file).unwrap(),
-    )
-    .unwrap();
     let recorded = |runs: &str, out: &str| {
-        let files = ["--train", "train.toml", "--track", "track.toml"];
+        let files = [
+            "--train",
+            "simulated/train.toml",
+            "--track",
+            "simulated/track.toml",
+        ];
         let mut arguments = vec!["study", "--runs", runs, "--out", out];
         arguments.extend(files);
         folder.rundown(&arguments);

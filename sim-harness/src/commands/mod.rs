@@ -9,6 +9,7 @@ pub mod replay;
 mod screen;
 pub mod simulate;
 pub mod study;
+pub mod tune;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
@@ -48,6 +49,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// The paper's case study: its figures and claims on simulated or recorded runs, with the truth beside them
     Study(Box<study::Arguments>),
+    /// Tune the paper's filter by its two criteria: likelihood, and coefficients that are not negative
+    Tune(Box<tune::Arguments>),
     /// Play recorded runs to a board, real or emulated
     Link(Box<link::Arguments>),
     /// Make the record with a new key that a board is given
@@ -99,6 +102,7 @@ pub fn main() -> ExitCode {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
+        Command::Tune(arguments) => tune::run(&arguments),
         Command::Link(arguments) => link::run(&arguments),
         Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),

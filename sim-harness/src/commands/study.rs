@@ -4,7 +4,6 @@ use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::config_file;
 use crate::map_matching::CentreLine;
 use crate::parquet::RunWriter;
-use crate::run_set::RunSet;
 use crate::study::case::{RUNS_OF_A_UNIT, case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
@@ -30,7 +29,7 @@ Examples:
   The paper's 67 runs, simulated, with the truth beside every figure:
     rundown study --out study
 
-  Recorded runs, a folder of logs or one Parquet file:
+  Recorded runs, folders of logs or of Parquet files:
     rundown study --runs logs/ --train train.toml --track track.toml --out study
 
   A fleet:
@@ -44,7 +43,8 @@ Files in the output folder:
   fig*.svg, fig*.csv    each picture, and the numbers it draws
   slope_*.svg, *.csv    estimated over true deviation of the resistance; slope.csv has slopes and bounds
   claims.csv            the paper's numeric claims: reproduced or not, and why
-  runs.csv, .parquet    a row for each run: both modes and the truth";
+  runs.csv, .parquet    a row for each run: both modes and the truth
+  train.toml, track.toml  of simulated runs: what recorded ones bring with them";
 
 /// Vehicles of the slope in the report.
 const FEW_VEHICLES: usize = 30;
@@ -55,7 +55,7 @@ const SENSITIVITY_RUNS: usize = 67;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
-    /// Recorded runs: logs, folders of logs, or one Parquet file; without it the case study is simulated
+    /// Recorded runs: logs or Parquet files, or folders of them; without it the case study is simulated
     #[arg(long, value_name = "DIR", num_args = 1.., requires_all = ["train", "track"])]
     runs: Vec<PathBuf>,
     /// Description of the train of recorded runs
@@ -104,6 +104,8 @@ struct Described {
     track: Track,
     source: Source,
     words: String,
+    /// Of simulated runs: what recorded ones bring with them.
+    files: Option<(TrainFile, TrackFile)>,
 }
 
 /// What a study found.
@@ -169,16 +171,8 @@ fn described(arguments: &Arguments) -> Result<Described, Failure> {
     };
     let (train_file, train) = TrainFile::read(train).map_err(Failure::refused)?;
     let (track_file, track) = TrackFile::read(track).map_err(Failure::refused)?;
-    let source = match arguments.runs.as_slice() {
-        [file] if file.extension().is_some_and(|e| e == "parquet") => {
-            Source::parquet(file).map_err(Failure::refused)?
-        }
-        runs => {
-            let set = RunSet::find(runs).map_err(Failure::refused)?;
-            set.notes.iter().for_each(|text| screen::note(text));
-            Source::logs(set, CentreLine::new(&track_file.centre_line))
-        }
-    };
+    let line = CentreLine::new(&track_file.centre_line);
+    let source = Source::recorded(&arguments.runs, line, screen::note).map_err(Failure::refused)?;
     Ok(Described {
         train_name: train_file.name,
         track_name: track_file.name,
@@ -186,14 +180,16 @@ fn described(arguments: &Arguments) -> Result<Described, Failure> {
         track,
         source,
         words: "recorded".to_owned(),
+        files: None,
     })
 }
 
 fn simulated(scenario: Scenario, seed: u64, count: usize) -> Described {
     let of_scenario = description::of(&scenario);
     Described {
-        train_name: of_scenario.train_file.name,
-        track_name: of_scenario.track_file.name,
+        train_name: of_scenario.train_file.name.clone(),
+        track_name: of_scenario.track_file.name.clone(),
+        files: Some((of_scenario.train_file, of_scenario.track_file)),
         train: of_scenario.train,
         track: of_scenario.track,
         words: format!("simulated with seed {seed}, their truth known"),
@@ -218,6 +214,15 @@ fn study(
     let (train, track) = (described.train, described.track.clone());
     let estimators = Estimators::try_new(config, train, &track).map_err(Failure::refused)?;
     write::folder(out).map_err(Failure::not_written)?;
+    if let Some((train, track)) = &described.files {
+        for (name, text) in [
+            ("train.toml", toml::to_string(train)),
+            ("track.toml", toml::to_string(track)),
+        ] {
+            let text = text.map_err(Failure::not_written)?;
+            write::text(&out.join(name), &text).map_err(Failure::not_written)?;
+        }
+    }
     let mut runs = RunTable::begin(out).map_err(Failure::not_written)?;
     let mut kept = keep_runs.map(RunWriter::new);
     let bar = screen::progress(described.source.total());

@@ -1,4 +1,4 @@
-//! Where the runs of a study come from, chunk by chunk: simulated, folders of logs, or one Parquet file.
+//! Where the runs of a study come from, chunk by chunk: simulated, folders of logs, or Parquet files.
 
 use super::case::{Case, fleet_run};
 use crate::map_matching::CentreLine;
@@ -6,10 +6,11 @@ use crate::output::json::Failed;
 use crate::parquet::{ParquetError, RunReader};
 use crate::recording::{DirectionChoice, Recording};
 use crate::run_log::{BadRows, RunLog};
-use crate::run_set::{RunFile, RunSet};
+use crate::run_set::{RunFile, RunSet, RunSetError};
 use crate::truth::scenario::Scenario;
 use rayon::prelude::*;
-use std::path::Path;
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
 
 /// Runs that are in memory at a time.
 pub const CHUNK: usize = 256;
@@ -21,8 +22,8 @@ pub enum Source {
     Simulated(Box<Simulated>),
     /// Logs.
     Logs(Logs),
-    /// One file.
-    Parquet(Box<RunReader>),
+    /// Files, one after the other.
+    Parquet(Files),
 }
 
 /// A fleet of units, simulated as it is needed.
@@ -42,13 +43,31 @@ pub struct Logs {
     next: usize,
 }
 
+/// Parquet files, read one after the other. A unit's files must follow each other in time; a run does not go on in the next file.
+#[derive(Debug)]
+pub struct Files {
+    readers: VecDeque<RunReader>,
+    runs: usize,
+}
+
 /// Why there are no runs.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SourceError {
-    /// The file of runs is broken.
+    /// A file of runs is broken.
     #[error(transparent)]
     Parquet(#[from] ParquetError),
+    /// A folder or an index of logs cannot be read.
+    #[error(transparent)]
+    Logs(#[from] RunSetError),
+    /// A folder cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Io {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
 }
 
 impl Source {
@@ -62,21 +81,41 @@ impl Source {
         }))
     }
 
-    /// Logs that were found.
-    pub fn logs(set: RunSet, line: Option<CentreLine>) -> Self {
-        Self::Logs(Logs {
+    /// Parquet files of runs, in this order.
+    ///
+    /// # Errors
+    /// [`SourceError`] when one cannot be read.
+    pub fn parquet(paths: &[PathBuf]) -> Result<Self, SourceError> {
+        let readers = paths.iter().map(|path| RunReader::open(path));
+        let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
+        let runs = readers.iter().map(RunReader::runs).sum();
+        Ok(Self::Parquet(Files { readers, runs }))
+    }
+
+    /// Recorded runs: Parquet files, folders of them (also deeper, in the order of their paths), or else logs and folders of logs.
+    /// What a person may want to know is handed to `note`.
+    ///
+    /// # Errors
+    /// [`SourceError`] when a file or folder cannot be read.
+    pub fn recorded(
+        arguments: &[PathBuf],
+        line: Option<CentreLine>,
+        note: impl Fn(&str),
+    ) -> Result<Self, SourceError> {
+        let mut files = Vec::new();
+        for argument in arguments {
+            parquet_files(argument, &mut files)?;
+        }
+        if !files.is_empty() {
+            return Self::parquet(&files);
+        }
+        let set = RunSet::find(arguments)?;
+        set.notes.iter().for_each(|text| note(text));
+        Ok(Self::Logs(Logs {
             files: set.files,
             line,
             next: 0,
-        })
-    }
-
-    /// A Parquet file of runs.
-    ///
-    /// # Errors
-    /// [`SourceError`] when it cannot be read.
-    pub fn parquet(path: &Path) -> Result<Self, SourceError> {
-        Ok(Self::Parquet(Box::new(RunReader::open(path)?)))
+        }))
     }
 
     /// Number of runs.
@@ -84,7 +123,7 @@ impl Source {
         match self {
             Self::Simulated(simulated) => simulated.runs,
             Self::Logs(logs) => logs.files.len(),
-            Self::Parquet(reader) => reader.runs(),
+            Self::Parquet(files) => files.runs,
         }
     }
 
@@ -113,21 +152,44 @@ impl Source {
                     .map(|file| read(file, line))
                     .collect()
             }
-            Self::Parquet(reader) => {
+            Self::Parquet(files) => {
                 let mut chunk = Vec::new();
                 while chunk.len() < CHUNK
-                    && let Some(recording) = reader.next_run()?
+                    && let Some(reader) = files.readers.front_mut()
                 {
-                    chunk.push(Ok(Case {
-                        recording,
-                        truth: None,
-                    }));
+                    match reader.next_run()? {
+                        Some(recording) => chunk.push(Ok(Case {
+                            recording,
+                            truth: None,
+                        })),
+                        None => drop(files.readers.pop_front()),
+                    }
                 }
                 chunk
             }
         };
         Ok((!chunk.is_empty()).then_some(chunk))
     }
+}
+
+/// Parquet files behind an argument, folders in the order of their paths.
+fn parquet_files(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), SourceError> {
+    if path.is_dir() {
+        let failed = |source| SourceError::Io {
+            path: path.to_owned(),
+            source,
+        };
+        let entries = std::fs::read_dir(path).map_err(failed)?;
+        let entries = entries.map(|entry| entry.map(|entry| entry.path()));
+        let mut paths = entries.collect::<Result<Vec<_>, _>>().map_err(failed)?;
+        paths.sort();
+        for path in paths {
+            parquet_files(&path, files)?;
+        }
+    } else if path.extension().is_some_and(|e| e == "parquet") {
+        files.push(path.to_owned());
+    }
+    Ok(())
 }
 
 fn advance(next: &mut usize, end: usize) -> std::ops::Range<usize> {

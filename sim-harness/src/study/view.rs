@@ -18,6 +18,8 @@ pub const ATB_STEPS_KMH: [f64; 4] = [130.0, 80.0, 60.0, 40.0];
 pub const ATB_NAMES: [&str; 5] = ["above_130", "130_to_80", "80_to_60", "60_to_40", "below_40"];
 /// Speeds of the red crosses of Fig. 9, km/h.
 pub const CROSS_KMH: std::ops::RangeInclusive<f64> = 50.0..=90.0;
+/// A slower loss of speed is no braking, m/s² (section 3.2): a hold at 40 km/h between two brakes is not counted as one.
+const LEAST_BRAKE_MPS2: f64 = 0.06;
 /// Speeds at which the decelerations of coasting trains are compared, km/h.
 pub const COASTING_KMH: std::ops::RangeInclusive<f64> = 100.0..=120.0;
 /// The first acceleration is over after so many samples without traction above [`OVER_KMH`]; one may be misjudged.
@@ -113,6 +115,7 @@ impl View {
             let regime = run.regimes.get(index).copied().unwrap_or(estimate.regime);
             if regime == Regime::Brake
                 && let Some(acceleration_mps2) = estimate.acceleration_mps2
+                && -acceleration_mps2 >= LEAST_BRAKE_MPS2
             {
                 points.brake.push((3.6 * speed_mps, -acceleration_mps2));
             }
@@ -191,7 +194,9 @@ impl View {
             let is_all = |regime| before.regime == regime && now.regime == regime;
             if is_all(TrueRegime::Brake) {
                 let rate = (before.speed_mps - now.speed_mps) / dt_s;
-                points.brake.push((3.6 * speed_mps, rate));
+                if rate >= LEAST_BRAKE_MPS2 {
+                    points.brake.push((3.6 * speed_mps, rate));
+                }
             }
             if is_all(TrueRegime::Coast) && COASTING_KMH.contains(&(3.6 * speed_mps)) {
                 coasting.add((before.speed_mps - now.speed_mps) / dt_s);

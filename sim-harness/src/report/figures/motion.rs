@@ -227,7 +227,10 @@ fn coefficient_panel(
             true => "true".to_owned(),
             false => format!("true {true_value:.2}, outside"),
         };
-        let points = ends.map(|x| Some((x, true_value))).to_vec();
+        let points = match is_near {
+            true => ends.map(|x| Some((x, true_value))).to_vec(),
+            false => Vec::new(),
+        };
         layers.push(line(&legend, colours::TRUTH, Stroke::Dotted, points));
         if !is_near {
             let air = 0.06 * (near.end - near.start);
