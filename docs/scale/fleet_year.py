@@ -69,7 +69,7 @@ def main():
     split = f"""
         COPY (SELECT run, direction, time_s, location_m, speed_kmh, unit, {day} AS day
               FROM rows ORDER BY unit, run, time_s)
-        TO '{partitioned}/' STORED AS PARQUET PARTITIONED BY (unit, day)
+        TO '{partitioned}/' STORED AS PARQUET PARTITIONED BY (unit, day) OPTIONS ('format.compression' 'snappy')
     """
     timed("partition by unit and day", lambda: context.sql(split).collect())
     units = sorted(partitioned.glob("unit=*"))
