@@ -18,6 +18,9 @@
 //! | how does the host reach a board, and talk to it? | [`link`], [`session`] |
 //! | what really happens, and what sensors make of it? | [`truth`] |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
+//! | what does the paper's case study say, and is it true? | [`study`] |
+//! | what would be the paper's best filter? | [`tune`] |
+//! | tables and runs for other tools | [`parquet`] |
 //! | the command `rundown` | [`commands`] |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -31,6 +34,7 @@ pub mod gap;
 pub mod link;
 pub mod map_matching;
 pub mod output;
+pub mod parquet;
 pub mod place;
 pub mod recording;
 pub mod replay;
@@ -39,8 +43,10 @@ pub mod run_log;
 pub mod run_set;
 pub mod session;
 pub mod simulation;
+pub mod study;
 pub mod table;
 pub mod toml_file;
 pub mod track_file;
 pub mod train_file;
 pub mod truth;
+pub mod tune;

@@ -9,7 +9,7 @@
 use crate::place::Place;
 use rundown::track::Direction;
 use serde::Deserialize;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -120,9 +120,9 @@ impl RunSet {
 
     /// Logs that only the index of a folder knows.
     fn missing(&self, folder: &Path, index: &HashMap<String, IndexRow>) -> Option<String> {
-        let is_there = |name: &str| self.files.iter().any(|file| file.path == folder.join(name));
+        let there: HashSet<&Path> = self.files.iter().map(|file| file.path.as_path()).collect();
         let mut names: Vec<&str> = index.keys().map(String::as_str).collect();
-        names.retain(|name| !is_there(name));
+        names.retain(|name| !there.contains(folder.join(name).as_path()));
         names.sort_unstable();
         let (count, names) = (names.len(), names.join(", "));
         let place = folder.join(INDEX);

@@ -57,7 +57,8 @@ impl From<Option<f64>> for Cell {
 }
 
 impl Cell {
-    fn to_field(&self) -> String {
+    /// As a field of CSV.
+    pub fn to_field(&self) -> String {
         match self {
             Self::Text(text) => text.clone(),
             Self::Count(count) => count.to_string(),

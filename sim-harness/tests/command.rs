@@ -295,7 +295,7 @@ fn the_demo_says_what_it_saw_and_where_the_report_lies() {
     assert_eq!(code(&output), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     for word in [
-        "standstill",
+        "67 simulated runs",
         "final coast",
         "final brake",
         "at 60 km/h",

@@ -1,23 +1,19 @@
-//! `rundown demo`: the replay of a run that is built in, and a short table of what it says.
+//! `rundown demo`: the paper's case study, simulated, through the on-board code, and a short table of what it says.
 
-use super::replay::{Results, Setup, write};
+use super::study::{Study, of_case_study};
 use super::{Failure, screen};
-use crate::recording::{DirectionChoice, Recording};
-use crate::replay::{ReplayedRun, Tick, replay_carried};
-use crate::run_log::{BadRows, RunLog};
-use crate::run_set::RunFile;
-use crate::track_file::TrackFile;
-use crate::train_file::TrainFile;
-use rundown::config::Config;
-use rundown::estimator::Estimator;
-use rundown::features::Phase;
-use rundown::regime::Regime;
-use std::path::{Path, PathBuf};
+use crate::study::case::case_study;
+use crate::study::claims::Verdict;
+use crate::study::description;
+use rundown::resistance::Davis;
+use rundown::units::KmPerHour;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-const RUN: &str = include_str!("../../../data/reference/run01.csv");
-const TRACK: &str = include_str!("../../../data/reference/track.toml");
-const TRAIN: &str = include_str!("../../../data/reference/train.toml");
+/// Speeds of the table, km/h.
+const SPEEDS_KMH: [f64; 3] = [60.0, 100.0, 140.0];
+/// The same runs every time.
+const SEED: u64 = 1;
 
 /// Arguments of `rundown demo`.
 #[derive(Debug, clap::Args)]
@@ -27,94 +23,80 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Replays the run, writes what `rundown replay` writes, and prints the table.
+/// Simulates and replays the runs, writes what `rundown study` writes, and prints the table.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let setup = setup()?;
-    let path = Path::new("run01.csv");
-    let log = RunLog::parse(path, RUN.as_bytes(), BadRows::Refuse).map_err(Failure::refused)?;
-    let file = RunFile {
-        path: path.to_owned(),
-        name: "run01".to_owned(),
-        unit: String::new(),
-        direction: None,
-        departure_utc: None,
-    };
-    let recording =
-        Recording::new(&file, &log, None, DirectionChoice::Auto).map_err(Failure::refused)?;
-    let results = Results {
-        runs: replay_carried(&setup.estimator, &[recording], Tick::EverySample, || ()),
-        failed: Vec::new(),
-        notes: Vec::new(),
-        carried: true,
-        tick: Tick::EverySample,
-    };
-    write(&arguments.out, &setup, &results)?;
-    for run in &results.runs {
-        screen::print(&table(&setup, run));
-    }
+    let study = of_case_study(SEED, &arguments.out)?;
+    screen::print(&table(&study));
     let report = arguments.out.join("report.html");
     screen::print(&format!("\nreport: {}\n", report.display()));
     Ok(ExitCode::SUCCESS)
 }
 
-fn setup() -> Result<Setup, Failure> {
-    let (train, core_train) =
-        TrainFile::parse(Path::new("train.toml"), TRAIN).map_err(Failure::refused)?;
-    let (track, core_track) =
-        TrackFile::parse(Path::new("track.toml"), TRACK).map_err(Failure::refused)?;
-    let config = Config::default();
-    let estimator = Estimator::try_new(config, core_train, core_track).map_err(Failure::refused)?;
-    Ok(Setup {
-        config,
-        train,
-        core_train,
-        track,
-        estimator,
-    })
-}
-
-fn table(setup: &Setup, run: &ReplayedRun) -> String {
-    let features = &run.summary.features;
+fn table(study: &Study) -> String {
+    let scenario = case_study();
+    let of_vehicle = scenario.train.davis.scaled(scenario.davis_scale);
+    let truth = Davis {
+        r0: of_vehicle.r0,
+        r1: of_vehicle.r1,
+        r2: of_vehicle.r2,
+    };
+    let gathered = &study.gathered;
+    let mean = |moments: &[crate::study::moments::Moments; 3]| {
+        let [r0, r1, r2] = moments.map(|m| m.mean().unwrap_or(f64::NAN));
+        Davis { r0, r1, r2 }
+    };
+    let stated = description::of(&scenario).train.davis();
+    let paper = mean(&gathered.paper.davis);
     let mut text = format!(
-        "{} on {}, {} samples\n\n",
-        setup.train.name, setup.track.name, run.rows
+        "{} simulated runs, {} samples, through the code of the board\n\n{:19} {:>12} {:>12} {:>12}   {}\n",
+        gathered.paper.runs,
+        gathered.rows,
+        "running resistance",
+        "described",
+        "true",
+        "paper's mode",
+        "gated mode, the vehicle after the last run"
     );
-    text += "share of the time     ";
-    for (regime, share) in Regime::ALL.into_iter().zip(screen::shares(run)) {
-        text += &format!(" {regime} {:.1} % ", 100.0 * share);
-    }
-    text += &format!(
-        "\nfinal coast            {}\n",
-        phase(features.final_coast.as_ref())
-    );
-    text += &format!(
-        "final brake            {}\n\n",
-        phase(features.final_brake.as_ref())
-    );
-    text += &format!(
-        "{:22} {:32} {}\n",
-        "running resistance", "before the run", "after the run"
-    );
-    for speed_kmh in [60.0, 100.0, 140.0] {
-        let before = screen::resistance(&run.vehicle_before, speed_kmh);
-        let after = screen::resistance(&run.vehicle_after, speed_kmh);
+    for speed_kmh in SPEEDS_KMH {
+        let v = KmPerHour(speed_kmh).to_mps();
+        let of = |davis: &Davis| format!("{:.5} N/kg", davis.resistance_n_per_kg(v));
+        let gated = gathered.units.first();
         text += &format!(
-            "{:22} {before:32} {after}\n",
-            format!("  at {speed_kmh} km/h")
+            "{:19} {:>12} {:>12} {:>12}   {}\n",
+            format!("  at {speed_kmh} km/h"),
+            of(&stated),
+            of(&truth),
+            of(&paper),
+            gated.map_or_else(String::new, |(_, davis)| screen::resistance(
+                davis, speed_kmh
+            ))
         );
     }
-    text
-}
-
-fn phase(phase: Option<&Phase>) -> String {
-    let Some(phase) = phase else {
-        return "not seen".to_owned();
+    text += "\nslope of estimated on true deviation, 60/100/140 km/h, after one run (1 follows the truth, 0 does not see it)\n";
+    for answer in &study.answers {
+        let [a, b, c] = answer.slope;
+        text += &format!("  {:17} {a:.2} / {b:.2} / {c:.2}\n", answer.mode);
+    }
+    let seconds = |m: &crate::study::moments::Moments| {
+        format!(
+            "{:.0} \u{b1} {:.0} s",
+            m.mean().unwrap_or(f64::NAN),
+            m.sd().unwrap_or(f64::NAN)
+        )
     };
-    format!(
-        "from {:.2} km at {:.0} km/h, {:.0} s, {:.0} m",
-        phase.start_location_m / 1000.0,
-        3.6 * phase.start_speed_mps,
-        phase.duration_s,
-        phase.length_m
-    )
+    text += &format!(
+        "\nfinal coast         {} (true {})\nfinal brake         {} (true {})\n",
+        seconds(&gathered.gated.coast_s),
+        seconds(&gathered.truth.coast_s),
+        seconds(&gathered.gated.brake_s),
+        seconds(&gathered.truth.brake_s),
+    );
+    let count = |verdict| study.claims.iter().filter(|c| c.verdict == verdict).count();
+    text += &format!(
+        "claims of the paper {} reproduced, {} not, {} without data\n",
+        count(Verdict::Reproduced),
+        count(Verdict::Not),
+        count(Verdict::NoData)
+    );
+    text
 }

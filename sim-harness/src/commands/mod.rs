@@ -9,6 +9,8 @@ pub mod provision;
 pub mod replay;
 mod screen;
 pub mod simulate;
+pub mod study;
+pub mod tune;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::process::ExitCode;
@@ -46,13 +48,17 @@ enum Command {
     Replay(Box<replay::Arguments>),
     /// Simulate runs with known truth, and with effects that the description does not have
     Simulate(simulate::Arguments),
+    /// The paper's case study: its figures and claims on simulated or recorded runs, with the truth beside them
+    Study(Box<study::Arguments>),
+    /// Tune the paper's filter by its two criteria: likelihood, and coefficients that are not negative
+    Tune(Box<tune::Arguments>),
     /// Play recorded runs to a board, real or emulated
     Link(Box<link::Arguments>),
     /// Find which effect a model lacks, add it, and show the gap shrink
     Gap(Box<gap::Arguments>),
     /// Make the record with a new key that a board is given
     Provision(provision::Arguments),
-    /// Replay a run that is built in, and print what it says
+    /// The case study in short: simulate its 67 runs, replay them, write the report
     Demo(demo::Arguments),
     /// Print the completions of a shell
     ///
@@ -98,6 +104,8 @@ pub fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
+        Command::Tune(arguments) => tune::run(&arguments),
         Command::Link(arguments) => link::run(&arguments),
         Command::Gap(arguments) => gap::run(&arguments),
         Command::Provision(arguments) => provision::run(&arguments),

@@ -300,6 +300,7 @@ fn report<'a>(setup: &'a Setup, results: &'a Results) -> Report<'a> {
         features: &run.summary.features,
         counters: &run.summary.counters,
         warnings: &run.warnings,
+        truth: None,
     };
     let vehicle = |run: &ReplayedRun| (run.name.clone(), run.vehicle_after);
     Report {

@@ -162,6 +162,7 @@ impl Set {
                 from_m: rng.random_range(1_500.0..3_000.0),
                 to_m: rng.random_range(6_000.0..12_000.0),
                 factor: size.of([0.5, 0.65, 0.8]),
+                runs: Affected::Share(1.0),
             }],
             "traction_scale" => vec![Effect::TractionScale {
                 factor: size.of([0.75, 0.85, 0.92]),

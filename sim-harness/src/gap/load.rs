@@ -2,7 +2,6 @@
 
 use super::analysis::Surroundings;
 use super::runs::{Run, Sample};
-use crate::effect_file::day_of;
 use crate::map_matching::CentreLine;
 use crate::recording::{DirectionChoice, Recording, RecordingError};
 use crate::run_log::{BadRows, RunLog, RunLogError};
@@ -21,14 +20,6 @@ pub enum LoadError {
     /// It has no location.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// Its departure is no date.
-    #[error("{file}: expected departure_utc like 2026-01-31T06:30:00Z, found {found:?}")]
-    Departure {
-        /// The log.
-        file: String,
-        /// What stands in the index.
-        found: String,
-    },
 }
 
 /// Reads one run.
@@ -42,17 +33,6 @@ pub fn run(
 ) -> Result<(Run, Vec<String>), LoadError> {
     let log = RunLog::read(&file.path, BadRows::LeaveOut)?;
     let recording = Recording::new(file, &log, line, direction)?;
-    let day = match file
-        .departure_utc
-        .as_deref()
-        .filter(|text| !text.is_empty())
-    {
-        Some(text) => Some(day_of(text).ok_or_else(|| LoadError::Departure {
-            file: file.path.display().to_string(),
-            found: text.to_owned(),
-        })?),
-        None => None,
-    };
     let mut samples: Vec<Sample> = Vec::with_capacity(recording.rows.len());
     for (row, sample) in recording.rows.iter().zip(&log.samples) {
         let measurement = &row.measurement;
@@ -74,7 +54,7 @@ pub fn run(
     let run = Run {
         name: recording.name,
         direction: recording.direction,
-        day,
+        day: recording.day,
         samples,
     };
     Ok((run, recording.warnings))

@@ -9,6 +9,8 @@ pub const ESTIMATED: RGBColor = RGBColor(200, 16, 46);
 pub const MEASURED: RGBColor = RGBColor(0, 84, 190);
 /// The manufacturer's values (Fig. 3: blue, dashed).
 pub const MANUFACTURER: RGBColor = RGBColor(0, 84, 190);
+/// What was true, where it is known.
+pub const TRUTH: RGBColor = RGBColor(15, 125, 55);
 /// Limits of the train, dashed.
 pub const LIMIT: RGBColor = RGBColor(70, 70, 70);
 /// Where the resistance was learned: a background.

@@ -108,6 +108,7 @@ impl Example {
             features: &self.features,
             counters: &self.counters,
             warnings: &self.warnings,
+            truth: None,
         }
     }
 

@@ -14,8 +14,8 @@ mod axis;
 pub mod chart;
 pub mod colours;
 pub mod figures;
-mod numbers;
-mod page;
+pub(crate) mod numbers;
+pub mod page;
 pub mod resistance;
 
 #[cfg(test)]
@@ -26,6 +26,7 @@ use rundown::estimate::{Counters, Estimate};
 use rundown::features::{FeatureConfig, Features};
 use rundown::measurement::Measurement;
 use rundown::regime::Regime;
+use rundown::resistance::Davis;
 use rundown::state::{self, Gaussian};
 use rundown::train::Train;
 use std::ops::Range;
@@ -68,6 +69,21 @@ pub struct RunView<'a> {
     pub counters: &'a Counters,
     /// What looked wrong in the log.
     pub warnings: &'a [String],
+    /// What was true, of a simulated run.
+    pub truth: Option<&'a TruthView>,
+}
+
+/// What was true of a run, a value for each estimate; drawn where it has as many.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TruthView {
+    /// Davis coefficients of this run's train.
+    pub davis: Davis,
+    /// Mean effort since the sample before, N/kg.
+    pub effort_n_per_kg: Vec<Real>,
+    /// Running resistance, N/kg.
+    pub resistance_n_per_kg: Vec<Real>,
+    /// Location in m and speed in m/s where the final coast and the final brake began.
+    pub starts: Vec<(Real, Real)>,
 }
 
 /// Writes the page.
@@ -87,6 +103,14 @@ impl RunView<'_> {
             .copied()
             .or_else(first)
             .unwrap_or_default()
+    }
+
+    /// What was true, if there is a value for each estimate.
+    fn truth(&self) -> Option<&TruthView> {
+        let count = self.estimates.len();
+        self.truth
+            .filter(|truth| truth.effort_n_per_kg.len() == count)
+            .filter(|truth| truth.resistance_n_per_kg.len() == count)
     }
 
     /// The measurement an estimate answers.

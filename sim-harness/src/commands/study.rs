@@ -1,0 +1,369 @@
+//! `rundown study`: the paper's case study on simulated or recorded runs, and the self-test of learning.
+
+use super::{Failure, SOME_RUNS_FAILED, screen};
+use crate::config_file;
+use crate::map_matching::CentreLine;
+use crate::parquet::RunWriter;
+use crate::study::case::{RUNS_OF_A_UNIT, case_study};
+use crate::study::claims::{Claim, Verdict};
+use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
+use crate::study::gather::{Estimators, GatherError, Gathered, gather};
+use crate::study::page::{Page, page};
+use crate::study::sensitivity::sensitivity;
+use crate::study::slope::{Answer, Look, Plan};
+use crate::study::source::Source;
+use crate::study::write::RunTable;
+use crate::study::{claims, description, slope as self_test, write};
+use crate::track_file::TrackFile;
+use crate::train_file::TrainFile;
+use crate::truth::scenario::Scenario;
+use rundown::config::Config;
+use rundown::track::Track;
+use rundown::train::Train;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  The paper's 67 runs, simulated, with the truth beside every figure:
+    rundown study --out study
+
+  Recorded runs, folders of logs or of Parquet files:
+    rundown study --runs logs/ --train train.toml --track track.toml --out study
+
+  A fleet:
+    rundown study --count 10000 --out fleet
+
+  Does the estimate follow the true resistance, how closely, and how closely could it?
+    rundown study --truth-slope --out slope
+
+Files in the output folder:
+  report.html           Table 1 and Figs. 2 to 9, each with the paper's statement, our value and the truth
+  fig*.svg, fig*.csv    each picture, and the numbers it draws
+  slope_*.svg, *.csv    estimated over true deviation of the resistance; slope.csv has slopes and bounds
+  claims.csv            the paper's numeric claims: reproduced or not, and why
+  runs.csv, .parquet    a row for each run: both modes and the truth
+  train.toml, track.toml  of simulated runs: what recorded ones bring with them";
+
+/// Vehicles of the slope in the report.
+const FEW_VEHICLES: usize = 30;
+/// Runs on which larger initial deviations are tried.
+const SENSITIVITY_RUNS: usize = 67;
+
+/// Arguments of `rundown study`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
+pub struct Arguments {
+    /// Recorded runs: logs or Parquet files, or folders of them; without it the case study is simulated
+    #[arg(long, value_name = "DIR", num_args = 1.., requires_all = ["train", "track"])]
+    runs: Vec<PathBuf>,
+    /// Description of the train of recorded runs
+    #[arg(long, value_name = "T.toml", requires = "runs")]
+    train: Option<PathBuf>,
+    /// Description of the track of recorded runs
+    #[arg(long, value_name = "K.toml", requires = "runs")]
+    track: Option<PathBuf>,
+    /// Simulated runs; a unit for each 67
+    #[arg(long, value_name = "N", default_value_t = RUNS_OF_A_UNIT, conflicts_with = "runs")]
+    count: usize,
+    /// Seed of everything that is simulated
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Configuration of the estimator; what it leaves out keeps its default, its mode is not used
+    #[arg(long, value_name = "C.toml")]
+    config: Option<PathBuf>,
+    /// Name of the run of Figs. 3, 5 and 6; without it the first
+    #[arg(long, value_name = "RUN")]
+    example: Option<String>,
+    /// Folder for the results; made when it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out/study")]
+    out: PathBuf,
+    /// Also write the runs themselves, as one Parquet file that --runs takes
+    #[arg(long, value_name = "FILE.parquet")]
+    keep_runs: Option<PathBuf>,
+    /// Only the self-test of learning: vehicles with 0.7 to 1.3 of the described resistance
+    #[arg(long, conflicts_with_all = ["runs", "count", "example", "keep_runs"])]
+    truth_slope: bool,
+    /// Vehicles of the self-test
+    #[arg(long, value_name = "N", default_value_t = 25, requires = "truth_slope", value_parser = clap::value_parser!(u16).range(3..))]
+    vehicles: u16,
+    /// Runs of each vehicle of the self-test
+    #[arg(long, value_name = "N", default_value_t = 67, requires = "truth_slope", value_parser = clap::value_parser!(u16).range(1..))]
+    vehicle_runs: u16,
+    /// Print the results as JSON to stdout, and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a study needs to know of train and track.
+struct Described {
+    train_name: String,
+    track_name: String,
+    train: Train,
+    track: Track,
+    source: Source,
+    words: String,
+    /// Of simulated runs: what recorded ones bring with them.
+    files: Option<(TrainFile, TrackFile)>,
+}
+
+/// What a study found.
+pub(super) struct Study {
+    pub(super) gathered: Gathered,
+    pub(super) claims: Vec<Claim>,
+    pub(super) answers: Vec<Answer>,
+}
+
+/// Does what the arguments say.
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let config = match &arguments.config {
+        Some(path) => config_file::read(path).map_err(Failure::refused)?,
+        None => Config::default(),
+    };
+    if arguments.truth_slope {
+        return truth_slope(arguments, config);
+    }
+    let described = described(arguments)?;
+    let study = study(
+        described,
+        config,
+        arguments.seed,
+        arguments.example.as_deref(),
+        arguments.keep_runs.as_deref(),
+        &arguments.out,
+    )?;
+    for failed in study.gathered.failed.iter().take(5) {
+        screen::error(&failed.error);
+    }
+    if study.gathered.paper.runs == 0 {
+        return Err(Failure {
+            message: "no run could be used; the report says why".to_owned(),
+            code: SOME_RUNS_FAILED,
+        });
+    }
+    if arguments.json {
+        let claims: Vec<_> = claims::records(&study.claims)
+            .iter()
+            .map(crate::table::to_json)
+            .collect();
+        let json = json!({
+            "runs": study.gathered.paper.runs,
+            "failed": study.gathered.failed.len(),
+            "claims": claims,
+            "truth_slope": study.answers,
+        });
+        screen::print(&format!("{json:#}\n"));
+    } else {
+        screen::print(&table(&study));
+        let report = arguments.out.join("report.html");
+        screen::print(&format!("\nreport: {}\n", report.display()));
+    }
+    Ok(match study.gathered.failed.len() {
+        0 => ExitCode::SUCCESS,
+        _ => ExitCode::from(SOME_RUNS_FAILED),
+    })
+}
+
+fn described(arguments: &Arguments) -> Result<Described, Failure> {
+    let (Some(train), Some(track)) = (&arguments.train, &arguments.track) else {
+        return Ok(simulated(case_study(), arguments.seed, arguments.count));
+    };
+    let (train_file, train) = TrainFile::read(train).map_err(Failure::refused)?;
+    let (track_file, track) = TrackFile::read(track).map_err(Failure::refused)?;
+    let line = CentreLine::new(&track_file.centre_line);
+    let source = Source::recorded(&arguments.runs, line, screen::note).map_err(Failure::refused)?;
+    Ok(Described {
+        train_name: train_file.name,
+        track_name: track_file.name,
+        train,
+        track,
+        source,
+        words: "recorded".to_owned(),
+        files: None,
+    })
+}
+
+fn simulated(scenario: Scenario, seed: u64, count: usize) -> Described {
+    let of_scenario = description::of(&scenario);
+    Described {
+        train_name: of_scenario.train_file.name.clone(),
+        track_name: of_scenario.track_file.name.clone(),
+        files: Some((of_scenario.train_file, of_scenario.track_file)),
+        train: of_scenario.train,
+        track: of_scenario.track,
+        words: format!("simulated with seed {seed}, their truth known"),
+        source: Source::simulated(scenario, seed, count),
+    }
+}
+
+/// The simulated case study of the demo.
+pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
+    let described = simulated(case_study(), seed, RUNS_OF_A_UNIT);
+    study(described, Config::default(), seed, None, None, out)
+}
+
+fn study(
+    mut described: Described,
+    config: Config,
+    seed: u64,
+    example: Option<&str>,
+    keep_runs: Option<&Path>,
+    out: &Path,
+) -> Result<Study, Failure> {
+    let (train, track) = (described.train, described.track.clone());
+    let estimators = Estimators::try_new(config, train, &track).map_err(Failure::refused)?;
+    write::folder(out).map_err(Failure::not_written)?;
+    if let Some((train, track)) = &described.files {
+        for (name, text) in [
+            ("train.toml", toml::to_string(train)),
+            ("track.toml", toml::to_string(track)),
+        ] {
+            let text = text.map_err(Failure::not_written)?;
+            write::text(&out.join(name), &text).map_err(Failure::not_written)?;
+        }
+    }
+    let mut runs = RunTable::begin(out).map_err(Failure::not_written)?;
+    let mut kept = keep_runs.map(RunWriter::new);
+    let bar = screen::progress(described.source.total());
+    let gathered = gather(
+        &mut described.source,
+        &estimators,
+        example,
+        &mut |cases, records| {
+            if let Some(kept) = &mut kept {
+                let recordings = cases.iter().map(|case| &case.recording);
+                kept.write(recordings).map_err(std::io::Error::other)?;
+            }
+            runs.add(records)
+        },
+        |count| bar.inc(count as u64),
+    )
+    .map_err(|error| match error {
+        GatherError::Source(error) => Failure::refused(error),
+        other => Failure::not_written(other),
+    })?;
+    bar.finish_and_clear();
+    runs.end().map_err(Failure::not_written)?;
+    if let Some(kept) = kept {
+        kept.close().map_err(Failure::not_written)?;
+    }
+
+    let few: Vec<_> = gathered
+        .drawn
+        .iter()
+        .take(SENSITIVITY_RUNS)
+        .map(|run| run.recording.clone())
+        .collect();
+    let sensitivity = sensitivity(&config, train, &track, &few).map_err(Failure::refused)?;
+    let claims = claims::claims(&gathered, &train, &sensitivity);
+    // What the slope is does not depend on the runs of this study: it is asked of simulated vehicles on the paper's line.
+    let plan = Plan {
+        scenario: Scenario::default(),
+        vehicles: FEW_VEHICLES,
+        runs: 1,
+        seed,
+    };
+    let looks = self_test::look(&plan, config, || ()).map_err(Failure::refused)?;
+    let stated = description::of(&plan.scenario).train.davis();
+    let answers = self_test::answers(&plan, &looks, &stated);
+    let slopes = vec![slope::slope(&looks, 1, &stated)];
+    let pictures = pictures(&gathered, &train);
+    let text = page(&Page {
+        train: &described.train_name,
+        track: &described.track_name,
+        source: described.words,
+        gathered: &gathered,
+        pictures: &pictures,
+        slopes: &slopes,
+        answers: &answers,
+        claims: &claims,
+        sensitivity: &sensitivity,
+    });
+    let written = write::pictures(out, &pictures)
+        .and_then(|()| write::pictures(out, &slopes))
+        .and_then(|()| write::records(&out.join("claims.csv"), &claims::records(&claims)))
+        .and_then(|()| write::records(&out.join("slope.csv"), &self_test::records(&answers)))
+        .and_then(|()| write::text(&out.join("report.html"), &text));
+    written.map_err(Failure::not_written)?;
+    Ok(Study {
+        gathered,
+        claims,
+        answers,
+    })
+}
+
+fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
+    let drawn = &gathered.drawn;
+    let mut pictures = vec![profiles::profiles(drawn, gathered.paper.runs)];
+    for eyes in Eyes::BOTH {
+        let tallies = match eyes {
+            Eyes::Paper => &gathered.paper,
+            Eyes::Gated => &gathered.gated,
+        };
+        pictures.push(histograms::davis(drawn, eyes, &train.davis()));
+        pictures.push(histograms::style(drawn, eyes));
+        pictures.push(brake::brake(drawn, eyes, tallies));
+        pictures.push(power::power(drawn, eyes, train));
+        if let Some(example) = &gathered.example {
+            pictures.extend(run::pictures(example, eyes, train));
+        }
+    }
+    pictures
+}
+
+/// The claims and the slopes, in lines.
+pub(super) fn table(study: &Study) -> String {
+    let mut text = format!("{} runs\n\n", study.gathered.paper.runs);
+    for claim in &study.claims {
+        let mark = match claim.verdict {
+            Verdict::Reproduced => "yes",
+            Verdict::Not => "NO",
+            Verdict::NoData => "-",
+        };
+        text += &format!("{:4} {:4} {}\n", claim.place, mark, claim.statement);
+        text += &format!(
+            "          paper's mode: {}; gated: {}; truth: {}\n",
+            claim.paper, claim.gated, claim.truth
+        );
+    }
+    text += "\nDoes the estimate follow the truth? Simulated vehicles with 0.7 to 1.3 of the described resistance:\n";
+    text += &self_test::table(&study.answers);
+    text
+}
+
+fn truth_slope(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
+    let plan = Plan {
+        scenario: Scenario::default(),
+        vehicles: usize::from(arguments.vehicles),
+        runs: usize::from(arguments.vehicle_runs),
+        seed: arguments.seed,
+    };
+    let bar = screen::progress(plan.vehicles * plan.runs);
+    let looks: Vec<Look> =
+        self_test::look(&plan, config, || bar.inc(1)).map_err(Failure::refused)?;
+    bar.finish_and_clear();
+    let stated = description::of(&plan.scenario).train.davis();
+    let answers = self_test::answers(&plan, &looks, &stated);
+    let out = &arguments.out;
+    let stages = plan.stages();
+    let pictures: Vec<Picture> = stages
+        .iter()
+        .map(|runs| slope::slope(&looks, *runs, &stated))
+        .collect();
+    let json = json!({ "vehicles": plan.vehicles, "runs": plan.runs, "seed": plan.seed, "answers": answers });
+    let json = format!("{json:#}\n");
+    let written = write::folder(out)
+        .and_then(|()| write::pictures(out, &pictures))
+        .and_then(|()| write::records(&out.join("slope.csv"), &self_test::records(&answers)))
+        .and_then(|()| write::text(&out.join("slope.json"), &json));
+    written.map_err(Failure::not_written)?;
+    match arguments.json {
+        true => screen::print(&json),
+        false => {
+            screen::print(&self_test::table(&answers));
+            screen::print(&format!("\nresults: {}\n", out.display()));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}

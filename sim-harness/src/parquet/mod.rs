@@ -1,0 +1,60 @@
+//! Parquet: tables and runs for other tools, and runs from them.
+//!
+//! The format's own columns are written and read; nothing is held but one group of rows. [`TableWriter`] writes the same records as
+//! [`crate::table`]; [`RunReader`] reads run logs that lie in one file, with the columns of `docs/formats.md` and `run`, `unit`, `direction`.
+
+mod columns;
+mod runs;
+mod table;
+
+pub use runs::{RunReader, RunWriter};
+pub use table::TableWriter;
+
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a Parquet file cannot be read or written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ParquetError {
+    /// The file cannot be opened or made.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// It is no Parquet file, or is broken.
+    #[error("{}: {source}", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What the format's library says.
+        source: parquet::errors::ParquetError,
+    },
+    /// A column that runs need is not there, or holds something else.
+    #[error("{}: expected a column {column} of {expected}, found {found}", path.display())]
+    Column {
+        /// The file.
+        path: PathBuf,
+        /// Its name.
+        column: &'static str,
+        /// What it should hold.
+        expected: &'static str,
+        /// What it holds.
+        found: String,
+    },
+}
+
+impl ParquetError {
+    fn io(path: &Path, source: std::io::Error) -> Self {
+        let path = path.to_owned();
+        Self::Io { path, source }
+    }
+
+    fn format(path: &Path, source: parquet::errors::ParquetError) -> Self {
+        let path = path.to_owned();
+        Self::Format { path, source }
+    }
+}

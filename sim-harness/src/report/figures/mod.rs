@@ -1,0 +1,70 @@
+//! The figures: each a function from what the estimator said to a picture, inline SVG.
+//!
+//! | function | figure of the paper |
+//! |---|---|
+//! | [`motion`] | 3: speed, acceleration, effort, r0, r1, r2 |
+//! | [`resistance_terms`] | 5: stacked terms of the running resistance |
+//! | [`regimes`] | 6: the speed profile in the colours of the regimes |
+//! | [`innovations`] | - |
+//! | [`readings`] | - |
+//! | [`resistance_curve`], [`vehicle_history`] | - (what Fig. 4 shows of all runs, with its uncertainty) |
+
+mod motion;
+mod readings;
+mod regimes;
+mod resistance;
+
+pub use motion::motion;
+pub use readings::{innovations, readings};
+pub use regimes::regimes;
+pub use resistance::{resistance_curve, resistance_terms, vehicle_history};
+
+use super::RunView;
+use super::axis::Axis;
+use super::chart::{Figure, Layer, Panel, Point, Stroke};
+use plotters::style::RGBColor;
+use rundown::Real;
+use rundown::estimate::{Estimate, Validity};
+
+const KMH: Real = 3.6;
+
+/// N/kg in the unit of the figures of resistance, 10⁻³ N/kg.
+const MILLI: Real = 1e3;
+
+/// Opacity of the ±1.96 sd band.
+const BAND: Real = 0.18;
+
+/// Opacity of the background where was learned.
+const BACKGROUND: Real = 0.16;
+
+fn figure(title: String, description: &str, axis: &Axis, panels: Vec<Panel>) -> String {
+    let figure = Figure {
+        title,
+        description: description.to_owned(),
+        x_label: axis.label.to_owned(),
+        x: axis.range.clone(),
+        panels,
+    };
+    figure.to_svg()
+}
+
+fn nothing_estimated(run: &RunView) -> String {
+    match run.estimates.is_empty() {
+        true => "no estimate: the run has no usable sample".to_owned(),
+        false => "no estimate: no value is finite".to_owned(),
+    }
+}
+
+/// Not where nothing can be said: there the line is broken.
+fn trusted(estimate: &Estimate) -> bool {
+    !matches!(estimate.validity, Validity::Invalid(_))
+}
+
+fn line(legend: &str, colour: RGBColor, stroke: Stroke, points: Vec<Option<Point>>) -> Layer {
+    Layer::Line {
+        legend: legend.to_owned(),
+        colour,
+        stroke,
+        points,
+    }
+}

@@ -1,0 +1,276 @@
+//! Fig. 3: speed, acceleration, effort, r0, r1, r2 of a run.
+
+use super::super::RunView;
+use super::super::axis::Axis;
+use super::super::chart::{Axes, Layer, Panel, Stroke, range_of};
+use super::super::colours;
+use super::super::resistance::NINETY_FIVE;
+use super::{BACKGROUND, BAND, KMH, figure, line, nothing_estimated, trusted};
+use rundown::Real;
+use rundown::state;
+use rundown::train::Train;
+use std::ops::Range;
+
+/// Readings this much above the estimated speeds do not stretch the axis.
+const SPEED_HEADROOM: Real = 1.3;
+
+/// A truth further off than so many heights of the picture is not drawn but said.
+const TRUTH_REACH: Real = 1.0;
+
+/// Fig. 3: speed, acceleration, effort and the three coefficients with their 95 % bands.
+pub fn motion(run: &RunView, train: &Train) -> String {
+    let axis = Axis::of_motion(run);
+    let mut panels = vec![
+        speed_panel(run, &axis),
+        acceleration_panel(run, &axis, train),
+        effort_panel(run, &axis, train),
+    ];
+    let davis = train.davis();
+    let coefficients = [
+        (state::R0, "r0, 10\u{207b}\u{b3} N/kg", 1e3, davis.r0),
+        (
+            state::R1,
+            "r1, 10\u{207b}\u{2074} N/(kg m/s)",
+            1e4,
+            davis.r1,
+        ),
+        (
+            state::R2,
+            "r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})",
+            1e5,
+            davis.r2,
+        ),
+    ];
+    for (component, label, per_unit, stated) in coefficients {
+        panels.push(coefficient_panel(
+            run, &axis, component, label, per_unit, stated,
+        ));
+    }
+    figure(
+        format!("Motion and resistance parameters of {}", run.name),
+        "Measured and estimated speed, acceleration, applied effort and the three resistance \
+         parameters with their 95 % bands, the manufacturer's values dashed",
+        &axis,
+        panels,
+    )
+}
+
+fn speed_panel(run: &RunView, axis: &Axis) -> Panel {
+    let measured = axis.series(run.estimates, |index, _, x| {
+        Some((x, KMH * run.measurement(index)?.speed_mps?))
+    });
+    let estimated = axis.series(run.estimates, |_, estimate, x| {
+        trusted(estimate).then_some((x, KMH * estimate.belief.mean[state::SPEED]))
+    });
+    Panel {
+        label: "speed, km/h".to_owned(),
+        height: 380,
+        y: Some(speed_range(run)),
+        axes: Axes::Left,
+        layers: vec![
+            line("estimated", colours::ESTIMATED, Stroke::Solid, estimated),
+            line("measured", colours::MEASURED, Stroke::Dotted, measured),
+        ],
+        empty: nothing_estimated(run),
+    }
+}
+
+/// From 0 to a little above everything; a wild reading does not flatten the run.
+pub(super) fn speed_range(run: &RunView) -> Range<Real> {
+    let estimated_kmh = run
+        .estimates
+        .iter()
+        .map(|e| KMH * e.belief.mean[state::SPEED]);
+    let estimated_kmh = range_of(estimated_kmh).end.max(10.0);
+    let measured_kmh = run
+        .measurements
+        .iter()
+        .filter_map(|m| m.speed_mps)
+        .map(|v| KMH * v);
+    let measured_kmh = range_of(measured_kmh)
+        .end
+        .min(SPEED_HEADROOM * estimated_kmh);
+    0.0..1.06 * estimated_kmh.max(measured_kmh)
+}
+
+fn acceleration_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
+    let values = axis.series(run.estimates, |_, estimate, x| {
+        Some((x, estimate.acceleration_mps2?))
+    });
+    let limit = -train.description().max_brake_mps2;
+    let ends = [axis.range.start, axis.range.end];
+    Panel {
+        label: "acceleration, m/s\u{b2}".to_owned(),
+        height: 260,
+        y: None,
+        axes: Axes::Left,
+        layers: vec![
+            line(
+                "mean since the sample before",
+                colours::ESTIMATED,
+                Stroke::Thin,
+                values,
+            ),
+            line(
+                "largest deceleration",
+                colours::LIMIT,
+                Stroke::Dashed,
+                ends.map(|x| Some((x, limit))).to_vec(),
+            ),
+        ],
+        empty: no_difference(run),
+    }
+}
+
+fn effort_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
+    let values = axis.series(run.estimates, |_, estimate, x| {
+        Some((x, estimate.effort_n_per_kg?))
+    });
+    let limit = axis.series(run.estimates, |_, estimate, x| {
+        let speed_mps = estimate.belief.mean[state::SPEED];
+        let is_speed = speed_mps.is_finite() && trusted(estimate);
+        is_speed.then(|| (x, train.max_effort_n_per_kg(speed_mps.max(0.0))))
+    });
+    let mut layers = Vec::new();
+    if let Some(truth) = run.truth() {
+        let points = axis.series(run.estimates, |index, _, x| {
+            Some((x, truth.effort_n_per_kg[index]))
+        });
+        layers.push(line("true", colours::TRUTH, Stroke::Solid, points));
+    }
+    layers.extend([
+        line(
+            "mean since the sample before",
+            colours::ESTIMATED,
+            Stroke::Thin,
+            values,
+        ),
+        line(
+            "largest tractive effort",
+            colours::LIMIT,
+            Stroke::Dashed,
+            limit,
+        ),
+    ]);
+    Panel {
+        label: "effort, N/kg".to_owned(),
+        height: 260,
+        y: None,
+        axes: Axes::Left,
+        layers,
+        empty: no_difference(run),
+    }
+}
+
+fn no_difference(run: &RunView) -> String {
+    match run.estimates.len() {
+        0 => nothing_estimated(run),
+        1 => "no value: it takes two samples".to_owned(),
+        _ => "no value: no two samples with a speed".to_owned(),
+    }
+}
+
+fn coefficient_panel(
+    run: &RunView,
+    axis: &Axis,
+    component: usize,
+    label: &str,
+    per_unit: Real,
+    stated: Real,
+) -> Panel {
+    let mean = axis.series(run.estimates, |_, estimate, x| {
+        Some((x, per_unit * estimate.belief.mean[component]))
+    });
+    let band = axis.series(run.estimates, |_, estimate, x| {
+        let mean = per_unit * estimate.belief.mean[component];
+        let width = NINETY_FIVE * per_unit * estimate.belief.sd(component);
+        Some((x, mean - width, mean + width))
+    });
+    let ends = [axis.range.start, axis.range.end];
+    let learned = axis.spans(run.estimates, |_, estimate| estimate.learning);
+    let mut layers = Vec::new();
+    // Where all of the run is learning, as in the paper's mode, the background says nothing.
+    let always = run.estimates.iter().skip(1).all(|e| e.learning);
+    if !learned.is_empty() && !always {
+        layers.push(Layer::Spans {
+            legend: "learned".to_owned(),
+            colour: colours::LEARNING,
+            opacity: BACKGROUND,
+            spans: learned,
+        });
+    }
+    layers.extend([
+        Layer::Band {
+            legend: "95 % band".to_owned(),
+            colour: colours::ESTIMATED,
+            opacity: BAND,
+            points: band,
+        },
+        line("estimated", colours::ESTIMATED, Stroke::Solid, mean),
+        line(
+            "manufacturer",
+            colours::MANUFACTURER,
+            Stroke::Dashed,
+            ends.map(|x| Some((x, per_unit * stated))).to_vec(),
+        ),
+    ]);
+    let mut y = None;
+    if let Some(truth) = run.truth() {
+        let true_value =
+            per_unit * [truth.davis.r0, truth.davis.r1, truth.davis.r2][component - state::R0];
+        // A truth far off must not flatten what the estimate does.
+        let drawn = layers.iter().flat_map(Layer::heights);
+        let near = range_of(drawn);
+        let reach = TRUTH_REACH * (near.end - near.start);
+        let is_near = (near.start - reach..=near.end + reach).contains(&true_value);
+        let legend = match is_near {
+            true => "true".to_owned(),
+            false => format!("true {true_value:.2}, outside"),
+        };
+        let points = match is_near {
+            true => ends.map(|x| Some((x, true_value))).to_vec(),
+            false => Vec::new(),
+        };
+        layers.push(line(&legend, colours::TRUTH, Stroke::Dotted, points));
+        if !is_near {
+            let air = 0.06 * (near.end - near.start);
+            y = Some(near.start - air..near.end + air);
+        }
+    }
+    Panel {
+        label: label.to_owned(),
+        height: 220,
+        y,
+        axes: Axes::Left,
+        layers,
+        empty: nothing_estimated(run),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::example::Example;
+    use super::*;
+
+    #[test]
+    fn a_missing_speed_is_a_gap_of_the_measured_line_only() {
+        let example = Example::run();
+        let view = example.view();
+        let panel = speed_panel(&view, &Axis::of_motion(&view));
+        let gaps = |layer: &Layer| match layer {
+            Layer::Line { points, .. } => points.iter().filter(|point| point.is_none()).count(),
+            _ => 0,
+        };
+        let gaps: Vec<usize> = panel.layers.iter().map(gaps).collect();
+        assert_eq!(gaps, [0, 5]);
+    }
+
+    #[test]
+    fn a_wild_reading_does_not_flatten_the_run() {
+        let mut example = Example::run();
+        let before = speed_range(&example.view());
+        example.measurements[40].speed_mps = Some(500.0);
+        let after = speed_range(&example.view());
+        assert!(after.end < 1.31 * before.end);
+    }
+}

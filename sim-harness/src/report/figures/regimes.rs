@@ -1,0 +1,120 @@
+//! Fig. 6: the speed profile in the colours of the regimes.
+
+use super::super::axis::Axis;
+use super::super::chart::{Axes, Layer, Panel, Point};
+use super::super::colours;
+use super::super::numbers::percent;
+use super::super::{RunView, regime_shares};
+use super::motion::speed_range;
+use super::{KMH, figure, nothing_estimated, trusted};
+use plotters::style::RGBColor;
+use rundown::regime::Regime;
+use rundown::state;
+
+/// Fig. 6: the speed profile in the colours of the regimes, their shares in the legend.
+pub fn regimes(run: &RunView) -> String {
+    let axis = Axis::of_motion(run);
+    let shares = regime_shares(run);
+    let present = |regime: &Regime| (0..run.estimates.len()).any(|i| run.regime(i) == *regime);
+    let legends = Regime::ALL.into_iter().filter(present).map(|regime| {
+        let share = shares.map(|shares| shares[regime as usize]);
+        let legend = format!("{regime} {}", percent(share));
+        (legend, colours::of_regime(regime))
+    });
+    let mut layers = vec![Layer::Pieces {
+        legends: legends.collect(),
+        pieces: regime_pieces(run, &axis),
+    }];
+    if axis.is_location {
+        let starts = [&run.features.final_coast, &run.features.final_brake];
+        layers.push(Layer::Marks {
+            legend: "start of final coast, brake".to_owned(),
+            colour: RGBColor(255, 140, 0),
+            points: starts
+                .into_iter()
+                .flatten()
+                .map(|phase| (phase.start_location_m / 1000.0, KMH * phase.start_speed_mps))
+                .collect(),
+        });
+        if let Some(truth) = run.truth() {
+            let starts = truth.starts.iter();
+            layers.push(Layer::Marks {
+                legend: "true start".to_owned(),
+                colour: colours::TRUTH,
+                points: starts.map(|(s, v)| (s / 1000.0, KMH * v)).collect(),
+            });
+        }
+        layers.retain(|layer| !matches!(layer, Layer::Marks { points, .. } if points.is_empty()));
+    }
+    let panel = Panel {
+        label: "speed, km/h".to_owned(),
+        height: 420,
+        y: Some(speed_range(run)),
+        axes: Axes::Left,
+        layers,
+        empty: nothing_estimated(run),
+    };
+    figure(
+        format!("Driving regimes of {}", run.name),
+        "The estimated speed, each stretch in the colour of its driving regime",
+        &axis,
+        vec![panel],
+    )
+}
+
+/// A piece for each stretch of one regime; it begins where the one before it ended.
+fn regime_pieces(run: &RunView, axis: &Axis) -> Vec<(RGBColor, Vec<Point>)> {
+    let mut pieces: Vec<(Regime, Vec<Point>)> = Vec::new();
+    let mut last: Option<Point> = None;
+    for (index, estimate) in run.estimates.iter().enumerate() {
+        let speed_kmh = KMH * estimate.belief.mean[state::SPEED];
+        let place = axis.x[index].filter(|_| speed_kmh.is_finite() && trusted(estimate));
+        let Some(x) = place else {
+            last = None;
+            continue;
+        };
+        let last_here = last.filter(|_| !axis.has_pause_before(index));
+        let point = (x, speed_kmh);
+        let regime = run.regime(index);
+        match (pieces.last_mut(), last_here) {
+            (Some((same, points)), Some(_)) if *same == regime => points.push(point),
+            (_, last_here) => {
+                pieces.push((regime, last_here.into_iter().chain([point]).collect()));
+            }
+        }
+        last = Some(point);
+    }
+    let coloured = |(regime, points)| (colours::of_regime(regime), points);
+    pieces.into_iter().map(coloured).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::example::Example;
+    use super::*;
+
+    #[test]
+    fn each_regime_has_its_colour_and_share() {
+        let svg = regimes(&Example::run().view());
+        for regime in Regime::ALL {
+            let RGBColor(r, g, b) = colours::of_regime(regime);
+            assert!(
+                svg.contains(&format!("stroke=\"#{r:02X}{g:02X}{b:02X}\"")),
+                "{regime}"
+            );
+        }
+        assert!(svg.contains("coast 52.8\u{a0}%"));
+        assert!(!regimes(&Example::first(5).view()).contains("coast"));
+    }
+
+    #[test]
+    fn the_pieces_of_the_regimes_join() {
+        let example = Example::run();
+        let view = example.view();
+        let pieces = regime_pieces(&view, &Axis::of_motion(&view));
+        assert_eq!(pieces.len(), 6);
+        for pair in pieces.windows(2) {
+            assert_eq!(pair[0].1.last(), pair[1].1.first());
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! Running resistance: its terms along a run (Fig. 5), over speed, and of the vehicle from run to run.
+
+use super::super::RunView;
+use super::super::axis::Axis;
+use super::super::chart::{Axes, Figure, Layer, Panel, Stroke};
+use super::super::colours;
+use super::super::resistance::Resistance;
+use super::{BACKGROUND, BAND, KMH, MILLI, figure, nothing_estimated};
+use rundown::Real;
+use rundown::state::{self, Gaussian};
+use rundown::train::Train;
+use rundown::units::KmPerHour;
+use std::ops::Range;
+
+/// Fig. 5: r0, r1 v, r2 v² stacked, and the resistance of the gradient in the same scale.
+pub fn resistance_terms(run: &RunView) -> String {
+    let axis = Axis::of_motion(run);
+    let names = [
+        ("constant r0", colours::CONSTANT_TERM),
+        ("linear r1 v", colours::LINEAR_TERM),
+        ("quadratic r2 v\u{b2}", colours::QUADRATIC_TERM),
+    ];
+    let mut layers = Vec::new();
+    for (term, (legend, colour)) in names.into_iter().enumerate() {
+        let points = axis.series(run.estimates, |_, estimate, x| {
+            let speed_mps = estimate.belief.mean[state::SPEED];
+            let terms = estimate.davis().terms_n_per_kg(speed_mps);
+            let below: Real = terms.iter().take(term).sum();
+            Some((x, MILLI * below, MILLI * (below + terms[term])))
+        });
+        layers.push(Layer::Band {
+            legend: legend.to_owned(),
+            colour,
+            opacity: 1.0,
+            points,
+        });
+    }
+    layers.push(Layer::Line {
+        legend: "track gradient (right axis)".to_owned(),
+        colour: colours::GRADIENT,
+        stroke: Stroke::Thin,
+        points: axis.series(run.estimates, |_, estimate, x| {
+            Some((x, MILLI * estimate.gradient_n_per_kg))
+        }),
+    });
+    if let Some(truth) = run.truth() {
+        layers.push(Layer::Line {
+            legend: "true running resistance".to_owned(),
+            colour: colours::TRUTH,
+            stroke: Stroke::Dotted,
+            points: axis.series(run.estimates, |index, _, x| {
+                Some((x, MILLI * truth.resistance_n_per_kg[index]))
+            }),
+        });
+    }
+    let panel = Panel {
+        label: "resistance, 10\u{207b}\u{b3} N/kg".to_owned(),
+        height: 480,
+        y: None,
+        axes: Axes::Both,
+        layers,
+        empty: nothing_estimated(run),
+    };
+    figure(
+        format!("Terms of the running resistance of {}", run.name),
+        "Stacked areas of the constant, linear and quadratic term, and a line of the resistance of the gradient",
+        &axis,
+        vec![panel],
+    )
+}
+
+/// r(v) of the vehicle with its 95 % band, the manufacturer's dashed; `learned_mps` are the speeds it was learned at.
+pub fn resistance_curve(
+    vehicle: Option<&Gaussian<3>>,
+    train: &Train,
+    learned_mps: Option<Range<Real>>,
+) -> String {
+    let fastest_kmh = learned_mps.as_ref().map_or(0.0, |speeds| KMH * speeds.end);
+    let end_kmh = (20.0 * (fastest_kmh / 20.0).ceil() + 20.0).clamp(160.0, 400.0);
+    let speeds_kmh: Vec<Real> = (0..=40).map(|i| end_kmh * Real::from(i) / 40.0).collect();
+    let at =
+        |kmh: Real| vehicle.and_then(|vehicle| Resistance::at(vehicle, KmPerHour(kmh).to_mps()));
+    let band = speeds_kmh.iter().map(|&kmh| {
+        let r = at(kmh)?;
+        Some((kmh, MILLI * r.lower(), MILLI * r.upper()))
+    });
+    let mean = speeds_kmh
+        .iter()
+        .map(|&kmh| Some((kmh, MILLI * at(kmh)?.mean_n_per_kg)));
+    let stated = speeds_kmh.iter().map(|&kmh| {
+        let r = train.davis().resistance_n_per_kg(KmPerHour(kmh).to_mps());
+        Some((kmh, MILLI * r))
+    });
+    let mut layers = Vec::new();
+    if let Some(speeds) = learned_mps {
+        layers.push(Layer::Spans {
+            legend: "speeds it was learned at".to_owned(),
+            colour: colours::LEARNING,
+            opacity: BACKGROUND,
+            spans: vec![KMH * speeds.start..KMH * speeds.end],
+        });
+    }
+    layers.extend([
+        Layer::Band {
+            legend: "95 % band".to_owned(),
+            colour: colours::ESTIMATED,
+            opacity: BAND,
+            points: band.collect(),
+        },
+        Layer::Line {
+            legend: "estimated".to_owned(),
+            colour: colours::ESTIMATED,
+            stroke: Stroke::Solid,
+            points: mean.collect(),
+        },
+        Layer::Line {
+            legend: "manufacturer".to_owned(),
+            colour: colours::MANUFACTURER,
+            stroke: Stroke::Dashed,
+            points: stated.collect(),
+        },
+    ]);
+    let figure = Figure {
+        title: "Running resistance over speed".to_owned(),
+        description: "The estimated resistance with its 95 % band, the manufacturer's dashed"
+            .to_owned(),
+        x_label: "speed, km/h".to_owned(),
+        x: 0.0..end_kmh,
+        panels: vec![Panel {
+            label: "r(v), 10\u{207b}\u{b3} N/kg".to_owned(),
+            height: 520,
+            y: None,
+            axes: Axes::Left,
+            layers,
+            empty: "no estimate: no run has ended".to_owned(),
+        }],
+    };
+    figure.to_svg()
+}
+
+/// Running resistance of the vehicle at one speed after each run, with its 95 % band.
+pub fn vehicle_history(
+    vehicle: &[(String, Gaussian<3>)],
+    train: &Train,
+    speed_kmh: Real,
+) -> String {
+    let speed_mps = KmPerHour(speed_kmh).to_mps();
+    let runs: Vec<(Real, Option<Resistance>)> = vehicle
+        .iter()
+        .enumerate()
+        .map(|(index, (_, belief))| ((index + 1) as Real, Resistance::at(belief, speed_mps)))
+        .collect();
+    let ends = 0.5..vehicle.len().max(1) as Real + 0.5;
+    let stated = MILLI * train.davis().resistance_n_per_kg(speed_mps);
+    let band = |(run, r): &(Real, Option<Resistance>)| {
+        r.map(|r| (*run, MILLI * r.lower(), MILLI * r.upper()))
+    };
+    let mean = |(run, r): &(Real, Option<Resistance>)| r.map(|r| (*run, MILLI * r.mean_n_per_kg));
+    let layers = vec![
+        Layer::Band {
+            legend: "95 % band".to_owned(),
+            colour: colours::ESTIMATED,
+            opacity: BAND,
+            points: runs.iter().map(band).collect(),
+        },
+        Layer::Line {
+            legend: "vehicle after the run".to_owned(),
+            colour: colours::ESTIMATED,
+            stroke: Stroke::Solid,
+            points: runs.iter().map(mean).collect(),
+        },
+        Layer::Line {
+            legend: "manufacturer".to_owned(),
+            colour: colours::MANUFACTURER,
+            stroke: Stroke::Dashed,
+            points: vec![Some((ends.start, stated)), Some((ends.end, stated))],
+        },
+    ];
+    let figure = Figure {
+        title: format!("Resistance of the vehicle at {speed_kmh} km/h after each run"),
+        description:
+            "The estimate with its 95 % band after each run, the manufacturer's value dashed"
+                .to_owned(),
+        x_label: "run, in the order of the table".to_owned(),
+        x: ends,
+        panels: vec![Panel {
+            label: format!("r({speed_kmh} km/h), 10\u{207b}\u{b3} N/kg"),
+            height: 360,
+            y: None,
+            axes: Axes::Left,
+            layers,
+            empty: "no estimate: no run has ended".to_owned(),
+        }],
+    };
+    figure.to_svg()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::example::train;
+    use super::*;
+
+    #[test]
+    fn the_curve_shows_the_manufacturer_even_without_an_estimate() {
+        let svg = resistance_curve(None, &train(), None);
+        assert!(svg.contains("no estimate") && svg.contains("manufacturer"));
+    }
+}

@@ -1,0 +1,222 @@
+//! The page around the figures: words and tables.
+
+mod features;
+mod run;
+mod runs;
+pub mod shell;
+#[cfg(test)]
+mod tests;
+
+use super::numbers::{counted, duration, number, percent};
+use super::resistance::Resistance;
+use super::{Learned, RUNS_IN_FULL, Report, RunView, figures};
+use maud::{Markup, html};
+use run::{learning_words, run_section};
+use rundown::Real;
+use rundown::state::Gaussian;
+use rundown::train::Train;
+use rundown::units::KmPerHour;
+use runs::{others, run_table};
+use shell::{figure, signed_percent};
+
+/// Speeds at which the resistance is told, km/h.
+const SPEEDS_KMH: [Real; 3] = [60.0, 100.0, 140.0];
+
+/// Speed of the vehicle's history, km/h.
+const HISTORY_KMH: Real = 100.0;
+
+const KMH: Real = 3.6;
+
+/// The whole page.
+pub fn html(report: &Report) -> String {
+    let body = html! {
+        (summary(report))
+        (resistance(report))
+        (run_table(report))
+        @for (index, run) in report.runs.iter().take(RUNS_IN_FULL).enumerate() {
+            (run_section(index, run, report))
+        }
+        (others(report))
+        (reading_aids())
+    };
+    shell::document(&report.title, &body)
+}
+
+fn learned(report: &Report) -> Learned {
+    let runs = report.runs.iter().map(RunView::learned);
+    runs.fold(Learned::default(), |all, run| all.and(&run))
+}
+
+/// The headline in words.
+fn summary(report: &Report) -> Markup {
+    let duration_s: Real = report.runs.iter().map(RunView::duration_s).sum();
+    let distance_m: Real = report.runs.iter().map(RunView::distance_m).sum();
+    let learned = learned(report);
+    let share = percent((duration_s > 0.0).then_some(learned.time_s / duration_s));
+    html! {
+        section id="summary" aria-label="Summary" {
+            p.lead {
+                @if report.runs.is_empty() {
+                    "No run was replayed: there is nothing to tell. "
+                } @else {
+                    (counted(report.runs.len(), "run was", "runs were")) " replayed in the "
+                    strong { (report.mode) } " mode: " (number(distance_m / 1000.0, 1)) " km in "
+                    (duration(duration_s)) ". "
+                }
+                @if learned.samples > 0 {
+                    (learning_words(report)) " over " strong { (number(learned.distance_m / 1000.0, 1)) " km" }
+                    ", " (share) " of the time"
+                    @if let Some(speeds) = &learned.speeds_mps {
+                        ", at " (number(KMH * speeds.start, 0)) " to " (number(KMH * speeds.end, 0)) " km/h"
+                    }
+                    ". "
+                } @else if !report.runs.is_empty() {
+                    "Nothing was learned about the running resistance: no stretch taught it. "
+                }
+            }
+            p.lead { (verdict(report)) }
+            @if report.mode == "paper" {
+                p.note {
+                    "This is the reference mode. The effort it calculates contains the resistance it looks for, so the estimate does not follow "
+                    "the true resistance, however well the speed is tracked; its intervals are those of the filter and no measure of accuracy. "
+                    "To measure the resistance, replay in the " strong { "gated" } " mode."
+                }
+            }
+            @if report.mode == "gated" && learned.samples > 0 {
+                p.note {
+                    "Learned only while coasting was established, when the applied effort is known to be zero; "
+                    "everywhere else the resistance stays as it was."
+                }
+            }
+        }
+    }
+}
+
+/// What is known of the resistance, against what the manufacturer says.
+fn verdict(report: &Report) -> Markup {
+    let Some((name, vehicle)) = report.vehicle.last() else {
+        return html! {
+            "There is " strong { "no estimate" } " of the vehicle: no run has ended."
+        };
+    };
+    let at = |speed_kmh: Real| {
+        let speed_mps = KmPerHour(speed_kmh).to_mps();
+        let r = Resistance::at(vehicle, speed_mps)?;
+        Some((speed_kmh, r, r.against(&report.train.davis(), speed_mps)))
+    };
+    let Some(found) = SPEEDS_KMH.map(at).into_iter().collect::<Option<Vec<_>>>() else {
+        return html! {
+            "There is " strong { "no estimate" } " of the vehicle: what " (name) " left behind is not finite."
+        };
+    };
+    let words = found.iter().map(|(speed_kmh, r, against)| {
+        let side = if against.deviation < 0.0 { "below" } else { "above" };
+        format!(
+            "at {speed_kmh}\u{a0}km/h {}\u{a0}N/kg (95\u{a0}% between {} and {}), {} {side} the manufacturer's {}",
+            number(r.mean_n_per_kg, 5),
+            number(r.lower(), 5),
+            number(r.upper(), 5),
+            percent(against.deviation.abs()),
+            number(against.stated_n_per_kg, 5),
+        )
+    });
+    let words: Vec<String> = words.collect();
+    let outside = found.iter().filter(|(.., against)| !against.within);
+    let outside: Vec<String> = outside
+        .map(|(speed_kmh, ..)| speed_kmh.to_string())
+        .collect();
+    let significance = match outside.len() {
+        0 => "The manufacturer's values lie inside these intervals: no difference is proven."
+            .to_owned(),
+        n if n == found.len() => {
+            "The manufacturer's values lie outside these intervals.".to_owned()
+        }
+        _ => format!(
+            "The manufacturer's value lies outside the interval at {} km/h only.",
+            outside.join(" and ")
+        ),
+    };
+    html! {
+        "After " @if report.vehicle.len() > 1 { "the last run, " } (name)
+        ", the running resistance of the vehicle is " (words.join("; ")) ". "
+        // In the paper's mode the interval says nothing of the truth.
+        @if report.mode != "paper" { (significance) }
+    }
+}
+
+fn resistance(report: &Report) -> Markup {
+    let vehicle = report.vehicle.last().map(|(_, vehicle)| vehicle);
+    let learned = learned(report);
+    html! {
+        section id="resistance" {
+            h2 { "Running resistance of the vehicle" }
+            @if let Some(vehicle) = vehicle {
+                (resistance_table(vehicle, report.train))
+            }
+            (figure(
+                figures::resistance_curve(vehicle, report.train, learned.speeds_mps),
+                "Running resistance per rotating mass over speed, after the last run. Beyond the speeds at which it was learned the curve is the Davis equation's."
+            ))
+            @if report.vehicle.len() > 1 {
+                (figure(
+                    figures::vehicle_history(&report.vehicle, report.train, HISTORY_KMH),
+                    "Running resistance of the vehicle at 100 km/h as it stood after each run."
+                ))
+            }
+        }
+    }
+}
+
+fn resistance_table(vehicle: &Gaussian<3>, train: &Train) -> Markup {
+    let force_kn = train.rotating_mass_kg() / 1000.0;
+    html! {
+        div.wide { table {
+            thead { tr {
+                th scope="col" { "speed" br; span.unit { "km/h" } }
+                th scope="col" { "estimated" br; span.unit { "N/kg" } }
+                th scope="col" { "95 % interval" br; span.unit { "N/kg" } }
+                th scope="col" { "estimated" br; span.unit { "kN, whole train" } }
+                th scope="col" { "manufacturer" br; span.unit { "N/kg" } }
+                th scope="col" { "difference" br; span.unit { "of the manufacturer's" } }
+            } }
+            tbody {
+                @for speed_kmh in SPEEDS_KMH {
+                    @let speed_mps = KmPerHour(speed_kmh).to_mps();
+                    tr {
+                        th scope="row" { (speed_kmh) }
+                        @if let Some(r) = Resistance::at(vehicle, speed_mps) {
+                            @let against = r.against(&train.davis(), speed_mps);
+                            td { (number(r.mean_n_per_kg, 5)) }
+                            td { (number(r.lower(), 5)) " to " (number(r.upper(), 5)) }
+                            td { (number(r.mean_n_per_kg * force_kn, 2)) }
+                            td { (number(against.stated_n_per_kg, 5)) }
+                            td { (signed_percent(against.deviation)) }
+                        } @else {
+                            td colspan="5" { "no estimate: not finite" }
+                        }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+fn reading_aids() -> Markup {
+    html! {
+        section id="reading-aids" {
+            h2 { "How to read this" }
+            dl {
+                dt { "Resistance, effort" }
+                dd { "In N per kg of rotating mass (mass times rotating mass factor). Traction is positive, brake negative, uphill positive, resistance positive against travel." }
+                dt { "95 % interval, 95 % band" }
+                dd { "Mean \u{b1} 1.96 standard deviations of the estimate itself, with the correlation of r0, r1 and r2. It assumes that the model holds." }
+                dt { "Vehicle, this run's train" }
+                dd { "The vehicle is what is carried from run to run. This run's train also has the wind and load of the day; its parameters are those of the figures of a run." }
+                dt { "Gaps" }
+                dd { "A line is broken where a reading is missing, an estimate is invalid, or the recorder paused. Nothing is drawn in its place." }
+                dt { "valid, held, invalid" }
+                dd { "Held: a reading is missing or was not believed, its value is carried on from before. Invalid: too long without a believable reading." }
+            }
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! One run in full.
+
+use super::super::numbers::{counted, duration, meaning, number, percent};
+use super::super::{Report, RunView, figures};
+use super::features::feature_table;
+use super::runs::{gated, no_samples};
+use super::shell::figure;
+use maud::{Markup, html};
+use rundown::estimate::Cause;
+use rundown::ukf::Reading;
+
+pub(super) fn run_section(index: usize, run: &RunView, report: &Report) -> Markup {
+    html! {
+        section.run id=(format!("run-{}", index + 1)) {
+            h2 { (run.name) }
+            p { (run_words(run, report)) " " a href="#runs" { "Back to the table" } }
+            @if !run.warnings.is_empty() {
+                details open[run.warnings.len() <= 5] {
+                    summary { (counted(run.warnings.len(), "warning", "warnings")) " about the log" }
+                    ul { @for warning in run.warnings { li { (warning) } } }
+                }
+            }
+            @if !run.estimates.is_empty() {
+                h3 { "Driving regimes" }
+                (figure(figures::regimes(run), "Speed profile in the colours of the confirmed regimes, with their share of the time (Fig. 6 of the paper)."))
+                h3 { "Motion and resistance parameters" }
+                (figure(figures::motion(run, report.train), "Speed, acceleration, applied effort and the resistance parameters of this run's train (Fig. 3 of the paper). \
+                    Effort and acceleration are means since the sample before."))
+                h3 { "Terms of the running resistance" }
+                (figure(figures::resistance_terms(run), "The three terms of the running resistance, stacked, and the resistance of the track's gradient in the same scale (Fig. 5 of the paper)."))
+                h3 { "Innovations" }
+                (figure(figures::innovations(run), "Measured less expected. A consistent filter has about 95 % of them inside the band."))
+                (missing_innovations(run))
+                (readings(run))
+            }
+            h3 { "Features" }
+            (feature_table(run.features, report.train, &report.features))
+        }
+    }
+}
+
+/// What happened to the resistance where `learning` is set. The paper's filter corrects it all along and learns nothing of the truth.
+pub(super) fn learning_words(report: &Report) -> &'static str {
+    match report.mode {
+        "paper" => "The filter corrected r0, r1 and r2",
+        _ => "The running resistance was learned",
+    }
+}
+
+fn run_words(run: &RunView, report: &Report) -> String {
+    if run.estimates.is_empty() {
+        return format!("There is {}.", no_samples(run));
+    }
+    let learned = run.learned();
+    let duration_s = run.duration_s();
+    let mut words = format!(
+        "{} over {} km in {}.",
+        counted(run.estimates.len(), "sample", "samples"),
+        number(run.distance_m() / 1000.0, 2),
+        duration(duration_s),
+    );
+    if learned.samples > 0 {
+        words += &format!(
+            " {} over {} km, {} of the time.",
+            learning_words(report),
+            number(learned.distance_m / 1000.0, 1),
+            percent((duration_s > 0.0).then_some(learned.time_s / duration_s)),
+        );
+    } else {
+        words += " Nothing was learned about the resistance in this run.";
+    }
+    if super::super::axis::Axis::of_motion(run).runs_backward() {
+        words += " The train ran towards smaller locations: figures over location read from right to left.";
+    }
+    words
+}
+
+/// Why samples have no innovation.
+fn missing_innovations(run: &RunView) -> Markup {
+    let mut first = 0;
+    let mut unread = 0;
+    let mut anew = 0;
+    for (index, estimate) in run.estimates.iter().enumerate() {
+        let readings = estimate.innovation.map(|innovation| innovation.readings);
+        match readings {
+            None if index == 0 => first += 1,
+            None if estimate.validity.cause().is_some() => unread += 1,
+            None => anew += 1,
+            Some(readings) if readings.contains(&Reading::Missing) => unread += 1,
+            Some(_) => (),
+        }
+    }
+    let reasons = [
+        (
+            first,
+            "is the first, of which nothing was expected",
+            "are the first",
+        ),
+        (
+            unread,
+            "lacks a reading that could be used",
+            "lack a reading that could be used",
+        ),
+        (
+            anew,
+            "begins anew from the measurement, so nothing was expected of it",
+            "begin anew from the measurement, so nothing was expected of them",
+        ),
+    ];
+    let mut told = reasons
+        .into_iter()
+        .filter(|(count, ..)| *count > 0)
+        .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }));
+    let Some(start) = told.next() else {
+        return html! {};
+    };
+    let told = told.fold(start, |all, next| format!("{all}; {next}"));
+    html! { p.small { "Gaps, of " (counted(run.estimates.len(), "sample", "samples")) ": " (told) "." } }
+}
+
+fn readings(run: &RunView) -> Markup {
+    let causes: Vec<(Cause, u32)> = run
+        .counters
+        .iter()
+        .filter(|(_, count)| *count > 0)
+        .collect();
+    let dropped = run.counters.time_not_increasing;
+    let gated = gated(run);
+    let has_doubts = run
+        .estimates
+        .iter()
+        .any(|estimate| estimate.validity.cause().is_some());
+    html! {
+        h3 { "Use of the readings" }
+        @if causes.is_empty() && dropped == 0 && gated == 0 && !has_doubts {
+            p { "Every reading was there and was used." }
+        }
+        (figure(figures::readings(run), "Over time: validity of the estimate, where the resistance was learned, the regime, and each cause for which a reading was not used."))
+        @if !causes.is_empty() || dropped > 0 || gated > 0 {
+            div.wide { table {
+                thead { tr { th scope="col" { "cause" } th scope="col" { "samples" } th.text scope="col" { "meaning" } } }
+                tbody {
+                    @for (cause, count) in causes {
+                        tr { th scope="row" { (cause.as_str()) } td { (count) } td.text { (meaning(cause)) } }
+                    }
+                    @if dropped > 0 {
+                        tr { th scope="row" { "time_not_increasing" } td { (dropped) } td.text { "the time did not increase: the sample was dropped" } }
+                    }
+                    @if gated > 0 {
+                        tr { th scope="row" { "gated" } td { (gated) } td.text { "the reading lay too far from what was expected to move the estimate" } }
+                    }
+                }
+            } }
+        }
+    }
+}

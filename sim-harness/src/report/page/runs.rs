@@ -1,0 +1,137 @@
+//! The table of all runs, and which of them have figures.
+
+use super::super::numbers::{counted, number};
+use super::super::{RUNS_IN_FULL, Report, RunView, regime_shares};
+use super::KMH;
+use super::shell::swatch;
+use maud::{Markup, html};
+use rundown::Real;
+use rundown::regime::Regime;
+use rundown::ukf::Reading;
+
+pub(super) fn run_table(report: &Report) -> Markup {
+    let force_kn = report.train.rotating_mass_kg() / 1000.0;
+    html! {
+        section id="runs" {
+            h2 { "Runs" }
+            @if report.runs.is_empty() {
+                p { "No run." }
+            } @else {
+                div.wide { table.runs {
+                    thead {
+                        tr {
+                            th rowspan="2" scope="col" { "run" }
+                            th rowspan="2" scope="col" { "time" br; span.unit { "min" } }
+                            th rowspan="2" scope="col" { "distance" br; span.unit { "km" } }
+                            th rowspan="2" scope="col" { "cruise speed" br; span.unit { "km/h" } }
+                            th colspan="2" scope="colgroup" { "final coast" }
+                            th colspan="2" scope="colgroup" { "final brake" }
+                            th rowspan="2" scope="col" { "power" br; span.unit { "kW" } }
+                            th colspan="5" scope="colgroup" { "share of the time, %" }
+                            th rowspan="2" scope="col" { "learned" br; span.unit { "km" } }
+                            th rowspan="2" scope="col" { "not used" br; span.unit { "readings" } }
+                        }
+                        tr {
+                            @for _ in 0..2 {
+                                th scope="col" { "from" br; span.unit { "km" } }
+                                th scope="col" { "for" br; span.unit { "s" } }
+                            }
+                            @for regime in Regime::ALL {
+                                th scope="col" { (swatch(regime)) (regime.as_str()) }
+                            }
+                        }
+                    }
+                    tbody {
+                        @for (index, run) in report.runs.iter().enumerate() {
+                            (run_row(index, run, force_kn))
+                        }
+                    }
+                } }
+                p.small {
+                    "Power is the mean while accelerating, at the wheel, with the rotating mass of the train file. "
+                    "A dash stands where a run did not show the feature."
+                }
+            }
+        }
+    }
+}
+
+fn run_row(index: usize, run: &RunView, force_kn: Real) -> Markup {
+    let features = run.features;
+    let coast = features.final_coast.as_ref();
+    let brake = features.final_brake.as_ref();
+    let power = &features.power_w_per_kg;
+    let shares = regime_shares(run);
+    html! {
+        tr {
+            th scope="row" {
+                @if index < RUNS_IN_FULL { a href=(format!("#run-{}", index + 1)) { (run.name) } }
+                @else { (run.name) }
+            }
+            @if run.estimates.is_empty() {
+                td colspan="14" { (no_samples(run)) }
+            } @else {
+                td { (number(run.duration_s() / 60.0, 1)) }
+                td { (number(run.distance_m() / 1000.0, 2)) }
+                td { (number(features.cruise_speed_median_mps.map(|v| KMH * v), 1)) }
+                @for phase in [coast, brake] {
+                    td { (number(phase.map(|p| p.start_location_m / 1000.0), 2)) }
+                    td { (number(phase.map(|p| p.duration_s), 0)) }
+                }
+                td { (number((power.count > 0).then_some(power.mean * force_kn), 0)) }
+                @for regime in Regime::ALL {
+                    td { (number(shares.map(|shares| 100.0 * shares[regime as usize]), 1)) }
+                }
+                td { (number(run.learned().distance_m / 1000.0, 1)) }
+                td { (not_used(run)) }
+            }
+        }
+    }
+}
+
+pub(super) fn no_samples(run: &RunView) -> String {
+    let dropped = run.counters.time_not_increasing;
+    match dropped {
+        0 => "no estimate: the run has no usable sample".to_owned(),
+        _ => format!(
+            "no estimate: all {dropped} samples were dropped because their time does not increase"
+        ),
+    }
+}
+
+/// Readings that were missing, not believed or outside the gate, and samples that were dropped.
+fn not_used(run: &RunView) -> u64 {
+    let of_causes: u64 = run.counters.iter().map(|(_, count)| u64::from(count)).sum();
+    of_causes + u64::from(run.counters.time_not_increasing) + gated(run) as u64
+}
+
+/// Readings that the filter left out because they lay outside the gate.
+pub(super) fn gated(run: &RunView) -> usize {
+    let innovations = run
+        .estimates
+        .iter()
+        .filter_map(|estimate| estimate.innovation);
+    let gated = innovations.map(|innovation| {
+        let is_gated = |reading: &&Reading| **reading == Reading::Gated;
+        innovation.readings.iter().filter(is_gated).count()
+    });
+    gated.sum()
+}
+
+/// Where the runs without figures are.
+pub(super) fn others(report: &Report) -> Markup {
+    let others = report.runs.get(RUNS_IN_FULL..).unwrap_or_default();
+    html! {
+        @if let Some(first) = others.first() {
+            section id="others" {
+                h2 { "The other runs" }
+                p {
+                    "The first " (RUNS_IN_FULL) " of " (report.runs.len()) " runs are shown in full. The " (counted(others.len(), "other", "others")) ", from "
+                    (first.name) " on, are in the table of runs, in " code { "features.csv" } ", " code { "parameters.csv" } " and one "
+                    code { ".estimates.csv" } " each. For their figures replay them on their own, " code { "rundown replay ... " (first.name) ".csv" }
+                    ". Replayed on its own a run begins with the manufacturer's values and not with what the runs before it taught."
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! What no page may hold, and what every page must.
+
+use super::super::example::{Example, report, train};
+use super::*;
+use rundown::Real;
+use rundown::features::FeatureConfig;
+use rundown::state::{self, Gaussian};
+
+/// What no page may hold, whatever the runs were.
+fn check(page: &str) {
+    for word in ["NaN", "inf ", ">inf<", "http", "<script", "url(", "@import"] {
+        assert!(!page.contains(word), "{word}");
+    }
+    for tag in [
+        "section", "figure", "table", "svg", "tr", "td", "div", "details",
+    ] {
+        let (open, close) = (format!("<{tag}"), format!("</{tag}>"));
+        let begins = |at: usize| !page[at + open.len()..].starts_with(char::is_alphanumeric);
+        let opened = page
+            .match_indices(&open)
+            .filter(|(at, _)| begins(*at))
+            .count();
+        assert_eq!(opened, page.matches(&close).count(), "{tag}");
+    }
+}
+
+fn of(runs: &[Example]) -> String {
+    let page = html(&report(runs, &train()));
+    check(&page);
+    page
+}
+
+#[test]
+fn every_section_is_there_and_linked() {
+    let mut second = Example::run();
+    second.name = "run02".to_owned();
+    let page = of(&[Example::run(), second]);
+    for id in [
+        "summary",
+        "resistance",
+        "runs",
+        "run-1",
+        "run-2",
+        "reading-aids",
+    ] {
+        assert!(page.contains(&format!("id=\"{id}\"")), "{id}");
+    }
+    assert!(page.contains("href=\"#run-2\""));
+    assert!(!page.contains("id=\"others\""));
+    for heading in [
+        "Driving regimes",
+        "Motion and resistance parameters",
+        "Terms of the running resistance",
+        "Innovations",
+        "Use of the readings",
+        "Features",
+    ] {
+        assert_eq!(
+            page.matches(&format!("<h3>{heading}</h3>")).count(),
+            2,
+            "{heading}"
+        );
+    }
+    assert_eq!(page.matches("<svg").count(), 2 + 2 * 5);
+    assert!(page.contains("lack a reading that could be used"));
+    assert!(page.contains("the speed was not sent"));
+}
+
+#[test]
+fn the_headline_says_what_was_learned() {
+    let page = of(&[Example::run()]);
+    assert!(page.contains("1 run was replayed"));
+    // r(100 km/h) = 7.1e-3 + 1.5e-4 * 27.78 + 2.7e-5 * 27.78² = 0.03210, stated 0.03343.
+    assert!(page.contains("at 100\u{a0}km/h 0.03210\u{a0}N/kg"));
+    assert!(page.contains("4.0\u{a0}% below the manufacturer's 0.03343"));
+    assert!(page.contains("of the time, at 80 to 130 km/h"));
+}
+
+#[test]
+fn without_a_run_there_is_no_estimate() {
+    let page = of(&[]);
+    assert!(page.contains("No run was replayed"));
+    assert!(page.contains("no estimate"));
+}
+
+#[test]
+fn an_empty_run_says_why() {
+    let mut dropped = Example::empty();
+    dropped.counters.time_not_increasing = 7;
+    let page = of(&[Example::empty(), dropped]);
+    assert!(page.contains("no estimate: the run has no usable sample"));
+    assert!(page.contains("all 7 samples were dropped"));
+}
+
+#[test]
+fn one_or_two_samples_are_a_page_too() {
+    for count in [1, 2] {
+        let page = of(&[Example::first(count)]);
+        let word = if count == 1 {
+            "1 sample over"
+        } else {
+            "2 samples over"
+        };
+        assert!(page.contains(word));
+    }
+    assert!(of(&[Example::first(1)]).contains("no value: it takes two samples"));
+    of(&[Example::standing()]);
+}
+
+#[test]
+fn numbers_that_are_not_finite_leave_gaps() {
+    let nan = Real::NAN;
+    let mut run = Example::run();
+    for estimate in run.estimates.iter_mut().skip(20).step_by(7) {
+        estimate.belief.mean[state::SPEED] = nan;
+        estimate.belief.covariance[(state::R1, state::R1)] = Real::INFINITY;
+        estimate.effort_n_per_kg = Some(nan);
+        estimate.gradient_n_per_kg = nan;
+    }
+    for estimate in run.estimates.iter_mut().skip(40).step_by(11) {
+        estimate.belief.mean[state::LOCATION] = nan;
+        estimate.time_s = nan;
+        estimate.dt_s = nan;
+    }
+    run.features.power_w_per_kg.mean = nan;
+    run.features.regime_time_s[0] = nan;
+    of(&[run.clone()]);
+    for estimate in &mut run.estimates {
+        estimate.belief.mean.fill(nan);
+        estimate.belief.covariance.fill(nan);
+        estimate.time_s = nan;
+    }
+    let page = of(&[run]);
+    assert!(page.contains("no estimate: no value is finite"));
+    let mut report_of_nan = report(&[], &train()).vehicle;
+    report_of_nan.push((
+        "run01".to_owned(),
+        Gaussian::independent([nan; 3], [1.0; 3]),
+    ));
+    let page = html(&Report {
+        title: String::new(),
+        train: &train(),
+        runs: Vec::new(),
+        mode: "gated",
+        features: FeatureConfig::default(),
+        vehicle: report_of_nan,
+    });
+    check(&page);
+    assert!(page.contains("left behind is not finite"));
+}
+
+#[test]
+fn windows_are_those_of_the_configuration() {
+    let (train, runs) = (train(), [Example::run()]);
+    let config = FeatureConfig {
+        effort_window_kmh: [5.0, 35.0],
+        power_window_kmh: [45.0, 100.0],
+        max_power_window_kmh: [60.5, 95.0],
+        brake_steps_kmh: [160.0, 120.0, 90.0, 45.0],
+        ..FeatureConfig::default()
+    };
+    let mut report = report(&runs, &train);
+    let paper = [
+        "10 to 30 km/h",
+        "50 to 130 km/h",
+        "50 to 90 km/h",
+        "above 130 km/h",
+        "80 to 60 km/h",
+    ];
+    let own = [
+        "5 to 35 km/h",
+        "45 to 100 km/h",
+        "60.5 to 95 km/h",
+        "above 160 km/h",
+        "120 to 90 km/h",
+    ];
+    let page = html(&report);
+    assert!(
+        paper
+            .iter()
+            .all(|label| page.contains(&format!(", {label}<")))
+    );
+    report.features = config;
+    let page = html(&report);
+    assert!(
+        own.iter()
+            .all(|label| page.contains(&format!(", {label}<")))
+    );
+    assert!(
+        !paper
+            .iter()
+            .any(|label| page.contains(&format!(", {label}<")))
+    );
+}
+
+#[test]
+fn names_and_warnings_are_escaped() {
+    let mut run = Example::run();
+    run.name = "<script>alert('x')</script> & \"co\"".to_owned();
+    run.warnings.push("line 3: <b>bold</b>".to_owned());
+    let page = of(&[run]);
+    assert!(page.contains("&lt;script&gt;"));
+    assert!(!page.contains("<b>bold"));
+}
+
+#[test]
+fn beyond_the_first_runs_it_says_where_the_others_are() {
+    let runs: Vec<Example> = (1..=RUNS_IN_FULL + 2)
+        .map(|index| Example {
+            name: format!("run{index:02}"),
+            ..Example::first(3)
+        })
+        .collect();
+    let page = of(&runs);
+    assert!(page.contains("id=\"others\"") && page.contains("rundown replay ... run13.csv"));
+    assert!(page.contains("id=\"run-12\"") && !page.contains("id=\"run-13\""));
+    assert!(!page.contains("href=\"#run-13\""));
+    assert_eq!(page.matches(">run14<").count(), 1, "the table has it");
+}
+
+#[test]
+fn the_reference_mode_warns() {
+    let train = train();
+    let runs = [Example::run()];
+    let mut report = report(&runs, &train);
+    assert!(!html(&report).contains("reference mode"));
+    assert!(html(&report).contains("resistance was learned over"));
+    report.mode = "paper";
+    let page = html(&report);
+    assert!(
+        page.contains("does not follow")
+            && page.contains("The filter corrected r0, r1 and r2 over")
+    );
+    assert!(!page.contains("resistance was learned over"));
+}

@@ -1,0 +1,126 @@
+//! One run of the study: what the estimator gets and, of a simulated run, what was true.
+
+use crate::recording::{Recording, Row};
+use crate::truth::facts::Facts;
+use crate::truth::scenario::{Run, Scenario, run_seed, simulate};
+use crate::truth::sensors::{Sample, TruthSample};
+use rundown::measurement::Measurement;
+use rundown::track::Direction;
+use rundown::units::KmPerHour;
+use std::path::PathBuf;
+
+/// Runs of one simulated unit, as many as the paper has.
+pub const RUNS_OF_A_UNIT: usize = 67;
+/// A further unit's resistance is this share above or below the first one's, at most.
+const UNIT_SPREAD: f64 = 0.15;
+
+/// One run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// What the estimator gets.
+    pub recording: Recording,
+    /// What was true, row by row as the recording.
+    pub truth: Option<CaseTruth>,
+}
+
+/// The truth of a simulated run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseTruth {
+    /// A row for each row of the recording.
+    pub samples: Vec<TruthSample>,
+    /// The run as a whole.
+    pub facts: Facts,
+}
+
+impl Case {
+    /// Of a simulated run.
+    pub fn simulated(name: String, unit: String, run: Run) -> Self {
+        let row = |(index, sample): (usize, &Sample)| Row {
+            // The line it would have in a log, behind the header.
+            line: index as u64 + 2,
+            measurement: Measurement {
+                time_s: sample.time_s,
+                location_m: sample.location_m,
+                speed_mps: sample.speed_kmh.map(|kmh| KmPerHour(kmh).to_mps()),
+                effort_n_per_kg: Some(sample.effort_n_per_kg),
+            },
+            temperature_c: Some(sample.temperature_c),
+        };
+        Self {
+            recording: Recording {
+                path: PathBuf::from(format!("{name}.csv")),
+                name,
+                unit,
+                direction: Direction::Up,
+                day: None,
+                rows: run.samples.iter().enumerate().map(row).collect(),
+                warnings: Vec::new(),
+            },
+            truth: Some(CaseTruth {
+                samples: run.truth,
+                facts: run.facts,
+            }),
+        }
+    }
+}
+
+/// The paper's 67 runs, simulated: one unit with 8 % less resistance than its manufacturer says, wind of 2 m/s and load of 3 % standard deviation
+/// from run to run.
+pub fn case_study() -> Scenario {
+    Scenario {
+        davis_scale: [0.92; 3],
+        wind_sd_mps: 2.0,
+        load_sd: 0.03,
+        ..Scenario::default()
+    }
+}
+
+/// Run `index` of a simulated fleet: units of [`RUNS_OF_A_UNIT`] runs, the first one as the scenario says, each other with a resistance of its own.
+pub fn fleet_run(scenario: &Scenario, seed: u64, index: usize) -> Case {
+    let (unit, run) = (index / RUNS_OF_A_UNIT, index % RUNS_OF_A_UNIT);
+    let unit_seed = seed.wrapping_add(1_000_003 * unit as u64);
+    // Low-discrepancy: every share of a fleet has units from all over the range.
+    let place = (0.5 + unit as f64 * 0.618_033_988_749_894_9).fract();
+    let factor = 1.0 + UNIT_SPREAD * (2.0 * place - 1.0);
+    let of_unit = Scenario {
+        davis_scale: scenario.davis_scale.map(|scale| scale * factor),
+        ..scenario.clone()
+    };
+    Case::simulated(
+        format!("unit{:03}_run{:02}", unit + 1, run + 1),
+        format!("unit{:03}", unit + 1),
+        simulate(&of_unit, run_seed(unit_seed, run)),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_unit_is_the_scenario_and_the_next_differs() {
+        let scenario = Scenario {
+            davis_scale: [0.9; 3],
+            ..Scenario::default()
+        };
+        let r0 = |index| {
+            let truth = fleet_run(&scenario, 3, index).truth.unwrap();
+            truth.facts.davis.r0 / scenario.train.davis.r0
+        };
+        assert!((r0(0) - 0.9).abs() < 1e-12);
+        assert_eq!(r0(1), r0(0));
+        let other = r0(RUNS_OF_A_UNIT);
+        assert!((other - 0.9).abs() > 0.01 && (other / 0.9 - 1.0).abs() <= UNIT_SPREAD);
+    }
+
+    #[test]
+    fn rows_and_truth_are_the_same_times() {
+        let case = fleet_run(&case_study(), 1, 5);
+        let truth = case.truth.unwrap();
+        assert_eq!(case.recording.rows.len(), truth.samples.len());
+        for (row, sample) in case.recording.rows.iter().zip(&truth.samples) {
+            assert_eq!(row.measurement.time_s, sample.time_s);
+        }
+        assert_eq!(case.recording.name, "unit001_run06");
+    }
+}

@@ -1,0 +1,208 @@
+//! What section 4 claims in numbers, and whether these runs say the same.
+//!
+//! Each claim has the criterion by which it counts as reproduced, set before looking: a shape where the paper describes one, else a margin about
+//! the paper's number that 67 runs justify. The verdict is that on the paper's mode; the gated mode and the truth stand beside it.
+
+mod driving;
+mod resistance;
+
+use super::gather::Gathered;
+use super::moments::Moments;
+use super::sensitivity::Sensitivity;
+use super::tallies::Tallies;
+use crate::report::numbers::{NOTHING, number};
+use crate::table::{Cell, Record};
+use rundown::train::Train;
+
+/// A claim and what came of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Claim {
+    /// Figure or section of the paper: `2` to `9`, or `4.2`.
+    pub place: &'static str,
+    /// What the paper says.
+    pub statement: &'static str,
+    /// The paper's mode on these runs.
+    pub paper: String,
+    /// The gated mode on these runs.
+    pub gated: String,
+    /// What is true, where it is known.
+    pub truth: String,
+    /// Whether it is reproduced.
+    pub verdict: Verdict,
+    /// By which criterion, or why not.
+    pub why: String,
+}
+
+/// Whether a claim is reproduced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The criterion holds.
+    Reproduced,
+    /// It does not.
+    Not,
+    /// These runs have nothing to judge it by.
+    NoData,
+}
+
+impl Verdict {
+    /// The word in tables.
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Reproduced => "reproduced",
+            Self::Not => "not reproduced",
+            Self::NoData => "no data",
+        }
+    }
+
+    fn of(holds: Option<bool>) -> Self {
+        match holds {
+            Some(true) => Self::Reproduced,
+            Some(false) => Self::Not,
+            None => Self::NoData,
+        }
+    }
+}
+
+/// All claims, in the order of the paper.
+pub fn claims(gathered: &Gathered, train: &Train, sensitivity: &[Sensitivity]) -> Vec<Claim> {
+    let mut claims = driving::setting(train);
+    claims.extend(driving::profiles(gathered));
+    claims.extend(resistance::one_run(gathered, train));
+    claims.extend(resistance::all_runs(gathered, train));
+    claims.extend(resistance::terms(gathered, train));
+    claims.extend(resistance::initial(sensitivity));
+    claims.extend(driving::regimes(gathered));
+    claims.extend(driving::style(gathered));
+    claims.extend(driving::brake(gathered));
+    claims.extend(driving::power(gathered, train));
+    claims
+}
+
+/// A row for each claim.
+pub fn records(claims: &[Claim]) -> Vec<Record> {
+    let row = |claim: &Claim| {
+        [
+            ("place", claim.place),
+            ("statement", claim.statement),
+            ("paper_mode", &claim.paper),
+            ("gated_mode", &claim.gated),
+            ("truth", &claim.truth),
+            ("verdict", claim.verdict.as_str()),
+            ("why", &claim.why),
+        ]
+        .map(|(name, text)| (name.to_owned(), Cell::from(text)))
+        .to_vec()
+    };
+    claims.iter().map(row).collect()
+}
+
+/// Three columns of one quantity: paper's mode, gated mode, truth.
+fn three(gathered: &Gathered, of: impl Fn(&Tallies) -> Option<String>) -> [String; 3] {
+    let nothing = || NOTHING.to_owned();
+    let truth = (gathered.truth.runs > 0).then(|| of(&gathered.truth));
+    [
+        of(&gathered.paper).unwrap_or_else(nothing),
+        of(&gathered.gated).unwrap_or_else(nothing),
+        truth.flatten().unwrap_or_else(nothing),
+    ]
+}
+
+/// Within so much of a number.
+fn near(found: Option<f64>, wanted: f64, margin: f64) -> Option<bool> {
+    found.map(|found| (found - wanted).abs() <= margin)
+}
+
+fn percent(share: Option<f64>) -> Option<String> {
+    share.map(|share| format!("{}\u{a0}%", number(100.0 * share, 1)))
+}
+
+fn mean(moments: &Moments, decimals: usize) -> Option<String> {
+    moments.mean().map(|mean| number(mean, decimals))
+}
+
+fn from_to(moments: &Moments, per_unit: f64, decimals: usize) -> Option<String> {
+    (moments.count > 0).then(|| {
+        let end = |value: f64| number(value / per_unit, decimals);
+        format!("{} to {}", end(moments.least), end(moments.largest))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::case::case_study;
+    use crate::study::description;
+
+    fn train() -> Train {
+        description::of(&case_study()).train
+    }
+
+    fn verdict(claims: &[Claim], needle: &str) -> Verdict {
+        let claim = claims.iter().find(|c| c.statement.contains(needle));
+        claim
+            .unwrap_or_else(|| panic!("no claim on {needle}"))
+            .verdict
+    }
+
+    #[test]
+    fn without_runs_nothing_is_reproduced_but_what_the_description_says() {
+        let claims = claims(&Gathered::default(), &train(), &[]);
+        assert!(claims.len() > 20, "{}", claims.len());
+        for claim in claims.iter().filter(|claim| claim.place != "4.1") {
+            assert_ne!(claim.verdict, Verdict::Reproduced, "{}", claim.statement);
+        }
+        assert_eq!(verdict(&claims, "38 km/h"), Verdict::Reproduced);
+    }
+
+    #[test]
+    fn a_coefficient_of_variation_is_judged_by_its_margin() {
+        let of = |coasts_s: [f64; 3]| {
+            let mut gathered = Gathered::default();
+            gathered.paper.runs = 3;
+            for coast_s in coasts_s {
+                gathered.paper.coast_s.add(coast_s);
+            }
+            verdict(
+                &claims(&gathered, &train(), &[]),
+                "lengths of the final coast vary by 30",
+            )
+        };
+        assert_eq!(of([210.0, 300.0, 390.0]), Verdict::Reproduced);
+        assert_eq!(of([290.0, 300.0, 310.0]), Verdict::Not);
+    }
+
+    #[test]
+    fn brake_rates_must_rise_towards_low_speeds() {
+        let of = |rates: [f64; 5]| {
+            let mut gathered = Gathered::default();
+            for (moments, rate) in gathered.paper.brake_steps.iter_mut().zip(rates) {
+                for _ in 0..10 {
+                    moments.add(rate);
+                }
+            }
+            verdict(&claims(&gathered, &train(), &[]), "lower the speed")
+        };
+        assert_eq!(of([0.20, 0.25, 0.30, 0.32, 0.36]), Verdict::Reproduced);
+        assert_eq!(of([0.36, 0.32, 0.30, 0.25, 0.20]), Verdict::Not);
+    }
+
+    #[test]
+    fn negative_coefficients_are_those_of_the_changed_filter() {
+        let of = |negative_runs| {
+            let found = |factor| Sensitivity {
+                which: "r0",
+                factor,
+                negative_runs: if factor > 1.0 { negative_runs } else { 0 },
+                runs: 5,
+                least_share: [0.5; 3],
+            };
+            let found = [found(1.0), found(10.0), found(100.0)];
+            verdict(
+                &claims(&Gathered::default(), &train(), &found),
+                "give negative coefficients",
+            )
+        };
+        assert_eq!(of(3), Verdict::Reproduced);
+        assert_eq!(of(0), Verdict::Not);
+    }
+}

@@ -1,0 +1,316 @@
+//! Claims on how trains are driven: sections 4.1, 4.3, 4.4.
+
+use super::{Claim, Verdict, from_to, mean, near, percent, three};
+use crate::report::numbers::{NOTHING, number};
+use crate::study::gather::Gathered;
+use crate::study::moments::Moments;
+use crate::study::tallies::{CLOUDS_KMH, Tallies};
+use rundown::train::Train;
+
+/// Fewer samples say nothing of an ATB-EG step.
+const FEWEST_OF_A_STEP: u64 = 10;
+
+/// What follows from the description alone.
+pub(super) fn setting(train: &Train) -> Vec<Claim> {
+    let d = train.description();
+    let transition_kmh = 3.6 * d.max_power_w / d.max_tractive_effort_n;
+    let band = 0.025 * train.rotating_mass_kg() / d.max_tractive_effort_n;
+    let of_description = |statement, value: String, holds, why: &str| Claim {
+        place: "4.1",
+        statement,
+        paper: value,
+        gated: NOTHING.to_owned(),
+        truth: NOTHING.to_owned(),
+        verdict: Verdict::of(Some(holds)),
+        why: why.to_owned(),
+    };
+    vec![
+        of_description(
+            "largest effort and largest power meet around 38 km/h",
+            format!("{} km/h", number(transition_kmh, 1)),
+            (transition_kmh - 38.0).abs() < 1.0,
+            "of the train's description alone; within 1 km/h",
+        ),
+        of_description(
+            "the coasting band of \u{b1}0.025 N/kg is approximately 5 % of the largest effort",
+            format!("{}\u{a0}%", number(100.0 * band, 1)),
+            (band - 0.05).abs() < 0.005,
+            "of the train's description alone; within half a point",
+        ),
+    ]
+}
+
+pub(super) fn profiles(gathered: &Gathered) -> Vec<Claim> {
+    let runs = gathered.top_kmh.count;
+    let over = (runs > 0).then(|| gathered.over_limit as f64 / runs as f64);
+    let similar = three(gathered, |t| percent(t.coast_mps2.variation()));
+    let brakes = |t: &Tallies| {
+        let steps = t.brake_steps.iter().filter_map(Moments::variation);
+        steps.reduce(f64::min)
+    };
+    let holds = gathered
+        .paper
+        .coast_mps2
+        .variation()
+        .zip(brakes(&gathered.paper))
+        .map(|(coast, brake)| coast < brake);
+    let [paper, gated, truth] = similar;
+    vec![
+        Claim {
+            place: "2",
+            statement: "some trains run faster than the 140 km/h of the line",
+            paper: percent(over).unwrap_or_else(|| NOTHING.to_owned()) + " of the runs",
+            gated: NOTHING.to_owned(),
+            truth: NOTHING.to_owned(),
+            verdict: Verdict::of(over.map(|over| over > 0.0 && over < 0.5)),
+            why: "a measured speed above 140 km/h in some runs and in less than half of them".to_owned(),
+        },
+        Claim {
+            place: "2",
+            statement: "decelerations when coasting are significantly similar for all speed profiles",
+            paper,
+            gated,
+            truth,
+            verdict: Verdict::of(holds),
+            why: "coefficient of variation between runs of the mean deceleration while coasting at 100 to 120 km/h; smaller than that of the brake rates in every step".to_owned(),
+        },
+    ]
+}
+
+pub(super) fn regimes(gathered: &Gathered) -> Vec<Claim> {
+    let shares = |t: &Tallies| {
+        let shares: Vec<f64> = t.shares.iter().filter_map(Moments::mean).collect();
+        <[f64; 4]>::try_from(shares).ok()
+    };
+    let words =
+        |shares: [f64; 4]| shares.map(|share| number(100.0 * share, 1)).join(" / ") + "\u{a0}%";
+    let [paper, gated, truth] = three(gathered, |t| shares(t).map(words));
+    let holds = shares(&gathered.paper).map(|found| {
+        let paper = [0.164, 0.17, 0.57, 0.093];
+        let pairs = found.iter().zip(paper);
+        pairs
+            .into_iter()
+            .all(|(found, paper)| (found - paper).abs() <= 0.10)
+    });
+    let coasts = |t: &Tallies| {
+        shares(t).map(|[traction, cruise, coast, brake]| coast > traction.max(cruise).max(brake))
+    };
+    vec![
+        Claim {
+            place: "6",
+            statement: "one run: traction 16.4 %, cruise 17 %, coast 57 %, brake 9.3 % of the time",
+            paper: paper.clone(),
+            gated: gated.clone(),
+            truth: truth.clone(),
+            verdict: Verdict::of(holds),
+            why: "mean over all runs; each within 10 points of the paper's run".to_owned(),
+        },
+        Claim {
+            place: "6",
+            statement: "coasting is the longest phase",
+            paper,
+            gated,
+            truth,
+            verdict: Verdict::of(coasts(&gathered.paper)),
+            why: "largest mean share. The paper's band of effort also holds steady running below about 81 km/h: the approach at 40 km/h reads as coasting".to_owned(),
+        },
+    ]
+}
+
+pub(super) fn style(gathered: &Gathered) -> Vec<Claim> {
+    let claim = |statement, columns: [String; 3], holds, why: &str| {
+        let [paper, gated, truth] = columns;
+        Claim {
+            place: "7",
+            statement,
+            paper,
+            gated,
+            truth,
+            verdict: Verdict::of(holds),
+            why: why.to_owned(),
+        }
+    };
+    let paper = &gathered.paper;
+    let over = |t: &Tallies| {
+        (t.cruise_kmh.count > 0).then(|| t.cruise_over_limit as f64 / t.cruise_kmh.count as f64)
+    };
+    vec![
+        claim(
+            "cruise speeds are skewed towards 140 km/h",
+            three(gathered, |t| {
+                let skewness = number(t.cruise_kmh.skewness(), 2);
+                mean(&t.cruise_kmh, 1).map(|mean| format!("mean {mean} km/h, skewness {skewness}"))
+            }),
+            paper
+                .cruise_kmh
+                .skewness()
+                .map(|skewness| skewness < 0.0 && paper.cruise_kmh.mean() > Some(130.0)),
+            "negative skewness and a mean above 130 km/h",
+        ),
+        claim(
+            "140 km/h is exceeded in 12 % of the speed profiles",
+            three(gathered, |t| percent(over(t))),
+            near(over(paper), 0.12, 0.08),
+            "cruise speed above 140 km/h; within 8 points, the 95 % interval of a share of 67 runs",
+        ),
+        claim(
+            "the final coast takes 2.5 to 10 min",
+            three(gathered, |t| {
+                from_to(&t.coast_s, 60.0, 1).map(|text| text + " min")
+            }),
+            (paper.coast_s.count > 0)
+                .then_some(paper.coast_s.least >= 120.0 && paper.coast_s.largest <= 630.0),
+            "from 2.0 to 10.5 min in the paper's mode",
+        ),
+        claim(
+            "lengths of the final coast vary by 30 %",
+            three(gathered, |t| percent(t.coast_s.variation())),
+            near(paper.coast_s.variation(), 0.30, 0.08),
+            "coefficient of variation, within 8 points",
+        ),
+        claim(
+            "lengths of the final brake vary by 20 %",
+            three(gathered, |t| percent(t.brake_s.variation())),
+            near(paper.brake_s.variation(), 0.20, 0.06),
+            "coefficient of variation, within 6 points",
+        ),
+        claim(
+            "the final brake is considerably shorter than the coast",
+            three(gathered, |t| {
+                let coast = mean(&t.coast_s, 0)?;
+                mean(&t.brake_s, 0).map(|brake| format!("{brake} s, coast {coast} s"))
+            }),
+            paper
+                .brake_s
+                .mean()
+                .zip(paper.coast_s.mean())
+                .map(|(brake, coast)| brake < 0.5 * coast),
+            "mean brake below half of the mean coast",
+        ),
+    ]
+}
+
+pub(super) fn brake(gathered: &Gathered) -> Vec<Claim> {
+    let claim = |statement, columns: [String; 3], holds, why: &str| {
+        let [paper, gated, truth] = columns;
+        Claim {
+            place: "8",
+            statement,
+            paper,
+            gated,
+            truth,
+            verdict: Verdict::of(holds),
+            why: why.to_owned(),
+        }
+    };
+    // A step with fewer samples is left out of the verdict.
+    let known = |m: &Moments| m.count >= FEWEST_OF_A_STEP;
+    let all = |t: &Tallies, of: fn(&Moments) -> Option<f64>| {
+        let steps = &t.brake_steps;
+        let has = steps.iter().any(known);
+        has.then(|| std::array::from_fn(|i| Some(&steps[i]).filter(|m| known(m)).and_then(of)))
+    };
+    let words = |values: [Option<f64>; 5]| values.map(|v| number(v, 2)).join(" / ") + " m/s\u{b2}";
+    let means = |t: &Tallies| all(t, Moments::mean);
+    let sds = |t: &Tallies| all(t, Moments::sd);
+    // The first and last steps of five: a step between may differ by its own noise.
+    let rises = |[a, b, c, d, e]: [Option<f64>; 5]| {
+        let above = |high: Option<f64>, low: Option<f64>| Some(high? > low?);
+        Some(above(e, b)? && above(d, b)? && above(c, a.or(b))?)
+    };
+    let alike = |[a, b, c, d, _]: [Option<f64>; 5], sd: [Option<f64>; 5]| {
+        let near = |x: Option<f64>, y: Option<f64>, sds: [Option<f64>; 2]| {
+            Some((x? - y?).abs() < 0.5 * (sds[0]? + sds[1]?))
+        };
+        let low = near(c, d, [sd[2], sd[3]])?;
+        Some(low && near(a, b, [sd[0], sd[1]])?)
+    };
+    let widest = |sd: [Option<f64>; 5]| {
+        let largest = sd.into_iter().flatten().reduce(f64::max)?;
+        Some(sd[4]? >= largest)
+    };
+    let paper = &gathered.paper;
+    vec![
+        claim(
+            "the lower the speed, the higher the mean brake rate",
+            three(gathered, |t| means(t).map(words)),
+            means(paper).and_then(rises),
+            "means above 130, 130 to 80, 80 to 60, 60 to 40, below 40 km/h; the lower steps above the upper ones; steps of fewer than 10 samples are left out",
+        ),
+        claim(
+            "brake rates vary more at lower speeds, most below 40 km/h",
+            three(gathered, |t| sds(t).map(words)),
+            sds(paper).and_then(widest),
+            "standard deviations of the same steps; the largest below 40 km/h",
+        ),
+        claim(
+            "steps from 40 to 80 km/h are alike, and those above 80 km/h",
+            three(gathered, |t| means(t).map(words)),
+            means(paper)
+                .zip(sds(paper))
+                .and_then(|(m, sd)| alike(m, sd)),
+            "means of both pairs nearer than their standard deviation; no data where a step has fewer than 10 samples",
+        ),
+    ]
+}
+
+pub(super) fn power(gathered: &Gathered, train: &Train) -> Vec<Claim> {
+    let stated_kw = train.description().max_power_w / 1000.0;
+    let clouds = |t: &Tallies| {
+        let [below, above] = &t.clouds_kw;
+        below.mean().zip(above.mean())
+    };
+    let words = |(below, above): (f64, f64)| {
+        format!(
+            "{} kW below {CLOUDS_KMH} km/h, {} kW above",
+            number(below, 0),
+            number(above, 0)
+        )
+    };
+    let [paper, gated, truth] = three(gathered, |t| clouds(t).map(words));
+    let (below_all, above_all) = (
+        clouds(&gathered.paper).map(|(below, _)| below < stated_kw),
+        clouds(&gathered.paper).map(|(_, above)| above > stated_kw),
+    );
+    let is_two = below_all
+        .zip(above_all)
+        .map(|(below, above)| below && above);
+    let largest =
+        |t: &Tallies| (t.max_power_kw.count > 0).then(|| t.max_power_kw.largest / stated_kw);
+    let [paper_max, gated_max, truth_max] = three(gathered, |t| percent(largest(t)));
+    let [paper_count, gated_count, _] = three(gathered, |t| {
+        mean(&t.effort_samples, 1).map(|count| format!("{count} a run"))
+    });
+    vec![
+        Claim {
+            place: "9",
+            statement: "two clouds: below the manufacturer's power up to 115 km/h, above it at higher speeds",
+            paper,
+            gated,
+            truth,
+            verdict: Verdict::of(is_two),
+            why: format!(
+                "mean power below and above the manufacturer's {} kW. The paper suspects feeding sections of different power; they appear where the line of these runs has such sections",
+                number(stated_kw, 0)
+            ),
+        },
+        Claim {
+            place: "9",
+            statement: "the manufacturer's power is an accurate upper bound of the largest power at 50 to 90 km/h",
+            paper: paper_max,
+            gated: gated_max,
+            truth: truth_max,
+            verdict: Verdict::of(largest(&gathered.paper).map(|share| (0.95..=1.10).contains(&share))),
+            why: "largest of all runs, as a share of the manufacturer's; 95 to 110 %, for readings in whole km/h add up to 10 %".to_owned(),
+        },
+        Claim {
+            place: "9",
+            statement: "there are not enough data for the largest tractive effort",
+            paper: paper_count,
+            gated: gated_count,
+            truth: NOTHING.to_owned(),
+            verdict: Verdict::of(gathered.paper.effort_samples.mean().map(|count| count < 3.0)),
+            why: "intervals of continuous acceleration at 10 to 30 km/h; fewer than 3 a run".to_owned(),
+        },
+    ]
+}

@@ -1,0 +1,105 @@
+//! Fig. 8: brake rate over speed, with mean and standard deviation of each ATB-EG step.
+
+use super::{Drawn, Eyes, Picture, number, text};
+use crate::report::chart::{Axes, Figure, Layer, Panel, Stroke};
+use crate::report::colours;
+use crate::study::tallies::Tallies;
+use crate::study::view::{ATB_NAMES, ATB_STEPS_KMH};
+use plotters::style::RGBColor;
+
+const BLACK: RGBColor = RGBColor(0, 0, 0);
+/// Right end of the axis, km/h.
+const END_KMH: f64 = 150.0;
+
+/// The picture. Means and deviations are those of all runs, dots those of the drawn ones.
+pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies) -> Picture {
+    let of_run = |run: &Drawn| eyes.of(run).points.brake.clone();
+    let dots: Vec<(f64, f64)> = drawn.iter().flat_map(of_run).collect();
+    let edges = [
+        END_KMH,
+        ATB_STEPS_KMH[0],
+        ATB_STEPS_KMH[1],
+        ATB_STEPS_KMH[2],
+        ATB_STEPS_KMH[3],
+        0.0,
+    ];
+    let (mut means, mut bands, mut records) = (Vec::new(), Vec::new(), Vec::new());
+    for (index, moments) in tallies.brake_steps.iter().enumerate().rev() {
+        let (from, to) = (edges[index + 1], edges[index]);
+        let (mean, sd) = (moments.mean(), moments.sd().unwrap_or(0.0));
+        if let Some(mean) = mean {
+            means.extend([Some((from, mean)), Some((to, mean)), None]);
+            let edge = |kmh| Some((kmh, mean - sd, mean + sd));
+            bands.extend([edge(from), edge(to), None]);
+        }
+        records.push(vec![
+            text("kind", "step"),
+            text("run", ATB_NAMES[index]),
+            number("speed_kmh", 0.5 * (from + to)),
+            number("brake_rate_mps2", mean),
+            number("sd_mps2", moments.sd()),
+            number("count", moments.count as f64),
+        ]);
+    }
+    for run in drawn {
+        records.extend(eyes.of(run).points.brake.iter().map(|(kmh, rate)| {
+            vec![
+                text("kind", "sample"),
+                text("run", run.name()),
+                number("speed_kmh", *kmh),
+                number("brake_rate_mps2", *rate),
+                number("sd_mps2", None),
+                number("count", None),
+            ]
+        }));
+    }
+    let figure = Figure {
+        title: "Fig. 8: brake rates".to_owned(),
+        description: "Brake rate of each interval over its speed, mean and standard deviation of each ATB-EG step"
+            .to_owned(),
+        x_label: "speed, km/h".to_owned(),
+        x: 0.0..END_KMH,
+        panels: vec![Panel {
+            label: "brake rate, m/s\u{b2}".to_owned(),
+            height: 620,
+            y: None,
+            axes: Axes::Left,
+            layers: vec![
+                Layer::Band {
+                    legend: "standard deviation".to_owned(),
+                    colour: colours::ESTIMATED,
+                    opacity: 0.18,
+                    points: bands,
+                },
+                Layer::Dots {
+                    legend: "observed".to_owned(),
+                    colour: colours::MEASURED,
+                    opacity: 0.5,
+                    points: dots,
+                },
+                Layer::Line {
+                    legend: "mean of the step".to_owned(),
+                    colour: colours::ESTIMATED,
+                    stroke: Stroke::Solid,
+                    points: means,
+                },
+                Layer::Verticals {
+                    legend: "ATB-EG steps".to_owned(),
+                    colour: BLACK,
+                    stroke: Stroke::Thin,
+                    at: ATB_STEPS_KMH.to_vec(),
+                },
+            ],
+            empty: "no brake was seen".to_owned(),
+        }],
+    };
+    Picture {
+        name: format!("fig8_brake_rates_{}", eyes.word()),
+        caption: format!(
+            "Brake rate of each interval between two samples over its speed, {} mode; in red the mean of each ATB-EG step, shaded its standard deviation.",
+            eyes.word()
+        ),
+        svg: figure.to_svg(),
+        records,
+    }
+}

@@ -1,0 +1,217 @@
+//! Fig. 4: histograms of r0, r1, r2 at all samples, and Fig. 7: of cruise speed, final coast and final brake.
+
+use super::{Drawn, Eyes, Picture, number, text};
+use crate::report::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
+use crate::report::colours;
+use crate::study::view::{Outcome, View};
+use crate::table::{Cell, Record};
+use rundown::resistance::Davis;
+use std::ops::Range;
+
+/// Columns of a histogram of coefficients.
+const BINS: usize = 40;
+
+/// Counts values in bins of one width; the edges are whole multiples of it.
+///
+/// ```
+/// use sim_harness::study::figures::histograms::bins;
+///
+/// let found = bins(&[0.9, 1.0, 2.5, 2.6], 1.0);
+/// assert_eq!(found, [(0.0..1.0, 1.0), (1.0..2.0, 1.0), (2.0..3.0, 2.0)]);
+/// ```
+pub fn bins(values: &[f64], width: f64) -> Vec<(Range<f64>, f64)> {
+    let place = |value: f64| (value / width).floor();
+    let finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    if finite.is_empty() || width <= 0.0 {
+        return Vec::new();
+    }
+    let ends = range_of(finite.iter().map(|value| place(*value)));
+    let count = (ends.end - ends.start) as usize + 1;
+    let mut bins: Vec<(Range<f64>, f64)> = (0..count)
+        .map(|i| {
+            let from = ends.start + i as f64;
+            (from * width..(from + 1.0) * width, 0.0)
+        })
+        .collect();
+    for value in finite {
+        let index = (place(value) - ends.start) as usize;
+        bins[index].1 += 1.0;
+    }
+    bins
+}
+
+/// Fig. 4 through one pair of eyes.
+pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
+    let coefficients = [
+        ("r0", "r0, 10\u{207b}\u{b3} N/kg", 1e3, manufacturer.r0),
+        (
+            "r1",
+            "r1, 10\u{207b}\u{2074} N/(kg m/s)",
+            1e4,
+            manufacturer.r1,
+        ),
+        (
+            "r2",
+            "r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})",
+            1e5,
+            manufacturer.r2,
+        ),
+    ];
+    let mut figures = Vec::new();
+    let mut records = Vec::new();
+    let mut outside = Vec::new();
+    for (index, (name, label, per_unit, stated)) in coefficients.into_iter().enumerate() {
+        let samples = drawn.iter().flat_map(|run| &eyes.of(run).points.davis);
+        let values: Vec<f64> = samples.map(|davis| per_unit * davis[index]).collect();
+        let ends = range_of(values.iter().copied().chain([per_unit * stated]));
+        let counted = bins(&values, ((ends.end - ends.start) / BINS as f64).max(1e-9));
+        let truths = drawn.iter().flat_map(|run| &run.truth);
+        let truths: Vec<f64> = truths.map(|t| per_unit * t.outcome.davis[index]).collect();
+        let mean = truths.iter().sum::<f64>() / truths.len() as f64;
+        let margin = 0.04 * (ends.end - ends.start).max(1e-6);
+        let x = ends.start - margin..ends.end + margin;
+        let mut layers = vec![
+            Layer::Histogram {
+                legend: String::new(),
+                colour: colours::MEASURED,
+                opacity: 0.5,
+                bins: counted.clone(),
+            },
+            Layer::Verticals {
+                legend: "manufacturer".to_owned(),
+                colour: colours::LIMIT,
+                stroke: Stroke::Dashed,
+                at: vec![per_unit * stated],
+            },
+        ];
+        if x.contains(&mean) {
+            layers.push(Layer::Verticals {
+                legend: "mean truth".to_owned(),
+                colour: colours::TRUTH,
+                stroke: Stroke::Solid,
+                at: vec![mean],
+            });
+        } else if mean.is_finite() {
+            outside.push(format!("{name} {mean:.3}"));
+        }
+        figures.push(panel(label, x, layers, "samples"));
+        records.extend(counts(name, "samples", &counted, 1.0 / per_unit));
+    }
+    let mut caption = format!(
+        "Occurrence of the coefficients at all samples of {} runs, {} mode.",
+        drawn.len(),
+        eyes.word()
+    );
+    if !outside.is_empty() {
+        caption += &format!(
+            " The mean true values lie outside these axes, in their units: {}.",
+            outside.join(", ")
+        );
+    }
+    Picture {
+        name: format!("fig4_davis_{}", eyes.word()),
+        caption,
+        svg: grid("Fig. 4: histograms of r0, r1, r2", figures),
+        records,
+    }
+}
+
+/// Fig. 7 through one pair of eyes.
+pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
+    type Pick = fn(&Outcome) -> Option<f64>;
+    let quantities: [(&str, &str, f64, Pick); 3] = [
+        ("cruise_speed_kmh", "cruise speed, km/h", 1.0, |o| {
+            o.cruise_kmh
+        }),
+        ("final_coast_min", "final coast, min", 0.5, |o| {
+            o.coast_s.map(|s| s / 60.0)
+        }),
+        ("final_brake_s", "final brake, s", 10.0, |o| o.brake_s),
+    ];
+    let mut figures = Vec::new();
+    let mut records = Vec::new();
+    for (name, label, width, pick) in quantities {
+        let of = |view: &View| pick(&view.outcome);
+        let seen: Vec<f64> = drawn.iter().filter_map(|r| of(eyes.of(r))).collect();
+        let truths = drawn.iter().flat_map(|run| &run.truth);
+        let truths: Vec<f64> = truths.filter_map(of).collect();
+        let (seen, truths) = (bins(&seen, width), bins(&truths, width));
+        let edges = seen
+            .iter()
+            .chain(&truths)
+            .flat_map(|(b, _)| [b.start, b.end]);
+        let ends = range_of(edges);
+        let x = ends.start - width..ends.end + width;
+        let mut layers = vec![Layer::Histogram {
+            legend: format!("{} mode", eyes.word()),
+            colour: colours::MEASURED,
+            opacity: 0.5,
+            bins: seen.clone(),
+        }];
+        if !truths.is_empty() {
+            layers.push(Layer::Histogram {
+                legend: "true".to_owned(),
+                colour: colours::TRUTH,
+                opacity: 0.12,
+                bins: truths.clone(),
+            });
+        }
+        figures.push(panel(label, x, layers, "runs"));
+        records.extend(counts(name, "runs", &seen, 1.0));
+        records.extend(counts(&format!("true_{name}"), "runs", &truths, 1.0));
+    }
+    Picture {
+        name: format!("fig7_style_{}", eyes.word()),
+        caption: format!(
+            "Cruise speed, length of the final coast and of the final brake of {} runs, {} mode.",
+            drawn.len(),
+            eyes.word()
+        ),
+        svg: grid("Fig. 7: cruise speed, final coast, final brake", figures),
+        records,
+    }
+}
+
+fn panel(x_label: &str, x: Range<f64>, layers: Vec<Layer>, of: &str) -> Figure {
+    Figure {
+        title: String::new(),
+        description: String::new(),
+        x_label: x_label.to_owned(),
+        x,
+        panels: vec![Panel {
+            label: of.to_owned(),
+            height: 420,
+            y: None,
+            axes: Axes::Left,
+            layers,
+            empty: "no value".to_owned(),
+        }],
+    }
+}
+
+fn grid(title: &str, figures: Vec<Figure>) -> String {
+    let grid = Grid {
+        title: title.to_owned(),
+        description: "Histograms side by side".to_owned(),
+        columns: 3,
+        figures,
+    };
+    grid.to_svg()
+}
+
+fn counts(
+    name: &str,
+    of: &str,
+    bins: &[(Range<f64>, f64)],
+    unit: f64,
+) -> impl Iterator<Item = Record> {
+    bins.iter().map(move |(bin, count)| {
+        vec![
+            text("quantity", name),
+            number("from", bin.start * unit),
+            number("to", bin.end * unit),
+            ("count".to_owned(), Cell::Count(*count as u64)),
+            text("of", of),
+        ]
+    })
+}

@@ -1,0 +1,72 @@
+//! The figures of section 4: each a picture, and the very numbers it draws as a table.
+//!
+//! | module | figure |
+//! |---|---|
+//! | [`profiles`] | 2: all speed profiles over location |
+//! | [`run`] | 3: six panels of one run, 5: stacked resistance, 6: regimes |
+//! | [`histograms`] | 4: r0, r1, r2; 7: cruise speed, final coast, final brake |
+//! | [`brake`] | 8: brake rate over speed by ATB-EG step |
+//! | [`power`] | 9: tractive power over speed |
+//! | [`slope`] | none of the paper: estimated over true deviation |
+
+pub mod brake;
+pub mod histograms;
+pub mod power;
+pub mod profiles;
+pub mod run;
+pub mod slope;
+
+use super::gather::Drawn;
+use super::view::View;
+use crate::table::{Cell, Record};
+
+/// A picture and what it draws.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Name of its files, without ending.
+    pub name: String,
+    /// What is seen, for the reader.
+    pub caption: String,
+    /// Inline SVG.
+    pub svg: String,
+    /// A row for each thing drawn.
+    pub records: Vec<Record>,
+}
+
+/// Whose eyes a figure looks through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Eyes {
+    /// The paper's mode.
+    Paper,
+    /// The gated mode.
+    Gated,
+}
+
+impl Eyes {
+    /// Both, the paper's first.
+    pub const BOTH: [Self; 2] = [Self::Paper, Self::Gated];
+
+    /// The word in names of files.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Gated => "gated",
+        }
+    }
+
+    /// What these eyes see of a run.
+    pub fn of(self, run: &Drawn) -> &View {
+        match self {
+            Self::Paper => &run.paper,
+            Self::Gated => &run.gated,
+        }
+    }
+}
+
+fn text(name: &str, value: &str) -> (String, Cell) {
+    (name.to_owned(), Cell::from(value))
+}
+
+fn number(name: &str, value: impl Into<Option<f64>>) -> (String, Cell) {
+    (name.to_owned(), Cell::from(value.into()))
+}

@@ -1,0 +1,297 @@
+//! All runs, in chunks, through the estimator of the board in two modes, in bounded memory.
+//!
+//! ```text
+//! source -> chunk of runs -> paper mode: each run for itself      -> views -> tallies, a row a run, some runs kept for figures
+//!                         -> gated mode: each unit from run to run
+//! ```
+//!
+//! The paper's filter begins each run with the manufacturer's values, as the paper does; the gated mode carries each unit's vehicle.
+//! What is kept does not grow with the number of runs: [`DRAWN`] runs for figures at most, evenly spread, and one vehicle for each unit.
+
+use super::case::{Case, CaseTruth};
+use super::moments::Moments;
+use super::source::{Source, SourceError};
+use super::tallies::{LIMIT_KMH, Tallies};
+use super::view::View;
+use crate::output::json::Failed;
+use crate::recording::Recording;
+use crate::replay::{ReplayedRun, Tick, replay};
+use crate::table::{Cell, Record};
+use rayon::prelude::*;
+use rundown::config::{Config, ConfigError, Mode};
+use rundown::estimator::Estimator;
+use rundown::memory::Vehicle;
+use rundown::state::Gaussian;
+use rundown::track::Track;
+use rundown::train::Train;
+use std::collections::HashMap;
+
+/// Runs whose points are drawn.
+pub const DRAWN: usize = 200;
+
+/// The estimators of a study.
+#[derive(Clone, Debug)]
+pub struct Estimators {
+    /// The paper's loop.
+    pub paper: Estimator,
+    /// Learning while coasting.
+    pub gated: Estimator,
+}
+
+impl Estimators {
+    /// Both modes of one configuration.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names the first field that is out of range.
+    pub fn try_new(config: Config, train: Train, track: &Track) -> Result<Self, ConfigError> {
+        let of = |mode| Estimator::try_new(Config { mode, ..config }, train, track.clone());
+        Ok(Self {
+            paper: of(Mode::Paper)?,
+            gated: of(Mode::Gated)?,
+        })
+    }
+}
+
+/// What was measured and what is drawn of one run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawn {
+    /// What was recorded.
+    pub recording: Recording,
+    /// As the paper's mode sees it.
+    pub paper: View,
+    /// As the gated mode sees it.
+    pub gated: View,
+    /// As it was.
+    pub truth: Option<View>,
+}
+
+impl Drawn {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.recording.name
+    }
+
+    /// Measured location in m and speed in km/h; none where one is missing.
+    pub fn profile(&self) -> impl Iterator<Item = Option<(f64, f64)>> {
+        let rows = self.recording.rows.iter().map(|row| &row.measurement);
+        rows.map(|m| Some((m.location_m?, 3.6 * m.speed_mps?)))
+    }
+}
+
+/// The run of Figs. 3, 5 and 6, whole.
+#[derive(Clone, Debug)]
+pub struct Example {
+    /// Replayed in the paper's mode.
+    pub paper: ReplayedRun,
+    /// Replayed in the gated mode.
+    pub gated: ReplayedRun,
+    /// What was true.
+    pub truth: Option<CaseTruth>,
+}
+
+/// What all runs gave.
+#[derive(Clone, Debug, Default)]
+pub struct Gathered {
+    /// Through the paper's mode.
+    pub paper: Tallies,
+    /// Through the gated mode.
+    pub gated: Tallies,
+    /// As it was; its `runs` are those whose truth is known.
+    pub truth: Tallies,
+    /// Largest measured speed of each run, km/h.
+    pub top_kmh: Moments,
+    /// Runs that were measured above [`LIMIT_KMH`].
+    pub over_limit: u64,
+    /// Rows of all logs.
+    pub rows: u64,
+    /// Runs for figures.
+    pub drawn: Vec<Drawn>,
+    /// The run of Figs. 3, 5 and 6.
+    pub example: Option<Example>,
+    /// What the gated mode knows of each unit after its last run, by name.
+    pub units: Vec<(String, Gaussian<3>)>,
+    /// Runs that could not be used.
+    pub failed: Vec<Failed>,
+}
+
+/// What happens with the runs of a chunk and their rows of results.
+pub type Sink<'a> = dyn FnMut(&[Case], &[Record]) -> std::io::Result<()> + 'a;
+
+/// Why a study ended early.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GatherError {
+    /// The runs cannot be read.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// The rows of results cannot be written.
+    #[error("{0}")]
+    Sink(#[from] std::io::Error),
+}
+
+/// Replays all runs of a source. `sink` gets a row for each run, chunk by chunk in order; `done` is called with the runs of each chunk.
+/// `wanted` is the name of the run of Figs. 3, 5 and 6; without one, the first.
+///
+/// # Errors
+/// [`GatherError`] when runs cannot be read or rows cannot be written. A single bad log is no error: it is in `failed`.
+pub fn gather(
+    source: &mut Source,
+    estimators: &Estimators,
+    wanted: Option<&str>,
+    sink: &mut Sink,
+    done: impl Fn(usize),
+) -> Result<Gathered, GatherError> {
+    let mut gathered = Gathered::default();
+    let mut vehicles: HashMap<String, Vehicle> = HashMap::new();
+    // Every so manieth run is drawn.
+    let stride = source.total().div_ceil(DRAWN).max(1);
+    let mut index = 0;
+    while let Some(loaded) = source.next_chunk()? {
+        let count = loaded.len();
+        let mut cases = Vec::with_capacity(count);
+        for case in loaded {
+            match case {
+                Ok(case) => cases.push(case),
+                Err(failed) => gathered.failed.push(failed),
+            }
+        }
+        let (paper, gated) = rayon::join(
+            || apart(&estimators.paper, &cases),
+            || carried(&estimators.gated, &cases, &mut vehicles),
+        );
+        let train = estimators.paper.train();
+        let views = |run: &ReplayedRun| View::of_replay(run, train);
+        let of_paper: Vec<View> = paper.par_iter().map(views).collect();
+        let of_gated: Vec<View> = gated.par_iter().map(views).collect();
+        let truths: Vec<Option<View>> = cases
+            .par_iter()
+            .map(|case| case.truth.as_ref().map(View::of_truth))
+            .collect();
+        let views = of_paper.iter().zip(&of_gated).zip(&truths);
+        let records: Vec<Record> = cases
+            .iter()
+            .zip(views)
+            .map(|(case, ((paper, gated), truth))| record(case, [paper, gated], truth.as_ref()))
+            .collect();
+        sink(&cases, &records)?;
+        let replayed = cases.into_iter().zip(paper.into_iter().zip(gated));
+        for ((case, (paper_run, gated_run)), ((paper, gated), truth)) in
+            replayed.zip(of_paper.into_iter().zip(of_gated).zip(truths))
+        {
+            gathered.paper.add(&paper);
+            gathered.gated.add(&gated);
+            if let Some(truth) = &truth {
+                gathered.truth.add(truth);
+            }
+            gathered.rows += case.recording.rows.len() as u64;
+            let top_kmh = top_kmh(&case);
+            gathered.top_kmh.add(top_kmh);
+            gathered.over_limit += u64::from(top_kmh > LIMIT_KMH);
+            let is_wanted = match wanted {
+                Some(name) => case.recording.name == name,
+                None => gathered.example.is_none(),
+            };
+            if index % stride == 0 {
+                gathered.drawn.push(Drawn {
+                    recording: case.recording,
+                    paper,
+                    gated,
+                    truth,
+                });
+            }
+            if is_wanted {
+                gathered.example = Some(Example {
+                    paper: paper_run,
+                    gated: gated_run,
+                    truth: case.truth,
+                });
+            }
+            index += 1;
+        }
+        done(count);
+    }
+    let known = vehicles.into_iter();
+    gathered.units = known
+        .map(|(name, vehicle)| (name, vehicle.davis()))
+        .collect();
+    gathered.units.sort_by(|a, b| a.0.cmp(&b.0));
+    Ok(gathered)
+}
+
+/// Each run for itself.
+fn apart(estimator: &Estimator, cases: &[Case]) -> Vec<ReplayedRun> {
+    let one = |case: &Case| {
+        let mut vehicle = estimator.new_vehicle();
+        replay(estimator, &mut vehicle, &case.recording, Tick::EverySample)
+    };
+    cases.par_iter().map(one).collect()
+}
+
+/// Each unit from run to run, units side by side.
+fn carried(
+    estimator: &Estimator,
+    cases: &[Case],
+    vehicles: &mut HashMap<String, Vehicle>,
+) -> Vec<ReplayedRun> {
+    let mut units: Vec<(&str, Vec<usize>)> = Vec::new();
+    let mut of_name: HashMap<&str, usize> = HashMap::new();
+    for (index, case) in cases.iter().enumerate() {
+        let name = case.recording.unit.as_str();
+        let unit = *of_name.entry(name).or_insert_with(|| {
+            units.push((name, Vec::new()));
+            units.len() - 1
+        });
+        units[unit].1.push(index);
+    }
+    let known = &*vehicles;
+    let of_unit = |(name, indexes): &(&str, Vec<usize>)| {
+        let new = || estimator.new_vehicle();
+        let mut vehicle = known.get(*name).cloned().unwrap_or_else(new);
+        let one = |index: &usize| {
+            let recording = &cases[*index].recording;
+            let run = replay(estimator, &mut vehicle, recording, Tick::EverySample);
+            (*index, run)
+        };
+        let runs: Vec<(usize, ReplayedRun)> = indexes.iter().map(one).collect();
+        ((*name).to_owned(), vehicle, runs)
+    };
+    let done: Vec<_> = units.par_iter().map(of_unit).collect();
+    let mut runs: Vec<(usize, ReplayedRun)> = Vec::with_capacity(cases.len());
+    for (name, vehicle, of_unit) in done {
+        vehicles.insert(name, vehicle);
+        runs.extend(of_unit);
+    }
+    runs.sort_by_key(|(index, _)| *index);
+    runs.into_iter().map(|(_, run)| run).collect()
+}
+
+fn top_kmh(case: &Case) -> f64 {
+    let readings = case.recording.rows.iter();
+    let speeds = readings.filter_map(|row| row.measurement.speed_mps);
+    // Back from m/s: a reading of 140 must not lie above 140.
+    let kmh = speeds.map(|speed_mps| (3.6e6 * speed_mps).round() / 1e6);
+    kmh.fold(0.0, f64::max)
+}
+
+fn record(case: &Case, views: [&View; 2], truth: Option<&View>) -> Record {
+    let text = |name: &str, text: &str| (name.to_owned(), Cell::from(text));
+    let mut record = vec![
+        text("run", &case.recording.name),
+        text("unit", &case.recording.unit),
+        ("rows".to_owned(), Cell::from(case.recording.rows.len())),
+        ("top_kmh".to_owned(), Cell::from(top_kmh(case))),
+    ];
+    for (view, prefix) in views.into_iter().zip(["paper", "gated"]) {
+        record.extend(view.outcome.record(prefix));
+    }
+    // The same columns for every run, so that a table of recorded and simulated runs is one.
+    let nothing = View {
+        outcome: super::view::Outcome {
+            davis: [f64::NAN; 3],
+            ..super::view::Outcome::default()
+        },
+        ..View::default()
+    };
+    record.extend(truth.unwrap_or(&nothing).outcome.record("true"));
+    record
+}

@@ -1,0 +1,345 @@
+//! `report.html` of a study: each figure of section 4 with the paper's statement, our value and the truth beside it.
+
+use super::claims::{Claim, Verdict};
+use super::figures::Picture;
+use super::gather::Gathered;
+use super::moments::Moments;
+use super::sensitivity::Sensitivity;
+use super::slope::Answer;
+use super::tallies::Tallies;
+use crate::report::numbers::{NOTHING, counted, number};
+use crate::report::page::shell::{document, figure};
+use maud::{Markup, html};
+
+/// What the page tells.
+#[derive(Clone, Debug)]
+pub struct Page<'a> {
+    /// Name of the train.
+    pub train: &'a str,
+    /// Name of the track.
+    pub track: &'a str,
+    /// Where the runs come from, in words.
+    pub source: String,
+    /// What all runs gave.
+    pub gathered: &'a Gathered,
+    /// Figs. 2 to 9, in order.
+    pub pictures: &'a [Picture],
+    /// Estimated over true deviation.
+    pub slopes: &'a [Picture],
+    /// The same in numbers.
+    pub answers: &'a [Answer],
+    /// The claims of the paper.
+    pub claims: &'a [Claim],
+    /// The paper's remark on the initial covariances.
+    pub sensitivity: &'a [Sensitivity],
+}
+
+/// Headings of the figures by their number.
+const FIGURES: [(&str, &str); 8] = [
+    ("2", "Fig. 2: speed profiles"),
+    ("3", "Fig. 3: the filter on a single run"),
+    ("4", "Fig. 4: histograms of r0, r1 and r2"),
+    ("5", "Fig. 5: terms of the running resistance"),
+    ("6", "Fig. 6: driving regimes"),
+    ("7", "Fig. 7: cruise speed, final coast, final brake"),
+    ("8", "Fig. 8: brake rates by ATB-EG step"),
+    ("9", "Fig. 9: tractive power"),
+];
+
+/// The whole page.
+pub fn page(page: &Page) -> String {
+    let body = html! {
+        (summary(page))
+        (truth(page))
+        @for (number, heading) in FIGURES {
+            section id=(format!("fig-{number}")) {
+                h2 { (heading) }
+                @for picture in page.pictures.iter().filter(|p| p.name.starts_with(&format!("fig{number}_"))) {
+                    (figure(picture.svg.clone(), &picture.caption))
+                }
+                (beside(page.claims.iter().filter(|claim| claim.place == number)))
+            }
+        }
+        (table1(page.sensitivity))
+        (all_claims(page.claims))
+        (fleet(page.gathered))
+    };
+    document(
+        &format!("Case study: {} on {}", page.train, page.track),
+        &body,
+    )
+}
+
+fn summary(page: &Page) -> Markup {
+    let count = |verdict| page.claims.iter().filter(|c| c.verdict == verdict).count();
+    let gathered = page.gathered;
+    let runs = gathered.paper.runs as usize;
+    html! {
+        section id="summary" {
+            p.lead {
+                (counted(runs, "run", "runs")) ", " (page.source) ". Of " (page.claims.len())
+                " numeric claims of section 4 of the paper, " strong { (count(Verdict::Reproduced)) " are reproduced" } ", "
+                strong { (count(Verdict::Not)) " are not" }
+                @if count(Verdict::NoData) > 0 { ", and " (count(Verdict::NoData)) " have no data here" }
+                ". " a href="#claims" { "All of them, with the reason" } "."
+            }
+            @if !gathered.failed.is_empty() {
+                p.note {
+                    (counted(gathered.failed.len(), "log", "logs")) " could not be used; the first: "
+                    (gathered.failed.first().map_or("", |failed| failed.error.as_str()))
+                }
+            }
+            p {
+                "Paper: Cunillera, Be\u{161}inovi\u{107}, van Oort, Goverde, Real-time train motion parameter estimation using an Unscented Kalman Filter, "
+                "Transportation Research Part C 143 (2022) 103794. Its recorded runs are not public. Figures have its numbers; where two pictures stand below each other, "
+                "the first is the paper's mode and the second the gated mode on the same runs. Every picture lies beside this page as SVG with its numbers as CSV."
+            }
+        }
+    }
+}
+
+/// The paper's loop and the truth, before anything else is believed.
+fn truth(page: &Page) -> Markup {
+    let slopes = |mode: &str, runs| {
+        let answer = page
+            .answers
+            .iter()
+            .find(|a| a.mode == mode && a.runs == runs);
+        answer.map_or_else(
+            || NOTHING.to_owned(),
+            |answer| answer.slope.map(|slope| number(slope, 2)).join(" / "),
+        )
+    };
+    html! {
+        section id="truth" {
+            h2 { "Does the estimate follow the truth?" }
+            p.note {
+                strong { "The paper's loop does not follow the true resistance. " }
+                "It calculates the effort from the change of speed and its own resistance, and lets that effort drive the filter that is to find the resistance: "
+                "the true one cancels out, however well the speed is tracked. What the coefficients of Figs. 3 and 4 show is the lag of the effort by one sample, "
+                "within what the initial deviations of Table 1 allow. Figures of r0, r1, r2 and of resistance in the paper's mode are therefore no measurement of the train."
+            }
+            @if !page.answers.is_empty() {
+                p {
+                    "Simulated vehicles with 0.7 to 1.3 of the described resistance show it. Slope of estimated on true deviation at 60 / 100 / 140 km/h after one run: paper "
+                    strong { (slopes("paper", 1)) } ", gated " strong { (slopes("gated", 1)) }
+                    ", with measured effort " strong { (slopes("measured", 1)) } "."
+                }
+                @for picture in page.slopes { (figure(picture.svg.clone(), &picture.caption)) }
+                (answers(page.answers))
+            }
+        }
+    }
+}
+
+fn answers(answers: &[Answer]) -> Markup {
+    html! {
+        div.wide { table {
+            thead { tr {
+                th.text scope="col" { "mode" }
+                th scope="col" { "runs" }
+                th scope="col" { "slope" br; span.unit { "60 / 100 / 140 km/h" } }
+                th scope="col" { "spread about it" br; span.unit { "%" } }
+                th scope="col" { "error of r(v)" br; span.unit { "rms, 20 to 140 km/h, %" } }
+                th scope="col" { "Cram\u{e9}r-Rao bound" br; span.unit { "the same, %" } }
+                th scope="col" { "efficiency" br; span.unit { "variances" } }
+                th scope="col" { "truths in the" br; "95 % interval" br; span.unit { "%" } }
+            } }
+            tbody { @for a in answers { tr {
+                th scope="row" { (a.mode) }
+                td { (a.runs) }
+                td { (a.slope.map(|v| number(v, 2)).join(" / ")) }
+                td { (a.spread_percent.map(|v| number(v, 2)).join(" / ")) }
+                td { (number(a.rmse_percent, 2)) }
+                td { (number(a.bound_percent, 2)) }
+                td { (number(a.efficiency, 3)) }
+                td { (number(100.0 * a.coverage, 0)) }
+            } } }
+        } }
+        p.small {
+            "Bound: Fisher information of r0, r1, r2 over the true coasting samples (with measured effort: over all), location and speed of each stretch unknown, "
+            "a reading in whole km/h as normal noise of 1/\u{221a}12 km/h, with the prior of the gated mode. An efficiency above 1 is chance, or a prior that suits these vehicles."
+        }
+    }
+}
+
+fn verdict(verdict: Verdict) -> Markup {
+    let colour = match verdict {
+        Verdict::Reproduced => "#0f7d37",
+        Verdict::Not => "#c8102e",
+        Verdict::NoData => "#4a4a4a",
+    };
+    html! { strong style=(format!("color:{colour}")) { (verdict.as_str()) } }
+}
+
+fn claim_rows<'a>(claims: impl Iterator<Item = &'a Claim>, with_place: bool) -> Markup {
+    html! { @for claim in claims { tr {
+        @if with_place { td.text { (claim.place) } }
+        td.text { (claim.statement) }
+        td.text { (claim.paper) }
+        td.text { (claim.gated) }
+        td.text { (claim.truth) }
+        td.text { (verdict(claim.verdict)) br; span.small { (claim.why) } }
+    } } }
+}
+
+fn beside<'a>(claims: impl Iterator<Item = &'a Claim>) -> Markup {
+    html! {
+        div.wide { table {
+            thead { tr {
+                th.text scope="col" { "the paper says" }
+                th.text scope="col" { "paper's mode" }
+                th.text scope="col" { "gated mode" }
+                th.text scope="col" { "truth" }
+                th.text scope="col" { "verdict, by which criterion" }
+            } }
+            tbody { (claim_rows(claims, false)) }
+        } }
+    }
+}
+
+fn table1(sensitivity: &[Sensitivity]) -> Markup {
+    let config = rundown::config::PaperConfig::default();
+    // Their names are those of a configuration file.
+    let spread = serde_json::to_value(config.spread).unwrap_or_default();
+    let of_spread = |name: &str| spread[name].to_string();
+    let [r0, r1, r2] = config.initial_davis_sd;
+    let rows = [
+        ("\u{3b1}", of_spread("alpha")),
+        ("\u{3b2}", of_spread("beta")),
+        ("\u{3ba}", of_spread("kappa")),
+        (
+            "\u{3c3} of the location, initial",
+            format!("{} m", config.initial_location_sd_m),
+        ),
+        (
+            "\u{3c3} of the speed, initial",
+            format!("{} km/h", config.initial_speed_sd_kmh),
+        ),
+        ("\u{3c3} of r0, initial", format!("{r0:e} N/kg")),
+        ("\u{3c3} of r1, initial", format!("{r1:e} N/(kg m/s)")),
+        (
+            "\u{3c3} of r2, initial",
+            format!("{r2:e} N/(kg (m/s)\u{b2})"),
+        ),
+        (
+            "\u{3c3} of a location reading",
+            format!("{} m", config.location_sd_m),
+        ),
+        (
+            "\u{3c3} of a speed reading",
+            format!("{} km/h", config.speed_sd_kmh),
+        ),
+    ];
+    html! {
+        section id="table-1" {
+            h2 { "Table 1: the paper's filter" }
+            div.wide { table {
+                thead { tr { th.text scope="col" { "parameter" } th scope="col" { "value" } } }
+                tbody { @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } } }
+            } }
+            p.small { "The paper's mode runs with these values, as printed: standard deviations. " code { "rundown tune" } " looks for better ones by the paper's two criteria." }
+            @if !sensitivity.is_empty() { (initial(sensitivity)) }
+        }
+    }
+}
+
+/// The remark of section 4.2 as a table; also for the page of `rundown tune`.
+pub fn initial(sensitivity: &[Sensitivity]) -> Markup {
+    html! {
+        h3 { "Larger initial deviations" }
+        div.wide { table {
+            thead { tr {
+                th.text scope="col" { "changed" }
+                th scope="col" { "initial deviation" br; span.unit { "times Table 1" } }
+                th scope="col" { "runs with a" br; "negative coefficient" }
+                @for name in ["r0", "r1", "r2"] {
+                    th scope="col" { "least " (name) br; span.unit { "of the manufacturer's" } }
+                }
+            } }
+            tbody { @for s in sensitivity { tr {
+                th scope="row" { (s.which) }
+                td { (s.factor) }
+                td { (s.negative_runs) " of " (s.runs) }
+                @for share in s.least_share { td { (number(share, 3)) } }
+            } } }
+        } }
+    }
+}
+
+fn all_claims(claims: &[Claim]) -> Markup {
+    html! {
+        section id="claims" {
+            h2 { "All numeric claims of section 4" }
+            div.wide { table {
+                thead { tr {
+                    th.text scope="col" { "figure, section" }
+                    th.text scope="col" { "the paper says" }
+                    th.text scope="col" { "paper's mode" }
+                    th.text scope="col" { "gated mode" }
+                    th.text scope="col" { "truth" }
+                    th.text scope="col" { "verdict, by which criterion" }
+                } }
+                tbody { (claim_rows(claims.iter(), true)) }
+            } }
+        }
+    }
+}
+
+/// Statistics of all runs, drawn or not.
+fn fleet(gathered: &Gathered) -> Markup {
+    type Of = fn(&Tallies) -> &Moments;
+    let rows: [(&str, f64, usize, Of); 12] = [
+        ("r0, 10\u{207b}\u{b3} N/kg", 1e-3, 3, |t| &t.davis[0]),
+        ("r1, 10\u{207b}\u{2074} N/(kg m/s)", 1e-4, 3, |t| {
+            &t.davis[1]
+        }),
+        ("r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})", 1e-5, 3, |t| {
+            &t.davis[2]
+        }),
+        ("cruise speed, km/h", 1.0, 1, |t| &t.cruise_kmh),
+        ("final coast, s", 1.0, 0, |t| &t.coast_s),
+        ("final brake, s", 1.0, 0, |t| &t.brake_s),
+        ("share of traction, %", 0.01, 1, |t| &t.shares[0]),
+        ("share of cruise, %", 0.01, 1, |t| &t.shares[1]),
+        ("share of coast, %", 0.01, 1, |t| &t.shares[2]),
+        ("share of brake, %", 0.01, 1, |t| &t.shares[3]),
+        ("mean power 50 to 130 km/h, kW", 1.0, 0, |t| &t.power_kw),
+        ("largest power 50 to 90 km/h, kW", 1.0, 0, |t| {
+            &t.max_power_kw
+        }),
+    ];
+    let cells = |tallies: &Tallies, of: Of, unit: f64, digits: usize| {
+        let moments = of(tallies);
+        let in_unit = |value: Option<f64>| number(value.map(|v| v / unit), digits);
+        let ends = (moments.count > 0).then_some((moments.least, moments.largest));
+        format!(
+            "{} \u{b1} {} ({} to {})",
+            in_unit(moments.mean()),
+            in_unit(moments.sd()),
+            in_unit(ends.map(|e| e.0)),
+            in_unit(ends.map(|e| e.1)),
+        )
+    };
+    html! {
+        section id="fleet" {
+            h2 { "All runs in numbers" }
+            p { (gathered.paper.runs) " runs, " (gathered.rows) " samples; mean \u{b1} standard deviation (least to largest), a value for each run. Figures draw "
+                (gathered.drawn.len()) " of them, evenly spread; this table, Fig. 8's steps and the claims have all." }
+            div.wide { table {
+                thead { tr {
+                    th.text scope="col" { "quantity" }
+                    th scope="col" { "paper's mode" }
+                    th scope="col" { "gated mode" }
+                    th scope="col" { "truth" }
+                } }
+                tbody { @for (name, unit, digits, of) in rows { tr {
+                    th scope="row" { (name) }
+                    td { (cells(&gathered.paper, of, unit, digits)) }
+                    td { (cells(&gathered.gated, of, unit, digits)) }
+                    td { @if gathered.truth.runs > 0 { (cells(&gathered.truth, of, unit, digits)) } @else { (NOTHING) } }
+                } } }
+            } }
+        }
+    }
+}

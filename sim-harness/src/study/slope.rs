@@ -1,0 +1,376 @@
+//! Self-test of learning: does the estimate follow the true resistance, how closely, and does it know how closely?
+//!
+//! In: simulated vehicles whose true r0, r1, r2 are 0.7 to 1.3 of the described ones. Out: for each mode and after 1, 10 and all runs the slope of
+//! estimated on true deviation and the spread about it, the error of r(v), the error that is possible ([`super::bound`]), and the share of truths
+//! in the reported 95 % interval.
+//!
+//! A slope of 1 follows the truth, a slope of 0 does not see it. Efficiency is the variance that is possible over the one that was reached.
+
+use super::bound::{Known, Worth, information};
+use super::case::Case;
+use crate::replay::{Tick, replay};
+use crate::report::resistance::{NINETY_FIVE, Resistance};
+use crate::table::{Cell, Record};
+use crate::truth::scenario::{Scenario, run_seed, simulate};
+use crate::truth::sensors::Sample;
+use nalgebra::{Matrix3, Vector3};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use rundown::config::{Config, Mode};
+use rundown::estimator::Estimator;
+use rundown::resistance::Davis;
+use rundown::state::Gaussian;
+use rundown::units::KmPerHour;
+use serde::Serialize;
+
+/// Speeds of the slopes, km/h.
+pub const SLOPE_KMH: [f64; 3] = [60.0, 100.0, 140.0];
+/// Speeds of the errors, km/h.
+pub const ERROR_KMH: [f64; 7] = [20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0];
+/// Smallest and largest true over described resistance.
+pub const SCALES: [f64; 2] = [0.7, 1.3];
+/// Standard deviation by which each coefficient differs beyond the whole, share: that of the memory's prior.
+const SHAPE_SD: f64 = 0.10;
+/// The modes that are tested.
+pub const MODES: [Mode; 3] = [Mode::Paper, Mode::Gated, Mode::Measured];
+/// Runs after which is looked, before the last.
+const STAGES: [usize; 2] = [1, 10];
+
+/// What is tested.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The vehicles' line, driver and sensors.
+    pub scenario: Scenario,
+    /// Number of vehicles.
+    pub vehicles: usize,
+    /// Runs of each.
+    pub runs: usize,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Plan {
+    /// True over described r0, r1, r2 of a vehicle: as a whole evenly from the smallest to the largest, and each coefficient beyond that by
+    /// as much as the memory believes vehicles to differ ([`SHAPE_SD`]). Without the latter the bound, which knows the prior, would be too high.
+    pub fn scales(&self, vehicle: usize) -> [f64; 3] {
+        let [least, most] = SCALES;
+        let part = match self.vehicles {
+            0 | 1 => 0.0,
+            count => vehicle as f64 / (count - 1) as f64,
+        };
+        let whole = least + (most - least) * part;
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ 0x5CA1E);
+        rng.set_stream(vehicle as u64);
+        std::array::from_fn(|_| {
+            let unit: f64 = StandardNormal.sample(&mut rng);
+            (whole + SHAPE_SD * unit).clamp(least, most)
+        })
+    }
+
+    /// Runs after which is looked.
+    pub fn stages(&self) -> Vec<usize> {
+        let before = STAGES.into_iter().filter(|stage| *stage < self.runs);
+        before.chain([self.runs]).collect()
+    }
+}
+
+/// One vehicle in one mode after some runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// The mode.
+    pub mode: Mode,
+    /// Number of the vehicle.
+    pub vehicle: usize,
+    /// Its true over described r0, r1, r2.
+    pub scales: [f64; 3],
+    /// Runs so far.
+    pub runs: usize,
+    /// What the mode believes.
+    pub believed: Gaussian<3>,
+    /// What is true.
+    pub truth: Davis,
+    /// Smallest possible covariance, with the prior of the memory.
+    pub bound: Matrix3<f64>,
+}
+
+/// A row of the answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// `paper`, `gated` or `measured`.
+    pub mode: &'static str,
+    /// Runs after which.
+    pub runs: usize,
+    /// Number of vehicles.
+    pub vehicles: usize,
+    /// Slope of estimated on true deviation at [`SLOPE_KMH`].
+    pub slope: [f64; 3],
+    /// Standard deviation about the line at the same speeds, % of the described resistance.
+    pub spread_percent: [f64; 3],
+    /// Root mean square error of r(v) over [`ERROR_KMH`], %.
+    pub rmse_percent: f64,
+    /// Root mean square of the Cramér-Rao bound over the same, %.
+    pub bound_percent: f64,
+    /// Square of bound over error.
+    pub efficiency: f64,
+    /// Share of the truths inside the reported 95 % interval.
+    pub coverage: f64,
+}
+
+/// Simulates and replays every vehicle, side by side. `done` is called once a run.
+///
+/// # Errors
+/// What is wrong with the configuration.
+pub fn look(plan: &Plan, config: Config, done: impl Fn() + Sync) -> Result<Vec<Look>, String> {
+    let mut estimators = Vec::new();
+    let description = super::description::of(&plan.scenario);
+    for mode in MODES {
+        let (train, track) = (description.train, description.track.clone());
+        let estimator = Estimator::try_new(Config { mode, ..config }, train, track);
+        estimators.push(estimator.map_err(|error| error.to_string())?);
+    }
+    let one = |vehicle: usize| of_vehicle(plan, &estimators, vehicle, &done);
+    Ok((0..plan.vehicles)
+        .into_par_iter()
+        .flat_map_iter(one)
+        .collect())
+}
+
+fn of_vehicle(
+    plan: &Plan,
+    estimators: &[Estimator],
+    vehicle: usize,
+    done: &(impl Fn() + Sync),
+) -> Vec<Look> {
+    let scales = plan.scales(vehicle);
+    let scenario = Scenario {
+        davis_scale: scales,
+        ..plan.scenario.clone()
+    };
+    let of_vehicle = scenario.train.davis.scaled(scenario.davis_scale);
+    let truth = Davis {
+        r0: of_vehicle.r0,
+        r1: of_vehicle.r1,
+        r2: of_vehicle.r2,
+    };
+    let worth = Worth::of(&scenario.sensors);
+    let stages = plan.stages();
+    let mut believed: Vec<_> = estimators.iter().map(Estimator::new_vehicle).collect();
+    let mut informations: Vec<Matrix3<f64>> = estimators.iter().map(prior).collect();
+    let mut looks = Vec::new();
+    let seed = plan.seed.wrapping_add(7_919 * vehicle as u64);
+    for index in 0..plan.runs {
+        let run = simulate(&scenario, run_seed(seed, index));
+        let samples: Vec<Sample> = run.samples.clone();
+        let of_run = run.facts.davis;
+        let case = Case::simulated(format!("run{index}"), String::new(), run);
+        let moved = case.truth.iter().flat_map(|truth| &truth.samples).copied();
+        let moved: Vec<_> = moved.collect();
+        for (slot, estimator) in estimators.iter().enumerate() {
+            replay(
+                estimator,
+                &mut believed[slot],
+                &case.recording,
+                Tick::EverySample,
+            );
+            let known = match estimator.config().mode {
+                Mode::Measured => Known::Measured {
+                    gain_sd: estimator.config().learning.gain_sd,
+                },
+                Mode::Paper | Mode::Gated => Known::Coasting,
+            };
+            let davis = [of_run.r0, of_run.r1, of_run.r2];
+            informations[slot] += information(&moved, &samples, davis, worth, known);
+        }
+        if stages.contains(&(index + 1)) {
+            for (slot, mode) in MODES.into_iter().enumerate() {
+                let inverse = informations[slot].try_inverse();
+                looks.push(Look {
+                    mode,
+                    vehicle,
+                    scales,
+                    runs: index + 1,
+                    believed: believed[slot].davis(),
+                    truth,
+                    bound: inverse.unwrap_or_else(|| Matrix3::repeat(f64::NAN)),
+                });
+            }
+        }
+        done();
+    }
+    looks
+}
+
+/// Information that the gated mode's memory has before the first run: the prior that all bounds share.
+fn prior(estimator: &Estimator) -> Matrix3<f64> {
+    let memory = &estimator.config().memory;
+    let vehicle = rundown::memory::Vehicle::new(memory, estimator.train().davis());
+    let covariance = vehicle.davis().covariance;
+    covariance.try_inverse().unwrap_or_else(Matrix3::zeros)
+}
+
+impl Look {
+    /// True and estimated deviation from the description at a speed, and the reported standard deviation, as shares of the description.
+    pub fn deviations(&self, described: &Davis, speed_kmh: f64) -> Option<[f64; 3]> {
+        let v = KmPerHour(speed_kmh).to_mps();
+        let stated = described.resistance_n_per_kg(v);
+        let r = Resistance::at(&self.believed, v)?;
+        Some([
+            self.truth.resistance_n_per_kg(v) / stated - 1.0,
+            r.mean_n_per_kg / stated - 1.0,
+            r.sd_n_per_kg / stated,
+        ])
+    }
+}
+
+/// The answer in each mode at each stage.
+pub fn answers(plan: &Plan, looks: &[Look], described: &Davis) -> Vec<Answer> {
+    let mut answers = Vec::new();
+    for mode in MODES {
+        for runs in plan.stages() {
+            let of = |look: &&Look| look.mode == mode && look.runs == runs;
+            let looks: Vec<&Look> = looks.iter().filter(of).collect();
+            answers.push(answer(mode, runs, &looks, described));
+        }
+    }
+    answers
+}
+
+fn answer(mode: Mode, runs: usize, looks: &[&Look], described: &Davis) -> Answer {
+    let fits = SLOPE_KMH.map(|kmh| {
+        let pairs = looks.iter().filter_map(|l| l.deviations(described, kmh));
+        fit(&pairs.map(|[x, y, _]| (x, y)).collect::<Vec<_>>())
+    });
+    let (mut square, mut possible, mut inside, mut count) = (0.0, 0.0, 0.0, 0.0);
+    for look in looks {
+        for kmh in ERROR_KMH {
+            let v = KmPerHour(kmh).to_mps();
+            let true_r = look.truth.resistance_n_per_kg(v);
+            let h = Vector3::new(1.0, v, v * v);
+            possible += h.dot(&(look.bound * h)) / (true_r * true_r);
+            count += 1.0;
+            if let Some(r) = Resistance::at(&look.believed, v) {
+                let error = r.mean_n_per_kg - true_r;
+                square += (error / true_r).powi(2);
+                if error.abs() <= NINETY_FIVE * r.sd_n_per_kg {
+                    inside += 1.0;
+                }
+            }
+        }
+    }
+    Answer {
+        mode: crate::output::json::mode_word(mode),
+        runs,
+        vehicles: looks.len(),
+        slope: fits.map(|fit| fit.slope),
+        spread_percent: fits.map(|fit| 100.0 * fit.spread),
+        rmse_percent: 100.0 * (square / count).sqrt(),
+        bound_percent: 100.0 * (possible / count).sqrt(),
+        efficiency: possible / square,
+        coverage: inside / count,
+    }
+}
+
+/// A straight line through points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// Its height at 0.
+    pub offset: f64,
+    /// Its slope.
+    pub slope: f64,
+    /// Standard deviation of the points about it.
+    pub spread: f64,
+}
+
+/// Least squares; the spread has n - 2 in the denominator. Not a number for fewer than three points.
+///
+/// ```
+/// use sim_harness::study::slope::fit;
+///
+/// let line = fit(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]);
+/// assert!((line.slope - 2.0).abs() < 1e-12 && (line.offset - 1.0).abs() < 1e-12);
+/// assert!(line.spread < 1e-12);
+/// ```
+pub fn fit(points: &[(f64, f64)]) -> Fit {
+    let n = points.len() as f64;
+    if points.len() < 3 {
+        return Fit {
+            offset: f64::NAN,
+            slope: f64::NAN,
+            spread: f64::NAN,
+        };
+    }
+    let x = points.iter().map(|p| p.0).sum::<f64>() / n;
+    let y = points.iter().map(|p| p.1).sum::<f64>() / n;
+    let xy: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    let xx: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+    let slope = xy / xx;
+    let offset = y - slope * x;
+    let rest = points.iter().map(|p| (p.1 - offset - slope * p.0).powi(2));
+    Fit {
+        offset,
+        slope,
+        spread: (rest.sum::<f64>() / (n - 2.0)).sqrt(),
+    }
+}
+
+/// A row for each answer.
+pub fn records(answers: &[Answer]) -> Vec<Record> {
+    let row = |answer: &Answer| {
+        let mut record = vec![
+            ("mode".to_owned(), Cell::from(answer.mode)),
+            ("runs".to_owned(), Cell::from(answer.runs)),
+            ("vehicles".to_owned(), Cell::from(answer.vehicles)),
+        ];
+        for (index, kmh) in SLOPE_KMH.into_iter().enumerate() {
+            record.push((format!("slope_{kmh}"), Cell::from(answer.slope[index])));
+            record.push((
+                format!("spread_{kmh}_percent"),
+                Cell::from(answer.spread_percent[index]),
+            ));
+        }
+        for (name, value) in [
+            ("rmse_percent", answer.rmse_percent),
+            ("bound_percent", answer.bound_percent),
+            ("efficiency", answer.efficiency),
+            ("coverage", answer.coverage),
+        ] {
+            record.push((name.to_owned(), Cell::from(value)));
+        }
+        record
+    };
+    answers.iter().map(row).collect()
+}
+
+/// The answers as a table for the terminal.
+pub fn table(answers: &[Answer]) -> String {
+    let mut text = format!(
+        "{:9} {:>4}  {:>22}  {:>20}  {:>7} {:>7} {:>10}  {:>9}\n",
+        "mode",
+        "runs",
+        "slope 60/100/140 km/h",
+        "spread, %",
+        "rmse, %",
+        "bound,%",
+        "efficiency",
+        "in 95 %"
+    );
+    for answer in answers {
+        let three = |values: [f64; 3], digits: usize| {
+            values.map(|value| format!("{value:.digits$}")).join(" / ")
+        };
+        text += &format!(
+            "{:9} {:>4}  {:>22}  {:>20}  {:>7.2} {:>7.2} {:>10.3}  {:>7.0} %\n",
+            answer.mode,
+            answer.runs,
+            three(answer.slope, 2),
+            three(answer.spread_percent, 2),
+            answer.rmse_percent,
+            answer.bound_percent,
+            answer.efficiency,
+            100.0 * answer.coverage
+        );
+    }
+    text
+}

@@ -1,0 +1,214 @@
+//! Where the runs of a study come from, chunk by chunk: simulated, folders of logs, or Parquet files.
+
+use super::case::{Case, fleet_run};
+use crate::map_matching::CentreLine;
+use crate::output::json::Failed;
+use crate::parquet::{ParquetError, RunReader};
+use crate::recording::{DirectionChoice, Recording};
+use crate::run_log::{BadRows, RunLog};
+use crate::run_set::{RunFile, RunSet, RunSetError};
+use crate::truth::scenario::Scenario;
+use rayon::prelude::*;
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+/// Runs that are in memory at a time.
+pub const CHUNK: usize = 256;
+
+/// Runs, in order.
+#[derive(Debug)]
+pub enum Source {
+    /// A fleet of units.
+    Simulated(Box<Simulated>),
+    /// Logs.
+    Logs(Logs),
+    /// Files, one after the other.
+    Parquet(Files),
+}
+
+/// A fleet of units, simulated as it is needed.
+#[derive(Clone, Debug)]
+pub struct Simulated {
+    scenario: Scenario,
+    seed: u64,
+    runs: usize,
+    next: usize,
+}
+
+/// Logs in folders.
+#[derive(Clone, Debug)]
+pub struct Logs {
+    files: Vec<RunFile>,
+    line: Option<CentreLine>,
+    next: usize,
+}
+
+/// Parquet files, read one after the other. A unit's files must follow each other in time; a run does not go on in the next file.
+#[derive(Debug)]
+pub struct Files {
+    readers: VecDeque<RunReader>,
+    runs: usize,
+}
+
+/// Why there are no runs.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SourceError {
+    /// A file of runs is broken.
+    #[error(transparent)]
+    Parquet(#[from] ParquetError),
+    /// A folder or an index of logs cannot be read.
+    #[error(transparent)]
+    Logs(#[from] RunSetError),
+    /// A folder cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Io {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+}
+
+impl Source {
+    /// So many runs of a scenario.
+    pub fn simulated(scenario: Scenario, seed: u64, runs: usize) -> Self {
+        Self::Simulated(Box::new(Simulated {
+            scenario,
+            seed,
+            runs,
+            next: 0,
+        }))
+    }
+
+    /// Parquet files of runs, in this order.
+    ///
+    /// # Errors
+    /// [`SourceError`] when one cannot be read.
+    pub fn parquet(paths: &[PathBuf]) -> Result<Self, SourceError> {
+        let readers = paths.iter().map(|path| RunReader::open(path));
+        let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
+        let runs = readers.iter().map(RunReader::runs).sum();
+        Ok(Self::Parquet(Files { readers, runs }))
+    }
+
+    /// Recorded runs: Parquet files, folders of them (also deeper, in the order of their paths), or else logs and folders of logs.
+    /// What a person may want to know is handed to `note`.
+    ///
+    /// # Errors
+    /// [`SourceError`] when a file or folder cannot be read.
+    pub fn recorded(
+        arguments: &[PathBuf],
+        line: Option<CentreLine>,
+        note: impl Fn(&str),
+    ) -> Result<Self, SourceError> {
+        let mut files = Vec::new();
+        for argument in arguments {
+            parquet_files(argument, &mut files)?;
+        }
+        if !files.is_empty() {
+            return Self::parquet(&files);
+        }
+        let set = RunSet::find(arguments)?;
+        set.notes.iter().for_each(|text| note(text));
+        Ok(Self::Logs(Logs {
+            files: set.files,
+            line,
+            next: 0,
+        }))
+    }
+
+    /// Number of runs.
+    pub fn total(&self) -> usize {
+        match self {
+            Self::Simulated(simulated) => simulated.runs,
+            Self::Logs(logs) => logs.files.len(),
+            Self::Parquet(files) => files.runs,
+        }
+    }
+
+    /// The runs are simulated, and their truth is known.
+    pub fn is_simulated(&self) -> bool {
+        matches!(self, Self::Simulated(_))
+    }
+
+    /// The next runs, at most [`CHUNK`]; none after the last. A log that cannot be used is in its place.
+    ///
+    /// # Errors
+    /// [`SourceError`] when a file of runs is broken.
+    pub fn next_chunk(&mut self) -> Result<Option<Vec<Result<Case, Failed>>>, SourceError> {
+        let chunk: Vec<Result<Case, Failed>> = match self {
+            Self::Simulated(simulated) => {
+                let range = advance(&mut simulated.next, simulated.runs);
+                let (scenario, seed) = (&simulated.scenario, simulated.seed);
+                let run = |index| Ok(fleet_run(scenario, seed, index));
+                range.into_par_iter().map(run).collect()
+            }
+            Self::Logs(logs) => {
+                let range = advance(&mut logs.next, logs.files.len());
+                let line = logs.line.as_ref();
+                logs.files[range]
+                    .par_iter()
+                    .map(|file| read(file, line))
+                    .collect()
+            }
+            Self::Parquet(files) => {
+                let mut chunk = Vec::new();
+                while chunk.len() < CHUNK
+                    && let Some(reader) = files.readers.front_mut()
+                {
+                    match reader.next_run()? {
+                        Some(recording) => chunk.push(Ok(Case {
+                            recording,
+                            truth: None,
+                        })),
+                        None => drop(files.readers.pop_front()),
+                    }
+                }
+                chunk
+            }
+        };
+        Ok((!chunk.is_empty()).then_some(chunk))
+    }
+}
+
+/// Parquet files behind an argument, folders in the order of their paths.
+fn parquet_files(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), SourceError> {
+    if path.is_dir() {
+        let failed = |source| SourceError::Io {
+            path: path.to_owned(),
+            source,
+        };
+        let entries = std::fs::read_dir(path).map_err(failed)?;
+        let entries = entries.map(|entry| entry.map(|entry| entry.path()));
+        let mut paths = entries.collect::<Result<Vec<_>, _>>().map_err(failed)?;
+        paths.sort();
+        for path in paths {
+            parquet_files(&path, files)?;
+        }
+    } else if path.extension().is_some_and(|e| e == "parquet") {
+        files.push(path.to_owned());
+    }
+    Ok(())
+}
+
+fn advance(next: &mut usize, end: usize) -> std::ops::Range<usize> {
+    let from = *next;
+    *next = (from + CHUNK).min(end);
+    from..*next
+}
+
+fn read(file: &RunFile, line: Option<&CentreLine>) -> Result<Case, Failed> {
+    let failed = |error: String| Failed {
+        file: file.path.clone(),
+        error,
+    };
+    let log =
+        RunLog::read(&file.path, BadRows::Refuse).map_err(|error| failed(error.to_string()))?;
+    let recording = Recording::new(file, &log, line, DirectionChoice::Auto)
+        .map_err(|error| failed(error.to_string()))?;
+    Ok(Case {
+        recording,
+        truth: None,
+    })
+}

@@ -1,0 +1,105 @@
+//! What all runs say together, through one pair of eyes: in as few numbers as one run.
+
+use super::moments::Moments;
+use super::view::{View, atb_step};
+
+/// Where the two clouds of Fig. 9 part, km/h.
+pub const CLOUDS_KMH: f64 = 115.0;
+
+/// Where the paper finds r0, N/kg (section 4.2).
+pub const R0_BAND: std::ops::RangeInclusive<f64> = 0.0072..=0.00738;
+/// Speed that the line permits, km/h.
+pub const LIMIT_KMH: f64 = 140.0;
+
+/// Statistics over runs, and over samples where the name says so.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tallies {
+    /// Number of runs.
+    pub runs: u64,
+    /// r0, r1, r2 of all samples.
+    pub davis_samples: [Moments; 3],
+    /// r0, r1, r2 at the end of each run.
+    pub davis: [Moments; 3],
+    /// Runs in which a coefficient fell below zero.
+    pub negative_runs: u64,
+    /// Samples whose r0 lies in [`R0_BAND`].
+    pub r0_in_band: u64,
+    /// km/h.
+    pub cruise_kmh: Moments,
+    /// Runs whose cruise speed is above the limit of 140 km/h.
+    pub cruise_over_limit: u64,
+    /// s.
+    pub coast_s: Moments,
+    /// s.
+    pub brake_s: Moments,
+    /// Traction, cruise, coast, brake.
+    pub shares: [Moments; 4],
+    /// kW.
+    pub power_kw: Moments,
+    /// kW.
+    pub max_power_kw: Moments,
+    /// Deceleration of coasting trains, m/s².
+    pub coast_mps2: Moments,
+    /// Brake rate of the samples of each ATB-EG step, m/s².
+    pub brake_steps: [Moments; 5],
+    /// Power of the samples below and above [`CLOUDS_KMH`], from 50 km/h on, kW.
+    pub clouds_kw: [Moments; 2],
+    /// Intervals of each run that say something of the largest tractive effort.
+    pub effort_samples: Moments,
+    /// Root mean square of filtered less measured speed, km/h.
+    pub speed_rms_kmh: Moments,
+    /// Share of the time in which the resistance was learned.
+    pub learned_share: Moments,
+}
+
+impl Tallies {
+    /// Adds a run.
+    pub fn add(&mut self, view: &View) {
+        let (outcome, points) = (&view.outcome, &view.points);
+        self.runs += 1;
+        for davis in &points.davis {
+            for (moments, value) in self.davis_samples.iter_mut().zip(davis) {
+                moments.add(*value);
+            }
+        }
+        let is_in_band = |davis: &&[f64; 3]| R0_BAND.contains(&davis[0]);
+        self.r0_in_band += points.davis.iter().filter(is_in_band).count() as u64;
+        if outcome.cruise_kmh.is_some_and(|kmh| kmh > LIMIT_KMH) {
+            self.cruise_over_limit += 1;
+        }
+        let is_negative = |davis: &[f64; 3]| davis.iter().any(|value| *value < 0.0);
+        if points.davis.iter().any(is_negative) {
+            self.negative_runs += 1;
+        }
+        for (moments, value) in self.davis.iter_mut().zip(outcome.davis) {
+            moments.add(value);
+        }
+        for (moments, value) in [
+            (&mut self.cruise_kmh, outcome.cruise_kmh),
+            (&mut self.coast_s, outcome.coast_s),
+            (&mut self.brake_s, outcome.brake_s),
+            (&mut self.power_kw, outcome.power_kw),
+            (&mut self.max_power_kw, outcome.max_power_kw),
+            (&mut self.coast_mps2, outcome.coast_mps2),
+            (&mut self.effort_samples, outcome.effort_samples),
+            (&mut self.speed_rms_kmh, outcome.speed_rms_kmh),
+            (&mut self.learned_share, outcome.learned_share),
+        ] {
+            value.into_iter().for_each(|value| moments.add(value));
+        }
+        for (moments, share) in self
+            .shares
+            .iter_mut()
+            .zip(outcome.shares.into_iter().flatten())
+        {
+            moments.add(share);
+        }
+        for (speed_kmh, rate_mps2) in &points.brake {
+            self.brake_steps[atb_step(*speed_kmh)].add(*rate_mps2);
+        }
+        for point in points.power.iter().filter(|point| point.speed_kmh > 50.0) {
+            let cloud = usize::from(point.speed_kmh > CLOUDS_KMH);
+            self.clouds_kw[cloud].add(point.power_kw);
+        }
+    }
+}

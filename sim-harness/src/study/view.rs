@@ -1,0 +1,339 @@
+//! One run through one pair of eyes: what the estimator in one mode says of it, or what was true.
+//!
+//! The same quantities whoever looks, so that a table can set them side by side: [`Outcome`] is the run in a few numbers, [`Points`] is what
+//! the figures draw.
+
+use super::case::CaseTruth;
+use super::moments::Moments;
+use crate::replay::ReplayedRun;
+use crate::table::{Cell, Record};
+use crate::truth::driver::Regime as TrueRegime;
+use rundown::regime::Regime;
+use rundown::state;
+use rundown::train::Train;
+
+/// Steps of ATB-EG, km/h, from the fastest (section 3.3).
+pub const ATB_STEPS_KMH: [f64; 4] = [130.0, 80.0, 60.0, 40.0];
+/// Names of the five steps.
+pub const ATB_NAMES: [&str; 5] = ["above_130", "130_to_80", "80_to_60", "60_to_40", "below_40"];
+/// Speeds of the red crosses of Fig. 9, km/h.
+pub const CROSS_KMH: std::ops::RangeInclusive<f64> = 50.0..=90.0;
+/// A slower loss of speed is no braking, m/s² (section 3.2): a hold at 40 km/h between two brakes is not counted as one.
+const LEAST_BRAKE_MPS2: f64 = 0.06;
+/// Speeds at which the decelerations of coasting trains are compared, km/h.
+pub const COASTING_KMH: std::ops::RangeInclusive<f64> = 100.0..=120.0;
+/// The first acceleration is over after so many samples without traction above [`OVER_KMH`]; one may be misjudged.
+const OVER_SAMPLES: usize = 2;
+/// Slower, the train may hold the speed of the departure zone, km/h.
+const OVER_KMH: f64 = 50.0;
+
+/// A run in a few numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// Median speed while cruising, km/h.
+    pub cruise_kmh: Option<f64>,
+    /// Length of the coast before the final brake, s.
+    pub coast_s: Option<f64>,
+    /// Length of the final brake, s.
+    pub brake_s: Option<f64>,
+    /// Share of the running time in traction, cruise, coast and brake; standing time is no running time.
+    pub shares: Option<[f64; 4]>,
+    /// Mean tractive power, 50 to 130 km/h, kW.
+    pub power_kw: Option<f64>,
+    /// Largest tractive power of the first acceleration, 50 to 90 km/h, kW.
+    pub max_power_kw: Option<f64>,
+    /// Mean deceleration while coasting at [`COASTING_KMH`], m/s².
+    pub coast_mps2: Option<f64>,
+    /// Intervals that say something of the largest tractive effort at low speed.
+    pub effort_samples: Option<f64>,
+    /// Davis coefficients of this run's train at its end.
+    pub davis: [f64; 3],
+    /// Root mean square of filtered less measured speed, km/h.
+    pub speed_rms_kmh: Option<f64>,
+    /// Share of the time in which the resistance was learned.
+    pub learned_share: Option<f64>,
+}
+
+/// What the figures draw of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Points {
+    /// r0, r1, r2 at each sample.
+    pub davis: Vec<[f64; 3]>,
+    /// Speed in km/h and brake rate in m/s² of each interval of braking.
+    pub brake: Vec<(f64, f64)>,
+    /// Speed in km/h, power in kW and location in m of each interval of the first acceleration.
+    pub power: Vec<PowerPoint>,
+}
+
+/// Tractive power in one interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PowerPoint {
+    /// km/h.
+    pub speed_kmh: f64,
+    /// kW, at the wheel.
+    pub power_kw: f64,
+    /// m.
+    pub location_m: f64,
+}
+
+/// A run through one pair of eyes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct View {
+    /// In a few numbers.
+    pub outcome: Outcome,
+    /// For the figures.
+    pub points: Points,
+}
+
+impl View {
+    /// What the estimator says.
+    pub fn of_replay(run: &ReplayedRun, train: &Train) -> Self {
+        let features = &run.summary.features;
+        let kw = train.rotating_mass_kg() / 1000.0;
+        let mut points = Points::default();
+        let mut first = FirstAcceleration::default();
+        let mut misses = (0.0, 0.0);
+        let mut learned_s = 0.0;
+        let mut coasting = Moments::default();
+        for (index, estimate) in run.estimates.iter().enumerate() {
+            let mean = &estimate.belief.mean;
+            points
+                .davis
+                .push([mean[state::R0], mean[state::R1], mean[state::R2]]);
+            let reading = run.measurements.get(index).and_then(|m| m.speed_mps);
+            if let Some(reading) = reading {
+                misses.0 += (3.6 * (mean[state::SPEED] - reading)).powi(2);
+                misses.1 += 1.0;
+            }
+            if estimate.learning {
+                learned_s += estimate.dt_s;
+            }
+            let Some(before) = index.checked_sub(1).map(|before| &run.estimates[before]) else {
+                continue;
+            };
+            let speed_mps = 0.5 * (mean[state::SPEED] + before.belief.mean[state::SPEED]);
+            let regime = run.regimes.get(index).copied().unwrap_or(estimate.regime);
+            if regime == Regime::Brake
+                && let Some(acceleration_mps2) = estimate.acceleration_mps2
+                && -acceleration_mps2 >= LEAST_BRAKE_MPS2
+            {
+                points.brake.push((3.6 * speed_mps, -acceleration_mps2));
+            }
+            if regime == Regime::Coast
+                && COASTING_KMH.contains(&(3.6 * speed_mps))
+                && let Some(acceleration_mps2) = estimate.acceleration_mps2
+            {
+                coasting.add(-acceleration_mps2);
+            }
+            let is_traction = regime == Regime::Traction;
+            if first.goes_on(is_traction, 3.6 * speed_mps)
+                && is_traction
+                && let Some(effort_n_per_kg) = estimate.effort_n_per_kg
+            {
+                points.power.push(PowerPoint {
+                    speed_kmh: 3.6 * speed_mps,
+                    power_kw: kw * effort_n_per_kg * speed_mps,
+                    location_m: mean[state::LOCATION],
+                });
+            }
+        }
+        let moving = |regime: Regime| features.regime_time_s[regime as usize];
+        let davis = &run.summary.run_davis.mean;
+        let of = |phase: &Option<rundown::features::Phase>| phase.as_ref().map(|p| p.duration_s);
+        let duration_s: f64 = run.estimates.iter().map(|estimate| estimate.dt_s).sum();
+        let outcome = Outcome {
+            cruise_kmh: features.cruise_speed_median_mps.map(|v| 3.6 * v),
+            coast_s: of(&features.final_coast),
+            brake_s: of(&features.final_brake),
+            shares: shares(
+                [
+                    Regime::Traction,
+                    Regime::Cruise,
+                    Regime::Coast,
+                    Regime::Brake,
+                ]
+                .map(moving),
+            ),
+            power_kw: (features.power_w_per_kg.count > 0)
+                .then_some(kw * features.power_w_per_kg.mean),
+            max_power_kw: largest(&points.power),
+            coast_mps2: coasting.mean(),
+            effort_samples: Some(f64::from(
+                features
+                    .max_effort
+                    .as_ref()
+                    .map_or(0, |line| line.effort.count),
+            )),
+            davis: [davis[0], davis[1], davis[2]],
+            speed_rms_kmh: (misses.1 > 0.0).then(|| (misses.0 / misses.1).sqrt()),
+            learned_share: (duration_s > 0.0).then_some(learned_s / duration_s),
+        };
+        Self { outcome, points }
+    }
+
+    /// What was true, at the times of the samples.
+    pub fn of_truth(truth: &CaseTruth) -> Self {
+        let facts = &truth.facts;
+        let davis = [facts.davis.r0, facts.davis.r1, facts.davis.r2];
+        let kw = facts.train.rotating_mass_kg() / 1000.0;
+        let mut points = Points {
+            davis: vec![davis; truth.samples.len()],
+            ..Points::default()
+        };
+        let mut times_s = [0.0; 4];
+        let mut coasting = Moments::default();
+        let mut first = FirstAcceleration::default();
+        for pair in truth.samples.windows(2) {
+            let (before, now) = (&pair[0], &pair[1]);
+            let dt_s = now.time_s - before.time_s;
+            let speed_mps = 0.5 * (before.speed_mps + now.speed_mps);
+            if let Some(index) = moving_index(now.regime) {
+                times_s[index] += dt_s;
+            }
+            // An interval is of one regime where it is that at both ends.
+            let is_all = |regime| before.regime == regime && now.regime == regime;
+            if is_all(TrueRegime::Brake) {
+                let rate = (before.speed_mps - now.speed_mps) / dt_s;
+                if rate >= LEAST_BRAKE_MPS2 {
+                    points.brake.push((3.6 * speed_mps, rate));
+                }
+            }
+            if is_all(TrueRegime::Coast) && COASTING_KMH.contains(&(3.6 * speed_mps)) {
+                coasting.add((before.speed_mps - now.speed_mps) / dt_s);
+            }
+            let is_traction = now.regime == TrueRegime::Traction;
+            if first.goes_on(is_traction, 3.6 * speed_mps) && is_all(TrueRegime::Traction) {
+                points.power.push(PowerPoint {
+                    speed_kmh: 3.6 * speed_mps,
+                    power_kw: kw * now.mean_effort_n_per_kg * speed_mps,
+                    location_m: now.location_m,
+                });
+            }
+        }
+        let coast = facts.final_coast.as_ref();
+        let outcome = Outcome {
+            cruise_kmh: Some(3.6 * facts.cruise_mps),
+            coast_s: coast.map(|coast| facts.final_brake.time_s - coast.time_s),
+            brake_s: Some(facts.stop.time_s - facts.final_brake.time_s),
+            shares: shares(times_s),
+            power_kw: facts.mean_power_50_130_w_per_kg.map(|p| kw * p),
+            max_power_kw: facts.max_power_50_90_w_per_kg.map(|p| kw * p),
+            coast_mps2: coasting.mean(),
+            effort_samples: None,
+            davis,
+            speed_rms_kmh: None,
+            learned_share: None,
+        };
+        Self { outcome, points }
+    }
+}
+
+/// Decides how long the first acceleration lasts.
+#[derive(Debug, Default)]
+struct FirstAcceleration {
+    without: usize,
+}
+
+impl FirstAcceleration {
+    fn goes_on(&mut self, is_traction: bool, speed_kmh: f64) -> bool {
+        if self.without < OVER_SAMPLES {
+            self.without = match is_traction {
+                true => 0,
+                false if speed_kmh > OVER_KMH => self.without + 1,
+                false => self.without,
+            };
+        }
+        self.without < OVER_SAMPLES
+    }
+}
+
+fn moving_index(regime: TrueRegime) -> Option<usize> {
+    match regime {
+        TrueRegime::Standstill => None,
+        TrueRegime::Traction => Some(0),
+        TrueRegime::Cruise => Some(1),
+        TrueRegime::Coast => Some(2),
+        TrueRegime::Brake => Some(3),
+    }
+}
+
+fn shares(times_s: [f64; 4]) -> Option<[f64; 4]> {
+    let all_s: f64 = times_s.iter().sum();
+    (all_s > 0.0).then(|| times_s.map(|time_s| time_s / all_s))
+}
+
+fn largest(points: &[PowerPoint]) -> Option<f64> {
+    let within = points.iter().filter(|p| CROSS_KMH.contains(&p.speed_kmh));
+    within.map(|point| point.power_kw).reduce(f64::max)
+}
+
+/// Index of the ATB-EG step of a speed.
+///
+/// ```
+/// use sim_harness::study::view::atb_step;
+///
+/// assert_eq!([140.0, 130.0, 61.0, 40.0, 5.0].map(atb_step), [0, 1, 2, 4, 4]);
+/// ```
+pub fn atb_step(speed_kmh: f64) -> usize {
+    ATB_STEPS_KMH
+        .iter()
+        .position(|edge| speed_kmh > *edge)
+        .unwrap_or(ATB_STEPS_KMH.len())
+}
+
+impl Outcome {
+    /// As cells of a row, each name after the prefix.
+    pub fn record(&self, prefix: &str) -> Record {
+        let mut record = Record::new();
+        let mut push = |name: &str, value: Option<f64>| {
+            record.push((format!("{prefix}_{name}"), Cell::from(value)));
+        };
+        push("cruise_kmh", self.cruise_kmh);
+        push("final_coast_s", self.coast_s);
+        push("final_brake_s", self.brake_s);
+        for (index, name) in ["traction", "cruise", "coast", "brake"].iter().enumerate() {
+            push(
+                &format!("share_{name}"),
+                self.shares.map(|shares| shares[index]),
+            );
+        }
+        push("power_kw", self.power_kw);
+        push("max_power_50_90_kw", self.max_power_kw);
+        push("coasting_mps2", self.coast_mps2);
+        for (name, value) in ["r0", "r1", "r2"].into_iter().zip(self.davis) {
+            push(name, Some(value));
+        }
+        if prefix != "true" {
+            push("speed_rms_kmh", self.speed_rms_kmh);
+            push("learned_share", self.learned_share);
+        }
+        record
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_misjudged_sample_does_not_end_the_first_acceleration() {
+        let mut first = FirstAcceleration::default();
+        // Holding the speed of the departure zone is no end either.
+        let doing = [
+            (true, 20.0),
+            (false, 38.0),
+            (false, 39.0),
+            (true, 60.0),
+            (false, 90.0),
+            (true, 100.0),
+            (false, 120.0),
+            (false, 125.0),
+            (true, 130.0),
+        ];
+        let goes_on: Vec<bool> = doing.iter().map(|(t, v)| first.goes_on(*t, *v)).collect();
+        assert_eq!(
+            goes_on,
+            [true, true, true, true, true, true, true, false, false]
+        );
+    }
+}

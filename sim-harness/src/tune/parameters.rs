@@ -1,0 +1,193 @@
+//! What is tuned: α, β, κ, initial deviations, R and Q, as one point in a space where a step of 1 is a factor of 10.
+
+use rundown::config::{Config, Mode, PaperConfig};
+use rundown::ukf::{Spread, SpreadError};
+
+/// Number of parameters.
+pub const COUNT: usize = 11;
+
+/// A point of the search.
+pub type Place = [f64; COUNT];
+
+/// One parameter.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// Name in tables and files.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Least and largest value of the search, in its own unit.
+    pub range: [f64; 2],
+    scale: Scale,
+}
+
+/// How a value becomes a coordinate.
+#[derive(Clone, Copy, Debug)]
+enum Scale {
+    /// log10 of it.
+    Decades,
+    /// Itself.
+    Linear,
+    /// log10 of 5 + κ, which must be above zero.
+    Kappa,
+}
+
+const fn decades(name: &'static str, unit: &'static str, range: [f64; 2]) -> Parameter {
+    Parameter {
+        name,
+        unit,
+        range,
+        scale: Scale::Decades,
+    }
+}
+
+/// All parameters, in the order of Table 1, then R and Q.
+pub const PARAMETERS: [Parameter; COUNT] = [
+    decades("alpha", "", [1e-4, 2.0]),
+    Parameter {
+        name: "beta",
+        unit: "",
+        range: [0.0, 6.0],
+        scale: Scale::Linear,
+    },
+    Parameter {
+        name: "kappa",
+        unit: "",
+        range: [-4.9, 20.0],
+        scale: Scale::Kappa,
+    },
+    decades("initial_location_sd", "m", [1e-2, 1e3]),
+    decades("initial_speed_sd", "km/h", [1e-4, 1e2]),
+    decades("initial_r0_sd", "N/kg", [1e-9, 1e-2]),
+    decades("initial_r1_sd", "N/(kg m/s)", [1e-11, 1e-3]),
+    decades("initial_r2_sd", "N/(kg (m/s)\u{b2})", [1e-12, 1e-4]),
+    decades("location_sd", "m", [0.1, 1e3]),
+    decades("speed_sd", "km/h", [0.05, 50.0]),
+    decades("acceleration_noise", "m/s\u{b2}", [LEAST_NOISE, 1.0]),
+];
+
+/// Acceleration noise that stands for the paper's none, m/s²: 10 s of it are a thousandth of a km/h.
+pub const LEAST_NOISE: f64 = 3e-5;
+
+impl Parameter {
+    /// The coordinate of a value.
+    pub fn coordinate(&self, value: f64) -> f64 {
+        match self.scale {
+            Scale::Decades => value.max(f64::MIN_POSITIVE).log10(),
+            Scale::Linear => value,
+            Scale::Kappa => (value + 5.0).log10(),
+        }
+    }
+
+    /// The value at a coordinate.
+    pub fn value(&self, coordinate: f64) -> f64 {
+        match self.scale {
+            Scale::Decades => 10_f64.powf(coordinate),
+            Scale::Linear => coordinate,
+            Scale::Kappa => 10_f64.powf(coordinate) - 5.0,
+        }
+    }
+
+    /// Least and largest coordinate of the search.
+    pub fn ends(&self) -> [f64; 2] {
+        self.range.map(|value| self.coordinate(value))
+    }
+}
+
+/// The place of a filter.
+pub fn place(paper: &PaperConfig) -> Place {
+    // Their names are those of a configuration file; a spread says its numbers no other way.
+    let spread = serde_json::to_value(paper.spread).unwrap_or_default();
+    let of_spread = |name: &str| spread[name].as_f64().unwrap_or(f64::NAN);
+    let [r0, r1, r2] = paper.initial_davis_sd;
+    let values = [
+        of_spread("alpha"),
+        of_spread("beta"),
+        of_spread("kappa"),
+        paper.initial_location_sd_m,
+        paper.initial_speed_sd_kmh,
+        r0,
+        r1,
+        r2,
+        paper.location_sd_m,
+        paper.speed_sd_kmh,
+        paper.acceleration_noise_mps2.max(LEAST_NOISE),
+    ];
+    std::array::from_fn(|i| PARAMETERS[i].coordinate(values[i]))
+}
+
+/// The values at a place, each within its range.
+pub fn values(place: &Place) -> Place {
+    std::array::from_fn(|i| {
+        let [least, most] = PARAMETERS[i].ends();
+        PARAMETERS[i].value(place[i].clamp(least, most))
+    })
+}
+
+/// The configuration at a place: the paper's mode, all else as it was.
+///
+/// # Errors
+/// [`SpreadError`] when α or 5 + κ is not above zero; not within the ranges of the search.
+pub fn config(base: &Config, place: &Place) -> Result<Config, SpreadError> {
+    let [
+        alpha,
+        beta,
+        kappa,
+        s,
+        v,
+        r0,
+        r1,
+        r2,
+        location_sd_m,
+        speed_sd_kmh,
+        noise,
+    ] = values(place);
+    let has_noise = noise > 1.001 * LEAST_NOISE;
+    Ok(Config {
+        mode: Mode::Paper,
+        paper: PaperConfig {
+            spread: Spread::try_new(alpha, beta, kappa)?,
+            initial_location_sd_m: s,
+            initial_speed_sd_kmh: v,
+            initial_davis_sd: [r0, r1, r2],
+            location_sd_m,
+            speed_sd_kmh,
+            acceleration_noise_mps2: if has_noise { noise } else { 0.0 },
+            // Eq. (12)-(15) as printed leave Q out of the gain; with Q the points are drawn anew.
+            reuse_points: !has_noise && base.paper.reuse_points,
+            ..base.paper
+        },
+        ..*base
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_1_is_a_place_and_comes_back() {
+        let base = Config::default();
+        let found = config(&base, &place(&base.paper)).unwrap().paper;
+        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
+        assert!(near(found.initial_davis_sd[1], 1e-8) && near(found.speed_sd_kmh, 1.0));
+        assert_eq!(found.acceleration_noise_mps2, 0.0);
+        assert_eq!(found.reuse_points, base.paper.reuse_points);
+        let [a, b] = [found.spread, base.paper.spread].map(|spread| spread.weights(5));
+        assert!(near(a.2, b.2));
+    }
+
+    #[test]
+    fn every_place_of_the_search_is_a_configuration() {
+        for end in [0, 1] {
+            let place = std::array::from_fn(|i| PARAMETERS[i].ends()[end] + [-9.0, 9.0][end]);
+            let config = config(&Config::default(), &place).unwrap();
+            config.check().unwrap();
+            assert_eq!(
+                config.paper.reuse_points,
+                end == 0,
+                "with Q the points are drawn anew"
+            );
+        }
+    }
+}

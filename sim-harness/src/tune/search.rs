@@ -1,0 +1,142 @@
+//! Nelder and Mead's simplex over the parameters, from Table 1 and from a spread of the points that double precision can carry.
+
+use super::parameters::{COUNT, PARAMETERS, Place, place};
+use super::score::Bench;
+use argmin::core::{CostFunction, Error, Executor, State};
+use argmin::solver::neldermead::NelderMead;
+use rundown::config::PaperConfig;
+use rundown::ukf::Spread;
+
+/// First step of the simplex in each coordinate; a step of 1 is a factor of 10.
+const STEP: f64 = 0.5;
+/// Standard deviation of the costs of the simplex at which the search ends.
+const TOLERANCE: f64 = 1e-6;
+
+/// What the search found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// The best place.
+    pub place: Place,
+    /// Its cost.
+    pub cost: f64,
+    /// Costs that were asked for.
+    pub evaluations: u64,
+}
+
+/// Why there is no optimum.
+#[derive(Debug, thiserror::Error)]
+#[error("the search ended without a result: {0}")]
+pub struct SearchError(String);
+
+struct Problem<'a, F> {
+    bench: &'a Bench,
+    done: &'a F,
+}
+
+impl<F: Fn()> CostFunction for Problem<'_, F> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, place: &Vec<f64>) -> Result<f64, Error> {
+        (self.done)();
+        let place = Place::try_from(place.as_slice())?;
+        // Beyond the ranges the cost rises, or the simplex would wander where nothing changes.
+        let beyond: f64 = (0..COUNT)
+            .map(|i| {
+                let [least, most] = PARAMETERS[i].ends();
+                (least - place[i]).max(place[i] - most).max(0.0)
+            })
+            .sum();
+        Ok(self.bench.cost(&place) + beyond)
+    }
+}
+
+/// Where the search begins.
+pub fn starts() -> [Place; 2] {
+    let wide = PaperConfig {
+        spread: Spread::WIDE,
+        initial_speed_sd_kmh: 1.0,
+        acceleration_noise_mps2: 0.01,
+        ..PaperConfig::default()
+    };
+    [place(&PaperConfig::default()), place(&wide)]
+}
+
+/// Searches from each start with about so many evaluations in all; `done` is called at each.
+///
+/// # Errors
+/// [`SearchError`] when the optimiser gives no place.
+pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Found, SearchError> {
+    let failed = |error: Error| SearchError(error.to_string());
+    let starts = starts();
+    let of_start = evaluations / starts.len() as u64;
+    let mut best: Option<Found> = None;
+    let mut all = 0;
+    for start in starts {
+        let simplex = (0..=COUNT).map(|corner| {
+            let mut place = start.to_vec();
+            if let Some(index) = corner.checked_sub(1) {
+                let [least, most] = PARAMETERS[index].ends();
+                // Towards the middle of the range, so that no corner begins outside.
+                let inwards = if place[index] > 0.5 * (least + most) {
+                    -STEP
+                } else {
+                    STEP
+                };
+                place[index] += inwards;
+            }
+            place
+        });
+        let solver = NelderMead::new(simplex.collect())
+            .with_sd_tolerance(TOLERANCE)
+            .map_err(failed)?;
+        let problem = Problem { bench, done: &done };
+        // A step of the simplex asks for one or two costs.
+        let steps = (of_start.saturating_sub(COUNT as u64 + 1) / 2).max(1);
+        let result = Executor::new(problem, solver)
+            .configure(|state| state.max_iters(steps))
+            .timer(false)
+            .run()
+            .map_err(failed)?;
+        all += result
+            .problem
+            .counts
+            .get("cost_count")
+            .copied()
+            .unwrap_or(0);
+        let state = result.state();
+        let place = state.get_best_param();
+        let place = place.and_then(|place| Place::try_from(place.as_slice()).ok());
+        let place = place.ok_or_else(|| SearchError("no best place".to_owned()))?;
+        let cost = state.get_best_cost();
+        if best.is_none_or(|best| cost < best.cost) {
+            best = Some(Found {
+                place,
+                cost,
+                evaluations: 0,
+            });
+        }
+    }
+    best.map(|best| Found {
+        evaluations: all,
+        ..best
+    })
+    .ok_or_else(|| SearchError("no start".to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::score::tests::bench;
+    use super::*;
+
+    #[test]
+    fn the_optimum_is_better_than_both_starts_and_found_again() {
+        let bench = bench(2);
+        let found = search(&bench, 160, || ()).unwrap();
+        for start in starts() {
+            assert!(found.cost < bench.cost(&start), "{found:?}");
+        }
+        assert_eq!(search(&bench, 160, || ()).unwrap(), found);
+        assert_eq!(bench.score(&found.place).unwrap().negative_samples, 0);
+    }
+}

@@ -1,0 +1,237 @@
+//! The surface of the score around the optimum: each parameter alone, and the two readings' noise against each other.
+
+use super::parameters::{COUNT, PARAMETERS, Place};
+use super::score::Bench;
+use crate::report::chart::{Axes, Figure, Grid, Layer, Panel, Stroke};
+use crate::report::colours;
+use crate::study::figures::Picture;
+use crate::table::Cell;
+use plotters::style::RGBColor;
+
+/// Places along a parameter, to each side.
+const HALF: i32 = 8;
+/// How far is looked to each side, in decades.
+const REACH: f64 = 1.5;
+/// The plane: noise of the location against noise of the speed.
+const PLANE: [usize; 2] = [8, 9];
+/// Loss of likelihood a sample at which the colours end.
+const DEEPEST: f64 = 2.0;
+
+/// Places that [`profiles`] and [`plane`] ask for.
+pub const EVALUATIONS: usize =
+    COUNT * (2 * HALF as usize + 1) + (HALF as usize + 1) * (HALF as usize + 1);
+
+/// One place of the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Spot {
+    value: f64,
+    /// Cost above the optimum's.
+    above: f64,
+    negative: bool,
+}
+
+fn spot(bench: &Bench, place: &Place, value: f64, least: f64) -> Spot {
+    let score = bench.score(place);
+    Spot {
+        value,
+        above: score.map_or(f64::INFINITY, |score| score.cost() - least),
+        negative: score.is_none_or(|score| score.negative_samples > 0),
+    }
+}
+
+/// The score along each parameter, the others as at the optimum.
+pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn()) -> Picture {
+    let least = bench.cost(optimum);
+    let (mut figures, mut records) = (Vec::new(), Vec::new());
+    for (index, parameter) in PARAMETERS.iter().enumerate() {
+        let [from, to] = parameter.ends();
+        let spots: Vec<Spot> = (-HALF..=HALF)
+            .filter_map(|step| {
+                let mut place = *optimum;
+                place[index] += REACH * f64::from(step) / f64::from(HALF);
+                done();
+                let within = (from..=to).contains(&place[index]);
+                within.then(|| spot(bench, &place, place[index], least))
+            })
+            .collect();
+        for spot in &spots {
+            records.push(vec![
+                ("parameter".to_owned(), Cell::from(parameter.name)),
+                ("value".to_owned(), Cell::from(parameter.value(spot.value))),
+                ("cost_above_optimum".to_owned(), Cell::from(spot.above)),
+                (
+                    "negative_coefficient".to_owned(),
+                    Cell::from(if spot.negative { "yes" } else { "no" }),
+                ),
+            ]);
+        }
+        figures.push(panel(index, &spots, optimum[index], table1[index]));
+    }
+    Picture {
+        name: "tune_profiles".to_owned(),
+        caption: "Loss of likelihood a sample along each parameter, the others as at the optimum, each in a scale of its own up to 2; crosses: a coefficient is negative somewhere. Solid green: the optimum, dashed: Table 1 where it is in reach.".to_owned(),
+        svg: Grid {
+            title: "Likelihood along each parameter".to_owned(),
+            description: "A panel for each parameter, lowest at the optimum".to_owned(),
+            columns: 3,
+            figures,
+        }
+        .to_svg(),
+        records,
+    }
+}
+
+fn panel(index: usize, spots: &[Spot], optimum: f64, table1: f64) -> Figure {
+    let parameter = &PARAMETERS[index];
+    let ends = [spots.first(), spots.last()].map(|spot| spot.map_or(optimum, |spot| spot.value));
+    let unit = match parameter.unit {
+        "" => String::new(),
+        unit => format!(", {unit}"),
+    };
+    let name = match parameter.name {
+        "beta" => "beta".to_owned(),
+        "kappa" => "log10(5 + kappa)".to_owned(),
+        name => format!("log10 {name}{unit}"),
+    };
+    let shown = |spot: &&Spot| spot.above.is_finite();
+    let place = |spot: &Spot| (spot.value, spot.above.min(DEEPEST));
+    let line = spots.iter().filter(shown).map(|s| Some(place(s)));
+    let negative = spots.iter().filter(shown).filter(|s| s.negative);
+    Figure {
+        title: String::new(),
+        description: String::new(),
+        x_label: name,
+        x: ends[0]..ends[1],
+        panels: vec![Panel {
+            label: "loss".to_owned(),
+            height: 260,
+            // A scale of its own: some parameters hardly matter, and that should be read from the numbers.
+            y: None,
+            axes: Axes::Left,
+            layers: vec![
+                Layer::Line {
+                    legend: String::new(),
+                    colour: colours::MEASURED,
+                    stroke: Stroke::Solid,
+                    points: line.collect(),
+                },
+                Layer::Marks {
+                    legend: String::new(),
+                    colour: colours::INVALID,
+                    points: negative.map(place).collect(),
+                },
+                Layer::Verticals {
+                    legend: "optimum".to_owned(),
+                    colour: colours::TRUTH,
+                    stroke: Stroke::Thin,
+                    at: vec![optimum],
+                },
+                Layer::Verticals {
+                    legend: "Table 1".to_owned(),
+                    colour: colours::LIMIT,
+                    stroke: Stroke::Dashed,
+                    at: vec![table1],
+                },
+            ],
+            empty: "no place in reach".to_owned(),
+        }],
+    }
+}
+
+/// The score over the noise of both readings.
+pub fn plane(bench: &Bench, optimum: &Place, done: impl Fn()) -> Picture {
+    let least = bench.cost(optimum);
+    let step = 2.0 * REACH / f64::from(HALF);
+    let at = |axis: usize, k: i32| optimum[PLANE[axis]] + step * f64::from(k - HALF / 2);
+    let (mut cells, mut records) = (Vec::new(), Vec::new());
+    for i in 0..=HALF {
+        for j in 0..=HALF {
+            let mut place = *optimum;
+            place[PLANE[0]] = at(0, i);
+            place[PLANE[1]] = at(1, j);
+            done();
+            let spot = spot(bench, &place, 0.0, least);
+            let around = |middle: f64| middle - 0.5 * step..middle + 0.5 * step;
+            cells.push((around(at(0, i)), around(at(1, j)), shade(spot.above)));
+            records.push(vec![
+                (
+                    "location_sd_m".to_owned(),
+                    Cell::from(PARAMETERS[PLANE[0]].value(at(0, i))),
+                ),
+                (
+                    "speed_sd_kmh".to_owned(),
+                    Cell::from(PARAMETERS[PLANE[1]].value(at(1, j))),
+                ),
+                ("cost_above_optimum".to_owned(), Cell::from(spot.above)),
+            ]);
+        }
+    }
+    let figure = Figure {
+        title: "Likelihood over the noise of both readings".to_owned(),
+        description: "Dark where the likelihood is largest".to_owned(),
+        x_label: "log10 location_sd, m".to_owned(),
+        x: at(0, 0) - 0.5 * step..at(0, HALF) + 0.5 * step,
+        panels: vec![Panel {
+            label: "log10 speed_sd, km/h".to_owned(),
+            height: 620,
+            y: Some(at(1, 0) - 0.5 * step..at(1, HALF) + 0.5 * step),
+            axes: Axes::Left,
+            layers: vec![
+                Layer::Cells { cells },
+                Layer::Marks {
+                    legend: "optimum".to_owned(),
+                    colour: colours::ESTIMATED,
+                    points: vec![(optimum[PLANE[0]], optimum[PLANE[1]])],
+                },
+            ],
+            empty: String::new(),
+        }],
+    };
+    Picture {
+        name: "tune_plane".to_owned(),
+        caption: format!(
+            "Loss of likelihood a sample over the noise of both readings, the other parameters as at the optimum: dark none, white {DEEPEST} and more."
+        ),
+        svg: figure.to_svg(),
+        records,
+    }
+}
+
+/// Dark blue for no loss, white for the deepest.
+fn shade(above: f64) -> RGBColor {
+    let part = (above / DEEPEST).clamp(0.0, 1.0);
+    let mix = |dark: f64| (dark + (255.0 - dark) * part).round() as u8;
+    RGBColor(mix(20.0), mix(50.0), mix(120.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::score::tests::bench;
+    use super::super::search::starts;
+    use super::*;
+    use std::cell::Cell as Counter;
+
+    #[test]
+    fn the_surface_asks_for_as_many_places_as_it_says_and_is_level_at_its_centre() {
+        let (bench, [centre, _]) = (bench(1), starts());
+        let asked = Counter::new(0);
+        let count = || asked.set(asked.get() + 1);
+        let profiles = profiles(&bench, &centre, &centre, count);
+        let plane = plane(&bench, &centre, count);
+        assert_eq!(asked.get(), EVALUATIONS);
+        let level = |picture: &Picture| {
+            let cost = |record: &crate::table::Record| match record
+                .iter()
+                .find(|c| c.0 == "cost_above_optimum")
+            {
+                Some((_, Cell::Number(cost))) => cost.abs() < 1e-9,
+                _ => false,
+            };
+            picture.records.iter().filter(|record| cost(record)).count()
+        };
+        assert!(level(&profiles) >= COUNT);
+        assert!(level(&plane) >= 1);
+        assert_eq!(shade(0.0), RGBColor(20, 50, 120));
+        assert_eq!(shade(f64::INFINITY), RGBColor(255, 255, 255));
+    }
+}

@@ -1,0 +1,385 @@
+//! Does `rundown study` show what it computes? The numbers behind each picture, the same bytes from the same seed, runs from CSV and Parquet.
+
+use parquet::file::reader::FileReader;
+use parquet::record::{Field, Row};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Runs of the study in these tests: enough for every figure.
+const COUNT: usize = 12;
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn rundown(&self, arguments: &[&str]) -> Output {
+        let output = Command::new(env!("CARGO_BIN_EXE_rundown"))
+            .current_dir(self.0.path())
+            .args(arguments)
+            .output()
+            .unwrap();
+        assert!(
+            output.stderr.is_empty(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        output
+    }
+
+    fn study(&self, out: &str) -> Output {
+        let count = COUNT.to_string();
+        let output = self.rundown(&["study", "--count", &count, "--out", out]);
+        assert_eq!(output.status.code(), Some(0));
+        output
+    }
+
+    fn table(&self, name: &str) -> Table {
+        let mut reader = csv::Reader::from_path(self.path(name)).unwrap();
+        Table {
+            header: reader.headers().unwrap().iter().map(String::from).collect(),
+            rows: reader
+                .records()
+                .map(|row| row.unwrap().iter().map(String::from).collect())
+                .collect(),
+        }
+    }
+}
+
+struct Table {
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn column(&self, name: &str) -> Vec<&str> {
+        let index = self.header.iter().position(|n| n == name);
+        let index = index.unwrap_or_else(|| panic!("no column {name} in {:?}", self.header));
+        self.rows.iter().map(|row| row[index].as_str()).collect()
+    }
+
+    fn numbers(&self, name: &str) -> Vec<f64> {
+        let there = self
+            .column(name)
+            .into_iter()
+            .filter(|text| !text.is_empty());
+        there.map(|text| text.parse().unwrap()).collect()
+    }
+
+    fn rows_of(&self, column: &str, value: &str) -> Self {
+        let keep: Vec<bool> = self.column(column).iter().map(|v| *v == value).collect();
+        let rows = self.rows.iter().zip(keep).filter(|(_, keep)| *keep);
+        Self {
+            header: self.header.clone(),
+            rows: rows.map(|(row, _)| row.clone()).collect(),
+        }
+    }
+}
+
+fn names(folder: &Path) -> BTreeSet<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect()
+}
+
+#[test]
+fn every_picture_has_its_numbers_and_stands_in_the_report() {
+    let folder = Folder::new();
+    folder.study("out");
+    let names = names(&folder.path("out"));
+    let mut expected = vec!["fig2_speed_profiles".to_owned()];
+    for eyes in ["paper", "gated"] {
+        for figure in [
+            "fig3_run",
+            "fig4_davis",
+            "fig5_resistance",
+            "fig6_regimes",
+            "fig7_style",
+            "fig8_brake_rates",
+            "fig9_power",
+        ] {
+            expected.push(format!("{figure}_{eyes}"));
+        }
+    }
+    let page = std::fs::read_to_string(folder.path("out/report.html")).unwrap();
+    for name in &expected {
+        assert!(names.contains(&format!("{name}.svg")), "{name}");
+        assert!(!folder.table(&format!("out/{name}.csv")).rows.is_empty());
+        // A file needs the name space that the page does without; the rest is the same picture.
+        let svg = std::fs::read_to_string(folder.path(&format!("out/{name}.svg"))).unwrap();
+        let body = svg.split_once("<title>").unwrap().1;
+        assert!(page.contains(body.trim_end()), "{name}");
+    }
+    assert_eq!(page.matches("<svg").count(), expected.len() + 1);
+    for word in ["NaN", "http", "<script", "url("] {
+        assert!(!page.contains(word), "{word}");
+    }
+    assert!(page.contains("does not follow the true resistance"));
+    for number in 2..=9 {
+        assert!(page.contains(&format!("id=\"fig-{number}\"")));
+    }
+}
+
+#[test]
+fn the_numbers_are_those_of_the_runs() {
+    let folder = Folder::new();
+    folder.study("out");
+    let runs = folder.table("out/runs.csv");
+    assert_eq!(runs.rows.len(), COUNT);
+    let profiles = folder.table("out/fig2_speed_profiles.csv");
+    let drawn: BTreeSet<&str> = profiles.column("run").into_iter().collect();
+    assert_eq!(drawn, runs.column("run").into_iter().collect());
+    let top = profiles
+        .numbers("speed_kmh")
+        .into_iter()
+        .fold(0.0, f64::max);
+    let top_of_runs = runs.numbers("top_kmh").into_iter().fold(0.0, f64::max);
+    assert!((top - top_of_runs).abs() < 1e-6);
+
+    // Fig. 4 counts every sample once in each coefficient.
+    let samples: f64 = runs.numbers("rows").iter().sum();
+    let davis = folder.table("out/fig4_davis_paper.csv");
+    for name in ["r0", "r1", "r2"] {
+        let counted: f64 = davis
+            .rows_of("quantity", name)
+            .numbers("count")
+            .iter()
+            .sum();
+        assert_eq!(counted, samples, "{name}");
+    }
+
+    // Fig. 7: a final coast of each run lies in the bin that counts it.
+    let style = folder
+        .table("out/fig7_style_gated.csv")
+        .rows_of("quantity", "final_coast_min");
+    let coasts = runs.numbers("gated_final_coast_s");
+    let (from, to) = (style.numbers("from"), style.numbers("to"));
+    for (index, count) in style.numbers("count").into_iter().enumerate() {
+        let bin = from[index] - 1e-9..to[index] - 1e-9;
+        let inside = coasts.iter().filter(|s| bin.contains(&(*s / 60.0))).count();
+        assert_eq!(inside as f64, count);
+    }
+
+    // Fig. 8: the mean of a step is that of its samples.
+    let brake = folder.table("out/fig8_brake_rates_paper.csv");
+    let step = brake.rows_of("run", "60_to_40").numbers("brake_rate_mps2")[0];
+    let samples = brake.rows_of("kind", "sample");
+    let speeds = samples.numbers("speed_kmh");
+    let rates = samples.numbers("brake_rate_mps2");
+    let within = speeds
+        .iter()
+        .zip(&rates)
+        .filter(|(v, _)| **v > 40.0 && **v <= 60.0);
+    let within: Vec<f64> = within.map(|(_, rate)| *rate).collect();
+    let mean = within.iter().sum::<f64>() / within.len() as f64;
+    assert!((mean - step).abs() < 1e-9, "{mean} {step}");
+
+    // Fig. 9: one cross a run, its largest power between 50 and 90 km/h.
+    let power = folder.table("out/fig9_power_gated.csv");
+    for (run, largest) in runs
+        .column("run")
+        .iter()
+        .zip(runs.numbers("gated_max_power_50_90_kw"))
+    {
+        let cross = power.rows_of("run", run).rows_of("largest_50_90", "yes");
+        assert_eq!(cross.numbers("power_kw"), [largest], "{run}");
+    }
+
+    // Figs. 3, 5 and 6 are the first run's, a row a sample.
+    let rows = runs.numbers("rows")[0] as usize;
+    let terms = folder.table("out/fig5_resistance_gated.csv");
+    let motion = folder.table("out/fig3_run_gated.csv");
+    assert_eq!((terms.rows.len(), motion.rows.len()), (rows, rows));
+    let (speed, r2) = (motion.numbers("estimated_kmh"), motion.numbers("r2"));
+    for (index, quadratic) in terms.numbers("quadratic_n_per_kg").into_iter().enumerate() {
+        let v = speed[index] / 3.6;
+        assert!((quadratic - r2[index] * v * v).abs() < 1e-12);
+    }
+    assert_eq!(folder.table("out/fig6_regimes_paper.csv").rows.len(), rows);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
+    let folder = Folder::new();
+    let (first, second) = (folder.study("a"), folder.study("b"));
+    assert_eq!(
+        String::from_utf8_lossy(&first.stdout).replace("a/report", "b/report"),
+        String::from_utf8_lossy(&second.stdout)
+    );
+    assert_eq!(names(&folder.path("a")), names(&folder.path("b")));
+    for name in names(&folder.path("a")) {
+        let of = |out: &str| std::fs::read(folder.path(out).join(&name)).unwrap();
+        assert!(of("a") == of("b"), "{name}");
+    }
+    folder.rundown(&["study", "--count", "2", "--seed", "2", "--out", "c"]);
+    let of = |out: &str| folder.table(&format!("{out}/runs.csv")).rows[0].clone();
+    assert_ne!(of("a"), of("c"));
+}
+
+#[test]
+fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
+    let folder = Folder::new();
+    folder.rundown(&[
+        "study",
+        "--count",
+        "3",
+        "--out",
+        "simulated",
+        "--keep-runs",
+        "runs.parquet",
+    ]);
+    let recorded = |runs: &str, out: &str| {
+        let files = [
+            "--train",
+            "simulated/train.toml",
+            "--track",
+            "simulated/track.toml",
+        ];
+        let mut arguments = vec!["study", "--runs", runs, "--out", out];
+        arguments.extend(files);
+        folder.rundown(&arguments);
+        folder.table(&format!("{out}/runs.csv"))
+    };
+    std::fs::create_dir(folder.path("logs")).unwrap();
+    for index in 0..3 {
+        let case =
+            sim_harness::study::case::fleet_run(&sim_harness::study::case::case_study(), 1, index);
+        let mut log = "time_s,location_m,speed_kmh\n".to_owned();
+        for row in &case.recording.rows {
+            let m = &row.measurement;
+            let kmh = (3.6e6 * m.speed_mps.unwrap()).round() / 1e6;
+            log += &format!("{},{},{kmh}\n", m.time_s, m.location_m.unwrap());
+        }
+        let name = format!("logs/{}.csv", case.recording.name);
+        std::fs::write(folder.path(&name), log).unwrap();
+    }
+    let simulated = folder.table("simulated/runs.csv");
+    for table in [recorded("runs.parquet", "parquet"), recorded("logs", "csv")] {
+        assert_eq!(table.column("run"), simulated.column("run"));
+        for name in [
+            "paper_r0",
+            "gated_r2",
+            "gated_final_coast_s",
+            "paper_power_kw",
+        ] {
+            assert_eq!(table.column(name), simulated.column(name), "{name}");
+        }
+        assert!(
+            table.numbers("true_r0").is_empty(),
+            "no truth is known of recorded runs"
+        );
+    }
+    let claims = folder.table("csv/claims.csv");
+    assert!(
+        claims
+            .column("truth")
+            .iter()
+            .all(|text| !text.contains("km/h"))
+    );
+}
+
+#[test]
+fn a_table_of_runs_is_the_same_as_csv_and_as_parquet() {
+    let folder = Folder::new();
+    folder.rundown(&["study", "--count", "2", "--out", "out"]);
+    let csv = folder.table("out/runs.csv");
+    let bytes = std::fs::File::open(folder.path("out/runs.parquet")).unwrap();
+    let reader = parquet::file::serialized_reader::SerializedFileReader::new(bytes).unwrap();
+    let rows: Vec<Row> = reader
+        .get_row_iter(None)
+        .unwrap()
+        .map(Result::unwrap)
+        .collect();
+    assert_eq!(rows.len(), csv.rows.len());
+    for (fields, row) in csv.rows.iter().zip(&rows) {
+        let columns: Vec<(&String, &Field)> = row.get_column_iter().collect();
+        assert_eq!(columns.len(), csv.header.len());
+        for (index, (name, value)) in columns.into_iter().enumerate() {
+            let field = &fields[index];
+            assert_eq!(*name, csv.header[index]);
+            match value {
+                Field::Null => assert_eq!(field, "", "{name}"),
+                Field::Str(text) => assert_eq!(field, text, "{name}"),
+                Field::Long(count) => assert_eq!(field, &count.to_string(), "{name}"),
+                Field::Double(number) => assert_eq!(field.parse(), Ok(*number), "{name}"),
+                other => panic!("{name}: {other:?}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn the_truth_is_followed_by_the_gated_mode_and_not_by_the_paper() {
+    let folder = Folder::new();
+    let arguments = [
+        "study",
+        "--truth-slope",
+        "--vehicles",
+        "8",
+        "--vehicle-runs",
+        "3",
+        "--json",
+        "--out",
+        "out",
+    ];
+    let output = folder.rundown(&arguments);
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let answers = json["answers"].as_array().unwrap();
+    assert_eq!(answers.len(), 3 * 2, "three modes after 1 and 3 runs");
+    for answer in answers {
+        let slope = answer["slope"][1].as_f64().unwrap();
+        let coverage = answer["coverage"].as_f64().unwrap();
+        match answer["mode"].as_str().unwrap() {
+            "paper" => assert!(slope.abs() < 0.05, "{answer}"),
+            _ => assert!((slope - 1.0).abs() < 0.2 && coverage > 0.7, "{answer}"),
+        }
+    }
+    // More runs cannot be known less well.
+    let bound = |mode: &str, runs: u64| {
+        let found = answers
+            .iter()
+            .find(|a| a["mode"] == mode && a["runs"] == runs);
+        found.unwrap()["bound_percent"].as_f64().unwrap()
+    };
+    assert!(bound("gated", 3) < bound("gated", 1));
+    assert!(bound("measured", 1) < bound("gated", 1));
+    let table = folder.table("out/slope.csv");
+    assert_eq!(table.rows.len(), 6);
+    assert_eq!(folder.table("out/slope_after_1_run.csv").rows.len(), 3 * 8);
+    assert!(folder.path("out/slope_after_3_runs.svg").exists());
+}
+
+#[test]
+fn arguments_that_do_not_go_together_are_refused() {
+    let folder = Folder::new();
+    let code = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
+        let output = command
+            .current_dir(folder.0.path())
+            .arg("study")
+            .args(arguments)
+            .output();
+        output.unwrap().status.code()
+    };
+    assert_eq!(
+        code(&["--runs", "logs"]),
+        Some(2),
+        "without train and track"
+    );
+    assert_eq!(code(&["--truth-slope", "--count", "3"]), Some(2));
+    assert_eq!(code(&["--truth-slope", "--vehicles", "2"]), Some(2));
+    std::fs::write(folder.path("t.toml"), "name = 1\n").unwrap();
+    let described = ["--train", "t.toml", "--track", "t.toml"];
+    let mut arguments = vec!["--runs", "logs"];
+    arguments.extend(described);
+    assert_eq!(code(&arguments), Some(3));
+}

@@ -1,0 +1,81 @@
+//! Does `rundown tune` find a better filter by the paper's criteria, and write one that `rundown replay` takes?
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const RUN: &str = include_str!("../../data/reference/run01.csv");
+
+fn rundown(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
+    let output = command.current_dir(folder).args(arguments).output();
+    let output = output.unwrap();
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    output
+}
+
+#[test]
+fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let few = ["tune", "--count", "4", "--evaluations", "300", "--out", "a"];
+    let text = String::from_utf8(rundown(path, &few).stdout).unwrap();
+    assert!(text.contains("a likely filter is no true one"), "{text}");
+    let read = |name: &str| std::fs::read_to_string(path.join(name)).unwrap();
+    let json: Value = serde_json::from_str(&read("a/tune.json")).unwrap();
+    let of = |which: &str, name: &str| json[which]["score"][name].as_f64().unwrap();
+    assert!(of("optimum", "log_likelihood") > of("table1", "log_likelihood"));
+    assert_eq!(of("optimum", "negative_samples"), 0.0);
+    assert_eq!(of("table1", "negative_samples"), 0.0);
+    assert_eq!(json["table1"]["values"]["location_sd"], 4.0);
+    // Larger initial deviations: the paper's remark.
+    let sensitivity = json["sensitivity"].as_array().unwrap();
+    let negative = |factor: f64| -> u64 {
+        let rows = sensitivity.iter().filter(|row| row["factor"] == factor);
+        rows.map(|row| row["negative_runs"].as_u64().unwrap()).sum()
+    };
+    assert_eq!(negative(1.0), 0);
+    assert!(negative(100.0) > 0);
+    // It follows the truth no better for being likely.
+    for which in ["table1", "optimum"] {
+        let slope = json["slope"][which]["slope"][1].as_f64().unwrap();
+        assert!(slope.abs() < 0.1, "{which}: {slope}");
+    }
+
+    std::fs::write(path.join("run.csv"), RUN).unwrap();
+    let reference = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference");
+    let of_reference = |name: &str| reference.join(name).display().to_string();
+    let (train, track) = (of_reference("train.toml"), of_reference("track.toml"));
+    let replay = [
+        "replay",
+        "--config",
+        "a/config.toml",
+        "--train",
+        &train,
+        "--track",
+        &track,
+    ];
+    let mut arguments = replay.to_vec();
+    arguments.extend(["--out", "replayed", "run.csv"]);
+    rundown(path, &arguments);
+    let replayed: Value = serde_json::from_str(&read("replayed/replay.json")).unwrap();
+    assert_eq!(replayed["mode"], "paper");
+
+    // The surface has its numbers, and the same seed gives the same bytes.
+    assert!(read("a/tune_profiles.csv").lines().count() > 100);
+    assert_eq!(read("a/tune_plane.csv").lines().count(), 1 + 81);
+    let again = few.map(|word| if word == "a" { "b" } else { word });
+    rundown(path, &again);
+    for name in ["config.toml", "tune.json", "report.html", "tune_plane.svg"] {
+        assert_eq!(
+            read(&format!("a/{name}")),
+            read(&format!("b/{name}")),
+            "{name}"
+        );
+    }
+}
