@@ -1,9 +1,11 @@
 //! Is it the same code? The firmware in the emulator and the task on the host, fed with the same logs, say the same bytes.
 
+use emulator::Settings;
 use host_tests::accuracy::{description, measurements};
 use host_tests::target::{Same, compare, firmware};
 use rundown::config::{Config, Mode};
-use rundown::track::Direction;
+use rundown::effects::*;
+use rundown::track::{Curve, Direction};
 use sim_harness::desk::Description;
 use sim_harness::recording::{DirectionChoice, Recording};
 use sim_harness::run_log::{BadRows, RunLog};
@@ -18,9 +20,19 @@ use std::path::Path;
 /// Compares a simulated run, and says what it was.
 fn simulated(what: &str, mode: Mode, scenario: &Scenario, seed: u64) {
     let Some(settings) = firmware() else { return };
-    let log = measurements(&simulate(scenario, seed));
     let description = description(Config::with_mode(mode), scenario);
-    let same = compare(&settings, &description, Direction::Up, &log);
+    described(what, &settings, &description, scenario, seed);
+}
+
+fn described(
+    what: &str,
+    settings: &Settings,
+    description: &Description,
+    scenario: &Scenario,
+    seed: u64,
+) {
+    let log = measurements(&simulate(scenario, seed));
+    let same = compare(settings, description, Direction::Up, &log);
     say(
         what,
         &same.unwrap_or_else(|error| panic!("{what}, seed {seed}: {error}")),
@@ -62,6 +74,46 @@ fn a_hilly_line_with_wind() {
         ..Scenario::default()
     };
     simulated("hills and wind", Mode::Gated, &scenario, 6);
+}
+
+#[test]
+fn a_model_with_effects() {
+    let Some(settings) = firmware() else { return };
+    let scenario = Scenario::default();
+    let curve = |from_m| Curve {
+        from_m,
+        to_m: from_m + 300.0,
+        radius_m: 600.0,
+    };
+    let effects = [
+        Effect::TunnelDrag(TunnelDrag {
+            from_m: 8e3,
+            to_m: 14e3,
+            k: 1e-5,
+        }),
+        Effect::CurveResistance(CurveResistance {
+            coefficient_roeckl: 0.8,
+        }),
+        Effect::SteadyWind(SteadyWind { wind_mps: 2.0 }),
+        Effect::MassError(MassError { relative: 0.1 }),
+        Effect::WarmUp(WarmUp {
+            amplitude: 3e-3,
+            tau_s: 300.0,
+        }),
+        Effect::SpeedScale(SpeedScale {
+            measured_over_true: 1.01,
+        }),
+        Effect::Unknown(Unknown {
+            coordinate: Coordinate::Speed,
+            table: [(10.0, 0.0), (38.0, 1e-3)].into_iter().collect(),
+        }),
+    ];
+    let description = Description {
+        curves: (0..20).map(|i| curve(1000.0 * f64::from(i))).collect(),
+        effects: Effects::try_new(effects).unwrap(),
+        ..description(Config::default(), &scenario)
+    };
+    described("seven effects", &settings, &description, &scenario, 3);
 }
 
 #[test]
