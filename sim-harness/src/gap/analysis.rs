@@ -1,11 +1,11 @@
 //! From recorded runs to the missing effects: the order of the steps, and nothing else.
 
 use super::calibrate::{Calibrated, calibrate};
-use super::caps::{FoundLimit, Pull, limits, pulls};
+use super::caps::{FoundLimit, Pull, limits, pulls, sampled_pulls};
 use super::coasting::coasted;
 use super::kinematics::{Kinematics, kinematics};
 use super::rows::{Believed, Row};
-use super::runs::{EffortReading, Interval, Readings, Run, intervals};
+use super::runs::{EffortReading, Interval, Readings, Run, intervals, usual_step_s};
 use super::select::{ENOUGH, Search};
 use super::terms::{Context, Term};
 
@@ -79,9 +79,9 @@ const MEASURED_SHARE: f64 = 0.7;
 /// Deviation of the resistance from its description within which coasting is still recognised: wide at first.
 const UNCERTAIN: [f64; 3] = [0.3, 0.15, 0.1];
 /// Gain of log-likelihood above which runs have a wind of their own, and the least one that matters, m/s.
-const WIND_GAIN: f64 = 6.0;
+const WIND_GAIN: f64 = 9.0;
 /// See [`WIND_GAIN`].
-pub const LEAST_WIND_MPS: f64 = 0.6;
+pub const LEAST_WIND_MPS: f64 = 0.8;
 
 impl Findings {
     /// Runs differ in their wind.
@@ -144,7 +144,15 @@ pub fn analyse(
     let (_, without_wind) = calibrate(&context, &rows, measured, false, &model);
     let search = Search::new(&context, &rows, &calibrated, measured);
     let terms = fitted(&search, &model);
-    let of_runs = pulls_of(&context, runs, &cut, measured, (&model, &beta), &calibrated);
+    let of_runs = pulls_of(
+        &context,
+        runs,
+        &cut,
+        measured,
+        &readings,
+        (&model, &beta),
+        &calibrated,
+    );
     let limit = limits(&of_runs)
         .into_iter()
         .next()
@@ -172,6 +180,7 @@ fn pulls_of(
     runs: &[Run],
     cut: &[Vec<Interval>],
     measured: bool,
+    readings: &Readings,
     model: (&[Term], &[f64]),
     calibrated: &Calibrated,
 ) -> Vec<Vec<Pull>> {
@@ -182,7 +191,12 @@ fn pulls_of(
     };
     cut.iter()
         .zip(runs)
-        .map(|(intervals, run)| {
+        .enumerate()
+        .map(|(index, (intervals, run))| {
+            if measured && (readings.effort == EffortReading::Momentary || usual_step_s(run) < 3.0)
+            {
+                return sampled_pulls(&context.believed, index, run, readings);
+            }
             let effort = efforts(context, run, intervals, measured, model);
             pulls(&context.believed, run.direction, intervals, &effort, sd)
         })
@@ -229,6 +243,7 @@ pub fn apply(
         runs,
         &cut,
         findings.measured,
+        &findings.readings,
         model,
         &findings.calibrated,
     );

@@ -17,7 +17,7 @@
 //! Compared by marginal likelihood, the share integrated out run by run.
 
 use super::rows::Believed;
-use super::runs::Interval;
+use super::runs::{Interval, Readings, Run};
 use rundown::track::Direction;
 
 /// An interval of steady power.
@@ -151,6 +151,58 @@ pub fn pulls(
             ((before || after) && !raised).then_some(pull)
         })
         .collect()
+}
+
+/// Intervals of steady power where the effort is measured at the moments of its samples: no mean over an interval is needed, and a fast log shows more of the first
+/// seconds.
+pub fn sampled_pulls(
+    believed: &Believed<'_>,
+    index: usize,
+    run: &Run,
+    readings: &Readings,
+) -> Vec<Pull> {
+    /// Samples nearer than this say the same, s.
+    const APART_S: f64 = 3.0;
+    let train = believed.line(run.direction).train;
+    let most = train.max_effort_n_per_kg(0.1);
+    let read: Vec<(f64, Pull)> = run
+        .samples
+        .iter()
+        .filter_map(|s| {
+            let speed_mps = (s.speed_mps? + readings.speed_offset_mps) / readings.speed_scale;
+            let limit = train.max_effort_n_per_kg(speed_mps.max(0.5));
+            let pull = Pull {
+                run: index,
+                location_m: s.location_m?,
+                speed_mps,
+                ratio: s.effort_n_per_kg? / limit,
+                sd: 0.008_f64.hypot(0.08 / speed_mps.max(1.0)),
+                effort_over_limit: most / limit,
+            };
+            Some((s.time_s, pull))
+        })
+        .collect();
+    let mut pulls: Vec<Pull> = Vec::new();
+    let mut last_s = f64::NEG_INFINITY;
+    for around in read.windows(3) {
+        let [before, (time_s, pull), after] = [around[0], around[1], around[2]];
+        let near = |other: &(f64, Pull)| (other.1.ratio - pull.ratio).abs() < 0.02 + 2.5 * pull.sd;
+        let gains = (after.1.speed_mps - before.1.speed_mps) / (after.0 - before.0);
+        // At one sample a second the rounded speed stands still between its steps.
+        let gaining = gains > LEAST_ACCELERATION_MPS2
+            || after.0 - before.0 < 5.0 && gains >= 0.0 && pull.ratio > 0.5;
+        if pull.ratio > LEAST_SHARE - 0.1
+            && !(1.001..CORNER).contains(&pull.effort_over_limit)
+            && pull.speed_mps > 1.5
+            && gaining
+            && (near(&before) || near(&after))
+            && time_s - last_s >= APART_S
+        {
+            pulls.push(pull);
+            last_s = time_s;
+        }
+    }
+    pulls
 }
 
 /// Log density of a ratio when `given` is what the train gives.

@@ -23,6 +23,8 @@ const SECTION: f64 = 5.0;
 const SHAPE: f64 = 1.5;
 /// What an unnamed smooth function must be better by than a named effect.
 const UNNAMED: f64 = 4.0;
+/// Largest extra resistance over the believed one.
+const MOST_SHARE: f64 = 1.5;
 /// Most terms in a model.
 const MOST_TERMS: usize = 4;
 
@@ -379,6 +381,23 @@ fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bo
             })
             .fold(0.0, f64::max)
     };
+    // More than the train's whole resistance is no finding either: too few rows for so many coefficients.
+    let davis = context.believed.train().davis();
+    let absurd = || {
+        let columns = term.columns(context, rows);
+        rows.iter().enumerate().any(|(i, row)| {
+            let extra: f64 = columns.iter().zip(beta).map(|(c, b)| c[i] * b).sum();
+            extra.abs()
+                > MOST_SHARE * davis.resistance_n_per_kg(row.interval.mean_speed_mps()) + 0.01
+        })
+    };
+    if !matches!(
+        term,
+        Term::Tunnel(_) | Term::Gradient(_) | Term::Bump(_) | Term::Mass | Term::BrakeFade(_)
+    ) && absurd()
+    {
+        return false;
+    }
     match term {
         Term::Mass => beta[0].abs() > 0.008,
         Term::BrakeFade(_) => beta[0] > 0.04,
@@ -471,7 +490,11 @@ fn families(
                 .to_vec(),
         ));
     }
-    let mut coordinates = vec![(Coordinate::Speed, 7), (Coordinate::Time, 7)];
+    let mut coordinates = vec![
+        (Coordinate::Speed, 7),
+        (Coordinate::Speed, 14),
+        (Coordinate::Time, 7),
+    ];
     if rows.iter().any(|row| row.interval.temperature_c.is_some()) {
         families.push(Family::Shapes(vec![Term::Temperature]));
         coordinates.push((Coordinate::Temperature, 5));

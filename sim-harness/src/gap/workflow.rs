@@ -9,6 +9,7 @@ use super::named::{Named, named};
 use super::rows::Believed;
 use super::runs::Run;
 use super::terms::Context;
+use rundown::effects::Effects;
 use serde_json::{Value, json};
 
 /// What came of it.
@@ -103,16 +104,39 @@ fn compare(
     trained: &[Named],
     tested: &[Run],
 ) -> Vec<Compared> {
-    let effects = effects(trained);
+    // Which of the held-out runs an effect of some runs acts in, only the run itself can say: the choice that fits it better, one bit a run.
+    let (always, sometimes): (Vec<Named>, Vec<Named>) = trained
+        .iter()
+        .cloned()
+        .partition(|named| named.runs.is_empty());
+    let without = effects(&always);
+    let with = effects(&always.iter().chain(&sometimes).cloned().collect::<Vec<_>>());
     let (rows, pulls) = apply(believed, surroundings, found, tested);
-    let mut compared = resisted(&believed, found, &effects, &rows);
-    if found.limit.is_some() {
-        for (run, pulls) in tested.iter().zip(&pulls) {
-            let line = pulled(&believed, run.direction, &effects, pulls, 10.0);
-            compared.extend(line);
+    let judged = |effects: &Effects| {
+        let mut compared = resisted(&believed, found, effects, &rows);
+        if found.limit.is_some() {
+            for (run, pulls) in tested.iter().zip(&pulls) {
+                compared.extend(pulled(&believed, run.direction, effects, pulls, 10.0));
+            }
         }
+        compared
+    };
+    let plain = judged(&without);
+    if sometimes.is_empty() {
+        return plain;
     }
-    compared
+    let acting = judged(&with);
+    let error = |compared: &[Compared], run: usize| {
+        let of_run = compared.iter().filter(|c| c.run == run);
+        of_run.map(|c| c.after_mps * c.after_mps).sum::<f64>()
+    };
+    let better: Vec<bool> = (0..tested.len())
+        .map(|run| error(&acting, run) < error(&plain, run))
+        .collect();
+    let chosen = plain.into_iter().zip(acting);
+    chosen
+        .map(|(plain, acting)| if better[plain.run] { acting } else { plain })
+        .collect()
 }
 
 impl Investigation {
