@@ -34,7 +34,7 @@ pub const ERROR_KMH: [f64; 7] = [20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0];
 /// Smallest and largest true over described resistance.
 pub const SCALES: [f64; 2] = [0.7, 1.3];
 /// Standard deviation by which each coefficient differs beyond the whole, share: that of the memory's prior.
-const SHAPE_SD: f64 = 0.10;
+pub const SHAPE_SD: f64 = 0.10;
 /// The modes that are tested.
 pub const MODES: [Mode; 3] = [Mode::Paper, Mode::Gated, Mode::Measured];
 /// Runs after which is looked, before the last.
