@@ -251,8 +251,8 @@ fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
     };
     std::fs::create_dir(folder.path("logs")).unwrap();
     for index in 0..3 {
-        let case =
-            sim_harness::study::case::fleet_run(&sim_harness::study::case::case_study(), 1, index);
+        let simulation = sim_harness::study::case::case_study().unwrap();
+        let case = sim_harness::study::case::fleet_run(&simulation, 1, index).unwrap();
         let mut log = "time_s,location_m,speed_kmh\n".to_owned();
         for row in &case.recording.rows {
             let m = &row.measurement;

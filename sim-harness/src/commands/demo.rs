@@ -5,6 +5,7 @@ use super::{Failure, screen};
 use crate::study::case::case_study;
 use crate::study::claims::Verdict;
 use crate::study::description;
+use crate::truth::scenario::Scenario;
 use rundown::resistance::Davis;
 use rundown::units::KmPerHour;
 use std::path::PathBuf;
@@ -26,14 +27,19 @@ pub struct Arguments {
 /// Simulates and replays the runs, writes what `rundown study` writes, and prints the table.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let study = of_case_study(SEED, &arguments.out)?;
-    screen::print(&table(&study));
+    let simulation = case_study().map_err(Failure::refused)?;
+    let described = description::of(&simulation).map_err(Failure::refused)?;
+    screen::print(&table(
+        &study,
+        &simulation.scenario,
+        &described.train.davis(),
+    ));
     let report = arguments.out.join("report.html");
     screen::print(&format!("\nreport: {}\n", report.display()));
     Ok(ExitCode::SUCCESS)
 }
 
-fn table(study: &Study) -> String {
-    let scenario = case_study();
+fn table(study: &Study, scenario: &Scenario, stated: &Davis) -> String {
     let of_vehicle = scenario.train.davis.scaled(scenario.davis_scale);
     let truth = Davis {
         r0: of_vehicle.r0,
@@ -45,7 +51,6 @@ fn table(study: &Study) -> String {
         let [r0, r1, r2] = moments.map(|m| m.mean().unwrap_or(f64::NAN));
         Davis { r0, r1, r2 }
     };
-    let stated = description::of(&scenario).train.davis();
     let paper = mean(&gathered.paper.davis);
     let mut text = format!(
         "{} simulated runs, {} samples, through the code of the board\n\n{:19} {:>12} {:>12} {:>12}   {}\n",
@@ -64,7 +69,7 @@ fn table(study: &Study) -> String {
         text += &format!(
             "{:19} {:>12} {:>12} {:>12}   {}\n",
             format!("  at {speed_kmh} km/h"),
-            of(&stated),
+            of(stated),
             of(&truth),
             of(&paper),
             gated.map_or_else(String::new, |(_, davis)| screen::resistance(

@@ -4,7 +4,8 @@ use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::config_file;
 use crate::map_matching::CentreLine;
 use crate::parquet::RunWriter;
-use crate::study::case::{RUNS_OF_A_UNIT, case_study};
+use crate::simulation::scenario_file::Simulation;
+use crate::study::case::{calm, case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, gather};
@@ -16,7 +17,6 @@ use crate::study::write::RunTable;
 use crate::study::{claims, description, slope as self_test, write};
 use crate::track_file::TrackFile;
 use crate::train_file::TrainFile;
-use crate::truth::scenario::Scenario;
 use rundown::config::Config;
 use rundown::track::Track;
 use rundown::train::Train;
@@ -32,7 +32,8 @@ Examples:
   Recorded runs, folders of logs or of Parquet files:
     rundown study --runs logs/ --train train.toml --track track.toml --out study
 
-  A fleet:
+  A scenario of your own, as for rundown simulate, and a fleet of it:
+    rundown study --scenario scenario.toml --out study
     rundown study --count 10000 --out fleet
 
   Does the estimate follow the true resistance, how closely, and how closely could it?
@@ -48,6 +49,8 @@ Files in the output folder:
 
 /// Vehicles of the slope in the report.
 const FEW_VEHICLES: usize = 30;
+/// Seed where none is given.
+const SEED: u64 = 1;
 /// Runs on which larger initial deviations are tried.
 const SENSITIVITY_RUNS: usize = 67;
 
@@ -64,12 +67,15 @@ pub struct Arguments {
     /// Description of the track of recorded runs
     #[arg(long, value_name = "K.toml", requires = "runs")]
     track: Option<PathBuf>,
-    /// Simulated runs; a unit for each 67
-    #[arg(long, value_name = "N", default_value_t = RUNS_OF_A_UNIT, conflicts_with = "runs")]
-    count: usize,
-    /// Seed of everything that is simulated
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
-    seed: u64,
+    /// Scenario of simulated runs, as for rundown simulate; without it the case study
+    #[arg(long, value_name = "S.toml", conflicts_with = "runs")]
+    scenario: Option<PathBuf>,
+    /// Simulated runs; without it as many as the scenario says, of which each unit has as many
+    #[arg(long, value_name = "N", conflicts_with = "runs")]
+    count: Option<usize>,
+    /// Seed of everything that is simulated; replaces that of the scenario
+    #[arg(long, value_name = "SEED")]
+    seed: Option<u64>,
     /// Configuration of the estimator; what it leaves out keeps its default, its mode is not used
     #[arg(long, value_name = "C.toml")]
     config: Option<PathBuf>,
@@ -83,7 +89,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.parquet")]
     keep_runs: Option<PathBuf>,
     /// Only the self-test of learning: vehicles with 0.7 to 1.3 of the described resistance
-    #[arg(long, conflicts_with_all = ["runs", "count", "example", "keep_runs"])]
+    #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs"])]
     truth_slope: bool,
     /// Vehicles of the self-test
     #[arg(long, value_name = "N", default_value_t = 25, requires = "truth_slope", value_parser = clap::value_parser!(u16).range(3..))]
@@ -128,7 +134,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let study = study(
         described,
         config,
-        arguments.seed,
+        arguments.seed.unwrap_or(SEED),
         arguments.example.as_deref(),
         arguments.keep_runs.as_deref(),
         &arguments.out,
@@ -167,7 +173,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 
 fn described(arguments: &Arguments) -> Result<Described, Failure> {
     let (Some(train), Some(track)) = (&arguments.train, &arguments.track) else {
-        return Ok(simulated(case_study(), arguments.seed, arguments.count));
+        let simulation = match &arguments.scenario {
+            Some(path) => Simulation::read(path),
+            None => case_study(),
+        }
+        .map_err(Failure::refused)?;
+        let seed = arguments.seed.unwrap_or(simulation.seed);
+        let count = arguments.count.unwrap_or(simulation.runs);
+        return simulated(simulation, seed, count);
     };
     let (train_file, train) = TrainFile::read(train).map_err(Failure::refused)?;
     let (track_file, track) = TrackFile::read(track).map_err(Failure::refused)?;
@@ -184,22 +197,24 @@ fn described(arguments: &Arguments) -> Result<Described, Failure> {
     })
 }
 
-fn simulated(scenario: Scenario, seed: u64, count: usize) -> Described {
-    let of_scenario = description::of(&scenario);
-    Described {
-        train_name: of_scenario.train_file.name.clone(),
-        track_name: of_scenario.track_file.name.clone(),
-        files: Some((of_scenario.train_file, of_scenario.track_file)),
+fn simulated(simulation: Simulation, seed: u64, count: usize) -> Result<Described, Failure> {
+    let of_scenario = description::of(&simulation).map_err(Failure::refused)?;
+    Ok(Described {
+        train_name: format!("{} (simulated)", simulation.train.name),
+        track_name: simulation.track.name.clone(),
+        files: Some((simulation.train.clone(), simulation.track.clone())),
         train: of_scenario.train,
         track: of_scenario.track,
         words: format!("simulated with seed {seed}, their truth known"),
-        source: Source::simulated(scenario, seed, count),
-    }
+        source: Source::simulated(simulation, seed, count),
+    })
 }
 
 /// The simulated case study of the demo.
 pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
-    let described = simulated(case_study(), seed, RUNS_OF_A_UNIT);
+    let simulation = case_study().map_err(Failure::refused)?;
+    let runs = simulation.runs;
+    let described = simulated(simulation, seed, runs)?;
     study(described, Config::default(), seed, None, None, out)
 }
 
@@ -259,13 +274,14 @@ fn study(
     let claims = claims::claims(&gathered, &train, &sensitivity);
     // What the slope is does not depend on the runs of this study: it is asked of simulated vehicles on the paper's line.
     let plan = Plan {
-        scenario: Scenario::default(),
+        simulation: calm().map_err(Failure::refused)?,
         vehicles: FEW_VEHICLES,
         runs: 1,
         seed,
     };
     let looks = self_test::look(&plan, config, || ()).map_err(Failure::refused)?;
-    let stated = description::of(&plan.scenario).train.davis();
+    let of_plan = description::of(&plan.simulation).map_err(Failure::refused)?;
+    let stated = of_plan.train.davis();
     let answers = self_test::answers(&plan, &looks, &stated);
     let slopes = vec![slope::slope(&looks, 1, &stated)];
     let pictures = pictures(&gathered, &train);
@@ -334,16 +350,17 @@ pub(super) fn table(study: &Study) -> String {
 
 fn truth_slope(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
     let plan = Plan {
-        scenario: Scenario::default(),
+        simulation: calm().map_err(Failure::refused)?,
         vehicles: usize::from(arguments.vehicles),
         runs: usize::from(arguments.vehicle_runs),
-        seed: arguments.seed,
+        seed: arguments.seed.unwrap_or(SEED),
     };
     let bar = screen::progress(plan.vehicles * plan.runs);
     let looks: Vec<Look> =
         self_test::look(&plan, config, || bar.inc(1)).map_err(Failure::refused)?;
     bar.finish_and_clear();
-    let stated = description::of(&plan.scenario).train.davis();
+    let of_plan = description::of(&plan.simulation).map_err(Failure::refused)?;
+    let stated = of_plan.train.davis();
     let answers = self_test::answers(&plan, &looks, &stated);
     let out = &arguments.out;
     let stages = plan.stages();

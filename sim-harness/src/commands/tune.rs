@@ -3,14 +3,13 @@
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::config_file;
 use crate::map_matching::CentreLine;
-use crate::study::case::case_study;
+use crate::study::case::{calm, case_study};
 use crate::study::sensitivity::sensitivity;
 use crate::study::slope::{Answer, Plan};
 use crate::study::source::Source;
 use crate::study::{description, slope, write};
 use crate::track_file::TrackFile;
 use crate::train_file::TrainFile;
-use crate::truth::scenario::Scenario;
 use crate::tune::page::{Page, page, short};
 use crate::tune::parameters::{PARAMETERS, config, place, values};
 use crate::tune::score::Bench;
@@ -157,8 +156,9 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure
             (train, track, source, "recorded")
         }
         _ => {
-            let described = description::of(&case_study());
-            let source = Source::simulated(case_study(), arguments.seed, count);
+            let simulation = case_study().map_err(Failure::refused)?;
+            let described = description::of(&simulation).map_err(Failure::refused)?;
+            let source = Source::simulated(simulation, arguments.seed, count);
             (described.train, described.track, source, "simulated")
         }
     };
@@ -193,13 +193,14 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure
 /// Slope of the paper's mode with a configuration, after one run.
 fn paper_slope(config: Config, seed: u64) -> Result<Answer, Failure> {
     let plan = Plan {
-        scenario: Scenario::default(),
+        simulation: calm().map_err(Failure::refused)?,
         vehicles: VEHICLES,
         runs: 1,
         seed,
     };
     let looks = slope::look(&plan, config, || ()).map_err(Failure::refused)?;
-    let stated = description::of(&plan.scenario).train.davis();
+    let described = description::of(&plan.simulation).map_err(Failure::refused)?;
+    let stated = described.train.davis();
     let answers = slope::answers(&plan, &looks, &stated).into_iter();
     let word = crate::output::json::mode_word(Mode::Paper);
     let mut of_paper = answers.filter(|answer| answer.mode == word);

@@ -265,7 +265,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("runs.parquet");
         let mut runs: Vec<Recording> = (0..3)
-            .map(|index| fleet_run(&case_study(), 9, index).recording)
+            .map(|index| {
+                fleet_run(&case_study().unwrap(), 9, index)
+                    .unwrap()
+                    .recording
+            })
             .collect();
         runs[1].rows[7].measurement.location_m = None;
         runs[2].direction = Direction::Down;

@@ -52,7 +52,7 @@ impl Worth {
     pub fn of(sensors: &Sensors) -> Self {
         let quantum_kmh: f64 = match sensors.speed {
             SpeedReading::Exact => 0.0,
-            SpeedReading::Rounded | SpeedReading::Truncated => 1.0,
+            SpeedReading::Rounded | SpeedReading::Truncated => sensors.speed_quantum_kmh,
         };
         let kmh2 = quantum_kmh.powi(2) / 12.0 + sensors.speed_noise_kmh.powi(2);
         let walk_m = sensors.location_walk.map_or(0.0, |walk| walk.sd_m);

@@ -1,16 +1,18 @@
 //! One run of the study: what the estimator gets and, of a simulated run, what was true.
 
 use crate::recording::{Recording, Row};
+use crate::simulation::scenario_file::Simulation;
+use crate::toml_file::TomlError;
 use crate::truth::facts::Facts;
-use crate::truth::scenario::{Run, Scenario, run_seed, simulate};
+use crate::truth::plan::{Heading, plan};
+use crate::truth::scenario::{DriveError, Run, Scenario, simulate_planned};
 use crate::truth::sensors::{Sample, TruthSample};
 use rundown::measurement::Measurement;
 use rundown::track::Direction;
 use rundown::units::KmPerHour;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Runs of one simulated unit, as many as the paper has.
-pub const RUNS_OF_A_UNIT: usize = 67;
+const CASE_STUDY: &str = include_str!("../../../data/scenarios/paper_study.toml");
 /// A further unit's resistance is this share above or below the first one's, at most.
 const UNIT_SPREAD: f64 = 0.15;
 
@@ -51,8 +53,11 @@ impl Case {
                 path: PathBuf::from(format!("{name}.csv")),
                 name,
                 unit,
-                direction: Direction::Up,
-                day: None,
+                direction: match run.facts.plan.heading {
+                    Heading::Up => Direction::Up,
+                    Heading::Down => Direction::Down,
+                },
+                day: Some(run.facts.plan.departure_s as f64 / 86_400.0),
                 rows: run.samples.iter().enumerate().map(row).collect(),
                 warnings: Vec::new(),
             },
@@ -65,32 +70,43 @@ impl Case {
 }
 
 /// The paper's 67 runs, simulated: one unit with 8 % less resistance than its manufacturer says, wind of 2 m/s and load of 3 % standard deviation
-/// from run to run.
-pub fn case_study() -> Scenario {
-    Scenario {
-        davis_scale: [0.92; 3],
-        wind_sd_mps: 2.0,
-        load_sd: 0.03,
-        ..Scenario::default()
-    }
+/// from run to run, and a feeding section at the departure that gives less power than the motors can take.
+///
+/// # Errors
+/// None: the scenario is built in. The type is that of a file.
+pub fn case_study() -> Result<Simulation, TomlError> {
+    Simulation::parse(Path::new("paper_study.toml"), CASE_STUDY)
 }
 
-/// Run `index` of a simulated fleet: units of [`RUNS_OF_A_UNIT`] runs, the first one as the scenario says, each other with a resistance of its own.
-pub fn fleet_run(scenario: &Scenario, seed: u64, index: usize) -> Case {
-    let (unit, run) = (index / RUNS_OF_A_UNIT, index % RUNS_OF_A_UNIT);
+/// The same line, train and driver in still air and with the described load, and no effect: where a bound is asked for.
+///
+/// # Errors
+/// As [`case_study`].
+pub fn calm() -> Result<Simulation, TomlError> {
+    Simulation::parse(Path::new("calm.toml"), "name = \"calm\"\n")
+}
+
+/// Run `index` of a fleet: units of as many runs as the simulation has, the first one as it says, each other with a resistance of its own.
+///
+/// # Errors
+/// [`DriveError`] if the train does not arrive.
+pub fn fleet_run(simulation: &Simulation, seed: u64, index: usize) -> Result<Case, DriveError> {
+    let runs = simulation.runs.max(1);
+    let (unit, run) = (index / runs, index % runs);
     let unit_seed = seed.wrapping_add(1_000_003 * unit as u64);
     // Low-discrepancy: every share of a fleet has units from all over the range.
     let place = (0.5 + unit as f64 * 0.618_033_988_749_894_9).fract();
     let factor = 1.0 + UNIT_SPREAD * (2.0 * place - 1.0);
     let of_unit = Scenario {
-        davis_scale: scenario.davis_scale.map(|scale| scale * factor),
-        ..scenario.clone()
+        davis_scale: simulation.scenario.davis_scale.map(|scale| scale * factor),
+        ..simulation.scenario.clone()
     };
-    Case::simulated(
+    let planned = plan(&of_unit, runs, unit_seed).swap_remove(run);
+    Ok(Case::simulated(
         format!("unit{:03}_run{:02}", unit + 1, run + 1),
         format!("unit{:03}", unit + 1),
-        simulate(&of_unit, run_seed(unit_seed, run)),
-    )
+        simulate_planned(&of_unit, &planned)?,
+    ))
 }
 
 #[cfg(test)]
@@ -99,23 +115,21 @@ mod tests {
 
     #[test]
     fn the_first_unit_is_the_scenario_and_the_next_differs() {
-        let scenario = Scenario {
-            davis_scale: [0.9; 3],
-            ..Scenario::default()
-        };
+        let text = "runs = 2\n[train]\ntrue_davis_over_described = [0.9, 0.9, 0.9]\n";
+        let simulation = Simulation::parse("s.toml".as_ref(), text).unwrap();
         let r0 = |index| {
-            let truth = fleet_run(&scenario, 3, index).truth.unwrap();
-            truth.facts.davis.r0 / scenario.train.davis.r0
+            let truth = fleet_run(&simulation, 3, index).unwrap().truth.unwrap();
+            truth.facts.davis.r0 / simulation.scenario.train.davis.r0
         };
         assert!((r0(0) - 0.9).abs() < 1e-12);
         assert_eq!(r0(1), r0(0));
-        let other = r0(RUNS_OF_A_UNIT);
+        let other = r0(2);
         assert!((other - 0.9).abs() > 0.01 && (other / 0.9 - 1.0).abs() <= UNIT_SPREAD);
     }
 
     #[test]
     fn rows_and_truth_are_the_same_times() {
-        let case = fleet_run(&case_study(), 1, 5);
+        let case = fleet_run(&case_study().unwrap(), 1, 5).unwrap();
         let truth = case.truth.unwrap();
         assert_eq!(case.recording.rows.len(), truth.samples.len());
         for (row, sample) in case.recording.rows.iter().zip(&truth.samples) {

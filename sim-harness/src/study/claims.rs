@@ -134,7 +134,7 @@ mod tests {
     use crate::study::description;
 
     fn train() -> Train {
-        description::of(&case_study()).train
+        description::of(&case_study().unwrap()).unwrap().train
     }
 
     fn verdict(claims: &[Claim], needle: &str) -> Verdict {

@@ -10,8 +10,10 @@ use super::bound::{Known, Worth, information};
 use super::case::Case;
 use crate::replay::{Tick, replay};
 use crate::report::resistance::{NINETY_FIVE, Resistance};
+use crate::simulation::scenario_file::Simulation;
 use crate::table::{Cell, Record};
-use crate::truth::scenario::{Scenario, run_seed, simulate};
+use crate::truth::plan::plan as planned;
+use crate::truth::scenario::{DriveError, Scenario, simulate_planned};
 use crate::truth::sensors::Sample;
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
@@ -32,7 +34,7 @@ pub const ERROR_KMH: [f64; 7] = [20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0];
 /// Smallest and largest true over described resistance.
 pub const SCALES: [f64; 2] = [0.7, 1.3];
 /// Standard deviation by which each coefficient differs beyond the whole, share: that of the memory's prior.
-const SHAPE_SD: f64 = 0.10;
+pub const SHAPE_SD: f64 = 0.10;
 /// The modes that are tested.
 pub const MODES: [Mode; 3] = [Mode::Paper, Mode::Gated, Mode::Measured];
 /// Runs after which is looked, before the last.
@@ -41,8 +43,8 @@ const STAGES: [usize; 2] = [1, 10];
 /// What is tested.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The vehicles' line, driver and sensors.
-    pub scenario: Scenario,
+    /// The vehicles' line, driver and sensors; without wind, load or effects, or the bound is none.
+    pub simulation: Simulation,
     /// Number of vehicles.
     pub vehicles: usize,
     /// Runs of each.
@@ -124,17 +126,17 @@ pub struct Answer {
 /// What is wrong with the configuration.
 pub fn look(plan: &Plan, config: Config, done: impl Fn() + Sync) -> Result<Vec<Look>, String> {
     let mut estimators = Vec::new();
-    let description = super::description::of(&plan.scenario);
+    let description = super::description::of(&plan.simulation).map_err(|e| e.to_string())?;
     for mode in MODES {
         let (train, track) = (description.train, description.track.clone());
         let estimator = Estimator::try_new(Config { mode, ..config }, train, track);
         estimators.push(estimator.map_err(|error| error.to_string())?);
     }
     let one = |vehicle: usize| of_vehicle(plan, &estimators, vehicle, &done);
-    Ok((0..plan.vehicles)
-        .into_par_iter()
-        .flat_map_iter(one)
-        .collect())
+    let looks: Result<Vec<Vec<Look>>, DriveError> =
+        (0..plan.vehicles).into_par_iter().map(one).collect();
+    let looks = looks.map_err(|error| error.to_string())?;
+    Ok(looks.into_iter().flatten().collect())
 }
 
 fn of_vehicle(
@@ -142,11 +144,11 @@ fn of_vehicle(
     estimators: &[Estimator],
     vehicle: usize,
     done: &(impl Fn() + Sync),
-) -> Vec<Look> {
+) -> Result<Vec<Look>, DriveError> {
     let scales = plan.scales(vehicle);
     let scenario = Scenario {
         davis_scale: scales,
-        ..plan.scenario.clone()
+        ..plan.simulation.scenario.clone()
     };
     let of_vehicle = scenario.train.davis.scaled(scenario.davis_scale);
     let truth = Davis {
@@ -160,8 +162,8 @@ fn of_vehicle(
     let mut informations: Vec<Matrix3<f64>> = estimators.iter().map(prior).collect();
     let mut looks = Vec::new();
     let seed = plan.seed.wrapping_add(7_919 * vehicle as u64);
-    for index in 0..plan.runs {
-        let run = simulate(&scenario, run_seed(seed, index));
+    for (index, planned) in planned(&scenario, plan.runs, seed).iter().enumerate() {
+        let run = simulate_planned(&scenario, planned)?;
         let samples: Vec<Sample> = run.samples.clone();
         let of_run = run.facts.davis;
         let case = Case::simulated(format!("run{index}"), String::new(), run);
@@ -199,7 +201,7 @@ fn of_vehicle(
         }
         done();
     }
-    looks
+    Ok(looks)
 }
 
 /// Information that the gated mode's memory has before the first run: the prior that all bounds share.

@@ -7,7 +7,7 @@ use crate::parquet::{ParquetError, RunReader};
 use crate::recording::{DirectionChoice, Recording};
 use crate::run_log::{BadRows, RunLog};
 use crate::run_set::{RunFile, RunSet, RunSetError};
-use crate::truth::scenario::Scenario;
+use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub enum Source {
 /// A fleet of units, simulated as it is needed.
 #[derive(Clone, Debug)]
 pub struct Simulated {
-    scenario: Scenario,
+    simulation: Simulation,
     seed: u64,
     runs: usize,
     next: usize,
@@ -71,10 +71,10 @@ pub enum SourceError {
 }
 
 impl Source {
-    /// So many runs of a scenario.
-    pub fn simulated(scenario: Scenario, seed: u64, runs: usize) -> Self {
+    /// So many runs; a unit for each as many as the simulation says.
+    pub fn simulated(simulation: Simulation, seed: u64, runs: usize) -> Self {
         Self::Simulated(Box::new(Simulated {
-            scenario,
+            simulation,
             seed,
             runs,
             next: 0,
@@ -140,8 +140,13 @@ impl Source {
         let chunk: Vec<Result<Case, Failed>> = match self {
             Self::Simulated(simulated) => {
                 let range = advance(&mut simulated.next, simulated.runs);
-                let (scenario, seed) = (&simulated.scenario, simulated.seed);
-                let run = |index| Ok(fleet_run(scenario, seed, index));
+                let (simulation, seed) = (&simulated.simulation, simulated.seed);
+                let run = |index| {
+                    fleet_run(simulation, seed, index).map_err(|error| Failed {
+                        file: PathBuf::from(&simulation.name),
+                        error: error.to_string(),
+                    })
+                };
                 range.into_par_iter().map(run).collect()
             }
             Self::Logs(logs) => {

@@ -1,8 +1,10 @@
 //! What all runs say together, through one pair of eyes: in as few numbers as one run.
 
 use super::moments::Moments;
-use super::view::{View, atb_step};
+use super::view::{PowerPoint, View, atb_step};
 
+/// Window of the largest power, km/h (section 3.3): near 140 km/h the driver lets go.
+pub const POWER_KMH: std::ops::RangeInclusive<f64> = 50.0..=130.0;
 /// Where the two clouds of Fig. 9 part, km/h.
 pub const CLOUDS_KMH: f64 = 115.0;
 
@@ -42,7 +44,7 @@ pub struct Tallies {
     pub coast_mps2: Moments,
     /// Brake rate of the samples of each ATB-EG step, m/s².
     pub brake_steps: [Moments; 5],
-    /// Power of the samples below and above [`CLOUDS_KMH`], from 50 km/h on, kW.
+    /// Power of the samples below and above [`CLOUDS_KMH`], within [`POWER_KMH`], kW.
     pub clouds_kw: [Moments; 2],
     /// Intervals of each run that say something of the largest tractive effort.
     pub effort_samples: Moments,
@@ -97,7 +99,8 @@ impl Tallies {
         for (speed_kmh, rate_mps2) in &points.brake {
             self.brake_steps[atb_step(*speed_kmh)].add(*rate_mps2);
         }
-        for point in points.power.iter().filter(|point| point.speed_kmh > 50.0) {
+        let within = |point: &&PowerPoint| POWER_KMH.contains(&point.speed_kmh);
+        for point in points.power.iter().filter(within) {
             let cloud = usize::from(point.speed_kmh > CLOUDS_KMH);
             self.clouds_kw[cloud].add(point.power_kw);
         }

@@ -138,13 +138,17 @@ pub(super) mod tests {
     use rundown::config::PaperConfig;
 
     pub(crate) fn bench(runs: usize) -> Bench {
-        let description = description::of(&case_study());
+        let description = description::of(&case_study().unwrap()).unwrap();
         Bench {
             base: Config::default(),
             train: description.train,
             track: description.track,
             runs: (0..runs)
-                .map(|index| fleet_run(&case_study(), 4, index).recording)
+                .map(|index| {
+                    fleet_run(&case_study().unwrap(), 4, index)
+                        .unwrap()
+                        .recording
+                })
                 .collect(),
         }
     }

@@ -290,7 +290,7 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> Vec<Claim> {
             truth,
             verdict: Verdict::of(is_two),
             why: format!(
-                "mean power below and above the manufacturer's {} kW. The paper suspects feeding sections of different power; they appear where the line of these runs has such sections",
+                "mean power from 50 km/h on and up to 130 km/h, below and above the manufacturer's {} kW. The paper suspects feeding sections of different power; they appear where the line of these runs has such sections",
                 number(stated_kw, 0)
             ),
         },
