@@ -266,6 +266,59 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_bytes_depend_on_scenario_and_seed_alone() {
+        let text = "runs = 5\ndirections = \"both\"\n[wind]\nsd_mps = 2\n[[effect]]\nname = \"run_wind\"\nsd_mps = 1\n";
+        let simulation = Simulation::parse(Path::new("s.toml"), text).unwrap();
+        let written = |simulation: &Simulation, threads: usize| {
+            let folder = tempfile::tempdir().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| write(simulation, folder.path(), false, || ()))
+                .unwrap();
+            let mut files = Vec::new();
+            for part in ["", "runs", "truth"] {
+                for entry in std::fs::read_dir(folder.path().join(part)).unwrap() {
+                    let path = entry.unwrap().path();
+                    if path.is_file() {
+                        let name = path.file_name().unwrap().to_owned();
+                        files.push((part, name, std::fs::read(&path).unwrap()));
+                    }
+                }
+            }
+            files.sort();
+            files
+        };
+        let one = written(&simulation, 1);
+        assert_eq!(one.len(), 2 + 6 + 7);
+        assert!(one == written(&simulation, 4));
+        let other = Simulation {
+            seed: 2,
+            ..simulation
+        };
+        assert!(one != written(&other, 1));
+    }
+
+    #[test]
+    fn a_folder_with_files_is_left_alone_unless_forced() {
+        let simulation = Simulation::parse(Path::new("s.toml"), "runs = 2\n").unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        write(&simulation, folder.path(), false, || ()).unwrap();
+        let error = write(&simulation, folder.path(), false, || ()).unwrap_err();
+        assert!(
+            error.to_string().ends_with("overwrite with --force"),
+            "{error}"
+        );
+        let fewer = Simulation {
+            runs: 1,
+            ..simulation
+        };
+        write(&fewer, folder.path(), true, || ()).unwrap();
+        assert!(!folder.path().join("runs/run002.csv").exists());
+    }
+
+    #[test]
     fn times_have_no_needless_digits() {
         assert_eq!([time(10.0), time(0.25), time(1.2)], ["10.0", "0.25", "1.2"]);
     }

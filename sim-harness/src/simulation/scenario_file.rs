@@ -674,3 +674,57 @@ fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile),
     }
     Ok((believed::line_of(&track), track))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Simulation, TomlError> {
+        Simulation::parse(Path::new("s.toml"), text)
+    }
+
+    #[test]
+    fn an_empty_file_is_the_case_study() {
+        let simulation = parse("").unwrap();
+        assert_eq!(simulation.scenario, Scenario::default());
+        assert_eq!((simulation.runs, simulation.seed), (67, 1));
+        assert_eq!(simulation.track.length_m, 32_103.0);
+    }
+
+    #[test]
+    fn the_example_says_the_defaults_but_for_wind_and_load() {
+        let example = parse(EXAMPLE).unwrap();
+        let default = parse("").unwrap();
+        let calm = Scenario {
+            wind_sd_mps: 0.0,
+            load_sd: 0.0,
+            ..example.scenario
+        };
+        assert_eq!(calm, default.scenario);
+        assert_eq!(example.train, default.train);
+        assert_eq!(example.unit, default.unit);
+    }
+
+    #[test]
+    fn refusals_name_line_and_column() {
+        let error = |text: &str| parse(text).unwrap_err().to_string();
+        assert_eq!(
+            error("[dates]\nstart = \"monday\"\n"),
+            "s.toml:2:9: scenario: expected start as \"2024-01-08\", found \"monday\""
+        );
+        assert_eq!(
+            error("[sensors]\nsampling_s = 5.01\n"),
+            "s.toml:2:14: scenario: expected step_s = 0.05 to divide sampling_s, found 5.01 s"
+        );
+        assert_eq!(
+            error("[train]\nmass_kg = 5\n"),
+            "s.toml:2:11: train: mass_kg must be 1000 to 100000000, found 5"
+        );
+        assert_eq!(
+            error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),
+            "s.toml:2:1: tunnel_drag: expected to_m beyond from_m, found 4"
+        );
+        assert!(error("[line]\nfile = \"no.toml\"\n").starts_with("no.toml: cannot be read"));
+        assert!(error("[driver]\nkindd = 1\n").starts_with("s.toml:2:1: unknown field `kindd`"));
+    }
+}

@@ -53,6 +53,14 @@ impl BrakeHabit {
         }
     }
 
+    /// The same driver where the brake gives no more than this deceleration, m/s².
+    pub fn at_most(mut self, most_mps2: f64) -> Self {
+        for rate in &mut self.rates_mps2 {
+            *rate = rate.min(most_mps2);
+        }
+        self
+    }
+
     /// Deceleration at a speed, m/s², positive.
     pub fn rate_mps2(&self, speed_mps: f64) -> f64 {
         self.step_rate_mps2(FROM_MPS.partition_point(|v| *v <= speed_mps).max(1) - 1)

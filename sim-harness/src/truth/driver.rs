@@ -25,6 +25,9 @@ const HOLD_GAIN: f64 = 0.08;
 const HOLD_INTEGRAL_GAIN: f64 = 0.004;
 /// Power tapers as the wanted speed comes near, 1/s.
 const TAPER_GAIN: f64 = 0.25;
+/// Gravity on a climb that may brake harder than wanted, N/kg, and the share of the traction used against it.
+const STEEP_N_PER_KG: f64 = 0.11;
+const POWER_ON_CLIMB: f64 = 0.9;
 /// Time constant of the wander of the speed held, s.
 const WANDER_S: f64 = 20.0;
 /// The final coast ends in a brake for a stop that is at most this far behind the sign, m; further if all signs between lower the limit.
@@ -410,7 +413,7 @@ impl<'a> Driver<'a> {
 
     fn wanted_n_per_kg(&mut self, at: Motion, step_s: f64) -> f64 {
         let desired = self.desired_mps(at);
-        let most =
+        let traction =
             self.world
                 .max_effort_n_per_kg(at, self.habits.effort_share, self.habits.power_share);
         match self.phase {
@@ -420,21 +423,21 @@ impl<'a> Driver<'a> {
                     effort_n_per_kg, ..
                 } if desired == self.habits.cruise_mps => {
                     if self.cycling {
-                        most.min(effort_n_per_kg)
+                        traction.min(effort_n_per_kg)
                     } else {
-                        most
+                        traction
                     }
                 }
-                _ => most.min(self.load_n_per_kg(at) + TAPER_GAIN * (desired - at.speed_mps)),
+                _ => traction.min(self.load_n_per_kg(at) + TAPER_GAIN * (desired - at.speed_mps)),
             },
             Phase::Hold => {
                 let short = desired + self.wander_mps - at.speed_mps;
                 let wanted = self.integral_n_per_kg + HOLD_GAIN * short;
                 // The integral waits while the effort is at its limit.
-                if wanted < most {
+                if wanted < traction {
                     self.integral_n_per_kg += HOLD_INTEGRAL_GAIN * short * step_s;
                 }
-                wanted.clamp(-0.3, most)
+                wanted.clamp(-0.3, traction)
             }
             Phase::Restrain(_) => {
                 let over = at.speed_mps - self.permitted_mps(at);
@@ -447,7 +450,14 @@ impl<'a> Driver<'a> {
                 let scale = (needed_m / left_m).clamp(0.5, 1.6);
                 let deceleration = self.habits.brake.rate_mps2(at.speed_mps) * scale;
                 let most = self.world.max_brake_n_per_kg();
-                (self.load_n_per_kg(at) - deceleration).clamp(-most, 0.0)
+                // On a steep climb the hill brakes too hard, and power takes the train to the mark.
+                let climbs = self.world.gravity_n_per_kg(at) > STEEP_N_PER_KG;
+                let power = if climbs {
+                    POWER_ON_CLIMB * traction
+                } else {
+                    0.0
+                };
+                (self.load_n_per_kg(at) - deceleration).clamp(-most, power)
             }
         }
     }
@@ -481,6 +491,8 @@ impl<'a> Driver<'a> {
             Phase::Hold | Phase::Restrain(_) => Regime::Cruise,
             Phase::Coast(_) if effort == 0.0 => Regime::Coast,
             Phase::Brake(_) if effort <= 0.0 => Regime::Brake,
+            // Power on a climb towards the mark.
+            Phase::Brake(_) if self.regime == Regime::Brake => Regime::Cruise,
             _ => self.regime,
         }
     }

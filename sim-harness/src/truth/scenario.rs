@@ -244,6 +244,7 @@ pub fn drive_planned(
         world.line.top_mps(),
         &mut stream(seed, 1),
     );
+    habits.brake = habits.brake.at_most(world.safe_deceleration_mps2());
     habits.brake_test_mps = brake_test_mps(scenario.brake_test_share, &mut stream(seed, 10));
     let mut driver = Driver::new(habits, &world, stops, stream(seed, 2));
 

@@ -20,6 +20,9 @@ use crate::truth::train::{GRAVITY_MPS2, TrainTruth};
 use crate::truth::weather::Weather;
 use rand_distr::{Distribution, Normal};
 
+/// No driver plans to brake more gently than this, m/s².
+const LEAST_DECELERATION_MPS2: f64 = 0.1;
+
 /// What has happened in the run so far, as far as it matters for what acts now.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct History {
@@ -179,6 +182,18 @@ impl World {
     /// Largest brake effort, N/kg, positive.
     pub fn max_brake_n_per_kg(&self) -> f64 {
         self.train.max_brake_mps2 * self.described_over_true_mass
+    }
+
+    /// A deceleration that the brake can give everywhere on this line, with a tenth in reserve, m/s².
+    pub fn safe_deceleration_mps2(&self) -> f64 {
+        let steepest = self
+            .line
+            .gradients_permille()
+            .iter()
+            .map(|g| g.1)
+            .fold(0.0, f64::min);
+        let pull = GRAVITY_MPS2 / self.train.gamma * steepest / 1000.0;
+        (0.9 * self.max_brake_n_per_kg() + pull).max(LEAST_DECELERATION_MPS2)
     }
 
     /// What arrives at the wheels of a demanded effort, N/kg.
