@@ -1,9 +1,12 @@
 //! `cargo xtask budget`: what the firmware costs, against what it may cost.
 
 mod calls;
+mod stack;
+mod thumb;
 
 use crate::shell::root;
 use crate::{firmware, setup};
+use calls::Graph;
 use emulator::{Board, Image, NS_PER_INSTRUCTION};
 use std::process::Stdio;
 
@@ -23,6 +26,15 @@ struct Line {
     most: u64,
 }
 
+/// Where the stack of the firmware goes.
+pub fn stack() -> Result<(), String> {
+    firmware::firmware(Board::L475)?;
+    let image = Image::read(&Board::L475.image_path()).map_err(|error| error.to_string())?;
+    let graph = Graph::read(&image);
+    stack::print(&graph, &stack::bound(&graph)?);
+    Ok(())
+}
+
 /// Measures, prints, and fails above a limit.
 pub fn budget() -> Result<(), String> {
     setup::setup()?;
@@ -30,7 +42,8 @@ pub fn budget() -> Result<(), String> {
     let image = Image::read(&Board::L475.image_path()).map_err(|error| error.to_string())?;
     firmware::firmware(Board::L475Emulated)?;
     let run = measure()?;
-    let panics = calls::to_panics(&image);
+    let graph = Graph::read(&image);
+    let panics = graph.to_panics();
     let allocators = calls::allocators(&image);
     let lines = [
         Line {
