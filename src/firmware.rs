@@ -62,7 +62,7 @@ mod app {
     struct Shared {
         /// With the line's interrupt.
         port: SerialPort,
-        outbox: Outbox<OUTBOX>,
+        outbox: &'static mut Outbox<OUTBOX>,
         #[lock_free]
         start: Start,
         #[lock_free]
@@ -80,7 +80,7 @@ mod app {
         next_tick: u32,
     }
 
-    #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<'static, Flash>> = MaybeUninit::uninit(), run: MaybeUninit<RunState> = MaybeUninit::uninit(), room: Room = Room::EMPTY])]
+    #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<'static, Flash>> = MaybeUninit::uninit(), run: RunState = RunState::ZEROED, outbox: Outbox<OUTBOX> = Outbox::new(), room: Room = Room::EMPTY])]
     fn init(cx: init::Context) -> (Shared, Local) {
         // The chip's registers are taken once, here; if they were not free something is very wrong, and a reset is the answer.
         let Some(Board {
@@ -100,13 +100,12 @@ mod app {
             clock.hz(),
             boot.resets
         );
-        let run = place_run(cx.local.run);
         let heartbeat_only = boot.operation == Operation::HeartbeatOnly;
         let application = place(
             cx.local.application,
             flash,
             heartbeat_only,
-            run,
+            cx.local.run,
             cx.local.room,
         );
         let (ring_in, ring_out) = cx.local.ring.split();
@@ -115,7 +114,7 @@ mod app {
         (
             Shared {
                 port,
-                outbox: Outbox::new(),
+                outbox: cx.local.outbox,
                 start: Start { boot, clock },
                 application,
             },
@@ -226,12 +225,6 @@ mod app {
     }
 
     /// In a frame of its own, so that the stack of the start is given back.
-    #[inline(never)]
-    fn place_run(slot: &'static mut MaybeUninit<RunState>) -> &'static mut RunState {
-        slot.write(RunState::idle())
-    }
-
-    /// As above.
     #[inline(never)]
     fn place(
         slot: &'static mut MaybeUninit<Application<'static, Flash>>,

@@ -12,22 +12,29 @@
 
 use super::Statistic;
 use crate::Real;
+use crate::run_state::{Source, take};
 use crate::units::KmPerHour;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 const BINS: usize = 721;
 const BINS_PER_KMH: Real = 2.0;
 
 /// Histogram of the held speeds.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct HeldSpeeds {
-    #[serde(with = "serde_big_array::BigArray")]
+    #[serde(serialize_with = "serde_big_array::BigArray::serialize")]
     time_ms: [u32; BINS],
 }
 
 impl HeldSpeeds {
-    pub(super) fn new() -> Self {
-        Self { time_ms: [0; BINS] }
+    /// No speed.
+    pub(super) const ZEROED: Self = Self { time_ms: [0; BINS] };
+
+    /// A tuple of counts, as it was written; not all of them on the stack.
+    pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        self.time_ms
+            .iter_mut()
+            .try_for_each(|time_ms| take(time_ms, source))
     }
 
     pub(super) fn clear(&mut self) {
@@ -122,7 +129,7 @@ mod tests {
     use super::*;
 
     fn median_kmh(held: &[(Real, Real, Real)]) -> Option<Real> {
-        let mut speeds = HeldSpeeds::new();
+        let mut speeds = HeldSpeeds::ZEROED;
         for &(from_kmh, to_kmh, dt_s) in held {
             speeds.add(from_kmh / 3.6, to_kmh / 3.6, dt_s);
         }
@@ -157,7 +164,7 @@ mod tests {
             (139.0, 133.0, 100.0),
         ];
         assert!((median_kmh(&cycles).unwrap() - 136.0).abs() < 0.1);
-        let mut speeds = HeldSpeeds::new();
+        let mut speeds = HeldSpeeds::ZEROED;
         speeds.add(133.0 / 3.6, 139.0 / 3.6, 120.0);
         let (_, statistic) = speeds.cruise_speed(10.0).unwrap();
         assert!((statistic.mean * 3.6 - 136.0).abs() < 0.05);

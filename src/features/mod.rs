@@ -62,6 +62,25 @@ pub struct Observation {
     pub regime: Regime,
 }
 
+impl Observation {
+    /// Zeros.
+    pub(crate) const ZEROED: Self = Self {
+        time_s: 0.0,
+        dt_s: 0.0,
+        location_m: 0.0,
+        speed_mps: 0.0,
+        effort_n_per_kg: None,
+        acceleration_mps2: None,
+        gradient_n_per_kg: 0.0,
+        davis: Davis {
+            r0: 0.0,
+            r1: 0.0,
+            r2: 0.0,
+        },
+        regime: Regime::Standstill,
+    };
+}
+
 /// Number of values, their mean and standard deviation (0 for fewer than two).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Statistic {
@@ -141,6 +160,18 @@ pub struct Energy {
     pub r2_j_per_kg: Real,
     /// Taken by the gradient, negative where the train came down.
     pub gradient_j_per_kg: Real,
+}
+
+impl Energy {
+    /// None.
+    pub const ZEROED: Self = Self {
+        traction_j_per_kg: 0.0,
+        brake_j_per_kg: 0.0,
+        r0_j_per_kg: 0.0,
+        r1_j_per_kg: 0.0,
+        r2_j_per_kg: 0.0,
+        gradient_j_per_kg: 0.0,
+    };
 }
 
 /// What one run said. Everything is there from the first tick on; what was not seen has count 0 or is none.

@@ -27,6 +27,7 @@ use super::phases::Boundary;
 use super::{FeatureConfig, Observation, SwitchingPoint};
 use crate::Real;
 use crate::regime::Regime;
+use crate::run_state::{Source, take, take_each};
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +47,7 @@ struct Knot {
 }
 
 /// The last minutes.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct Course {
     knots: Deque<Knot, KNOTS>,
     head: Option<Knot>,
@@ -54,12 +55,18 @@ pub(super) struct Course {
 }
 
 impl Course {
-    pub(super) fn new() -> Self {
-        Self {
-            knots: Deque::new(),
-            head: None,
-            last_good: None,
-        }
+    /// Zeros; to be cleared.
+    pub(super) const ZEROED: Self = Self {
+        knots: Deque::new(),
+        head: None,
+        last_good: Some(Observation::ZEROED),
+    };
+
+    pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        self.knots.clear();
+        take_each(source, |knot| self.knots.push_back(knot).is_ok())?;
+        take(&mut self.head, source)?;
+        take(&mut self.last_good, source)
     }
 
     pub(super) fn clear(&mut self) {

@@ -16,6 +16,7 @@ use super::cruise::HeldSpeeds;
 use super::interval::Interval;
 use crate::Real;
 use crate::regime::Regime;
+use crate::run_state::{Source, take, take_each};
 use crate::units::KmPerHour;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -50,6 +51,17 @@ struct Segment {
 }
 
 impl Segment {
+    const ZEROED: Self = Self {
+        regime: Regime::Standstill,
+        end_s: 0.0,
+        first_sample_s: 0.0,
+        start_mps: 0.0,
+        end_mps: 0.0,
+        dt_s: 0.0,
+        samples: 0,
+        impulse_mps: 0.0,
+    };
+
     fn new(end_s: Real, interval: &Interval) -> Self {
         Self {
             regime: interval.regime,
@@ -80,7 +92,7 @@ impl Segment {
 pub(super) type Boundaries = Vec<Boundary, { MAX_PENDING + 1 }>;
 
 /// Makes phases of samples.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct Phases {
     phase: Option<Segment>,
     pending: Vec<Segment, MAX_PENDING>,
@@ -89,13 +101,25 @@ pub(super) struct Phases {
 }
 
 impl Phases {
-    pub(super) fn new() -> Self {
-        Self {
-            phase: None,
-            pending: Vec::new(),
-            last: None,
-            held_speeds: HeldSpeeds::new(),
-        }
+    /// Zeros; to be cleared.
+    pub(super) const ZEROED: Self = Self {
+        phase: Some(Segment::ZEROED),
+        pending: Vec::new(),
+        last: Some(Boundary {
+            time_s: 0.0,
+            first_sample_s: 0.0,
+            from: Regime::Standstill,
+            to: Regime::Standstill,
+        }),
+        held_speeds: HeldSpeeds::ZEROED,
+    };
+
+    pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        take(&mut self.phase, source)?;
+        self.pending.clear();
+        take_each(source, |segment| self.pending.push(segment).is_ok())?;
+        take(&mut self.last, source)?;
+        self.held_speeds.take_fields(source)
     }
 
     pub(super) fn clear(&mut self) {
@@ -260,7 +284,8 @@ mod tests {
     /// Boundaries of samples of 10 s with a weak effort, except braking: time, from, to.
     fn boundaries(regimes: &[Regime], brake: Real) -> std::vec::Vec<(Real, Regime, Regime)> {
         let config = FeatureConfig::default();
-        let mut phases = Phases::new();
+        let mut phases = Phases::ZEROED;
+        phases.clear();
         let mut found: std::vec::Vec<Boundary> = std::vec::Vec::new();
         for (k, &regime) in regimes.iter().enumerate() {
             let effort = if regime == Brake { brake } else { 0.02 };

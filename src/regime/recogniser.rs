@@ -114,6 +114,13 @@ pub struct Recogniser {
     probability: [Real; COUNT],
 }
 
+impl Recogniser {
+    /// Zeros; no distribution before it is begun.
+    pub(crate) const ZEROED: Self = Self {
+        probability: [0.0; 5],
+    };
+}
+
 impl Default for Recogniser {
     /// Before the first interval nothing is known of a moving train.
     fn default() -> Self {

@@ -24,6 +24,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
         run: &'a mut RunState,
         room: &'a mut Room,
     ) -> Self {
+        run.reset();
         let estimator = Estimator::undescribed(&mut room.track, &mut room.effects);
         let nominal = estimator.train().davis();
         let mut store = Store::mount(flash).ok();
