@@ -161,42 +161,44 @@ impl FeatureExtractor {
 
     /// What the run has said up to now.
     pub fn features(&self, config: &FeatureConfig) -> Features {
-        let mut recent = Vec::<SwitchingPoint, MAX_RECENT>::new();
-        for (_, point) in &self.recent {
-            // Of the same capacity.
-            let _kept = recent.push(*point).is_ok();
-        }
+        let mut features = Features::NONE;
+        self.features_in(config, &mut features);
+        features
+    }
+
+    /// As [`FeatureExtractor::features`], in the place of others: they take 2.6 kB, which the board does not have on its stack.
+    pub fn features_in(&self, config: &FeatureConfig, features: &mut Features) {
         let line_speed_mps = config.approach_share * self.arrival_top_speed_mps;
-        let (final_coast, final_brake) = final_phases(&recent, line_speed_mps);
-        let mut switching_points = self.older.clone();
-        let mut lost = self.lost;
-        for point in recent {
-            if switching_points.push(point).is_err() {
-                lost = lost.saturating_add(1);
+        (features.final_coast, features.final_brake) = final_phases(
+            self.recent.len(),
+            |i| self.recent.get(i).map(|(_, point)| point),
+            line_speed_mps,
+        );
+        let recent = self.recent.iter().map(|(_, point)| point);
+        features.switching_points.clear();
+        features.switching_points_lost = self.lost;
+        for point in self.older.iter().chain(recent) {
+            if features.switching_points.push(*point).is_err() {
+                features.switching_points_lost = features.switching_points_lost.saturating_add(1);
             }
         }
         let cruise = self
             .phases
             .held_speeds()
             .cruise_speed(config.cruise_band_kmh);
-        let mut power_w_per_kg = self.power.statistic();
+        features.cruise_speed_mps = cruise.map(|(_, statistic)| statistic).unwrap_or_default();
+        features.cruise_speed_median_mps = cruise.map(|(median_mps, _)| median_mps);
+        features.power_w_per_kg = self.power.statistic();
         if let Some(last) = &self.before {
-            power_w_per_kg.mean += self.power_hindsight.correction_w_per_kg(&last.davis);
+            features.power_w_per_kg.mean += self.power_hindsight.correction_w_per_kg(&last.davis);
         }
-        Features {
-            max_effort: self.effort.line(),
-            power_w_per_kg,
-            max_power_w_per_kg: self.max_power_w_per_kg,
-            brake_rate_mps2: self.brake_rates.map(|rates| rates.statistic()),
-            cruise_speed_mps: cruise.map(|(_, statistic)| statistic).unwrap_or_default(),
-            cruise_speed_median_mps: cruise.map(|(median_mps, _)| median_mps),
-            final_coast,
-            final_brake,
-            switching_points,
-            switching_points_lost: lost,
-            regime_time_s: self.regime_time_s,
-            energy: self.energy,
+        features.max_effort = self.effort.line();
+        features.max_power_w_per_kg = self.max_power_w_per_kg;
+        for (statistic, rates) in features.brake_rate_mps2.iter_mut().zip(&self.brake_rates) {
+            *statistic = rates.statistic();
         }
+        features.regime_time_s = self.regime_time_s;
+        features.energy = self.energy;
     }
 
     /// The interval at whose end the train stands is divided where the deceleration before it leads to a stop.

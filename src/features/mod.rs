@@ -92,6 +92,15 @@ pub struct Statistic {
     pub sd: Real,
 }
 
+impl Statistic {
+    /// No value.
+    pub const NONE: Self = Self {
+        count: 0,
+        mean: 0.0,
+        sd: 0.0,
+    };
+}
+
 /// Effort as a straight line over speed, fitted between the configured speeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EffortLine {
@@ -203,4 +212,22 @@ pub struct Features {
     pub regime_time_s: [Real; 5],
     /// Energy per rotating mass.
     pub energy: Energy,
+}
+
+impl Features {
+    /// Nothing was seen.
+    pub const NONE: Self = Self {
+        max_effort: None,
+        power_w_per_kg: Statistic::NONE,
+        max_power_w_per_kg: None,
+        brake_rate_mps2: [Statistic::NONE; 5],
+        cruise_speed_mps: Statistic::NONE,
+        cruise_speed_median_mps: None,
+        final_coast: None,
+        final_brake: None,
+        switching_points: Vec::new(),
+        switching_points_lost: 0,
+        regime_time_s: [0.0; 5],
+        energy: Energy::ZEROED,
+    };
 }

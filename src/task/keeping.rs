@@ -46,6 +46,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
             incoming_id: 0,
             vehicle: Vehicle::new(&MemoryConfig::default(), nominal),
             run,
+            summary: &mut room.summary,
             running: false,
             moved: false,
             standing_since_s: None,

@@ -99,12 +99,14 @@ impl<F: NorFlash> Task<'_, F> {
     }
 
     /// Ends the run: its summary goes out, what it taught into the vehicle and the flash.
+    #[inline(never)]
     pub(super) fn end(&mut self, port: &mut impl Port) {
-        let summary = self.estimator.end_run(self.run, &mut self.vehicle);
+        self.estimator
+            .end_run_in(self.run, &mut self.vehicle, self.summary);
         self.running = false;
         self.newest = None;
         self.keep();
-        self.send_summary(&summary, port);
+        self.send_summary(port);
     }
 
     /// A long stop ends the run.
