@@ -25,6 +25,7 @@ use crate::Real;
 use crate::auth::Verifier;
 use crate::digest;
 use crate::effects::Effects;
+use crate::estimate::Estimate;
 use crate::estimator::{Estimator, RunSummary};
 use crate::frames;
 use crate::measurement::Measurement;
@@ -57,12 +58,13 @@ pub trait Port {
     fn health(&self) -> Health;
 }
 
-/// The room that a task needs beside itself; zeros, for a static. 50 kB.
+/// The room that a task needs beside itself; zeros, for a static. 56 kB.
 pub struct Room {
     summary: RunSummary,
     track: Track,
     incoming: Track,
     effects: Effects,
+    kept_effects: Effects,
     snapshot: [u8; MAX_SNAPSHOT],
 }
 
@@ -73,6 +75,7 @@ impl Room {
         track: Track::empty(),
         incoming: Track::empty(),
         effects: Effects::NONE,
+        kept_effects: Effects::NONE,
         snapshot: [0; MAX_SNAPSHOT],
     };
 }
@@ -92,6 +95,8 @@ pub struct Task<'a, F> {
     run: &'a mut RunState,
     /// Features of the run under way, and at its end what it has taught.
     summary: &'a mut RunSummary,
+    /// Effects that are read from the store, before they are believed.
+    kept_effects: &'a mut Effects,
     running: bool,
     /// The train has run since the run began.
     moved: bool,
@@ -238,10 +243,7 @@ impl<F: NorFlash> Task<'_, F> {
     /// A tick with a measurement.
     #[inline(never)]
     fn step(&mut self, measurement: &Measurement, port: &mut impl Port) -> Result<(), Refusal> {
-        let estimate = self
-            .estimator
-            .step(self.run, measurement)
-            .map_err(|_| Refusal::TimeNotIncreasing)?;
+        let estimate = self.estimate(measurement)?;
         self.last_time_s = Some(measurement.time_s);
         self.silent_ticks = 0;
         self.tick = self.tick.wrapping_add(1);
@@ -256,6 +258,14 @@ impl<F: NorFlash> Task<'_, F> {
             self.begin(self.run.direction());
         }
         Ok(())
+    }
+
+    // Of its own: what the estimator takes on the stack is given back before the frames are made.
+    #[inline(never)]
+    fn estimate(&mut self, measurement: &Measurement) -> Result<Estimate, Refusal> {
+        self.estimator
+            .step(self.run, measurement)
+            .map_err(|_| Refusal::TimeNotIncreasing)
     }
 
     fn count_missed(&mut self, sequence: u16) {

@@ -15,6 +15,7 @@ use rundown_wire::{Body, Effect, Refusal};
 use serde::ser::{Serialize, SerializeSeq, Serializer};
 
 impl<F: NorFlash> Task<'_, F> {
+    #[inline(never)]
     pub(super) fn carry_out(
         &mut self,
         request: &Request,
@@ -122,6 +123,7 @@ impl<F: NorFlash> Task<'_, F> {
         self.moved && estimate.time_s - since_s >= LONG_STOP_S
     }
 
+    #[inline(never)]
     fn take_train(&mut self, frame: &TrainFrame) -> Result<(), Refusal> {
         if self
             .verifier
@@ -173,6 +175,7 @@ impl<F: NorFlash> Task<'_, F> {
         Ok(())
     }
 
+    #[inline(never)]
     fn take_curves(&mut self, part: &CurvePart) -> Result<(), Refusal> {
         if self.track_id != Some(part.track_id) {
             return Err(Refusal::OtherTrack);
@@ -195,6 +198,7 @@ impl<F: NorFlash> Task<'_, F> {
         taken
     }
 
+    #[inline(never)]
     fn take_effect(&mut self, effect: &Effect, port: &mut impl Port) -> Result<(), Refusal> {
         self.estimator
             .effects_mut()
@@ -215,6 +219,7 @@ impl<F: NorFlash> Task<'_, F> {
         self.send(Body::Effects(self.estimator.effects().to_frame()), port);
     }
 
+    #[inline(never)]
     fn take_setting(&mut self, setting: &Setting) -> Result<(), Refusal> {
         let before = self.estimator.config().mode;
         let mut config = *self.estimator.config();
