@@ -52,6 +52,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
             moved: false,
             standing_since_s: None,
             published: Published::default(),
+            initial_sd: 0.0,
             pace: Pace::Clock,
             newest: None,
             last_time_s: None,

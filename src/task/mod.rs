@@ -102,6 +102,8 @@ pub struct Task<'a, F> {
     moved: bool,
     standing_since_s: Option<Real>,
     published: Published,
+    /// Standard deviation of r by the description alone, which `published` is judged by.
+    initial_sd: Real,
 
     pace: Pace,
     newest: Option<Measurement>,

@@ -4,10 +4,7 @@ use super::{Port, Task};
 use crate::config::Mode;
 use crate::estimate::{Cause, Estimate};
 use crate::frames;
-use crate::published::JUDGED_KMH;
-use crate::resistance::resistance_sd;
 use crate::state::{Gaussian, LOCATION, R0, SPEED};
-use crate::units::KmPerHour;
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Body, CAUSES, Downlink, MAX_MESSAGE, SWITCHING_POINTS, Status};
 
@@ -30,7 +27,8 @@ impl<F: NorFlash> Task<'_, F> {
                 self.send(Body::Effects(self.estimator.effects().to_frame()), port);
             }
         }
-        if self.tick.is_multiple_of(SNAPSHOT_TICKS) {
+        // Between the minutes: no tick does everything.
+        if self.tick % SNAPSHOT_TICKS == MINUTE_TICKS / 2 {
             self.take_snapshot_of_the_run();
         }
         self.send_snapshot_parts(port);
@@ -46,10 +44,8 @@ impl<F: NorFlash> Task<'_, F> {
                 .fixed_view::<3, 3>(R0, R0)
                 .into_owned(),
         };
-        let described = self.estimator.new_vehicle().davis();
-        let initial_sd = resistance_sd(&described, KmPerHour(JUDGED_KMH).to_mps());
         let nominal = self.estimator.train().davis();
-        let (published, learned) = self.published.judge(&nominal, initial_sd, &davis);
+        let (published, learned) = self.published.judge(&nominal, self.initial_sd, &davis);
         let gain = match self.estimator.config().mode {
             Mode::Measured => Some(self.run.gain()),
             Mode::Gated | Mode::Paper => None,

@@ -5,10 +5,13 @@ use crate::config::Mode;
 use crate::digest;
 use crate::effects::{self, Effects, FrameError};
 use crate::estimate::Estimate;
+use crate::published::JUDGED_KMH;
 use crate::regime::Regime;
+use crate::resistance::resistance_sd;
 use crate::state::SPEED;
 use crate::track::Direction;
 use crate::train::Train;
+use crate::units::KmPerHour;
 use crate::uplink::{Command, CurvePart, Pace, Request, Setting, TrackPart, TrainFrame};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Body, Effect, Refusal};
@@ -87,6 +90,7 @@ impl<F: NorFlash> Task<'_, F> {
         if self.effects_unsaved {
             self.write();
         }
+        self.judge_by_description();
         self.estimator
             .begin_run_in(self.run, &self.vehicle, direction);
         self.running = true;
@@ -97,6 +101,13 @@ impl<F: NorFlash> Task<'_, F> {
         self.standing_since_s = None;
         self.newest = None;
         self.last_time_s = None;
+    }
+
+    /// How well r is known by the description alone; the same all through a run.
+    #[inline(never)]
+    pub(super) fn judge_by_description(&mut self) {
+        let described = self.estimator.new_vehicle().davis();
+        self.initial_sd = resistance_sd(&described, KmPerHour(JUDGED_KMH).to_mps());
     }
 
     /// Ends the run: its summary goes out, what it taught into the vehicle and the flash.
