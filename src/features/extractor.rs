@@ -277,7 +277,7 @@ impl FeatureExtractor {
     }
 
     fn add_boundaries(&mut self, config: &FeatureConfig, end_s: Real, interval: &Interval) {
-        for boundary in self.phases.push(config, end_s, interval) {
+        for boundary in &self.phases.push(config, end_s, interval) {
             let same = |(old, _): &(Boundary, SwitchingPoint)| {
                 (old.time_s, old.from) == (boundary.time_s, boundary.from)
             };
@@ -290,9 +290,9 @@ impl FeatureExtractor {
             {
                 self.lost = self.lost.saturating_add(1);
             }
-            let point = self.course.locate(config, &boundary, None, None);
+            let point = self.course.locate(config, boundary, None, None);
             // There is room now.
-            let _kept = self.recent.push_back((boundary, point)).is_ok();
+            let _kept = self.recent.push_back((*boundary, point)).is_ok();
         }
     }
 

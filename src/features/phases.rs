@@ -18,7 +18,7 @@ use crate::Real;
 use crate::regime::Regime;
 use crate::run_state::{Source, take, take_each};
 use crate::units::KmPerHour;
-use heapless::Vec;
+use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
 
 /// Samples of other regimes that are kept before the phase is closed. More of them are an end at any length.
@@ -95,7 +95,7 @@ pub(super) type Boundaries = Vec<Boundary, { MAX_PENDING + 1 }>;
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Phases {
     phase: Option<Segment>,
-    pending: Vec<Segment, MAX_PENDING>,
+    pending: Deque<Segment, MAX_PENDING>,
     last: Option<Boundary>,
     held_speeds: HeldSpeeds,
 }
@@ -104,7 +104,7 @@ impl Phases {
     /// Zeros; to be cleared.
     pub(super) const ZEROED: Self = Self {
         phase: Some(Segment::ZEROED),
-        pending: Vec::new(),
+        pending: Deque::new(),
         last: Some(Boundary {
             time_s: 0.0,
             first_sample_s: 0.0,
@@ -117,7 +117,7 @@ impl Phases {
     pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
         take(&mut self.phase, source)?;
         self.pending.clear();
-        take_each(source, |segment| self.pending.push(segment).is_ok())?;
+        take_each(source, |segment| self.pending.push_back(segment).is_ok())?;
         take(&mut self.last, source)?;
         self.held_speeds.take_fields(source)
     }
@@ -159,14 +159,14 @@ impl Phases {
     ) -> Boundaries {
         let mut known = Boundaries::new();
         let sample = Segment::new(end_s, interval);
-        match self.pending.last_mut() {
+        match self.pending.back_mut() {
             Some(last) if last.regime == sample.regime => last.append(&sample),
             _ => {
                 if self.pending.is_full() {
                     self.close(config, &mut known);
                 }
                 // Closing has made room.
-                let _kept = self.pending.push(sample).is_ok();
+                let _kept = self.pending.push_back(sample).is_ok();
             }
         }
         self.settle(config, &mut known);
@@ -185,16 +185,14 @@ impl Phases {
                 .pending
                 .iter()
                 .position(|segment| segment.regime == regime);
-            let gap = self
-                .pending
-                .get(..back.unwrap_or(self.pending.len()))
-                .unwrap_or(&[]);
+            let gap = self.pending.iter().take(back.unwrap_or(MAX_PENDING));
             if !bridgeable(config, regime, gap) {
                 self.close(config, known);
             } else if let Some(back) = back {
                 for _ in 0..=back {
-                    let next = self.pending.remove(0);
-                    self.extend(&next);
+                    if let Some(next) = self.pending.pop_front() {
+                        self.extend(&next);
+                    }
                 }
             } else {
                 return;
@@ -215,10 +213,9 @@ impl Phases {
 
     /// The phase is over; the first of the waiting segments is the next phase.
     fn close(&mut self, config: &FeatureConfig, known: &mut Boundaries) {
-        if self.pending.is_empty() {
+        let Some(next) = self.pending.pop_front() else {
             return;
-        }
-        let next = self.pending.remove(0);
+        };
         if next.regime == Regime::Cruise {
             self.held_speeds
                 .add(next.start_mps, next.end_mps, next.dt_s);
@@ -260,7 +257,11 @@ impl Phases {
     }
 }
 
-fn bridgeable(config: &FeatureConfig, regime: Regime, gap: &[Segment]) -> bool {
+fn bridgeable<'a>(
+    config: &FeatureConfig,
+    regime: Regime,
+    gap: impl Iterator<Item = &'a Segment>,
+) -> bool {
     let (mut samples, mut dt_s, mut moved_mps) = (0, 0.0, 0.0);
     for segment in gap {
         if regime == Regime::Standstill || segment.regime == Regime::Standstill {
