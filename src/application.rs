@@ -35,7 +35,7 @@ impl<'a, F: NorFlash> Application<'a, F> {
     pub fn receive(
         &mut self,
         byte: u8,
-        health: impl Fn() -> Health,
+        health: impl Fn() -> Health + Copy,
         send: &mut impl FnMut(&[u8]) -> bool,
     ) {
         match self.decoder.push(byte) {

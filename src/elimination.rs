@@ -63,7 +63,10 @@ pub fn eliminate<const N: usize, const K: usize>(
         dl: SVector::zeros(),
     }; K];
     for j in 0..K {
-        let mut dl = covariance.column(j).into_owned();
+        // Not copied as a column, nor by an index, which may panic for all that the compiler knows.
+        let mut dl = SVector::<Real, N>::from_fn(|i, _| {
+            covariance.get((i, j)).copied().unwrap_or(Real::NAN)
+        });
         for before in &columns[..j] {
             dl -= before.dl * before.l[j];
         }

@@ -80,6 +80,17 @@ pub struct RunSummary {
     pub counters: Counters,
 }
 
+impl RunSummary {
+    /// Of no run.
+    pub const NONE: Self = Self {
+        features: Features::NONE,
+        run_davis: Gaussian::ZEROED,
+        gain: (0.0, 0.0),
+        learned_s: 0.0,
+        counters: Counters::ZEROED,
+    };
+}
+
 impl<T: Borrow<Track>> Estimator<T> {
     /// Checks the configuration. The model has no named effects yet.
     ///
@@ -311,23 +322,29 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
 
     /// Ends a run: what it said about the train goes into the vehicle's memory.
     pub fn end_run(&self, run: &mut RunState, vehicle: &mut Vehicle) -> RunSummary {
-        let run_davis = run.davis();
+        let mut summary = RunSummary::NONE;
+        self.end_run_in(run, vehicle, &mut summary);
+        summary
+    }
+
+    /// As [`Estimator::end_run`], in the place of another summary: it takes 3 kB, which the board does not have on its stack.
+    #[inline(never)]
+    pub fn end_run_in(&self, run: &mut RunState, vehicle: &mut Vehicle, summary: &mut RunSummary) {
+        summary.run_davis = run.davis();
         match self.config.mode {
-            Mode::Paper => vehicle.replace(&run_davis),
+            Mode::Paper => vehicle.replace(&summary.run_davis),
             Mode::Gated | Mode::Measured => {
-                vehicle.learn(&self.memory_config(), &run.begin, &run_davis);
+                vehicle.learn(&self.memory_config(), &run.begin, &summary.run_davis);
             }
         }
         if let Some(last) = run.unconfirmed.take() {
             run.features.observe(&self.config.features, &last);
         }
-        RunSummary {
-            features: run.features.features(&self.config.features),
-            run_davis,
-            gain: run.learner.gain(),
-            learned_s: run.learner.learned_s(),
-            counters: run.counters,
-        }
+        run.features
+            .features_in(&self.config.features, &mut summary.features);
+        summary.gain = run.learner.gain();
+        summary.learned_s = run.learner.learned_s();
+        summary.counters = run.counters;
     }
 
     fn count(&self, run: &mut RunState, judged: &Judged) -> Validity {

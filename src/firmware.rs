@@ -25,6 +25,7 @@ mod app {
     use core::mem::MaybeUninit;
     use core::sync::atomic::{AtomicU32, Ordering};
     use heapless::spsc::{Consumer, Producer, Queue};
+    use rtic::mutex_prelude::TupleExt02;
     use rundown::auth::Provisioning;
     use rundown::onboard::clock::Clock;
     use rundown::onboard::crash_loop::Operation;
@@ -62,7 +63,7 @@ mod app {
     struct Shared {
         /// With the line's interrupt.
         port: SerialPort,
-        outbox: Outbox<OUTBOX>,
+        outbox: &'static mut Outbox<OUTBOX>,
         #[lock_free]
         start: Start,
         #[lock_free]
@@ -80,7 +81,7 @@ mod app {
         next_tick: u32,
     }
 
-    #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<'static, Flash>> = MaybeUninit::uninit(), run: MaybeUninit<RunState> = MaybeUninit::uninit(), room: Room = Room::EMPTY])]
+    #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<'static, Flash>> = MaybeUninit::uninit(), run: RunState = RunState::ZEROED, outbox: Outbox<OUTBOX> = Outbox::new(), room: Room = Room::EMPTY])]
     fn init(cx: init::Context) -> (Shared, Local) {
         // The chip's registers are taken once, here; if they were not free something is very wrong, and a reset is the answer.
         let Some(Board {
@@ -100,13 +101,12 @@ mod app {
             clock.hz(),
             boot.resets
         );
-        let run = place_run(cx.local.run);
         let heartbeat_only = boot.operation == Operation::HeartbeatOnly;
         let application = place(
             cx.local.application,
             flash,
             heartbeat_only,
-            run,
+            cx.local.run,
             cx.local.room,
         );
         let (ring_in, ring_out) = cx.local.ring.split();
@@ -115,7 +115,7 @@ mod app {
         (
             Shared {
                 port,
-                outbox: Outbox::new(),
+                outbox: cx.local.outbox,
                 start: Start { boot, clock },
                 application,
             },
@@ -188,12 +188,12 @@ mod app {
         // The difference, because the counter wraps.
         if periods.wrapping_sub(*cx.local.next_tick) < u32::MAX / 2 {
             *cx.local.next_tick = cx.local.next_tick.wrapping_add(PERIOD_S * TIMER_HZ);
-            let start = *cx.shared.start;
-            let mut wires = (cx.shared.port, cx.shared.outbox);
+            let (health, mut say) = (
+                health(cx.shared.start),
+                say(cx.shared.port, cx.shared.outbox),
+            );
             let watch = Stopwatch::start();
-            cx.shared.application.tick(|| health(&start), &mut |frame| {
-                wires.lock(|port, outbox| say(port, outbox, frame))
-            });
+            cx.shared.application.tick(health, &mut say);
             watch.stop();
         }
         TICK_BEATS.fetch_add(1, Ordering::Relaxed);
@@ -204,19 +204,15 @@ mod app {
         if cx.shared.start.boot.operation == Operation::Normal {
             board::provoke(Place::Link);
         }
-        let start = *cx.shared.start;
-        let mut wires = (cx.shared.port, cx.shared.outbox);
+        let health = health(cx.shared.start);
+        let mut say = say(cx.shared.port, cx.shared.outbox);
         // At most one ring at a time: a line that babbles must not keep the other task waiting.
         for _ in 0..RING {
             let Some(byte) = cx.local.ring_out.dequeue() else {
                 break;
             };
             let watch = Stopwatch::start();
-            cx.shared
-                .application
-                .receive(byte, || health(&start), &mut |frame| {
-                    wires.lock(|port, outbox| say(port, outbox, frame))
-                });
+            cx.shared.application.receive(byte, health, &mut say);
             watch.stop();
         }
         if cx.local.ring_out.ready() {
@@ -226,12 +222,6 @@ mod app {
     }
 
     /// In a frame of its own, so that the stack of the start is given back.
-    #[inline(never)]
-    fn place_run(slot: &'static mut MaybeUninit<RunState>) -> &'static mut RunState {
-        slot.write(RunState::idle())
-    }
-
-    /// As above.
     #[inline(never)]
     fn place(
         slot: &'static mut MaybeUninit<Application<'static, Flash>>,
@@ -251,15 +241,25 @@ mod app {
     }
 
     /// Puts a frame into the outbox and starts the line. When there is no room the oldest frame goes.
-    fn say(port: &mut SerialPort, outbox: &mut Outbox<OUTBOX>, frame: &[u8]) -> bool {
-        let taken = outbox.push(frame).is_ok();
-        DROPPED.store(outbox.dropped(), Ordering::Relaxed);
-        serial::send(port, outbox);
-        taken
+    // One type for both tasks, so that the application is in the image once.
+    fn say(
+        port: impl rtic::Mutex<T = SerialPort>,
+        outbox: impl rtic::Mutex<T = &'static mut Outbox<OUTBOX>>,
+    ) -> impl FnMut(&[u8]) -> bool {
+        let mut wires = (port, outbox);
+        move |frame| {
+            wires.lock(|port, outbox| {
+                let taken = outbox.push(frame).is_ok();
+                DROPPED.store(outbox.dropped(), Ordering::Relaxed);
+                serial::send(port, outbox);
+                taken
+            })
+        }
     }
 
-    fn health(start: &Start) -> Health {
-        Health {
+    fn health(start: &Start) -> impl Fn() -> Health + Copy {
+        let start = *start;
+        move || Health {
             uptime_s: PERIODS.load(Ordering::Relaxed) / TIMER_HZ,
             reset_cause: start.boot.cause,
             failure: start.boot.failure,

@@ -125,32 +125,36 @@ pub fn features(features: &Features) -> wire::Features {
 /// The switching points from `first` on, as many as one frame holds.
 pub fn switching_points(features: &Features, first: usize) -> wire::SwitchingPoints {
     let all = &features.switching_points;
+    let mut points = heapless::Vec::new();
+    for point in all.iter().skip(first) {
+        let point = wire::SwitchingPoint {
+            time_s: point.time_s,
+            location_m: point.location_m as f32,
+            speed_mps: point.speed_mps as f32,
+            from: point.from,
+            to: point.to,
+        };
+        if points.push(point).is_err() {
+            break;
+        }
+    }
     wire::SwitchingPoints {
         first: u16::try_from(first).unwrap_or(u16::MAX),
         total: u16::try_from(all.len()).unwrap_or(u16::MAX),
         lost: features.switching_points_lost,
-        points: all
-            .iter()
-            .skip(first)
-            .take(wire::SWITCHING_POINTS)
-            .map(|point| wire::SwitchingPoint {
-                time_s: point.time_s,
-                location_m: point.location_m as f32,
-                speed_mps: point.speed_mps as f32,
-                from: point.from,
-                to: point.to,
-            })
-            .collect(),
+        points,
     }
 }
 
 /// The end of a run; `wind_sd_mps` as the vehicle's memory has it.
 pub fn run_summary(summary: &RunSummary, vehicle: &Vehicle, wind_sd_mps: Real) -> wire::RunSummary {
     let davis = |belief: &Gaussian<3>| {
-        [0, 1, 2].map(|i| Value {
-            value: belief.mean[i] as f32,
+        let value = |i: usize, value: Real| Value {
+            value: value as f32,
             sd: belief.sd(i) as f32,
-        })
+        };
+        let [r0, r1, r2] = belief.mean.into();
+        [value(0, r0), value(1, r1), value(2, r2)]
     };
     wire::RunSummary {
         run: vehicle.runs(),

@@ -25,6 +25,14 @@ pub struct Kinematics {
 }
 
 impl Kinematics {
+    /// Zeros, as by default.
+    pub(crate) const ZEROED: Self = Self {
+        location_m: 0.0,
+        location_variance: 0.0,
+        speed_mps: 0.0,
+        speed_variance: 0.0,
+    };
+
     /// Begins anew; a missing location or speed begins at 0 with a standard deviation that says so.
     pub fn begin(sensor: &SensorConfig, location_m: Option<Real>, speed_mps: Option<Real>) -> Self {
         let location_sd_m = location_m.map_or(1e5, |_| sensor.location_sd_m);

@@ -13,6 +13,7 @@ use crate::config::{ConfigError, SensorConfig, between};
 use crate::effects::Acting;
 use crate::elimination::NotPositiveDefinite;
 use crate::motion::{Evaluate, Line, Motion};
+use crate::run_state::{Source, take, take_each};
 use crate::state::{Gaussian, LOCATION, R0, SIZE_WITH_GAIN, SPEED};
 use crate::ukf::{Innovation, Observation, Reading, Spread, Ukf};
 use heapless::Deque;
@@ -157,7 +158,7 @@ struct Reached {
 }
 
 /// A running segment.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 struct Segment {
     begin_s: Real,
     /// Up to here what was learned is valid.
@@ -169,7 +170,7 @@ struct Segment {
 }
 
 /// What is learned in one run.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Learner {
     /// r0, r1, r2 and the gain of the effort.
     constants: Gaussian<4>,
@@ -177,21 +178,67 @@ pub struct Learner {
     learned_s: Real,
 }
 
+impl Segment {
+    /// Zeros.
+    const ZEROED: Self = Self {
+        begin_s: 0.0,
+        settled_s: 0.0,
+        belief: Gaussian::ZEROED,
+        last_speed_s: 0.0,
+        last_location_s: 0.0,
+        waiting: Deque::new(),
+    };
+
+    fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        take(&mut self.begin_s, source)?;
+        take(&mut self.settled_s, source)?;
+        take(&mut self.belief, source)?;
+        take(&mut self.last_speed_s, source)?;
+        take(&mut self.last_location_s, source)?;
+        self.waiting.clear();
+        take_each(source, |reached| self.waiting.push_back(reached).is_ok())
+    }
+}
+
 impl Learner {
+    /// Zeros; to be begun.
+    pub(crate) const ZEROED: Self = Self {
+        constants: Gaussian::ZEROED,
+        segment: Some(Segment::ZEROED),
+        learned_s: 0.0,
+    };
+
     /// Begins with a belief of the run's Davis coefficients.
     pub fn new(config: &LearningConfig, davis: &Gaussian<3>) -> Self {
-        let mut constants =
-            Gaussian::independent([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, config.gain_sd]);
+        let mut learner = Self::ZEROED;
+        learner.begin_run(config, davis);
+        learner
+    }
+
+    /// As new, in place.
+    pub(crate) fn begin_run(&mut self, config: &LearningConfig, davis: &Gaussian<3>) {
+        let constants = &mut self.constants;
+        *constants = Gaussian::independent([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, config.gain_sd]);
         constants.mean.fixed_rows_mut::<3>(0).copy_from(&davis.mean);
         constants
             .covariance
             .fixed_view_mut::<3, 3>(0, 0)
             .copy_from(&davis.covariance);
-        Self {
-            constants,
-            segment: None,
-            learned_s: 0.0,
+        self.segment = None;
+        self.learned_s = 0.0;
+    }
+
+    /// Takes the fields of a snapshot in place, in the order in which they are declared.
+    #[inline(never)]
+    pub(crate) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        take(&mut self.constants, source)?;
+        self.segment = None;
+        let mut there = false;
+        take(&mut there, source)?;
+        if there {
+            self.segment.insert(Segment::ZEROED).take_fields(source)?;
         }
+        take(&mut self.learned_s, source)
     }
 
     /// The run's Davis coefficients as learned so far.
@@ -253,14 +300,12 @@ impl Learner {
             .covariance
             .fixed_view_mut::<4, 4>(R0, R0)
             .copy_from(&self.constants.covariance);
-        self.segment = Some(Segment {
-            begin_s: time_s,
-            settled_s: time_s,
-            belief,
-            last_speed_s: time_s,
-            last_location_s: time_s,
-            waiting: Deque::new(),
-        });
+        let segment = self.segment.insert(Segment::ZEROED);
+        segment.begin_s = time_s;
+        segment.settled_s = time_s;
+        segment.belief = belief;
+        segment.last_speed_s = time_s;
+        segment.last_location_s = time_s;
     }
 
     /// Ends the segment: what waits for the end cut is forgotten.

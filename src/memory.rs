@@ -177,6 +177,7 @@ impl Vehicle {
     }
 
     /// Takes up what a run said: its belief at the beginning and at the end. A run that learned nothing changes nothing.
+    #[inline(never)]
     pub fn learn(&mut self, config: &MemoryConfig, begin: &Gaussian<3>, end: &Gaussian<3>) {
         if begin == end {
             return;

@@ -33,6 +33,15 @@ pub struct PaperLoop {
 }
 
 impl PaperLoop {
+    /// Zeros.
+    pub(crate) const ZEROED: Self = Self {
+        belief: Gaussian::ZEROED,
+        effort_n_per_kg: 0.0,
+        acceleration_mps2: 0.0,
+        reading_mps: None,
+        since_reading_s: 0.0,
+    };
+
     /// Begins with the first readings, Table 1's standard deviations and a belief of the Davis coefficients.
     pub fn begin(
         config: &PaperConfig,

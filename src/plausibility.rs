@@ -140,6 +140,21 @@ pub struct Plausibility {
 }
 
 impl Plausibility {
+    /// Zeros, as by default.
+    pub(crate) const ZEROED: Self = Self {
+        last_time_s: None,
+        speed: None,
+        expected_m: None,
+        since_location_m: 0.0,
+        raw_location_m: None,
+        agreeing_locations: 0,
+        rejected_speed: None,
+        same_speed: 0,
+        drift_m: 0.0,
+        same_speed_run_m: 0.0,
+        backward: 0,
+    };
+
     /// Judges one measurement; `None`: its time is not after the last one's, nothing has changed.
     pub fn judge(
         &mut self,

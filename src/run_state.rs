@@ -63,6 +63,19 @@ pub(crate) fn take<'de, T: Deserialize<'de>>(
     Ok(())
 }
 
+/// Takes the items of a list one by one, each into its place; false when there is no more room.
+pub(crate) fn take_each<'de, T: Deserialize<'de>>(
+    source: &mut Source<'de>,
+    mut keep: impl FnMut(T) -> bool,
+) -> postcard::Result<()> {
+    for _ in 0..u32::deserialize(&mut *source)? {
+        if !keep(T::deserialize(&mut *source)?) {
+            return Err(postcard::Error::SerdeDeCustom);
+        }
+    }
+    Ok(())
+}
+
 /// Why bytes are no snapshot. The run is idle afterwards: half a state is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoSnapshot;
@@ -76,31 +89,40 @@ impl fmt::Display for NoSnapshot {
 impl core::error::Error for NoSnapshot {}
 
 impl RunState {
+    /// Zeros: as a static it takes no flash, and its start no stack. No run before [`RunState::reset`].
+    // `None` of a type with a regime or a flag in it is not stored as zeros; `Some` of zeros is.
+    pub const ZEROED: Self = Self {
+        direction: Direction::Up,
+        begin: Gaussian::ZEROED,
+        plausibility: Plausibility::ZEROED,
+        kinematics: Kinematics::ZEROED,
+        paper: Some(PaperLoop::ZEROED),
+        learner: Learner::ZEROED,
+        recogniser: Recogniser::ZEROED,
+        regime: Regime::Standstill,
+        anchor: None,
+        last: None,
+        last_effort_n_per_kg: None,
+        reading: None,
+        unconfirmed: Some(Observation::ZEROED),
+        without_location_s: 0.0,
+        without_speed_s: 0.0,
+        counters: Counters::ZEROED,
+        journey: Journey::ZEROED,
+        features: FeatureExtractor::ZEROED,
+    };
+
     /// No run.
-    // Of its own, so that the caller's place for it is filled and not a copy on the stack.
-    #[inline(never)]
     pub fn idle() -> Self {
-        let begin = Gaussian::independent([0.0; 3], [0.0; 3]);
-        Self {
-            direction: Direction::Up,
-            begin,
-            plausibility: Plausibility::default(),
-            kinematics: Kinematics::default(),
-            paper: None,
-            learner: Learner::new(&LearningConfig::default(), &begin),
-            recogniser: Recogniser::default(),
-            regime: Regime::Standstill,
-            anchor: None,
-            last: None,
-            last_effort_n_per_kg: None,
-            reading: None,
-            unconfirmed: None,
-            without_location_s: 0.0,
-            without_speed_s: 0.0,
-            counters: Counters::default(),
-            journey: Journey::default(),
-            features: FeatureExtractor::new(),
-        }
+        let mut run = Self::ZEROED;
+        run.reset();
+        run
+    }
+
+    /// To no run, in place.
+    pub fn reset(&mut self) {
+        self.journey = Journey::ZEROED;
+        self.begin(&LearningConfig::default(), Gaussian::ZEROED, Direction::Up);
     }
 
     /// Begins with a belief of this run's train, in place and without a copy of the features' buffers.
@@ -115,7 +137,7 @@ impl RunState {
         self.plausibility = Plausibility::default();
         self.kinematics = Kinematics::default();
         self.paper = None;
-        self.learner = Learner::new(config, &begin);
+        self.learner.begin_run(config, &begin);
         self.recogniser = Recogniser::default();
         self.regime = Regime::Standstill;
         self.anchor = None;
@@ -176,8 +198,7 @@ impl RunState {
             && source.finalize().is_ok_and(<[u8]>::is_empty)
             && self.is_sound();
         if !complete {
-            let none = Gaussian::independent([0.0; 3], [0.0; 3]);
-            self.begin(&LearningConfig::default(), none, Direction::Up);
+            self.reset();
             return Err(NoSnapshot);
         }
         Ok(())
@@ -191,7 +212,7 @@ impl RunState {
         take(&mut self.plausibility, source)?;
         take(&mut self.kinematics, source)?;
         take(&mut self.paper, source)?;
-        take(&mut self.learner, source)?;
+        self.learner.take_fields(source)?;
         take(&mut self.recogniser, source)?;
         take(&mut self.regime, source)?;
         take(&mut self.anchor, source)?;

@@ -5,7 +5,7 @@
 
 use crate::Real;
 use crate::resistance::Davis;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{ArrayStorage, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 /// Location of the train's front along the track, m.
@@ -38,6 +38,12 @@ pub struct Gaussian<const N: usize> {
 }
 
 impl<const N: usize> Gaussian<N> {
+    /// Zeros.
+    pub const ZEROED: Self = Self {
+        mean: SVector::from_array_storage(ArrayStorage([[0.0; N]])),
+        covariance: SMatrix::from_array_storage(ArrayStorage([[0.0; N]; N])),
+    };
+
     /// Independent components with these means and standard deviations.
     ///
     /// ```

@@ -426,7 +426,11 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
 /// Element (i, j) of a symmetric matrix of which the lower triangle is good.
 #[inline]
 fn lower<const N: usize>(matrix: &SMatrix<Real, N, N>, i: usize, j: usize) -> Real {
-    matrix[(i.max(j), i.min(j))]
+    // Not by an index, which may panic for all that the compiler knows; every caller stays inside.
+    matrix
+        .get((i.max(j), i.min(j)))
+        .copied()
+        .unwrap_or(Real::NAN)
 }
 
 /// Writes the lower triangle into the upper one: symmetric to the last bit.

@@ -39,6 +39,17 @@ pub struct Journey {
 }
 
 impl Journey {
+    /// Zeros, as by default.
+    pub(crate) const ZEROED: Self = Self {
+        departure_s: None,
+        departed: false,
+        braked: false,
+        surroundings: Surroundings {
+            temperature_c: None,
+            day: None,
+        },
+    };
+
     /// A new run in the same surroundings.
     pub(crate) fn begin(&mut self) {
         *self = Self {

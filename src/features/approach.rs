@@ -12,55 +12,47 @@ use super::{Phase, SwitchingPoint};
 use crate::Real;
 use crate::regime::Regime;
 
-/// Final coast and final brake. None before the train has stood after a brake.
-pub(super) fn final_phases(
-    points: &[SwitchingPoint],
+/// Final coast and final brake, of so many switching points. None before the train has stood after a brake.
+pub(super) fn final_phases<'a>(
+    points: usize,
+    at: impl Fn(usize) -> Option<&'a SwitchingPoint>,
     line_speed_mps: Real,
 ) -> (Option<Phase>, Option<Phase>) {
-    let Some(stop) = points
-        .iter()
-        .rposition(|point| point.to == Regime::Standstill)
+    let backwards = |from: usize| (0..from).rev().filter_map(|i| Some((i, at(i)?)));
+    let Some((stop, end)) = backwards(points).find(|(_, point)| point.to == Regime::Standstill)
     else {
         return (None, None);
     };
     let mut brake = None;
-    for (i, point) in points.iter().enumerate().take(stop).rev() {
+    for (i, point) in backwards(stop) {
         if point.to == Regime::Standstill {
             break;
         }
         if point.to == Regime::Brake {
-            brake = Some(i);
+            brake = Some((i, point));
         }
         if point.speed_mps > line_speed_mps {
             break;
         }
     }
-    let Some(brake) = brake else {
+    let Some((brake, start)) = brake else {
         return (None, None);
     };
-    let coast = points
-        .iter()
-        .enumerate()
-        .take(brake)
-        .rev()
+    let coast = backwards(brake)
         .find(|(_, point)| point.to != Regime::Cruise)
         .filter(|(_, point)| point.to == Regime::Coast)
-        .and_then(|(i, _)| phase(points.get(i)?, points.get(i + 1)?));
-    let brake = points
-        .get(brake)
-        .zip(points.get(stop))
-        .and_then(|(start, end)| phase(start, end));
-    (coast, brake)
+        .and_then(|(i, point)| Some(phase(point, at(i + 1)?)));
+    (coast, Some(phase(start, end)))
 }
 
-fn phase(start: &SwitchingPoint, end: &SwitchingPoint) -> Option<Phase> {
-    Some(Phase {
+fn phase(start: &SwitchingPoint, end: &SwitchingPoint) -> Phase {
+    Phase {
         start_time_s: start.time_s,
         start_location_m: start.location_m,
         start_speed_mps: start.speed_mps,
         duration_s: (end.time_s - start.time_s).max(0.0),
         length_m: (end.location_m - start.location_m).abs(),
-    })
+    }
 }
 
 #[cfg(test)]
@@ -83,7 +75,7 @@ mod tests {
             });
             from = to;
         }
-        let (coast, brake) = final_phases(&points, 70.0 / 3.6);
+        let (coast, brake) = final_phases(points.len(), |i| points.get(i), 70.0 / 3.6);
         (
             coast.map(|phase| phase.start_time_s),
             brake.map(|phase| phase.start_time_s),

@@ -12,22 +12,29 @@
 
 use super::Statistic;
 use crate::Real;
+use crate::run_state::{Source, take};
 use crate::units::KmPerHour;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 const BINS: usize = 721;
 const BINS_PER_KMH: Real = 2.0;
 
 /// Histogram of the held speeds.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct HeldSpeeds {
-    #[serde(with = "serde_big_array::BigArray")]
+    #[serde(serialize_with = "serde_big_array::BigArray::serialize")]
     time_ms: [u32; BINS],
 }
 
 impl HeldSpeeds {
-    pub(super) fn new() -> Self {
-        Self { time_ms: [0; BINS] }
+    /// No speed.
+    pub(super) const ZEROED: Self = Self { time_ms: [0; BINS] };
+
+    /// A tuple of counts, as it was written; not all of them on the stack.
+    pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        self.time_ms
+            .iter_mut()
+            .try_for_each(|time_ms| take(time_ms, source))
     }
 
     pub(super) fn clear(&mut self) {
@@ -68,18 +75,27 @@ impl HeldSpeeds {
     fn level(&self, band_kmh: Real) -> Option<&[u32]> {
         let width = (band_kmh * BINS_PER_KMH) as usize + 1;
         let total: u64 = sum(&self.time_ms);
-        let band_below = |top: usize| self.time_ms.get((top + 1).saturating_sub(width)..=top);
-        let enough =
-            |top: &usize| total > 0 && band_below(*top).is_some_and(|band| 10 * sum(band) >= total);
-        let top = (0..BINS).rev().find(enough)?;
+        if total == 0 {
+            return None;
+        }
+        // The time in the band below `top`, kept up to date from one top to the next.
+        let mut band = sum(self.time_ms.get(BINS.saturating_sub(width)..)?);
+        let mut top = BINS - 1;
+        while 10 * band < total {
+            band -= u64::from(*self.time_ms.get(top)?);
+            let lowest = top.checked_sub(width);
+            band += u64::from(
+                lowest
+                    .and_then(|i| self.time_ms.get(i))
+                    .copied()
+                    .unwrap_or(0),
+            );
+            top = top.checked_sub(1)?;
+        }
         // The band may have caught the level with its lower end only: put its upper end on the fastest speed in it.
-        let empty = band_below(top)?
-            .iter()
-            .rev()
-            .take_while(|time_ms| **time_ms == 0)
-            .count();
-        let top = top.checked_sub(empty)?;
-        self.time_ms.get(..=top)
+        let to_top = self.time_ms.get(..=top)?;
+        let fastest = to_top.iter().rposition(|time_ms| *time_ms != 0)?;
+        to_top.get(..=fastest)
     }
 
     /// Median and statistic of the level, m/s.
@@ -91,6 +107,9 @@ impl HeldSpeeds {
         let total = sum(to_top.get(below..)?) as Real;
         let (mut passed, mut median, mut mean) = (0.0, None, 0.0);
         for (i, time_ms) in to_top.iter().enumerate().skip(below) {
+            if *time_ms == 0 {
+                continue;
+            }
             let time_ms = Real::from(*time_ms);
             if median.is_none() && passed + time_ms >= 0.5 * total {
                 let inside = (0.5 * total - passed) / time_ms;
@@ -101,6 +120,9 @@ impl HeldSpeeds {
         }
         let mut squares = 0.0;
         for (i, time_ms) in to_top.iter().enumerate().skip(below) {
+            if *time_ms == 0 {
+                continue;
+            }
             let change = centre_mps(i as Real) - mean;
             squares += change * change * Real::from(*time_ms) / total;
         }
@@ -122,7 +144,7 @@ mod tests {
     use super::*;
 
     fn median_kmh(held: &[(Real, Real, Real)]) -> Option<Real> {
-        let mut speeds = HeldSpeeds::new();
+        let mut speeds = HeldSpeeds::ZEROED;
         for &(from_kmh, to_kmh, dt_s) in held {
             speeds.add(from_kmh / 3.6, to_kmh / 3.6, dt_s);
         }
@@ -157,7 +179,7 @@ mod tests {
             (139.0, 133.0, 100.0),
         ];
         assert!((median_kmh(&cycles).unwrap() - 136.0).abs() < 0.1);
-        let mut speeds = HeldSpeeds::new();
+        let mut speeds = HeldSpeeds::ZEROED;
         speeds.add(133.0 / 3.6, 139.0 / 3.6, 120.0);
         let (_, statistic) = speeds.cruise_speed(10.0).unwrap();
         assert!((statistic.mean * 3.6 - 136.0).abs() < 0.05);

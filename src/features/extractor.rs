@@ -17,7 +17,7 @@ use super::{Energy, FeatureConfig, Features, MAX_SWITCHING_POINTS, Observation, 
 use crate::Real;
 use crate::regime::Regime;
 use crate::resistance::Davis;
-use crate::run_state::{Source, take};
+use crate::run_state::{Source, take, take_each};
 use crate::units::KmPerHour;
 use heapless::{Deque, Vec};
 use serde::Serialize;
@@ -56,43 +56,49 @@ impl Default for FeatureExtractor {
 }
 
 impl FeatureExtractor {
+    /// Zeros, for a static; a run begins with [`FeatureExtractor::clear`].
+    pub(crate) const ZEROED: Self = Self {
+        before: Some(Observation::ZEROED),
+        stretches: Stretches::ZEROED,
+        steady_effort: Steady::ZEROED,
+        steady_power: Steady::ZEROED,
+        steady_brake: Steady::ZEROED,
+        effort: LineFit::ZEROED,
+        power: Spread::ZEROED,
+        power_hindsight: Hindsight::ZEROED,
+        max_power_w_per_kg: None,
+        brake_rates: [Spread::ZEROED; 5],
+        phases: Phases::ZEROED,
+        course: Course::ZEROED,
+        recent: Deque::new(),
+        older: Vec::new(),
+        lost: 0,
+        top_speed_mps: 0.0,
+        arrival_top_speed_mps: 0.0,
+        regime_time_s: [0.0; 5],
+        energy: Energy::ZEROED,
+    };
+
     /// Before the first tick of a run.
     pub fn new() -> Self {
-        Self {
-            before: None,
-            stretches: Stretches::default(),
-            steady_effort: Steady::new(Regime::Traction),
-            steady_power: Steady::new(Regime::Traction),
-            steady_brake: Steady::new(Regime::Brake),
-            effort: LineFit::default(),
-            power: Spread::default(),
-            power_hindsight: Hindsight::default(),
-            max_power_w_per_kg: None,
-            brake_rates: [Spread::default(); 5],
-            phases: Phases::new(),
-            course: Course::new(),
-            recent: Deque::new(),
-            older: Vec::new(),
-            lost: 0,
-            top_speed_mps: 0.0,
-            arrival_top_speed_mps: 0.0,
-            regime_time_s: [0.0; 5],
-            energy: Energy::default(),
-        }
+        let mut extractor = Self::ZEROED;
+        extractor.clear();
+        extractor
     }
 
     /// As new, in place.
     pub(crate) fn clear(&mut self) {
         self.before = None;
-        self.stretches = Stretches::default();
-        self.steady_effort.clear();
-        self.steady_power.clear();
-        self.steady_brake.clear();
-        self.effort = LineFit::default();
-        self.power = Spread::default();
-        self.power_hindsight = Hindsight::default();
+        self.stretches = Stretches::ZEROED;
+        self.stretches.interrupt();
+        self.steady_effort.begin(Regime::Traction);
+        self.steady_power.begin(Regime::Traction);
+        self.steady_brake.begin(Regime::Brake);
+        self.effort = LineFit::ZEROED;
+        self.power = Spread::ZEROED;
+        self.power_hindsight = Hindsight::ZEROED;
         self.max_power_w_per_kg = None;
-        self.brake_rates = [Spread::default(); 5];
+        self.brake_rates = [Spread::ZEROED; 5];
         self.phases.clear();
         self.course.clear();
         self.recent.clear();
@@ -101,25 +107,27 @@ impl FeatureExtractor {
         self.top_speed_mps = 0.0;
         self.arrival_top_speed_mps = 0.0;
         self.regime_time_s = [0.0; 5];
-        self.energy = Energy::default();
+        self.energy = Energy::ZEROED;
     }
 
     /// Takes the fields of a snapshot, one after the other in place, in the order in which they are declared.
     pub(crate) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
         take(&mut self.before, source)?;
         take(&mut self.stretches, source)?;
-        take(&mut self.steady_effort, source)?;
-        take(&mut self.steady_power, source)?;
-        take(&mut self.steady_brake, source)?;
+        self.steady_effort.take_fields(source)?;
+        self.steady_power.take_fields(source)?;
+        self.steady_brake.take_fields(source)?;
         take(&mut self.effort, source)?;
         take(&mut self.power, source)?;
         take(&mut self.power_hindsight, source)?;
         take(&mut self.max_power_w_per_kg, source)?;
         take(&mut self.brake_rates, source)?;
-        take(&mut self.phases, source)?;
-        take(&mut self.course, source)?;
-        take(&mut self.recent, source)?;
-        take(&mut self.older, source)?;
+        self.phases.take_fields(source)?;
+        self.course.take_fields(source)?;
+        self.recent.clear();
+        take_each(source, |recent| self.recent.push_back(recent).is_ok())?;
+        self.older.clear();
+        take_each(source, |point| self.older.push(point).is_ok())?;
         take(&mut self.lost, source)?;
         take(&mut self.top_speed_mps, source)?;
         take(&mut self.arrival_top_speed_mps, source)?;
@@ -153,42 +161,44 @@ impl FeatureExtractor {
 
     /// What the run has said up to now.
     pub fn features(&self, config: &FeatureConfig) -> Features {
-        let mut recent = Vec::<SwitchingPoint, MAX_RECENT>::new();
-        for (_, point) in &self.recent {
-            // Of the same capacity.
-            let _kept = recent.push(*point).is_ok();
-        }
+        let mut features = Features::NONE;
+        self.features_in(config, &mut features);
+        features
+    }
+
+    /// As [`FeatureExtractor::features`], in the place of others: they take 2.6 kB, which the board does not have on its stack.
+    pub fn features_in(&self, config: &FeatureConfig, features: &mut Features) {
         let line_speed_mps = config.approach_share * self.arrival_top_speed_mps;
-        let (final_coast, final_brake) = final_phases(&recent, line_speed_mps);
-        let mut switching_points = self.older.clone();
-        let mut lost = self.lost;
-        for point in recent {
-            if switching_points.push(point).is_err() {
-                lost = lost.saturating_add(1);
+        (features.final_coast, features.final_brake) = final_phases(
+            self.recent.len(),
+            |i| self.recent.get(i).map(|(_, point)| point),
+            line_speed_mps,
+        );
+        let recent = self.recent.iter().map(|(_, point)| point);
+        features.switching_points.clear();
+        features.switching_points_lost = self.lost;
+        for point in self.older.iter().chain(recent) {
+            if features.switching_points.push(*point).is_err() {
+                features.switching_points_lost = features.switching_points_lost.saturating_add(1);
             }
         }
         let cruise = self
             .phases
             .held_speeds()
             .cruise_speed(config.cruise_band_kmh);
-        let mut power_w_per_kg = self.power.statistic();
+        features.cruise_speed_mps = cruise.map(|(_, statistic)| statistic).unwrap_or_default();
+        features.cruise_speed_median_mps = cruise.map(|(median_mps, _)| median_mps);
+        features.power_w_per_kg = self.power.statistic();
         if let Some(last) = &self.before {
-            power_w_per_kg.mean += self.power_hindsight.correction_w_per_kg(&last.davis);
+            features.power_w_per_kg.mean += self.power_hindsight.correction_w_per_kg(&last.davis);
         }
-        Features {
-            max_effort: self.effort.line(),
-            power_w_per_kg,
-            max_power_w_per_kg: self.max_power_w_per_kg,
-            brake_rate_mps2: self.brake_rates.map(|rates| rates.statistic()),
-            cruise_speed_mps: cruise.map(|(_, statistic)| statistic).unwrap_or_default(),
-            cruise_speed_median_mps: cruise.map(|(median_mps, _)| median_mps),
-            final_coast,
-            final_brake,
-            switching_points,
-            switching_points_lost: lost,
-            regime_time_s: self.regime_time_s,
-            energy: self.energy,
+        features.max_effort = self.effort.line();
+        features.max_power_w_per_kg = self.max_power_w_per_kg;
+        for (statistic, rates) in features.brake_rate_mps2.iter_mut().zip(&self.brake_rates) {
+            *statistic = rates.statistic();
         }
+        features.regime_time_s = self.regime_time_s;
+        features.energy = self.energy;
     }
 
     /// The interval at whose end the train stands is divided where the deceleration before it leads to a stop.
@@ -267,7 +277,7 @@ impl FeatureExtractor {
     }
 
     fn add_boundaries(&mut self, config: &FeatureConfig, end_s: Real, interval: &Interval) {
-        for boundary in self.phases.push(config, end_s, interval) {
+        for boundary in &self.phases.push(config, end_s, interval) {
             let same = |(old, _): &(Boundary, SwitchingPoint)| {
                 (old.time_s, old.from) == (boundary.time_s, boundary.from)
             };
@@ -280,9 +290,9 @@ impl FeatureExtractor {
             {
                 self.lost = self.lost.saturating_add(1);
             }
-            let point = self.course.locate(config, &boundary, None, None);
+            let point = self.course.locate(config, boundary, None, None);
             // There is room now.
-            let _kept = self.recent.push_back((boundary, point)).is_ok();
+            let _kept = self.recent.push_back((*boundary, point)).is_ok();
         }
     }
 

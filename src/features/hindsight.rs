@@ -22,6 +22,13 @@ pub(super) struct Hindsight {
 }
 
 impl Hindsight {
+    /// No interval.
+    pub(super) const ZEROED: Self = Self {
+        time_s: 0.0,
+        moments: [0.0; 3],
+        taken_j_per_kg: 0.0,
+    };
+
     pub(super) fn add(&mut self, davis: &Davis, speed_mps: Real, dt_s: Real) {
         let run_m = speed_mps * dt_s;
         self.time_s += dt_s;

@@ -28,6 +28,15 @@ pub(super) struct Interval {
 }
 
 impl Interval {
+    const ZEROED: Self = Self {
+        before_mps: 0.0,
+        after_mps: 0.0,
+        dt_s: 0.0,
+        impulse_mps: 0.0,
+        work_j_per_kg: 0.0,
+        regime: Regime::Standstill,
+    };
+
     /// None where a reading is missing or time stood still.
     pub(super) fn between(before: &Observation, after: &Observation) -> Option<Self> {
         let effort = after.effort_n_per_kg?;
@@ -74,6 +83,12 @@ pub(super) struct Stretches {
 }
 
 impl Stretches {
+    /// Zeros; to be interrupted.
+    pub(super) const ZEROED: Self = Self {
+        open: Some(Interval::ZEROED),
+        time_s: [0.0; 5],
+    };
+
     /// The stretch that this interval completes. `least_s` of 0 gives every interval back.
     pub(super) fn push(&mut self, least_s: Real, interval: &Interval) -> Option<Interval> {
         let mut sum = *interval;

@@ -62,6 +62,25 @@ pub struct Observation {
     pub regime: Regime,
 }
 
+impl Observation {
+    /// Zeros.
+    pub(crate) const ZEROED: Self = Self {
+        time_s: 0.0,
+        dt_s: 0.0,
+        location_m: 0.0,
+        speed_mps: 0.0,
+        effort_n_per_kg: None,
+        acceleration_mps2: None,
+        gradient_n_per_kg: 0.0,
+        davis: Davis {
+            r0: 0.0,
+            r1: 0.0,
+            r2: 0.0,
+        },
+        regime: Regime::Standstill,
+    };
+}
+
 /// Number of values, their mean and standard deviation (0 for fewer than two).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Statistic {
@@ -71,6 +90,15 @@ pub struct Statistic {
     pub mean: Real,
     /// Standard deviation of the values.
     pub sd: Real,
+}
+
+impl Statistic {
+    /// No value.
+    pub const NONE: Self = Self {
+        count: 0,
+        mean: 0.0,
+        sd: 0.0,
+    };
 }
 
 /// Effort as a straight line over speed, fitted between the configured speeds.
@@ -143,6 +171,18 @@ pub struct Energy {
     pub gradient_j_per_kg: Real,
 }
 
+impl Energy {
+    /// None.
+    pub const ZEROED: Self = Self {
+        traction_j_per_kg: 0.0,
+        brake_j_per_kg: 0.0,
+        r0_j_per_kg: 0.0,
+        r1_j_per_kg: 0.0,
+        r2_j_per_kg: 0.0,
+        gradient_j_per_kg: 0.0,
+    };
+}
+
 /// What one run said. Everything is there from the first tick on; what was not seen has count 0 or is none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Features {
@@ -172,4 +212,22 @@ pub struct Features {
     pub regime_time_s: [Real; 5],
     /// Energy per rotating mass.
     pub energy: Energy,
+}
+
+impl Features {
+    /// Nothing was seen.
+    pub const NONE: Self = Self {
+        max_effort: None,
+        power_w_per_kg: Statistic::NONE,
+        max_power_w_per_kg: None,
+        brake_rate_mps2: [Statistic::NONE; 5],
+        cruise_speed_mps: Statistic::NONE,
+        cruise_speed_median_mps: None,
+        final_coast: None,
+        final_brake: None,
+        switching_points: Vec::new(),
+        switching_points_lost: 0,
+        regime_time_s: [0.0; 5],
+        energy: Energy::ZEROED,
+    };
 }

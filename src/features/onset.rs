@@ -27,6 +27,7 @@ use super::phases::Boundary;
 use super::{FeatureConfig, Observation, SwitchingPoint};
 use crate::Real;
 use crate::regime::Regime;
+use crate::run_state::{Source, take, take_each};
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +47,7 @@ struct Knot {
 }
 
 /// The last minutes.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct Course {
     knots: Deque<Knot, KNOTS>,
     head: Option<Knot>,
@@ -54,12 +55,18 @@ pub(super) struct Course {
 }
 
 impl Course {
-    pub(super) fn new() -> Self {
-        Self {
-            knots: Deque::new(),
-            head: None,
-            last_good: None,
-        }
+    /// Zeros; to be cleared.
+    pub(super) const ZEROED: Self = Self {
+        knots: Deque::new(),
+        head: None,
+        last_good: Some(Observation::ZEROED),
+    };
+
+    pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        self.knots.clear();
+        take_each(source, |knot| self.knots.push_back(knot).is_ok())?;
+        take(&mut self.head, source)?;
+        take(&mut self.last_good, source)
     }
 
     pub(super) fn clear(&mut self) {
@@ -110,64 +117,88 @@ impl Course {
         self.last_good = Some(*tick);
     }
 
-    /// Knots in order of time, the present last.
-    fn knots(&self) -> impl Iterator<Item = Knot> + '_ {
-        let present = self.head.filter(|head| {
-            self.knots
-                .back()
-                .is_none_or(|last| last.time_s < head.time_s)
-        });
-        self.knots.iter().copied().chain(present)
+    /// Knot `i` in order of time, the present last.
+    fn knot(&self, i: usize) -> Option<&Knot> {
+        match self.knots.get(i) {
+            None if i == self.knots.len() => self.head.as_ref().filter(|head| {
+                self.knots
+                    .back()
+                    .is_none_or(|last| last.time_s < head.time_s)
+            }),
+            knot => knot,
+        }
+    }
+
+    /// Number of the first knot for which this holds, if it holds for all after it. Halving, because a comparison costs a processor without doubles much.
+    fn first(&self, holds: impl Fn(usize, &Knot) -> bool) -> usize {
+        let (mut low, mut high) = (0, self.knots.len() + 1);
+        while low < high {
+            let middle = low.midpoint(high);
+            // Behind the last one there is none.
+            if self.knot(middle).is_none_or(|knot| holds(middle, knot)) {
+                high = middle;
+            } else {
+                low = middle + 1;
+            }
+        }
+        low
+    }
+
+    /// Time from the knot before to this one, s.
+    fn interval_s(&self, i: usize, knot: &Knot) -> Option<Real> {
+        let before = self.knot(i.checked_sub(1)?)?;
+        Some(knot.time_s - before.time_s)
     }
 
     /// Last knot not later than this, 0.3 of its interval after it still counts (a clock is not exact).
     fn back_to(&self, time_s: Real) -> Option<Knot> {
-        let mut found: Option<Knot> = None;
-        for knot in self.knots() {
-            match found {
-                Some(last) if knot.time_s - 0.3 * (knot.time_s - last.time_s) > time_s => break,
-                _ => found = Some(knot),
-            }
-        }
-        found
+        let later = self.first(|i, knot| {
+            self.interval_s(i, knot)
+                .is_some_and(|interval_s| knot.time_s - 0.3 * interval_s > time_s)
+        });
+        self.knot(later.checked_sub(1)?).copied()
     }
 
     /// First knot not earlier than this, with the same tolerance; the present when there is none.
     fn on_to(&self, time_s: Real) -> Option<Knot> {
-        let mut last: Option<Knot> = None;
-        for knot in self.knots() {
+        // A knot's interval is not longer than the whole course, so that earlier ones cannot be it; a second for the rounding.
+        let begin_s = self.knot(0)?.time_s;
+        let earliest_s = (time_s + 0.3 * begin_s) / 1.3 - 1.0;
+        let start = self.first(|_, knot| knot.time_s >= earliest_s);
+        let mut last = start.checked_sub(1).and_then(|before| self.knot(before));
+        for i in start..=self.knots.len() {
+            let Some(knot) = self.knot(i) else { break };
             let interval_s = last.map_or(0.0, |last| knot.time_s - last.time_s);
             last = Some(knot);
             if knot.time_s + 0.3 * interval_s >= time_s {
                 break;
             }
         }
-        last
+        last.copied()
     }
 
     /// The course at a time, in a straight line between knots.
     fn at(&self, time_s: Real) -> Option<Knot> {
-        let mut last: Option<Knot> = None;
-        for knot in self.knots() {
-            if knot.time_s >= time_s {
-                let before = last.unwrap_or(knot);
-                let interval_s = knot.time_s - before.time_s;
-                let share = if interval_s > 0.0 {
-                    ((time_s - before.time_s) / interval_s).clamp(0.0, 1.0)
-                } else {
-                    0.0
-                };
-                let mix = |a: Real, b: Real| a + share * (b - a);
-                return Some(Knot {
-                    time_s,
-                    impulse_mps: mix(before.impulse_mps, knot.impulse_mps),
-                    speed_mps: mix(before.speed_mps, knot.speed_mps),
-                    location_m: mix(before.location_m, knot.location_m),
-                });
-            }
-            last = Some(knot);
-        }
-        last
+        let after = self.first(|_, knot| knot.time_s >= time_s);
+        let Some(knot) = self.knot(after) else {
+            // Behind the last one.
+            return self.knot(after.checked_sub(1)?).copied();
+        };
+        let before = after.checked_sub(1).and_then(|i| self.knot(i));
+        let before = before.unwrap_or(knot);
+        let interval_s = knot.time_s - before.time_s;
+        let share = if interval_s > 0.0 {
+            ((time_s - before.time_s) / interval_s).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let mix = |a: Real, b: Real| a + share * (b - a);
+        Some(Knot {
+            time_s,
+            impulse_mps: mix(before.impulse_mps, knot.impulse_mps),
+            speed_mps: mix(before.speed_mps, knot.speed_mps),
+            location_m: mix(before.location_m, knot.location_m),
+        })
     }
 
     /// The switching point of a boundary. `after_s` and `before_s` are the neighbouring switching points, where there are any.
@@ -249,11 +280,9 @@ impl Course {
     ) -> Option<(Knot, Real)> {
         let window_s = config.window_s;
         // Knots between the neighbouring switching points.
-        let least = self.knots().find(|knot| knot.time_s >= after_s)?;
-        let most = self
-            .knots()
-            .take_while(|knot| knot.time_s <= before_s)
-            .last()?;
+        let least = *self.knot(self.first(|_, knot| knot.time_s >= after_s))?;
+        let behind = self.first(|_, knot| knot.time_s > before_s);
+        let most = *self.knot(behind.checked_sub(1)?)?;
         let within = |knot: Knot| {
             if knot.time_s < least.time_s {
                 least

@@ -16,8 +16,9 @@ use super::cruise::HeldSpeeds;
 use super::interval::Interval;
 use crate::Real;
 use crate::regime::Regime;
+use crate::run_state::{Source, take, take_each};
 use crate::units::KmPerHour;
-use heapless::Vec;
+use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
 
 /// Samples of other regimes that are kept before the phase is closed. More of them are an end at any length.
@@ -50,6 +51,17 @@ struct Segment {
 }
 
 impl Segment {
+    const ZEROED: Self = Self {
+        regime: Regime::Standstill,
+        end_s: 0.0,
+        first_sample_s: 0.0,
+        start_mps: 0.0,
+        end_mps: 0.0,
+        dt_s: 0.0,
+        samples: 0,
+        impulse_mps: 0.0,
+    };
+
     fn new(end_s: Real, interval: &Interval) -> Self {
         Self {
             regime: interval.regime,
@@ -80,22 +92,34 @@ impl Segment {
 pub(super) type Boundaries = Vec<Boundary, { MAX_PENDING + 1 }>;
 
 /// Makes phases of samples.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct Phases {
     phase: Option<Segment>,
-    pending: Vec<Segment, MAX_PENDING>,
+    pending: Deque<Segment, MAX_PENDING>,
     last: Option<Boundary>,
     held_speeds: HeldSpeeds,
 }
 
 impl Phases {
-    pub(super) fn new() -> Self {
-        Self {
-            phase: None,
-            pending: Vec::new(),
-            last: None,
-            held_speeds: HeldSpeeds::new(),
-        }
+    /// Zeros; to be cleared.
+    pub(super) const ZEROED: Self = Self {
+        phase: Some(Segment::ZEROED),
+        pending: Deque::new(),
+        last: Some(Boundary {
+            time_s: 0.0,
+            first_sample_s: 0.0,
+            from: Regime::Standstill,
+            to: Regime::Standstill,
+        }),
+        held_speeds: HeldSpeeds::ZEROED,
+    };
+
+    pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        take(&mut self.phase, source)?;
+        self.pending.clear();
+        take_each(source, |segment| self.pending.push_back(segment).is_ok())?;
+        take(&mut self.last, source)?;
+        self.held_speeds.take_fields(source)
     }
 
     pub(super) fn clear(&mut self) {
@@ -135,14 +159,14 @@ impl Phases {
     ) -> Boundaries {
         let mut known = Boundaries::new();
         let sample = Segment::new(end_s, interval);
-        match self.pending.last_mut() {
+        match self.pending.back_mut() {
             Some(last) if last.regime == sample.regime => last.append(&sample),
             _ => {
                 if self.pending.is_full() {
                     self.close(config, &mut known);
                 }
                 // Closing has made room.
-                let _kept = self.pending.push(sample).is_ok();
+                let _kept = self.pending.push_back(sample).is_ok();
             }
         }
         self.settle(config, &mut known);
@@ -161,16 +185,14 @@ impl Phases {
                 .pending
                 .iter()
                 .position(|segment| segment.regime == regime);
-            let gap = self
-                .pending
-                .get(..back.unwrap_or(self.pending.len()))
-                .unwrap_or(&[]);
+            let gap = self.pending.iter().take(back.unwrap_or(MAX_PENDING));
             if !bridgeable(config, regime, gap) {
                 self.close(config, known);
             } else if let Some(back) = back {
                 for _ in 0..=back {
-                    let next = self.pending.remove(0);
-                    self.extend(&next);
+                    if let Some(next) = self.pending.pop_front() {
+                        self.extend(&next);
+                    }
                 }
             } else {
                 return;
@@ -191,10 +213,9 @@ impl Phases {
 
     /// The phase is over; the first of the waiting segments is the next phase.
     fn close(&mut self, config: &FeatureConfig, known: &mut Boundaries) {
-        if self.pending.is_empty() {
+        let Some(next) = self.pending.pop_front() else {
             return;
-        }
-        let next = self.pending.remove(0);
+        };
         if next.regime == Regime::Cruise {
             self.held_speeds
                 .add(next.start_mps, next.end_mps, next.dt_s);
@@ -236,7 +257,11 @@ impl Phases {
     }
 }
 
-fn bridgeable(config: &FeatureConfig, regime: Regime, gap: &[Segment]) -> bool {
+fn bridgeable<'a>(
+    config: &FeatureConfig,
+    regime: Regime,
+    gap: impl Iterator<Item = &'a Segment>,
+) -> bool {
     let (mut samples, mut dt_s, mut moved_mps) = (0, 0.0, 0.0);
     for segment in gap {
         if regime == Regime::Standstill || segment.regime == Regime::Standstill {
@@ -260,7 +285,8 @@ mod tests {
     /// Boundaries of samples of 10 s with a weak effort, except braking: time, from, to.
     fn boundaries(regimes: &[Regime], brake: Real) -> std::vec::Vec<(Real, Regime, Regime)> {
         let config = FeatureConfig::default();
-        let mut phases = Phases::new();
+        let mut phases = Phases::ZEROED;
+        phases.clear();
         let mut found: std::vec::Vec<Boundary> = std::vec::Vec::new();
         for (k, &regime) in regimes.iter().enumerate() {
             let effort = if regime == Brake { brake } else { 0.02 };

@@ -16,6 +16,14 @@ pub(super) struct Spread {
 }
 
 impl Spread {
+    /// No value.
+    pub(super) const ZEROED: Self = Self {
+        count: 0,
+        weight: 0.0,
+        mean: 0.0,
+        squares: 0.0,
+    };
+
     /// Adds a value; a weight that is not above 0 adds nothing.
     pub(super) fn add(&mut self, value: Real, weight: Real) {
         if weight > 0.0 {
@@ -55,6 +63,16 @@ pub(super) struct LineFit {
 }
 
 impl LineFit {
+    /// No point.
+    pub(super) const ZEROED: Self = Self {
+        count: 0,
+        x: 0.0,
+        y: 0.0,
+        xx: 0.0,
+        xy: 0.0,
+        yy: 0.0,
+    };
+
     /// Adds a point.
     pub(super) fn add(&mut self, x: Real, y: Real) {
         self.count = self.count.saturating_add(1);

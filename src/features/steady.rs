@@ -8,13 +8,14 @@
 
 use super::interval::Interval;
 use crate::regime::Regime;
+use crate::run_state::{Source, take, take_each};
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 const MAX_HELD: usize = 12;
 
 /// The filter for one regime.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(super) struct Steady {
     regime: Regime,
     /// The interval before was of the regime.
@@ -24,17 +25,23 @@ pub(super) struct Steady {
 }
 
 impl Steady {
-    pub(super) fn new(regime: Regime) -> Self {
-        Self {
-            regime,
-            inside: false,
-            held: Vec::new(),
-        }
+    /// Zeros; to be begun.
+    pub(super) const ZEROED: Self = Self {
+        regime: Regime::Standstill,
+        inside: false,
+        held: Vec::new(),
+    };
+
+    pub(super) fn begin(&mut self, regime: Regime) {
+        self.regime = regime;
+        self.interrupt();
     }
 
-    pub(super) fn clear(&mut self) {
-        self.inside = false;
+    pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        take(&mut self.regime, source)?;
+        take(&mut self.inside, source)?;
         self.held.clear();
+        take_each(source, |interval| self.held.push(interval).is_ok())
     }
 
     /// Gives those intervals to `accept` that `next` shows to be steady.
@@ -85,7 +92,8 @@ mod tests {
     use Regime::{Brake, Coast, Cruise, Standstill, Traction};
 
     fn accepted(wanted: Regime, rows: &[(Regime, Real)]) -> std::vec::Vec<Real> {
-        let mut steady = Steady::new(wanted);
+        let mut steady = Steady::ZEROED;
+        steady.begin(wanted);
         let mut efforts = std::vec::Vec::new();
         for &(regime, effort) in rows {
             let interval = Interval {

@@ -84,6 +84,19 @@ impl fmt::Display for Implausible {
 
 impl core::error::Error for Implausible {}
 
+impl VehicleRecord {
+    /// Zeros; of no vehicle.
+    pub(crate) const ZEROED: Self = Self {
+        nominal: [0.0; 3],
+        hypotheses: [HypothesisRecord {
+            weight: 0.0,
+            mean: [0.0; 3],
+            covariance: [0.0; 6],
+        }; SCALES.len()],
+        runs: 0,
+    };
+}
+
 impl Vehicle {
     /// The vehicle in numbers, to be stored.
     pub fn to_record(&self) -> VehicleRecord {

@@ -114,6 +114,13 @@ pub struct Recogniser {
     probability: [Real; COUNT],
 }
 
+impl Recogniser {
+    /// Zeros; no distribution before it is begun.
+    pub(crate) const ZEROED: Self = Self {
+        probability: [0.0; 5],
+    };
+}
+
 impl Default for Recogniser {
     /// Before the first interval nothing is known of a moving train.
     fn default() -> Self {
@@ -170,8 +177,11 @@ impl Recogniser {
         let mut now = [0.0; COUNT];
         let mut before = [0.0; COUNT];
         let mut coasted = 0.0;
-        for (i, (from, row)) in foreseen.iter().zip(&TRANSITION).enumerate() {
-            for (j, (to, transition)) in foreseen.iter().zip(row).enumerate() {
+        let regimes = self.probability.iter().zip(&mut before);
+        let rows = foreseen.iter().zip(&TRANSITION).zip(regimes);
+        for (i, ((from, row), (own, before))) in rows.enumerate() {
+            let columns = foreseen.iter().zip(row).zip(&mut now);
+            for (j, ((to, transition), now)) in columns.enumerate() {
                 if j == Regime::Standstill as usize {
                     continue;
                 }
@@ -182,9 +192,9 @@ impl Recogniser {
                 };
                 let density =
                     Foreseen::between(from, to, i == j).density(evidence.acceleration_mps2, noise);
-                let joint = self.probability[i] * probability * density;
-                now[j] += joint;
-                before[i] += joint;
+                let joint = own * probability * density;
+                *now += joint;
+                *before += joint;
                 if i == j && i == Regime::Coast as usize {
                     coasted = joint;
                 }

@@ -7,6 +7,7 @@ use super::{AppendError, EpochError, Identity, Refused, Store};
 use crate::effects::{Effect, Effects, MAX_EFFECTS, MAX_POINTS, UNKNOWN, Unknown};
 use crate::memory::{Implausible, Vehicle, VehicleRecord};
 use crate::resistance::Davis;
+use crate::run_state::{Source, take, take_each};
 use crate::train_id::TrainId;
 use core::fmt;
 use embedded_storage::nor_flash::NorFlash;
@@ -104,6 +105,18 @@ impl Persisted {
         + 1
         + MAX_POINTS * 2 * 4;
 
+    /// Zeros.
+    pub(crate) const ZEROED: Self = Self {
+        vehicle: VehicleRecord::ZEROED,
+        lifetime: Lifetime {
+            resets: 0,
+            runs: 0,
+            stops: 0,
+        },
+        effects: Vec::new(),
+        table: None,
+    };
+
     /// A vehicle and the effects of the model, nothing counted.
     pub fn new(vehicle: &Vehicle, effects: &Effects) -> Self {
         let table = effects.iter().find_map(|effect| match effect {
@@ -119,8 +132,8 @@ impl Persisted {
         }
     }
 
-    fn effects(&self) -> Result<Effects, NotRestored> {
-        let mut effects = Effects::NONE;
+    fn effects_in(&self, effects: &mut Effects) -> Result<(), NotRestored> {
+        effects.clear();
         for stored in &self.effects {
             let kind = stored.kind;
             let taken = Effect::from_frame(stored).map(|effect| effects.push(effect));
@@ -133,7 +146,7 @@ impl Persisted {
                 .push(Effect::Unknown(table.clone()))
                 .map_err(|_| NotRestored::Effect { kind: UNKNOWN })?;
         }
-        Ok(effects)
+        Ok(())
     }
 
     /// Brings back what was stored last. `Ok(None)`: nothing was ever stored.
@@ -145,6 +158,28 @@ impl Persisted {
         train: TrainId,
         manufacturer: &Davis,
     ) -> Result<Option<Loaded>, NotRestored> {
+        let mut persisted = Self::ZEROED;
+        let restored = persisted.load_in(store, train)?;
+        let Some(fallen_back) = restored else {
+            return Ok(None);
+        };
+        let mut effects = Effects::NONE;
+        let vehicle = persisted.vehicle_and_effects(manufacturer, &mut effects)?;
+        Ok(Some(Loaded {
+            vehicle,
+            effects,
+            persisted,
+            fallen_back,
+        }))
+    }
+
+    /// The first half of [`Persisted::load`], in the place of another: whether a newer record may be lost.
+    #[inline(never)]
+    pub(crate) fn load_in<F: NorFlash, const SLOT: usize>(
+        &mut self,
+        store: &mut Store<F, SLOT>,
+        train: TrainId,
+    ) -> Result<Option<bool>, NotRestored> {
         let restored = store
             .newest(identity(train))
             .map_err(NotRestored::Refused)?;
@@ -152,19 +187,34 @@ impl Persisted {
         let Some(restored) = restored.filter(|restored| !restored.payload.is_empty()) else {
             return Ok(None);
         };
-        let persisted = match postcard::take_from_bytes::<Self>(restored.payload) {
-            Ok((persisted, [])) => persisted,
-            _ => return Err(NotRestored::NotDecoded),
-        };
+        let mut source = postcard::Deserializer::from_bytes(restored.payload);
+        let complete =
+            self.take_fields(&mut source).is_ok() && source.finalize().is_ok_and(<[u8]>::is_empty);
+        complete
+            .then_some(Some(restored.fallen_back))
+            .ok_or(NotRestored::NotDecoded)
+    }
+
+    /// The second half: the vehicle and, in the place of others, the effects, if all of them are believed.
+    #[inline(never)]
+    pub(crate) fn vehicle_and_effects(
+        &self,
+        manufacturer: &Davis,
+        effects: &mut Effects,
+    ) -> Result<Vehicle, NotRestored> {
         let vehicle =
-            Vehicle::from_record(&persisted.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
-        let effects = persisted.effects()?;
-        Ok(Some(Loaded {
-            vehicle,
-            effects,
-            persisted,
-            fallen_back: restored.fallen_back,
-        }))
+            Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
+        self.effects_in(effects)?;
+        Ok(vehicle)
+    }
+
+    /// In place and in the order in which they are declared, for the sake of the stack.
+    fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        take(&mut self.vehicle, source)?;
+        take(&mut self.lifetime, source)?;
+        self.effects.clear();
+        take_each(source, |effect| self.effects.push(effect).is_ok())?;
+        take(&mut self.table, source)
     }
 
     /// Stores it; at each stop.

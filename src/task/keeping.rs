@@ -24,6 +24,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
         run: &'a mut RunState,
         room: &'a mut Room,
     ) -> Self {
+        run.reset();
         let estimator = Estimator::undescribed(&mut room.track, &mut room.effects);
         let nominal = estimator.train().davis();
         let mut store = Store::mount(flash).ok();
@@ -45,10 +46,13 @@ impl<'a, F: NorFlash> Task<'a, F> {
             incoming_id: 0,
             vehicle: Vehicle::new(&MemoryConfig::default(), nominal),
             run,
+            summary: &mut room.summary,
+            kept_effects: &mut room.kept_effects,
             running: false,
             moved: false,
             standing_since_s: None,
             published: Published::default(),
+            initial_sd: 0.0,
             pace: Pace::Clock,
             newest: None,
             last_time_s: None,
@@ -79,19 +83,29 @@ impl<'a, F: NorFlash> Task<'a, F> {
     }
 
     /// The vehicle of the train that was just described: as it was kept, or as its manufacturer describes it.
+    #[inline(never)]
     pub(super) fn restore_vehicle(&mut self) {
         self.vehicle = self.estimator.new_vehicle();
         let (Some(store), Some(train)) = (&mut self.store, self.verifier.train()) else {
             return;
         };
-        let found = match Persisted::load(store, train, &self.estimator.train().davis()) {
-            Ok(Some(loaded)) => {
-                self.vehicle = loaded.vehicle;
-                self.lifetime = loaded.persisted.lifetime;
+        let mut persisted = Persisted::ZEROED;
+        let loaded = persisted.load_in(store, train);
+        let loaded = match loaded {
+            Ok(Some(fallen_back)) => persisted
+                .vehicle_and_effects(&self.estimator.train().davis(), self.kept_effects)
+                .map(|vehicle| Some((vehicle, fallen_back))),
+            Ok(None) => Ok(None),
+            Err(cause) => Err(cause),
+        };
+        let found = match loaded {
+            Ok(Some((vehicle, fallen_back))) => {
+                self.vehicle = vehicle;
+                self.lifetime = persisted.lifetime;
                 if !self.effects_told {
-                    *self.estimator.effects_mut() = loaded.effects;
+                    core::mem::swap(self.estimator.effects_mut(), self.kept_effects);
                 }
-                if loaded.fallen_back {
+                if fallen_back {
                     Memory::RestoredOlder
                 } else {
                     Memory::Restored

@@ -25,7 +25,8 @@ use crate::Real;
 use crate::auth::Verifier;
 use crate::digest;
 use crate::effects::Effects;
-use crate::estimator::Estimator;
+use crate::estimate::Estimate;
+use crate::estimator::{Estimator, RunSummary};
 use crate::frames;
 use crate::measurement::Measurement;
 use crate::memory::Vehicle;
@@ -57,20 +58,24 @@ pub trait Port {
     fn health(&self) -> Health;
 }
 
-/// The room that a task needs beside itself; zeros, for a static. 47 kB.
+/// The room that a task needs beside itself; zeros, for a static. 56 kB.
 pub struct Room {
+    summary: RunSummary,
     track: Track,
     incoming: Track,
     effects: Effects,
+    kept_effects: Effects,
     snapshot: [u8; MAX_SNAPSHOT],
 }
 
 impl Room {
     /// Nothing is in it.
     pub const EMPTY: Self = Self {
+        summary: RunSummary::NONE,
         track: Track::empty(),
         incoming: Track::empty(),
         effects: Effects::NONE,
+        kept_effects: Effects::NONE,
         snapshot: [0; MAX_SNAPSHOT],
     };
 }
@@ -88,11 +93,17 @@ pub struct Task<'a, F> {
 
     vehicle: Vehicle,
     run: &'a mut RunState,
+    /// Features of the run under way, and at its end what it has taught.
+    summary: &'a mut RunSummary,
+    /// Effects that are read from the store, before they are believed.
+    kept_effects: &'a mut Effects,
     running: bool,
     /// The train has run since the run began.
     moved: bool,
     standing_since_s: Option<Real>,
     published: Published,
+    /// Standard deviation of r by the description alone, which `published` is judged by.
+    initial_sd: Real,
 
     pace: Pace,
     newest: Option<Measurement>,
@@ -129,22 +140,27 @@ impl<F: NorFlash> Task<'_, F> {
             self.duplicate = self.duplicate.saturating_add(1);
             return;
         }
-        match self.read(message).and_then(|uplink| self.permit(uplink)) {
-            Ok(Uplink { sequence, request }) => {
-                self.count_missed(sequence);
-                let result = match request {
-                    Request::Measurement(measurement) => {
-                        match self.measurement(&measurement, port) {
-                            Ok(()) => return,
-                            refused => refused,
-                        }
-                    }
-                    other => self.carry_out(&other, port),
-                };
-                self.answer(sequence, result, port);
-            }
+        match self.read(message) {
+            Ok(uplink) => self.take(&uplink, port),
             Err(refusal) => self.answer(0, Err(refusal), port),
         }
+    }
+
+    // Of its own: the bytes that a message is read from are gone from the stack.
+    #[inline(never)]
+    fn take(&mut self, uplink: &Uplink, port: &mut impl Port) {
+        if let Err(refusal) = self.permit(uplink) {
+            return self.answer(0, Err(refusal), port);
+        }
+        self.count_missed(uplink.sequence);
+        let result = match &uplink.request {
+            Request::Measurement(measurement) => match self.measurement(measurement, port) {
+                Ok(()) => return,
+                refused => refused,
+            },
+            other => self.carry_out(other, port),
+        };
+        self.answer(uplink.sequence, result, port);
     }
 
     /// One tick of the board's clock.
@@ -165,6 +181,7 @@ impl<F: NorFlash> Task<'_, F> {
     }
 
     /// The request inside a message, if it may come this way.
+    #[inline(never)]
     fn read(&mut self, message: &[u8]) -> Result<Uplink, Refusal> {
         let [version, protection, open @ ..] = message else {
             return Err(Refusal::Malformed);
@@ -190,11 +207,11 @@ impl<F: NorFlash> Task<'_, F> {
     }
 
     /// A board in a crash loop only says how it is.
-    fn permit(&self, uplink: Uplink) -> Result<Uplink, Refusal> {
+    fn permit(&self, uplink: &Uplink) -> Result<(), Refusal> {
         match uplink.request {
-            Request::Command(Command::Status) => Ok(uplink),
+            Request::Command(Command::Status) => Ok(()),
             _ if self.heartbeat_only => Err(Refusal::HeartbeatOnly),
-            _ => Ok(uplink),
+            _ => Ok(()),
         }
     }
 
@@ -226,11 +243,9 @@ impl<F: NorFlash> Task<'_, F> {
     }
 
     /// A tick with a measurement.
+    #[inline(never)]
     fn step(&mut self, measurement: &Measurement, port: &mut impl Port) -> Result<(), Refusal> {
-        let estimate = self
-            .estimator
-            .step(self.run, measurement)
-            .map_err(|_| Refusal::TimeNotIncreasing)?;
+        let estimate = self.estimate(measurement)?;
         self.last_time_s = Some(measurement.time_s);
         self.silent_ticks = 0;
         self.tick = self.tick.wrapping_add(1);
@@ -247,6 +262,14 @@ impl<F: NorFlash> Task<'_, F> {
         Ok(())
     }
 
+    // Of its own: what the estimator takes on the stack is given back before the frames are made.
+    #[inline(never)]
+    fn estimate(&mut self, measurement: &Measurement) -> Result<Estimate, Refusal> {
+        self.estimator
+            .step(self.run, measurement)
+            .map_err(|_| Refusal::TimeNotIncreasing)
+    }
+
     fn count_missed(&mut self, sequence: u16) {
         if let Some(last) = self.last_uplink.replace(sequence) {
             let gap = sequence.wrapping_sub(last).wrapping_sub(1);
@@ -257,6 +280,7 @@ impl<F: NorFlash> Task<'_, F> {
         }
     }
 
+    #[inline(never)]
     fn answer(&mut self, to: u16, result: Result<(), Refusal>, port: &mut impl Port) {
         if let Err(refusal) = result
             && let Some(count) = self.refusals.get_mut(refusal as usize)

@@ -3,13 +3,8 @@
 use super::{Port, Task};
 use crate::config::Mode;
 use crate::estimate::{Cause, Estimate};
-use crate::estimator::RunSummary;
-use crate::features::Features;
 use crate::frames;
-use crate::published::JUDGED_KMH;
-use crate::resistance::resistance_sd;
 use crate::state::{Gaussian, LOCATION, R0, SPEED};
-use crate::units::KmPerHour;
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Body, CAUSES, Downlink, MAX_MESSAGE, SWITCHING_POINTS, Status};
 
@@ -32,12 +27,14 @@ impl<F: NorFlash> Task<'_, F> {
                 self.send(Body::Effects(self.estimator.effects().to_frame()), port);
             }
         }
-        if self.tick.is_multiple_of(SNAPSHOT_TICKS) {
+        // Between the minutes: no tick does everything.
+        if self.tick % SNAPSHOT_TICKS == MINUTE_TICKS / 2 {
             self.take_snapshot_of_the_run();
         }
         self.send_snapshot_parts(port);
     }
 
+    #[inline(never)]
     fn send_parameters(&mut self, estimate: &Estimate, port: &mut impl Port) {
         let davis = Gaussian {
             mean: estimate.belief.mean.fixed_rows::<3>(R0).into_owned(),
@@ -47,10 +44,8 @@ impl<F: NorFlash> Task<'_, F> {
                 .fixed_view::<3, 3>(R0, R0)
                 .into_owned(),
         };
-        let described = self.estimator.new_vehicle().davis();
-        let initial_sd = resistance_sd(&described, KmPerHour(JUDGED_KMH).to_mps());
         let nominal = self.estimator.train().davis();
-        let (published, learned) = self.published.judge(&nominal, initial_sd, &davis);
+        let (published, learned) = self.published.judge(&nominal, self.initial_sd, &davis);
         let gain = match self.estimator.config().mode {
             Mode::Measured => Some(self.run.gain()),
             Mode::Gated | Mode::Paper => None,
@@ -60,38 +55,42 @@ impl<F: NorFlash> Task<'_, F> {
     }
 
     fn send_features(&mut self, port: &mut impl Port) {
-        let features = self
-            .run
-            .features()
-            .features(&self.estimator.config().features);
-        self.send(Body::Features(frames::features(&features)), port);
+        let config = &self.estimator.config().features;
+        let features = &mut self.summary.features;
+        self.run.features().features_in(config, features);
         // The last ones: the places of older points are known.
         let first = features
             .switching_points
             .len()
             .saturating_sub(SWITCHING_POINTS);
-        let points = frames::switching_points(&features, first);
+        self.send_features_frame(port);
+        self.send_switching_points(first, port);
+    }
+
+    #[inline(never)]
+    fn send_features_frame(&mut self, port: &mut impl Port) {
+        let frame = frames::features(&self.summary.features);
+        self.send(Body::Features(frame), port);
+    }
+
+    #[inline(never)]
+    fn send_switching_points(&mut self, first: usize, port: &mut impl Port) {
+        let points = frames::switching_points(&self.summary.features, first);
         self.send(Body::SwitchingPoints(points), port);
     }
 
-    pub(super) fn send_summary(&mut self, summary: &RunSummary, port: &mut impl Port) {
-        self.send(Body::Features(frames::features(&summary.features)), port);
-        self.send_all_switching_points(&summary.features, port);
+    pub(super) fn send_summary(&mut self, port: &mut impl Port) {
+        self.send_features_frame(port);
+        for first in (0..self.summary.features.switching_points.len()).step_by(SWITCHING_POINTS) {
+            self.send_switching_points(first, port);
+        }
         let wind_sd_mps = self.vehicle.wind_sd_mps(&self.estimator.memory_config());
-        let frame = frames::run_summary(summary, &self.vehicle, wind_sd_mps);
+        let frame = frames::run_summary(self.summary, &self.vehicle, wind_sd_mps);
         self.send(Body::RunSummary(frame), port);
         self.send_status(port);
     }
 
-    fn send_all_switching_points(&mut self, features: &Features, port: &mut impl Port) {
-        let mut first = 0;
-        while first < features.switching_points.len() {
-            let points = frames::switching_points(features, first);
-            self.send(Body::SwitchingPoints(points), port);
-            first += SWITCHING_POINTS;
-        }
-    }
-
+    #[inline(never)]
     pub(super) fn send_status(&mut self, port: &mut impl Port) {
         let counters = self.run.counters();
         let mut causes = [0; CAUSES];
@@ -119,6 +118,7 @@ impl<F: NorFlash> Task<'_, F> {
         self.send(Body::Health(health), port);
     }
 
+    #[inline(never)]
     pub(super) fn send(&mut self, body: Body, port: &mut impl Port) {
         let frame = Downlink {
             sequence: self.sequence,

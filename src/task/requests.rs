@@ -5,16 +5,20 @@ use crate::config::Mode;
 use crate::digest;
 use crate::effects::{self, Effects, FrameError};
 use crate::estimate::Estimate;
+use crate::published::JUDGED_KMH;
 use crate::regime::Regime;
+use crate::resistance::resistance_sd;
 use crate::state::SPEED;
 use crate::track::Direction;
 use crate::train::Train;
+use crate::units::KmPerHour;
 use crate::uplink::{Command, CurvePart, Pace, Request, Setting, TrackPart, TrainFrame};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Body, Effect, Refusal};
 use serde::ser::{Serialize, SerializeSeq, Serializer};
 
 impl<F: NorFlash> Task<'_, F> {
+    #[inline(never)]
     pub(super) fn carry_out(
         &mut self,
         request: &Request,
@@ -86,6 +90,7 @@ impl<F: NorFlash> Task<'_, F> {
         if self.effects_unsaved {
             self.write();
         }
+        self.judge_by_description();
         self.estimator
             .begin_run_in(self.run, &self.vehicle, direction);
         self.running = true;
@@ -98,13 +103,22 @@ impl<F: NorFlash> Task<'_, F> {
         self.last_time_s = None;
     }
 
+    /// How well r is known by the description alone; the same all through a run.
+    #[inline(never)]
+    pub(super) fn judge_by_description(&mut self) {
+        let described = self.estimator.new_vehicle().davis();
+        self.initial_sd = resistance_sd(&described, KmPerHour(JUDGED_KMH).to_mps());
+    }
+
     /// Ends the run: its summary goes out, what it taught into the vehicle and the flash.
+    #[inline(never)]
     pub(super) fn end(&mut self, port: &mut impl Port) {
-        let summary = self.estimator.end_run(self.run, &mut self.vehicle);
+        self.estimator
+            .end_run_in(self.run, &mut self.vehicle, self.summary);
         self.running = false;
         self.newest = None;
         self.keep();
-        self.send_summary(&summary, port);
+        self.send_summary(port);
     }
 
     /// A long stop ends the run.
@@ -120,6 +134,7 @@ impl<F: NorFlash> Task<'_, F> {
         self.moved && estimate.time_s - since_s >= LONG_STOP_S
     }
 
+    #[inline(never)]
     fn take_train(&mut self, frame: &TrainFrame) -> Result<(), Refusal> {
         if self
             .verifier
@@ -171,6 +186,7 @@ impl<F: NorFlash> Task<'_, F> {
         Ok(())
     }
 
+    #[inline(never)]
     fn take_curves(&mut self, part: &CurvePart) -> Result<(), Refusal> {
         if self.track_id != Some(part.track_id) {
             return Err(Refusal::OtherTrack);
@@ -193,6 +209,7 @@ impl<F: NorFlash> Task<'_, F> {
         taken
     }
 
+    #[inline(never)]
     fn take_effect(&mut self, effect: &Effect, port: &mut impl Port) -> Result<(), Refusal> {
         self.estimator
             .effects_mut()
@@ -213,6 +230,7 @@ impl<F: NorFlash> Task<'_, F> {
         self.send(Body::Effects(self.estimator.effects().to_frame()), port);
     }
 
+    #[inline(never)]
     fn take_setting(&mut self, setting: &Setting) -> Result<(), Refusal> {
         let before = self.estimator.config().mode;
         let mut config = *self.estimator.config();

@@ -10,8 +10,8 @@ use heapless::Vec;
 use rundown_wire::{Body, Refusal, SNAPSHOT_BYTES, SnapshotPart};
 use serde::{Deserialize, Serialize};
 
-/// Pieces in one tick: some 2 kB, a fifth of a second at 115 200 baud.
-const PARTS_PER_TICK: usize = 4;
+/// Pieces in one tick: some 1 kB, a tenth of a second at 115 200 baud. The largest snapshot takes 14 ticks.
+const PARTS_PER_TICK: usize = 2;
 
 /// What a run needs beside [`RunState`](crate::run_state::RunState); stands before it.
 #[derive(Serialize, Deserialize)]
@@ -147,6 +147,7 @@ impl<F: NorFlash> Task<'_, F> {
         let (around, run) =
             postcard::take_from_bytes::<Around>(whole).map_err(|_| Refusal::Snapshot)?;
         self.run.restore(run).map_err(|_| Refusal::Snapshot)?;
+        self.judge_by_description();
         self.running = true;
         self.published = around.published;
         self.moved = around.moved;

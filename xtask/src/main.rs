@@ -27,6 +27,7 @@ Tasks:
                                 plays a log to the firmware in the emulator and to the host, in lockstep: the same bytes, or the first tick that
                                 differs (default: train and track of data/reference)
   budget                        flash, RAM, stack and instructions of the firmware against their limits
+  stack                         the most stack that the firmware can take, path by path, and the largest frames
   test                          the whole test run: set-up, firmware, unit, integration and documentation tests of every package
   fuzz [SECONDS]                every fuzz target for so long (default: 60); needs nightly Rust and cargo-fuzz
   ci                            everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
         ["run", "--key", key] => run_firmware::run_firmware(Board::L475Emulated, Some(*key)),
         ["emulate", arguments @ ..] => emulate(arguments),
         ["budget"] => budget::budget(),
+        ["stack"] => budget::stack(),
         ["test"] => test(),
         ["fuzz"] => fuzz::fuzz("60"),
         ["fuzz", seconds] => fuzz::fuzz(seconds),

@@ -87,8 +87,8 @@ pub fn encode(message: &[u8]) -> Result<Vec<u8, MAX_SERIAL>, LengthError> {
     if message.is_empty() || message.len() > MAX_MESSAGE {
         return Err(error);
     }
-    let mut bytes: Vec<u8, MAX_SERIAL> = Vec::new();
-    bytes.resize(MAX_SERIAL, 0).map_err(|_| error)?;
+    // Not `resize`, which goes byte by byte.
+    let mut bytes: Vec<u8, MAX_SERIAL> = Vec::from_array([0; MAX_SERIAL]);
     let mut encoder = CobsEncoder::new(&mut bytes);
     // In two pieces, for want of stack for a copy. The buffer is made for the largest message, so neither fails.
     encoder

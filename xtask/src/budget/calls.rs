@@ -1,32 +1,210 @@
-//! Who calls whom in an image: callers of `core::panicking`, and what smells of a heap.
+//! Who calls whom in an image: callers of `core::panicking`, the deepest stack, and what smells of a heap.
 
+use super::thumb::{Step, steps};
 use emulator::Image;
 use rustc_demangle::demangle;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// The log's own check that it is not entered twice; only the firmware's log lines come there, the library has none.
-const OF_THE_LOG: [&str; 2] = ["_defmt_acquire", "_defmt_release"];
+/// Functions whose call of a panic cannot be reached, all for code of dependencies:
+/// the log's own check that it is not entered twice (only the firmware's log lines come there, the library has none), and in the MAC the block buffer's last block of a list
+/// that its own condition before has found not to be empty.
+const NEVER: [&str; 3] = [
+    "_defmt_acquire",
+    "_defmt_release",
+    "rundown::auth::mac::started",
+];
 
-/// Functions that contain a call of something in `core::panicking`.
-pub fn to_panics(image: &Image) -> Vec<String> {
-    let is_panic = |name: &str| {
-        name.starts_with("core::panicking::")
-            || name.starts_with("core::option::")
-            || name.starts_with("core::result::")
-            || name.starts_with("core::slice::index::")
-    };
-    let targets: Vec<u64> = image
-        .symbols()
-        .filter(|(name, ..)| is_panic(&plain(name)))
-        .map(|(_, address, _)| address & !1)
-        .collect();
-    let mut callers: Vec<String> = calls(&image.code.1, image.code.0)
-        .filter(|(_, to)| targets.contains(to))
-        .filter_map(|(from, _)| function_at(image, from))
-        .filter(|name| !is_panic(name) && !OF_THE_LOG.contains(&name.as_str()))
-        .collect();
-    callers.sort();
-    callers.dedup();
-    callers
+/// A function of the image.
+pub struct Function {
+    /// Without its hash.
+    pub name: String,
+    /// Bytes of code.
+    pub size: u64,
+    /// Bytes of stack that it takes itself.
+    pub frame: u64,
+    /// Where it goes while its frame is there.
+    calls: BTreeSet<u64>,
+    /// Where it goes when its frame is gone.
+    instead: BTreeSet<u64>,
+    /// A frame or a call whose size or target is known only when it runs.
+    pub unknown: bool,
+}
+
+/// All functions by their address.
+pub struct Graph(BTreeMap<u64, Function>);
+
+/// The deepest way into the stack from some function.
+#[derive(Clone, Debug, Default)]
+pub struct Deepest {
+    /// Bytes.
+    pub bytes: u64,
+    /// Functions on the way with their frames.
+    pub path: Vec<(String, u64)>,
+    /// Functions that may come back to themselves, so that there is no bound.
+    pub recursive: BTreeSet<String>,
+    /// Functions on any way with a call or a frame that stands in a register.
+    pub unknown: BTreeSet<String>,
+}
+
+impl Graph {
+    /// Reads the code.
+    pub fn read(image: &Image) -> Self {
+        let (at, code) = (image.code.0, &image.code.1);
+        let mut marks: Vec<(u64, bool)> = image
+            .symbols()
+            .filter(|(name, ..)| name.starts_with("$d") || name.starts_with("$t"))
+            .map(|(name, address, _)| (address & !1, name.starts_with("$t")))
+            .collect();
+        marks.sort_unstable();
+        let symbols: BTreeMap<u64, (String, u64)> = image
+            .symbols()
+            .filter(|(_, address, size)| {
+                *size > 0 && (at..at + code.len() as u64).contains(address)
+            })
+            .map(|(name, address, size)| (address & !1, (plain(name), size)))
+            .collect();
+        let functions = symbols.iter().map(|(&start, (name, size))| {
+            let mut function = Function {
+                name: name.clone(),
+                size: *size,
+                frame: 0,
+                calls: BTreeSet::new(),
+                instead: BTreeSet::new(),
+                unknown: false,
+            };
+            for (from, to) in pieces(&marks, start, start + size) {
+                let piece = code.get((from - at) as usize..(to - at) as usize);
+                for step in steps(piece.unwrap_or_default(), from) {
+                    function.take(step, start, &symbols);
+                }
+            }
+            (start, function)
+        });
+        Self(functions.collect())
+    }
+
+    /// The functions.
+    pub fn functions(&self) -> impl Iterator<Item = &Function> {
+        self.0.values()
+    }
+
+    /// Functions that contain a call of something in `core::panicking`.
+    pub fn to_panics(&self) -> Vec<String> {
+        let is_panic = |name: &str| {
+            name.starts_with("core::panicking::")
+                || name.starts_with("core::option::")
+                || name.starts_with("core::result::")
+                || name.starts_with("core::slice::index::")
+        };
+        let goes_there = |function: &&Function| {
+            function
+                .calls
+                .union(&function.instead)
+                .any(|to| self.0.get(to).is_some_and(|callee| is_panic(&callee.name)))
+        };
+        let mut callers: Vec<String> = self
+            .functions()
+            .filter(goes_there)
+            .map(|function| function.name.clone())
+            .filter(|name| !is_panic(name) && !NEVER.contains(&name.as_str()))
+            .collect();
+        callers.sort();
+        callers.dedup();
+        callers
+    }
+
+    /// The deepest stack below a function, itself included. Every path through the calls counts, whether it can be taken or not.
+    pub fn deepest(&self, name: &str) -> Option<Deepest> {
+        let (&start, _) = self.0.iter().find(|(_, function)| function.name == name)?;
+        let mut known = BTreeMap::new();
+        let mut all = Deepest::default();
+        let (bytes, path) = self.below(start, &mut Vec::new(), &mut known, &mut all);
+        Some(Deepest { bytes, path, ..all })
+    }
+
+    fn below(
+        &self,
+        at: u64,
+        open: &mut Vec<u64>,
+        known: &mut BTreeMap<u64, Below>,
+        all: &mut Deepest,
+    ) -> Below {
+        let Some(function) = self.0.get(&at) else {
+            return (0, Vec::new());
+        };
+        if let Some(found) = known.get(&at) {
+            return found.clone();
+        }
+        if open.contains(&at) {
+            all.recursive.insert(function.name.clone());
+            return (0, Vec::new());
+        }
+        if function.unknown {
+            all.unknown.insert(function.name.clone());
+        }
+        open.push(at);
+        let mut deepest = (0, Vec::new());
+        for &to in &function.calls {
+            let found = self.below(to, open, known, all);
+            if found.0 > deepest.0 {
+                deepest = found;
+            }
+        }
+        deepest.0 += function.frame;
+        deepest.1.insert(0, (function.name.clone(), function.frame));
+        for &to in &function.instead {
+            let found = self.below(to, open, known, all);
+            if found.0 > deepest.0 {
+                deepest = found;
+            }
+        }
+        open.pop();
+        known.insert(at, deepest.clone());
+        deepest
+    }
+}
+
+/// Bytes and path below a function.
+type Below = (u64, Vec<(String, u64)>);
+
+impl Function {
+    fn take(&mut self, step: Step, start: u64, symbols: &BTreeMap<u64, (String, u64)>) {
+        match step {
+            // All of them: a function has one way in, so this is what is taken, or more where only a part of it is.
+            Step::Takes(bytes) => self.frame += bytes,
+            Step::TakesUnknown | Step::CallsUnknown => self.unknown = true,
+            Step::Calls(to) => {
+                self.calls.insert(to);
+            }
+            Step::Jumps(to) => {
+                let inside = (start..start + self.size).contains(&to);
+                if !inside && symbols.contains_key(&to) {
+                    self.instead.insert(to);
+                }
+            }
+        }
+    }
+}
+
+/// The stretches of code between the constants, by the linker's marks.
+fn pieces(marks: &[(u64, bool)], start: u64, end: u64) -> Vec<(u64, u64)> {
+    let first = marks.partition_point(|(at, _)| *at <= start);
+    let mut is_code = first
+        .checked_sub(1)
+        .and_then(|before| marks.get(before))
+        .is_none_or(|(_, is_code)| *is_code);
+    let mut from = start;
+    let mut pieces = Vec::new();
+    for &(at, next_is_code) in marks.iter().skip(first).take_while(|(at, _)| *at < end) {
+        if is_code {
+            pieces.push((from, at));
+        }
+        (from, is_code) = (at, next_is_code);
+    }
+    if is_code {
+        pieces.push((from, end));
+    }
+    pieces
 }
 
 /// Symbols of an allocator.
@@ -47,61 +225,45 @@ fn plain(name: &str) -> String {
     format!("{:#}", demangle(name))
 }
 
-fn function_at(image: &Image, address: u64) -> Option<String> {
-    image
-        .symbols()
-        .find(|(_, start, size)| (start & !1..(start & !1) + size).contains(&address))
-        .map(|(name, ..)| plain(name))
-}
-
-/// Calls and far jumps of Thumb code: where, and whither. A constant between the code may look like one, but hardly like one to a given address.
-fn calls(code: &[u8], at: u64) -> impl Iterator<Item = (u64, u64)> {
-    let halfwords: Vec<u16> = code
-        .chunks_exact(2)
-        .map(|pair| u16::from(pair[0]) | u16::from(pair[1]) << 8)
-        .collect();
-    (0..halfwords.len().saturating_sub(1)).filter_map(move |index| {
-        let from = at + 2 * index as u64;
-        let offset = offset(halfwords[index], halfwords[index + 1])?;
-        Some((from, from.wrapping_add_signed(4 + i64::from(offset))))
-    })
-}
-
-/// Offset of `BL` (encoding T1) or `B.W` (T4), from the instruction's end.
-fn offset(first: u16, second: u16) -> Option<i32> {
-    let is_call = first & 0xF800 == 0xF000 && matches!(second & 0xD000, 0xD000 | 0x9000);
-    if !is_call {
-        return None;
-    }
-    let (first, second) = (u32::from(first), u32::from(second));
-    let sign = first >> 10 & 1;
-    let bit = |j: u32| !(j ^ sign) & 1;
-    let (i1, i2) = (bit(second >> 13 & 1), bit(second >> 11 & 1));
-    let bits = sign << 24 | i1 << 23 | i2 << 22 | (first & 0x3FF) << 12 | (second & 0x7FF) << 1;
-    // 25 bits with sign.
-    Some((bits << 7).cast_signed() >> 7)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn calls_are_decoded_as_the_assembler_encodes_them() {
-        // `bl .` and `bl .+4`, as in the architecture manual's examples of T1: -4 and 0 from the end.
-        assert_eq!(offset(0xF7FF, 0xFFFE), Some(-4));
-        assert_eq!(offset(0xF000, 0xF800), Some(0));
-        assert_eq!(offset(0xF000, 0xF802), Some(4));
-        // `b.w .`
-        assert_eq!(offset(0xF7FF, 0xBFFE), Some(-4));
-        // `movs r0, #0; bx lr` is none.
-        assert_eq!(offset(0x2000, 0x4770), None);
+    fn constants_between_the_code_are_left_out() {
+        let marks = [(0, true), (10, false), (14, true), (30, false)];
+        assert_eq!(pieces(&marks, 0, 20), [(0, 10), (14, 20)]);
+        assert_eq!(pieces(&marks, 16, 30), [(16, 30)]);
+        assert_eq!(pieces(&marks, 12, 14), []);
+        assert_eq!(pieces(&[], 2, 6), [(2, 6)]);
+    }
+
+    fn function(name: &str, frame: u64, calls: &[u64], instead: &[u64]) -> Function {
+        Function {
+            name: name.to_owned(),
+            size: 2,
+            frame,
+            calls: calls.iter().copied().collect(),
+            instead: instead.iter().copied().collect(),
+            unknown: false,
+        }
     }
 
     #[test]
-    fn a_call_is_found_with_its_target() {
-        let code = [0x00, 0xBF, 0x00, 0xF0, 0x02, 0xF8, 0x70, 0x47];
-        let found: Vec<_> = calls(&code, 0x0800_0000).collect();
-        assert_eq!(found, [(0x0800_0002, 0x0800_000A)]);
+    fn the_deepest_path_counts_frames_that_are_there_together() {
+        let graph = Graph(BTreeMap::from([
+            (0, function("start", 10, &[2, 4], &[6])),
+            (2, function("leaf", 30, &[], &[])),
+            (4, function("middle", 5, &[2], &[])),
+            (6, function("instead", 44, &[], &[])),
+            (8, function("again", 1, &[8], &[])),
+        ]));
+        let found = graph.deepest("start").unwrap();
+        // start + middle + leaf = 45, more than what comes in place of start.
+        assert_eq!(found.bytes, 45);
+        let names: Vec<&str> = found.path.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["start", "middle", "leaf"]);
+        assert!(found.recursive.is_empty());
+        assert!(graph.deepest("again").unwrap().recursive.contains("again"));
     }
 }
