@@ -78,9 +78,9 @@ const NEAR: f64 = 3.0;
 const MEASURED_SHARE: f64 = 0.7;
 /// Deviation of the resistance from its description within which coasting is still recognised: wide at first.
 const UNCERTAIN: [f64; 3] = [0.3, 0.15, 0.1];
-/// Gain of log-likelihood above which runs have a wind of their own, and the least one that matters, m/s.
+/// Gain of log-likelihood above which runs have a wind of their own, over other differences between runs.
 const WIND_GAIN: f64 = 9.0;
-/// See [`WIND_GAIN`].
+/// The least standard deviation of the wind that matters, m/s.
 pub const LEAST_WIND_MPS: f64 = 0.8;
 
 impl Findings {

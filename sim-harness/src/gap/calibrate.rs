@@ -182,11 +182,11 @@ pub fn calibrate(
             }
         }
         reached = best;
-        if round < 2 {
-            if let Some((_, residual)) = left(&found) {
-                for (spread, e) in found.spread.iter_mut().zip(residual.iter()) {
-                    *spread = (*spread * e.abs() / OUTLIER).max(1.0);
-                }
+        if round < 2
+            && let Some((_, residual)) = left(&found)
+        {
+            for (spread, e) in found.spread.iter_mut().zip(residual.iter()) {
+                *spread = (*spread * e.abs() / OUTLIER).max(1.0);
             }
         }
     }

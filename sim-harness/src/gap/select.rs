@@ -269,15 +269,15 @@ impl<'a> Search<'a> {
     pub fn edges(&self, others: &[Term], term: &Term) -> Option<[(f64, f64); 2]> {
         /// Half the 95 % point of chi square with one degree of freedom.
         const LOSS: f64 = 1.92;
-        let (section, kind): ([f64; 2], fn([f64; 2]) -> Term) = match term {
-            Term::Tunnel(s) => (*s, Term::Tunnel),
-            Term::Gradient(s) => (*s, Term::Gradient),
-            Term::Bump(s) => (*s, Term::Bump),
+        let (section, kind) = match term {
+            Term::Tunnel(section) => (*section, Kind::Tunnel),
+            Term::Gradient(section) => (*section, Kind::Gradient),
+            Term::Bump(section) => (*section, Kind::Bump),
             _ => return None,
         };
         let base = self.base(others)?;
         let gain = |section: [f64; 2]| {
-            base.gain(&self.white(&kind(section)))
+            base.gain(&self.white(&kind.term(section)))
                 .map_or(0.0, |gain| gain.gain)
         };
         let most = gain(section);
