@@ -5,6 +5,7 @@ use crate::digest;
 use crate::estimate::Estimate;
 use crate::estimator::RunSummary;
 use crate::features::{self, Features};
+use crate::listed::listed;
 use crate::memory::Vehicle;
 use crate::resistance::Davis;
 use crate::state::{Gaussian, LOCATION, R0, SPEED};
@@ -125,24 +126,22 @@ pub fn features(features: &Features) -> wire::Features {
 /// The switching points from `first` on, as many as one frame holds.
 pub fn switching_points(features: &Features, first: usize) -> wire::SwitchingPoints {
     let all = &features.switching_points;
-    let mut points = heapless::Vec::new();
-    for point in all.iter().skip(first) {
-        let point = wire::SwitchingPoint {
+    let points = all
+        .iter()
+        .skip(first)
+        .take(wire::SWITCHING_POINTS)
+        .map(|point| wire::SwitchingPoint {
             time_s: point.time_s,
             location_m: point.location_m as f32,
             speed_mps: point.speed_mps as f32,
             from: point.from,
             to: point.to,
-        };
-        if points.push(point).is_err() {
-            break;
-        }
-    }
+        });
     wire::SwitchingPoints {
         first: u16::try_from(first).unwrap_or(u16::MAX),
         total: u16::try_from(all.len()).unwrap_or(u16::MAX),
         lost: features.switching_points_lost,
-        points,
+        points: listed(points),
     }
 }
 

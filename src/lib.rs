@@ -82,6 +82,7 @@ pub mod features;
 pub mod frames;
 pub mod kinematics;
 pub mod learning;
+mod listed;
 pub mod measurement;
 pub mod memory;
 pub mod motion;

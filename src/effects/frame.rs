@@ -4,6 +4,7 @@
 //! a new table. What the board says of it is a summary: (coordinate, number of points, smallest, largest N/kg).
 
 use super::*;
+use crate::listed::listed;
 use rundown_wire as wire;
 
 /// Why an effect frame was refused; the effects are as before.
@@ -47,7 +48,7 @@ impl Effect {
         wire::Effect {
             kind: self.kind(),
             section_m: self.section_m().map(|(from_m, to_m)| [from_m, to_m]),
-            values: values.iter().copied().collect(),
+            values: listed(values.iter().copied()),
         }
     }
 
@@ -61,7 +62,7 @@ impl Effect {
             Self::Unknown(unknown) => wire::Effect {
                 kind: self.kind(),
                 section_m: None,
-                values: point(unknown, index).into_iter().collect(),
+                values: listed(point(unknown, index)),
             },
             _ => self.to_frame(),
         })

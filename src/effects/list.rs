@@ -3,6 +3,7 @@
 use super::frame::{UNKNOWN, point_of};
 use super::{Effect, EffectError, FrameError, Limits, Moment, Unknown};
 use crate::Real;
+use crate::listed::listed;
 use crate::motion::Line;
 use crate::resistance::Davis;
 use crate::train::Train;
@@ -81,12 +82,12 @@ impl Effects {
         match table {
             None if index > 0 => Err(FrameError::OutOfOrder),
             None => {
-                let table = core::iter::once(point).collect();
+                let table = listed([point]);
                 let unknown = Effect::Unknown(Unknown { coordinate, table });
                 self.push(unknown).map_err(FrameError::Refused)
             }
             Some(unknown) if index == 0 => {
-                let table = core::iter::once(point).collect();
+                let table = listed([point]);
                 let anew = Unknown { coordinate, table };
                 anew.check().map_err(FrameError::Refused)?;
                 *unknown = anew;
@@ -109,7 +110,7 @@ impl Effects {
     /// The frame in which the board publishes them.
     pub fn to_frame(&self) -> wire::Effects {
         wire::Effects {
-            effects: self.iter().map(Effect::to_frame).collect(),
+            effects: listed(self.iter().map(Effect::to_frame)),
         }
     }
 

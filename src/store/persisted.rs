@@ -5,6 +5,7 @@
 
 use super::{AppendError, EpochError, Identity, Refused, Store};
 use crate::effects::{Effect, Effects, MAX_EFFECTS, MAX_POINTS, UNKNOWN, Unknown};
+use crate::listed::listed;
 use crate::memory::{Implausible, Vehicle, VehicleRecord};
 use crate::resistance::Davis;
 use crate::run_state::{Source, take, take_each};
@@ -127,7 +128,7 @@ impl Persisted {
         Self {
             vehicle: vehicle.to_record(),
             lifetime: Lifetime::default(),
-            effects: named.map(Effect::to_frame).collect(),
+            effects: listed(named.map(Effect::to_frame)),
             table,
         }
     }

@@ -230,16 +230,22 @@ impl<F: NorFlash> Task<'_, F> {
         self.send(Body::Effects(self.estimator.effects().to_frame()), port);
     }
 
+    // Of its own: the whole configuration is gone from the stack before a vehicle is restored.
     #[inline(never)]
-    fn take_setting(&mut self, setting: &Setting) -> Result<(), Refusal> {
-        let before = self.estimator.config().mode;
+    fn set(&mut self, setting: &Setting) -> Result<(), Refusal> {
         let mut config = *self.estimator.config();
         setting.apply(&mut config);
         self.estimator
             .set_config(config)
-            .map_err(|_| Refusal::OutOfRange)?;
+            .map_err(|_| Refusal::OutOfRange)
+    }
+
+    fn take_setting(&mut self, setting: &Setting) -> Result<(), Refusal> {
+        let before = self.estimator.config().mode;
+        self.set(setting)?;
+        let now = self.estimator.config().mode;
         // The paper's vehicle begins with deviations of its own.
-        if (before == Mode::Paper) != (config.mode == Mode::Paper) && self.train_id.is_some() {
+        if (before == Mode::Paper) != (now == Mode::Paper) && self.train_id.is_some() {
             self.restore_vehicle();
         }
         self.settle();

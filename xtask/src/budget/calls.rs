@@ -96,21 +96,31 @@ impl Graph {
                 || name.starts_with("core::result::")
                 || name.starts_with("core::slice::index::")
         };
-        let goes_there = |function: &&Function| {
-            function
-                .calls
-                .union(&function.instead)
-                .any(|to| self.0.get(to).is_some_and(|callee| is_panic(&callee.name)))
-        };
-        let mut callers: Vec<String> = self
-            .functions()
-            .filter(goes_there)
-            .map(|function| function.name.clone())
-            .filter(|name| !is_panic(name) && !NEVER.contains(&name.as_str()))
+        let mut doomed: BTreeSet<u64> = self
+            .0
+            .iter()
+            .filter(|(_, function)| is_panic(&function.name))
+            .map(|(&at, _)| at)
             .collect();
-        callers.sort();
-        callers.dedup();
-        callers
+        let mut callers = BTreeSet::new();
+        // Again with what the compiler's outliner has taken out of functions, until nothing new comes.
+        loop {
+            let before = doomed.len();
+            for (&at, function) in &self.0 {
+                let mut goes = function.calls.union(&function.instead);
+                if is_panic(&function.name) || !goes.any(|to| doomed.contains(to)) {
+                    continue;
+                }
+                if function.name.starts_with("OUTLINED_FUNCTION") {
+                    doomed.insert(at);
+                } else if !NEVER.contains(&function.name.as_str()) {
+                    callers.insert(function.name.clone());
+                }
+            }
+            if doomed.len() == before {
+                return callers.into_iter().collect();
+            }
+        }
     }
 
     /// The deepest stack below a function, itself included. Every path through the calls counts, whether it can be taken or not.
@@ -265,5 +275,17 @@ mod tests {
         assert_eq!(names, ["start", "middle", "leaf"]);
         assert!(found.recursive.is_empty());
         assert!(graph.deepest("again").unwrap().recursive.contains("again"));
+    }
+
+    #[test]
+    fn a_panic_behind_an_outlined_function_is_its_callers() {
+        let graph = Graph(BTreeMap::from([
+            (0, function("core::panicking::panic_fmt", 0, &[], &[])),
+            (2, function("OUTLINED_FUNCTION_1", 0, &[], &[4])),
+            (4, function("OUTLINED_FUNCTION_2", 0, &[], &[0])),
+            (6, function("caller", 0, &[2], &[])),
+            (8, function("other", 0, &[6], &[])),
+        ]));
+        assert_eq!(graph.to_panics(), ["caller"]);
     }
 }
