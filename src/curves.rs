@@ -36,10 +36,15 @@ struct Bend {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Curves {
     bends: Vec<Bend, MAX_CURVES>,
+    /// Where the last curve was said to begin: where it overlaps the one before, its bend begins later.
+    begun_m: Real,
 }
 
 impl Curves {
-    pub(crate) const NONE: Self = Self { bends: Vec::new() };
+    pub(crate) const NONE: Self = Self {
+        bends: Vec::new(),
+        begun_m: 0.0,
+    };
 
     pub(crate) fn is_empty(&self) -> bool {
         self.bends.is_empty()
@@ -51,12 +56,13 @@ impl Curves {
 
     pub(crate) fn clear(&mut self) {
         self.bends.clear();
+        self.begun_m = 0.0;
     }
 
     /// False: it is not a curve, it begins before the last one does, or there is no room. The table is as before.
     pub(crate) fn push(&mut self, curve: Curve) -> bool {
         let last = self.bends.last();
-        let last_begin_m = last.map_or(Real::NEG_INFINITY, |last| Real::from(last.from_m));
+        let last_begin_m = last.map_or(Real::NEG_INFINITY, |_| self.begun_m);
         let last_end_m = last.map_or(Real::NEG_INFINITY, |last| Real::from(last.to_m));
         let before_m = last.map_or(0.0, |last| last.integral_m(last.to_m));
         let from_m = curve.from_m.max(last_end_m);
@@ -73,7 +79,11 @@ impl Curves {
             roeckl: roeckl(curve.radius_m) as f32,
             before_m,
         };
-        good && self.bends.push(bend).is_ok()
+        let taken = good && self.bends.push(bend).is_ok();
+        if taken {
+            self.begun_m = curve.from_m;
+        }
+        taken
     }
 
     /// Integral of Roeckl's formula from the beginning of the track to a location, m.
