@@ -2,12 +2,12 @@
 //!
 //! | module | part of the page |
 //! |---|---|
-//! | [`words`] | the verdict in sentences |
-//! | [`maps`] | residuals over location, speed, ..., with what the effects explain |
-//! | [`limits`] | effort over the believed limit, where a limit was found |
-//! | [`held_out`] | simulated speed before and after, on runs that took no part |
-//! | [`tables`] | evidence, effects, gap |
-//! | [`caveats`] | what the numbers rest on, and how a name can be wrong |
+//! | `words` | the verdict in sentences |
+//! | `maps` | residuals over location, speed, ..., with what the effects explain |
+//! | `limits` | effort over the believed limit, where a limit was found |
+//! | `held_out` | simulated speed before and after, on runs that took no part |
+//! | `tables` | evidence, effects, gap |
+//! | `caveats` | what the numbers rest on, and how a name can be wrong |
 //!
 //! In: a [`Page`], which borrows what the workflow has. Out: one HTML file that needs nothing else.
 
