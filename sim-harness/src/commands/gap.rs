@@ -3,6 +3,7 @@
 use super::{Failure, screen};
 use crate::effect_file::EffectEntry;
 use crate::gap::load;
+use crate::gap::report;
 use crate::gap::rows::Believed;
 use crate::gap::workflow::{Investigation, investigate};
 use crate::output::WriteError;
@@ -29,6 +30,7 @@ Examples:
     rundown gap --train set/train.toml --track set/track.toml --runs set/runs --out gap
 
 Files in the output folder:
+  report.html           the same for a reader: verdict, map of the disagreement, rivals, before and after, caveats
   gap.json              verdict, effects with 95 % intervals and rivals, gap before and after, evidence
   model/train.toml      the believed train with the effects of the train
   model/track.toml      the believed track with the effects of the place
@@ -96,14 +98,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         .collect::<Vec<_>>()
         .join(" ");
     let json = found.json(&dataset);
-    write(
-        &arguments.out,
-        &found,
-        &train,
-        &track,
-        &format!("{json:#}\n"),
-    )
-    .map_err(Failure::not_written)?;
+    let page = report::page(&report::Page {
+        dataset: &dataset,
+        found: &found,
+        believed,
+        runs: &runs,
+    });
+    let texts = [("gap.json", format!("{json:#}\n")), ("report.html", page)];
+    write(&arguments.out, &found, &train, &track, &texts).map_err(Failure::not_written)?;
     if arguments.json {
         screen::print(&format!("{json:#}\n"));
     } else {
@@ -173,7 +175,7 @@ fn write(
     found: &Investigation,
     train: &TrainFile,
     track: &TrackFile,
-    json: &str,
+    texts: &[(&str, String)],
 ) -> Result<(), WriteError> {
     let model = out.join("model");
     let at = |path: &Path| {
@@ -182,7 +184,9 @@ fn write(
     };
     fs::create_dir_all(&model).map_err(at(&model))?;
     let put = |path: PathBuf, text: &str| fs::write(&path, text).map_err(at(&path));
-    put(out.join("gap.json"), json)?;
+    for (name, text) in texts {
+        put(out.join(name), text)?;
+    }
     let (mut train, mut track) = (train.clone(), track.clone());
     for one in &found.named {
         let entry = EffectEntry {

@@ -39,6 +39,8 @@ pub struct Findings {
     pub terms: Vec<Fitted>,
     /// Limits of the traction that are not as believed.
     pub limit: Option<FoundLimit>,
+    /// Intervals of steady power from which the limits were judged, run by run.
+    pub pulls: Vec<Vec<Pull>>,
     /// Gain of log-likelihood of a wind of its own in each run, over other differences between runs.
     pub wind_gain: f64,
     /// The believed r2, N/(kg (m/s)²).
@@ -163,6 +165,7 @@ pub fn analyse(
         measured,
         terms,
         limit,
+        pulls: of_runs,
         wind_gain: likelihood - without_wind,
         believed_r2: believed.train().davis().r2,
         gravity_n_per_kg: believed.train().gravity_n_per_kg(),

@@ -24,6 +24,8 @@ pub struct Compared {
     pub run: usize,
     /// Time, s.
     pub time_s: f64,
+    /// Time since its window began at the measured speed, s; 0: no window but an interval of full power.
+    pub since_s: f64,
     /// Location, m.
     pub location_m: f64,
     /// Measured, m/s.
@@ -50,6 +52,12 @@ pub struct Gap {
 }
 
 impl Gap {
+    /// There was something to remove.
+    pub fn is_removable(&self) -> bool {
+        let floor = self.floor_mps.powi(2);
+        self.before_mps.powi(2) - floor > LEAST_REMOVABLE * floor
+    }
+
     /// Over speeds compared.
     pub fn of(compared: &[Compared]) -> Self {
         let n = compared.len().max(1) as f64;
@@ -59,7 +67,7 @@ impl Gap {
         let floor = mean(&|c| c.floor);
         // In mean squares: errors of model and sensors add up in them.
         let removable = before - floor;
-        let removed_share = if removable > 0.02 * floor {
+        let removed_share = if removable > LEAST_REMOVABLE * floor {
             ((before - after) / removable).clamp(0.0, 1.0)
         } else {
             1.0
@@ -72,6 +80,9 @@ impl Gap {
         }
     }
 }
+
+/// A gap above the noise floor by a smaller share of it is none, in mean squares.
+const LEAST_REMOVABLE: f64 = 0.02;
 
 /// Simulates each window of adjacent rows with and without the effects.
 pub fn resisted(
@@ -121,6 +132,7 @@ pub fn resisted(
             compared.push(Compared {
                 run: interval.run,
                 time_s: interval.begin_s + interval.dt_s,
+                since_s: interval.begin_s + interval.dt_s - window[0].interval.begin_s,
                 location_m: interval.path[interval.path.len() - 1].location_m,
                 measured_mps: interval.speed_mps[1],
                 before_mps: before[i] - interval.speed_mps[1],
@@ -218,6 +230,7 @@ pub fn pulled(
             Compared {
                 run: pull.run,
                 time_s: 0.0,
+                since_s: 0.0,
                 location_m: pull.location_m,
                 measured_mps: pull.speed_mps,
                 before_mps: error(&none, asked),

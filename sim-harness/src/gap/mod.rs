@@ -11,6 +11,7 @@ pub mod forward;
 pub mod kinematics;
 pub mod load;
 pub mod named;
+pub mod report;
 pub mod rows;
 pub mod runs;
 pub mod scan;

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 impl Layer {
     /// Heights of everything in it.
-    pub(in crate::report) fn heights(&self) -> Vec<Real> {
+    pub(crate) fn heights(&self) -> Vec<Real> {
         match self {
             Self::Line { points, .. } => points.iter().flatten().map(|p| p.1).collect(),
             Self::Band { points, .. } => points.iter().flatten().flat_map(|p| [p.1, p.2]).collect(),
