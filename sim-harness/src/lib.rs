@@ -30,6 +30,7 @@ pub mod commands;
 pub mod config_file;
 pub mod desk;
 pub mod effect_file;
+pub mod effect_frame;
 pub mod gap;
 pub mod link;
 pub mod map_matching;

@@ -1,7 +1,9 @@
 //! `rundown gap`: recorded runs and the believed model in; which effect is missing, and the model with it, out.
 
 use super::{Failure, screen};
-use crate::effect_file::EffectEntry;
+use crate::effect_file::{self, EffectEntry};
+use crate::effect_frame;
+use crate::gap::explain::{self, explain};
 use crate::gap::load;
 use crate::gap::report;
 use crate::gap::rows::Believed;
@@ -11,6 +13,7 @@ use crate::recording::DirectionChoice;
 use crate::run_set::RunSet;
 use crate::track_file::TrackFile;
 use crate::train_file::TrainFile;
+use clap::builder::PossibleValuesParser;
 use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,6 +27,9 @@ Examples:
   The same for a program; ten runs held out to judge the repaired model:
     rundown gap --train t.toml --track k.toml --runs runs/ --out gap --hold-out 10 --json
 
+  What an effect is, what it looks like, and which data would tell:
+    rundown gap --explain steady_wind
+
   A set with a hidden effect to try it on:
     rundown simulate --example > scenario.toml
     rundown simulate --scenario scenario.toml --out set
@@ -34,6 +40,7 @@ Files in the output folder:
   gap.json              verdict, effects with 95 % intervals and rivals, gap before and after, evidence
   model/train.toml      the believed train with the effects of the train
   model/track.toml      the believed track with the effects of the place
+  effect.frame          the effects of all runs for a board; `rundown link --effects` sends them
   residuals.csv         each interval's residual with time, location, speed, effort
   before_after.csv      simulated against measured speed on the held-out runs";
 
@@ -42,14 +49,27 @@ Files in the output folder:
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
     /// The believed train
-    #[arg(long, value_name = "T.toml")]
+    #[arg(
+        long,
+        value_name = "T.toml",
+        required_unless_present = "explain",
+        default_value = ""
+    )]
     train: PathBuf,
     /// The believed track
-    #[arg(long, value_name = "K.toml")]
+    #[arg(
+        long,
+        value_name = "K.toml",
+        required_unless_present = "explain",
+        default_value = ""
+    )]
     track: PathBuf,
     /// Folder of run logs, or run logs
-    #[arg(long, value_name = "DIR", required = true, num_args = 1..)]
+    #[arg(long, value_name = "DIR", required_unless_present = "explain", num_args = 1..)]
     runs: Vec<PathBuf>,
+    /// Tell what an effect is, its law, what it can be confused with, and which data would tell
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(explain::NAMES), exclusive = true)]
+    explain: Option<String>,
     /// Folder for the results; made when it does not exist
     #[arg(long, value_name = "OUT", default_value = "gap")]
     out: PathBuf,
@@ -66,6 +86,10 @@ pub struct Arguments {
 
 /// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    if let Some(text) = arguments.explain.as_deref().and_then(explain) {
+        screen::print(&text);
+        return Ok(ExitCode::SUCCESS);
+    }
     let (train, core_train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
     let (track, core_track) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;
     let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
@@ -204,6 +228,12 @@ fn write(
     let path = model.join("track.toml");
     let text = toml::to_string(&track).map_err(|e| at(&path)(std::io::Error::other(e)))?;
     put(path, &text)?;
+    let path = out.join("effect.frame");
+    let failed = |e: String| at(&path)(std::io::Error::other(e));
+    let effects = effect_file::effects(&track.effect, &train.effect, None)
+        .map_err(|e| failed(e.to_string()))?;
+    let bytes = effect_frame::write(&effects).map_err(|e| failed(e.to_string()))?;
+    fs::write(&path, bytes).map_err(at(&path))?;
     let rows = found.findings.rows.iter().map(|row| ResidualRow {
         run: row.interval.run + 1,
         time_s: row.interval.begin_s,

@@ -4,6 +4,7 @@ use super::{Failure, screen};
 use crate::config_file;
 use crate::desk::{Description, Desk};
 use crate::effect_file;
+use crate::effect_frame;
 use crate::link::address::Address;
 use crate::link::record::Recorder;
 use crate::map_matching::CentreLine;
@@ -15,6 +16,7 @@ use crate::track_file::TrackFile;
 use crate::train_file::TrainFile;
 use rundown::auth::provisioning::{Provisioning, SIZE};
 use rundown::config::Config;
+use rundown::effects::Effects;
 use rundown::link::Link;
 use rundown::uplink::{Command, Pace, Request};
 use rundown_wire::{Body, RunSummary};
@@ -58,6 +60,9 @@ pub struct Arguments {
     /// Configuration; what it leaves out keeps its default
     #[arg(long, value_name = "C.toml")]
     config: Option<PathBuf>,
+    /// Effects for the board (`effect.frame` of `rundown gap`) instead of those of train and track
+    #[arg(long, value_name = "effect.frame")]
+    effects: Option<PathBuf>,
     /// Send each measurement at its time, and let the board's clock tick
     #[arg(long)]
     real_time: bool,
@@ -77,8 +82,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         Some(path) => config_file::read(path).map_err(Failure::refused)?,
         None => Config::default(),
     };
-    let effects =
-        effect_file::effects(&track.effect, &train_file.effect, None).map_err(Failure::refused)?;
+    let effects = match &arguments.effects {
+        Some(path) => read_effects(path)?,
+        None => effect_file::effects(&track.effect, &train_file.effect, None)
+            .map_err(Failure::refused)?,
+    };
     let description = Description {
         effects,
         ..Description::new(&train, &track, config)
@@ -124,6 +132,12 @@ pub(super) fn read_key(path: &Path) -> Result<Provisioning, Failure> {
         .try_into()
         .map_err(|_| at(format!("expected {SIZE} bytes, found {found}")))?;
     Provisioning::from_bytes(&record).map_err(|error| at(error.to_string()))
+}
+
+fn read_effects(path: &Path) -> Result<Effects, Failure> {
+    let at = |error: String| Failure::refused(format!("{}: {error}", path.display()));
+    let bytes = std::fs::read(path).map_err(|error| at(error.to_string()))?;
+    effect_frame::read(&bytes).map_err(|error| at(error.to_string()))
 }
 
 fn recordings(arguments: &Arguments, track: &TrackFile) -> Result<Vec<Recording>, Failure> {

@@ -4,6 +4,7 @@
 
 pub mod demo;
 pub mod gap;
+pub mod gap_bench;
 pub mod link;
 pub mod provision;
 pub mod replay;
@@ -27,6 +28,8 @@ Exit codes:
 
 /// Everything was done, but for runs that could not be used.
 const SOME_RUNS_FAILED: u8 = 1;
+/// The arguments do not go together.
+const WRONG_ARGUMENTS: u8 = 2;
 /// A description or the configuration was refused.
 const DESCRIPTION_REFUSED: u8 = 3;
 /// An output could not be written.
@@ -56,6 +59,8 @@ enum Command {
     Link(Box<link::Arguments>),
     /// Find which effect a model lacks, add it, and show the gap shrink
     Gap(Box<gap::Arguments>),
+    /// How often the gap workflow finds a hidden effect, and nothing else
+    GapBench(Box<gap_bench::Arguments>),
     /// Make the record with a new key that a board is given
     Provision(provision::Arguments),
     /// The case study in short: simulate its 67 runs, replay them, write the report
@@ -108,6 +113,7 @@ pub fn main() -> ExitCode {
         Command::Tune(arguments) => tune::run(&arguments),
         Command::Link(arguments) => link::run(&arguments),
         Command::Gap(arguments) => gap::run(&arguments),
+        Command::GapBench(arguments) => gap_bench::run(&arguments),
         Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Completions { shell } => {

@@ -1,10 +1,10 @@
 //! Limits of the traction: does the train give what its description says, everywhere and every day?
 //!
 //! In: intervals of steady power while the train gains speed, and ρ = effort over believed limit. A driver asks for a share a of the nominal effort and another of the
-//! nominal power, the same all through a run but not the same in every run; the train gives the smaller of that share and its true limit F:
+//! nominal power, the same all through a pull but not the same in every pull; the train gives the smaller of that share and its true limit F:
 //!
 //! ```text
-//! ρ_i = min(a_r, F(location, speed)) + noise        a_r unknown in each run, for effort and for power, even prior
+//! ρ_i = min(a_p, F(location, speed)) + noise        a_p unknown in each pull p of a run, for effort and for power, even prior
 //! ```
 //!
 //! | hypothesis | F |
@@ -14,13 +14,13 @@
 //! | `power_limit_section` | the factor, for power, inside a section |
 //! | `low_adhesion` | the factor times the largest effort below a speed, in some runs |
 //!
-//! Compared by marginal likelihood, the share integrated out run by run.
+//! Compared by marginal likelihood, the share integrated out pull by pull.
 
 use super::rows::Believed;
 use super::runs::{Interval, Readings, Run};
 use rundown::track::Direction;
 
-/// An interval of steady power.
+/// An interval of steady power: a part of a pull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pull {
     /// Index of its run.
@@ -35,11 +35,15 @@ pub struct Pull {
     pub sd: f64,
     /// Largest effort over the limit at this speed: above 1 where the power limits.
     pub effort_over_limit: f64,
+    /// Number of the pull in its run: a driver who lets go and pulls again asks anew.
+    pub number: usize,
+    /// What it counts for: a driver's hand stays where it is for about 10 s, so nearer samples share one decision.
+    pub weight: f64,
 }
 
 impl Pull {
     /// The power is what limits, not the effort.
-    fn by_power(&self) -> bool {
+    pub(super) fn by_power(&self) -> bool {
         self.effort_over_limit > 1.001
     }
 }
@@ -99,6 +103,10 @@ const CAUTION: f64 = 6.0;
 /// More runs than this are no bad days but the train.
 const MOST_SLIPPERY: f64 = 0.6;
 const LEAST_ACCELERATION_MPS2: f64 = 0.03;
+/// Without power for so long, the next power is another pull, s.
+const APART_S: f64 = 25.0;
+/// A driver leaves the handle where it is for about so long, s.
+const DECISION_S: f64 = 10.0;
 
 /// Intervals of steady power of one run. `effort`: measured, or calculated from the change of speed and the model.
 pub fn pulls(
@@ -127,6 +135,8 @@ pub fn pulls(
                     .hypot(0.008)
                     .hypot(0.06 / interval.mean_speed_mps().max(1.0)),
                 effort_over_limit: most / limit,
+                number: 0,
+                weight: 1.0,
             };
             // Near the corner of effort and power a driver who asks for less effort than power is limited by neither share.
             let at_corner = (1.001..CORNER).contains(&pull.effort_over_limit);
@@ -141,16 +151,33 @@ pub fn pulls(
     let near = |a: &Pull, b: &Option<Pull>| {
         b.is_some_and(|b| (a.ratio - b.ratio).abs() < 0.02 + 2.5 * a.sd.hypot(b.sd))
     };
-    (0..ratios.len())
-        .filter_map(|i| {
-            let pull = ratios[i]?;
-            let before = i > 0 && near(&pull, &ratios[i - 1]);
-            let after = ratios.get(i + 1).is_some_and(|next| near(&pull, next));
-            // Calculated from the change of speed, the interval in which the power is raised looks like less power.
-            let raised = effort_sd > 0.0 && (i == 0 || ratios[i - 1].is_none());
-            ((before || after) && !raised).then_some(pull)
+    let steady = (0..ratios.len()).filter_map(|i| {
+        let pull = ratios[i]?;
+        let before = i > 0 && near(&pull, &ratios[i - 1]);
+        let after = ratios.get(i + 1).is_some_and(|next| near(&pull, next));
+        // Calculated from the change of speed, the interval in which the power is raised looks like less power.
+        let raised = effort_sd > 0.0 && (i == 0 || ratios[i - 1].is_none());
+        ((before || after) && !raised).then_some((intervals[i].begin_s, pull))
+    });
+    numbered(steady)
+}
+
+/// With the numbers of their pulls, from their times.
+fn numbered(pulls: impl Iterator<Item = (f64, Pull)>) -> Vec<Pull> {
+    let mut last_s = f64::NEG_INFINITY;
+    let mut number = 0;
+    pulls
+        .map(|(time_s, pull)| {
+            number += usize::from(time_s - last_s > APART_S);
+            last_s = time_s;
+            Pull { number, ..pull }
         })
         .collect()
+}
+
+/// The parts of each pull.
+pub(super) fn by_number(pulls: &[Pull]) -> impl Iterator<Item = &[Pull]> {
+    pulls.chunk_by(|a, b| a.number == b.number)
 }
 
 /// Intervals of steady power where the effort is measured at the moments of its samples: no mean over an interval is needed, and a fast log shows more of the first
@@ -162,7 +189,9 @@ pub fn sampled_pulls(
     readings: &Readings,
 ) -> Vec<Pull> {
     /// Samples nearer than this say the same, s.
-    const APART_S: f64 = 3.0;
+    const LEAST_S: f64 = 3.0;
+    /// Neighbours are at least so far, s: a full acceleration moves the rounded speed by more than its step.
+    const NEIGHBOUR_S: f64 = 8.0;
     let train = believed.line(run.direction).train;
     let most = train.max_effort_n_per_kg(0.1);
     let read: Vec<(f64, Pull)> = run
@@ -178,38 +207,44 @@ pub fn sampled_pulls(
                 ratio: s.effort_n_per_kg? / limit,
                 sd: 0.008_f64.hypot(0.08 / speed_mps.max(1.0)),
                 effort_over_limit: most / limit,
+                number: 0,
+                weight: 1.0,
             };
             Some((s.time_s, pull))
         })
         .collect();
-    let mut pulls: Vec<Pull> = Vec::new();
+    let mut pulls: Vec<(f64, Pull)> = Vec::new();
     let mut last_s = f64::NEG_INFINITY;
-    for around in read.windows(3) {
-        let [before, (time_s, pull), after] = [around[0], around[1], around[2]];
+    for (i, (time_s, pull)) in read.iter().enumerate() {
+        // Neighbours far enough for a rounded speed to have changed, and for a rising effort to have risen.
+        let (before, after) = (&read[..i], &read[i + 1..]);
+        let before = before.iter().rfind(|b| time_s - b.0 >= NEIGHBOUR_S);
+        let after = after.iter().find(|a| a.0 - time_s >= NEIGHBOUR_S);
+        let (Some(before), Some(after)) = (before, after) else {
+            continue;
+        };
         let near = |other: &(f64, Pull)| (other.1.ratio - pull.ratio).abs() < 0.02 + 2.5 * pull.sd;
         let gains = (after.1.speed_mps - before.1.speed_mps) / (after.0 - before.0);
-        // At one sample a second the rounded speed stands still between its steps.
-        let gaining = gains > LEAST_ACCELERATION_MPS2
-            || after.0 - before.0 < 5.0 && gains >= 0.0 && pull.ratio > 0.5;
         if pull.ratio > LEAST_SHARE - 0.1
             && !(1.001..CORNER).contains(&pull.effort_over_limit)
             && pull.speed_mps > 1.5
-            && gaining
-            && (near(&before) || near(&after))
-            && time_s - last_s >= APART_S
+            && gains > LEAST_ACCELERATION_MPS2
+            && (near(before) || near(after))
+            && time_s - last_s >= LEAST_S
         {
-            pulls.push(pull);
-            last_s = time_s;
+            let weight = ((time_s - last_s) / DECISION_S).min(1.0);
+            pulls.push((*time_s, Pull { weight, ..*pull }));
+            last_s = *time_s;
         }
     }
-    pulls
+    numbered(pulls.into_iter())
 }
 
 /// Log density of a ratio when `given` is what the train gives.
 fn density(pull: &Pull, given: f64) -> f64 {
     let z = (pull.ratio - given) / pull.sd;
     let normal = (-0.5 * z * z).exp() / (pull.sd * 2.506_628_274_631);
-    ((1.0 - STRAY) * normal + STRAY / 0.9).ln()
+    pull.weight * ((1.0 - STRAY) * normal + STRAY / 0.9).ln()
 }
 
 fn shares(most: f64) -> impl Iterator<Item = f64> {
@@ -223,20 +258,19 @@ fn over_shares(of_share: &[f64]) -> f64 {
 }
 
 fn run_likelihood(pulls: &[Pull], most_share: f64, limit: impl Fn(&Pull) -> f64) -> f64 {
-    [false, true]
-        .iter()
-        .map(|power| {
-            let of_share: Vec<f64> = shares(most_share)
-                .map(|share| {
-                    pulls
-                        .iter()
-                        .filter(|pull| pull.by_power() == *power)
-                        .map(|pull| density(pull, share.min(limit(pull))))
-                        .sum()
-                })
-                .collect();
-            over_shares(&of_share)
-        })
+    let of_pull = |parts: &[Pull], power: bool| {
+        let parts = || parts.iter().filter(|part| part.by_power() == power);
+        let of_share: Vec<f64> = shares(most_share)
+            .map(|share| {
+                parts()
+                    .map(|part| density(part, share.min(limit(part))))
+                    .sum()
+            })
+            .collect();
+        over_shares(&of_share)
+    };
+    by_number(pulls)
+        .map(|parts| of_pull(parts, false) + of_pull(parts, true))
         .sum()
 }
 
@@ -256,7 +290,7 @@ pub fn limits(pulls: &[Vec<Pull>]) -> Vec<FoundLimit> {
         .collect();
     let mut found = Vec::new();
     found.extend(scale(&runs, &believed));
-    found.extend(section(&runs, &believed));
+    found.extend(section(&runs));
     found.extend(adhesion(&runs, &believed));
     found.sort_by(|a, b| b.value.total_cmp(&a.value));
     found
@@ -344,7 +378,13 @@ fn scale(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
 const EDGE_M: f64 = 250.0;
 const FACTORS: usize = 14;
 
-fn section(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
+fn section(runs: &[&[Pull]]) -> Option<FoundLimit> {
+    let pulls: Vec<&[Pull]> = runs.iter().flat_map(|run| by_number(run)).collect();
+    let runs = pulls.as_slice();
+    let believed: Vec<f64> = runs
+        .iter()
+        .map(|p| run_likelihood(p, 1.0, |_| 1.0))
+        .collect();
     let at = || runs.iter().flat_map(|p| p.iter().map(|p| p.location_m));
     let low = at().fold(f64::INFINITY, f64::min) - EDGE_M;
     let high = at().fold(f64::NEG_INFINITY, f64::max) + EDGE_M;
@@ -438,7 +478,7 @@ fn section(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
     let h = 0.01;
     let curvature =
         (2.0 * most - gain_of(from, to, factor - h) - gain_of(from, to, factor + h)) / (h * h);
-    let of_runs = runs.iter().zip(believed).map(|(p, believed)| {
+    let of_runs = runs.iter().zip(&believed).map(|(p, believed)| {
         run_likelihood(p, 1.0, |pull| {
             if (from..to).contains(&pull.location_m) && pull.by_power() {
                 factor

@@ -7,9 +7,10 @@
 //! model where it pulls with full power. Resistance and limits of the effects come from [`rundown::effects`], the code of the board.
 
 use super::analysis::Findings;
-use super::caps::Pull;
+use super::caps::{self, Pull};
+use super::own_wind::own_wind;
 use super::rows::{Believed, Row};
-use rundown::effects::{Effect, Effects, Limits, Moment};
+use rundown::effects::{Effect, Effects, Limits, Moment, SteadyWind};
 use rundown::track::Direction;
 
 /// Length of a window, s.
@@ -24,7 +25,7 @@ pub struct Compared {
     pub run: usize,
     /// Time, s.
     pub time_s: f64,
-    /// Time since its window began at the measured speed, s; 0: no window but an interval of full power.
+    /// Time since its window began at the measured speed, s; 0: no window but an interval of full power, or the mean speed between two locations.
     pub since_s: f64,
     /// Location, m.
     pub location_m: f64,
@@ -92,6 +93,10 @@ pub fn resisted(
     rows: &[Row],
 ) -> Vec<Compared> {
     let none = Effects::NONE;
+    let spread_mps = effects.iter().find_map(|effect| match effect {
+        Effect::RunWind(wind) => Some(wind.sd_mps),
+        _ => None,
+    });
     let mut compared = Vec::new();
     let mut begin = 0;
     while begin < rows.len() {
@@ -113,11 +118,22 @@ pub fn resisted(
             end += 1;
         }
         let window = &rows[begin..end];
-        let before = simulate(believed, &none, window);
-        let after = simulate(believed, effects, window);
         let noise = &findings.calibrated.noise;
         // What a run has for itself, no model of other runs can know.
-        let own = &findings.calibrated.own;
+        let mut own = findings.calibrated.own;
+        let before = simulate(believed, &none, window);
+        // But its wind, if winds are the effect: from its other windows.
+        let after = if let Some(spread_mps) = spread_mps {
+            let run = window[0].interval.run;
+            let others = rows[..begin].iter().chain(&rows[end..]);
+            let others = others.filter(|row| row.interval.run == run);
+            let (headwind_mps, sd) = own_wind(others, believed, effects, noise, spread_mps);
+            own.wind_mps = sd;
+            let wind_mps = window[0].direction.sign() * headwind_mps;
+            simulate(believed, &in_wind(effects, wind_mps), window)
+        } else {
+            simulate(believed, effects, window)
+        };
         let (mut walk, mut by_wind, mut by_mass, mut by_constant) = (0.0, 0.0, 0.0, 0.0);
         for (i, row) in window.iter().enumerate() {
             let interval = &row.interval;
@@ -143,6 +159,28 @@ pub fn resisted(
         begin = end;
     }
     compared
+}
+
+/// The same effects and this wind, in the `up` direction.
+fn in_wind(effects: &Effects, wind_mps: f64) -> Effects {
+    let steady = effects.iter().find_map(|effect| match effect {
+        Effect::SteadyWind(wind) => Some(wind.wind_mps),
+        _ => None,
+    });
+    let both = Effect::SteadyWind(SteadyWind {
+        wind_mps: wind_mps + steady.unwrap_or(0.0),
+    });
+    let mut all = Effects::NONE;
+    let others = effects
+        .iter()
+        .filter(|effect| !matches!(effect, Effect::SteadyWind(_) | Effect::RunWind(_)));
+    for effect in std::iter::once(both).chain(others.cloned()) {
+        // There were as many before.
+        if all.push(effect).is_err() {
+            break;
+        }
+    }
+    all
 }
 
 /// Speeds at the ends of the rows of a window, driven by their efforts.
@@ -204,41 +242,51 @@ pub fn pulled(
             .traction_n_per_kg(pull.speed_mps)
             / train.max_effort_n_per_kg(pull.speed_mps)
     };
-    // The driver's share: the largest that is often reached, of effort and of power.
-    let share = |by_power: bool| {
-        let mut ratios: Vec<f64> = pulls
-            .iter()
-            .filter(|p| (p.effort_over_limit > 1.001) == by_power)
-            .map(|p| p.ratio)
-            .collect();
+    // What the driver asks for in this pull: what it shows where no limit of the effects holds it back. Held back all the way, it was some share between
+    // what the train gives and everything.
+    let asked = |parts: &[&Pull]| {
+        let free = parts.iter().filter(|part| {
+            let limit = limit(effects, part);
+            limit > 0.99 && limit < 1.01 || part.ratio < limit - 2.0 * part.sd
+        });
+        let mut ratios: Vec<f64> = free.map(|part| part.ratio).collect();
         ratios.sort_by(f64::total_cmp);
-        ratios
-            .get(ratios.len() * 4 / 5)
-            .copied()
-            .unwrap_or(1.0)
-            .min(1.0)
-    };
-    let shares = [share(false), share(true)];
-    pulls
-        .iter()
-        .map(|pull| {
-            let asked = shares[usize::from(pull.effort_over_limit > 1.001)];
-            let most = train.max_effort_n_per_kg(pull.speed_mps);
-            let error = |effects: &Effects, believed_share: f64| {
-                (believed_share.min(limit(effects, pull)) - pull.ratio) * most * dt_s
-            };
-            Compared {
-                run: pull.run,
-                time_s: 0.0,
-                since_s: 0.0,
-                location_m: pull.location_m,
-                measured_mps: pull.speed_mps,
-                before_mps: error(&none, asked),
-                after_mps: error(effects, asked),
-                floor: (pull.sd * most * dt_s).powi(2),
+        match ratios.get(ratios.len() * 4 / 5) {
+            Some(ratio) => *ratio,
+            None => {
+                let given = parts.iter().map(|part| limit(effects, part));
+                let given = given.fold(1.0, f64::min);
+                given.max(0.5 * (1.0 + given))
             }
-        })
-        .collect()
+        }
+    };
+    let mut compared = Vec::new();
+    for parts in caps::by_number(pulls) {
+        for by_power in [false, true] {
+            let parts: Vec<&Pull> = parts.iter().filter(|p| p.by_power() == by_power).collect();
+            if parts.is_empty() {
+                continue;
+            }
+            let asked = asked(&parts);
+            compared.extend(parts.into_iter().map(|pull| {
+                let most = train.max_effort_n_per_kg(pull.speed_mps);
+                let error = |effects: &Effects| {
+                    (asked.min(limit(effects, pull)) - pull.ratio) * most * dt_s
+                };
+                Compared {
+                    run: pull.run,
+                    time_s: 0.0,
+                    since_s: 0.0,
+                    location_m: pull.location_m,
+                    measured_mps: pull.speed_mps,
+                    before_mps: error(&none),
+                    after_mps: error(effects),
+                    floor: (pull.sd * most * dt_s).powi(2),
+                }
+            }));
+        }
+    }
+    compared
 }
 
 /// The effects that act on motion or limits, as the board takes them.

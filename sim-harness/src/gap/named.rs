@@ -22,8 +22,10 @@ pub struct Named {
     pub would_separate: Vec<&'static str>,
     /// Runs in which it acts, if not in all.
     pub runs: Vec<String>,
-    /// Per-run values, where the effect differs from run to run.
+    /// What an unknown effect depends on.
     pub coordinate: Option<&'static str>,
+    /// Each run's own value, where it differs from run to run, with its standard deviation.
+    pub per_run: Vec<(String, f64, f64)>,
     /// Gain of log-likelihood.
     pub gain: f64,
 }
@@ -63,6 +65,11 @@ impl Named {
         });
         if let (Some(table), Some(map)) = (table, value.as_object_mut()) {
             map.insert("table".to_owned(), table);
+        }
+        if let (false, Some(map)) = (self.per_run.is_empty(), value.as_object_mut()) {
+            let each = self.per_run.iter();
+            let each = each.map(|(run, value, sd)| json!({ "run": run, "value": value, "sd": sd }));
+            map.insert("per_run".to_owned(), each.collect());
         }
         value
     }
@@ -117,6 +124,7 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
         would_separate: Vec::new(),
         runs: Vec::new(),
         coordinate: None,
+        per_run: Vec::new(),
         gain,
     };
     let kinematics = &findings.kinematics;
@@ -442,6 +450,7 @@ fn of_term(
         would_separate,
         runs: of_runs,
         coordinate,
+        per_run: Vec::new(),
         gain: *gain,
     })
 }

@@ -6,10 +6,12 @@ use super::analysis::{Findings, Surroundings, analyse, apply};
 use super::evidence::{Evidence, evidence};
 use super::forward::{Compared, Gap, effects, pulled, resisted};
 use super::named::{Named, named};
+use super::own_wind::own_wind;
 use super::rows::Believed;
 use super::runs::Run;
 use super::terms::Context;
-use rundown::effects::Effects;
+use super::travelled::travelled;
+use rundown::effects::{Effect, Effects};
 use serde_json::{Value, json};
 
 /// What came of it.
@@ -56,7 +58,13 @@ pub fn investigate(
 ) -> Option<Investigation> {
     story("where and what: all runs");
     let findings = analyse(believed, surroundings, runs, &mut story)?;
-    let named = named(&findings, surroundings, runs);
+    let mut named = named(&findings, surroundings, runs);
+    let with = effects(&named);
+    for one in &mut named {
+        if let Effect::RunWind(wind) = &one.effect {
+            one.per_run = winds(&believed, &findings, &with, wind.sd_mps, runs);
+        }
+    }
     let context = Context {
         believed,
         curves: &surroundings.curves,
@@ -97,6 +105,23 @@ pub fn investigate(
     })
 }
 
+/// Each run's wind in the `up` direction, with its standard deviation.
+fn winds(
+    believed: &Believed<'_>,
+    findings: &Findings,
+    effects: &Effects,
+    spread_mps: f64,
+    runs: &[Run],
+) -> Vec<(String, f64, f64)> {
+    let noise = &findings.calibrated.noise;
+    let of_run = |(i, run): (usize, &Run)| {
+        let rows = findings.rows.iter().filter(|row| row.interval.run == i);
+        let (headwind_mps, sd) = own_wind(rows, believed, effects, noise, spread_mps);
+        (run.name.clone(), run.direction.sign() * headwind_mps, sd)
+    };
+    runs.iter().enumerate().map(of_run).collect()
+}
+
 fn compare(
     believed: Believed<'_>,
     surroundings: &Surroundings,
@@ -121,8 +146,17 @@ fn compare(
         }
         compared
     };
-    let plain = judged(&without);
+    let kinematic =
+        |named: &Named| matches!(named.effect, Effect::SpeedScale(_) | Effect::LocationLag(_));
+    let way: Vec<Compared> = if trained.iter().any(kinematic) {
+        let of_run = |(i, run)| travelled(i, run, &found.readings);
+        tested.iter().enumerate().flat_map(of_run).collect()
+    } else {
+        Vec::new()
+    };
+    let mut plain = judged(&without);
     if sometimes.is_empty() {
+        plain.extend(way);
         return plain;
     }
     let acting = judged(&with);
@@ -136,6 +170,7 @@ fn compare(
     let chosen = plain.into_iter().zip(acting);
     chosen
         .map(|(plain, acting)| if better[plain.run] { acting } else { plain })
+        .chain(way)
         .collect()
 }
 
@@ -163,7 +198,7 @@ impl Investigation {
             "verdict": self.verdict(),
             "effects": self.named.iter().map(Named::json).collect::<Vec<_>>(),
             "gap": {
-                "what": "speed of simulated windows against measured, held-out runs",
+                "what": "simulated against measured speed, held-out runs",
                 "unit": "m/s",
                 "before": gap.before_mps,
                 "after": gap.after_mps,

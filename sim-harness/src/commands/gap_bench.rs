@@ -1,0 +1,243 @@
+//! `rundown gap-bench`: how often `rundown gap` finds what was hidden, and nothing else.
+
+use super::{Failure, screen};
+use crate::gap::bench::draw::{Ask, KINDS, Set, Size};
+use crate::gap::bench::score::Score;
+use crate::gap::bench::table::{Done, tables};
+use crate::gap::bench::{BenchError, blind};
+use crate::study::write;
+use clap::builder::PossibleValuesParser;
+use rand::seq::IndexedRandom;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+const EXAMPLES: &str = "\
+Examples:
+  The full table, as in docs/gap-bench.md:
+    rundown gap-bench --out bench
+
+  One kind in one size, ten times, with the keys beside what was found:
+    rundown gap-bench --kind warm_up --size faint --sets 10 --none 0 --pairs 0 --list
+
+Each set is written as `rundown simulate` does it, its truth is removed, and `rundown gap` investigates the rest.
+
+Files in the output folder:
+  tables.md     false alarms, shares that were named, errors of size and place, what was named instead
+  sets.json     each set with its key and its score";
+
+/// Arguments of `rundown gap-bench`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
+pub struct Arguments {
+    /// Kinds of hidden effects; all without it
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(KINDS))]
+    kind: Vec<String>,
+    /// Sizes; all without it
+    #[arg(long, value_enum)]
+    size: Vec<Size>,
+    /// Logs with or without an effort column; both without it
+    #[arg(long, value_enum)]
+    effort: Option<Effort>,
+    /// Sets of each kind, size and effort
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    sets: u64,
+    /// Sets in which nothing is hidden, of each effort and with clean and with dirty sensors
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    none: u64,
+    /// Sets with two effects, of each size and effort
+    #[arg(long, value_name = "N", default_value_t = 6)]
+    pairs: u64,
+    /// Share of the sets with an effect that have dirty sensors
+    #[arg(long, value_name = "SHARE", default_value_t = 0.25)]
+    dirty: f64,
+    /// Runs of a set
+    #[arg(long, value_name = "N", default_value_t = 67, value_parser = clap::value_parser!(u16).range(4..=1000))]
+    runs: u16,
+    /// Seed of all draws
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Only the sets with these seeds, which --list prints
+    #[arg(long, value_name = "SEED")]
+    only: Vec<u64>,
+    /// Keep the sets, each under its seed, in the folder `sets` of the results: for `rundown gap`
+    #[arg(long)]
+    keep: bool,
+    /// Print each set with its key
+    #[arg(long)]
+    list: bool,
+    /// Folder for the results; made when it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out/gap-bench")]
+    out: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Effort {
+    With,
+    Without,
+}
+
+/// Does what the arguments say.
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    if !(0.0..=1.0).contains(&arguments.dirty) {
+        return Err(Failure {
+            message: format!(
+                "--dirty: expected a share of 0 to 1, found {}",
+                arguments.dirty
+            ),
+            code: super::WRONG_ARGUMENTS,
+        });
+    }
+    let asks = asks(arguments);
+    let sets = arguments.out.join("sets");
+    let bar = screen::progress(asks.len());
+    let done = asks
+        .into_par_iter()
+        .map(|ask| {
+            let kept = arguments.keep.then(|| sets.join(ask.seed.to_string()));
+            let done = one(ask, kept.as_deref())?;
+            if arguments.list {
+                bar.suspend(|| screen::print(&line(&done)));
+            }
+            bar.inc(1);
+            Ok(done)
+        })
+        .collect::<Result<Vec<Done>, BenchError>>()
+        .map_err(Failure::refused)?;
+    bar.finish_and_clear();
+    let text = tables(&done);
+    let json = serde_json::to_string_pretty(&done).map_err(Failure::not_written)?;
+    write::folder(&arguments.out)
+        .and_then(|()| write::text(&arguments.out.join("tables.md"), &text))
+        .and_then(|()| write::text(&arguments.out.join("sets.json"), &(json + "\n")))
+        .map_err(Failure::not_written)?;
+    screen::print(&text);
+    let longest = done.iter().map(|d| d.seconds).fold(0.0, f64::max);
+    screen::print(&format!(
+        "{} sets, the longest investigation {longest:.1} s; results: {}\n",
+        done.len(),
+        arguments.out.display()
+    ));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// All sets, each with its own seed.
+fn asks(arguments: &Arguments) -> Vec<Ask> {
+    let efforts: &[bool] = match arguments.effort {
+        None => &[true, false],
+        Some(Effort::With) => &[true],
+        Some(Effort::Without) => &[false],
+    };
+    let sizes = if arguments.size.is_empty() {
+        &Size::ALL[..]
+    } else {
+        &arguments.size
+    };
+    let chosen =
+        |kind: &&str| arguments.kind.is_empty() || arguments.kind.iter().any(|k| k == kind);
+    let kinds: Vec<&'static str> = KINDS.into_iter().filter(|kind| chosen(kind)).collect();
+    let mut rng = ChaCha8Rng::seed_from_u64(arguments.seed);
+    let mut asks = Vec::new();
+    let mut ask = |kinds: Vec<&'static str>, size, effort, dirty, rng: &mut ChaCha8Rng| {
+        asks.push(Ask {
+            kinds,
+            size,
+            effort,
+            dirty,
+            runs: usize::from(arguments.runs),
+            seed: rng.random_range(0..u64::from(u32::MAX)),
+        });
+    };
+    for &effort in efforts {
+        for _ in 0..arguments.none {
+            for dirty in [false, true] {
+                ask(Vec::new(), Size::Clear, effort, dirty, &mut rng);
+            }
+        }
+        for &size in sizes {
+            for &kind in &kinds {
+                for _ in 0..arguments.sets {
+                    let dirty = rng.random_bool(arguments.dirty);
+                    ask(vec![kind], size, effort, dirty, &mut rng);
+                }
+            }
+            for _ in 0..arguments.pairs {
+                let dirty = rng.random_bool(arguments.dirty);
+                let pair = kinds.sample(&mut rng, 2).copied().collect();
+                ask(pair, size, effort, dirty, &mut rng);
+            }
+        }
+    }
+    asks.retain(|ask| arguments.only.is_empty() || arguments.only.contains(&ask.seed));
+    asks
+}
+
+fn one(ask: Ask, kept: Option<&Path>) -> Result<Done, BenchError> {
+    let set = Set::draw(ask);
+    let failed = |e: std::io::Error| BenchError {
+        seed: set.ask.seed,
+        kinds: set.ask.kinds.join(" + "),
+        reason: e.to_string(),
+    };
+    let folder = tempfile::tempdir().map_err(failed)?;
+    let folder = kept.unwrap_or(folder.path());
+    std::fs::create_dir_all(folder).map_err(failed)?;
+    let begun = Instant::now();
+    let found = blind(&set, folder)?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let scenario = &set.scenario;
+    Ok(Done {
+        score: Score::of(&set, found.as_ref()),
+        hidden: format!("{:?}", scenario.effects),
+        data: format!(
+            "{:.0} t, {:?}, {:?}, every {} s",
+            scenario.train.mass_kg / 1e3,
+            scenario.driver,
+            scenario.headings,
+            scenario.sensors.sampling_s
+        ),
+        ask: set.ask,
+        seconds,
+    })
+}
+
+/// A set in a line, with what was hidden where that was not named.
+fn line(done: &Done) -> String {
+    let (ask, score) = (&done.ask, &done.score);
+    let word = match (score.exact, score.shared) {
+        (true, _) => "named ",
+        (false, true) => "shared",
+        (false, false) => "missed",
+    };
+    let removed = score.removed.map_or("-".to_owned(), |r| format!("{r:.2}"));
+    let mut text = format!(
+        "{word} {:<24} {:<6} {} {} seed {:<10} {:<44} p {:.3} removed {removed} {:.3?} size error {:.2?} place {:.2?} intervals {:?}  found {}",
+        if ask.kinds.is_empty() {
+            "nothing".to_owned()
+        } else {
+            ask.kinds.join("+")
+        },
+        format!("{:?}", ask.size).to_lowercase(),
+        if ask.effort { "effort   " } else { "no effort" },
+        if ask.dirty { "dirty" } else { "clean" },
+        ask.seed,
+        done.data,
+        score.p_value,
+        score.gap_mps,
+        score.size_errors,
+        score.places,
+        score.intervals,
+        score.found.join(" + "),
+    );
+    if !score.rivals.is_empty() {
+        text.push_str(&format!(" or {}", score.rivals.join(", ")));
+    }
+    if !score.exact && !done.ask.kinds.is_empty() {
+        text.push_str(&format!("\n       hidden {}", done.hidden));
+    }
+    text.push('\n');
+    text
+}
