@@ -1,10 +1,10 @@
 //! Limits of the traction: does the train give what its description says, everywhere and every day?
 //!
 //! In: intervals of steady power while the train gains speed, and ρ = effort over believed limit. A driver asks for a share a of the nominal effort and another of the
-//! nominal power, the same all through a pull but not the same in every pull; the train gives the smaller of that share and its true limit F:
+//! nominal power, the same all through a run or another in each pull; the train gives the smaller of that share and its true limit F:
 //!
 //! ```text
-//! ρ_i = min(a_p, F(location, speed)) + noise        a_p unknown in each pull p of a run, for effort and for power, even prior
+//! ρ_i = min(a, F(location, speed)) + noise        a unknown in each run, or in each pull, for effort and for power, even prior
 //! ```
 //!
 //! | hypothesis | F |
@@ -14,7 +14,7 @@
 //! | `power_limit_section` | the factor, for power, inside a section |
 //! | `low_adhesion` | the factor times the largest effort below a speed, in some runs |
 //!
-//! Compared by marginal likelihood, the share integrated out pull by pull.
+//! Compared by marginal likelihood, the shares integrated out.
 
 use super::rows::Believed;
 use super::runs::{Interval, Readings, Run};
@@ -103,6 +103,8 @@ const CAUTION: f64 = 6.0;
 /// More runs than this are no bad days but the train.
 const MOST_SLIPPERY: f64 = 0.6;
 const LEAST_ACCELERATION_MPS2: f64 = 0.03;
+/// Speed that a pull must gain to count, m/s.
+const LEAST_GAIN_MPS: f64 = 4.0;
 /// Without power for so long, the next power is another pull, s.
 const APART_S: f64 = 25.0;
 /// A driver leaves the handle where it is for about so long, s.
@@ -157,22 +159,36 @@ pub fn pulls(
         let after = ratios.get(i + 1).is_some_and(|next| near(&pull, next));
         // Calculated from the change of speed, the interval in which the power is raised looks like less power.
         let raised = effort_sd > 0.0 && (i == 0 || ratios[i - 1].is_none());
-        ((before || after) && !raised).then_some((intervals[i].begin_s, pull))
+        ((before || after) && !raised).then_some(Part {
+            time_s: intervals[i].begin_s,
+            speeds_mps: intervals[i].speed_mps,
+            pull,
+        })
     });
     numbered(steady)
 }
 
-/// With the numbers of their pulls, from their times.
-fn numbered(pulls: impl Iterator<Item = (f64, Pull)>) -> Vec<Pull> {
-    let mut last_s = f64::NEG_INFINITY;
-    let mut number = 0;
-    pulls
-        .map(|(time_s, pull)| {
-            number += usize::from(time_s - last_s > APART_S);
-            last_s = time_s;
-            Pull { number, ..pull }
-        })
-        .collect()
+/// A part of a pull with its time and the speeds around it, m/s.
+struct Part {
+    time_s: f64,
+    speeds_mps: [f64; 2],
+    pull: Pull,
+}
+
+/// With the numbers of their pulls. A pull that gains little speed keeps a speed rather than reaching one, and says what the driver likes, not what the train gives.
+fn numbered(parts: impl Iterator<Item = Part>) -> Vec<Pull> {
+    let parts: Vec<Part> = parts.collect();
+    let of_pulls = parts.chunk_by(|a, b| b.time_s - a.time_s <= APART_S);
+    let wanted = of_pulls.filter(|parts| match parts {
+        [first, .., last] => last.speeds_mps[1] - first.speeds_mps[0] > LEAST_GAIN_MPS,
+        [only] => only.speeds_mps[1] - only.speeds_mps[0] > LEAST_GAIN_MPS,
+        [] => false,
+    });
+    let numbered = wanted.enumerate().flat_map(|(number, parts)| {
+        let pulls = parts.iter().map(|part| part.pull);
+        pulls.map(move |pull| Pull { number, ..pull })
+    });
+    numbered.collect()
 }
 
 /// The parts of each pull.
@@ -213,7 +229,7 @@ pub fn sampled_pulls(
             Some((s.time_s, pull))
         })
         .collect();
-    let mut pulls: Vec<(f64, Pull)> = Vec::new();
+    let mut pulls: Vec<Part> = Vec::new();
     let mut last_s = f64::NEG_INFINITY;
     for (i, (time_s, pull)) in read.iter().enumerate() {
         // Neighbours far enough for a rounded speed to have changed, and for a rising effort to have risen.
@@ -233,7 +249,11 @@ pub fn sampled_pulls(
             && time_s - last_s >= LEAST_S
         {
             let weight = ((time_s - last_s) / DECISION_S).min(1.0);
-            pulls.push((*time_s, Pull { weight, ..*pull }));
+            pulls.push(Part {
+                time_s: *time_s,
+                speeds_mps: [before.1.speed_mps, after.1.speed_mps],
+                pull: Pull { weight, ..*pull },
+            });
             last_s = *time_s;
         }
     }
@@ -258,7 +278,7 @@ fn over_shares(of_share: &[f64]) -> f64 {
 }
 
 fn run_likelihood(pulls: &[Pull], most_share: f64, limit: impl Fn(&Pull) -> f64) -> f64 {
-    let of_pull = |parts: &[Pull], power: bool| {
+    let one_share = |parts: &[Pull], power: bool| {
         let parts = || parts.iter().filter(|part| part.by_power() == power);
         let of_share: Vec<f64> = shares(most_share)
             .map(|share| {
@@ -269,9 +289,8 @@ fn run_likelihood(pulls: &[Pull], most_share: f64, limit: impl Fn(&Pull) -> f64)
             .collect();
         over_shares(&of_share)
     };
-    by_number(pulls)
-        .map(|parts| of_pull(parts, false) + of_pull(parts, true))
-        .sum()
+    let of = |parts: &[Pull]| one_share(parts, false) + one_share(parts, true);
+    over_shares(&[of(pulls), by_number(pulls).map(of).sum()])
 }
 
 /// All limits that are better than the believed one, best first. `pulls` by run.
@@ -290,7 +309,7 @@ pub fn limits(pulls: &[Vec<Pull>]) -> Vec<FoundLimit> {
         .collect();
     let mut found = Vec::new();
     found.extend(scale(&runs, &believed));
-    found.extend(section(&runs));
+    found.extend(section(&runs, &believed));
     found.extend(adhesion(&runs, &believed));
     found.sort_by(|a, b| b.value.total_cmp(&a.value));
     found
@@ -378,13 +397,7 @@ fn scale(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
 const EDGE_M: f64 = 250.0;
 const FACTORS: usize = 14;
 
-fn section(runs: &[&[Pull]]) -> Option<FoundLimit> {
-    let pulls: Vec<&[Pull]> = runs.iter().flat_map(|run| by_number(run)).collect();
-    let runs = pulls.as_slice();
-    let believed: Vec<f64> = runs
-        .iter()
-        .map(|p| run_likelihood(p, 1.0, |_| 1.0))
-        .collect();
+fn section(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
     let at = || runs.iter().flat_map(|p| p.iter().map(|p| p.location_m));
     let low = at().fold(f64::INFINITY, f64::min) - EDGE_M;
     let high = at().fold(f64::NEG_INFINITY, f64::max) + EDGE_M;
@@ -392,7 +405,8 @@ fn section(runs: &[&[Pull]]) -> Option<FoundLimit> {
     let width = (high - low) / bins as f64;
     let bin = |pull: &Pull| (((pull.location_m - low) / width) as usize).min(bins - 1);
     let mut gains = vec![0.0; FACTORS * (bins + 1) * (bins + 1)];
-    for pulls in runs {
+    // Searched pull by pull, judged run by run.
+    for pulls in runs.iter().flat_map(|run| by_number(run)) {
         let touched: Vec<bool> = {
             let mut touched = vec![false; bins];
             pulls.iter().for_each(|p| touched[bin(p)] = true);
@@ -478,7 +492,7 @@ fn section(runs: &[&[Pull]]) -> Option<FoundLimit> {
     let h = 0.01;
     let curvature =
         (2.0 * most - gain_of(from, to, factor - h) - gain_of(from, to, factor + h)) / (h * h);
-    let of_runs = runs.iter().zip(&believed).map(|(p, believed)| {
+    let of_runs = runs.iter().zip(believed).map(|(p, believed)| {
         run_likelihood(p, 1.0, |pull| {
             if (from..to).contains(&pull.location_m) && pull.by_power() {
                 factor

@@ -7,6 +7,7 @@
 use super::calibrate::{Calibrated, knots};
 use super::fit::Base;
 use super::rows::Row;
+use super::select::sensors;
 use super::terms::{Context, Coordinate, Term, coordinate};
 use nalgebra::DVector;
 use rand::{Rng, SeedableRng};
@@ -37,13 +38,8 @@ pub fn evidence(
 ) -> (Vec<Evidence>, f64) {
     let whitening = calibrated.whitening(context, rows);
     let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
-    let delay = whitening.whiten(&Term::Delay.columns(context, rows)[0]);
-    let sensors: &[DVector<f64>] = if delay.iter().any(|v| *v != 0.0) {
-        &[delay]
-    } else {
-        &[]
-    };
-    let Some(base) = Base::new(&whitening.whiten(&y), sensors, whitening.runs()) else {
+    let sensors = sensors(context, rows, &whitening);
+    let Some(base) = Base::new(&whitening.whiten(&y), &sensors, whitening.runs()) else {
         return (Vec::new(), 1.0);
     };
     let y = &base.residual;

@@ -92,6 +92,7 @@ pub fn name(term: &Term) -> &'static str {
         Term::DraggingBrake(_) => "dragging_brake",
         Term::Bump(_) | Term::Cube | Term::Smooth(..) => "unknown",
         Term::Delay => "delay",
+        Term::Late => "late",
     }
 }
 
@@ -424,7 +425,7 @@ fn of_term(
             coordinate = Some(coordinate_name(*which));
             table(*which, knots, &beta)?
         }
-        Term::Delay => return None,
+        Term::Delay | Term::Late => return None,
     };
     let odds: f64 = rivals
         .iter()

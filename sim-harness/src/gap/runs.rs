@@ -291,6 +291,7 @@ fn nodes(run: &Run, line: &Line<'_>, readings: &Readings, usual_s: f64) -> Vec<N
     } else {
         INTERVAL_S
     };
+    let impulses = impulses(run, line, readings);
     let mut nodes: Vec<Node> = Vec::new();
     let mut next_s = f64::NEG_INFINITY;
     for (place, &(sample, speed_mps)) in with_speed.iter().enumerate() {
@@ -300,7 +301,7 @@ fn nodes(run: &Run, line: &Line<'_>, readings: &Readings, usual_s: f64) -> Vec<N
         }
         next_s = time_s + every_s - 0.25 * usual_s;
         let speed_mps = if every_s > 0.0 {
-            read_speed(run, &with_speed, place)
+            read_speed(run, &with_speed, &impulses, place)
         } else {
             speed_mps
         };
@@ -315,17 +316,69 @@ fn nodes(run: &Run, line: &Line<'_>, readings: &Readings, usual_s: f64) -> Vec<N
     nodes
 }
 
-/// Speed of a fast log: a straight line through the readings around the moment.
-fn read_speed(run: &Run, with_speed: &[(usize, f64)], place: usize) -> f64 {
-    let at_s = run.samples[with_speed[place].0].time_s;
-    let (mut n, mut t1, mut t2, mut v0, mut v1) = (0.0, 0.0, 0.0, 0.0, 0.0);
+/// What effort and gradient have given since the begin, m/s, with the number of the stretch in which they are known without a gap. A log without an effort column
+/// has the gradient alone.
+fn impulses(run: &Run, line: &Line<'_>, readings: &Readings) -> Vec<Option<(usize, f64)>> {
+    let with_effort = run.samples.iter().any(|s| s.effort_n_per_kg.is_some());
+    let gradient = |sample: &Sample| {
+        let late_m = readings.location_lag_s * sample.speed_mps?;
+        Some(line.gradient_n_per_kg(sample.location_m? + line.direction.sign() * late_m))
+    };
+    let given = |index: usize| {
+        let effort = match mean_effort(run, readings, index - 1, index) {
+            Some((mean, _)) => mean,
+            None if with_effort => return None,
+            None => 0.0,
+        };
+        let (before, now) = (&run.samples[index - 1], &run.samples[index]);
+        let gradient = 0.5 * (gradient(before)? + gradient(now)?);
+        Some((effort - gradient) * (now.time_s - before.time_s))
+    };
+    let mut impulses = vec![None; run.samples.len()];
+    let (mut stretch, mut sum_mps) = (0, 0.0);
+    for index in 1..run.samples.len() {
+        match given(index) {
+            Some(impulse_mps) => {
+                impulses[index - 1].get_or_insert((stretch, sum_mps));
+                sum_mps += impulse_mps;
+                impulses[index] = Some((stretch, sum_mps));
+            }
+            None => stretch += 1,
+        }
+    }
+    impulses
+}
+
+/// Speed of a fast log: a straight line through the readings around the moment. What effort and gradient give between them is taken out first where it is known:
+/// a line is then right beside a switch of the regime too, and a change of the gradient is not smeared, which would look like a longer train.
+fn read_speed(
+    run: &Run,
+    with_speed: &[(usize, f64)],
+    impulses: &[Option<(usize, f64)>],
+    place: usize,
+) -> f64 {
+    let (here, reading) = with_speed[place];
+    let at_s = run.samples[here].time_s;
     let near = |&&(sample, _): &&(usize, f64)| {
         (run.samples[sample].time_s - at_s).abs() <= READING_S + 1e-6
     };
     let before = with_speed[..place].iter().rev().take_while(near);
     let after = with_speed[place..].iter().take_while(near);
-    for &(sample, speed) in before.chain(after) {
+    let around: Vec<(usize, f64)> = before.chain(after).copied().collect();
+    let given = |sample: usize| {
+        let (own, zero) = impulses[here]?;
+        let (stretch, sum) = impulses[sample]?;
+        (stretch == own).then_some(sum - zero)
+    };
+    let known = around.iter().all(|(sample, _)| given(*sample).is_some());
+    let (mut n, mut t1, mut t2, mut v0, mut v1) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for &(sample, speed) in &around {
         let t = run.samples[sample].time_s - at_s;
+        let speed = if known {
+            speed - given(sample).unwrap_or(0.0)
+        } else {
+            speed
+        };
         n += 1.0;
         t1 += t;
         t2 += t * t;
@@ -333,8 +386,8 @@ fn read_speed(run: &Run, with_speed: &[(usize, f64)], place: usize) -> f64 {
         v1 += speed * t;
     }
     let determinant = n * t2 - t1 * t1;
-    if n < 3.0 || determinant <= 0.0 || with_speed[place].1 == 0.0 {
-        return with_speed[place].1;
+    if n < 3.0 || determinant <= 0.0 || reading == 0.0 {
+        return reading;
     }
     ((t2 * v0 - t1 * v1) / determinant).max(0.0)
 }

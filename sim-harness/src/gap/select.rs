@@ -79,10 +79,7 @@ impl<'a> Search<'a> {
         let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
         let y = whitening.whiten(&y);
         let families = families(context, rows, &whitening, measured);
-        let mut sensors = Vec::new();
-        if measured {
-            sensors.push(whitening.whiten(&Term::Delay.columns(context, rows)[0]));
-        }
+        let sensors = sensors(context, rows, &whitening);
         Self {
             context,
             rows,
@@ -354,6 +351,13 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Whitened columns of what sensors do, as far as these rows can show it.
+pub fn sensors(context: &Context<'_>, rows: &[Row], whitening: &Whitening) -> Vec<DVector<f64>> {
+    let columns = [Term::Delay, Term::Late].map(|term| term.columns(context, rows).remove(0));
+    let shown = columns.iter().filter(|c| c.iter().any(|v| *v != 0.0));
+    shown.map(|column| whitening.whiten(column)).collect()
+}
+
 fn is_section(term: &Term) -> bool {
     matches!(term, Term::Tunnel(_) | Term::Gradient(_) | Term::Bump(_))
 }
@@ -366,6 +370,8 @@ fn scan_term(scan: &Scan, section: [f64; 2]) -> Term {
 fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bool {
     /// A resistance below this is no finding, N/kg: 1 % of a train's at 100 km/h.
     const LEAST_N_PER_KG: f64 = 3e-4;
+    /// A table without a name takes the faults of all that is named with it, so it must be more.
+    const LEAST_UNNAMED_N_PER_KG: f64 = 6e-4;
     /// The same in a section of the line: 0.2 permille.
     const LEAST_IN_SECTION_N_PER_KG: f64 = 2e-3;
     let most = || {
@@ -407,6 +413,7 @@ fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bo
         Term::Curve | Term::WarmUp(_) | Term::DraggingBrake(_) => {
             beta[0] > 0.0 && most() > LEAST_N_PER_KG
         }
+        Term::Smooth(..) => most() > LEAST_UNNAMED_N_PER_KG,
         _ => most() > LEAST_N_PER_KG,
     }
 }
@@ -419,7 +426,7 @@ pub fn cost(term: &Term, rows: &[Row]) -> f64 {
         Term::Bump(_) => COEFFICIENT + SECTION + UNNAMED,
         // One law instead of three coefficients: a little dearer than one of them.
         Term::Cube => COEFFICIENT + 1.0,
-        Term::Delay => 0.0,
+        Term::Delay | Term::Late => 0.0,
         Term::Curve | Term::Wind(_) | Term::Mass | Term::Season => COEFFICIENT,
         Term::Length(_) => COEFFICIENT + SHAPE,
         Term::Temperature => 2.0 * COEFFICIENT,

@@ -30,6 +30,8 @@ pub enum Term {
     Davis([bool; 3]),
     /// Speed read later than the effort: step of the effort over the interval's length; coefficient in s. A matter of sensors, not of the train.
     Delay,
+    /// Location read late, beyond what was put right: the gradient of v seconds back less the one here, over 1 s. A matter of sensors, too.
+    Late,
     /// v³: no named law, and hard to tell from wrong Davis coefficients.
     Cube,
     /// v² while in the section, m.
@@ -75,6 +77,9 @@ pub struct Context<'a> {
     pub period_days: f64,
 }
 
+/// Half the distance over which the change of the gradient is taken, m.
+const SLOPE_M: f64 = 15.0;
+
 /// Share of the train within a section.
 fn share(line: &Line<'_>, front_m: f64, [from_m, to_m]: [f64; 2]) -> f64 {
     let length_m = line.train.length_m();
@@ -114,6 +119,12 @@ impl Term {
                 .collect(),
             Self::Delay => vec![along(&|_, row, _| {
                 row.interval.effort_step_n_per_kg / row.interval.dt_s
+            })],
+            Self::Late => vec![along(&|line, _, p| {
+                let sign = line.direction.sign();
+                let ahead = line.gradient_n_per_kg(p.location_m + sign * SLOPE_M);
+                let behind = line.gradient_n_per_kg(p.location_m - sign * SLOPE_M);
+                p.speed_mps * (ahead - behind) / (2.0 * SLOPE_M)
             })],
             Self::Cube => vec![along(&|_, _, p| p.speed_mps.powi(3))],
             Self::Tunnel(section) => vec![along(&|line, _, p| {
