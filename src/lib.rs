@@ -70,6 +70,7 @@
 
 pub mod auth;
 mod bytes;
+pub mod coast_ahead;
 pub mod config;
 mod curves;
 pub mod digest;
@@ -95,6 +96,7 @@ pub mod resistance;
 pub mod run_state;
 pub mod state;
 pub mod store;
+mod targets;
 pub mod task;
 pub mod track;
 pub mod train;

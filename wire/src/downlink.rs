@@ -1,7 +1,8 @@
 //! Downlink: what the board says. Each frame is a value of [`Body`]; numbers are `f32` in SI units, times `f64`.
 //!
-//! In a tick the frames come in this order: parameters, effort, the others that are due, and [`Estimate`] last: it closes the tick.
+//! In a tick the frames come in this order: parameters, effort, coast_ahead, the others that are due, and [`Estimate`] last: it closes the tick.
 
+use crate::coast::CoastAhead;
 use crate::envelope::{self, DecodeError, EncodeError};
 use crate::health::Health;
 use crate::words::{Cause, Regime, Validity};
@@ -63,6 +64,8 @@ pub enum Body {
     Answer(Answer),
     /// 10: how the hardware is.
     Health(Health),
+    /// 11: what coasting from here leads to.
+    CoastAhead(CoastAhead),
 }
 
 impl Body {
@@ -80,6 +83,7 @@ impl Body {
             Self::SnapshotPart(_) => "snapshot_part",
             Self::Answer(_) => "answer",
             Self::Health(_) => "health",
+            Self::CoastAhead(_) => "coast_ahead",
         }
     }
 }

@@ -20,12 +20,14 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod coast;
 mod downlink;
 mod envelope;
 mod health;
 pub mod link;
 mod words;
 
+pub use coast::{CoastAhead, CoastArrival, CoastOutcome, CoastTarget};
 pub use downlink::*;
 pub use envelope::{DecodeError, EncodeError, MAX_MESSAGE, VERSION, decode, encode};
 pub use health::{FILE_TAIL, Failure, Health, LineCounts, ResetCause, Stalled};
