@@ -34,6 +34,8 @@ use serde::{Deserialize, Serialize};
 pub struct CoastConfig {
     /// Furthest target, m. A train that coasts for longer is rare.
     pub horizon_m: Real,
+    /// Standard deviation by which the mean wind along the way ahead differs from that so far, m/s: gusts of some minutes, woods and banks, the line's bends.
+    pub wind_change_mps: Real,
     /// A prediction is published again when it moves the coasting point by more than this, m: where coasting must begin for the same speed at the target, on the level.
     pub coasting_point_m: Real,
     /// The same for the arrival at the target, s.
@@ -44,6 +46,7 @@ impl Default for CoastConfig {
     fn default() -> Self {
         Self {
             horizon_m: 25e3,
+            wind_change_mps: 0.3,
             coasting_point_m: 150.0,
             arrival_s: 3.0,
         }
@@ -53,6 +56,7 @@ impl Default for CoastConfig {
 impl CoastConfig {
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         between("coast.horizon_m", self.horizon_m, 100.0, 1e5)?;
+        between("coast.wind_change_mps", self.wind_change_mps, 0.0, 20.0)?;
         between("coast.coasting_point_m", self.coasting_point_m, 0.0, 1e5)?;
         between("coast.arrival_s", self.arrival_s, 0.0, 3600.0)
     }

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! mean           E = v²      E' = E - 2 g (H' - H) - 2 h (r(v) + X)       v, X midway; H mean height under the train
-//!                t' = t + 2 h / (v + v')
+//!                t' = t + h / (v + v_midway) + h / (v_midway + v')
 //! sensitivities  dS/ds = f S - 2 (0, 1, v, v²)      f = -(r1 + 2 r2 v)/v      of E to E(0), r0, r1, r2
 //!                dT/ds = -S / (2 v³)                                          of t to the same
 //! noise          variance of E grows by 4 v² q dt
@@ -117,7 +117,8 @@ impl<'a> Way<'a> {
         let before = self.energy;
         let energy = before - gravity * (height_m2 - self.height_m2) - 2.0 * step_m * braking;
         let end_mps = speed(before, energy, step_m)?;
-        let dt_s = 2.0 * step_m / (begin.speed_mps + end_mps);
+        // Each half at a constant deceleration: a hill may stand within the step.
+        let dt_s = step_m / (begin.speed_mps + midway_mps) + step_m / (midway_mps + end_mps);
 
         self.answer(step_m, dt_s, midway_mps);
         self.energy = energy;

@@ -352,6 +352,7 @@ fn uplink() -> Vec<(String, Frame)> {
     config.learning.acceleration_noise_mps2 = 0.001;
     config.coast = CoastConfig {
         horizon_m: 25e3,
+        wind_change_mps: 0.3,
         coasting_point_m: 150.0,
         arrival_s: 3.0,
     };
