@@ -88,21 +88,27 @@ fn coast(
 ) -> Outcome {
     let davis = estimate.davis();
     let sign = line.direction.sign();
-    let mut way = Way::begin(line, acting, davis, noise, *from);
+    let mut way = Way::begin(line, acting, &davis, noise, from);
+    let speed_mps = way.speed_mps;
     let here = Here {
-        sign,
-        speed_mps: from.speed_mps,
+        sign: sign as f32,
+        speed_mps,
         braking_n_per_kg: way.braking_n_per_kg(),
-        wind_mps: config.wind_change_mps,
+        by_wind: 2.0 * (config.wind_change_mps * davis.r2) as f32,
     };
     let steps = libm::ceil(ahead_m / STEP_M).clamp(1.0, Real::from(MOST_STEPS));
     let step_m = ahead_m / steps;
     for _ in 0..steps as u32 {
         if let Err(Stands { after_m }) = way.advance(step_m) {
             // v² is nearly straight over the way, and its deviation is that of where the step began.
-            let sd_m =
-                energy_sd(estimate, &here, &way) / (2.0 * davis.r0.max(way.braking_n_per_kg()));
-            let location_m = way.at.location_m + sign * after_m;
+            let sd = here.sd_of(
+                here.energy(&way.by_energy),
+                &way.by_energy,
+                estimate,
+                way.noise_energy,
+            );
+            let sd_m = Real::from(0.5 * sd / way.braking_n_per_kg().max(davis.r0 as f32));
+            let location_m = way.location_m + sign * Real::from(after_m);
             let left_m = ahead_m - sign * (location_m - from.location_m);
             // NaN goes on and is found to be none.
             return if left_m < NINETY_PERCENT * sd_m {
@@ -112,58 +118,69 @@ fn coast(
             };
         }
     }
-    let sd = energy_sd(estimate, &here, &way);
-    if way.energy < NINETY_PERCENT * sd {
+    let sd = here.sd_of(
+        here.energy(&way.by_energy),
+        &way.by_energy,
+        estimate,
+        way.noise_energy,
+    );
+    if Real::from(way.energy) < NINETY_PERCENT * Real::from(sd) {
         return Outcome::MayStop;
     }
-    let by_energy = way.by_energy[0];
-    let speed_mps = way.at.speed_mps;
+    let time_sd = here.sd_of(
+        here.time(&way.by_time),
+        &way.by_time,
+        estimate,
+        way.noise_time,
+    );
+    let level = davis.resistance_n_per_kg(from.speed_mps) as f32;
     Outcome::Arrives(Arrival {
-        speed_mps,
-        speed_sd_mps: 0.5 * sd / speed_mps,
-        time_s: way.at.time_s,
-        time_sd_s: time_sd_s(estimate, &here, &way),
-        speed_per_m: by_energy * davis.resistance_n_per_kg(from.speed_mps) / speed_mps,
+        speed_mps: Real::from(way.speed_mps),
+        speed_sd_mps: Real::from(0.5 * sd / way.speed_mps),
+        time_s: from.time_s + Real::from(way.time_s),
+        time_sd_s: Real::from(time_sd),
+        speed_per_m: Real::from(way.by_energy[0] * level / way.speed_mps),
     })
 }
 
 /// Where the prediction begins.
 struct Here {
     /// +1 up, -1 down.
-    sign: Real,
-    speed_mps: Real,
+    sign: f32,
+    speed_mps: f32,
     /// Resistance and gradient.
-    braking_n_per_kg: Real,
-    /// How much the wind ahead differs from that so far.
-    wind_mps: Real,
+    braking_n_per_kg: f32,
+    /// What the wind ahead may add to r1, by its standard deviation.
+    by_wind: f32,
 }
 
-/// Standard deviation of v² at a place of the way, m²/s².
-fn energy_sd(estimate: &Estimate, here: &Here, way: &Way<'_>) -> Real {
-    let [energy, r0, r1, r2] = way.by_energy;
-    let wind = here.wind_mps * 2.0 * estimate.davis().r2 * r1;
-    // A train that is further ahead has less of the way to go.
-    let location = 2.0 * energy * here.braking_n_per_kg * here.sign;
-    let answers = [location, 2.0 * here.speed_mps * energy, r0, r1, r2];
-    libm::sqrt(variance(estimate, &answers) + wind * wind + way.noise_energy)
-}
+impl Here {
+    /// How v² at a place of the way answers to the location: a train that is further ahead has less of the way to go.
+    fn energy(&self, by: &[f32; 4]) -> f32 {
+        2.0 * by[0] * self.braking_n_per_kg * self.sign
+    }
 
-/// Standard deviation of the time at a place of the way, s.
-fn time_sd_s(estimate: &Estimate, here: &Here, way: &Way<'_>) -> Real {
-    let [energy, r0, r1, r2] = way.by_time;
-    let wind = here.wind_mps * 2.0 * estimate.davis().r2 * r1;
-    let location = (2.0 * energy * here.braking_n_per_kg - 1.0 / here.speed_mps) * here.sign;
-    let answers = [location, 2.0 * here.speed_mps * energy, r0, r1, r2];
-    libm::sqrt(variance(estimate, &answers) + wind * wind + way.noise_time)
+    /// The same of the time.
+    fn time(&self, by: &[f32; 4]) -> f32 {
+        (2.0 * by[0] * self.braking_n_per_kg - 1.0 / self.speed_mps) * self.sign
+    }
+
+    /// Standard deviation of what answers so to the location, and to v², r0, r1, r2 of the estimate.
+    fn sd_of(&self, location: f32, by: &[f32; 4], estimate: &Estimate, noise: f32) -> f32 {
+        let [energy, r0, r1, r2] = *by;
+        let answers = [location, 2.0 * self.speed_mps * energy, r0, r1, r2];
+        let wind = self.by_wind * r1;
+        libm::sqrtf(variance(estimate, &answers) + wind * wind + noise)
+    }
 }
 
 /// Variance of what answers so to the state.
-fn variance(estimate: &Estimate, answers: &[Real; SIZE]) -> Real {
+fn variance(estimate: &Estimate, answers: &[f32; SIZE]) -> f32 {
     let covariance = &estimate.belief.covariance;
     let mut sum = 0.0;
     for (column, answer) in covariance.column_iter().zip(answers) {
-        let row: Real = column.iter().zip(answers).map(|(p, a)| p * a).sum();
-        sum += answer * row;
+        let row = column.iter().zip(answers).map(|(p, a)| *p as f32 * a);
+        sum += answer * row.sum::<f32>();
     }
     // Rounding may leave a little below 0 of a state that is known exactly. NaN stays.
     if sum < 0.0 { 0.0 } else { sum }
@@ -270,7 +287,15 @@ mod tests {
             direction,
         };
         let acting = Acting::new(effects, Journey::default());
-        predict(&CoastConfig::default(), &line, &acting, 0.0, estimate)
+        predict(&calm(), &line, &acting, 0.0, estimate)
+    }
+
+    /// A wind that stays as it is.
+    fn calm() -> CoastConfig {
+        CoastConfig {
+            wind_change_mps: 0.0,
+            ..CoastConfig::default()
+        }
     }
 
     fn arrival(track: &Track, direction: Direction, estimate: &Estimate) -> Arrival {
@@ -420,6 +445,32 @@ mod tests {
             (found.time_sd_s / time_sd_s - 1.0).abs() < 0.01,
             "{found:?} {time_sd_s}"
         );
+    }
+
+    #[test]
+    fn another_wind_ahead_is_as_uncertain_as_the_linear_term_that_it_adds() {
+        let (track, train) = (with_stop(hills(), 15e3), train());
+        let line = Line {
+            train: &train,
+            track: &track,
+            direction: Direction::Up,
+        };
+        let effects = Effects::NONE;
+        let acting = Acting::new(&effects, Journey::default());
+        let config = CoastConfig {
+            wind_change_mps: 0.5,
+            ..CoastConfig::default()
+        };
+        let state = estimate(6e3, 36.0, DAVIS, [0.0; SIZE]);
+        let Outcome::Arrives(found) = predict(&config, &line, &acting, 0.0, &state).outcome else {
+            panic!("no arrival");
+        };
+        // r2 (v + w)² adds 2 r2 w to r1.
+        let sd = [0.0, 0.0, 0.0, 2.0 * DAVIS.r2 * 0.5, 0.0];
+        let expected = arrival(&track, Direction::Up, &estimate(6e3, 36.0, DAVIS, sd));
+        assert!((found.speed_sd_mps / expected.speed_sd_mps - 1.0).abs() < 1e-4);
+        assert!((found.time_sd_s / expected.time_sd_s - 1.0).abs() < 1e-4);
+        assert!(found.speed_sd_mps > 0.05, "{found:?}");
     }
 
     #[test]

@@ -11,6 +11,9 @@
 //! ```
 //!
 //! The sensitivities by the trapezoid rule with v midway. Named effects move the mean and add no slope, as in [`crate::effects::Acting`].
+//!
+//! Single precision but for locations and heights: the board's processor has it, double precision costs it five times the instructions. An error of 1e-7 of v² is nothing beside what is not known of it, and
+//! no result of the estimator depends on it.
 
 use crate::Real;
 use crate::effects::Acting;
@@ -19,7 +22,7 @@ use crate::motion::Line;
 use crate::resistance::Davis;
 
 /// Slower than this counts as standing: 1 m/s.
-const STANDS_M2_PER_S2: Real = 1.0;
+const STANDS_M2_PER_S2: f32 = 1.0;
 
 /// Number of sensitivities: of the beginning's v², r0, r1, r2.
 const N: usize = 4;
@@ -28,48 +31,63 @@ const N: usize = 4;
 pub(super) struct Way<'a> {
     line: &'a Line<'a>,
     acting: &'a Acting<'a>,
-    davis: Davis,
+    davis: &'a Davis,
+    /// The same in single precision.
+    r: [f32; 3],
+    /// Twice gravity over the length of the train, N/(kg m).
+    gravity: f32,
     /// Spectral density of the acceleration beyond the model, m²/s³.
-    noise: Real,
-    pub(super) at: Point,
+    noise: f32,
+    begin_s: Real,
+    pub(super) location_m: Real,
+    pub(super) speed_mps: f32,
+    /// Since the beginning, s.
+    pub(super) time_s: f32,
     /// v², m²/s².
-    pub(super) energy: Real,
+    pub(super) energy: f32,
     /// Integral of the height under the train, m².
     height_m2: Real,
     /// Of the named effects at the last place where they were asked for, N/kg.
-    extra_n_per_kg: Real,
+    extra_n_per_kg: f32,
     /// Of v².
-    pub(super) by_energy: [Real; N],
+    pub(super) by_energy: [f32; N],
     /// Of the time.
-    pub(super) by_time: [Real; N],
+    pub(super) by_time: [f32; N],
     /// Variances of v² and t and their covariance by noise alone.
-    pub(super) noise_energy: Real,
-    noise_both: Real,
-    pub(super) noise_time: Real,
+    pub(super) noise_energy: f32,
+    noise_both: f32,
+    pub(super) noise_time: f32,
 }
 
 /// The train stands before the end of the step, at this distance from its beginning, m.
 pub(super) struct Stands {
-    pub(super) after_m: Real,
+    pub(super) after_m: f32,
 }
 
 impl<'a> Way<'a> {
     pub(super) fn begin(
         line: &'a Line<'a>,
         acting: &'a Acting<'a>,
-        davis: Davis,
+        davis: &'a Davis,
         noise: Real,
-        from: Point,
+        from: &Point,
     ) -> Self {
+        let speed_mps = from.speed_mps as f32;
+        let extra_n_per_kg = acting.extra_n_per_kg(line, davis, from, 0.0);
         Self {
             line,
             acting,
             davis,
-            noise,
-            at: from,
-            energy: from.speed_mps * from.speed_mps,
-            height_m2: Self::height_m2(line, from.location_m),
-            extra_n_per_kg: acting.extra_n_per_kg(line, &davis, &from, 0.0),
+            r: [davis.r0 as f32, davis.r1 as f32, davis.r2 as f32],
+            gravity: 2.0 * line.train.gravity_n_per_kg_m() as f32,
+            noise: noise as f32,
+            begin_s: from.time_s,
+            location_m: from.location_m,
+            speed_mps,
+            time_s: 0.0,
+            energy: speed_mps * speed_mps,
+            height_m2: height_m2(line, from.location_m),
+            extra_n_per_kg: extra_n_per_kg as f32,
             by_energy: [1.0, 0.0, 0.0, 0.0],
             by_time: [0.0; N],
             noise_energy: 0.0,
@@ -78,63 +96,64 @@ impl<'a> Way<'a> {
         }
     }
 
-    fn height_m2(line: &Line<'_>, location_m: Real) -> Real {
-        let length_m = line.train.length_m();
-        line.track
-            .height_integral_m2(location_m, length_m, line.direction)
+    /// Running resistance with the named effects, N/kg.
+    fn resistance_n_per_kg(&self, v: f32) -> f32 {
+        let [r0, r1, r2] = self.r;
+        r0 + v * (r1 + v * r2) + self.extra_n_per_kg
     }
 
     /// What brakes the train here, N/kg: positive against travel.
-    pub(super) fn braking_n_per_kg(&self) -> Real {
-        self.davis.resistance_n_per_kg(self.at.speed_mps)
-            + self.line.gradient_n_per_kg(self.at.location_m)
-            + self.extra_n_per_kg
+    pub(super) fn braking_n_per_kg(&self) -> f32 {
+        let gradient = self.line.gradient_n_per_kg(self.location_m) as f32;
+        self.resistance_n_per_kg(self.speed_mps) + gradient
     }
 
     /// One step of `step_m`.
     pub(super) fn advance(&mut self, step_m: Real) -> Result<(), Stands> {
-        let sign = self.line.direction.sign();
-        let gravity = 2.0 * self.line.train.gravity_n_per_kg_m();
-        let (begin, half_m) = (self.at, 0.5 * step_m);
-
-        let midway_m = begin.location_m + sign * half_m;
-        let rise_m2 = Self::height_m2(self.line, midway_m) - self.height_m2;
-        let braking = self.davis.resistance_n_per_kg(begin.speed_mps) + self.extra_n_per_kg;
-        let energy = self.energy - gravity * rise_m2 - step_m * braking;
-        let midway_mps = speed(self.energy, energy, half_m)?;
-
-        let midway = Point {
-            time_s: begin.time_s + half_m / midway_mps,
-            location_m: midway_m,
-            speed_mps: midway_mps,
-        };
-        self.extra_n_per_kg = self
-            .acting
-            .extra_n_per_kg(self.line, &self.davis, &midway, 0.0);
-        let end_m = begin.location_m + sign * step_m;
-        let height_m2 = Self::height_m2(self.line, end_m);
-        let braking = self.davis.resistance_n_per_kg(midway_mps) + self.extra_n_per_kg;
+        let way_m = self.line.direction.sign() * step_m;
+        let step_m = step_m as f32;
         let before = self.energy;
-        let energy = before - gravity * (height_m2 - self.height_m2) - 2.0 * step_m * braking;
+
+        let midway_m = self.location_m + 0.5 * way_m;
+        let rise_m2 = (height_m2(self.line, midway_m) - self.height_m2) as f32;
+        let braking = self.resistance_n_per_kg(self.speed_mps);
+        let energy = before - self.gravity * rise_m2 - step_m * braking;
+        let midway_mps = speed(before, energy, 0.5 * step_m)?;
+
+        if !self.acting.is_empty() {
+            let midway = Point {
+                time_s: self.begin_s + Real::from(self.time_s + 0.5 * step_m / midway_mps),
+                location_m: midway_m,
+                speed_mps: Real::from(midway_mps),
+            };
+            let extra = self
+                .acting
+                .extra_n_per_kg(self.line, self.davis, &midway, 0.0);
+            self.extra_n_per_kg = extra as f32;
+        }
+        let end_m = self.location_m + way_m;
+        let end_m2 = height_m2(self.line, end_m);
+        let rise_m2 = (end_m2 - self.height_m2) as f32;
+        let braking = self.resistance_n_per_kg(midway_mps);
+        let energy = before - self.gravity * rise_m2 - 2.0 * step_m * braking;
         let end_mps = speed(before, energy, step_m)?;
         // Each half at a constant deceleration: a hill may stand within the step.
-        let dt_s = step_m / (begin.speed_mps + midway_mps) + step_m / (midway_mps + end_mps);
+        let dt_s = step_m / (self.speed_mps + midway_mps) + step_m / (midway_mps + end_mps);
 
         self.answer(step_m, dt_s, midway_mps);
         self.energy = energy;
-        self.height_m2 = height_m2;
-        self.at = Point {
-            time_s: begin.time_s + dt_s,
-            location_m: end_m,
-            speed_mps: end_mps,
-        };
+        self.height_m2 = end_m2;
+        self.location_m = end_m;
+        self.speed_mps = end_mps;
+        self.time_s += dt_s;
         Ok(())
     }
 
     /// Sensitivities and noise over a step.
-    fn answer(&mut self, step_m: Real, dt_s: Real, v: Real) {
+    fn answer(&mut self, step_m: f32, dt_s: f32, v: f32) {
+        let [_, r1, r2] = self.r;
         let per_speed = 1.0 / v;
-        let half = -0.5 * step_m * (self.davis.r1 + 2.0 * v * self.davis.r2) * per_speed;
+        let half = -0.5 * step_m * (r1 + 2.0 * v * r2) * per_speed;
         let share = 1.0 / (1.0 - half);
         let keep = (1.0 + half) * share;
         let push = -2.0 * step_m * share;
@@ -155,10 +174,16 @@ impl<'a> Way<'a> {
     }
 }
 
+fn height_m2(line: &Line<'_>, location_m: Real) -> Real {
+    let length_m = line.train.length_m();
+    line.track
+        .height_integral_m2(location_m, length_m, line.direction)
+}
+
 /// The speed of a v² that has fallen from `before` over `way_m`.
-fn speed(before: Real, energy: Real, way_m: Real) -> Result<Real, Stands> {
+fn speed(before: f32, energy: f32, way_m: f32) -> Result<f32, Stands> {
     if energy > STANDS_M2_PER_S2 {
-        return Ok(libm::sqrt(energy));
+        return Ok(libm::sqrtf(energy));
     }
     // Also where it is NaN; what is made of it is not finite then.
     Err(Stands {

@@ -30,7 +30,7 @@ impl<F: NorFlash> Task<'_, F> {
             }
         }
         // Between the minutes: no tick does everything.
-        if self.tick % SNAPSHOT_TICKS == MINUTE_TICKS / 2 {
+        if self.takes_snapshot() {
             self.take_snapshot_of_the_run();
         }
         self.send_snapshot_parts(port);
@@ -56,10 +56,16 @@ impl<F: NorFlash> Task<'_, F> {
         self.send(Body::Parameters(parameters), port);
     }
 
-    /// Where the track has targets. Not in the tick of the minute, which is the longest one; what was said last is said again in the tick after it, for a display that missed it.
+    fn takes_snapshot(&self) -> bool {
+        self.tick % SNAPSHOT_TICKS == MINUTE_TICKS / 2
+    }
+
+    /// Where the track has targets. Not in the tick of the minute and not in that of a snapshot, which are the longest ones; what was said last is said again in the tick after
+    /// the minute's, for a display that missed it.
     #[inline(never)]
     fn send_coast_ahead(&mut self, estimate: &Estimate, port: &mut impl Port) {
-        if self.estimator.track().targets() == 0 || self.tick.is_multiple_of(MINUTE_TICKS) {
+        let long = self.tick.is_multiple_of(MINUTE_TICKS) || self.takes_snapshot();
+        if long || self.estimator.track().targets() == 0 {
             return;
         }
         let mut ahead = self.estimator.coast_ahead(self.run, estimate);
