@@ -3,6 +3,7 @@
 //! Exit codes: see [`AFTER_HELP`]. Errors are one line each on stderr: what, where, what to do.
 
 pub mod demo;
+pub mod export;
 pub mod gap;
 pub mod gap_bench;
 pub mod link;
@@ -61,6 +62,8 @@ enum Command {
     Gap(Box<gap::Arguments>),
     /// How often the gap workflow finds a hidden effect, and nothing else
     GapBench(Box<gap_bench::Arguments>),
+    /// Write what was learned of a train for other tools
+    Export(export::Arguments),
     /// Make the record with a new key that a board is given
     Provision(provision::Arguments),
     /// The case study in short: simulate its 67 runs, replay them, write the report
@@ -114,6 +117,7 @@ pub fn main() -> ExitCode {
         Command::Link(arguments) => link::run(&arguments),
         Command::Gap(arguments) => gap::run(&arguments),
         Command::GapBench(arguments) => gap_bench::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Completions { shell } => {
