@@ -134,9 +134,10 @@ pub fn traction_curve(train: &TrainFile, max_speed_kmh: f64) -> Vec<(f64, f64)> 
         share * train.max_tractive_effort_n.min(by_power_n)
     };
     let mut speeds_kmh = vec![0.0];
-    if knee_kmh < max_speed_kmh {
+    if knee_kmh + 0.1 < max_speed_kmh {
         speeds_kmh.push(knee_kmh);
-        let first = (knee_kmh / CURVE_STEP_KMH).floor() as u32 + 1;
+        // Not so near that both would be written as one speed.
+        let first = ((knee_kmh + 0.1) / CURVE_STEP_KMH).floor() as u32 + 1;
         let rounds = (first..).map(|i| CURVE_STEP_KMH * f64::from(i));
         speeds_kmh.extend(rounds.take_while(|kmh| *kmh < max_speed_kmh));
     }
@@ -322,6 +323,20 @@ mod tests {
             "1500VNaNHz",
         ] {
             assert!(wrong.parse::<Traction>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn no_speed_of_the_curve_is_written_twice() {
+        for knee_kmh in [39.96, 40.0, 40.04, 139.97, 150.0] {
+            let mut train = train();
+            train.max_power_w = train.max_tractive_effort_n * knee_kmh / 3.6;
+            let curve = traction_curve(&train, 140.0);
+            let written: Vec<String> = curve.iter().map(|(kmh, _)| format!("{kmh:.1}")).collect();
+            let mut once = written.clone();
+            once.dedup();
+            assert_eq!(written, once);
+            assert_eq!(written.last().map(String::as_str), Some("140.0"));
         }
     }
 
