@@ -17,6 +17,7 @@
 //! | train, track, configuration, effects | [`train_file`], [`track_file`], [`config_file`], [`effect_file`], all by [`toml_file`] |
 //! | what does a DAS computer say to the board? | [`desk`] |
 //! | how does the host reach a board, and talk to it? | [`link`], [`session`] |
+//! | what does a board say, live? | [`display`] |
 //! | what really happens, and what sensors make of it? | [`truth`] |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | [`study`] |
@@ -30,6 +31,7 @@ pub mod advice;
 pub mod commands;
 pub mod config_file;
 pub mod desk;
+pub mod display;
 pub mod effect_file;
 pub mod effect_frame;
 pub mod gap;

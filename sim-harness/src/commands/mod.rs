@@ -3,6 +3,7 @@
 //! Exit codes: see [`AFTER_HELP`]. Errors are one line each on stderr: what, where, what to do.
 
 pub mod demo;
+pub mod display;
 pub mod export;
 pub mod gap;
 pub mod gap_bench;
@@ -30,6 +31,7 @@ Exit codes:
 /// Everything was done, but for runs that could not be used.
 const SOME_RUNS_FAILED: u8 = 1;
 /// The arguments do not go together.
+/// Wrong arguments, as far as they cannot be told from their form.
 const WRONG_ARGUMENTS: u8 = 2;
 /// A description or the configuration was refused.
 const DESCRIPTION_REFUSED: u8 = 3;
@@ -58,6 +60,8 @@ enum Command {
     Tune(Box<tune::Arguments>),
     /// Play recorded runs to a board, real or emulated
     Link(Box<link::Arguments>),
+    /// Show what a board says, live: in a browser, in the terminal, or as lines
+    Display(Box<display::Arguments>),
     /// Find which effect a model lacks, add it, and show the gap shrink
     Gap(Box<gap::Arguments>),
     /// How often the gap workflow finds a hidden effect, and nothing else
@@ -115,6 +119,7 @@ pub fn main() -> ExitCode {
         Command::Study(arguments) => study::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
         Command::Link(arguments) => link::run(&arguments),
+        Command::Display(arguments) => display::run(&arguments),
         Command::Gap(arguments) => gap::run(&arguments),
         Command::GapBench(arguments) => gap_bench::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
