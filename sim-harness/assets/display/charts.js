@@ -78,6 +78,22 @@ function marks(run) {
         free = left + width + 8;
       }
     }
+    const ahead = run.arrival();
+    if (ahead) {
+      // What coasting from here leads to, with its 90 % interval.
+      const x = u.valToPos(ahead.km, "x", true), [y, low, high] = [ahead.kmh, ahead.low, ahead.high].map((kmh) => u.valToPos(kmh, "y", true));
+      const half = 0.4 * px;
+      ctx.strokeStyle = colour("coast");
+      ctx.lineWidth = 3 * uPlot.pxRatio;
+      ctx.beginPath();
+      for (const [x0, y0, x1, y1] of [[x, low, x, high], [x - half, low, x + half, low], [x - half, high, x + half, high]]) {
+        ctx.moveTo(x0, y0);
+        ctx.lineTo(x1, y1);
+      }
+      ctx.moveTo(x + half, y);
+      ctx.arc(x, y, half, 0, 7);
+      ctx.stroke();
+    }
     const train = run.train();
     if (train) {
       const x = u.valToPos(train.km, "x", true), y = u.valToPos(train.kmh, "y", true);

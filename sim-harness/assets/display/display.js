@@ -31,7 +31,7 @@ function age(link) {
 function showNow() {
   const { estimate } = state.now, link = state.link;
   const ended = link?.connection.state === "ended";
-  const old = state.gone || !link || (link.silent && !ended);
+  const old = state.gone || !link || link.connection.state === "lost" || (link.silent && !ended);
   document.body.classList.toggle("old", old);
   put("speed", fixed(estimate?.speed_mps.value, 0, KMH));
   put("speed-sd", deviation(estimate?.speed_mps.sd, 1, KMH));
@@ -42,11 +42,12 @@ function showNow() {
   regime.querySelector("b").textContent = estimate?.regime ?? "no run";
   let [word, text] = validity(estimate);
   if (state.gone) [word, text] = ["old", "the display program has ended"];
-  else if (old && link) [word, text] = [link.age_s == null ? "none" : "old", `${age(link)}${link.age_s == null ? "" : ": these values are old"}`];
+  else if (old && link) [word, text] = [link.age_s == null ? "none" : "old", link.age_s == null ? age(link) : `${age(link)}: these values are old`];
   else if (ended) [word, text] = ["ended", "end of the recording"];
   $("validity").dataset.state = word;
   put("validity", text);
   put("next-stop", nextStop(estimate));
+  showCoasting();
 }
 
 /** Chainage grows or falls with the run. */
@@ -64,9 +65,52 @@ function nextStop(estimate) {
   return `${name} in ${fixed(m, 1, 1e-3)} km`;
 }
 
+// ---- coasting from here
+
+/** Two-sided 90 % of a normal distribution, in standard deviations. */
+const NINETY = 1.645;
+
+function targetName(target) {
+  const stop = (state.setup.track?.stop ?? []).find((stop) => Math.abs(stop.at_m - target.at_m) < 1);
+  const place = `${fixed(target.at_m, 1, 1e-3)} km`;
+  if (target.limit_mps != null) return `${fixed(target.limit_mps, 0, KMH)} km/h at ${place}`;
+  return stop ? stop.name : `stop at ${place}`;
+}
+
+/** What stands large, and below it. An outcome is a word, or a word with values. */
+function coasting(ahead, estimate) {
+  if (!ahead || !estimate) return [NONE, "no prediction yet"];
+  const [word, value] = typeof ahead.outcome === "string" ? [ahead.outcome] : Object.entries(ahead.outcome)[0];
+  const to = ahead.target ? targetName(ahead.target) : "";
+  if (word === "arrives") {
+    const { speed_mps, time_s, time_sd_s } = value, s = Math.max(0, Math.round(time_s - estimate.time_s));
+    return [`${fixed(speed_mps.value, 0, KMH)} ±${fixed(NINETY * speed_mps.sd, 0, KMH)} km/h`,
+      `${to}, in ${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")} ±${fixed(NINETY * time_sd_s, 0)} s`];
+  }
+  if (word === "stops") return ["stops", `${fixed(value.value, 1, 1e-3)} ±${fixed(NINETY * value.sd, 1, 1e-3)} km, before ${to}`];
+  if (word === "may_stop") return ["may stop", `before ${to}`];
+  if (word === "no_target") return [NONE, "no stop or limit ahead"];
+  return [NONE, "no prediction now"];
+}
+
+function showCoasting() {
+  const [large, small] = coasting(state.now.coast_ahead, state.now.estimate);
+  put("advice-speed", large);
+  put("advice-time", small);
+}
+
+/** Where the speed at the target is drawn, if the train gets there. */
+function arrival() {
+  const ahead = state.now.coast_ahead, to = ahead?.outcome?.arrives;
+  if (!to || !ahead.target) return null;
+  const of = (sd) => KMH * (to.speed_mps.value + sd * to.speed_mps.sd);
+  return { km: ahead.target.at_m / 1000, kmh: of(0), low: of(-NINETY), high: of(NINETY) };
+}
+
 // ---- run
 
 const run = {
+  arrival,
   stops: () => state.setup.track?.stop ?? [],
   train: () => {
     const { estimate } = state.now;

@@ -15,19 +15,25 @@ use super::hub::{Hub, LinkHealth, View};
 use super::setup::Setup;
 use super::state::{Now, PastRun, Point, UNSETTLED};
 use serde::Serialize;
-use std::io::{self, Write};
-use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::borrow::Cow;
+use std::io::{self, Read, Write};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use tiny_http::{Header, Request, Response, Server};
 
 /// A recording played at once makes more updates than an eye takes.
 pub const LEAST_PAUSE: Duration = Duration::from_millis(100);
 /// The age of what is shown is shown.
 pub const LONGEST_PAUSE: Duration = Duration::from_secs(1);
-/// Browsers that are told at once; each has a thread.
-const MOST_BROWSERS: usize = 32;
+/// Connections at once; each has a thread.
+const MOST_CONNECTIONS: usize = 64;
+/// A browser that takes longer to ask, or to take an answer, has gone.
+const REQUEST_TIME: Duration = Duration::from_secs(10);
+/// Longest head of a request, bytes.
+const LONGEST_REQUEST: usize = 16 * 1024;
+
+const JSON: &str = "application/json";
 
 struct Asset {
     path: &'static str,
@@ -45,13 +51,14 @@ macro_rules! asset {
     };
 }
 
-const ASSETS: [Asset; 6] = [
+const ASSETS: [Asset; 7] = [
     asset!("/", "text/html", "display/index.html"),
     asset!("/display.css", "text/css", "display/display.css"),
     asset!("/display.js", "text/javascript", "display/display.js"),
     asset!("/charts.js", "text/javascript", "display/charts.js"),
     asset!("/uplot.js", "text/javascript", "uplot/uPlot.iife.min.js"),
     asset!("/uplot.css", "text/css", "uplot/uPlot.min.css"),
+    asset!("/uplot.txt", "text/plain", "uplot/LICENSE"),
 ];
 
 /// What a browser is told.
@@ -112,13 +119,13 @@ impl Cursor {
     }
 }
 
-/// The page's server.
+/// The page's server: a thread for each connection, a connection for each request.
 pub struct Page {
-    server: Server,
+    listener: TcpListener,
     address: SocketAddr,
     hub: Arc<Hub>,
     setup: String,
-    browsers: Arc<AtomicUsize>,
+    connections: AtomicUsize,
 }
 
 impl Page {
@@ -128,13 +135,12 @@ impl Page {
     /// The port is taken.
     pub fn bind(port: u16, hub: Arc<Hub>, setup: &Setup) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
-        let address = listener.local_addr()?;
         Ok(Self {
-            server: Server::from_listener(listener, None).map_err(io::Error::other)?,
-            address,
+            address: listener.local_addr()?,
+            listener,
             hub,
             setup: serde_json::to_string(setup)?,
-            browsers: Arc::default(),
+            connections: AtomicUsize::new(0),
         })
     }
 
@@ -144,78 +150,100 @@ impl Page {
     }
 
     /// Answers until the process ends.
-    pub fn serve(&self) {
-        for request in self.server.incoming_requests() {
-            // A browser that has gone is no matter of ours.
-            let _ = self.answer(request);
+    pub fn serve(self) {
+        let page = Arc::new(self);
+        loop {
+            // What fails is one connection: a browser that has gone meanwhile, or too many of them.
+            let Ok((browser, _)) = page.listener.accept() else {
+                std::thread::sleep(LEAST_PAUSE);
+                continue;
+            };
+            if page.connections.fetch_add(1, Ordering::Relaxed) >= MOST_CONNECTIONS {
+                page.connections.fetch_sub(1, Ordering::Relaxed);
+                continue;
+            }
+            let page = Arc::clone(&page);
+            std::thread::spawn(move || {
+                // A browser that has gone is no matter of ours.
+                let _ = page.answer(browser);
+                page.connections.fetch_sub(1, Ordering::Relaxed);
+            });
         }
     }
 
-    fn answer(&self, request: Request) -> io::Result<()> {
-        if !self.is_ours(&request) {
-            return request.respond(Response::empty(403));
-        }
-        let path = request.url().split('?').next().unwrap_or_default();
-        if let Some(asset) = ASSETS.iter().find(|asset| asset.path == path) {
-            return send(request, asset.kind, asset.text.to_owned());
-        }
-        match path {
-            "/setup" => send(request, "application/json", self.setup.clone()),
-            "/state" => {
-                let json = self
-                    .hub
-                    .view(|view| serde_json::to_string(&Cursor::default().update(view)))?;
-                send(request, "application/json", json)
+    fn answer(&self, mut browser: TcpStream) -> io::Result<()> {
+        browser.set_read_timeout(Some(REQUEST_TIME))?;
+        browser.set_write_timeout(Some(REQUEST_TIME))?;
+        browser.set_nodelay(true)?;
+        let (status, kind, text) = match read_request(&mut browser)? {
+            None => ("400 Bad Request", "text/plain", Cow::from("no request")),
+            Some(request) if !self.is_ours(&request) => {
+                ("403 Forbidden", "text/plain", "another host's name".into())
             }
-            "/events" => self.listen(request),
-            _ => request.respond(Response::empty(404)),
-        }
+            Some(request) => match request.path.as_str() {
+                "/events" => return tell(&self.hub, browser),
+                "/setup" => ("200 OK", JSON, Cow::from(&self.setup)),
+                "/state" => ("200 OK", JSON, self.state()?.into()),
+                path => match ASSETS.iter().find(|asset| asset.path == path) {
+                    Some(asset) => ("200 OK", asset.kind, asset.text.into()),
+                    None => ("404 Not Found", "text/plain", "no such page".into()),
+                },
+            },
+        };
+        write!(
+            browser,
+            "HTTP/1.1 {status}\r\nContent-Type: {kind}; charset=utf-8\r\nContent-Length: {}\r\nConnection: close\r\n\
+             Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n\
+             Content-Security-Policy: default-src 'self'; img-src 'self' data:\r\n\r\n{text}",
+            text.len()
+        )
+    }
+
+    fn state(&self) -> io::Result<String> {
+        Ok(self
+            .hub
+            .view(|view| serde_json::to_string(&Cursor::default().update(view)))?)
     }
 
     /// A page of another site must not read this one under a name of its own (DNS rebinding).
     fn is_ours(&self, request: &Request) -> bool {
         let port = self.address.port();
-        let host = request
-            .headers()
-            .iter()
-            .find(|header| header.field.equiv("Host"));
-        host.is_none_or(|host| {
-            [format!("127.0.0.1:{port}"), format!("localhost:{port}")]
-                .iter()
-                .any(|ours| host.value.as_str() == ours)
-        })
-    }
-
-    fn listen(&self, request: Request) -> io::Result<()> {
-        if self.browsers.fetch_add(1, Ordering::Relaxed) >= MOST_BROWSERS {
-            self.browsers.fetch_sub(1, Ordering::Relaxed);
-            return request.respond(Response::empty(503));
-        }
-        let (hub, browsers) = (Arc::clone(&self.hub), Arc::clone(&self.browsers));
-        let tell = move || {
-            // Ends when the browser has gone.
-            let _ = tell(&hub, request.into_writer());
-            browsers.fetch_sub(1, Ordering::Relaxed);
-        };
-        std::thread::Builder::new().spawn(tell).map(drop)
+        let names = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
+        names.contains(&request.host)
     }
 }
 
-fn send(request: Request, kind: &str, text: String) -> io::Result<()> {
-    let mut response = Response::from_string(text);
-    let headers = [
-        format!("Content-Type: {kind}; charset=utf-8"),
-        "Cache-Control: no-store".to_owned(),
-        "Content-Security-Policy: default-src 'self'; img-src 'self' data:".to_owned(),
-        "X-Content-Type-Options: nosniff".to_owned(),
-    ];
-    for header in headers {
-        // Of our own making: none is malformed.
-        if let Ok(header) = header.parse::<Header>() {
-            response.add_header(header);
+struct Request {
+    path: String,
+    host: String,
+}
+
+/// The head of a GET request; nothing if it is none.
+fn read_request(browser: &mut impl Read) -> io::Result<Option<Request>> {
+    let mut head = Vec::new();
+    let mut piece = [0; 1024];
+    loop {
+        let read = browser.read(&mut piece)?;
+        head.extend(piece.iter().take(read));
+        let mut headers = [httparse::EMPTY_HEADER; 64];
+        let mut request = httparse::Request::new(&mut headers);
+        match request.parse(&head) {
+            Ok(httparse::Status::Complete(_)) if request.method == Some("GET") => {
+                let host = request
+                    .headers
+                    .iter()
+                    .find(|h| h.name.eq_ignore_ascii_case("host"));
+                let path = request.path.unwrap_or_default();
+                return Ok(Some(Request {
+                    path: path.split('?').next().unwrap_or_default().to_owned(),
+                    host: host
+                        .map_or_else(String::new, |h| String::from_utf8_lossy(h.value).into()),
+                }));
+            }
+            Ok(httparse::Status::Partial) if read > 0 && head.len() < LONGEST_REQUEST => {}
+            _ => return Ok(None),
         }
     }
-    request.respond(response)
 }
 
 fn tell(hub: &Hub, mut browser: impl Write) -> io::Result<()> {
@@ -227,8 +255,8 @@ fn tell(hub: &Hub, mut browser: impl Write) -> io::Result<()> {
         let json = hub.wait(cursor.version, LONGEST_PAUSE, |view| {
             serde_json::to_string(&cursor.update(view))
         })?;
-        write!(browser, "data: {json}\n\n")?;
-        browser.flush()?;
+        // Fails when the browser has gone, which ends it.
+        browser.write_all(format!("data: {json}\n\n").as_bytes())?;
         std::thread::sleep(LEAST_PAUSE);
     }
 }
