@@ -120,14 +120,14 @@ fn read(message: &[u8], sequence: &mut Sequence, tally: &mut Tally) -> Option<Re
         count(&mut tally.unknown);
         return None;
     };
-    let order = sequence.place(&frame);
+    let (order, was_missed) = sequence.place(&frame);
     count(&mut tally.frames);
     match order {
         Order::Next => {}
         Order::After { lost } => tally.lost = tally.lost.saturating_add(lost.into()),
         Order::Late => {
             count(&mut tally.out_of_order);
-            tally.lost = tally.lost.saturating_sub(1);
+            tally.lost = tally.lost.saturating_sub(was_missed.into());
         }
         Order::Repeated => count(&mut tally.repeated),
         Order::Anew => {
@@ -155,33 +155,47 @@ struct Sequence {
 }
 
 impl Sequence {
-    fn place(&mut self, frame: &Downlink) -> Order {
+    /// Where a frame stands, and whether it was counted as lost before.
+    fn place(&mut self, frame: &Downlink) -> (Order, bool) {
         let place @ (number, tick) = (frame.sequence, frame.tick);
         let Some((newest, newest_tick)) = self.newest else {
-            return self.begin(place, Order::Next);
+            return (self.begin(place, Order::Next), false);
         };
         let ahead = number.wrapping_sub(newest);
         let behind = newest.wrapping_sub(number);
         if ahead == 1 {
-            return self.go_on(place, ahead, Order::Next);
+            return (self.go_on(place, ahead, Order::Next), false);
         }
         if behind < WINDOW {
-            let came = self.slot(number).is_some_and(|slot| *slot == Some(place));
-            // Number 0 is where the board begins, unless it is the very frame that came last.
-            return if came && (number != 0 || behind == 0) {
-                Order::Repeated
-            } else if !came && behind < self.span && tick <= newest_tick && !self.has(number) {
-                self.remember(place);
-                Order::Late
+            let slot = self.slot(number).and_then(|slot| *slot);
+            let came = slot == Some(place);
+            // The same number in another tick is another count.
+            let taken = !came && slot.is_some_and(|(of, _)| of == number);
+            // A count begins with number 0, and early; the very frame that came last begins nothing.
+            let begins = number == 0 || (tick < newest_tick && number < WINDOW);
+            let was_missed = behind < self.span;
+            let anew = if was_missed {
+                taken || (came && number == 0 && behind > 0)
             } else {
-                self.begin(place, Order::Anew)
+                begins || tick > newest_tick
+            };
+            return if anew {
+                (self.begin(place, Order::Anew), false)
+            } else if came {
+                (Order::Repeated, false)
+            } else {
+                self.remember(place);
+                (Order::Late, was_missed)
             };
         }
         // Half of all numbers lie ahead; a tick that goes back says that they do not.
         if tick >= newest_tick && ahead <= u16::MAX / 2 {
-            return self.go_on(place, ahead, Order::After { lost: ahead - 1 });
+            return (
+                self.go_on(place, ahead, Order::After { lost: ahead - 1 }),
+                false,
+            );
         }
-        self.begin(place, Order::Anew)
+        (self.begin(place, Order::Anew), false)
     }
 
     fn begin(&mut self, place: Place, order: Order) -> Order {
@@ -205,10 +219,6 @@ impl Sequence {
 
     fn slot(&mut self, number: u16) -> Option<&mut Option<Place>> {
         self.recent.get_mut(usize::from(number % WINDOW))
-    }
-
-    fn has(&mut self, number: u16) -> bool {
-        matches!(self.slot(number), Some(Some((of, _))) if *of == number)
     }
 
     fn remember(&mut self, place: Place) {
@@ -256,6 +266,14 @@ mod tests {
             [Order::Next, Order::Next, lost, late, late, Order::Next]
         );
         assert_eq!((tally.lost, tally.out_of_order), (0, 2));
+    }
+
+    #[test]
+    fn frames_that_came_before_the_first_one_are_late_and_were_not_lost() {
+        let (found, tally) = orders([(102, 9), (101, 9), (105, 9), (100, 8)]);
+        assert_eq!(found[1], Order::Late);
+        assert_eq!(found[3], Order::Late);
+        assert_eq!((tally.lost, tally.out_of_order, tally.anew), (2, 2, 0));
     }
 
     #[test]

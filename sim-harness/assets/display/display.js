@@ -85,7 +85,7 @@ function coasting(ahead, estimate) {
   if (word === "arrives") {
     const { speed_mps, time_s, time_sd_s } = value, s = Math.max(0, Math.round(time_s - estimate.time_s));
     return [`${fixed(speed_mps.value, 0, KMH)} ±${fixed(NINETY * speed_mps.sd, 0, KMH)} km/h`,
-      `${to}, in ${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")} ±${fixed(NINETY * time_sd_s, 0)} s`];
+      `in ${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")} ±${fixed(NINETY * time_sd_s, 0)} s · ${to}`];
   }
   if (word === "stops") return ["stops", `${fixed(value.value, 1, 1e-3)} ±${fixed(NINETY * value.sd, 1, 1e-3)} km, before ${to}`];
   if (word === "may_stop") return ["may stop", `before ${to}`];

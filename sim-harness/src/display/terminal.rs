@@ -12,7 +12,7 @@ use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style, Stylize};
 use ratatui::symbols::Marker;
 use ratatui::text::{Line, Span};
-use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
+use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, LegendPosition, Paragraph};
 use rundown_wire::{Learned, Phase, Regime, Statistic, Validity, Value};
 use std::io;
 use std::time::Duration;
@@ -141,7 +141,7 @@ fn header<'a>(view: &View<'_>) -> Paragraph<'a> {
         Span::raw("   "),
         old,
     ]);
-    titled(" Rundown ", vec![line])
+    titled(" Rundown (q: quit) ", vec![line])
 }
 
 type Curve = Vec<(f64, f64)>;
@@ -216,6 +216,7 @@ fn draw_speed(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Setup) {
         });
     let chart = Chart::new(sets.collect())
         .block(Block::bordered().title(" speed over location "))
+        .legend_position(Some(LegendPosition::Bottom))
         .x_axis(axis("km", bounds, 1))
         .y_axis(axis("km/h", [0.0, 160.0], 0));
     frame.render_widget(chart, area);
@@ -257,6 +258,7 @@ fn draw_resistance(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Set
     }
     let chart = Chart::new(sets)
         .block(Block::bordered().title(format!(" r(v), {} ", learned(state))))
+        .legend_position(Some(LegendPosition::TopLeft))
         .x_axis(axis("km/h", [0.0, 160.0], 0))
         .y_axis(axis("mN/kg", [0.0, (most / 20.0).ceil() * 20.0], 0));
     frame.render_widget(chart, area);
@@ -400,7 +402,7 @@ fn of_link<'a>(view: &View<'_>) -> Paragraph<'a> {
         .age_s
         .map_or_else(|| "-".to_owned(), |age| format!("{age:.0} s ago"));
     let counts = format!(
-        "  last frame {age}  {} frames, {} lost, {} damaged, {} out of order, {} unknown, {} reconnects   q: quit",
+        "  last frame {age}  {} frames, {} lost, {} damaged, {} out of order, {} unknown, {} reconnects",
         link.tally.frames,
         link.tally.lost,
         link.tally.damaged,
