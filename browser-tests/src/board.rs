@@ -1,7 +1,7 @@
 //! A board behind a TCP port: the frames of simulated runs, as much of them as the test wants, and a line that it may cut.
 
 use rundown_wire::link::serial;
-use rundown_wire::{Body, Downlink, Effort, Estimate, Features, Parameters};
+use rundown_wire::{Body, CoastAhead, Downlink, Effort, Estimate, Features, Parameters};
 use sim_harness::display::demo;
 use std::io::Write;
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -17,6 +17,8 @@ pub struct Said {
     pub parameters: Option<Parameters>,
     /// Effort.
     pub effort: Option<Effort>,
+    /// What coasting leads to.
+    pub coast_ahead: Option<CoastAhead>,
     /// Features.
     pub features: Option<Features>,
 }
@@ -28,6 +30,7 @@ impl Said {
             Body::Estimate(estimate) => self.estimate = Some(estimate),
             Body::Parameters(parameters) => self.parameters = Some(parameters),
             Body::Effort(effort) => self.effort = Some(effort),
+            Body::CoastAhead(ahead) => self.coast_ahead = Some(ahead),
             Body::Features(features) => self.features = Some(features),
             _ => {}
         }

@@ -3,7 +3,7 @@
 use browser_tests::board::{Board, Said};
 use browser_tests::browser::{Browser, Scheme};
 use browser_tests::display::Display;
-use rundown_wire::{Learned, Regime};
+use rundown_wire::{CoastArrival, CoastOutcome, Learned, Regime};
 use sim_harness::display::demo;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -118,6 +118,16 @@ fn expected(said: &Said) -> BTreeMap<&'static str, String> {
         ("acceleration", number(effort.acceleration_mps2, 3, 1.0)),
         ("gradient", number(Some(effort.gradient_n_per_kg), 1, 1e3)),
     ]);
+    if let Some(CoastOutcome::Arrives(arrival)) = said.coast_ahead.map(|ahead| ahead.outcome) {
+        let CoastArrival {
+            speed_mps, time_s, ..
+        } = arrival;
+        // A 90 % interval.
+        let half = f64::from(speed_mps.sd) * 1.645 * 3.6;
+        let speed = number(Some(speed_mps.value), 0, 3.6);
+        all.insert("advice-speed", format!("{speed} ±{half:.0} km/h"));
+        assert!(time_s > estimate.time_s);
+    }
     if let Some(features) = said.features {
         all.insert("power-most", number(features.max_power_w_per_kg, 2, 1.0));
         all.insert("cruise", number(features.cruise_speed_median_mps, 1, 3.6));
@@ -130,6 +140,7 @@ async fn values_on_the_page_are_those_of_the_frames() {
     let mut desk = Desk::new(2).await;
     // Each phase of a run: departure, cruise, coast, brake, standing; then the second run, where all is learned.
     let mut seen = Vec::new();
+    let mut arrivals = 0;
     for regime in [
         Regime::Traction,
         Regime::Cruise,
@@ -144,6 +155,7 @@ async fn values_on_the_page_are_those_of_the_frames() {
             ticks == 12 || (ticks > 2 && regime == Regime::Brake)
         });
         desk.check_values().await;
+        arrivals += usize::from(expected(&desk.board.said).contains_key("advice-speed"));
         let word: String = desk
             .browser
             .ask("return document.getElementById('regime').dataset.regime")
@@ -160,6 +172,7 @@ async fn values_on_the_page_are_those_of_the_frames() {
         seen.contains(&Some(Learned::NotYet)) && seen.contains(&Some(Learned::Learned)),
         "both are shown: {seen:?}"
     );
+    assert!(arrivals > 0, "a prediction was shown");
     // The first run is over and stands in the list; a browser that comes late has the same.
     let row = "return [...document.querySelectorAll('#past tr:first-child td')].map(cell => cell.textContent)";
     let past: Vec<String> = desk.browser.ask(row).await;

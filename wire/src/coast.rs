@@ -29,6 +29,7 @@ pub struct CoastTarget {
 
 /// What becomes of a train that coasts from here on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum CoastOutcome {
     /// The train stands, or its state is not known well enough: what was said before no longer holds.

@@ -5,8 +5,8 @@
 //! A value that has not come is `None`, never a zero. With a new run the values of the old one are gone; its speed over location and what it has taught stay.
 
 use rundown_wire::{
-    Body, Effect, Effort, Estimate, Features, Health, Order, Parameters, Received, Regime,
-    RunSummary, Status, SwitchingPoint, Validity,
+    Body, CoastAhead, Effect, Effort, Estimate, Features, Health, Order, Parameters, Received,
+    Regime, RunSummary, Status, SwitchingPoint, Validity,
 };
 use serde::Serialize;
 
@@ -129,6 +129,8 @@ pub struct Now {
     pub parameters: Option<Parameters>,
     /// Applied effort and its bounds.
     pub effort: Option<Effort>,
+    /// What coasting from here leads to, as said last.
+    pub coast_ahead: Option<CoastAhead>,
     /// Driving style and limits of this run.
     pub features: Option<Features>,
     /// Switching points of this run, as far as they have come.
@@ -176,6 +178,7 @@ impl State {
             Body::Estimate(estimate) => self.estimate(estimate),
             Body::Parameters(parameters) => self.now.parameters = Some(*parameters),
             Body::Effort(effort) => self.now.effort = Some(*effort),
+            Body::CoastAhead(ahead) => self.now.coast_ahead = Some(*ahead),
             Body::Features(features) => self.now.features = Some(*features),
             Body::SwitchingPoints(part) => {
                 let kept = &mut self.now.switching_points;

@@ -5,7 +5,7 @@
 use super::hub::{Connection, Hub, View};
 use super::setup::Setup;
 use super::state::{Point, State};
-use super::text::{KMH, learned_words};
+use super::text::{KMH, learned_words, of_coast_ahead};
 use ratatui::Frame;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
 use ratatui::layout::{Constraint, Layout, Rect};
@@ -70,7 +70,7 @@ const fn colour(regime: Regime) -> Color {
 /// Draws everything. Missing values are dashes of the same place.
 pub fn draw(frame: &mut Frame<'_>, view: &View<'_>, setup: &Setup) {
     let [head, charts, tables, foot] = Layout::vertical([
-        Constraint::Length(3),
+        Constraint::Length(4),
         Constraint::Min(8),
         Constraint::Length(9),
         Constraint::Length(1),
@@ -141,7 +141,10 @@ fn header<'a>(view: &View<'_>) -> Paragraph<'a> {
         Span::raw("   "),
         old,
     ]);
-    titled(" Rundown (q: quit) ", vec![line])
+    let ahead = view.state.now.coast_ahead.as_ref();
+    let ahead = ahead.map_or_else(|| "-".to_owned(), of_coast_ahead);
+    let coasting = Line::from(format!(" coasting from here: {ahead}"));
+    titled(" Rundown (q: quit) ", vec![line, coasting])
 }
 
 type Curve = Vec<(f64, f64)>;

@@ -3,8 +3,8 @@
 //! In: a frame. Out: words and numbers for a person, or JSON with the field names of `WIRE.md` in SI units.
 
 use rundown_wire::{
-    Body, Effect, Effects, Effort, Estimate, Features, Learned, Order, Parameters, Phase, Received,
-    RunSummary, Value,
+    Body, CoastAhead, CoastArrival, CoastOutcome, Effect, Effects, Effort, Estimate, Features,
+    Learned, Order, Parameters, Phase, Received, RunSummary, Value,
 };
 use serde::Serialize;
 use std::fmt::Write;
@@ -78,6 +78,7 @@ fn said(body: &Body) -> String {
         Body::Estimate(estimate) => of_estimate(estimate),
         Body::Parameters(parameters) => of_parameters(parameters),
         Body::Effort(effort) => of_effort(effort),
+        Body::CoastAhead(ahead) => of_coast_ahead(ahead),
         Body::Features(features) => of_features(features),
         Body::SwitchingPoints(points) => match points.points.last() {
             Some(last) => format!(
@@ -197,6 +198,41 @@ fn of_effort(effort: &Effort) -> String {
         known(effort.acceleration_mps2),
         effort.gradient_n_per_kg
     )
+}
+
+/// Two-sided 90 % of a normal distribution, in standard deviations.
+pub const NINETY: f32 = 1.645;
+
+/// What coasting leads to, with 90 % intervals.
+pub fn of_coast_ahead(ahead: &CoastAhead) -> String {
+    let target = ahead.target.map_or_else(String::new, |target| {
+        let place = format!("{:.3} km", target.at_m / 1000.0);
+        match target.limit_mps {
+            Some(limit) => format!("the limit of {:.0} km/h at {place}", limit * KMH),
+            None => format!("the stop at {place}"),
+        }
+    });
+    match ahead.outcome {
+        CoastOutcome::Arrives(CoastArrival {
+            speed_mps,
+            time_s,
+            time_sd_s,
+        }) => format!(
+            "{:.0} \u{b1}{:.0} km/h at {target} at {time_s:.0} s \u{b1}{:.0} s (90 %)",
+            speed_mps.value * KMH,
+            NINETY * speed_mps.sd * KMH,
+            NINETY * time_sd_s
+        ),
+        CoastOutcome::Stops(place) => format!(
+            "stops at {:.1} \u{b1}{:.1} km (90 %), before {target}",
+            place.value / 1000.0,
+            NINETY * place.sd / 1000.0
+        ),
+        CoastOutcome::MayStop => format!("may stop before {target}"),
+        CoastOutcome::NoTarget => "no stop or limit ahead".to_owned(),
+        // Unknown, or newer than this program.
+        _ => "no prediction".to_owned(),
+    }
 }
 
 fn of_phase(phase: &Option<Phase>) -> String {
