@@ -1,6 +1,7 @@
 //! Debian's Chromium, driven over WebDriver.
 
-use std::net::TcpListener;
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -9,18 +10,30 @@ use thirtyfour::prelude::*;
 /// How long the page may take to show what came: a frame is on it within a second, a process starts within some.
 pub const PATIENCE: Duration = Duration::from_secs(15);
 
-/// A browser and its driver; both end with the value, in this order: the driver ends the browser.
+/// A browser and its driver; both end with the value.
 pub struct Browser {
     driver: WebDriver,
-    _process: Process,
+    process: Child,
+    port: u16,
 }
 
-struct Process(Child);
-
-impl Drop for Process {
+impl Drop for Browser {
+    // Also where a test fails: the driver is asked to end its browsers, and the client not to wait for an answer on the runtime that is being left.
     fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
+        let _ = self.driver.clone().leak();
+        let asked = TcpStream::connect(("127.0.0.1", self.port)).and_then(|mut stream| {
+            stream.write_all(b"GET /shutdown HTTP/1.1\r\nHost: localhost\r\n\r\n")?;
+            stream.read(&mut [0; 64])
+        });
+        let begin = Instant::now();
+        while asked.is_ok()
+            && begin.elapsed() < PATIENCE
+            && matches!(self.process.try_wait(), Ok(None))
+        {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let _ = self.process.kill();
+        let _ = self.process.wait();
     }
 }
 
@@ -48,14 +61,12 @@ impl Browser {
             .and_then(|socket| socket.local_addr())
             .expect("a free port")
             .port();
-        let process = Process(
-            Command::new("chromedriver")
-                .arg(format!("--port={port}"))
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .spawn()
-                .expect("chromedriver; `cargo xtask browser` installs it"),
-        );
+        let mut process = Command::new("chromedriver")
+            .arg(format!("--port={port}"))
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("chromedriver; `cargo xtask browser` installs it");
         let begin = Instant::now();
         loop {
             let mut capabilities = DesiredCapabilities::chrome();
@@ -73,10 +84,14 @@ impl Browser {
                 Ok(driver) => {
                     return Self {
                         driver,
-                        _process: process,
+                        process,
+                        port,
                     };
                 }
-                Err(error) if begin.elapsed() > 2 * PATIENCE => panic!("no browser: {error}"),
+                Err(error) if begin.elapsed() > 2 * PATIENCE => {
+                    let _ = process.kill();
+                    panic!("no browser: {error}");
+                }
                 Err(_) => tokio::time::sleep(Duration::from_millis(100)).await,
             }
         }
@@ -148,10 +163,5 @@ impl Browser {
         std::fs::create_dir_all(&folder).expect("a folder");
         std::fs::write(folder.join(format!("{name}.png")), &png).expect("written");
         png
-    }
-
-    /// Ends the browser's session; the driver ends with the value.
-    pub async fn quit(self) {
-        let _ = self.driver.clone().quit().await;
     }
 }

@@ -159,7 +159,7 @@ function runData(points, previous, limits, lengthM) {
   return data;
 }
 
-function resistanceOptions(box) {
+const resistanceOptions = (words) => (box) => {
   const px = fontSize(box);
   const line = (stroke, extra) => ({ stroke: () => colour(stroke), points: { show: false }, pxAlign: 0, ...extra });
   return {
@@ -168,17 +168,17 @@ function resistanceOptions(box) {
     axes: [axis(px + 10, px, { values: (u, all) => all.map((v) => v + " km/h"), space: 6 * px }), axis(48, px, { values: (u, all) => all.map((v) => v.toFixed(0)), incrs: [5, 10, 20, 50], space: 1.5 * px })],
     series: [{}, line("estimate", { width: 0 }), line("estimate", { width: 0 }), line("estimate", { width: 3 }), line("described", { width: 2.5, dash: [9, 6] })],
     bands: [{ series: [2, 1], fill: () => colour("band") }],
-    hooks: { draw: [(u) => resistanceLabels(u, px)] },
+    hooks: { draw: [(u) => resistanceLabels(u, px, words())] },
   };
-}
+};
 
-function resistanceLabels(u, px) {
+function resistanceLabels(u, px, words) {
   const { ctx, bbox } = u;
   ctx.save();
   ctx.font = `${px * uPlot.pxRatio}px system-ui, sans-serif`;
   ctx.textBaseline = "top";
   ctx.textAlign = "left";
-  const rows = [["estimate", "this train, 95 % interval"], ["described", u.data[4]?.some((v) => v != null) ? "manufacturer (dashed)" : "manufacturer: start with --train"]];
+  const rows = [["estimate", words], ["described", u.data[4]?.some((v) => v != null) ? "manufacturer (dashed)" : "manufacturer: start with --train"]];
   rows.forEach(([name, text], i) => {
     ctx.fillStyle = colour(name);
     ctx.fillText(text, bbox.left + 10, bbox.top + 4 + i * 1.25 * px * uPlot.pxRatio);

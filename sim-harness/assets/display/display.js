@@ -84,18 +84,19 @@ function coasting(ahead, estimate) {
   const to = ahead.target ? targetName(ahead.target) : "";
   if (word === "arrives") {
     const { speed_mps, time_s, time_sd_s } = value, s = Math.max(0, Math.round(time_s - estimate.time_s));
-    return [`${fixed(speed_mps.value, 0, KMH)} ±${fixed(NINETY * speed_mps.sd, 0, KMH)} km/h`,
+    return [`${fixed(speed_mps.value, 0, KMH)} ±${fixed(NINETY * speed_mps.sd, 0, KMH)}`,
       `in ${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")} ±${fixed(NINETY * time_sd_s, 0)} s · ${to}`];
   }
   if (word === "stops") return ["stops", `${fixed(value.value, 1, 1e-3)} ±${fixed(NINETY * value.sd, 1, 1e-3)} km, before ${to}`];
   if (word === "may_stop") return ["may stop", `before ${to}`];
-  if (word === "no_target") return [NONE, "no stop or limit ahead"];
+  if (word === "no_target") return [NONE, "no stop or limit within the horizon"];
   return [NONE, "no prediction now"];
 }
 
 function showCoasting() {
   const [large, small] = coasting(state.now.coast_ahead, state.now.estimate);
   put("advice-speed", large);
+  put("advice-unit", /\d/.test(large) ? "km/h" : "");
   put("advice-time", small);
 }
 
@@ -292,7 +293,8 @@ function showLink() {
 // ---- all of it
 
 const runChart = new Chart($("run-chart"), runOptions(run));
-const resistanceChart = new Chart($("resistance-chart"), resistanceOptions);
+const resistanceChart = new Chart($("resistance-chart"), resistanceOptions(() =>
+  state.now.parameters?.learned === "not_yet" ? "not learned yet, 95 % interval" : "this train, 95 % interval"));
 
 function show() {
   showNow(); showRun(); showResistance(); showEffort(); showBrake(); showLink();

@@ -72,7 +72,7 @@ pub struct Arguments {
     /// A recording on standard input
     #[arg(group = "source", value_name = "-", value_parser = ["-"], hide_possible_values = true)]
     stdin: Option<String>,
-    /// How many times as fast as the train a recording is played; without it page and terminal play at its pace, text and JSON at once
+    /// How many times as fast as the train a recording is played; without it page and terminal play a file at its pace, text and JSON at once, and standard input is taken as it comes
     #[arg(long, value_name = "X", value_parser = speed)]
     speed: Option<f64>,
     /// The file still grows: wait at its end for more

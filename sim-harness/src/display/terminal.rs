@@ -261,6 +261,7 @@ fn draw_resistance(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Set
     }
     let chart = Chart::new(sets)
         .block(Block::bordered().title(format!(" r(v), {} ", learned(state))))
+        .hidden_legend_constraints((Constraint::Percentage(80), Constraint::Percentage(80)))
         .legend_position(Some(LegendPosition::TopLeft))
         .x_axis(axis("km/h", [0.0, 160.0], 0))
         .y_axis(axis("mN/kg", [0.0, (most / 20.0).ceil() * 20.0], 0));

@@ -229,7 +229,7 @@ pub fn of_coast_ahead(ahead: &CoastAhead) -> String {
             NINETY * place.sd / 1000.0
         ),
         CoastOutcome::MayStop => format!("may stop before {target}"),
-        CoastOutcome::NoTarget => "no stop or limit ahead".to_owned(),
+        CoastOutcome::NoTarget => "no stop or limit within the horizon".to_owned(),
         // Unknown, or newer than this program.
         _ => "no prediction".to_owned(),
     }
