@@ -114,7 +114,7 @@ function runOptions(run) {
     const px = fontSize(box);
     const line = (label, stroke, extra) => ({ label, stroke: () => colour(stroke), width: Math.max(3, px / 5), points: { show: false }, pxAlign: 0, ...extra });
     return {
-      padding: [10, 22, 0, 0], legend: { show: false }, cursor: { drag: { x: false, y: false }, points: { size: 8 } },
+      padding: [0.6 * px, 22, 0, 0], legend: { show: false }, cursor: { drag: { x: false, y: false }, points: { size: 8 } },
       scales: { x: { time: false, auto: false, range: exact }, y: { auto: false, range: exact } },
       axes: [axis(px + 10, px, { values: (u, all) => all.map((v) => v + " km"), space: 5 * px }), axis(56, px, { values: (u, all) => all.map((v) => v.toFixed(0)), incrs: [10, 20, 40], space: 1.5 * px })],
       series: [{}, line("limit", "limit", { width: 2, dash: [8, 5] }), line("run before", "none", { width: 1.5, alpha: 0.7 }), ...REGIMES.map((name) => line(name, name))],
@@ -163,7 +163,7 @@ const resistanceOptions = (words) => (box) => {
   const px = fontSize(box);
   const line = (stroke, extra) => ({ stroke: () => colour(stroke), points: { show: false }, pxAlign: 0, ...extra });
   return {
-    padding: [6, 22, 0, 0], legend: { show: false }, cursor: { drag: { x: false, y: false } },
+    padding: [0.6 * px, 2.2 * px, 0, 0], legend: { show: false }, cursor: { drag: { x: false, y: false } },
     scales: { x: { time: false, auto: false, range: exact }, y: { auto: false, range: exact } },
     axes: [axis(px + 10, px, { values: (u, all) => all.map((v) => v + " km/h"), space: 6 * px }), axis(48, px, { values: (u, all) => all.map((v) => v.toFixed(0)), incrs: [5, 10, 20, 50], space: 1.5 * px })],
     series: [{}, line("estimate", { width: 0 }), line("estimate", { width: 0 }), line("estimate", { width: 3 }), line("described", { width: 2.5, dash: [9, 6] })],
