@@ -225,6 +225,27 @@ fn old_values_are_called_old() {
     assert!(hub.view(|view| view.link.silent));
 }
 
+#[test]
+fn effects_have_the_names_of_the_estimator() {
+    for kind in 1..=18 {
+        let mut effect = rundown_wire::Effect {
+            kind,
+            section_m: None,
+            values: Default::default(),
+        };
+        let meaning = effect.meaning().unwrap();
+        effect.values = meaning.values.iter().map(|_| 1.0).collect();
+        let mut found = Vec::new();
+        for section_m in [None, Some([0.0, 1.0])] {
+            effect.section_m = section_m;
+            found.extend(rundown::effects::Effect::from_frame(&effect));
+        }
+        assert_eq!(found.len(), 1, "{}: number of values", meaning.name);
+        assert_eq!(found[0].name(), meaning.name);
+        assert_eq!(found[0].kind(), kind);
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 

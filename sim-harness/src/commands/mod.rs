@@ -30,8 +30,7 @@ Exit codes:
 
 /// Everything was done, but for runs that could not be used.
 const SOME_RUNS_FAILED: u8 = 1;
-/// The arguments do not go together.
-/// Wrong arguments, as far as they cannot be told from their form.
+/// The arguments are wrong, or do not go together, as far as their form does not tell.
 const WRONG_ARGUMENTS: u8 = 2;
 /// A description or the configuration was refused.
 const DESCRIPTION_REFUSED: u8 = 3;

@@ -319,4 +319,27 @@ mod tests {
             assert!(error.starts_with(&format!("{word}: ")), "{error}");
         }
     }
+
+    #[test]
+    fn who_only_listens_sends_nothing_and_hears_all() {
+        use crate::link::pipe;
+        use rundown::link::Link;
+        use rundown::link::can::{CanFrame, Format};
+        use rundown::link::can_link::TO_BOARD;
+        let (here, mut there) = pipe::bus();
+        let mut other = here.clone();
+        let mut listener = CanLink::host(Silent(here), Config::CLASSIC);
+        let mut board = CanLink::board(there.clone(), Config::CLASSIC);
+        board.send(&[7; 100], 0).unwrap();
+        assert!(listener.receive(0).unwrap().is_none());
+        assert!(there.take().is_empty(), "no flow control of ours");
+        // Another computer lets the board go on.
+        other.put([CanFrame::try_new(TO_BOARD, Format::Classic, &[0x30, 0, 0]).unwrap()]);
+        let heard = (0..20).find_map(|_| {
+            board.receive(0).unwrap();
+            listener.receive(0).unwrap()
+        });
+        assert_eq!(heard.as_deref(), Some(&[7; 100][..]));
+        assert!(there.take().is_empty());
+    }
 }
