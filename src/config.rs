@@ -1,6 +1,7 @@
 //! Everything that can be set, with the defaults and their sources. A configuration file holds exactly these names.
 
 use crate::Real;
+use crate::coast_ahead::CoastConfig;
 use crate::features::FeatureConfig;
 use crate::learning::LearningConfig;
 use crate::memory::MemoryConfig;
@@ -159,6 +160,8 @@ pub struct Config {
     pub features: FeatureConfig,
     /// When a reading is not believed.
     pub plausibility: PlausibilityConfig,
+    /// Coast-ahead prediction.
+    pub coast: CoastConfig,
 }
 
 impl Config {
@@ -231,6 +234,7 @@ impl Config {
         self.memory.check()?;
         self.recogniser.check()?;
         self.plausibility.check()?;
+        self.coast.check()?;
         self.features.check().map_err(ConfigError::Features)
     }
 }

@@ -4,6 +4,7 @@
 //! The board, the replay and the tests run the same [`Estimator::step`].
 
 use crate::Real;
+use crate::coast_ahead::{self, CoastAhead};
 use crate::config::{Config, ConfigError, Mode};
 use crate::effects::{Acting, Effects, Surroundings};
 use crate::effort::{self, Point};
@@ -318,6 +319,20 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             speed_mps,
             ..*measurement
         }
+    }
+
+    /// What coasting from the last tick's `estimate` on leads to, see [`crate::coast_ahead`]. Changes nothing.
+    pub fn coast_ahead(&self, run: &RunState, estimate: &Estimate) -> CoastAhead {
+        let line = Line {
+            train: &self.train,
+            track: self.track(),
+            direction: run.direction,
+        };
+        let acting = Acting::new(self.effects.borrow(), run.journey);
+        // That of a tick of 10 s.
+        let noise_mps2 = self.config.learning.acceleration_noise_mps2;
+        let noise = 10.0 * noise_mps2 * noise_mps2;
+        coast_ahead::predict(&self.config.coast, &line, &acting, noise, estimate)
     }
 
     /// Ends a run: what it said about the train goes into the vehicle's memory.

@@ -1,6 +1,7 @@
 //! From what the estimator says to the frames of the wire: single precision, and only what a display needs.
 
 use crate::Real;
+use crate::coast_ahead::{CoastAhead, Outcome};
 use crate::digest;
 use crate::estimate::Estimate;
 use crate::estimator::RunSummary;
@@ -74,6 +75,36 @@ pub fn effort(estimate: &Estimate, limits_n_per_kg: (Real, Real)) -> wire::Effor
         gradient_n_per_kg: estimate.gradient_n_per_kg as f32,
         max_traction_n_per_kg: traction_n_per_kg as f32,
         max_brake_n_per_kg: brake_n_per_kg as f32,
+    }
+}
+
+/// What coasting leads to.
+pub fn coast_ahead(ahead: &CoastAhead) -> wire::CoastAhead {
+    let value = |value: Real, sd: Real| Value {
+        value: value as f32,
+        sd: sd as f32,
+    };
+    wire::CoastAhead {
+        from_time_s: ahead.from.time_s,
+        from_location_m: ahead.from.location_m as f32,
+        from_speed_mps: ahead.from.speed_mps as f32,
+        target: ahead.target.map(|target| wire::CoastTarget {
+            at_m: target.at_m as f32,
+            limit_mps: target.limit_mps.map(|limit_mps| limit_mps as f32),
+        }),
+        outcome: match ahead.outcome {
+            Outcome::Unknown => wire::CoastOutcome::Unknown,
+            Outcome::NoTarget => wire::CoastOutcome::NoTarget,
+            Outcome::Arrives(arrival) => wire::CoastOutcome::Arrives(wire::CoastArrival {
+                speed_mps: value(arrival.speed_mps, arrival.speed_sd_mps),
+                time_s: arrival.time_s,
+                time_sd_s: arrival.time_sd_s as f32,
+            }),
+            Outcome::MayStop => wire::CoastOutcome::MayStop,
+            Outcome::Stops { location_m, sd_m } => {
+                wire::CoastOutcome::Stops(value(location_m, sd_m))
+            }
+        },
     }
 }
 

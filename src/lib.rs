@@ -8,6 +8,8 @@
 //!                                     |                    |                                     |
 //!                                     |                    +-- one tick later, confirmed --> features -> summary
 //!                                     +-> paper (ukf, motion), instead of regime and learning in the `paper` mode
+//!
+//! estimate + track with its targets -> coast_ahead: speed and time at the next one
 //! ```
 //!
 //! [`estimator`] alone knows this order. Beside it stand [`store`] (the vehicle survives the power cut) and [`auth`] (who may change what).
@@ -20,6 +22,7 @@
 //! | Eq. (6) measurement | [`learning::LocationAndSpeed`] |
 //! | Eq. (7)-(18) filter | [`ukf::Ukf`], [`elimination`] |
 //! | Table 1 | [`config::PaperConfig`] |
+//! | Eq. (1) at no effort, over the way | [`coast_ahead`] |
 //! | section 3.2 regimes | [`regime::PaperRule`], [`regime::Recogniser`] |
 //! | section 3.3 features | [`features`] |
 //!
@@ -70,6 +73,7 @@
 
 pub mod auth;
 mod bytes;
+pub mod coast_ahead;
 pub mod config;
 mod curves;
 pub mod digest;
@@ -95,6 +99,7 @@ pub mod resistance;
 pub mod run_state;
 pub mod state;
 pub mod store;
+mod targets;
 pub mod task;
 pub mod track;
 pub mod train;

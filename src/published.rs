@@ -28,6 +28,11 @@ pub struct Published {
 }
 
 impl Published {
+    /// The estimate lies outside what a train can have.
+    pub fn is_out_of_bounds(&self) -> bool {
+        self.out_of_bounds
+    }
+
     /// The coefficients to publish and how far they may be trusted. `initial_sd` is that of r at [`JUDGED_KMH`] by the description alone.
     pub fn judge(
         &mut self,

@@ -12,6 +12,8 @@
 use crate::Real;
 use crate::curves::Curves;
 pub use crate::curves::{Curve, MAX_CURVES};
+use crate::targets::Targets;
+pub use crate::targets::{MAX_TARGETS, Target};
 use core::fmt;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -64,6 +66,9 @@ pub struct Track {
     /// Not written where there are none, so that the digest of a track without curves is what it always was.
     #[serde(skip_serializing_if = "Curves::is_empty")]
     curves: Curves,
+    /// The same.
+    #[serde(skip_serializing_if = "Targets::is_empty")]
+    targets: Targets,
 }
 
 const FLAT_START: Piece = Piece {
@@ -102,6 +107,11 @@ pub enum TrackError {
         /// Which curve, counted from 0.
         index: usize,
     },
+    /// Target `index` is none (location, permitted speed), lies before the one before it, or is one more than [`MAX_TARGETS`].
+    BadTarget {
+        /// Which target, counted from 0.
+        index: usize,
+    },
 }
 
 impl fmt::Display for TrackError {
@@ -122,6 +132,10 @@ impl fmt::Display for TrackError {
             Self::BadCurve { index } => write!(
                 f,
                 "track: curve {index} must have a radius above 0 and an end behind its beginning, not begin before the one before it, and be one of at most {MAX_CURVES}"
+            ),
+            Self::BadTarget { index } => write!(
+                f,
+                "track: target {index} must be a stop or a permitted speed above 0, not lie before the one before it, and be one of at most {MAX_TARGETS}"
             ),
         }
     }
@@ -165,6 +179,7 @@ impl Track {
             length_m: 0.0,
             pieces: Vec::new(),
             curves: Curves::NONE,
+            targets: Targets::NONE,
         }
     }
 
@@ -176,6 +191,7 @@ impl Track {
         self.length_m = length_m;
         self.pieces.clear();
         self.curves.clear();
+        self.targets.clear();
         // An empty list has room.
         let _first = self.pieces.push(FLAT_START).is_ok();
         Ok(())
@@ -253,6 +269,63 @@ impl Track {
         self.curves.len()
     }
 
+    /// The same track with these stops and permitted speeds, sorted.
+    ///
+    /// # Errors
+    /// [`TrackError::BadTarget`] names the first one that is wrong.
+    ///
+    /// ```
+    /// use rundown::track::{Direction, Target, Track};
+    ///
+    /// let places = [(0.0, Some(20.0)), (900.0, Some(10.0)), (1000.0, None)];
+    /// let track = Track::try_new(1000.0, [])?.with_targets(places.map(|(at_m, limit_mps)| Target { at_m, limit_mps }))?;
+    /// assert_eq!(track.next_target(Direction::Up, 100.0, 50.0), Some(Target { at_m: 900.0, limit_mps: Some(10.0) }));
+    /// # Ok::<(), rundown::track::TrackError>(())
+    /// ```
+    pub fn with_targets(
+        mut self,
+        targets: impl IntoIterator<Item = Target>,
+    ) -> Result<Self, TrackError> {
+        self.targets.clear();
+        for target in targets {
+            self.push_target(target)?;
+        }
+        Ok(self)
+    }
+
+    /// Appends a stop or a permitted speed.
+    ///
+    /// # Errors
+    /// [`TrackError::BadTarget`]; the track is as before.
+    pub(crate) fn push_target(&mut self, target: Target) -> Result<(), TrackError> {
+        let index = self.targets.len();
+        if self.targets.push(target) {
+            Ok(())
+        } else {
+            Err(TrackError::BadTarget { index })
+        }
+    }
+
+    /// Takes all stops and permitted speeds out.
+    pub(crate) fn clear_targets(&mut self) {
+        self.targets.clear();
+    }
+
+    /// Number of stops and permitted speeds.
+    pub fn targets(&self) -> usize {
+        self.targets.len()
+    }
+
+    /// The next stop or fall of the permitted speed further than `beyond_m` ahead, with the speed permitted behind it.
+    pub fn next_target(
+        &self,
+        direction: Direction,
+        location_m: Real,
+        beyond_m: Real,
+    ) -> Option<Target> {
+        self.targets.next(direction, location_m, beyond_m)
+    }
+
     /// Mean of Roeckl's formula ([`roeckl`](crate::effects::roeckl), a share of the weight) under a train whose front is at `front_m`.
     pub fn mean_roeckl(&self, front_m: Real, train_length_m: Real, direction: Direction) -> Real {
         let rear_m = front_m - direction.sign() * train_length_m;
@@ -279,6 +352,47 @@ impl Track {
     /// Height above the first entry, m.
     pub fn height_m(&self, location_m: Real) -> Real {
         self.search(location_m).height_m
+    }
+
+    /// Integral of the height over a train whose front is at `front_m`, m²: over its length its mean height, times g its potential energy.
+    ///
+    /// ```
+    /// use rundown::track::{Direction, Gradient, Track};
+    ///
+    /// let hill = [Gradient { from_m: 0.0, permille: 0.0 }, Gradient { from_m: 500.0, permille: 10.0 }];
+    /// let track = Track::try_new(1000.0, hill)?;
+    /// // 50 m of it stand on the hill, 0.25 m high on average.
+    /// assert!((track.height_integral_m2(550.0, 100.0, Direction::Up) - 12.5).abs() < 1e-12);
+    /// assert!((track.height_integral_m2(450.0, 100.0, Direction::Down) - 12.5).abs() < 1e-12);
+    /// # Ok::<(), rundown::track::TrackError>(())
+    /// ```
+    pub fn height_integral_m2(
+        &self,
+        front_m: Real,
+        train_length_m: Real,
+        direction: Direction,
+    ) -> Real {
+        let low_m = match direction {
+            Direction::Up => front_m - train_length_m,
+            Direction::Down => front_m,
+        };
+        let low = self.search(low_m);
+        let end_m = low_m + train_length_m;
+        let (mut at_m, mut height_m, mut integral_m2) = (low_m, low.height_m, 0.0);
+        let mut index = low.index;
+        loop {
+            let edge_m = self.begin_m(index + 1);
+            let slope = self.piece(index).slope;
+            let crossed = edge_m < end_m;
+            let piece_m = if crossed { edge_m } else { end_m } - at_m;
+            integral_m2 += piece_m * (height_m + 0.5 * piece_m * slope);
+            if !crossed {
+                return integral_m2;
+            }
+            height_m += piece_m * slope;
+            at_m = edge_m;
+            index += 1;
+        }
     }
 
     /// The point at a location.
@@ -486,6 +600,29 @@ mod tests {
                 (track.height_m(location_m) - height_m).abs() < 1e-12,
                 "{location_m}"
             );
+        }
+    }
+
+    #[test]
+    fn the_integral_of_the_height_is_its_mean_times_the_length() {
+        let track = track();
+        for direction in [Direction::Up, Direction::Down] {
+            for front_m in [-20.0, 160.0, 305.0, 400.0, 950.0, 1900.0] {
+                let steps = 12_000;
+                let each_m = 120.0 / Real::from(steps);
+                let sum_m2: Real = (0..steps)
+                    .map(|i| front_m - direction.sign() * each_m * (Real::from(i) + 0.5))
+                    .map(|location_m| each_m * track.height_m(location_m))
+                    .sum();
+                let found_m2 = track.height_integral_m2(front_m, 120.0, direction);
+                assert!(
+                    (found_m2 - sum_m2).abs() < 1e-4,
+                    "{front_m}: {found_m2} {sum_m2}"
+                );
+            }
+        }
+        for odd_m in [Real::NAN, Real::INFINITY, Real::NEG_INFINITY, Real::MAX] {
+            let _ends = track.height_integral_m2(odd_m, 120.0, Direction::Up);
         }
     }
 

@@ -8,6 +8,7 @@
 //! The MAC is checked before anything behind the second byte is read.
 
 use crate::Real;
+use crate::coast_ahead::CoastConfig;
 use crate::config::{Config, Mode, PaperConfig, SensorConfig};
 use crate::effects::Surroundings;
 use crate::features::FeatureConfig;
@@ -16,7 +17,7 @@ use crate::measurement::Measurement;
 use crate::memory::MemoryConfig;
 use crate::plausibility::PlausibilityConfig;
 use crate::regime::{PaperRule, RecogniserConfig};
-use crate::track::{Curve, Direction, Gradient};
+use crate::track::{Curve, Direction, Gradient, Target};
 use crate::train::TrainDescription;
 use heapless::Vec;
 use rundown_wire::{Effect, SnapshotPart};
@@ -62,6 +63,8 @@ pub enum Request {
     Surroundings(Surroundings),
     /// 8: curves of the track in force, between runs.
     Curves(CurvePart),
+    /// 9: stops and permitted speeds of the track in force, between runs.
+    Targets(TargetPart),
 }
 
 /// The train.
@@ -102,6 +105,20 @@ pub struct CurvePart {
     pub curves: Vec<Curve, CURVES>,
 }
 
+/// Stops and permitted speeds in one [`TargetPart`].
+pub const TARGETS: usize = 24;
+
+/// Stops and permitted speeds of the track in force. Each part is in force as soon as it has come.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TargetPart {
+    /// The track that the sender means.
+    pub track_id: u32,
+    /// Number of the first one here; parts come in order, and 0 begins anew.
+    pub first: u16,
+    /// The places.
+    pub targets: Vec<Target, TARGETS>,
+}
+
 /// A section of the configuration; the whole is checked before it takes the old one's place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -124,11 +141,13 @@ pub enum Setting {
     Features(FeatureConfig),
     /// 8: when a reading is not believed.
     Plausibility(PlausibilityConfig),
+    /// 9: coast-ahead prediction.
+    Coast(CoastConfig),
 }
 
 impl Setting {
     /// All sections of a configuration.
-    pub fn all(config: &Config) -> [Self; 9] {
+    pub fn all(config: &Config) -> [Self; 10] {
         [
             Self::Mode(config.mode),
             Self::Sensor(config.sensor),
@@ -139,6 +158,7 @@ impl Setting {
             Self::Recogniser(config.recogniser),
             Self::Features(config.features),
             Self::Plausibility(config.plausibility),
+            Self::Coast(config.coast),
         ]
     }
 
@@ -154,6 +174,7 @@ impl Setting {
             Self::Recogniser(section) => config.recogniser = section,
             Self::Features(section) => config.features = section,
             Self::Plausibility(section) => config.plausibility = section,
+            Self::Coast(section) => config.coast = section,
         }
     }
 }

@@ -40,6 +40,7 @@ pub fn description(config: Config, scenario: &Scenario) -> Description {
             .map(|&(from_m, permille)| Gradient { from_m, permille })
             .collect(),
         curves: Vec::new(),
+        targets: Vec::new(),
         effects: Effects::NONE,
         config,
     }

@@ -5,6 +5,7 @@
 
 pub mod accuracy;
 pub mod board;
+pub mod coasting;
 pub mod fields;
 pub mod flash;
 pub mod target;

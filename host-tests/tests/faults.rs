@@ -1,7 +1,8 @@
 //! Does the board survive what `docs/faults.md` lists? The rows that no other test holds, through the tick task and its messages.
 
-use host_tests::accuracy::{description, measurements};
+use host_tests::accuracy::measurements;
 use host_tests::board::{Board, answer, estimate};
+use host_tests::coasting::with_targets;
 use host_tests::flash::Flash;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -16,7 +17,7 @@ use sim_harness::truth::scenario::{Scenario, simulate};
 fn running() -> (Board, Description, Vec<Measurement>) {
     let scenario = Scenario::default();
     let log = measurements(&simulate(&scenario, 3));
-    let description = description(Config::default(), &scenario);
+    let description = with_targets(Config::default(), &scenario);
     let mut board = Board::start(Flash::erased(8));
     board.prepare(&description, Direction::Up);
     (board, description, log)
@@ -201,6 +202,8 @@ fn a_hostile_train_or_track_leaves_the_old_one_in_force() {
         });
         hostile.push(Description {
             gradients: gradients.to_vec(),
+            // Of a track that is not in force they would be refused, too.
+            targets: Vec::new(),
             ..description.clone()
         });
     }
@@ -211,6 +214,7 @@ fn a_hostile_train_or_track_leaves_the_old_one_in_force() {
         }];
         hostile.push(Description {
             gradients,
+            targets: Vec::new(),
             ..description.clone()
         });
     }
@@ -237,7 +241,7 @@ fn a_hostile_train_or_track_leaves_the_old_one_in_force() {
 #[test]
 fn a_train_described_with_too_little_resistance_is_published_within_bounds() {
     let scenario = Scenario::default();
-    let mut wrong = description(Config::default(), &scenario);
+    let mut wrong = with_targets(Config::default(), &scenario);
     let davis = &mut wrong.train.davis;
     (davis.r0, davis.r1, davis.r2) = (davis.r0 / 2.4, davis.r1 / 2.4, davis.r2 / 2.4);
     let davis = *davis;

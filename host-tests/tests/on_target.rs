@@ -2,6 +2,7 @@
 
 use emulator::Settings;
 use host_tests::accuracy::{description, measurements};
+use host_tests::coasting::with_targets;
 use host_tests::target::{Same, compare, firmware};
 use rundown::config::{Config, Mode};
 use rundown::effects::*;
@@ -54,6 +55,18 @@ fn say(what: &str, same: &Same) {
 #[test]
 fn a_run_of_the_case_study() {
     simulated("gated", Mode::Gated, &Scenario::default(), 3);
+}
+
+#[test]
+fn a_run_towards_targets() {
+    let Some(settings) = firmware() else { return };
+    let scenario = Scenario {
+        line: Line::hilly(8),
+        wind_sd_mps: 2.0,
+        ..Scenario::default()
+    };
+    let description = with_targets(Config::default(), &scenario);
+    described("targets", &settings, &description, &scenario, 8);
 }
 
 #[test]
@@ -111,9 +124,15 @@ fn a_model_with_effects() {
     let description = Description {
         curves: (0..20).map(|i| curve(1000.0 * f64::from(i))).collect(),
         effects: Effects::try_new(effects).unwrap(),
-        ..description(Config::default(), &scenario)
+        ..with_targets(Config::default(), &scenario)
     };
-    described("seven effects", &settings, &description, &scenario, 3);
+    described(
+        "seven effects and targets",
+        &settings,
+        &description,
+        &scenario,
+        3,
+    );
 }
 
 #[test]

@@ -210,8 +210,8 @@ fn settings_are_refused_whole() {
         board.ask(
             description
                 .requests(1)
-                .pop()
-                .map(|_| description.requests(1)[9].clone())
+                .into_iter()
+                .find(|request| matches!(request, Request::Train(_)))
                 .unwrap()
         ),
         Err(Refusal::OtherTrain)

@@ -17,8 +17,8 @@ use rundown::track::Direction;
 use rundown::uplink::{OPEN, Pace, Request, SECURED, VERSION as UPLINK_VERSION};
 use rundown_wire::link::{checksum::CHECKSUM_BYTES, serial};
 use rundown_wire::{
-    Cause, DecodeError, Downlink, FILE_TAIL, Failure, Learned, MAX_MESSAGE, Memory, Refusal,
-    Regime, ResetCause, Stalled, VERSION, Validity, decode,
+    Cause, CoastArrival, CoastOutcome, DecodeError, Downlink, FILE_TAIL, Failure, Learned,
+    MAX_MESSAGE, Memory, Refusal, Regime, ResetCause, Stalled, VERSION, Validity, Value, decode,
 };
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeMap;
@@ -218,6 +218,17 @@ fn the_numbers_of_the_enums_are_those_of_the_code() {
         Validity::Valid,
         Validity::Held(Cause::NoSpeed),
         Validity::Invalid(Cause::NoSpeed),
+    ]);
+    enum_table(&[
+        CoastOutcome::Unknown,
+        CoastOutcome::NoTarget,
+        CoastOutcome::Arrives(CoastArrival {
+            speed_mps: Value::default(),
+            time_s: 0.0,
+            time_sd_s: 0.0,
+        }),
+        CoastOutcome::MayStop,
+        CoastOutcome::Stops(Value::default()),
     ]);
     enum_table(&[Learned::NotYet, Learned::Learned, Learned::OutOfBounds]);
     enum_table(&[
@@ -433,7 +444,7 @@ fn what_a_receiver_does_not_know_has_a_name() {
         assert_eq!(Downlink::decode(&other), version);
         // Version, sequence 7, tick 300 in two bytes, then the number of the frame.
         let mut unknown = message;
-        unknown[4] = 11;
+        unknown[4] = 12;
         assert_eq!(Downlink::decode(&unknown), Err(DecodeError::Malformed));
     }
 }
@@ -463,10 +474,10 @@ fn the_board_names_what_it_does_not_know() {
         Refusal::Version
     );
     assert_eq!(open(&[UPLINK_VERSION, 2, 21, 5, 3]), Refusal::Malformed);
-    assert_eq!(open(&[UPLINK_VERSION, OPEN, 21, 9]), Refusal::Malformed);
+    assert_eq!(open(&[UPLINK_VERSION, OPEN, 21, 10]), Refusal::Malformed);
     assert_eq!(open(&[&status[..], &[0]].concat()), Refusal::Malformed);
     assert_eq!(open(&status[..1]), Refusal::Malformed);
-    assert_eq!(secured(&[21, 9]), Refusal::Malformed);
+    assert_eq!(secured(&[21, 10]), Refusal::Malformed);
     assert_eq!(secured(&[21, 5, 3, 0]), Refusal::Malformed);
 
     // Every request but a measurement and the question for the status must be secured; of the effects only those that the model has are taken.

@@ -9,11 +9,11 @@ use rundown::digest;
 use rundown::effects::{Effect, Effects};
 use rundown::estimator::Estimator;
 use rundown::task::DATA_ID;
-use rundown::track::{Curve, Direction, Gradient, Track};
+use rundown::track::{Curve, Direction, Gradient, Target, Track};
 use rundown::train::{Train, TrainDescription};
 use rundown::uplink::{
-    self, CURVES, Command, CurvePart, GRADIENTS, Pace, Request, SECURED, Setting, TrackPart,
-    TrainFrame, Uplink,
+    self, CURVES, Command, CurvePart, GRADIENTS, Pace, Request, SECURED, Setting, TARGETS,
+    TargetPart, TrackPart, TrainFrame, Uplink,
 };
 use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
 use std::fmt;
@@ -29,6 +29,8 @@ pub struct Description {
     pub gradients: Vec<Gradient>,
     /// Its curves.
     pub curves: Vec<Curve>,
+    /// Its stops and permitted speeds.
+    pub targets: Vec<Target>,
     /// Named effects, which take the place of the board's; with none the board keeps those that it has.
     pub effects: Effects,
     /// The configuration.
@@ -47,6 +49,7 @@ impl Description {
             track_length_m: track.length_m,
             gradients: gradients.collect(),
             curves: track.curves().collect(),
+            targets: track.targets(),
             effects: Effects::NONE,
             config,
         }
@@ -60,6 +63,7 @@ impl Description {
         let train = Train::try_new(self.train).map_err(|error| error.to_string())?;
         let track = Track::try_new(self.track_length_m, self.gradients.iter().copied())
             .and_then(|track| track.with_curves(self.curves.iter().copied()))
+            .and_then(|track| track.with_targets(self.targets.iter().copied()))
             .map_err(|error| error.to_string())?;
         Estimator::try_new(self.config, train, track)
             .map(|estimator| estimator.with_effects(self.effects.clone()))
@@ -105,6 +109,13 @@ impl Description {
                 track_id: self.track_id(),
                 first: u16::try_from(index * CURVES).unwrap_or(u16::MAX),
                 curves: part.iter().copied().collect(),
+            }));
+        }
+        for (index, part) in self.targets.chunks(TARGETS).enumerate() {
+            requests.push(Request::Targets(TargetPart {
+                track_id: self.track_id(),
+                first: u16::try_from(index * TARGETS).unwrap_or(u16::MAX),
+                targets: part.iter().copied().collect(),
             }));
         }
         if !self.effects.is_empty() {

@@ -12,10 +12,12 @@
 //! | what does the estimator get? | [`recording`], [`map_matching`] |
 //! | what does it say? | [`replay`] |
 //! | what spoils all of it? | [`advice`] |
+//! | what does another tool get of what was learned? | [`learned_train`], [`sfera`] |
 //! | where is it written? | [`output`], [`table`], [`report`] |
 //! | train, track, configuration, effects | [`train_file`], [`track_file`], [`config_file`], [`effect_file`], all by [`toml_file`] |
 //! | what does a DAS computer say to the board? | [`desk`] |
 //! | how does the host reach a board, and talk to it? | [`link`], [`session`] |
+//! | what does a board say, live? | [`display`] |
 //! | what really happens, and what sensors make of it? | [`truth`] |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | [`study`] |
@@ -29,9 +31,11 @@ pub mod advice;
 pub mod commands;
 pub mod config_file;
 pub mod desk;
+pub mod display;
 pub mod effect_file;
 pub mod effect_frame;
 pub mod gap;
+pub mod learned_train;
 pub mod link;
 pub mod map_matching;
 pub mod output;
@@ -43,6 +47,7 @@ pub mod report;
 pub mod run_log;
 pub mod run_set;
 pub mod session;
+pub mod sfera;
 pub mod simulation;
 pub mod study;
 pub mod table;

@@ -11,6 +11,7 @@
 
 use crate::recording::{Recording, Row};
 use rayon::prelude::*;
+use rundown::coast_ahead::CoastAhead;
 use rundown::effects::Surroundings;
 use rundown::estimate::Estimate;
 use rundown::estimator::{Estimator, RunSummary, StepError};
@@ -63,6 +64,8 @@ pub struct ReplayedRun {
     pub measurements: Vec<Measurement>,
     /// One estimate for each accepted measurement.
     pub estimates: Vec<Estimate>,
+    /// What coasting from each estimate on leads to; none where the track has no targets.
+    pub coast_ahead: Vec<CoastAhead>,
     /// The regime of each estimate's sample as it is known one sample later; the last one keeps its causal regime.
     pub regimes: Vec<Regime>,
     /// Rows that gave no estimate.
@@ -89,6 +92,8 @@ pub fn replay(
     let mut measurements = Vec::new();
     let mut estimates = Vec::new();
     let mut dropped = Vec::new();
+    let mut coast_ahead = Vec::new();
+    let has_targets = estimator.track().targets() > 0;
     let mut surroundings = Surroundings {
         temperature_c: None,
         day: recording.day,
@@ -99,6 +104,9 @@ pub fn replay(
         estimator.tell(&mut run, surroundings);
         match estimator.step(&mut run, &row.measurement) {
             Ok(estimate) => {
+                if has_targets {
+                    coast_ahead.push(estimator.coast_ahead(&run, &estimate));
+                }
                 measurements.push(row.measurement);
                 estimates.push(estimate);
             }
@@ -117,6 +125,7 @@ pub fn replay(
         direction: recording.direction,
         rows: recording.rows.len(),
         measurements,
+        coast_ahead,
         regimes: confirmed(&estimates),
         estimates,
         dropped,

@@ -2,7 +2,10 @@
 
 use crate::effect_file::{self, EffectEntry};
 use crate::toml_file::{Step, TomlError, TomlFile};
-use rundown::track::{self, Gradient, MAX_CURVES, MAX_GRADIENTS, Track, TrackError};
+use rundown::track::{
+    self, Gradient, MAX_CURVES, MAX_GRADIENTS, MAX_TARGETS, Target, Track, TrackError,
+};
+use rundown::units::KmPerHour;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -134,6 +137,21 @@ impl TrackFile {
         })
     }
 
+    /// Stops and permitted speeds as the estimator takes them, sorted. At one place the limit comes first.
+    pub fn targets(&self) -> Vec<Target> {
+        let limits = self.speed_limit.iter().map(|limit| Target {
+            at_m: limit.from_m,
+            limit_mps: Some(KmPerHour(limit.kmh).to_mps()),
+        });
+        let stops = self.stop.iter().map(|stop| Target {
+            at_m: stop.at_m,
+            limit_mps: None,
+        });
+        let mut targets: Vec<Target> = limits.chain(stops).collect();
+        targets.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
+        targets
+    }
+
     /// Reads and checks a text; `path` is for the messages.
     ///
     /// # Errors
@@ -223,7 +241,10 @@ fn checked(file: TomlFile<TrackFile>) -> Result<(TrackFile, Track), TomlError> {
         permille: entry.permille,
     });
     let track = Track::try_new(values.length_m, gradients);
-    match track.and_then(|track| track.with_curves(values.curves())) {
+    let track = track
+        .and_then(|track| track.with_curves(values.curves()))
+        .and_then(|track| track.with_targets(values.targets()));
+    match track {
         Ok(track) => Ok((file.values, track)),
         Err(error) => Err(track_refusal(&file, error)),
     }
@@ -260,6 +281,14 @@ fn track_refusal(file: &TomlFile<TrackFile>, error: TrackError) -> TomlError {
                 Step::Name("from_m"),
             ];
             file.refuse(&steps, message)
+        }
+        // Order and speeds were checked before.
+        TrackError::BadTarget { .. } => {
+            let found = file.values.speed_limit.len() + file.values.stop.len();
+            let message = format!(
+                "track: at most {MAX_TARGETS} speed limits and stops together, found {found}"
+            );
+            file.refuse(&[], message)
         }
         TrackError::BadGradient { index } => {
             let (from_m, permille) = entries

@@ -107,6 +107,56 @@ fn the_same_logs_give_the_same_bytes() {
 }
 
 #[test]
+fn coast_ahead_has_a_row_a_tick_where_the_track_has_limits() {
+    let folder = Folder::new().with("run.csv", RUN);
+    assert_eq!(code(&folder.replay(&["run.csv"])), Some(0));
+    let table = folder.read("out/run.coast_ahead.csv");
+    let mut lines = table.lines();
+    assert_eq!(
+        lines.next(),
+        Some(
+            "time_s,location_m,speed_mps,outcome,target_m,target_limit_mps,target_speed_mps,sd_target_speed_mps,target_time_s,sd_target_time_s,stop_m,sd_stop_m,published"
+        )
+    );
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(
+        rows.len(),
+        folder.read("out/run.estimates.csv").lines().count() - 1
+    );
+    let arrives: Vec<&Vec<&str>> = rows.iter().filter(|row| row[3] == "arrives").collect();
+    assert!(arrives.len() > 30, "{}", arrives.len());
+    // The limit of 40 km/h before the platform.
+    assert!(
+        arrives
+            .iter()
+            .any(|row| row[4].parse::<f64>().unwrap() == 31_853.0)
+    );
+    let published = rows.iter().filter(|row| row[12] == "1").count();
+    assert!(0 < published && published < rows.len());
+    let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
+    assert_eq!(json["runs"][0]["coast_ahead"], "run.coast_ahead.csv");
+
+    // Without limits and stops there is nothing to coast to.
+    let track = std::fs::read_to_string(reference().join("track.toml")).unwrap();
+    let (mut bare, mut keep) = (String::new(), true);
+    for line in track.lines() {
+        if line.starts_with('[') {
+            keep = !line.contains("speed_limit") && !line.contains("stop");
+        }
+        if keep {
+            bare += line;
+            bare += "\n";
+        }
+    }
+    let folder = Folder::new().with("run.csv", RUN).with("bare.toml", &bare);
+    assert_eq!(
+        code(&folder.replay_on(&folder.path("bare.toml"), &["run.csv"])),
+        Some(0)
+    );
+    assert!(!folder.path("out/run.coast_ahead.csv").exists());
+}
+
+#[test]
 fn the_vehicle_is_carried_unless_asked_not_to() {
     let folder = Folder::new().with("a.csv", RUN).with("b.csv", RUN);
     let vehicles = |arguments: &[&str]| -> Vec<String> {

@@ -3,6 +3,7 @@
 use super::snapshots::SnapshotBuffer;
 use super::{Room, SLOT, Task};
 use crate::auth::{Provisioning, ProvisioningError, Verifier};
+use crate::coast_ahead::Steady;
 use crate::estimator::Estimator;
 use crate::memory::{MemoryConfig, Vehicle};
 use crate::published::Published;
@@ -52,6 +53,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
             moved: false,
             standing_since_s: None,
             published: Published::default(),
+            coast: Steady::NONE,
             initial_sd: 0.0,
             pace: Pace::Clock,
             newest: None,

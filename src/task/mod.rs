@@ -23,6 +23,7 @@ mod snapshots;
 
 use crate::Real;
 use crate::auth::Verifier;
+use crate::coast_ahead::Steady;
 use crate::digest;
 use crate::effects::Effects;
 use crate::estimate::Estimate;
@@ -102,6 +103,8 @@ pub struct Task<'a, F> {
     moved: bool,
     standing_since_s: Option<Real>,
     published: Published,
+    /// The coast-ahead prediction that was published last.
+    coast: Steady,
     /// Standard deviation of r by the description alone, which `published` is judged by.
     initial_sd: Real,
 

@@ -1,6 +1,7 @@
 //! Which frames a tick sends beside the estimate, which closes it.
 
 use super::{Port, Task};
+use crate::coast_ahead::Outcome;
 use crate::config::Mode;
 use crate::estimate::{Cause, Estimate};
 use crate::frames;
@@ -20,6 +21,7 @@ impl<F: NorFlash> Task<'_, F> {
         let limits = self.estimator.limits_n_per_kg(mean[LOCATION], mean[SPEED]);
         let effort = frames::effort(estimate, limits);
         self.send(Body::Effort(effort), port);
+        self.send_coast_ahead(estimate, port);
         if self.tick.is_multiple_of(MINUTE_TICKS) {
             self.send_features(port);
             self.send_status(port);
@@ -28,7 +30,7 @@ impl<F: NorFlash> Task<'_, F> {
             }
         }
         // Between the minutes: no tick does everything.
-        if self.tick % SNAPSHOT_TICKS == MINUTE_TICKS / 2 {
+        if self.takes_snapshot() {
             self.take_snapshot_of_the_run();
         }
         self.send_snapshot_parts(port);
@@ -52,6 +54,30 @@ impl<F: NorFlash> Task<'_, F> {
         };
         let parameters = frames::parameters(estimate, &published, learned, gain);
         self.send(Body::Parameters(parameters), port);
+    }
+
+    fn takes_snapshot(&self) -> bool {
+        self.tick % SNAPSHOT_TICKS == MINUTE_TICKS / 2
+    }
+
+    /// Where the track has targets. Not in the tick of the minute and not in that of a snapshot, which are the longest ones; what was said last is said again in the tick after
+    /// the minute's, for a display that missed it.
+    #[inline(never)]
+    fn send_coast_ahead(&mut self, estimate: &Estimate, port: &mut impl Port) {
+        let long = self.tick.is_multiple_of(MINUTE_TICKS) || self.takes_snapshot();
+        if long || self.estimator.track().targets() == 0 {
+            return;
+        }
+        let mut ahead = self.estimator.coast_ahead(self.run, estimate);
+        if self.published.is_out_of_bounds() {
+            ahead.outcome = Outcome::Unknown;
+        }
+        let news = self.coast.is_news(&self.estimator.config().coast, &ahead);
+        let again = self.tick % MINUTE_TICKS == 1;
+        if let Some(said) = self.coast.said().filter(|_| news || again) {
+            let frame = frames::coast_ahead(said);
+            self.send(Body::CoastAhead(frame), port);
+        }
     }
 
     fn send_features(&mut self, port: &mut impl Port) {

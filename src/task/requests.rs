@@ -1,6 +1,7 @@
 //! What may be asked of the board, and when: the description between runs, commands at any time.
 
 use super::{LONG_STOP_S, MOVING_MPS, Port, Task};
+use crate::coast_ahead::Steady;
 use crate::config::Mode;
 use crate::digest;
 use crate::effects::{self, Effects, FrameError};
@@ -12,7 +13,9 @@ use crate::state::SPEED;
 use crate::track::Direction;
 use crate::train::Train;
 use crate::units::KmPerHour;
-use crate::uplink::{Command, CurvePart, Pace, Request, Setting, TrackPart, TrainFrame};
+use crate::uplink::{
+    Command, CurvePart, Pace, Request, Setting, TargetPart, TrackPart, TrainFrame,
+};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Body, Effect, Refusal};
 use serde::ser::{Serialize, SerializeSeq, Serializer};
@@ -37,6 +40,7 @@ impl<F: NorFlash> Task<'_, F> {
             Request::Snapshot(part) => self.take_snapshot(part),
             Request::Effect(effect) => self.take_effect(effect, port),
             Request::Curves(part) => self.take_curves(part),
+            Request::Targets(part) => self.take_targets(part),
             // Taken care of before.
             Request::Measurement(_) => Err(Refusal::Malformed),
         }
@@ -99,6 +103,7 @@ impl<F: NorFlash> Task<'_, F> {
         self.sequence = 0;
         self.moved = false;
         self.standing_since_s = None;
+        self.coast = Steady::NONE;
         self.newest = None;
         self.last_time_s = None;
     }
@@ -204,6 +209,30 @@ impl<F: NorFlash> Task<'_, F> {
         if taken == Err(Refusal::OutOfRange) {
             // Half of a description is none.
             track.clear_curves();
+        }
+        self.settle();
+        taken
+    }
+
+    #[inline(never)]
+    fn take_targets(&mut self, part: &TargetPart) -> Result<(), Refusal> {
+        if self.track_id != Some(part.track_id) {
+            return Err(Refusal::OtherTrack);
+        }
+        let track = self.estimator.track_mut();
+        if part.first == 0 {
+            track.clear_targets();
+        }
+        let taken = if track.targets() == usize::from(part.first) {
+            let mut targets = part.targets.iter();
+            targets
+                .try_for_each(|target| track.push_target(*target).map_err(|_| Refusal::OutOfRange))
+        } else {
+            Err(Refusal::OutOfOrder)
+        };
+        if taken == Err(Refusal::OutOfRange) {
+            // Half of a description is none.
+            track.clear_targets();
         }
         self.settle();
         taken

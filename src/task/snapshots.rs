@@ -2,6 +2,7 @@
 
 use super::{Port, Task};
 use crate::Real;
+use crate::coast_ahead::Steady;
 use crate::digest;
 use crate::published::Published;
 use crate::run_state::MAX_SNAPSHOT;
@@ -19,6 +20,7 @@ struct Around {
     published: Published,
     moved: bool,
     standing_since_s: Option<Real>,
+    coast: Steady,
 }
 
 /// A snapshot on its way out, or in.
@@ -81,6 +83,7 @@ impl<F: NorFlash> Task<'_, F> {
             published: self.published,
             moved: self.moved,
             standing_since_s: self.standing_since_s,
+            coast: self.coast,
         };
         let Ok(head) = postcard::to_slice(&around, buffer.bytes).map(|head| head.len()) else {
             return;
@@ -152,6 +155,7 @@ impl<F: NorFlash> Task<'_, F> {
         self.published = around.published;
         self.moved = around.moved;
         self.standing_since_s = around.standing_since_s;
+        self.coast = around.coast;
         self.newest = None;
         self.last_time_s = None;
         self.tick = part.tick;

@@ -1,7 +1,8 @@
 //! Downlink: what the board says. Each frame is a value of [`Body`]; numbers are `f32` in SI units, times `f64`.
 //!
-//! In a tick the frames come in this order: parameters, effort, the others that are due, and [`Estimate`] last: it closes the tick.
+//! In a tick the frames come in this order: parameters, effort, coast_ahead, the others that are due, and [`Estimate`] last: it closes the tick.
 
+use crate::coast::CoastAhead;
 use crate::envelope::{self, DecodeError, EncodeError};
 use crate::health::Health;
 use crate::words::{Cause, Regime, Validity};
@@ -40,6 +41,7 @@ impl Downlink {
 /// The frames. New ones are appended, so that the numbers of the old ones stay.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
+#[serde(rename_all = "snake_case")]
 pub enum Body {
     /// 0: where, how fast, which regime. Closes a tick.
     Estimate(Estimate),
@@ -63,6 +65,8 @@ pub enum Body {
     Answer(Answer),
     /// 10: how the hardware is.
     Health(Health),
+    /// 11: what coasting from here leads to.
+    CoastAhead(CoastAhead),
 }
 
 impl Body {
@@ -80,6 +84,7 @@ impl Body {
             Self::SnapshotPart(_) => "snapshot_part",
             Self::Answer(_) => "answer",
             Self::Health(_) => "health",
+            Self::CoastAhead(_) => "coast_ahead",
         }
     }
 }
@@ -120,6 +125,7 @@ pub struct Estimate {
 /// How far the resistance may be trusted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
+#[serde(rename_all = "snake_case")]
 pub enum Learned {
     /// Nothing to speak of yet: these are the manufacturer's values.
     #[default]
@@ -156,6 +162,45 @@ pub struct Parameters {
     pub learned: Learned,
     /// Gain of the measured effort, true over measured, where the board learns it.
     pub gain: Option<Value>,
+}
+
+impl Parameters {
+    /// r(v) in N/kg at a speed in m/s, with its standard deviation √(h P hᵀ), h = (1, v, v²).
+    ///
+    /// ```
+    /// use rundown_wire::{Learned, Parameters, Value};
+    ///
+    /// let parameters = Parameters {
+    ///     r0: Value { value: 0.01, sd: 3e-3 },
+    ///     r1: Value::default(),
+    ///     r2: Value { value: 1e-4, sd: 4e-5 },
+    ///     correlation: [0.0; 3],
+    ///     learned: Learned::Learned,
+    ///     gain: None,
+    /// };
+    /// let r = parameters.at(10.0);
+    /// assert!((r.value - 0.02).abs() < 1e-7);
+    /// assert!((r.sd - 5e-3).abs() < 1e-7);
+    /// ```
+    pub fn at(&self, speed_mps: f32) -> Value {
+        let v = f64::from(speed_mps);
+        // In double precision: the terms of the variance nearly cancel.
+        let h = [1.0, v, v * v];
+        let terms = [self.r0, self.r1, self.r2];
+        let [of_01, of_02, of_12] = self.correlation.map(f64::from);
+        let [a, b, c] = [0, 1, 2].map(|i| h[i] * f64::from(terms[i].sd));
+        let variance =
+            a * a + b * b + c * c + 2.0 * (of_01 * a * b + of_02 * a * c + of_12 * b * c);
+        let value: f64 = h
+            .iter()
+            .zip(&terms)
+            .map(|(h, term)| h * f64::from(term.value))
+            .sum();
+        Value {
+            value: value as f32,
+            sd: libm::sqrt(variance.max(0.0)) as f32,
+        }
+    }
 }
 
 /// Applied effort per rotating mass, N/kg, and what bounds it.
@@ -297,6 +342,7 @@ pub struct Effects {
 /// How the memory that survives power is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
+#[serde(rename_all = "snake_case")]
 pub enum Memory {
     /// Nothing was kept: the vehicle is as described.
     #[default]
@@ -403,6 +449,7 @@ pub struct Answer {
 /// Why an uplink frame was refused. It has changed nothing but its counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
+#[serde(rename_all = "snake_case")]
 pub enum Refusal {
     /// Another version.
     Version,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Why the board started.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
+#[serde(rename_all = "snake_case")]
 pub enum ResetCause {
     /// Power came, or fell below what the processor needs.
     #[default]
@@ -43,6 +44,7 @@ pub const FILE_TAIL: usize = 24;
 
 /// What the firmware wrote down before the reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Failure {
     /// Nothing: power-on, button, or the end came without warning.
     #[default]

@@ -4,7 +4,8 @@
 //! board: estimate -> Downlink -> message (version, postcard) -> link (serial: CRC, COBS; CAN style: ISO-TP) -> display
 //! ```
 //!
-//! A display takes a message out of its link and calls [`Downlink::decode`]. `WIRE.md` states every byte.
+//! A display gives what its link brings to a [`Reader`], which finds the frames and counts what is lost; `examples/display.rs` is one in thirty lines.
+//! [`Downlink::decode`] reads a single message. `WIRE.md` states every byte.
 //!
 //! ```
 //! use rundown_wire::{Body, Downlink};
@@ -20,13 +21,19 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod coast;
 mod downlink;
+mod effects;
 mod envelope;
 mod health;
 pub mod link;
+mod reader;
 mod words;
 
+pub use coast::{CoastAhead, CoastArrival, CoastOutcome, CoastTarget};
 pub use downlink::*;
+pub use effects::EffectKind;
 pub use envelope::{DecodeError, EncodeError, MAX_MESSAGE, VERSION, decode, encode};
 pub use health::{FILE_TAIL, Failure, Health, LineCounts, ResetCause, Stalled};
+pub use reader::{Order, Reader, Received, Tally, WINDOW};
 pub use words::{Cause, Regime, Validity};

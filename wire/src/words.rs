@@ -50,6 +50,7 @@ impl fmt::Display for Regime {
 
 /// How far an estimate may be trusted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Validity {
     /// Location and speed were measured and agree.
     #[default]
@@ -82,6 +83,7 @@ impl Validity {
 /// Why a reading was not used, or an estimate is not valid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
+#[serde(rename_all = "snake_case")]
 pub enum Cause {
     /// The location was not sent.
     NoLocation,

@@ -29,6 +29,7 @@ Tasks:
   budget                        flash, RAM, stack and instructions of the firmware against their limits
   stack                         the most stack that the firmware can take, path by path, and the largest frames
   test                          the whole test run: set-up, firmware, unit, integration and documentation tests of every package
+  browser                       the page of `rundown display` in Chromium, which is installed if it is missing; pictures in target/browser
   fuzz [SECONDS]                every fuzz target for so long (default: 60); needs nightly Rust and cargo-fuzz
   ci                            everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
 
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
         ["budget"] => budget::budget(),
         ["stack"] => budget::stack(),
         ["test"] => test(),
+        ["browser"] => browser(),
         ["fuzz"] => fuzz::fuzz("60"),
         ["fuzz", seconds] => fuzz::fuzz(seconds),
         ["ci"] => run(Command::new("bash").arg(".ci/run")),
@@ -130,4 +132,11 @@ fn test() -> Result<(), String> {
         ),
     }
     run(&mut test)
+}
+
+/// The page's tests are built on demand only: the driver's client is many crates.
+fn browser() -> Result<(), String> {
+    setup::browser()?;
+    run(cargo().args(["build", "-p", "sim-harness", "--bin", "rundown"]))?;
+    run(cargo().args(["test", "-p", "browser-tests", "--features", "browser"]))
 }

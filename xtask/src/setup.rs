@@ -144,6 +144,33 @@ fn as_root(program: &str) -> Command {
     sudo
 }
 
+/// The browser that the page is looked at with, and its driver, of the same version.
+pub fn browser() -> Result<(), String> {
+    let versions = || {
+        Some((
+            ask("chromium", &["--version"])?,
+            ask("chromedriver", &["--version"])?,
+        ))
+    };
+    if versions().is_none() && has_apt() {
+        println!("the page is tested in Chromium, which is missing; taking Debian's");
+        apt(&["update"])?;
+        apt(&[
+            "install",
+            "-y",
+            "--no-install-recommends",
+            "chromium",
+            "chromium-driver",
+        ])?;
+    }
+    let (browser, driver) = versions().ok_or(
+        "no browser: the page is tested in Chromium. On Debian: `apt-get install --no-install-recommends chromium chromium-driver`;\n\
+         elsewhere put `chromium` and a `chromedriver` of its version on the path",
+    )?;
+    println!("browser   {browser}\n          {driver}");
+    Ok(())
+}
+
 /// The independent peers of the CAN link, in a Python environment of their own. At once when they are there.
 pub fn peers() -> Result<(), String> {
     let folder = root().join("target/peers");

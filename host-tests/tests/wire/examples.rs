@@ -3,16 +3,17 @@
 use host_tests::board::PROVISIONING;
 use host_tests::fields::Fields;
 use rundown::auth::{Signer, Verifier};
+use rundown::coast_ahead::CoastConfig;
 use rundown::config::Config;
 use rundown::effects::Surroundings;
 use rundown::measurement::Measurement;
 use rundown::resistance::Davis;
 use rundown::task::DATA_ID;
-use rundown::track::{Curve, Direction, Gradient};
+use rundown::track::{Curve, Direction, Gradient, Target};
 use rundown::train::TrainDescription;
 use rundown::uplink::{
-    self, CURVES, Command, CurvePart, GRADIENTS, OPEN, Pace, Request, SECURED, Setting, TrackPart,
-    TrainFrame, Uplink,
+    self, CURVES, Command, CurvePart, GRADIENTS, OPEN, Pace, Request, SECURED, Setting, TARGETS,
+    TargetPart, TrackPart, TrainFrame, Uplink,
 };
 use rundown_wire::link::Counters;
 use rundown_wire::*;
@@ -277,6 +278,20 @@ fn downlink() -> Vec<(String, Frame)> {
             },
             not_sent: 6,
         }),
+        Body::CoastAhead(CoastAhead {
+            from_time_s: 3000.0,
+            from_location_m: 24_345.5,
+            from_speed_mps: 38.5,
+            target: Some(CoastTarget {
+                at_m: 31_683.0,
+                limit_mps: Some(11.0),
+            }),
+            outcome: CoastOutcome::Arrives(CoastArrival {
+                speed_mps: value(24.25, 0.5),
+                time_s: 3239.5,
+                time_sd_s: 1.25,
+            }),
+        }),
     ];
     bodies
         .into_iter()
@@ -335,6 +350,12 @@ fn uplink() -> Vec<(String, Frame)> {
     // Tuning may move a default; the bytes of an example stay.
     let mut config = Config::default();
     config.learning.acceleration_noise_mps2 = 0.001;
+    config.coast = CoastConfig {
+        horizon_m: 25e3,
+        wind_change_mps: 0.3,
+        coasting_point_m: 150.0,
+        arrival_s: 3.0,
+    };
     for setting in Setting::all(&config) {
         let request = Request::Setting(setting);
         frames.push(up(&format!("setting {}", word(&request)), SECURED, request));
@@ -374,6 +395,18 @@ fn uplink() -> Vec<(String, Frame)> {
                     to_m,
                     radius_m,
                 })
+                .into_iter()
+                .collect(),
+        }),
+    ));
+    frames.push(up(
+        "targets",
+        SECURED,
+        Request::Targets(TargetPart {
+            track_id: 70_000,
+            first: 0,
+            targets: [(0.0, None), (900.0, Some(39.0)), (31_683.0, Some(11.0))]
+                .map(|(at_m, limit_mps)| Target { at_m, limit_mps })
                 .into_iter()
                 .collect(),
         }),
@@ -433,7 +466,7 @@ fn largest_effect() -> Effect {
 fn largest_body(body: Body) -> Body {
     const MOST: u32 = u32::MAX;
     match body {
-        Body::Estimate(_) | Body::Parameters(_) | Body::Effort(_) => body,
+        Body::Estimate(_) | Body::Parameters(_) | Body::Effort(_) | Body::CoastAhead(_) => body,
         Body::Features(mut features) => {
             let most = |statistic: &mut Statistic| statistic.count = MOST;
             features
@@ -549,6 +582,11 @@ pub fn largest() -> Vec<(String, Frame)> {
                     track_id: u32::MAX,
                     first: u16::MAX,
                     curves: full::<_, CURVES>(&part.curves[0]),
+                }),
+                Request::Targets(part) => Request::Targets(TargetPart {
+                    track_id: u32::MAX,
+                    first: u16::MAX,
+                    targets: full::<_, TARGETS>(&part.targets[1]),
                 }),
                 Request::Setting(Setting::Features(mut windows)) => {
                     windows.bridge_samples = u32::MAX;

@@ -3,6 +3,8 @@
 //! Exit codes: see [`AFTER_HELP`]. Errors are one line each on stderr: what, where, what to do.
 
 pub mod demo;
+pub mod display;
+pub mod export;
 pub mod gap;
 pub mod gap_bench;
 pub mod link;
@@ -28,7 +30,7 @@ Exit codes:
 
 /// Everything was done, but for runs that could not be used.
 const SOME_RUNS_FAILED: u8 = 1;
-/// The arguments do not go together.
+/// The arguments are wrong, or do not go together, as far as their form does not tell.
 const WRONG_ARGUMENTS: u8 = 2;
 /// A description or the configuration was refused.
 const DESCRIPTION_REFUSED: u8 = 3;
@@ -57,10 +59,14 @@ enum Command {
     Tune(Box<tune::Arguments>),
     /// Play recorded runs to a board, real or emulated
     Link(Box<link::Arguments>),
+    /// Show what a board says, live: in a browser, in the terminal, or as lines
+    Display(Box<display::Arguments>),
     /// Find which effect a model lacks, add it, and show the gap shrink
     Gap(Box<gap::Arguments>),
     /// How often the gap workflow finds a hidden effect, and nothing else
     GapBench(Box<gap_bench::Arguments>),
+    /// Write what was learned of a train for other tools
+    Export(export::Arguments),
     /// Make the record with a new key that a board is given
     Provision(provision::Arguments),
     /// The case study in short: simulate its 67 runs, replay them, write the report
@@ -112,8 +118,10 @@ pub fn main() -> ExitCode {
         Command::Study(arguments) => study::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
         Command::Link(arguments) => link::run(&arguments),
+        Command::Display(arguments) => display::run(&arguments),
         Command::Gap(arguments) => gap::run(&arguments),
         Command::GapBench(arguments) => gap_bench::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Completions { shell } => {

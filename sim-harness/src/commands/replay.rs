@@ -37,6 +37,8 @@ Examples:
 
 Files in the output folder:
   <run>.estimates.csv   a row for each tick: state, covariance, effort, regime, innovation
+  <run>.coast_ahead.csv a row for each tick, where the track has stops or speed limits: speed and time there if the
+                        train coasts from here on, with their standard deviations
   features.csv          a row for each run: limits, brake rates, cruise speed, final coast, energy
   switching_points.csv  a row for each change of regime
   parameters.csv        a row for each run: resistance of vehicle and run, counters by cause
@@ -282,8 +284,7 @@ pub(super) fn write(folder: &Path, setup: &Setup, results: &Results) -> Result<V
         failed: &results.failed,
         notes: &results.notes,
     });
-    write_tables(folder, &results.runs, &setup.config.features, &json)
-        .map_err(Failure::not_written)?;
+    write_tables(folder, &results.runs, &setup.config, &json).map_err(Failure::not_written)?;
     let path = folder.join("report.html");
     let report = report(setup, results);
     write_report(&path, &report)

@@ -14,6 +14,7 @@
 
 use super::port::HostPort;
 use super::{HostLink, Unwrapped};
+use embedded_can::nb::Can;
 use rundown::link::can_link::CanLink;
 use rundown::link::isotp::Config;
 use rundown::link::serial::SerialLink;
@@ -178,19 +179,59 @@ impl Address {
         match self {
             Self::Serial(port) => Ok(HostLink::new(SerialLink::new(port.open()?))),
             Self::Slcan { port, fd } => {
-                let adapter = Slcan::open(port.open()?, None).map_err(|error| match error {
-                    PortError::Port(error) => named(self, &error),
-                    PortError::Full => named(self, &io::ErrorKind::WriteZero.into()),
-                })?;
+                let adapter = self.adapter(port)?;
                 Ok(HostLink::new(Unwrapped(CanLink::host(
                     adapter,
                     config(*fd),
                 ))))
             }
             Self::Can { interface, fd } => {
-                open_interface(interface, *fd).map_err(|error| named(self, &error))
+                open_interface(interface, *fd, false).map_err(|error| named(self, &error))
             }
         }
+    }
+}
+
+impl Address {
+    /// Opens the link and sends no frame on a CAN bus: another computer there answers the board.
+    ///
+    /// # Errors
+    /// As [`Address::open`].
+    pub fn listen(&self) -> io::Result<HostLink> {
+        match self {
+            Self::Serial(_) => self.open(),
+            Self::Slcan { port, fd } => {
+                let adapter = self.adapter(port)?;
+                let silent = CanLink::host(Silent(adapter), config(*fd));
+                Ok(HostLink::new(Unwrapped(silent)))
+            }
+            Self::Can { interface, fd } => {
+                open_interface(interface, *fd, true).map_err(|error| named(self, &error))
+            }
+        }
+    }
+
+    fn adapter(&self, port: &PortAddress) -> io::Result<Slcan<HostPort>> {
+        Slcan::open(port.open()?, None).map_err(|error| match error {
+            PortError::Port(error) => named(self, &error),
+            PortError::Full => named(self, &io::ErrorKind::WriteZero.into()),
+        })
+    }
+}
+
+/// A controller that never sends.
+struct Silent<C>(C);
+
+impl<C: Can> Can for Silent<C> {
+    type Frame = C::Frame;
+    type Error = C::Error;
+
+    fn transmit(&mut self, _: &C::Frame) -> nb::Result<Option<C::Frame>, C::Error> {
+        Ok(None)
+    }
+
+    fn receive(&mut self) -> nb::Result<C::Frame, C::Error> {
+        self.0.receive()
     }
 }
 
@@ -199,13 +240,17 @@ fn config(fd: bool) -> Config {
 }
 
 #[cfg(target_os = "linux")]
-fn open_interface(interface: &str, fd: bool) -> io::Result<HostLink> {
+fn open_interface(interface: &str, fd: bool, silent: bool) -> io::Result<HostLink> {
     let socket = super::socket::Socket::open(interface)?;
-    Ok(HostLink::new(Unwrapped(CanLink::host(socket, config(fd)))))
+    Ok(if silent {
+        HostLink::new(Unwrapped(CanLink::host(Silent(socket), config(fd))))
+    } else {
+        HostLink::new(Unwrapped(CanLink::host(socket, config(fd))))
+    })
 }
 
 #[cfg(not(target_os = "linux"))]
-fn open_interface(_interface: &str, _fd: bool) -> io::Result<HostLink> {
+fn open_interface(_interface: &str, _fd: bool, _silent: bool) -> io::Result<HostLink> {
     Err(io::Error::new(
         io::ErrorKind::Unsupported,
         "CAN interfaces are there on Linux only; elsewhere use an adapter with slcan:",
@@ -273,5 +318,28 @@ mod tests {
             let error = address.open().err().unwrap().to_string();
             assert!(error.starts_with(&format!("{word}: ")), "{error}");
         }
+    }
+
+    #[test]
+    fn who_only_listens_sends_nothing_and_hears_all() {
+        use crate::link::pipe;
+        use rundown::link::Link;
+        use rundown::link::can::{CanFrame, Format};
+        use rundown::link::can_link::TO_BOARD;
+        let (here, mut there) = pipe::bus();
+        let mut other = here.clone();
+        let mut listener = CanLink::host(Silent(here), Config::CLASSIC);
+        let mut board = CanLink::board(there.clone(), Config::CLASSIC);
+        board.send(&[7; 100], 0).unwrap();
+        assert!(listener.receive(0).unwrap().is_none());
+        assert!(there.take().is_empty(), "no flow control of ours");
+        // Another computer lets the board go on.
+        other.put([CanFrame::try_new(TO_BOARD, Format::Classic, &[0x30, 0, 0]).unwrap()]);
+        let heard = (0..20).find_map(|_| {
+            board.receive(0).unwrap();
+            listener.receive(0).unwrap()
+        });
+        assert_eq!(heard.as_deref(), Some(&[7; 100][..]));
+        assert!(there.take().is_empty());
     }
 }

@@ -62,44 +62,28 @@ pub enum RecordError {
 
 const HEADER: [&str; 3] = ["time_us", "direction", "message"];
 
-/// A link that is recorded. A message that the link refused is not.
+/// The lines of a recording.
 ///
-/// A writer that fails does not stop the link: its first error is kept for [`finish`](Self::finish), and nothing more is written.
-pub struct Recorder<L, W: Write> {
-    link: L,
+/// A writer that fails does not stop what is recorded: its first error is kept for [`finish`](Self::finish), and nothing more is written.
+pub struct Log<W: Write> {
     csv: csv::Writer<W>,
     failed: Option<csv::Error>,
 }
 
-impl<L: Link, W: Write> Recorder<L, W> {
-    /// Records `link` to `writer`, a header first.
+impl<W: Write> Log<W> {
+    /// Writes the header.
     ///
     /// # Errors
     /// Those of the writer.
-    pub fn new(link: L, writer: W) -> io::Result<Self> {
+    pub fn new(writer: W) -> io::Result<Self> {
         let mut csv = csv::Writer::from_writer(writer);
         csv.write_record(HEADER)?;
         csv.flush()?;
-        Ok(Self {
-            link,
-            csv,
-            failed: None,
-        })
+        Ok(Self { csv, failed: None })
     }
 
-    /// The end of the recording: the link again.
-    ///
-    /// # Errors
-    /// The first error of the writer; the recording lacks everything from then on.
-    pub fn finish(mut self) -> io::Result<L> {
-        self.csv.flush()?;
-        match self.failed {
-            Some(error) => Err(error.into()),
-            None => Ok(self.link),
-        }
-    }
-
-    fn record(&mut self, time_us: u64, way: Way, message: &[u8]) {
+    /// Writes a message.
+    pub fn write(&mut self, time_us: u64, way: Way, message: &[u8]) {
         if self.failed.is_some() {
             return;
         }
@@ -114,6 +98,41 @@ impl<L: Link, W: Write> Recorder<L, W> {
             .and_then(|()| self.csv.flush().map_err(csv::Error::from))
             .err();
     }
+
+    /// The end of the recording.
+    ///
+    /// # Errors
+    /// The first error of the writer; the recording lacks everything from then on.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.csv.flush()?;
+        self.failed.map_or(Ok(()), |error| Err(error.into()))
+    }
+}
+
+/// A link that is recorded in a [`Log`]. A message that the link refused is not.
+pub struct Recorder<L, W: Write> {
+    link: L,
+    log: Log<W>,
+}
+
+impl<L: Link, W: Write> Recorder<L, W> {
+    /// Records `link` to `writer`, a header first.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn new(link: L, writer: W) -> io::Result<Self> {
+        let log = Log::new(writer)?;
+        Ok(Self { link, log })
+    }
+
+    /// The end of the recording: the link again.
+    ///
+    /// # Errors
+    /// As [`Log::finish`].
+    pub fn finish(self) -> io::Result<L> {
+        self.log.finish()?;
+        Ok(self.link)
+    }
 }
 
 impl<L: Link, W: Write> Link for Recorder<L, W> {
@@ -121,14 +140,14 @@ impl<L: Link, W: Write> Link for Recorder<L, W> {
 
     fn send(&mut self, message: &[u8], now_us: u64) -> Result<(), LinkError<L::PortError>> {
         self.link.send(message, now_us)?;
-        self.record(now_us, Way::Sent, message);
+        self.log.write(now_us, Way::Sent, message);
         Ok(())
     }
 
     fn receive(&mut self, now_us: u64) -> Result<Option<Message>, LinkError<L::PortError>> {
         let message = self.link.receive(now_us)?;
         if let Some(message) = &message {
-            self.record(now_us, Way::Received, message);
+            self.log.write(now_us, Way::Received, message);
         }
         Ok(message)
     }
@@ -157,6 +176,19 @@ pub fn read(reader: impl Read) -> Result<Vec<Recorded>, RecordError> {
         });
     }
     csv.records().map(|row| recorded(&row?)).collect()
+}
+
+/// The message of one line of a recording, which may still be growing; none in an empty line or a comment.
+///
+/// # Errors
+/// [`RecordError`] when it cannot be read.
+pub fn recorded_line(line: &[u8]) -> Result<Option<Recorded>, RecordError> {
+    let mut csv = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .comment(Some(b'#'))
+        .from_reader(line);
+    let row = csv.records().next().transpose()?;
+    row.map(|row| recorded(&row)).transpose()
 }
 
 fn recorded(row: &csv::StringRecord) -> Result<Recorded, RecordError> {

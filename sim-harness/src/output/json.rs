@@ -2,14 +2,14 @@
 //!
 //! ```text
 //! { "rundown", "mode", "train", "track", "carried", "tick_s",
-//!   "runs": [ { "run", "unit", "file", "direction", "rows", "steps", "estimates",
+//!   "runs": [ { "run", "unit", "file", "direction", "rows", "steps", "estimates", "coast_ahead",
 //!               "vehicle": { r0 .. sd_r2 }, "this_run": { r0 .. sd_r2 },
 //!               "features": { as in features.csv }, "switching_points": [ ... ], "counters": { cause: count },
 //!               "dropped": [ { "line", "time_s", "reason" } ], "warnings": [ ... ] } ],
 //!   "failed": [ { "file", "errors": [ ... ] } ], "notes": [ ... ] }
 //! ```
 
-use crate::output::{estimates, features, parameters};
+use crate::output::{coast_ahead, estimates, features, parameters};
 use crate::replay::{Dropped, ReplayedRun, Tick};
 use crate::table::{Record, to_json};
 use rundown::config::{Config, Mode};
@@ -90,6 +90,7 @@ fn of_run(run: &ReplayedRun, config: &Config) -> Value {
         "rows": run.rows,
         "steps": run.estimates.len(),
         "estimates": estimates::file_name(run),
+        "coast_ahead": (!run.coast_ahead.is_empty()).then(|| coast_ahead::file_name(run)),
         "vehicle": object(parameters::coefficients("", &run.vehicle_after)),
         "this_run": object(parameters::coefficients("", &run.summary.run_davis)),
         "features": object(features::of_run(&run.summary.features, &config.features)),

@@ -3,11 +3,13 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `<run>.estimates.csv` | one row a tick ([`estimates`]) |
+//! | `<run>.coast_ahead.csv` | one row a tick, where the track has stops or speed limits ([`coast_ahead`]) |
 //! | `features.csv` | one row a run ([`features`]) |
 //! | `parameters.csv` | the vehicle after each run, the run's own train, and how often each cause occurred ([`parameters`]) |
 //! | `switching_points.csv` | one row for each change of regime ([`features`]) |
 //! | `replay.json` | all but the estimates in one file for machines ([`json`]) |
 
+pub mod coast_ahead;
 pub mod estimates;
 pub mod features;
 pub mod json;
@@ -16,7 +18,7 @@ pub mod parameters;
 use crate::replay::ReplayedRun;
 use crate::table::{self, Record};
 use rayon::prelude::*;
-use rundown::features::FeatureConfig;
+use rundown::config::Config;
 use serde_json::Value;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -40,7 +42,7 @@ pub struct WriteError {
 pub fn write_tables(
     folder: &Path,
     runs: &[ReplayedRun],
-    config: &FeatureConfig,
+    config: &Config,
     json: &Value,
 ) -> Result<(), WriteError> {
     std::fs::create_dir_all(folder).map_err(|source| WriteError {
@@ -49,11 +51,19 @@ pub fn write_tables(
     })?;
     runs.par_iter().try_for_each(|run| {
         let name = estimates::file_name(run);
-        write(&folder.join(name), |file| estimates::write(file, run))
+        write(&folder.join(name), |file| estimates::write(file, run))?;
+        if run.coast_ahead.is_empty() {
+            return Ok(());
+        }
+        let name = coast_ahead::file_name(run);
+        write(&folder.join(name), |file| {
+            coast_ahead::write(file, run, &config.coast)
+        })
     })?;
     write_records(
         &folder.join("features.csv"),
-        runs.iter().map(|run| features::record(run, config)),
+        runs.iter()
+            .map(|run| features::record(run, &config.features)),
     )?;
     write_records(
         &folder.join("parameters.csv"),

@@ -1,0 +1,29 @@
+//! What the board says, live: frames from any source folded into one state, and the views of it.
+//!
+//! ```text
+//! source -> message -> hub [Reader -> state] -> page (HTTP, server-sent events), terminal, text, JSON
+//! ```
+//!
+//! | question | module |
+//! |---|---|
+//! | where do frames come from, and what if it fails? | [`source`] |
+//! | a recording at the pace of the train | [`player`] |
+//! | runs of the case study without a board | [`demo`] |
+//! | who has what? one lock, many readers | [`hub`] |
+//! | what is known now, of this run, of past runs? | [`state`] |
+//! | what is drawn behind it: train and track files | [`setup`] |
+//! | the page in a browser | [`page`] |
+//! | one line a frame | [`text`] |
+//! | the view in a terminal | [`terminal`] |
+//!
+//! A display only listens: nothing is sent to the board but the flow control without which CAN does not work.
+
+pub mod demo;
+pub mod hub;
+pub mod page;
+pub mod player;
+pub mod setup;
+pub mod source;
+pub mod state;
+pub mod terminal;
+pub mod text;

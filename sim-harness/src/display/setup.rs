@@ -1,0 +1,24 @@
+//! What is drawn behind the values and no frame tells: the train as its manufacturer describes it, stops, limits, gradients.
+//!
+//! In: train and track files, each or none. Out: [`Setup`], which the page gets once.
+
+use crate::track_file::TrackFile;
+use crate::train_file::TrainFile;
+use serde::Serialize;
+
+/// Train and track as described.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Setup {
+    /// The train; its `davis` is the manufacturer's curve.
+    pub train: Option<TrainFile>,
+    /// The track.
+    pub track: Option<TrackFile>,
+}
+
+impl Setup {
+    /// The manufacturer's r(v), N/kg, at a speed in m/s.
+    pub fn manufacturer(&self, speed_mps: f64) -> Option<f64> {
+        let davis = self.train.as_ref()?.davis;
+        Some(davis.r0 + speed_mps * (davis.r1 + speed_mps * davis.r2))
+    }
+}

@@ -1,0 +1,269 @@
+//! What is known, folded from frames: the present values, the run so far, the runs before.
+//!
+//! In: frames in their order. Out: [`State`], of which every view shows a part. A frame that is late or came twice changes nothing.
+//!
+//! A value that has not come is `None`, never a zero. With a new run the values of the old one are gone; its speed over location and what it has taught stay.
+
+use rundown_wire::{
+    Body, CoastAhead, Effect, Effort, Estimate, Features, Health, Order, Parameters, Received,
+    Regime, RunSummary, Status, SwitchingPoint, Validity,
+};
+use serde::Serialize;
+
+/// Points of a run that are kept: two days at 10 s. Then the older half goes.
+const MOST_POINTS: usize = 20_000;
+/// Past runs that are kept.
+const MOST_RUNS: usize = 200;
+/// A train that stands adds no points; its location is noise within this.
+const STANDING_M: f32 = 25.0;
+
+/// Points at the end that may still change: the last one's regime is confirmed by the next, and at a stop it is replaced.
+pub const UNSETTLED: usize = 2;
+
+/// One estimate of the run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(into = "Row")]
+pub struct Point {
+    /// Location, m.
+    pub location_m: f32,
+    /// Speed, m/s.
+    pub speed_mps: f32,
+    /// Its standard deviation.
+    pub speed_sd_mps: f32,
+    /// Regime: the estimate's, then the confirmed one.
+    pub regime: Regime,
+    /// How far location and speed may be trusted.
+    pub validity: Validity,
+    /// Time on the sender's clock, s.
+    pub time_s: f64,
+    /// Applied effort, N/kg.
+    pub effort_n_per_kg: Option<f32>,
+    /// The resistance was learned from it.
+    pub learning: bool,
+    /// Estimates before it are missing: no line leads here.
+    pub gap: bool,
+}
+
+/// A point as JSON has it, in the order of its fields: thousands go to each browser. Regime as in [`Regime::ALL`]; 0 valid, 1 held, 2 invalid.
+pub type Row = (f32, f32, f32, u8, u8, f64, Option<f32>, bool, bool);
+
+impl From<Point> for Row {
+    fn from(point: Point) -> Self {
+        let validity = match point.validity {
+            Validity::Valid => 0,
+            Validity::Held(_) => 1,
+            Validity::Invalid(_) => 2,
+        };
+        (
+            point.location_m,
+            point.speed_mps,
+            point.speed_sd_mps,
+            point.regime as u8,
+            validity,
+            point.time_s,
+            point.effort_n_per_kg,
+            point.learning,
+            point.gap,
+        )
+    }
+}
+
+/// A run that is over.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PastRun {
+    /// Time of its last estimate on the sender's clock, s.
+    pub ended_s: Option<f64>,
+    /// What it has taught.
+    pub summary: RunSummary,
+    /// What it has said of driving style and limits.
+    pub features: Option<Features>,
+}
+
+/// One value of an effect.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EffectValue {
+    /// What it is.
+    pub label: &'static str,
+    /// The value.
+    pub value: f64,
+    /// Its unit; empty for none.
+    pub unit: &'static str,
+}
+
+/// An effect in words.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NamedEffect {
+    /// Its name, or its number if that is newer than this program.
+    pub name: String,
+    /// Where it acts, m; none: everywhere.
+    pub section_m: Option<[f64; 2]>,
+    /// Its parameters.
+    pub values: Vec<EffectValue>,
+}
+
+impl NamedEffect {
+    fn new(effect: &Effect) -> Self {
+        let meaning = effect.meaning();
+        let labels = meaning.map_or(&[][..], |meaning| meaning.values);
+        let labels = labels.iter().copied().chain(std::iter::repeat(("", "")));
+        let value = |(&value, (label, unit))| EffectValue { label, value, unit };
+        Self {
+            name: meaning.map_or_else(
+                || format!("effect {}", effect.kind),
+                |meaning| meaning.name.to_owned(),
+            ),
+            section_m: effect.section_m,
+            values: effect.values.iter().zip(labels).map(value).collect(),
+        }
+    }
+}
+
+/// The newest of each frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Now {
+    /// Ticks of the run.
+    pub tick: Option<u32>,
+    /// Where, how fast, which regime.
+    pub estimate: Option<Estimate>,
+    /// The running resistance.
+    pub parameters: Option<Parameters>,
+    /// Applied effort and its bounds.
+    pub effort: Option<Effort>,
+    /// What coasting from here leads to, as said last.
+    pub coast_ahead: Option<CoastAhead>,
+    /// Driving style and limits of this run.
+    pub features: Option<Features>,
+    /// Switching points of this run, as far as they have come.
+    pub switching_points: Vec<SwitchingPoint>,
+    /// Effects in the board's model.
+    pub effects: Vec<NamedEffect>,
+    /// What the board has, and what it has counted.
+    pub status: Option<Status>,
+    /// How the hardware is.
+    pub health: Option<Health>,
+}
+
+/// All that is known.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Another number whenever [`State::points`] are not the old ones with more behind, the last [`UNSETTLED`] aside.
+    pub epoch: u32,
+    /// The newest of each frame.
+    pub now: Now,
+    /// The run so far.
+    pub points: Vec<Point>,
+    /// The run before.
+    pub previous: Vec<Point>,
+    /// Runs that are over, the oldest first.
+    pub past: Vec<PastRun>,
+    /// How many runs have ended.
+    pub ended: u32,
+}
+
+impl State {
+    /// Takes a frame.
+    pub fn take(&mut self, received: &Received) {
+        let frame = &received.frame;
+        match received.order {
+            Order::Late | Order::Repeated => return,
+            Order::Anew => self.begin_run(),
+            Order::Next | Order::After { .. } => {}
+        }
+        // The board counts anew and the first number was lost.
+        if self.now.tick.is_some_and(|tick| frame.tick < tick) {
+            self.begin_run();
+        }
+        self.now.tick = Some(frame.tick);
+        match &frame.body {
+            Body::Estimate(estimate) => self.estimate(estimate),
+            Body::Parameters(parameters) => self.now.parameters = Some(*parameters),
+            Body::Effort(effort) => self.now.effort = Some(*effort),
+            Body::CoastAhead(ahead) => self.now.coast_ahead = Some(*ahead),
+            Body::Features(features) => self.now.features = Some(*features),
+            Body::SwitchingPoints(part) => {
+                let kept = &mut self.now.switching_points;
+                kept.truncate(part.first.into());
+                // What lies between was lost with a frame.
+                if kept.len() == usize::from(part.first) {
+                    kept.extend_from_slice(&part.points);
+                }
+            }
+            Body::Effects(effects) => {
+                self.now.effects = effects.effects.iter().map(NamedEffect::new).collect();
+            }
+            Body::Status(status) => self.now.status = Some(*status),
+            Body::Health(health) => self.now.health = Some(*health),
+            Body::RunSummary(summary) => self.end_run(summary),
+            // Snapshots are for the desk, answers for who asked; newer frames are not shown.
+            _ => {}
+        }
+    }
+
+    fn estimate(&mut self, estimate: &Estimate) {
+        self.now.estimate = Some(*estimate);
+        if let (Some(confirmed), Some(last)) = (estimate.confirmed, self.points.last_mut()) {
+            last.regime = confirmed;
+        }
+        let last_s = self.points.last().map(|last| last.time_s);
+        let longest_s = 1.5 * f64::from(estimate.dt_s);
+        let point = Point {
+            location_m: estimate.location_m.value,
+            speed_mps: estimate.speed_mps.value,
+            speed_sd_mps: estimate.speed_mps.sd,
+            regime: estimate.regime,
+            validity: estimate.validity,
+            time_s: estimate.time_s,
+            effort_n_per_kg: self.now.effort.and_then(|effort| effort.effort_n_per_kg),
+            learning: estimate.learning,
+            gap: last_s.is_some_and(|last_s| estimate.time_s - last_s > longest_s),
+        };
+        if let [.., one, two] = &self.points[..]
+            && [one, two, &point].iter().all(|of| {
+                of.regime == Regime::Standstill
+                    && (of.location_m - point.location_m).abs() < STANDING_M
+            })
+        {
+            // Same place: only the newest of a stop is kept beside its first.
+            self.points.pop();
+        }
+        self.points.push(point);
+        if self.points.len() > MOST_POINTS {
+            self.points.drain(..MOST_POINTS / 2);
+            self.epoch = self.epoch.wrapping_add(1);
+        }
+    }
+
+    fn begin_run(&mut self) {
+        let Now {
+            parameters,
+            effects,
+            status,
+            health,
+            ..
+        } = std::mem::take(&mut self.now);
+        // These are not of the run alone.
+        self.now = Now {
+            parameters,
+            effects,
+            status,
+            health,
+            ..Now::default()
+        };
+        if !self.points.is_empty() {
+            self.previous = std::mem::take(&mut self.points);
+        }
+        self.epoch = self.epoch.wrapping_add(1);
+    }
+
+    fn end_run(&mut self, summary: &RunSummary) {
+        if self.past.len() == MOST_RUNS {
+            self.past.remove(0);
+        }
+        self.past.push(PastRun {
+            ended_s: self.now.estimate.map(|estimate| estimate.time_s),
+            summary: *summary,
+            features: self.now.features,
+        });
+        self.ended = self.ended.wrapping_add(1);
+    }
+}

@@ -1,0 +1,288 @@
+//! The train as its runs have shown it: the description with what was learned in the place of what was stated.
+//!
+//! In: the folder of a replay, the train file it was made with. Out: a [`LearnedTrain`], which is a train file again, and which of its values are learned.
+//!
+//! | value | from |
+//! |---|---|
+//! | r0, r1, r2 | the vehicle after the unit's last run |
+//! | largest tractive effort | median over the runs of their largest effort at low speed |
+//! | largest power | median over the runs of their largest power |
+//! | all else | the description: mass, rotating mass factor, length, brake |
+//!
+//! A limit that fewer than [`LEAST_RUNS`] runs have shown stays as described. What drivers did not ask for nobody has seen: a learned limit is what the runs have used.
+
+use crate::toml_file::TomlError;
+use crate::train_file::{DavisTable, TrainFile};
+use rundown::train::TrainError;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Runs that must have shown a limit before it takes the described one's place.
+pub const LEAST_RUNS: usize = 3;
+
+/// Why there is no learned train.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LearnedTrainError {
+    /// The results cannot be read.
+    #[error("{}: {reason}; expected the results of `rundown replay`", path.display())]
+    Replay {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The train file.
+    #[error(transparent)]
+    Train(#[from] TomlError),
+    /// The replay was made with another train.
+    #[error(
+        "the replay is one of the train `{found}`, expected that of the train file, `{expected}`"
+    )]
+    OtherTrain {
+        /// Name in the train file.
+        expected: String,
+        /// Name in the results.
+        found: String,
+    },
+    /// Each run began anew, so that nothing was gathered.
+    #[error(
+        "the replay was made with --no-carry: expected one in which the vehicle is carried from run to run"
+    )]
+    NotCarried,
+    /// Not one unit.
+    #[error("expected one of the units {found:?} to be named, found {named:?}")]
+    Unit {
+        /// What was named.
+        named: Option<String>,
+        /// Those of the replay.
+        found: Vec<String>,
+    },
+    /// What was learned is no train.
+    #[error("what was learned is no train: {0}")]
+    NoTrain(TrainError),
+}
+
+/// Where a value comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// Learned in so many runs.
+    Learned {
+        /// Number of runs.
+        runs: usize,
+    },
+    /// As described: too few runs have shown it.
+    Described,
+}
+
+/// A train as its runs have shown it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LearnedTrain {
+    /// What a replay takes.
+    pub train: TrainFile,
+    /// Standard deviations of r0, r1, r2.
+    pub davis_sd: [f64; 3],
+    /// Of r0, r1, r2: the number of the unit's runs.
+    pub runs: usize,
+    /// Of the largest tractive effort.
+    pub effort: Source,
+    /// Of the largest power.
+    pub power: Source,
+}
+
+/// What is read of `replay.json`.
+#[derive(Debug, Deserialize)]
+struct Results {
+    train: String,
+    carried: bool,
+    runs: Vec<Run>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Run {
+    unit: String,
+    vehicle: Vehicle,
+    features: Features,
+}
+
+#[derive(Debug, Deserialize)]
+struct Vehicle {
+    r0: f64,
+    r1: f64,
+    r2: f64,
+    sd_r0: f64,
+    sd_r1: f64,
+    sd_r2: f64,
+}
+
+#[derive(Debug, Deserialize)]
+struct Features {
+    max_effort_mean_n_per_kg: Option<f64>,
+    power_max_w_per_kg: Option<f64>,
+}
+
+/// Reads the results in `folder`; `unit` where the replay has several.
+///
+/// # Errors
+/// [`LearnedTrainError`].
+pub fn read(
+    folder: &Path,
+    train: &Path,
+    unit: Option<&str>,
+) -> Result<LearnedTrain, LearnedTrainError> {
+    let (described, _) = TrainFile::read(train)?;
+    let path = folder.join("replay.json");
+    let failed = |reason: String| LearnedTrainError::Replay {
+        path: path.clone(),
+        reason,
+    };
+    let text = std::fs::read_to_string(&path).map_err(|error| failed(error.to_string()))?;
+    learn(described, &text, unit, failed)
+}
+
+fn learn(
+    described: TrainFile,
+    text: &str,
+    unit: Option<&str>,
+    failed: impl Fn(String) -> LearnedTrainError,
+) -> Result<LearnedTrain, LearnedTrainError> {
+    let results: Results = serde_json::from_str(text).map_err(|error| failed(error.to_string()))?;
+    if results.train != described.name {
+        return Err(LearnedTrainError::OtherTrain {
+            expected: described.name,
+            found: results.train,
+        });
+    }
+    if !results.carried {
+        return Err(LearnedTrainError::NotCarried);
+    }
+    let mut units: Vec<String> = results.runs.iter().map(|run| run.unit.clone()).collect();
+    units.sort();
+    units.dedup();
+    let chosen = match (unit, units.as_slice()) {
+        (None, [only]) => only.clone(),
+        (Some(named), _) if units.iter().any(|unit| unit == named) => named.to_owned(),
+        _ => {
+            return Err(LearnedTrainError::Unit {
+                named: unit.map(str::to_owned),
+                found: units,
+            });
+        }
+    };
+    let runs: Vec<&Run> = results
+        .runs
+        .iter()
+        .filter(|run| run.unit == chosen)
+        .collect();
+    let Some(last) = runs.last() else {
+        return Err(failed("no run".to_owned()));
+    };
+    let Vehicle { r0, r1, r2, .. } = last.vehicle;
+    let rotating_mass_kg = described.rotating_mass_factor * described.mass_kg;
+    let seen = |value: fn(&Features) -> Option<f64>| {
+        let values: Vec<f64> = runs.iter().filter_map(|run| value(&run.features)).collect();
+        let runs = values.len();
+        (runs >= LEAST_RUNS).then(|| (rotating_mass_kg * median(values), Source::Learned { runs }))
+    };
+    let described_as = |value: f64| (value, Source::Described);
+    let (max_tractive_effort_n, effort) = seen(|f| f.max_effort_mean_n_per_kg)
+        .unwrap_or(described_as(described.max_tractive_effort_n));
+    let (max_power_w, power) =
+        seen(|f| f.power_max_w_per_kg).unwrap_or(described_as(described.max_power_w));
+    let train = TrainFile {
+        davis: DavisTable { r0, r1, r2 },
+        max_tractive_effort_n,
+        max_power_w,
+        ..described
+    };
+    train.train().map_err(LearnedTrainError::NoTrain)?;
+    Ok(LearnedTrain {
+        train,
+        davis_sd: [last.vehicle.sd_r0, last.vehicle.sd_r1, last.vehicle.sd_r2],
+        runs: runs.len(),
+        effort,
+        power,
+    })
+}
+
+/// Of a list that is not empty.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    if values.len() % 2 == 1 {
+        values[middle]
+    } else {
+        0.5 * (values[middle - 1] + values[middle])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRAIN: &str = "name = \"unit\"\nmass_kg = 364000\nrotating_mass_factor = 1.06\nlength_m = 162\n\
+        max_tractive_effort_n = 192920.0\nmax_power_w = 2036377.8\nmax_brake_mps2 = 0.66\n\
+        [davis]\nr0 = 0.00738\nr1 = 1.6e-4\nr2 = 2.8e-5\n";
+
+    fn run(unit: &str, r0: f64, effort: &str, power: &str) -> String {
+        format!(
+            "{{\"unit\":\"{unit}\",\"vehicle\":{{\"r0\":{r0},\"r1\":1.5e-4,\"r2\":2.7e-5,\"sd_r0\":1e-4,\"sd_r1\":1e-5,\"sd_r2\":1e-7}},\
+            \"features\":{{\"max_effort_mean_n_per_kg\":{effort},\"power_max_w_per_kg\":{power}}}}}"
+        )
+    }
+
+    fn learned(runs: &[String], unit: Option<&str>) -> Result<LearnedTrain, LearnedTrainError> {
+        let (train, _) = TrainFile::parse("t.toml".as_ref(), TRAIN).unwrap();
+        let text = format!(
+            "{{\"train\":\"unit\",\"carried\":true,\"runs\":[{}]}}",
+            runs.join(",")
+        );
+        learn(train, &text, unit, |reason| LearnedTrainError::Replay {
+            path: "replay.json".into(),
+            reason,
+        })
+    }
+
+    #[test]
+    fn the_last_run_has_the_resistance_and_the_median_run_the_limits() {
+        let runs = [
+            run("7", 0.0070, "0.4", "5.0"),
+            run("7", 0.0071, "0.6", "null"),
+            run("7", 0.0072, "0.5", "5.2"),
+        ];
+        let found = learned(&runs, None).unwrap();
+        assert_eq!(found.train.davis.r0, 0.0072);
+        assert_eq!((found.runs, found.davis_sd[0]), (3, 1e-4));
+        assert!((found.train.max_tractive_effort_n - 0.5 * 385_840.0).abs() < 1e-6);
+        assert_eq!(found.effort, Source::Learned { runs: 3 });
+        // Two runs have shown a power.
+        assert_eq!(found.train.max_power_w, 2_036_377.8);
+        assert_eq!(found.power, Source::Described);
+    }
+
+    #[test]
+    fn a_unit_is_asked_for_where_there_are_several() {
+        let runs = [
+            run("7", 0.0070, "null", "null"),
+            run("8", 0.0080, "null", "null"),
+        ];
+        let error = learned(&runs, None).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "expected one of the units [\"7\", \"8\"] to be named, found None"
+        );
+        assert_eq!(learned(&runs, Some("8")).unwrap().train.davis.r0, 0.0080);
+        assert!(learned(&runs, Some("9")).is_err());
+        assert!(learned(&[], None).is_err());
+    }
+
+    #[test]
+    fn what_no_train_has_is_refused() {
+        let error = learned(&[run("7", -0.1, "null", "null")], None).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "what was learned is no train: train: davis.r0 must be 0.00001 to 1, found -0.1"
+        );
+    }
+}

@@ -1,0 +1,350 @@
+//! Train characteristics as the SFERA schema of the UIC (IRS 90940, version 3.00) names them.
+//!
+//! In: a train file, learned or not. Out: the element `TrainCharacteristics`, which the schema declares globally, with
+//!
+//! | field | unit | from |
+//! |---|---|---|
+//! | `trainWeight` | t, whole | mass as loaded, rounded: the *stated mass* m of all forces here |
+//! | `rotatingMassFactor` | | γ |
+//! | `rolloutCoefficientA`, `B`, `C` | N, N s/m, N s²/m² | γ m r0, γ m r1, γ m r2 |
+//! | `TractionForceCurve` | km/h, N | min(F, P/v) with the stated mass |
+//! | `trainLength` | m, whole | length |
+//!
+//! The coefficients are learned per rotating mass, from decelerations. With the stated mass, and not with the unrounded one, a reader who divides by γ m gets the learned
+//! decelerations back. Names, units, order and what is mandatory were read in the schema file itself; no message of a real system was at hand. The schema does not say whether `rotatingMassFactor` is γ (1.06) or γ - 1
+//! (0.06): here it is γ.
+
+use crate::train_file::TrainFile;
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, Event};
+use std::io;
+use std::str::FromStr;
+
+/// Step of the traction curve, km/h.
+const CURVE_STEP_KMH: f64 = 5.0;
+
+/// What the schema demands and no run can tell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Identity {
+    /// `TC_RU_ID`: RICS code of the railway undertaking, four characters.
+    pub company: String,
+    /// `TC_ID`.
+    pub id: String,
+    /// `TC_VersionMajor`.
+    pub version: String,
+    /// `TFC_TractionType`.
+    pub traction: Traction,
+    /// `trainMaxSpeed`, km/h; the traction curve ends there.
+    pub max_speed_kmh: u16,
+}
+
+/// Where the energy comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Traction {
+    /// Overhead line or third rail.
+    Electrical {
+        /// Rated voltage, V.
+        volts: u32,
+        /// Frequency, mHz; 0: direct current.
+        millihertz: u32,
+    },
+    /// Battery.
+    Battery,
+    /// Diesel.
+    Diesel,
+    /// Hydrogen.
+    Hydrogen,
+}
+
+impl FromStr for Traction {
+    type Err = String;
+
+    /// `diesel`, `battery`, `hydrogen`, `1500V` (direct current), `15000V16.7Hz`.
+    ///
+    /// ```
+    /// use sim_harness::sfera::Traction;
+    ///
+    /// assert_eq!("15000V16.7Hz".parse(), Ok(Traction::Electrical { volts: 15_000, millihertz: 16_700 }));
+    /// assert_eq!("1500V".parse(), Ok(Traction::Electrical { volts: 1500, millihertz: 0 }));
+    /// ```
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected =
+            || format!("expected diesel, battery, hydrogen, 1500V or 15000V16.7Hz, found `{text}`");
+        match text {
+            "battery" => return Ok(Self::Battery),
+            "diesel" => return Ok(Self::Diesel),
+            "hydrogen" => return Ok(Self::Hydrogen),
+            _ => {}
+        }
+        let (volts, frequency) = text.split_once('V').ok_or_else(expected)?;
+        let volts = volts.parse::<u32>().map_err(|_| expected())?;
+        let hertz = match frequency.strip_suffix("Hz") {
+            Some(hertz) => hertz.parse::<f64>().map_err(|_| expected())?,
+            None if frequency.is_empty() => 0.0,
+            None => return Err(expected()),
+        };
+        if volts == 0 || !(0.0..=1000.0).contains(&hertz) {
+            return Err(expected());
+        }
+        let millihertz = (1000.0 * hertz).round() as u32;
+        Ok(Self::Electrical { volts, millihertz })
+    }
+}
+
+/// A RICS code as the schema takes it: four digits or capital letters.
+///
+/// # Errors
+/// What was expected.
+pub fn company(text: &str) -> Result<String, String> {
+    let good = |c: char| c.is_ascii_digit() || c.is_ascii_uppercase();
+    if text.len() == 4 && text.chars().all(good) {
+        Ok(text.to_owned())
+    } else {
+        Err("expected a RICS code of four digits or capital letters".to_owned())
+    }
+}
+
+/// Mass that the file states, kg: whole tonnes.
+pub fn stated_mass_kg(train: &TrainFile) -> f64 {
+    1000.0 * (train.mass_kg / 1000.0).round().max(1.0)
+}
+
+/// A, B, C in N, N s/m, N s²/m² with the stated mass.
+///
+/// ```
+/// # use sim_harness::train_file::{DavisTable, TrainFile};
+/// # let train = TrainFile { name: "unit".into(), mass_kg: 363_900.0, rotating_mass_factor: 1.06, length_m: 162.0, max_tractive_effort_n: 192_920.0,
+/// #     max_power_w: 2.036e6, max_brake_mps2: 0.66, davis: DavisTable { r0: 7.0e-3, r1: 1.5e-4, r2: 2.7e-5 }, effect: Vec::new() };
+/// let [a, b, c] = sim_harness::sfera::rollout_coefficients(&train);
+/// // 364 t with 6 % of rotating mass.
+/// assert!((a - 385_840.0 * 7.0e-3).abs() < 1e-9 && (b - 57.876).abs() < 1e-9 && (c - 10.417_68).abs() < 1e-9);
+/// ```
+pub fn rollout_coefficients(train: &TrainFile) -> [f64; 3] {
+    let rotating_mass_kg = train.rotating_mass_factor * stated_mass_kg(train);
+    let davis = &train.davis;
+    [davis.r0, davis.r1, davis.r2].map(|r| rotating_mass_kg * r)
+}
+
+/// Points of the largest traction: speed in km/h, force in N with the stated mass. Constant up to the speed where the power bounds it.
+pub fn traction_curve(train: &TrainFile, max_speed_kmh: f64) -> Vec<(f64, f64)> {
+    let share = stated_mass_kg(train) / train.mass_kg;
+    let knee_kmh = 3.6 * train.max_power_w / train.max_tractive_effort_n;
+    let force_n = |kmh: f64| {
+        let by_power_n = 3.6 * train.max_power_w / kmh;
+        share * train.max_tractive_effort_n.min(by_power_n)
+    };
+    let mut speeds_kmh = vec![0.0];
+    if knee_kmh + 0.1 < max_speed_kmh {
+        speeds_kmh.push(knee_kmh);
+        // Not so near that both would be written as one speed.
+        let first = ((knee_kmh + 0.1) / CURVE_STEP_KMH).floor() as u32 + 1;
+        let rounds = (first..).map(|i| CURVE_STEP_KMH * f64::from(i));
+        speeds_kmh.extend(rounds.take_while(|kmh| *kmh < max_speed_kmh));
+    }
+    speeds_kmh.push(max_speed_kmh);
+    speeds_kmh
+        .into_iter()
+        .map(|kmh| (kmh, force_n(kmh)))
+        .collect()
+}
+
+/// Writes the document.
+///
+/// # Errors
+/// Those of `writer`.
+pub fn write(writer: impl io::Write, train: &TrainFile, identity: &Identity) -> io::Result<()> {
+    let mut xml = Writer::new_with_indent(writer, b' ', 2);
+    xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+    let [a, b, c] = rollout_coefficients(train);
+    let features = [
+        ("trainLength", format!("{:.0}", train.length_m)),
+        ("trainMaxSpeed", identity.max_speed_kmh.to_string()),
+        (
+            "trainWeight",
+            format!("{:.0}", stated_mass_kg(train) / 1000.0),
+        ),
+        ("rolloutCoefficientA", decimal(a)),
+        ("rolloutCoefficientB", decimal(b)),
+        ("rolloutCoefficientC", decimal(c)),
+        ("rotatingMassFactor", decimal(train.rotating_mass_factor)),
+    ];
+    let features = features
+        .each_ref()
+        .map(|(name, value)| (*name, value.as_str()));
+    let curve = traction_curve(train, f64::from(identity.max_speed_kmh));
+    xml.create_element("TrainCharacteristics")
+        .with_attribute(("TC_ID", identity.id.as_str()))
+        .with_attribute(("TC_VersionMajor", identity.version.as_str()))
+        .write_inner_content(|xml| {
+            xml.create_element("TC_RU_ID")
+                .write_text_content(quick_xml::events::BytesText::new(&identity.company))?;
+            xml.create_element("TC_Features")
+                .with_attributes(features)
+                .write_inner_content(|xml| {
+                    xml.create_element("TractionForceCurve")
+                        .write_inner_content(|xml| write_curve(xml, &curve, identity.traction))?;
+                    Ok(())
+                })?;
+            Ok(())
+        })?;
+    let mut inner = xml.into_inner();
+    inner.write_all(b"\n")?;
+    inner.flush()
+}
+
+fn write_curve(
+    xml: &mut Writer<impl io::Write>,
+    curve: &[(f64, f64)],
+    traction: Traction,
+) -> io::Result<()> {
+    for (kmh, force_n) in curve {
+        xml.create_element("TractionForceCurveDataPoint")
+            .with_attribute(("speed", format!("{kmh:.1}").as_str()))
+            .with_attribute(("tractionForce", format!("{force_n:.0}").as_str()))
+            .write_empty()?;
+    }
+    xml.create_element("TFC_TractionType")
+        .write_inner_content(|xml| {
+            match traction {
+                Traction::Battery => xml.create_element("Battery").write_empty()?,
+                Traction::Diesel => xml.create_element("Diesel").write_empty()?,
+                Traction::Hydrogen => xml.create_element("Hydrogen").write_empty()?,
+                Traction::Electrical { volts, millihertz } => {
+                    let hertz = f64::from(millihertz) / 1000.0;
+                    xml.create_element("Electrical")
+                        .with_attribute(("voltageValue", volts.to_string().as_str()))
+                        .with_attribute(("frequency", decimal(hertz).as_str()))
+                        .write_empty()?
+                }
+            };
+            Ok(())
+        })?;
+    Ok(())
+}
+
+/// Seven significant digits, without an exponent: the schema's decimals have none.
+fn decimal(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = 6 - value.abs().log10().floor() as i32;
+    let text = format!("{value:.*}", digits.max(0) as usize);
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::train_file::DavisTable;
+
+    fn train() -> TrainFile {
+        TrainFile {
+            name: "six & \"double\" <decks>".to_owned(),
+            mass_kg: 363_700.0,
+            rotating_mass_factor: 1.06,
+            length_m: 162.4,
+            max_tractive_effort_n: 192_920.0,
+            max_power_w: 2_036_377.8,
+            max_brake_mps2: 0.66,
+            davis: DavisTable {
+                r0: 7.1e-3,
+                r1: 1.5e-4,
+                r2: 2.7e-5,
+            },
+            effect: Vec::new(),
+        }
+    }
+
+    fn document(traction: &str) -> String {
+        let train = train();
+        let identity = Identity {
+            company: company("0084").unwrap(),
+            id: train.name.clone(),
+            version: "3".to_owned(),
+            traction: traction.parse().unwrap(),
+            max_speed_kmh: 160,
+        };
+        let mut bytes = Vec::new();
+        write(&mut bytes, &train, &identity).unwrap();
+        String::from_utf8(bytes).unwrap()
+    }
+
+    #[test]
+    fn the_document_has_the_names_and_the_order_of_the_schema() {
+        let text = document("1500V");
+        let expected = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+            <TrainCharacteristics TC_ID=\"six &amp; &quot;double&quot; &lt;decks&gt;\" TC_VersionMajor=\"3\">\n  \
+              <TC_RU_ID>0084</TC_RU_ID>\n  \
+              <TC_Features trainLength=\"162\" trainMaxSpeed=\"160\" trainWeight=\"364\" rolloutCoefficientA=\"2739.464\" rolloutCoefficientB=\"57.876\" \
+            rolloutCoefficientC=\"10.41768\" rotatingMassFactor=\"1.06\">\n    \
+                <TractionForceCurve>\n      \
+                  <TractionForceCurveDataPoint speed=\"0.0\" tractionForce=\"193079\"/>\n      \
+                  <TractionForceCurveDataPoint speed=\"38.0\" tractionForce=\"193079\"/>\n      \
+                  <TractionForceCurveDataPoint speed=\"40.0\" tractionForce=\"183425\"/>\n";
+        assert!(text.starts_with(expected), "{text}");
+        let end = "<TractionForceCurveDataPoint speed=\"160.0\" tractionForce=\"45856\"/>\n      \
+                  <TFC_TractionType>\n        \
+                    <Electrical voltageValue=\"1500\" frequency=\"0\"/>\n      \
+                  </TFC_TractionType>\n    \
+                </TractionForceCurve>\n  \
+              </TC_Features>\n\
+            </TrainCharacteristics>\n";
+        assert!(text.ends_with(end), "{text}");
+        assert!(document("diesel").contains("<Diesel/>"));
+        assert!(document("15000V16.7Hz").contains("voltageValue=\"15000\" frequency=\"16.7\""));
+    }
+
+    #[test]
+    fn a_reader_gets_the_learned_deceleration_back() {
+        let train = train();
+        let [a, b, c] = rollout_coefficients(&train);
+        let v = 30.0;
+        let deceleration = (a + b * v + c * v * v) / (1.06 * 364_000.0);
+        let learned = 7.1e-3 + v * (1.5e-4 + v * 2.7e-5);
+        assert!((deceleration - learned).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_the_schema_does_not_take_is_refused() {
+        for wrong in ["84", "008a", "00844", "00 4"] {
+            assert!(company(wrong).is_err(), "{wrong}");
+        }
+        for wrong in [
+            "steam",
+            "0V",
+            "V",
+            "1500",
+            "1500Vdc",
+            "1500V-1Hz",
+            "1500VNaNHz",
+        ] {
+            assert!(wrong.parse::<Traction>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn no_speed_of_the_curve_is_written_twice() {
+        for knee_kmh in [39.96, 40.0, 40.04, 139.97, 150.0] {
+            let mut train = train();
+            train.max_power_w = train.max_tractive_effort_n * knee_kmh / 3.6;
+            let curve = traction_curve(&train, 140.0);
+            let written: Vec<String> = curve.iter().map(|(kmh, _)| format!("{kmh:.1}")).collect();
+            let mut once = written.clone();
+            once.dedup();
+            assert_eq!(written, once);
+            assert_eq!(written.last().map(String::as_str), Some("140.0"));
+        }
+    }
+
+    #[test]
+    fn decimals_have_no_exponent() {
+        assert_eq!(decimal(1e-5), "0.00001");
+        assert_eq!(decimal(12_345_678.9), "12345679");
+        assert_eq!(decimal(10.0), "10");
+        assert_eq!(decimal(1.06), "1.06");
+    }
+}
