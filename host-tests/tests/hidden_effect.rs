@@ -1,0 +1,84 @@
+//! Is a hidden effect found, named and sized, and is nothing found where nothing is hidden? The workflow gets a folder as `rundown simulate` writes it, without its truth.
+
+use rundown::effects::Effect;
+use sim_harness::gap::bench::blind;
+use sim_harness::gap::bench::draw::{Ask, Set, Size};
+use sim_harness::gap::bench::score::Score;
+use sim_harness::gap::workflow::Investigation;
+
+/// Runs of a set: fewer than an analyst has, so that the test is quick.
+const RUNS: usize = 24;
+
+fn investigated(
+    kinds: &[&'static str],
+    effort: bool,
+    dirty: bool,
+    seed: u64,
+) -> (Score, Investigation) {
+    let set = Set::draw(Ask {
+        kinds: kinds.to_vec(),
+        size: Size::Clear,
+        effort,
+        dirty,
+        runs: RUNS,
+        seed,
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let found = blind(&set, folder.path()).unwrap().unwrap();
+    assert!(!folder.path().join("truth").exists());
+    let score = Score::of(&set, Some(&found));
+    println!("{:?}, seed {seed}: {score:?}", set.scenario.effects);
+    (score, found)
+}
+
+#[test]
+fn nothing_is_found_where_nothing_is_hidden() {
+    for (effort, dirty, seed) in [(true, false, 1), (true, true, 2), (false, true, 3)] {
+        let (score, found) = investigated(&[], effort, dirty, seed);
+        assert!(score.exact, "{score:?}");
+        assert_eq!(found.verdict(), "no_gap");
+    }
+}
+
+#[test]
+fn a_wrong_gradient_is_found_where_it_is_and_as_large_as_it_is() {
+    let (score, found) = investigated(&["gradient_error"], true, false, 5);
+    assert!(score.exact, "{score:?}");
+    assert!(score.places[0] > 0.8, "{score:?}");
+    assert!(score.size_errors[0] < 0.15, "{score:?}");
+    assert!(found.gap.removed_share > 0.8, "{:?}", found.gap);
+    assert_eq!(found.verdict(), "explained");
+}
+
+#[test]
+fn a_steady_wind_is_told_from_wrong_coefficients() {
+    for effort in [true, false] {
+        let (score, found) = investigated(&["steady_wind"], effort, false, 11);
+        assert!(score.exact, "{score:?}");
+        assert!(score.size_errors[0] < 0.1, "{score:?}");
+        assert!(found.p_value < 0.01, "{score:?}");
+        assert!(found.gap.after_mps < 0.5 * found.gap.before_mps);
+    }
+}
+
+#[test]
+fn a_heavier_train_is_found_with_an_effort_column() {
+    let (score, _) = investigated(&["mass_error"], true, false, 7);
+    assert!(score.exact, "{score:?}");
+    assert!(score.size_errors[0] < 0.1, "{score:?}");
+}
+
+#[test]
+fn two_effects_are_found_as_two() {
+    let (score, _) = investigated(&["tunnel_drag", "speed_scale"], true, false, 21);
+    assert!(score.exact, "{score:?}");
+}
+
+#[test]
+fn what_is_in_no_catalogue_is_called_unknown_with_its_coordinate() {
+    let (score, found) = investigated(&["speed_bump"], true, false, 13);
+    assert_eq!(score.coordinate, Some(true), "{score:?}");
+    assert!(score.exact, "{score:?}");
+    assert!(matches!(found.named[0].effect, Effect::Unknown(_)));
+    assert_eq!(found.verdict(), "unknown");
+}
