@@ -538,4 +538,28 @@ mod tests {
             "{found}"
         );
     }
+
+    #[test]
+    fn limits_and_stops_become_targets_and_too_many_are_counted() {
+        let limit = |index: usize| format!("[[speed_limit]]\nfrom_m = {index}\nkmh = 36\n");
+        let stop = |at_m: f64| format!("[[stop]]\nat_m = {at_m}\nname = \"s\"\n");
+        let head = "name = \"t\"\nlength_m = 1000\n";
+        let text = format!("{head}{}{}{}", limit(0), limit(500), stop(100.0));
+        let (file, track) = TrackFile::parse("track.toml".as_ref(), &text).unwrap();
+        let targets = file.targets();
+        let places: Vec<(f64, Option<f64>)> =
+            targets.iter().map(|t| (t.at_m, t.limit_mps)).collect();
+        assert_eq!(
+            places,
+            [(0.0, Some(10.0)), (100.0, None), (500.0, Some(10.0))]
+        );
+        assert_eq!(track.targets(), 3);
+        let many: String = (0..MAX_TARGETS).map(limit).collect();
+        assert!(TrackFile::parse("track.toml".as_ref(), &format!("{head}{many}")).is_ok());
+        let found = message(&(many + &stop(900.0)));
+        assert!(
+            found.ends_with("track: at most 192 speed limits and stops together, found 193"),
+            "{found}"
+        );
+    }
 }

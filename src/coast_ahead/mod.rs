@@ -6,7 +6,7 @@
 //! d(v²)/ds = -2 (r(v) + g(s) + X)        dt/ds = 1/v                      Eq. (1), (2) at no effort, over the way instead of over time
 //! ```
 //!
-//! The gradient's part is a difference of heights under the train, exact whatever the steps; so a few steps of some hundred metres do ([`way`]). Beside the mean they carry how v² and t at
+//! The gradient's part is a difference of heights under the train, exact whatever the steps; so a few steps of some hundred metres do (`way.rs`). Beside the mean they carry how v² and t at
 //! the target answer to the speed here and to r0, r1, r2; with the estimate's covariance that gives the standard deviations, to which the noise of
 //! the acceleration beyond the model (`learning.acceleration_noise_mps2`) adds on the way. r is that of the running run, so what is not known of the day's wind and load is in its covariance.
 //!
