@@ -51,5 +51,5 @@ fn binary() -> PathBuf {
         .parent()
         .and_then(|deps| deps.parent())
         .expect("target/PROFILE/deps");
-    profile.join("rundown")
+    profile.join(format!("rundown{}", std::env::consts::EXE_SUFFIX))
 }
