@@ -1,14 +1,16 @@
-//! `rundown demo`: the paper's case study, simulated, through the on-board code, and a short table of what it says.
+//! `rundown demo`: the paper's case study, simulated, through the on-board code, and a short table of what it says; then a hidden effect, found.
 
 use super::study::{Study, of_case_study};
-use super::{Failure, screen};
+use super::{Failure, gap, screen};
+use crate::simulation::folder;
+use crate::simulation::scenario_file::Simulation;
 use crate::study::case::case_study;
 use crate::study::claims::Verdict;
 use crate::study::description;
 use crate::truth::scenario::Scenario;
 use rundown::resistance::Davis;
 use rundown::units::KmPerHour;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Speeds of the table, km/h.
@@ -24,7 +26,10 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Simulates and replays the runs, writes what `rundown study` writes, and prints the table.
+/// What the gap workflow is shown on.
+const HIDDEN: &str = include_str!("../../../data/scenarios/hidden_effect.toml");
+
+/// Simulates and replays the runs, writes what `rundown study` writes, and prints the table. Then what `rundown gap` says of runs with a hidden effect.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let study = of_case_study(SEED, &arguments.out)?;
     let simulation = case_study().map_err(Failure::refused)?;
@@ -36,7 +41,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     ));
     let report = arguments.out.join("report.html");
     screen::print(&format!("\nreport: {}\n", report.display()));
-    Ok(ExitCode::SUCCESS)
+    hidden_effect(&arguments.out)
+}
+
+/// Hides a tunnel in simulated runs and looks for it with the description that does not have it.
+fn hidden_effect(out: &Path) -> Result<ExitCode, Failure> {
+    let simulation = Simulation::parse("hidden_effect.toml".as_ref(), HIDDEN);
+    let simulation = simulation.map_err(Failure::refused)?;
+    let set = out.join("hidden");
+    screen::print(&format!(
+        "\nA hidden effect: {} runs with {}, investigated with a model that lacks it\n",
+        simulation.runs, simulation.name
+    ));
+    folder::write(&simulation, &set, true, || ()).map_err(Failure::not_written)?;
+    gap::run(&gap::Arguments::of_set(&set, out.join("gap")))
 }
 
 fn table(study: &Study, scenario: &Scenario, stated: &Davis) -> String {

@@ -4,17 +4,24 @@ use super::{Failure, screen};
 use crate::effect_file::{self, EffectEntry};
 use crate::effect_frame;
 use crate::gap::explain::{self, explain};
+use crate::gap::innovations::innovations;
 use crate::gap::load;
 use crate::gap::report;
 use crate::gap::rows::Believed;
 use crate::gap::workflow::{Investigation, investigate};
+use crate::map_matching::CentreLine;
 use crate::output::WriteError;
-use crate::recording::DirectionChoice;
-use crate::run_set::RunSet;
+use crate::recording::{DirectionChoice, Recording};
+use crate::run_log::{BadRows, RunLog};
+use crate::run_set::{RunFile, RunSet};
 use crate::track_file::TrackFile;
 use crate::train_file::TrainFile;
 use clap::builder::PossibleValuesParser;
+use rundown::config::Config;
+use rundown::effects::Effects;
+use rundown::estimator::Estimator;
 use serde::Serialize;
+use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -84,6 +91,22 @@ pub struct Arguments {
     json: bool,
 }
 
+impl Arguments {
+    /// Of a folder as `rundown simulate` writes it.
+    pub(super) fn of_set(set: &Path, out: PathBuf) -> Self {
+        Self {
+            train: set.join("train.toml"),
+            track: set.join("track.toml"),
+            runs: vec![set.join("runs")],
+            explain: None,
+            out,
+            hold_out: None,
+            direction: DirectionChoice::default(),
+            json: false,
+        }
+    }
+}
+
 /// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if let Some(text) = arguments.explain.as_deref().and_then(explain) {
@@ -121,7 +144,29 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         .map(|p| p.display().to_string())
         .collect::<Vec<_>>()
         .join(" ");
-    let json = found.json(&dataset);
+    let repaired = repaired(&found, &train, &track);
+    let recordings = held_out(&found, &set, &track, arguments.direction);
+    let estimator = Estimator::try_new(Config::default(), core_train, core_track.clone())
+        .map_err(Failure::refused)?;
+    let effects = |(train, track): (&TrainFile, &TrackFile), run: &str| {
+        // The lists were checked when they were read; one that is too long is left out, as a board would.
+        effect_file::effects(&track.effect, &train.effect, Some(run)).unwrap_or(Effects::NONE)
+    };
+    let innovations = innovations(
+        &estimator,
+        &recordings,
+        |run| effects((&train, &track), run),
+        |run| effects((&repaired.0, &repaired.1), run),
+    );
+    let mut json = found.json(&dataset);
+    if let Some(found) = &innovations {
+        json["innovations"] = json!({
+            "what": "root mean square of the speed innovation of the estimator, held-out runs",
+            "unit": "m/s",
+            "before": found.before_mps,
+            "after": found.after_mps,
+        });
+    }
     let page = report::page(&report::Page {
         dataset: &dataset,
         found: &found,
@@ -129,11 +174,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         runs: &runs,
     });
     let texts = [("gap.json", format!("{json:#}\n")), ("report.html", page)];
-    write(&arguments.out, &found, &train, &track, &texts).map_err(Failure::not_written)?;
+    write(&arguments.out, &found, &repaired, &texts).map_err(Failure::not_written)?;
     if arguments.json {
         screen::print(&format!("{json:#}\n"));
     } else {
         screen::print(&story(&found));
+        if let Some(found) = &innovations {
+            screen::print(&format!(
+                "innovations of the estimator's speed on the same runs: {:.3} m/s before, {:.3} after\n",
+                found.before_mps, found.after_mps
+            ));
+        }
         screen::print(&format!("\nresults: {}\n", arguments.out.display()));
     }
     Ok(ExitCode::SUCCESS)
@@ -174,6 +225,40 @@ fn story(found: &Investigation) -> String {
     text
 }
 
+/// Train and track with what was found.
+fn repaired(found: &Investigation, train: &TrainFile, track: &TrackFile) -> (TrainFile, TrackFile) {
+    let (mut train, mut track) = (train.clone(), track.clone());
+    for one in &found.named {
+        let entry = EffectEntry {
+            effect: one.effect.clone(),
+            runs: (!one.runs.is_empty()).then(|| one.runs.clone()),
+        };
+        match one.effect.section_m() {
+            Some(_) => track.effect.push(entry),
+            None => train.effect.push(entry),
+        }
+    }
+    (train, track)
+}
+
+/// The recordings of the held-out runs.
+fn held_out(
+    found: &Investigation,
+    set: &RunSet,
+    track: &TrackFile,
+    direction: DirectionChoice,
+) -> Vec<Recording> {
+    let line = CentreLine::new(&track.centre_line);
+    let names: Vec<&str> = found.held_out_names.iter().map(String::as_str).collect();
+    let read = |file: &RunFile| {
+        let log = RunLog::read(&file.path, BadRows::LeaveOut).ok()?;
+        Recording::new(file, &log, line.as_ref(), direction).ok()
+    };
+    // What could not be read was reported before, and is in no analysis.
+    let read = set.files.iter().filter_map(read);
+    read.filter(|r| names.contains(&r.name.as_str())).collect()
+}
+
 #[derive(Serialize)]
 struct ResidualRow {
     run: usize,
@@ -197,8 +282,7 @@ struct ComparedRow {
 fn write(
     out: &Path,
     found: &Investigation,
-    train: &TrainFile,
-    track: &TrackFile,
+    (train, track): &(TrainFile, TrackFile),
     texts: &[(&str, String)],
 ) -> Result<(), WriteError> {
     let model = out.join("model");
@@ -211,22 +295,11 @@ fn write(
     for (name, text) in texts {
         put(out.join(name), text)?;
     }
-    let (mut train, mut track) = (train.clone(), track.clone());
-    for one in &found.named {
-        let entry = EffectEntry {
-            effect: one.effect.clone(),
-            runs: (!one.runs.is_empty()).then(|| one.runs.clone()),
-        };
-        match one.effect.section_m() {
-            Some(_) => track.effect.push(entry),
-            None => train.effect.push(entry),
-        }
-    }
     let path = model.join("train.toml");
-    let text = toml::to_string(&train).map_err(|e| at(&path)(std::io::Error::other(e)))?;
+    let text = toml::to_string(train).map_err(|e| at(&path)(std::io::Error::other(e)))?;
     put(path, &text)?;
     let path = model.join("track.toml");
-    let text = toml::to_string(&track).map_err(|e| at(&path)(std::io::Error::other(e)))?;
+    let text = toml::to_string(track).map_err(|e| at(&path)(std::io::Error::other(e)))?;
     put(path, &text)?;
     let path = out.join("effect.frame");
     let failed = |e: String| at(&path)(std::io::Error::other(e));

@@ -69,7 +69,7 @@ enum Command {
     Export(export::Arguments),
     /// Make the record with a new key that a board is given
     Provision(provision::Arguments),
-    /// The case study in short: simulate its 67 runs, replay them, write the report
+    /// The case study in short: simulate its 67 runs, replay them, write the report; then find a hidden effect
     Demo(demo::Arguments),
     /// Print the completions of a shell
     ///

@@ -57,6 +57,9 @@ pub struct Findings {
     pub period_days: f64,
 }
 
+/// Rows below this are no ground for a term.
+const FEW_ROWS: usize = 120;
+
 /// A term with its coefficients.
 #[derive(Clone, Debug)]
 pub struct Fitted {
@@ -137,7 +140,12 @@ pub fn analyse(
         }
         let (calibrated, likelihood) = calibrate(&context, &rows, measured, true, &model);
         let search = Search::new(&context, &rows, &calibrated, measured);
-        model = search.select();
+        // So few rows would fit anything; limits can be judged nevertheless.
+        model = if rows.len() < FEW_ROWS {
+            Vec::new()
+        } else {
+            search.select()
+        };
         let base = search.base(&model)?;
         beta = expanded(&model, base.beta.as_slice());
         last = Some((rows, calibrated, likelihood));

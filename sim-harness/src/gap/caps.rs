@@ -89,8 +89,8 @@ pub struct FoundLimit {
     pub factor_sd: f64,
 }
 
-/// Shares that drivers ask for.
-const SHARES: usize = 41;
+/// Shares that drivers ask for: finer than what is known of a share.
+const SHARES: usize = 101;
 const LEAST_SHARE: f64 = 0.4;
 /// Probability that an interval is not steady power after all.
 const STRAY: f64 = 0.1;
@@ -100,6 +100,8 @@ const CORNER: f64 = 1.35;
 const LEAST_SCALE: f64 = 0.03;
 /// What it takes to believe that it is not all drivers who are cautious.
 const CAUTION: f64 = 6.0;
+/// What the choice of the runs costs.
+const BAD_DAYS: f64 = 6.0;
 /// More runs than this are no bad days but the train.
 const MOST_SLIPPERY: f64 = 0.6;
 const LEAST_ACCELERATION_MPS2: f64 = 0.03;
@@ -594,7 +596,7 @@ fn adhesion(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
             runs: slippery,
         },
         gain: total,
-        value: total - 2.0 * 2.1 - 1.5 - 3.0,
+        value: total - 2.0 * 2.1 - 1.5 - BAD_DAYS,
         factor_sd: 0.01,
     })
 }

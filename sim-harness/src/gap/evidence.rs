@@ -2,7 +2,7 @@
 //!
 //! Witnesses are functions of location, speed, time since departure, temperature and day that name no cause. Under the null each run's score of a witness is as likely positive
 //! as negative, so flipping the signs of whole runs gives the distribution of the largest of them, whatever the correlation within a run and
-//! between witnesses. (Sign-flip test; runs are the unit.)
+//! between witnesses. (Sign-flip test; runs are the unit.) What sensors leave in all runs alike is no gap: the observed scores are less by what 1e-4 N/kg would make.
 
 use super::calibrate::{Calibrated, knots};
 use super::fit::Base;
@@ -27,6 +27,8 @@ pub struct Evidence {
 }
 
 const FLIPS: usize = 999;
+/// A dependence up to this is none: what rounding and the reading of the sensors leave, N/kg.
+const NOTHING_N_PER_KG: f64 = 1e-4;
 /// An effort that changes by more within an interval is no evidence, N/kg.
 const STEADY_N_PER_KG: f64 = 0.01;
 
@@ -50,8 +52,9 @@ pub fn evidence(
         (Coordinate::Temperature, "temperature", 5),
         (Coordinate::Day, "day", 5),
     ];
-    // For each witness: which coordinate, where, score of each run.
+    // For each witness: which coordinate, where, score of each run, and the score that what does not count would make.
     let mut witnesses: Vec<(usize, f64, Vec<f64>)> = Vec::new();
+    let mut small = Vec::new();
     for (which, (axis, _, count)) in coordinates.iter().enumerate() {
         let at = rows
             .iter()
@@ -72,18 +75,17 @@ pub fn evidence(
                 .map(|r| column.rows(r.start, r.len()).dot(&y.rows(r.start, r.len())))
                 .collect();
             if scores.iter().filter(|s| **s != 0.0).count() >= 3 {
+                small.push(NOTHING_N_PER_KG * column.norm_squared());
                 witnesses.push((which, *knot, scores));
             }
         }
     }
-    let size = |scores: &[f64], signs: Option<&[f64]>| {
-        let sum: f64 = match signs {
-            Some(signs) => scores.iter().zip(signs).map(|(s, sign)| s * sign).sum(),
-            None => scores.iter().sum(),
-        };
-        sum.abs() / scores.iter().map(|s| s * s).sum::<f64>().sqrt()
-    };
-    let observed: Vec<f64> = witnesses.iter().map(|(_, _, s)| size(s, None)).collect();
+    let size = |sum: f64, scores: &[f64]| sum / scores.iter().map(|s| s * s).sum::<f64>().sqrt();
+    let observed: Vec<f64> = witnesses
+        .iter()
+        .zip(&small)
+        .map(|((_, _, s), small)| size((s.iter().sum::<f64>().abs() - small).max(0.0), s))
+        .collect();
     let most = |of: &[f64], which: usize| {
         witnesses
             .iter()
@@ -102,7 +104,10 @@ pub fn evidence(
             .collect();
         let flipped: Vec<f64> = witnesses
             .iter()
-            .map(|(_, _, s)| size(s, Some(&signs)))
+            .map(|(_, _, s)| {
+                let sum: f64 = s.iter().zip(&signs).map(|(s, sign)| s * sign).sum();
+                size(sum.abs(), s)
+            })
             .collect();
         any += usize::from(flipped.iter().copied().fold(0.0, f64::max) >= largest);
         for (which, count) in exceeded.iter_mut().enumerate() {

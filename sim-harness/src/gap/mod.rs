@@ -9,6 +9,7 @@ pub mod evidence;
 pub mod explain;
 pub mod fit;
 pub mod forward;
+pub mod innovations;
 pub mod kinematics;
 pub mod load;
 pub mod named;

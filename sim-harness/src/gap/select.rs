@@ -374,19 +374,17 @@ fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bo
     const LEAST_UNNAMED_N_PER_KG: f64 = 6e-4;
     /// The same in a section of the line: 0.2 permille.
     const LEAST_IN_SECTION_N_PER_KG: f64 = 2e-3;
-    let most = || {
+    // In rising order.
+    let sizes = || {
         let columns = term.columns(context, rows);
-        (0..rows.len())
-            .map(|i| {
-                columns
-                    .iter()
-                    .zip(beta)
-                    .map(|(c, b)| c[i] * b)
-                    .sum::<f64>()
-                    .abs()
-            })
-            .fold(0.0, f64::max)
+        let extra = |i: usize| columns.iter().zip(beta).map(|(c, b)| c[i] * b).sum::<f64>();
+        let mut sizes: Vec<f64> = (0..rows.len()).map(|i| extra(i).abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        sizes
     };
+    let most = || sizes().last().copied().unwrap_or(0.0);
+    // What acts always must be seen in more than the few slowest or fastest rows.
+    let often = || sizes().get(rows.len() * 4 / 5).copied().unwrap_or(0.0);
     // More than the train's whole resistance is no finding either: too few rows for so many coefficients.
     let davis = context.believed.train().davis();
     let absurd = || {
@@ -413,6 +411,7 @@ fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bo
         Term::Curve | Term::WarmUp(_) | Term::DraggingBrake(_) => {
             beta[0] > 0.0 && most() > LEAST_N_PER_KG
         }
+        Term::Davis(_) | Term::Cube | Term::Wind(_) => often() > LEAST_N_PER_KG,
         Term::Smooth(..) => most() > LEAST_UNNAMED_N_PER_KG,
         _ => most() > LEAST_N_PER_KG,
     }
