@@ -67,7 +67,7 @@ pub struct Fitted {
     pub term: Term,
     /// Its coefficients.
     pub beta: Vec<f64>,
-    /// Their standard deviations, the larger of noise model and spread between runs.
+    /// Their standard deviations: the larger of noise model and spread between runs, and what sensors may do in all runs alike.
     pub sd: Vec<f64>,
     /// Log-likelihood that would be lost without it.
     pub gain: f64,
@@ -451,7 +451,8 @@ fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
             term: term.clone(),
             beta: range.clone().map(|i| base.beta[i]).collect(),
             sd: range
-                .map(|i| naive[(i, i)].max(robust[(i, i)]).sqrt())
+                .zip(search.systematic(term))
+                .map(|(i, systematic)| naive[(i, i)].max(robust[(i, i)]).sqrt().hypot(systematic))
                 .collect(),
             gain,
             edges_m: search.edges(&others, term),

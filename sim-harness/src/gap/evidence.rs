@@ -28,7 +28,7 @@ pub struct Evidence {
 
 const FLIPS: usize = 999;
 /// A dependence up to this is none: what rounding and the reading of the sensors leave, N/kg.
-const NOTHING_N_PER_KG: f64 = 1e-4;
+pub const NOTHING_N_PER_KG: f64 = 1e-4;
 /// An effort that changes by more within an interval is no evidence, N/kg.
 const STEADY_N_PER_KG: f64 = 0.01;
 

@@ -4,6 +4,7 @@
 //! where runs differ more than the noise model says, minus what its freedom costs.
 
 use super::calibrate::{Calibrated, knots};
+use super::evidence::NOTHING_N_PER_KG;
 use super::fit::{Base, Gain};
 use super::rows::Row;
 use super::scan::{Kind, Scan};
@@ -260,6 +261,24 @@ impl<'a> Search<'a> {
             .map(|term| cost(term, self.rows) + ENOUGH)
             .sum();
         0.5 * self.y.norm_squared() - base.half_sum() - costs
+    }
+
+    /// What a difference of [`NOTHING_N_PER_KG`] in all rows alike would make of each coefficient of a term where it acts.
+    pub fn systematic(&self, term: &Term) -> Vec<f64> {
+        let columns = term.columns(self.context, self.rows);
+        let size = |column: Vec<f64>| {
+            let acting = || column.iter().filter(|value| **value != 0.0);
+            let square = acting().map(|value| value * value).sum::<f64>();
+            (square / acting().count().max(1) as f64).sqrt()
+        };
+        let of = |size: f64| {
+            if size > 0.0 {
+                NOTHING_N_PER_KG / size
+            } else {
+                0.0
+            }
+        };
+        columns.into_iter().map(size).map(of).collect()
     }
 
     /// How far each edge of a section may move before the log-likelihood has lost what a 95 % limit allows.

@@ -19,12 +19,15 @@ const LEAST_RUNS: usize = 5;
 struct Coordinate {
     label: &'static str,
     most_bins: usize,
+    /// A run has one value of it, about.
+    of_run: bool,
     of: fn(&Findings, &Row) -> Option<f64>,
 }
 
 const LOCATION: Coordinate = Coordinate {
     label: "location of the train's front, km",
     most_bins: 80,
+    of_run: false,
     of: |_, row| Some(row.interval.middle().location_m / 1000.0),
 };
 
@@ -32,21 +35,25 @@ const OTHERS: [Coordinate; 4] = [
     Coordinate {
         label: "speed, km/h",
         most_bins: 30,
+        of_run: false,
         of: |_, row| Some(3.6 * row.interval.mean_speed_mps()),
     },
     Coordinate {
         label: "time since departure, min",
         most_bins: 30,
+        of_run: false,
         of: |_, row| Some(row.interval.middle().since_departure_s / 60.0),
     },
     Coordinate {
         label: "ambient temperature, \u{b0}C",
         most_bins: 15,
+        of_run: true,
         of: |_, row| row.interval.temperature_c,
     },
     Coordinate {
         label: "days since the first run",
         most_bins: 15,
+        of_run: true,
         of: |findings, row| Some(row.interval.day? - findings.first_day),
     },
 ];
@@ -140,7 +147,13 @@ fn figure(
     let findings = &page.found.findings;
     let at = |row: &Row| (coordinate.of)(findings, row);
     let x = range_of(findings.rows.iter().filter_map(at));
-    let width = width(&x, coordinate.most_bins);
+    let enough = page.runs.len() / (directions.len().max(1) * 2 * LEAST_RUNS);
+    let bins = if coordinate.of_run {
+        coordinate.most_bins.min(enough.max(1))
+    } else {
+        coordinate.most_bins
+    };
+    let width = width(&x, bins);
     let bins = |direction: Direction, of: &dyn Fn(usize, &Row) -> f64| -> Vec<Bin> {
         let rows = findings.rows.iter().zip(&findings.calibrated.spread);
         let values = rows
