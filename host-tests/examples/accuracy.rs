@@ -1,7 +1,6 @@
 //! Prints estimates against truth for fleets of simulated vehicles: `cargo run --release -p host-tests --example accuracy [vehicles] [runs] [mode]`.
 
-use host_tests::accuracy::judge;
-use rand::{RngExt, SeedableRng};
+use host_tests::accuracy::{judge, scales};
 use rundown::config::{Config, Mode};
 use sim_harness::truth::scenario::Scenario;
 use sim_harness::truth::sensors::Sensors;
@@ -16,13 +15,7 @@ fn main() {
         _ => Mode::Gated,
     };
     let which = argument(4);
-    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
-    let scales: Vec<[f64; 3]> = (0..vehicles)
-        .map(|_| {
-            let common = rng.random_range(0.75..1.25);
-            [0; 3].map(|_| common * rng.random_range(0.92..1.08))
-        })
-        .collect();
+    let scales = scales(vehicles);
     let config = Config::with_mode(mode);
     let one_second = Sensors {
         sampling_s: 1.0,

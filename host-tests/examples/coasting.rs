@@ -3,8 +3,8 @@
 //! Truth is what the simulated train does when it coasts from there. A row: predictions, share of truths inside the 90 % interval, its half width, rms error, bias, rms of
 //! error over standard deviation; of the speed at the target, then of the time.
 
+use host_tests::accuracy::scales;
 use host_tests::coasting::{Calibration, Judged, judge, published};
-use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 use rundown::config::Config;
 use sim_harness::truth::driver::Regime;
@@ -19,13 +19,7 @@ fn main() {
     let vehicles = argument(1).and_then(|a| a.parse().ok()).unwrap_or(24);
     let runs = argument(2).and_then(|a| a.parse().ok()).unwrap_or(10);
     let which = argument(3);
-    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
-    let scales: Vec<[f64; 3]> = (0..vehicles)
-        .map(|_| {
-            let common = rng.random_range(0.75..1.25);
-            [0; 3].map(|_| common * rng.random_range(0.92..1.08))
-        })
-        .collect();
+    let scales = scales(vehicles);
     let wind = |wind_sd_mps| Scenario {
         wind_sd_mps,
         ..Scenario::default()

@@ -145,7 +145,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         .collect::<Vec<_>>()
         .join(" ");
     let repaired = repaired(&found, &train, &track);
-    let recordings = held_out(&found, &set, &track, arguments.direction);
+    let names: Vec<&str> = found
+        .held_out
+        .iter()
+        .map(|i| runs[*i].name.as_str())
+        .collect();
+    let recordings = recordings_of(&names, &set, &track, arguments.direction);
     let estimator = Estimator::try_new(Config::default(), core_train, core_track.clone())
         .map_err(Failure::refused)?;
     let effects = |(train, track): (&TrainFile, &TrackFile), run: &str| {
@@ -241,15 +246,14 @@ fn repaired(found: &Investigation, train: &TrainFile, track: &TrackFile) -> (Tra
     (train, track)
 }
 
-/// The recordings of the held-out runs.
-fn held_out(
-    found: &Investigation,
+/// The recordings of these runs.
+fn recordings_of(
+    names: &[&str],
     set: &RunSet,
     track: &TrackFile,
     direction: DirectionChoice,
 ) -> Vec<Recording> {
     let line = CentreLine::new(&track.centre_line);
-    let names: Vec<&str> = found.held_out_names.iter().map(String::as_str).collect();
     let read = |file: &RunFile| {
         let log = RunLog::read(&file.path, BadRows::LeaveOut).ok()?;
         Recording::new(file, &log, line.as_ref(), direction).ok()

@@ -9,6 +9,7 @@ pub mod gap;
 pub mod gap_bench;
 pub mod link;
 pub mod provision;
+mod recorded;
 pub mod replay;
 mod screen;
 pub mod simulate;

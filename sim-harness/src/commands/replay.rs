@@ -293,16 +293,7 @@ pub(super) fn write(folder: &Path, setup: &Setup, results: &Results) -> Result<V
 }
 
 fn report<'a>(setup: &'a Setup, results: &'a Results) -> Report<'a> {
-    let view = |run: &'a ReplayedRun| RunView {
-        name: &run.name,
-        measurements: &run.measurements,
-        estimates: &run.estimates,
-        regimes: &run.regimes,
-        features: &run.summary.features,
-        counters: &run.summary.counters,
-        warnings: &run.warnings,
-        truth: None,
-    };
+    let view = |run: &'a ReplayedRun| RunView::of(run, None);
     let vehicle = |run: &ReplayedRun| (run.name.clone(), run.vehicle_after);
     Report {
         title: format!("{} on {}", setup.train.name, setup.track.name),

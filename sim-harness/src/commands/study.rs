@@ -1,8 +1,8 @@
 //! `rundown study`: the paper's case study on simulated or recorded runs, and the self-test of learning.
 
+use super::recorded::{Opened, Recorded};
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::config_file;
-use crate::map_matching::CentreLine;
 use crate::parquet::RunWriter;
 use crate::simulation::scenario_file::Simulation;
 use crate::study::case::{calm, case_study};
@@ -58,15 +58,8 @@ const SENSITIVITY_RUNS: usize = 67;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
-    /// Recorded runs: logs or Parquet files, or folders of them; without it the case study is simulated
-    #[arg(long, value_name = "DIR", num_args = 1.., requires_all = ["train", "track"])]
-    runs: Vec<PathBuf>,
-    /// Description of the train of recorded runs
-    #[arg(long, value_name = "T.toml", requires = "runs")]
-    train: Option<PathBuf>,
-    /// Description of the track of recorded runs
-    #[arg(long, value_name = "K.toml", requires = "runs")]
-    track: Option<PathBuf>,
+    #[command(flatten)]
+    recorded: Recorded,
     /// Scenario of simulated runs, as for rundown simulate; without it the case study
     #[arg(long, value_name = "S.toml", conflicts_with = "runs")]
     scenario: Option<PathBuf>,
@@ -172,7 +165,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 }
 
 fn described(arguments: &Arguments) -> Result<Described, Failure> {
-    let (Some(train), Some(track)) = (&arguments.train, &arguments.track) else {
+    let Some(opened) = arguments.recorded.open()? else {
         let simulation = match &arguments.scenario {
             Some(path) => Simulation::read(path),
             None => case_study(),
@@ -182,10 +175,13 @@ fn described(arguments: &Arguments) -> Result<Described, Failure> {
         let count = arguments.count.unwrap_or(simulation.runs);
         return simulated(simulation, seed, count);
     };
-    let (train_file, train) = TrainFile::read(train).map_err(Failure::refused)?;
-    let (track_file, track) = TrackFile::read(track).map_err(Failure::refused)?;
-    let line = CentreLine::new(&track_file.centre_line);
-    let source = Source::recorded(&arguments.runs, line, screen::note).map_err(Failure::refused)?;
+    let Opened {
+        train_file,
+        train,
+        track_file,
+        track,
+        source,
+    } = opened;
     Ok(Described {
         train_name: train_file.name,
         track_name: track_file.name,

@@ -1,15 +1,13 @@
 //! `rundown tune`: the paper's filter tuned by the two criteria of section 4.2.
 
+use super::recorded::Recorded;
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::config_file;
-use crate::map_matching::CentreLine;
 use crate::study::case::{calm, case_study};
 use crate::study::sensitivity::sensitivity;
 use crate::study::slope::{Answer, Plan};
 use crate::study::source::Source;
 use crate::study::{description, slope, write};
-use crate::track_file::TrackFile;
-use crate::train_file::TrainFile;
 use crate::tune::page::{Page, page, short};
 use crate::tune::parameters::{PARAMETERS, config, place, values};
 use crate::tune::score::Bench;
@@ -42,15 +40,8 @@ const VEHICLES: usize = 15;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
-    /// Recorded runs: logs or Parquet files, or folders of them; without it the case study is simulated
-    #[arg(long, value_name = "DIR", num_args = 1.., requires_all = ["train", "track"])]
-    runs: Vec<PathBuf>,
-    /// Description of the train of recorded runs
-    #[arg(long, value_name = "T.toml", requires = "runs")]
-    train: Option<PathBuf>,
-    /// Description of the track of recorded runs
-    #[arg(long, value_name = "K.toml", requires = "runs")]
-    track: Option<PathBuf>,
+    #[command(flatten)]
+    recorded: Recorded,
     /// Runs that are tuned on, at most
     #[arg(long, value_name = "N", default_value_t = 67, value_parser = clap::value_parser!(u16).range(1..=5000))]
     count: u16,
@@ -146,16 +137,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 
 fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure> {
     let count = usize::from(arguments.count);
-    let (train, track, mut source, words) = match (&arguments.train, &arguments.track) {
-        (Some(train), Some(track)) => {
-            let (_, train) = TrainFile::read(train).map_err(Failure::refused)?;
-            let (track_file, track) = TrackFile::read(track).map_err(Failure::refused)?;
-            let line = CentreLine::new(&track_file.centre_line);
-            let source =
-                Source::recorded(&arguments.runs, line, screen::note).map_err(Failure::refused)?;
-            (train, track, source, "recorded")
-        }
-        _ => {
+    let (train, track, mut source, words) = match arguments.recorded.open()? {
+        Some(opened) => (opened.train, opened.track, opened.source, "recorded"),
+        None => {
             let simulation = case_study().map_err(Failure::refused)?;
             let described = description::of(&simulation).map_err(Failure::refused)?;
             let source = Source::simulated(simulation, arguments.seed, count);

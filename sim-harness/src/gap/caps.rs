@@ -416,24 +416,24 @@ fn section(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
         };
         // A section limits the power only.
         let pulls: Vec<&Pull> = pulls.iter().filter(|p| p.by_power()).collect();
-        let believed = {
-            let of_share: Vec<f64> = shares(1.0)
-                .map(|share| pulls.iter().map(|p| density(p, share)).sum())
-                .collect();
-            over_shares(&of_share)
-        };
-        let all: Vec<f64> = shares(1.0)
-            .map(|share| pulls.iter().map(|p| density(p, share)).sum())
+        // Log density of each part at each share.
+        let at_share: Vec<Vec<f64>> = shares(1.0)
+            .map(|share| pulls.iter().map(|p| density(p, share)).collect())
             .collect();
+        let all: Vec<f64> = at_share.iter().map(|parts| parts.iter().sum()).collect();
+        let believed = over_shares(&all);
         for f in 0..FACTORS {
             let factor = 0.3 + 0.05 * f as f64;
+            let at_factor: Vec<f64> = pulls.iter().map(|p| density(p, factor)).collect();
             // Cumulative change of log-likelihood by bin, for each share.
             let mut cumulative = vec![[0.0; SHARES]; bins + 1];
             for (k, share) in shares(1.0).enumerate() {
                 let mut change = vec![0.0; bins];
-                for pull in &pulls {
-                    let limited = share.min(factor);
-                    change[bin(pull)] += density(pull, limited) - density(pull, share);
+                // A share below the factor is not limited.
+                if share > factor {
+                    for (i, pull) in pulls.iter().enumerate() {
+                        change[bin(pull)] += at_factor[i] - at_share[k][i];
+                    }
                 }
                 for b in 0..bins {
                     cumulative[b + 1][k] = cumulative[b][k] + change[b];
@@ -459,19 +459,18 @@ fn section(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
         best % (bins + 1),
     );
     let total: f64 = believed.iter().sum();
+    let likelihood = |pulls: &[Pull], from: f64, to: f64, factor: f64| {
+        run_likelihood(pulls, 1.0, |pull| {
+            if (from..to).contains(&pull.location_m) && pull.by_power() {
+                factor
+            } else {
+                1.0
+            }
+        })
+    };
     let gain_of = |from: f64, to: f64, factor: f64| {
-        runs.iter()
-            .map(|p| {
-                run_likelihood(p, 1.0, |pull| {
-                    if (from..to).contains(&pull.location_m) && pull.by_power() {
-                        factor
-                    } else {
-                        1.0
-                    }
-                })
-            })
-            .sum::<f64>()
-            - total
+        let of_runs = runs.iter().map(|p| likelihood(p, from, to, factor));
+        of_runs.sum::<f64>() - total
     };
     let (mut from, mut to) = (low + a as f64 * width, low + b as f64 * width);
     let mut factor = 0.3 + 0.05 * f as f64;
@@ -494,15 +493,8 @@ fn section(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
     let h = 0.01;
     let curvature =
         (2.0 * most - gain_of(from, to, factor - h) - gain_of(from, to, factor + h)) / (h * h);
-    let of_runs = runs.iter().zip(believed).map(|(p, believed)| {
-        run_likelihood(p, 1.0, |pull| {
-            if (from..to).contains(&pull.location_m) && pull.by_power() {
-                factor
-            } else {
-                1.0
-            }
-        }) - believed
-    });
+    let of_runs = runs.iter().zip(believed);
+    let of_runs = of_runs.map(|(p, believed)| likelihood(p, from, to, factor) - believed);
     let gain = most.min(trimmed(of_runs));
     Some(FoundLimit {
         limit: Limit::Section {

@@ -33,8 +33,6 @@ pub struct Investigation {
     pub gap: Gap,
     /// Indices of the held-out runs.
     pub held_out: Vec<usize>,
-    /// Their names.
-    pub held_out_names: Vec<String>,
 }
 
 /// Share of the runs that are held out unless the caller says how many.
@@ -103,7 +101,6 @@ pub fn investigate(
         evidence,
         p_value,
         compared,
-        held_out_names: held_out.iter().map(|i| runs[*i].name.clone()).collect(),
         held_out,
     })
 }

@@ -21,6 +21,7 @@ pub mod resistance;
 #[cfg(test)]
 mod example;
 
+use crate::replay::ReplayedRun;
 use rundown::Real;
 use rundown::estimate::{Counters, Estimate};
 use rundown::features::{FeatureConfig, Features};
@@ -71,6 +72,22 @@ pub struct RunView<'a> {
     pub warnings: &'a [String],
     /// What was true, of a simulated run.
     pub truth: Option<&'a TruthView>,
+}
+
+impl<'a> RunView<'a> {
+    /// Of a replayed run.
+    pub fn of(run: &'a ReplayedRun, truth: Option<&'a TruthView>) -> Self {
+        Self {
+            name: &run.name,
+            measurements: &run.measurements,
+            estimates: &run.estimates,
+            regimes: &run.regimes,
+            features: &run.summary.features,
+            counters: &run.summary.counters,
+            warnings: &run.warnings,
+            truth,
+        }
+    }
 }
 
 /// What was true of a run, a value for each estimate; drawn where it has as many.

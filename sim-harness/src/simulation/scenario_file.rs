@@ -318,7 +318,13 @@ impl Default for LineTable {
 
 impl Default for TrainTable {
     fn default() -> Self {
-        let train = TrainTruth::default();
+        Self::of(&TrainTruth::default())
+    }
+}
+
+impl TrainTable {
+    /// The table of a train that is as described.
+    pub fn of(train: &TrainTruth) -> Self {
         Self {
             name: "double-deck electric unit, six cars".to_owned(),
             mass_kg: train.mass_kg,

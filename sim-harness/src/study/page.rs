@@ -57,7 +57,7 @@ pub fn page(page: &Page) -> String {
                 @for picture in page.pictures.iter().filter(|p| p.name.starts_with(&format!("fig{number}_"))) {
                     (figure(picture.svg.clone(), &picture.caption))
                 }
-                (beside(page.claims.iter().filter(|claim| claim.place == number)))
+                (claims_table(page.claims.iter().filter(|claim| claim.place == number), false))
             }
         }
         (table1(page.sensitivity))
@@ -183,17 +183,18 @@ fn claim_rows<'a>(claims: impl Iterator<Item = &'a Claim>, with_place: bool) -> 
     } } }
 }
 
-fn beside<'a>(claims: impl Iterator<Item = &'a Claim>) -> Markup {
+fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, with_place: bool) -> Markup {
     html! {
         div.wide { table {
             thead { tr {
+                @if with_place { th.text scope="col" { "figure, section" } }
                 th.text scope="col" { "the paper says" }
                 th.text scope="col" { "paper's mode" }
                 th.text scope="col" { "gated mode" }
                 th.text scope="col" { "truth" }
                 th.text scope="col" { "verdict, by which criterion" }
             } }
-            tbody { (claim_rows(claims, false)) }
+            tbody { (claim_rows(claims, with_place)) }
         } }
     }
 }
@@ -271,17 +272,7 @@ fn all_claims(claims: &[Claim]) -> Markup {
     html! {
         section id="claims" {
             h2 { "All numeric claims of section 4" }
-            div.wide { table {
-                thead { tr {
-                    th.text scope="col" { "figure, section" }
-                    th.text scope="col" { "the paper says" }
-                    th.text scope="col" { "paper's mode" }
-                    th.text scope="col" { "gated mode" }
-                    th.text scope="col" { "truth" }
-                    th.text scope="col" { "verdict, by which criterion" }
-                } }
-                tbody { (claim_rows(claims.iter(), true)) }
-            } }
+            (claims_table(claims.iter(), true))
         }
     }
 }

@@ -4,7 +4,6 @@ use crate::simulation;
 use crate::simulation::believed::{corridor, train_file};
 use crate::simulation::folder::FolderError;
 use crate::simulation::scenario_file::{Simulation, TrainTable};
-use crate::train_file::DavisTable;
 use crate::truth::effects::{Affected, Effect};
 use crate::truth::habits::DriverKind;
 use crate::truth::line::{Curve, Line as TrueLine};
@@ -136,7 +135,7 @@ impl Set {
         let simulation = Simulation {
             name: format!("set {}", self.ask.seed),
             track: corridor(&self.scenario.line, "line".to_owned()),
-            train: train_file(&described(&self.scenario.train)),
+            train: train_file(&TrainTable::of(&self.scenario.train)),
             scenario: self.scenario.clone(),
             runs: self.ask.runs,
             seed: self.ask.seed,
@@ -166,24 +165,6 @@ fn train(rng: &mut ChaCha8Rng) -> TrainTruth {
         max_tractive_effort_n: mass_kg * rng.random_range(0.45..0.9),
         max_power_w: mass_kg * rng.random_range(5.5..10.0),
         max_brake_mps2: rng.random_range(0.6..0.9),
-    }
-}
-
-/// The train's description: its truth without effects.
-fn described(train: &TrainTruth) -> TrainTable {
-    TrainTable {
-        mass_kg: train.mass_kg,
-        rotating_mass_factor: train.gamma,
-        length_m: train.length_m,
-        max_tractive_effort_n: train.max_tractive_effort_n,
-        max_power_w: train.max_power_w,
-        max_brake_mps2: train.max_brake_mps2,
-        davis: DavisTable {
-            r0: train.davis.r0,
-            r1: train.davis.r1,
-            r2: train.davis.r2,
-        },
-        ..TrainTable::default()
     }
 }
 

@@ -117,19 +117,27 @@ pub(super) fn regimes(gathered: &Gathered) -> Vec<Claim> {
     ]
 }
 
+/// A claim with a value for each mode and for the truth.
+fn claim(
+    place: &'static str,
+    statement: &'static str,
+    [paper, gated, truth]: [String; 3],
+    holds: Option<bool>,
+    why: &str,
+) -> Claim {
+    Claim {
+        place,
+        statement,
+        paper,
+        gated,
+        truth,
+        verdict: Verdict::of(holds),
+        why: why.to_owned(),
+    }
+}
+
 pub(super) fn style(gathered: &Gathered) -> Vec<Claim> {
-    let claim = |statement, columns: [String; 3], holds, why: &str| {
-        let [paper, gated, truth] = columns;
-        Claim {
-            place: "7",
-            statement,
-            paper,
-            gated,
-            truth,
-            verdict: Verdict::of(holds),
-            why: why.to_owned(),
-        }
-    };
+    let claim = |statement, columns, holds, why| claim("7", statement, columns, holds, why);
     let paper = &gathered.paper;
     let over = |t: &Tallies| {
         (t.cruise_kmh.count > 0).then(|| t.cruise_over_limit as f64 / t.cruise_kmh.count as f64)
@@ -191,18 +199,7 @@ pub(super) fn style(gathered: &Gathered) -> Vec<Claim> {
 }
 
 pub(super) fn brake(gathered: &Gathered) -> Vec<Claim> {
-    let claim = |statement, columns: [String; 3], holds, why: &str| {
-        let [paper, gated, truth] = columns;
-        Claim {
-            place: "8",
-            statement,
-            paper,
-            gated,
-            truth,
-            verdict: Verdict::of(holds),
-            why: why.to_owned(),
-        }
-    };
+    let claim = |statement, columns, holds, why| claim("8", statement, columns, holds, why);
     // A step with fewer samples is left out of the verdict.
     let known = |m: &Moments| m.count >= FEWEST_OF_A_STEP;
     let all = |t: &Tallies, of: fn(&Moments) -> Option<f64>| {

@@ -17,16 +17,7 @@ pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
         Eyes::Gated => &example.gated,
     };
     let truth = example.truth.as_ref().map(truth_view);
-    let view = RunView {
-        name: &run.name,
-        measurements: &run.measurements,
-        estimates: &run.estimates,
-        regimes: &run.regimes,
-        features: &run.summary.features,
-        counters: &run.summary.counters,
-        warnings: &run.warnings,
-        truth: truth.as_ref(),
-    };
+    let view = RunView::of(run, truth.as_ref());
     let word = eyes.word();
     let picture = |name: &str, caption: String, svg: String, columns: &[&str]| Picture {
         name: format!("{name}_{word}"),

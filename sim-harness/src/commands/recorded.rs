@@ -1,0 +1,53 @@
+//! Recorded runs as `study` and `tune` take them: with the descriptions of their train and track, or not at all.
+
+use super::{Failure, screen};
+use crate::map_matching::CentreLine;
+use crate::study::source::Source;
+use crate::track_file::TrackFile;
+use crate::train_file::TrainFile;
+use rundown::track::Track;
+use rundown::train::Train;
+use std::path::PathBuf;
+
+/// Which runs.
+#[derive(Debug, clap::Args)]
+pub struct Recorded {
+    /// Recorded runs: logs or Parquet files, or folders of them; without it the case study is simulated
+    #[arg(long, value_name = "DIR", num_args = 1.., requires_all = ["train", "track"])]
+    runs: Vec<PathBuf>,
+    /// Description of the train of recorded runs
+    #[arg(long, value_name = "T.toml", requires = "runs")]
+    train: Option<PathBuf>,
+    /// Description of the track of recorded runs
+    #[arg(long, value_name = "K.toml", requires = "runs")]
+    track: Option<PathBuf>,
+}
+
+/// Descriptions, and where the runs come from.
+pub(super) struct Opened {
+    pub(super) train_file: TrainFile,
+    pub(super) train: Train,
+    pub(super) track_file: TrackFile,
+    pub(super) track: Track,
+    pub(super) source: Source,
+}
+
+impl Recorded {
+    /// Reads the descriptions and finds the runs; `None` when none are asked for.
+    pub(super) fn open(&self) -> Result<Option<Opened>, Failure> {
+        let (Some(train), Some(track)) = (&self.train, &self.track) else {
+            return Ok(None);
+        };
+        let (train_file, train) = TrainFile::read(train).map_err(Failure::refused)?;
+        let (track_file, track) = TrackFile::read(track).map_err(Failure::refused)?;
+        let line = CentreLine::new(&track_file.centre_line);
+        let source = Source::recorded(&self.runs, line, screen::note).map_err(Failure::refused)?;
+        Ok(Some(Opened {
+            train_file,
+            train,
+            track_file,
+            track,
+            source,
+        }))
+    }
+}
