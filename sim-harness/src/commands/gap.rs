@@ -8,6 +8,7 @@ use crate::gap::innovations::innovations;
 use crate::gap::load;
 use crate::gap::report;
 use crate::gap::rows::Believed;
+use crate::gap::tables;
 use crate::gap::workflow::{Investigation, investigate};
 use crate::map_matching::CentreLine;
 use crate::output::WriteError;
@@ -20,7 +21,6 @@ use clap::builder::PossibleValuesParser;
 use rundown::config::Config;
 use rundown::effects::Effects;
 use rundown::estimator::Estimator;
-use serde::Serialize;
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -48,7 +48,8 @@ Files in the output folder:
   model/train.toml      the believed train with the effects of the train
   model/track.toml      the believed track with the effects of the place
   effect.frame          the effects of all runs for a board; `rundown link --effects` sends them
-  residuals.csv         each interval's residual with time, location, speed, effort
+  residuals.csv         each interval's residual with time, location, speed, effort, temperature, day
+  pulls.csv             steady power while trains gain speed, as a share of the believed limit
   before_after.csv      simulated against measured speed on the held-out runs";
 
 /// Arguments of `rundown gap`.
@@ -263,26 +264,6 @@ fn recordings_of(
     read.filter(|r| names.contains(&r.name.as_str())).collect()
 }
 
-#[derive(Serialize)]
-struct ResidualRow {
-    run: usize,
-    time_s: f64,
-    location_m: f64,
-    speed_kmh: f64,
-    effort_n_per_kg: f64,
-    residual_n_per_kg: f64,
-}
-
-#[derive(Serialize)]
-struct ComparedRow {
-    run: usize,
-    time_s: f64,
-    location_m: f64,
-    measured_kmh: f64,
-    before_kmh: f64,
-    after_kmh: f64,
-}
-
 fn write(
     out: &Path,
     found: &Investigation,
@@ -311,37 +292,7 @@ fn write(
         .map_err(|e| failed(e.to_string()))?;
     let bytes = effect_frame::write(&effects).map_err(|e| failed(e.to_string()))?;
     fs::write(&path, bytes).map_err(at(&path))?;
-    let rows = found.findings.rows.iter().map(|row| ResidualRow {
-        run: row.interval.run + 1,
-        time_s: row.interval.begin_s,
-        location_m: row.interval.middle().location_m,
-        speed_kmh: 3.6 * row.interval.mean_speed_mps(),
-        effort_n_per_kg: row.effort_n_per_kg,
-        residual_n_per_kg: row.residual_n_per_kg,
-    });
-    table(&out.join("residuals.csv"), rows)?;
-    let rows = found.compared.iter().map(|c| ComparedRow {
-        run: found.held_out[c.run] + 1,
-        time_s: c.time_s,
-        location_m: c.location_m,
-        measured_kmh: 3.6 * c.measured_mps,
-        before_kmh: 3.6 * (c.measured_mps + c.before_mps),
-        after_kmh: 3.6 * (c.measured_mps + c.after_mps),
-    });
-    table(&out.join("before_after.csv"), rows)
-}
-
-fn table(path: &Path, rows: impl Iterator<Item = impl Serialize>) -> Result<(), WriteError> {
-    let failed = |error: csv::Error| WriteError {
-        path: path.to_owned(),
-        source: std::io::Error::other(error),
-    };
-    let mut csv = csv::Writer::from_path(path).map_err(failed)?;
-    for row in rows {
-        csv.serialize(row).map_err(failed)?;
-    }
-    csv.flush().map_err(|source| WriteError {
-        path: path.to_owned(),
-        source,
-    })
+    tables::residuals(&out.join("residuals.csv"), &found.findings.rows)?;
+    tables::pulls(&out.join("pulls.csv"), &found.findings.pulls)?;
+    tables::before_after(&out.join("before_after.csv"), found)
 }

@@ -5,6 +5,7 @@ use crate::gap::bench::draw::{Ask, KINDS, Set, Size};
 use crate::gap::bench::score::Score;
 use crate::gap::bench::table::{Done, tables};
 use crate::gap::bench::{BenchError, blind};
+use crate::gap::tables as gap_tables;
 use crate::study::write;
 use clap::builder::PossibleValuesParser;
 use rand::seq::IndexedRandom;
@@ -63,7 +64,7 @@ pub struct Arguments {
     /// Only the sets with these seeds, which --list prints
     #[arg(long, value_name = "SEED")]
     only: Vec<u64>,
-    /// Keep the sets, each under its seed, in the folder `sets` of the results: for `rundown gap`
+    /// Keep the sets with their residuals, each under its seed, in the folder `sets` of the results: for `rundown gap` and other tools
     #[arg(long)]
     keep: bool,
     /// Print each set with its key
@@ -188,6 +189,11 @@ fn one(ask: Ask, kept: Option<&Path>) -> Result<Done, BenchError> {
     let begun = Instant::now();
     let found = blind(&set, folder)?;
     let seconds = begun.elapsed().as_secs_f64();
+    if let (Some(folder), Some(found)) = (kept, &found) {
+        gap_tables::residuals(&folder.join("residuals.csv"), &found.findings.rows)
+            .and_then(|()| gap_tables::pulls(&folder.join("pulls.csv"), &found.findings.pulls))
+            .map_err(|e| failed(std::io::Error::other(e)))?;
+    }
     let scenario = &set.scenario;
     Ok(Done {
         score: Score::of(&set, found.as_ref()),

@@ -12,6 +12,8 @@ use super::terms::{Context, Term};
 /// What may be known of a line beyond its gradients.
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {
+    /// Length of the line, m.
+    pub length_m: f64,
     /// Curves: (from, to, Röckl's number), m, N/N.
     pub curves: Vec<(f64, f64, f64)>,
     /// Tunnels: (from, to), m.

@@ -87,6 +87,8 @@ pub struct FoundLimit {
     pub value: f64,
     /// Standard deviation of the factor.
     pub factor_sd: f64,
+    /// 95 % limits of the edges of a section, m: infinite where no train pulls beyond it.
+    pub edges_m: Option<[(f64, f64); 2]>,
 }
 
 /// Shares that drivers ask for: finer than what is known of a share.
@@ -210,6 +212,8 @@ pub fn sampled_pulls(
     const LEAST_S: f64 = 3.0;
     /// Neighbours are at least so far, s: a full acceleration moves the rounded speed by more than its step.
     const NEIGHBOUR_S: f64 = 8.0;
+    /// So long after the power is raised it may still rise, s.
+    const RISE_S: f64 = 6.0;
     let train = believed.line(run.direction).train;
     let most = train.max_effort_n_per_kg(0.1);
     let read: Vec<(f64, Pull)> = run
@@ -243,6 +247,11 @@ pub fn sampled_pulls(
         };
         let near = |other: &(f64, Pull)| (other.1.ratio - pull.ratio).abs() < 0.02 + 2.5 * pull.sd;
         let gains = (after.1.speed_mps - before.1.speed_mps) / (after.0 - before.0);
+        // The power was raised since the reading before: by the speed gained, long enough ago?
+        let rises_mps = RISE_S * (after.1.speed_mps - pull.speed_mps) / (after.0 - time_s);
+        if !near(before) && pull.speed_mps - before.1.speed_mps < rises_mps {
+            continue;
+        }
         if pull.ratio > LEAST_SHARE - 0.1
             && !(1.001..CORNER).contains(&pull.effort_over_limit)
             && pull.speed_mps > 1.5
@@ -387,6 +396,7 @@ fn scale(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
             gain,
             value: gain - cost,
             factor_sd,
+            edges_m: None,
         })
     };
     [one(&capped, 2.1), one(&scaled, 2.1 + CAUTION)]
@@ -490,6 +500,12 @@ fn section(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
         }
         step.iter_mut().for_each(|s| *s *= 0.6);
     }
+    let mut pulled: Vec<f64> = at_power(runs).collect();
+    pulled.sort_by(f64::total_cmp);
+    let edges = edges(&pulled, [from, to], most, |[from, to]| {
+        gain_of(from, to, factor)
+    });
+    [from, to] = edges.likely_m;
     let h = 0.01;
     let curvature =
         (2.0 * most - gain_of(from, to, factor - h) - gain_of(from, to, factor + h)) / (h * h);
@@ -509,7 +525,79 @@ fn section(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
         } else {
             h
         },
+        edges_m: Some(edges.limits_m),
     })
+}
+
+/// Locations at which the power limits.
+fn at_power(runs: &[&[Pull]]) -> impl Iterator<Item = f64> {
+    let parts = runs.iter().flat_map(|run| run.iter());
+    parts.filter(|p| p.by_power()).map(|p| p.location_m)
+}
+
+/// Where the edges of a section may lie.
+struct Edges {
+    likely_m: [f64; 2],
+    limits_m: [(f64, f64); 2],
+}
+
+/// Moves each edge from pull to pull until the log-likelihood has lost what a 95 % limit allows. `pulled`: locations of the pulls, rising.
+///
+/// Where trains pull on both sides the edge lies half-way between the last pull that is limited and the first that is not. Where they do not, the section is taken to end soon
+/// after the last one that is.
+fn edges(pulled: &[f64], best_m: [f64; 2], most: f64, gain: impl Fn([f64; 2]) -> f64) -> Edges {
+    /// Half the 95 % point of chi square with one degree of freedom.
+    const LOSS: f64 = 1.92;
+    /// A loss that is none.
+    const SAME: f64 = 0.3;
+    /// Nearer pulls are not tried one by one, m.
+    const STEP_M: f64 = 50.0;
+    /// How far beyond the last pull an edge is put at most, m.
+    const SOON_M: f64 = 500.0;
+    let reach = |edge: usize, outwards: bool, loss: f64| {
+        let up = (edge == 1) == outwards;
+        let mut reached = best_m[edge];
+        let beyond = |at: f64, last: f64| if up { at > last } else { at < last };
+        let mut tried = reached;
+        let ahead: Vec<f64> = if up {
+            pulled.to_vec()
+        } else {
+            pulled.iter().rev().copied().collect()
+        };
+        for at in ahead.into_iter().filter(|at| beyond(*at, best_m[edge])) {
+            if (at - tried).abs() < STEP_M {
+                continue;
+            }
+            // Just past the pull: it has changed sides.
+            tried = if up { at + 1.0 } else { at - 1.0 };
+            let mut moved = best_m;
+            moved[edge] = tried;
+            if moved[0] >= moved[1] || gain(moved) < most - loss {
+                // Up to this pull nothing was lost.
+                return at;
+            }
+            reached = tried;
+        }
+        match (outwards, up) {
+            (true, true) => f64::INFINITY,
+            (true, false) => f64::NEG_INFINITY,
+            (false, _) => reached,
+        }
+    };
+    let edge = |edge: usize| {
+        let [inner, outer] = [false, true].map(|outwards| reach(edge, outwards, SAME));
+        let half = (0.5 * (outer - inner)).clamp(-SOON_M, SOON_M);
+        let limits = [false, true].map(|outwards| reach(edge, outwards, LOSS));
+        (
+            inner + half,
+            (limits[0].min(limits[1]), limits[0].max(limits[1])),
+        )
+    };
+    let (from, to) = (edge(0), edge(1));
+    Edges {
+        likely_m: [from.0, to.0],
+        limits_m: [from.1, to.1],
+    }
 }
 
 fn adhesion(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
@@ -590,5 +678,40 @@ fn adhesion(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
         gain: total,
         value: total - 2.0 * 2.1 - 1.5 - BAD_DAYS,
         factor_sd: 0.01,
+        edges_m: None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Trains pull every 100 m from 1 to 4 km; the section begins at 2 km, and at `to_m` it ends.
+    fn found(to_m: f64) -> Edges {
+        let pulled: Vec<f64> = (10..=40).map(|i| 100.0 * f64::from(i)).collect();
+        let wrong = |[from, end]: [f64; 2]| {
+            let at = |section: (f64, f64), at: f64| section.0 <= at && at < section.1;
+            let differs = |p: &&f64| at((from, end), **p) != at((2_000.0, to_m), **p);
+            pulled.iter().filter(differs).count() as f64
+        };
+        edges(&pulled, [1_990.0, to_m.min(4_050.0)], 0.0, |section| {
+            -10.0 * wrong(section)
+        })
+    }
+
+    #[test]
+    fn an_edge_lies_between_the_pulls_that_tell() {
+        let found = found(3_000.0);
+        assert!((found.likely_m[0] - 1_950.0).abs() < 60.0);
+        assert!((found.likely_m[1] - 2_950.0).abs() < 60.0);
+        assert!(found.limits_m[0].0 <= 2_000.0 && found.limits_m[0].1 >= 1_900.0);
+        assert!(found.limits_m[1].1 - found.limits_m[1].0 < 300.0);
+    }
+
+    #[test]
+    fn where_no_train_pulls_a_section_ends_soon_after_the_last_pull() {
+        let found = found(9_000.0);
+        assert!((4_000.0..=4_600.0).contains(&found.likely_m[1]));
+        assert_eq!(found.limits_m[1].1, f64::INFINITY);
+    }
 }

@@ -88,6 +88,7 @@ pub fn runs(
 /// What the track file says beside gradients.
 pub fn surroundings(track: &TrackFile) -> Surroundings {
     Surroundings {
+        length_m: track.length_m,
         curves: track
             .curve
             .iter()

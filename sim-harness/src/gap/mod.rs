@@ -19,6 +19,7 @@ pub mod rows;
 pub mod runs;
 pub mod scan;
 pub mod select;
+pub mod tables;
 pub mod terms;
 pub mod travelled;
 pub mod whitening;

@@ -198,8 +198,11 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
                 to_m,
                 factor: value,
             } => {
-                let [from_m, to_m] = described([*from_m, *to_m], &surroundings.feeding, 600.0);
-                plain(
+                let edges = found
+                    .edges_m
+                    .unwrap_or([(*from_m, *from_m), (*to_m, *to_m)]);
+                let [from_m, to_m] = described([*from_m, *to_m], edges, &surroundings.feeding);
+                let mut named = plain(
                     Effect::PowerLimitSection(core_effects::PowerLimitSection {
                         from_m,
                         to_m,
@@ -207,7 +210,12 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
                     }),
                     vec![factor(*value)],
                     found.gain,
-                )
+                );
+                for (name, (low, high)) in ["from_m", "to_m"].into_iter().zip(edges) {
+                    let on_line = |at: f64| at.clamp(0.0, surroundings.length_m);
+                    named.intervals.push((name, on_line(low), on_line(high)));
+                }
+                named
             }
             Limit::Adhesion {
                 factor: value,
@@ -243,12 +251,13 @@ fn around(name: &'static str, value: f64, sd: f64) -> (&'static str, f64, f64) {
     (name, value - TWO_SIDED * sd, value + TWO_SIDED * sd)
 }
 
-/// A described section near the one found takes its place.
-fn described(section: [f64; 2], descriptions: &[(f64, f64)], near_m: f64) -> [f64; 2] {
-    descriptions
-        .iter()
-        .find(|(from, to)| (from - section[0]).abs() < near_m && (to - section[1]).abs() < near_m)
-        .map_or(section, |(from, to)| [*from, *to])
+/// A described section whose edges may be those of the one found takes its place.
+fn described(section: [f64; 2], edges: [(f64, f64); 2], descriptions: &[(f64, f64)]) -> [f64; 2] {
+    const NEAR_M: f64 = 600.0;
+    let within = |at: f64, (low, high): (f64, f64)| (low - NEAR_M..high + NEAR_M).contains(&at);
+    let fits = |&&(from, to): &&(f64, f64)| within(from, edges[0]) && within(to, edges[1]);
+    let found = descriptions.iter().find(fits);
+    found.map_or(section, |(from, to)| [*from, *to])
 }
 
 fn overlaps(section: [f64; 2], descriptions: &[(f64, f64)]) -> bool {
@@ -333,7 +342,8 @@ fn of_term(
             })
         }
         Term::Tunnel(section) => {
-            let [from_m, to_m] = described(*section, &surroundings.tunnels, 600.0);
+            let [from_m, to_m] =
+                described(*section, section.map(|at| (at, at)), &surroundings.tunnels);
             Effect::TunnelDrag(core_effects::TunnelDrag {
                 from_m,
                 to_m,
