@@ -4,7 +4,13 @@ use rundown::effects::Effect;
 use sim_harness::gap::bench::blind;
 use sim_harness::gap::bench::draw::{Ask, Set, Size};
 use sim_harness::gap::bench::score::Score;
-use sim_harness::gap::workflow::Investigation;
+use sim_harness::gap::load;
+use sim_harness::gap::rows::Believed;
+use sim_harness::gap::workflow::{Investigation, investigate};
+use sim_harness::recording::DirectionChoice;
+use sim_harness::run_set::RunSet;
+use sim_harness::track_file::TrackFile;
+use sim_harness::train_file::TrainFile;
 
 /// Runs of a set: fewer than an analyst has, so that the test is quick.
 const RUNS: usize = 24;
@@ -81,4 +87,39 @@ fn what_is_in_no_catalogue_is_called_unknown_with_its_coordinate() {
     assert!(score.exact, "{score:?}");
     assert!(matches!(found.named[0].effect, Effect::Unknown(_)));
     assert_eq!(found.verdict(), "unknown");
+}
+
+/// One of the runs has a worn wheel, and its odometer gives the locations, too: only the other runs tell.
+#[test]
+fn a_worn_wheel_of_one_run_is_found_by_the_ways_of_the_others() {
+    let set = Set::draw(Ask {
+        kinds: Vec::new(),
+        size: Size::Clear,
+        effort: true,
+        dirty: false,
+        runs: RUNS,
+        seed: 1,
+    });
+    let folder = tempfile::tempdir().unwrap();
+    set.write(folder.path()).unwrap();
+    let (_, train) = TrainFile::read(&folder.path().join("train.toml")).unwrap();
+    let (file, track) = TrackFile::read(&folder.path().join("track.toml")).unwrap();
+    let logs = RunSet::find(&[folder.path().join("runs")]).unwrap();
+    let (mut runs, _) = load::runs(&logs, &file, DirectionChoice::Auto);
+    for sample in &mut runs[7].samples {
+        sample.speed_mps = sample.speed_mps.map(|v| 1.013 * v);
+        sample.location_m = sample.location_m.map(|at| 1.013 * at);
+    }
+    let believed = Believed::new(&train, &track);
+    let found = investigate(believed, &load::surroundings(&file), &runs, None, |_| ()).unwrap();
+    let [only] = &found.named[..] else {
+        panic!("{:?}", found.named);
+    };
+    let Effect::SpeedScale(scale) = &only.effect else {
+        panic!("{only:?}");
+    };
+    println!("{scale:?} {:?}", only.intervals);
+    assert!((scale.measured_over_true - 1.013).abs() < 0.002, "{only:?}");
+    assert_eq!(only.runs, [runs[7].name.clone()]);
+    assert_eq!(found.verdict(), "explained");
 }

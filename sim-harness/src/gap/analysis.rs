@@ -152,10 +152,18 @@ pub fn analyse(
         beta = expanded(&model, base.beta.as_slice());
         last = Some((rows, calibrated, likelihood));
     }
-    let (rows, calibrated, likelihood) = last?;
-    let (_, without_wind) = calibrate(&context, &rows, measured, false, &model);
-    let search = Search::new(&context, &rows, &calibrated, measured);
-    let terms = fitted(&search, &model);
+    // Without rows forces cannot be judged; wheels and locations can.
+    let judged = last.is_some();
+    let (rows, calibrated, likelihood) = last.unwrap_or_default();
+    let (terms, without_wind) = if judged {
+        let (_, without_wind) = calibrate(&context, &rows, measured, false, &model);
+        let search = Search::new(&context, &rows, &calibrated, measured);
+        (fitted(&search, &model), without_wind)
+    } else if kinematics.runs > 0 {
+        (Vec::new(), likelihood)
+    } else {
+        return None;
+    };
     let of_runs = pulls_of(
         &context,
         runs,

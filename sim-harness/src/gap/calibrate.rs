@@ -22,7 +22,7 @@ pub struct Own {
 }
 
 /// The noise of a data set.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Calibrated {
     /// Of rows.
     pub noise: Noise,

@@ -38,6 +38,9 @@ pub fn evidence(
     rows: &[Row],
     calibrated: &Calibrated,
 ) -> (Vec<Evidence>, f64) {
+    if rows.is_empty() {
+        return (Vec::new(), 1.0);
+    }
     let whitening = calibrated.whitening(context, rows);
     let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
     let sensors = sensors(context, rows, &whitening);

@@ -24,6 +24,8 @@ pub struct Kinematics {
     pub lag_s: (f64, f64),
     /// The step of the speed readings, m/s; 0 if there is none.
     pub quantum_mps: f64,
+    /// Runs that have enough of both.
+    pub runs: usize,
 }
 
 /// How often a value must exceed its standard deviation before it is believed.
@@ -99,6 +101,7 @@ pub fn kinematics(runs: &[Run]) -> Kinematics {
     let mut kept: Vec<&OfRun> = of_runs.iter().collect();
     let mut found = Kinematics {
         quantum_mps,
+        runs: of_runs.len(),
         ..Kinematics::default()
     };
     for _ in 0..3 {
@@ -170,6 +173,13 @@ fn over_runs(runs: &[&OfRun], free: &[usize]) -> Option<([f64; 3], [f64; 3], Vec
             .collect()
     };
     Some((value, sd, outside))
+}
+
+/// One run's measured over true speed with its standard deviation. An offset is left out: it is the recorder's, and no single run can tell it from the wheel.
+pub fn scale_of_run(run: &Run) -> Option<(f64, f64)> {
+    let of_run = of_run(run)?;
+    let (beta, sd, _) = over_runs(&[&of_run], &[0, 2])?;
+    Some((1.0 / (1.0 + beta[0]), sd[0]))
 }
 
 fn of_run(run: &Run) -> Option<OfRun> {

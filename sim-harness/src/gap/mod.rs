@@ -22,5 +22,6 @@ pub mod select;
 pub mod tables;
 pub mod terms;
 pub mod travelled;
+pub mod wheels;
 pub mod whitening;
 pub mod workflow;

@@ -34,6 +34,26 @@ pub struct Named {
 const TWO_SIDED: f64 = 2.05;
 
 impl Named {
+    /// An effect that acts in all runs and has no rivals.
+    pub(super) fn plain(effect: Effect, gain: f64) -> Self {
+        Self {
+            effect,
+            intervals: Vec::new(),
+            confidence: 1.0 - f64::exp(-f64::min(gain, 30.0) / 2.0),
+            ambiguous_with: Vec::new(),
+            would_separate: Vec::new(),
+            runs: Vec::new(),
+            coordinate: None,
+            per_run: Vec::new(),
+            gain,
+        }
+    }
+
+    /// Adds the 95 % interval of a parameter.
+    pub(super) fn around(&mut self, name: &'static str, value: f64, sd: f64) {
+        self.intervals.push(around(name, value, sd));
+    }
+
     /// As in `gap.json`.
     pub fn json(&self) -> Value {
         let mut parameters = match serde_json::to_value(&self.effect) {
@@ -118,15 +138,8 @@ fn separates(a: &str, b: &str, measured: bool) -> Option<&'static str> {
 pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> Vec<Named> {
     let mut all: Vec<Named> = Vec::new();
     let plain = |effect: Effect, intervals, gain| Named {
-        effect,
         intervals,
-        confidence: 1.0 - f64::exp(-f64::min(gain, 30.0) / 2.0),
-        ambiguous_with: Vec::new(),
-        would_separate: Vec::new(),
-        runs: Vec::new(),
-        coordinate: None,
-        per_run: Vec::new(),
-        gain,
+        ..Named::plain(effect, gain)
     };
     let kinematics = &findings.kinematics;
     if kinematics.scale_matters() {

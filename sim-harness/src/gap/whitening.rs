@@ -15,7 +15,7 @@ use core::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 /// Standard deviations of the noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
     /// Of a reading of the speed, q, m/s.
     pub reading_mps: f64,
