@@ -17,6 +17,8 @@ use std::rc::Rc;
 
 /// A value below this is chance: with some fifteen families a data set without an effect reaches it once in about a hundred.
 pub const ENOUGH: f64 = 5.0;
+/// A term that brings less than this share of what the model has brought already may be no more than the model's law being a little different: an effect of a twentieth of the size.
+const SHADOW: f64 = 0.003;
 /// Cost of a free coefficient: half the logarithm of about 67 runs.
 const COEFFICIENT: f64 = 2.1;
 /// Cost of the freedom to choose a section, or a time constant.
@@ -326,13 +328,21 @@ impl<'a> Search<'a> {
     }
 
     fn grow(&self, model: &mut Vec<Term>) {
+        let left = |model: &[Term]| self.base(model).map(|base| base.half_sum());
+        let Some(at_first) = left(&[]) else {
+            return;
+        };
         loop {
             self.reconsider(model);
             if model.len() >= MOST_TERMS {
                 return;
             }
+            let Some(now) = left(model) else {
+                return;
+            };
+            let brought = at_first - now;
             match self.candidates(model).into_iter().next() {
-                Some(next) if next.value > ENOUGH => model.push(next.term),
+                Some(next) if next.value > ENOUGH.max(SHADOW * brought) => model.push(next.term),
                 _ => return,
             }
         }
@@ -427,9 +437,9 @@ fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bo
         Term::Length(_) => true,
         Term::Tunnel(_) => beta[0] > 0.0 && most() > LEAST_IN_SECTION_N_PER_KG,
         Term::Gradient(_) | Term::Bump(_) => most() > LEAST_IN_SECTION_N_PER_KG,
-        Term::Curve | Term::WarmUp(_) | Term::DraggingBrake(_) => {
-            beta[0] > 0.0 && most() > LEAST_N_PER_KG
-        }
+        Term::Curve | Term::DraggingBrake(_) => beta[0] > 0.0 && most() > LEAST_N_PER_KG,
+        // The largest value belongs to the first rows alone.
+        Term::WarmUp(_) => beta[0] > 0.0 && most() > 2.0 * LEAST_N_PER_KG,
         Term::Davis(_) | Term::Cube | Term::Wind(_) => often() > LEAST_N_PER_KG,
         Term::Smooth(..) => most() > LEAST_UNNAMED_N_PER_KG,
         _ => most() > LEAST_N_PER_KG,
