@@ -3,14 +3,20 @@
 use proptest::prelude::*;
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
+use rundown::auth::TRAILER;
+use rundown::config::Config;
 use rundown::link::serial;
-use rundown_wire::{Body, Downlink, Reader};
+use rundown::track::Direction;
+use rundown::uplink::{self, Command as ToBoard, Request, SECURED, Uplink};
+use rundown_wire::{Body, Downlink, Reader, Value};
+use sim_harness::desk::Description;
 use sim_harness::display::hub::{Connection, Hub};
 use sim_harness::display::setup::Setup;
 use sim_harness::display::source::Source;
 use sim_harness::display::state::State;
 use sim_harness::display::{demo, terminal};
-use std::io::Write;
+use sim_harness::track_file::TrackFile;
+use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpListener;
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
@@ -32,7 +38,12 @@ fn on_the_line(messages: &[Vec<u8>]) -> Vec<u8> {
 }
 
 fn hub() -> Arc<Hub> {
-    Arc::new(Hub::new("test".to_owned(), 1.0, Box::new(|_, _| {})))
+    Arc::new(Hub::new(
+        "test".to_owned(),
+        1.0,
+        Setup::default(),
+        Box::new(|_, _| {}),
+    ))
 }
 
 fn file(bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
@@ -127,6 +138,50 @@ fn a_recording_in_text_shows_the_same() {
 }
 
 #[test]
+fn a_recording_of_a_link_has_train_and_track() {
+    let (train, track) = demo::described().unwrap();
+    let description = Description::new(&train.train().unwrap(), &track, Config::default());
+    let begin = Request::Command(ToBoard::Begin {
+        direction: Direction::Up,
+        track_id: description.track_id(),
+    });
+    // A display has no key and takes any MAC.
+    let line = |request: Request| {
+        let uplink = Uplink {
+            sequence: 1,
+            request,
+        };
+        let mut buffer = [0; 512];
+        let message = uplink::encode(&uplink, SECURED, &mut buffer).unwrap();
+        format!("1,sent,{}{}\n", hex::encode(message), "00".repeat(TRAILER))
+    };
+    // Twice, as before each run.
+    let requests = [description.requests(1), description.requests(1)].concat();
+    let lines: String = requests.into_iter().map(line).collect();
+    let text = format!("time_us,direction,message\n{lines}");
+    shown(text.as_bytes()).view(|view| {
+        assert_eq!(*view.setup, Setup::default(), "no run has begun");
+    });
+    shown((text + &line(begin)).as_bytes()).view(|view| {
+        let told = view.setup.track.as_ref().unwrap();
+        assert_eq!(view.described, 1);
+        let read = view.setup.train.as_ref().unwrap();
+        assert_eq!((read.davis, read.mass_kg), (train.davis, train.mass_kg));
+        assert_eq!(read.rotating_mass_factor, train.rotating_mass_factor);
+        assert_eq!(told.length_m, track.length_m);
+        assert_eq!(told.gradient, track.gradient);
+        let places =
+            |track: &TrackFile| -> Vec<f64> { track.stop.iter().map(|stop| stop.at_m).collect() };
+        assert_eq!(places(told), places(&track));
+        assert_eq!(told.speed_limit.len(), track.speed_limit.len());
+        for (told, described) in told.speed_limit.iter().zip(&track.speed_limit) {
+            assert_eq!(told.from_m, described.from_m);
+            assert!((told.kmh - described.kmh).abs() < 1e-9);
+        }
+    });
+}
+
+#[test]
 fn damage_in_a_recording_is_counted_and_passed_over() {
     let mut text = "time_us,direction,message\n1,received,zz\n,,,,\n".to_owned();
     text += &format!("2,received,{}\n", hex::encode(&MESSAGES[0]));
@@ -154,6 +209,28 @@ fn a_file_that_grows_is_followed() {
     let mut file = std::fs::OpenOptions::new().append(true).open(path).unwrap();
     file.write_all(rest).unwrap();
     wait(&hub, |frames| frames == MESSAGES.len());
+    hub.view(|view| assert_eq!((view.link.tally.lost, view.link.tally.damaged), (0, 0)));
+}
+
+#[test]
+fn a_file_that_comes_later_and_is_written_anew_is_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames");
+    let hub = hub();
+    let source = Source::File {
+        path: path.clone(),
+        follow: true,
+    };
+    let (feed, open) = (Arc::clone(&hub), source.open().unwrap());
+    std::thread::spawn(move || open.run(&feed, None));
+    let begin = Instant::now();
+    while !hub.view(|view| matches!(view.link.connection, Connection::Lost(_))) {
+        assert!(begin.elapsed() < Duration::from_secs(10), "it is not there");
+    }
+    std::fs::write(&path, on_the_line(&MESSAGES[..60])).unwrap();
+    wait(&hub, |frames| frames == 60);
+    std::fs::write(&path, on_the_line(&MESSAGES[60..90])).unwrap();
+    wait(&hub, |frames| frames == 90);
     hub.view(|view| assert_eq!((view.link.tally.lost, view.link.tally.damaged), (0, 0)));
 }
 
@@ -217,7 +294,12 @@ fn frames_that_never_come_leave_a_gap_in_the_curve() {
 #[test]
 fn old_values_are_called_old() {
     // Faster than real time, so that nobody waits for 25 s.
-    let hub = Hub::new("test".to_owned(), 100.0, Box::new(|_, _| {}));
+    let hub = Hub::new(
+        "test".to_owned(),
+        100.0,
+        Setup::default(),
+        Box::new(|_, _| {}),
+    );
     assert!(hub.view(|view| view.link.silent), "nothing has come yet");
     hub.message(&MESSAGES[30]);
     assert!(!hub.view(|view| view.link.silent));
@@ -315,18 +397,11 @@ proptest! {
 
 #[test]
 fn the_terminal_shows_the_values_of_the_frames() {
-    let (train, track) = demo::described().unwrap();
-    let setup = Setup {
-        train: Some(train),
-        track: Some(track),
-    };
     for (width, height) in [(120, 40), (80, 24)] {
         let hub = shown(&on_the_line(&MESSAGES[..MESSAGES.len() - 10]));
         let text = hub.view(|view| {
             let mut screen = Terminal::new(TestBackend::new(width, height)).unwrap();
-            screen
-                .draw(|frame| terminal::draw(frame, &view, &setup))
-                .unwrap();
+            screen.draw(|frame| terminal::draw(frame, &view)).unwrap();
             screen.backend().to_string()
         });
         let estimate = hub.view(|view| view.state.now.estimate).unwrap();
@@ -337,18 +412,29 @@ fn the_terminal_shows_the_values_of_the_frames() {
         );
         assert!(text.contains(&speed), "{speed} is not in\n{text}");
         assert!(text.contains(&estimate.regime.as_str().to_uppercase()));
-        assert!(text.contains("learned"));
-        assert!(text.contains("q: quit"), "{text}");
+        let parameters = hub.view(|view| view.state.now.parameters).unwrap();
+        let Value { value, sd } = parameters.at(100.0 / 3.6);
+        let effort = hub.view(|view| view.state.now.effort).unwrap();
+        let whole = [
+            format!("r(100) {value:.5} ±{sd:.5} N/kg"),
+            format!(
+                "r2    {:>10.3e} ±{:.1e}",
+                parameters.r2.value, parameters.r2.sd
+            ),
+            format!("most traction  {:>8.4} N/kg", effort.max_traction_n_per_kg),
+            "> 130   ".to_owned(),
+            "run  coast s  brake s  learned s".to_owned(),
+            "q: quit".to_owned(),
+        ];
+        for words in whole {
+            assert!(text.contains(&words), "`{words}` is not in\n{text}");
+        }
     }
     // And before anything has come.
     let empty = hub();
     let mut screen = Terminal::new(TestBackend::new(80, 24)).unwrap();
     empty
-        .view(|view| {
-            screen
-                .draw(|frame| terminal::draw(frame, &view, &Setup::default()))
-                .map(drop)
-        })
+        .view(|view| screen.draw(|frame| terminal::draw(frame, &view)).map(drop))
         .unwrap();
     let text = screen.backend().to_string();
     assert!(
@@ -421,6 +507,28 @@ fn text_has_a_line_a_frame_and_says_what_was_lost() {
 }
 
 #[test]
+fn beside_lines_that_do_not_come_stands_why() {
+    // Nothing listens on a port that was just free.
+    let free = TcpListener::bind("127.0.0.1:0").unwrap();
+    let server = free.local_addr().unwrap().to_string();
+    drop(free);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_rundown"))
+        .args(["display", "--tcp", &server, "--json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut note = String::new();
+    BufReader::new(child.stderr.as_mut().unwrap())
+        .read_line(&mut note)
+        .unwrap();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(note.starts_with(&format!("note: tcp:{server}: ")), "{note}");
+    assert!(note.ends_with("; it is tried again\n"), "{note}");
+}
+
+#[test]
 fn what_is_recorded_can_be_shown_again() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.frames");
@@ -443,7 +551,6 @@ fn wrong_arguments_are_named() {
 
 #[test]
 fn the_page_answers_its_own_name_only() {
-    use std::io::{BufRead, BufReader, Read};
     let mut child = Command::new(env!("CARGO_BIN_EXE_rundown"))
         .args(["display", "-", "--http", "0"])
         .stdin(Stdio::piped())
