@@ -120,13 +120,13 @@ const run = {
   },
 };
 
-/** The track, or what has been seen in steps of 5 km, so that the scale rests. */
+/** The track, or what has been seen in steps of 5 km, so that the scale rests; a location that is a little below its step is noise. */
 function range() {
   const length = state.setup.track?.length_m;
   if (length) return [0, length / 1000];
   const km = [...state.points, ...state.previous].map((point) => point[0] / 1000);
   if (!km.length) return [0, 5];
-  return [Math.floor(Math.min(...km) / 5) * 5, (Math.floor(Math.max(...km) / 5) + 1) * 5];
+  return [Math.floor(Math.min(...km) / 5 + 0.02) * 5, (Math.floor(Math.max(...km) / 5) + 1) * 5];
 }
 
 function showRun() {

@@ -203,10 +203,10 @@ fn draw_speed(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Setup) {
     let (low, high) = x.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
         (low.min(x), high.max(x))
     });
-    // In steps of 5 km, so that the scale stays for a while.
+    // In steps of 5 km, so that the scale stays for a while; a location that is a little below its step is noise.
     let seen = if low <= high {
         [
-            (low / 5.0).floor() * 5.0,
+            (low / 5.0 + 0.02).floor() * 5.0,
             ((high / 5.0).floor() + 1.0) * 5.0,
         ]
     } else {
