@@ -19,8 +19,6 @@ struct Desk {
 
 impl Desk {
     async fn new(runs: usize) -> Self {
-        let mut board = Board::new(runs);
-        let address = board.address().to_string();
         let files = tempfile::tempdir().expect("a folder");
         let (train, track) = demo::described().expect("the scenario is built in");
         let write = |name: &str, text: Result<String, toml::ser::Error>| {
@@ -31,7 +29,13 @@ impl Desk {
         };
         let train = write("train.toml", toml::to_string(&train));
         let track = write("track.toml", toml::to_string(&track));
-        let display = Display::start(&["--tcp", &address, "--train", &train, "--track", &track]);
+        Self::with(runs, &["--train", &train, "--track", &track], files).await
+    }
+
+    async fn with(runs: usize, described: &[&str], files: TempDir) -> Self {
+        let mut board = Board::new(runs);
+        let address = board.address().to_string();
+        let display = Display::start(&[&["--tcp", &address], described].concat());
         board.accept();
         let browser = Browser::start().await;
         browser.screen(1280, 800, Scheme::Light).await;
@@ -189,6 +193,25 @@ async fn values_on_the_page_are_those_of_the_frames() {
             .await,
         points
     );
+}
+
+#[tokio::test]
+async fn without_a_description_the_page_says_what_is_missing() {
+    let files = tempfile::tempdir().expect("a folder");
+    let mut desk = Desk::with(1, &[], files).await;
+    desk.board
+        .play_until(|estimate| estimate.regime == Regime::Cruise);
+    desk.check_values().await;
+    let strip = "return getComputedStyle(document.getElementById('gradients'), '::before').content";
+    let words: String = desk.browser.ask(strip).await;
+    assert!(words.contains("--track K.toml"), "{words}");
+    for id in ["r0-described", "r1-described", "r2-described", "effort-kn"] {
+        assert_eq!(desk.browser.text(id).await, "", "#{id}");
+    }
+    // The chart's words are drawn, not written.
+    let words: String = desk.browser.ask("return manufacturerWords(null)").await;
+    assert!(words.contains("--train T.toml"), "{words}");
+    desk.browser.picture("undescribed_1280x800_light").await;
 }
 
 #[tokio::test]

@@ -11,12 +11,12 @@
 //! | `trainLength` | m, whole | length |
 //!
 //! The coefficients are learned per rotating mass, from decelerations. With the stated mass, and not with the unrounded one, a reader who divides by γ m gets the learned
-//! decelerations back. Names, units, order and what is mandatory were read in the schema file itself; no message of a real system was at hand. The schema does not say whether `rotatingMassFactor` is γ (1.06) or γ - 1
-//! (0.06): here it is γ.
+//! decelerations back. Names, units, order and what is mandatory were read in the schema file itself; no message of a real system was at hand. The schema does not say whether `rotatingMassFactor` is γ (1.06), γ - 1
+//! (0.06) or percent: here it is γ, for the reasons in `docs/formats.md`, and the file says so in a comment.
 
 use crate::train_file::TrainFile;
 use quick_xml::Writer;
-use quick_xml::events::{BytesDecl, Event};
+use quick_xml::events::{BytesDecl, BytesText, Event};
 use std::io;
 use std::str::FromStr;
 
@@ -148,6 +148,9 @@ pub fn traction_curve(train: &TrainFile, max_speed_kmh: f64) -> Vec<(f64, f64)> 
         .collect()
 }
 
+/// What a reader of the file must know and the schema does not say.
+const MEANING: &str = " rotatingMassFactor: mass with its rotating part over trainWeight. Rollout coefficients and tractionForce: forces on a train of trainWeight. ";
+
 /// Writes the document.
 ///
 /// # Errors
@@ -155,6 +158,7 @@ pub fn traction_curve(train: &TrainFile, max_speed_kmh: f64) -> Vec<(f64, f64)> 
 pub fn write(writer: impl io::Write, train: &TrainFile, identity: &Identity) -> io::Result<()> {
     let mut xml = Writer::new_with_indent(writer, b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+    xml.write_event(Event::Comment(BytesText::new(MEANING)))?;
     let [a, b, c] = rollout_coefficients(train);
     let features = [
         ("trainLength", format!("{:.0}", train.length_m)),
@@ -177,7 +181,7 @@ pub fn write(writer: impl io::Write, train: &TrainFile, identity: &Identity) -> 
         .with_attribute(("TC_VersionMajor", identity.version.as_str()))
         .write_inner_content(|xml| {
             xml.create_element("TC_RU_ID")
-                .write_text_content(quick_xml::events::BytesText::new(&identity.company))?;
+                .write_text_content(BytesText::new(&identity.company))?;
             xml.create_element("TC_Features")
                 .with_attributes(features)
                 .write_inner_content(|xml| {
@@ -277,6 +281,7 @@ mod tests {
     fn the_document_has_the_names_and_the_order_of_the_schema() {
         let text = document("1500V");
         let expected = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+            <!-- rotatingMassFactor: mass with its rotating part over trainWeight. Rollout coefficients and tractionForce: forces on a train of trainWeight. -->\n\
             <TrainCharacteristics TC_ID=\"six &amp; &quot;double&quot; &lt;decks&gt;\" TC_VersionMajor=\"3\">\n  \
               <TC_RU_ID>0084</TC_RU_ID>\n  \
               <TC_Features trainLength=\"162\" trainMaxSpeed=\"160\" trainWeight=\"364\" rolloutCoefficientA=\"2739.464\" rolloutCoefficientB=\"57.876\" \

@@ -20,7 +20,7 @@ mod predict;
 mod steady;
 mod way;
 
-pub use outcome::{Arrival, CoastAhead, Outcome};
+pub use outcome::{Arrival, CoastAhead, NINETY_PERCENT, Outcome};
 pub(crate) use predict::predict;
 pub use steady::Steady;
 

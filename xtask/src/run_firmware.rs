@@ -1,17 +1,22 @@
-//! `cargo xtask run`: the firmware in the emulator, its serial line for another program.
+//! `cargo xtask run`: the firmware in the emulator, its serial line for other programs.
 
 use crate::{firmware, setup};
 use emulator::{Board, Emulator, Settings};
 use std::io::{self, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
+use std::time::Duration;
 
 /// Port of the serial line.
 const PORT: u16 = 5475;
 /// Where the provisioning record lies in the flash of the reference board.
 const KEY_ADDRESS: u32 = 0x080F_F800;
 
-/// Until the other side hangs up, or the emulator ends.
+/// A program that takes nothing for so long has hung: it must not hold up the board and the others.
+const TAKES: Duration = Duration::from_secs(1);
+
+/// Until the emulator ends.
 ///
 /// `key` is the provisioning record that the board is given. Without it the board refuses everything that is secured.
 pub fn run_firmware(board: Board, key: Option<&str>) -> Result<(), String> {
@@ -25,35 +30,109 @@ pub fn run_firmware(board: Board, key: Option<&str>) -> Result<(), String> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, PORT))
         .map_err(|error| format!("port {PORT}: {error}"))?;
     println!(
-        "serial line at 127.0.0.1:{PORT}, the firmware starts when somebody connects; Ctrl-C ends it"
+        "serial line at 127.0.0.1:{PORT}, for one program that talks and any number that listen; the firmware starts with the first; Ctrl-C ends it"
     );
-    let (other, from) = listener.accept().map_err(|error| error.to_string())?;
-    println!("{from} connected");
+    let first = listener.accept().map_err(|error| error.to_string())?.0;
     let settings = Settings {
         preloads,
         ..Settings::new(board).map_err(|error| error.to_string())?
     };
     let mut emulator = Emulator::start(&settings).map_err(|error| error.to_string())?;
-    join(emulator.line(), other).map_err(|error| error.to_string())
+    share(emulator.line(), first, listener).map_err(|error| error.to_string())
 }
 
-/// Both directions, until the other side ends.
-fn join(line: &TcpStream, other: TcpStream) -> io::Result<()> {
+/// Programs at the serial line.
+type Others = Arc<Mutex<Vec<TcpStream>>>;
+
+/// All hear the board, and the board hears all.
+fn share(line: &TcpStream, first: TcpStream, listener: TcpListener) -> io::Result<()> {
     line.set_read_timeout(None)?;
-    let (mut from_line, mut to_other) = (line.try_clone()?, other.try_clone()?);
-    // Ends with the emulator.
-    thread::spawn(move || copy(&mut from_line, &mut to_other));
-    copy(&mut &other, &mut &*line)
+    let others = Others::default();
+    join(first, line, &others)?;
+    let (to_line, more) = (line.try_clone()?, Arc::clone(&others));
+    thread::spawn(move || {
+        for other in listener.incoming().flatten() {
+            if let Err(error) = join(other, &to_line, &more) {
+                println!("{error}");
+            }
+        }
+    });
+    forward(&mut &*line, |bytes| {
+        let mut others = others.lock().unwrap_or_else(PoisonError::into_inner);
+        others.retain_mut(|other| other.write_all(bytes).is_ok());
+        Ok(())
+    })
 }
 
-/// Byte by byte as they come, nothing is held back.
-fn copy(from: &mut impl Read, to: &mut impl Write) -> io::Result<()> {
+/// From now on this program hears the board, and what it says goes there.
+fn join(other: TcpStream, line: &TcpStream, others: &Others) -> io::Result<()> {
+    println!("{} connected", other.peer_addr()?);
+    other.set_write_timeout(Some(TAKES))?;
+    let (mut from, mut to) = (other.try_clone()?, line.try_clone()?);
+    others
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .push(other);
+    // Ends when the program hangs up.
+    thread::spawn(move || forward(&mut from, |bytes| to.write_all(bytes)));
+    Ok(())
+}
+
+/// Bytes as they come, nothing is held back, until the end.
+fn forward(from: &mut impl Read, mut give: impl FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
     let mut bytes = [0; 1024];
     loop {
         let count = from.read(&mut bytes)?;
         let Some(bytes) = bytes.get(..count).filter(|bytes| !bytes.is_empty()) else {
             return Ok(());
         };
-        to.write_all(bytes)?;
+        give(bytes)?;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pair() -> (TcpStream, TcpStream) {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let here = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        (here, listener.accept().unwrap().0)
+    }
+
+    fn heard(program: &mut TcpStream, bytes: usize) -> Vec<u8> {
+        program
+            .set_read_timeout(Some(Duration::from_secs(10)))
+            .unwrap();
+        let mut heard = vec![0; bytes];
+        program.read_exact(&mut heard).unwrap();
+        heard
+    }
+
+    #[test]
+    fn all_hear_the_board_and_the_board_hears_all() {
+        let (line, mut board) = pair();
+        let (mut first, accepted) = pair();
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        let shared = thread::spawn(move || share(&line, accepted, listener));
+        let mut second = TcpStream::connect(address).unwrap();
+        // The board hears a program only once that one has joined.
+        second.write_all(b"hello").unwrap();
+        assert_eq!(heard(&mut board, 5), b"hello");
+        board.write_all(b"frame").unwrap();
+        assert_eq!(heard(&mut first, 5), b"frame");
+        assert_eq!(heard(&mut second, 5), b"frame");
+        // Who hangs up leaves the others as they are.
+        drop(first);
+        for _ in 0..3 {
+            board.write_all(b"again").unwrap();
+            assert_eq!(heard(&mut second, 5), b"again");
+        }
+        second.write_all(b"there").unwrap();
+        assert_eq!(heard(&mut board, 5), b"there");
+        // The end of the emulator is the end.
+        drop(board);
+        shared.join().unwrap().unwrap();
     }
 }

@@ -159,11 +159,14 @@ function runData(points, previous, limits, lengthM) {
   return data;
 }
 
+/** No frame has the manufacturer's values. */
+const manufacturerWords = (davis) => (davis ? "manufacturer (dashed)" : "manufacturer: start with --train T.toml");
+
 const resistanceOptions = (words) => (box) => {
   const px = fontSize(box);
   const line = (stroke, extra) => ({ stroke: () => colour(stroke), points: { show: false }, pxAlign: 0, ...extra });
   return {
-    padding: [0.6 * px, 2.2 * px, 0, 0], legend: { show: false }, cursor: { drag: { x: false, y: false } },
+    padding: [0.6 * px, 3 * px, 0, 0], legend: { show: false }, cursor: { drag: { x: false, y: false } },
     scales: { x: { time: false, auto: false, range: exact }, y: { auto: false, range: exact } },
     axes: [axis(px + 10, px, { values: (u, all) => all.map((v) => v + " km/h"), space: 6 * px }), axis(48, px, { values: (u, all) => all.map((v) => v.toFixed(0)), incrs: [5, 10, 20, 50], space: 1.5 * px })],
     series: [{}, line("estimate", { width: 0 }), line("estimate", { width: 0 }), line("estimate", { width: 3 }), line("described", { width: 2.5, dash: [9, 6] })],
@@ -178,7 +181,7 @@ function resistanceLabels(u, px, words) {
   ctx.font = `${px * uPlot.pxRatio}px system-ui, sans-serif`;
   ctx.textBaseline = "top";
   ctx.textAlign = "left";
-  const rows = [["estimate", words], ["described", u.data[4]?.some((v) => v != null) ? "manufacturer (dashed)" : "manufacturer: start with --train"]];
+  const rows = [["estimate", words], ["described", manufacturerWords(u.data[4]?.some((v) => v != null))]];
   rows.forEach(([name, text], i) => {
     ctx.fillStyle = colour(name);
     ctx.fillText(text, bbox.left + 10, bbox.top + 4 + i * 1.25 * px * uPlot.pxRatio);

@@ -3,7 +3,7 @@
 
 const $ = (id) => document.getElementById(id);
 const NONE = "–";
-const state = { points: [], previous: [], past: [], now: {}, link: null, setup: { train: null, track: null }, scale: { least: 0.1, most: 0.1 }, gone: false };
+const state = { points: [], previous: [], past: [], now: {}, link: null, setup: { train: null, track: null }, described: null, scale: { least: 0.1, most: 0.1 }, gone: false };
 
 const fixed = (value, digits, scale = 1) => (value == null || !Number.isFinite(value) ? NONE : (value * scale).toFixed(digits).replace("-", "−"));
 const deviation = (value, digits, scale = 1) => "±" + fixed(value, digits, scale);
@@ -77,27 +77,28 @@ function targetName(target) {
   return stop ? stop.name : `stop at ${place}`;
 }
 
-/** What stands large, and below it. An outcome is a word, or a word with values. */
+/** What stands large, what below it, and where to. An outcome is a word, or a word with values. */
 function coasting(ahead, estimate) {
-  if (!ahead || !estimate) return [NONE, "no prediction yet"];
+  if (!ahead || !estimate) return [NONE, "no prediction yet", ""];
   const [word, value] = typeof ahead.outcome === "string" ? [ahead.outcome] : Object.entries(ahead.outcome)[0];
   const to = ahead.target ? targetName(ahead.target) : "";
   if (word === "arrives") {
     const { speed_mps, time_s, time_sd_s } = value, s = Math.max(0, Math.round(time_s - estimate.time_s));
     return [`${fixed(speed_mps.value, 0, KMH)} ±${fixed(NINETY * speed_mps.sd, 0, KMH)}`,
-      `in ${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")} ±${fixed(NINETY * time_sd_s, 0)} s · ${to}`];
+      `in ${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")} ±${fixed(NINETY * time_sd_s, 0)} s (90 %)`, to];
   }
-  if (word === "stops") return ["stops", `${fixed(value.value, 1, 1e-3)} ±${fixed(NINETY * value.sd, 1, 1e-3)} km, before ${to}`];
-  if (word === "may_stop") return ["may stop", `before ${to}`];
-  if (word === "no_target") return [NONE, "no stop or limit within the horizon"];
-  return [NONE, "no prediction now"];
+  if (word === "stops") return ["stops", `at ${fixed(value.value, 1, 1e-3)} ±${fixed(NINETY * value.sd, 1, 1e-3)} km (90 %)`, to];
+  if (word === "may_stop") return ["may stop", "before it gets there", to];
+  if (word === "no_target") return [NONE, "no target within the horizon", ""];
+  return [NONE, "no prediction now", ""];
 }
 
 function showCoasting() {
-  const [large, small] = coasting(state.now.coast_ahead, state.now.estimate);
+  const [large, small, to] = coasting(state.now.coast_ahead, state.now.estimate);
   put("advice-speed", large);
   put("advice-unit", /\d/.test(large) ? "km/h" : "");
   put("advice-time", small);
+  put("advice-to", to ? `to ${to}` : "from here");
 }
 
 /** Where the speed at the target is drawn, if the train gets there. */
@@ -119,13 +120,13 @@ const run = {
   },
 };
 
-/** The track, or what has been seen in steps of 5 km, so that the scale rests. */
+/** The track, or what has been seen in steps of 5 km, so that the scale rests; a location that is a little below its step is noise. */
 function range() {
   const length = state.setup.track?.length_m;
   if (length) return [0, length / 1000];
   const km = [...state.points, ...state.previous].map((point) => point[0] / 1000);
   if (!km.length) return [0, 5];
-  return [Math.floor(Math.min(...km) / 5) * 5, (Math.floor(Math.max(...km) / 5) + 1) * 5];
+  return [Math.floor(Math.min(...km) / 5 + 0.02) * 5, (Math.floor(Math.max(...km) / 5) + 1) * 5];
 }
 
 function showRun() {
@@ -152,10 +153,11 @@ const plain = (name) => name.replaceAll("_", " ");
 let drawn = "";
 
 function strips() {
-  const key = JSON.stringify([state.now.effects, range()]);
+  const key = JSON.stringify([state.now.effects, range(), state.described]);
   if (key === drawn) return;
   drawn = key;
   const [low, high] = range(), track = state.setup.track, slopes = track?.gradient ?? [];
+  $("gradients").dataset.missing = track ? "" : "limits, stops, gradients: start with --track K.toml";
   const steepest = Math.max(5, ...slopes.map((g) => Math.abs(g.permille)));
   $("gradients").replaceChildren(...slopes.map((g, i) => {
     const span = block(g.from_m, slopes[i + 1]?.from_m ?? track.length_m, [low, high], "");
@@ -301,15 +303,32 @@ function show() {
 }
 
 function take(update) {
+  // The program that came back may have been told another train and track.
+  if (state.gone) state.described = null;
   state.gone = false;
   state.now = update.now;
   state.link = update.link;
+  if (update.described !== state.described) ask(update.described);
   if (update.previous) state.previous = update.previous;
   if (update.from > state.points.length) return location.reload();
   state.points.length = update.from;
   for (const point of update.points) state.points.push(point);
   if (update.past) { state.past = update.past; showPast(); }
   show();
+}
+
+/** Train and track: another one is said by its number only. */
+async function ask(described) {
+  state.described = described;
+  try {
+    const setup = await fetch("/setup").then((answer) => answer.json());
+    if (state.described !== described) return;
+    state.setup = setup;
+    drawn = "";
+    show();
+  } catch {
+    state.described = null;
+  }
 }
 
 function listen() {
@@ -370,5 +389,4 @@ go(0);
 preferred();
 showPast();
 show();
-fetch("/setup").then((answer) => answer.json()).then((setup) => { state.setup = setup; drawn = ""; show(); });
 listen();

@@ -2,7 +2,7 @@
 
 use super::{Failure, screen};
 use crate::display::demo;
-use crate::display::hub::{Hub, OnMessage};
+use crate::display::hub::{Connection, Hub, OnMessage};
 use crate::display::page::Page;
 use crate::display::setup::Setup;
 use crate::display::source::Source;
@@ -16,6 +16,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Speed of a demonstration without `--speed`: a run in a minute.
 const DEMO_SPEED: f64 = 20.0;
@@ -25,15 +26,15 @@ Examples:
   See it without a board: six simulated runs, twenty times as fast
     rundown display --demo
 
-  A board on a serial port; train and track give the manufacturer's curve, stops, limits and gradients
+  A board on a serial port; train and track give the manufacturer's curve, stops, limits and gradients, which no frame has
     rundown display --port /dev/ttyACM0 --train t.toml --track k.toml
 
-  The emulator's serial line (`cargo xtask run`), a CAN bus, a CAN bus on which another computer answers the board
+  The emulated board (`cargo xtask run`) beside `rundown link`, a CAN bus, one on which another computer answers the board
     rundown display --tcp 127.0.0.1:5475
     rundown display --can can0
     rundown display --can slcan:/dev/ttyACM0@115200 --listen-only
 
-  A recording, ten times as fast; one that is just being written; one from elsewhere
+  A recording, ten times as fast; one that is just being written; one from elsewhere. That of a link has train and track
     rundown link --record run.frames ...
     rundown display --file run.frames --speed 10
     rundown display --file run.frames --follow
@@ -42,11 +43,11 @@ Examples:
   For other programs: every frame as a line of JSON in SI units (WIRE.md has the fields)
     rundown display --file run.frames --json | jq .body.estimate.speed_mps.value
 
-The page is at http://127.0.0.1:8475/, for this computer only, and works without a network. Its keys: 1 to 6 one part large,
-0 all parts, n day or night colours, ? help.
+The page is at http://127.0.0.1:8475/, for this computer only, and works without a network. Its keys: 1 to 6 one part
+large, 0 all parts, n day or night colours, ? help.
 
-A source that fails is opened again until it is there. Lost, damaged and late frames are counted and shown; values that have
-grown old are marked. The display never sends, but for the flow control that a CAN bus needs.";
+A source that fails is opened again until it is there. Lost, damaged and late frames are counted and shown; values that
+have grown old are marked. The display never sends, but for the flow control that a CAN bus needs.";
 
 /// Arguments of `rundown display`.
 #[derive(Debug, clap::Args)]
@@ -75,7 +76,7 @@ pub struct Arguments {
     /// How many times as fast as the train a recording is played; without it page and terminal play a file at its pace, text and JSON at once, and standard input is taken as it comes
     #[arg(long, value_name = "X", value_parser = speed)]
     speed: Option<f64>,
-    /// The file still grows: wait at its end for more
+    /// The file still grows: wait for it, at its end for more, and when it is written anew
     #[arg(long, requires = "file")]
     follow: bool,
     /// On CAN: send no flow control, another computer does
@@ -217,17 +218,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let hub = Arc::new(Hub::new(
         source.to_string(),
         speed.unwrap_or(1.0),
+        setup,
         arguments.on_message()?,
     ));
+    let tried_again = source.is_tried_again();
     let open = source.open().map_err(Failure::refused)?;
     if lines {
+        if tried_again {
+            let watched = Arc::clone(&hub);
+            std::thread::spawn(move || report_losses(&watched));
+        }
         open.run(&hub, speed);
         return finished(&hub);
     }
     let page = if arguments.tui {
         None
     } else {
-        let bound = Page::bind(arguments.http, Arc::clone(&hub), &setup);
+        let bound = Page::bind(arguments.http, Arc::clone(&hub));
         Some(bound.map_err(|error| {
             Failure::not_written(format!(
                 "port {} of this computer: {error}; --http takes another one, --http 0 a free one",
@@ -238,7 +245,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let feed = Arc::clone(&hub);
     std::thread::spawn(move || open.run(&feed, speed));
     match page {
-        None => terminal::run(&hub, &setup).map_err(Failure::not_written)?,
+        None => terminal::run(&hub).map_err(Failure::not_written)?,
         Some(page) => {
             screen::print(&format!("page: {}  (Ctrl-C ends it)\n", page.url()));
             page.serve();
@@ -247,9 +254,28 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Beside the lines of a board that may come later: why none come. What becomes of a recording is said at its end.
+fn report_losses(hub: &Hub) -> ! {
+    let mut version = 0;
+    let mut said = String::new();
+    loop {
+        let connection = hub.wait(version, Duration::MAX, |view| {
+            version = view.version;
+            view.link.connection
+        });
+        match connection {
+            Connection::Lost(error) if error != said => {
+                screen::note(&format!("{error}; it is tried again"));
+                said = error;
+            }
+            Connection::Open => said.clear(),
+            _ => {}
+        }
+    }
+}
+
 /// What is to be said of a recording that was printed.
 fn finished(hub: &Hub) -> Result<ExitCode, Failure> {
-    use crate::display::hub::Connection;
     hub.view(|view| {
         let tally = &view.link.tally;
         if tally.lost + tally.damaged + tally.unknown > 0 {

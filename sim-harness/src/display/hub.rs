@@ -1,8 +1,10 @@
 //! One state, written by the source's thread, read by every view.
 //!
-//! In: messages, damage, what becomes of the connection. Out: [`View`]s under one lock, and a wait for the next change.
+//! In: messages of the board and to it, damage, what becomes of the connection. Out: [`View`]s under one lock, and a wait for the next change.
 
+use super::setup::Setup;
 use super::state::State;
+use super::told::Told;
 use rundown_wire::{Reader, Received, Tally};
 use serde::Serialize;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -51,6 +53,9 @@ pub struct LinkHealth {
 struct Inner {
     reader: Reader,
     state: State,
+    told: Told,
+    setup: Setup,
+    described: u32,
     connection: Connection,
     opened: u32,
     damaged: u32,
@@ -66,6 +71,7 @@ pub type OnMessage = Box<dyn FnMut(&[u8], Option<&Received>) + Send>;
 pub struct Hub {
     source: String,
     speed: f64,
+    files: Setup,
     inner: Mutex<Inner>,
     changed: Condvar,
 }
@@ -76,19 +82,27 @@ pub struct View<'a> {
     pub state: &'a State,
     /// How the link is.
     pub link: LinkHealth,
+    /// Train and track: of the files, else as the board was told.
+    pub setup: &'a Setup,
+    /// Counts changes of the setup.
+    pub described: u32,
     /// Counts changes.
     pub version: u64,
 }
 
 impl Hub {
-    /// Of a source with this name, whose time goes `speed` times as fast.
-    pub fn new(source: String, speed: f64, on_message: OnMessage) -> Self {
+    /// Of a source with this name, whose time goes `speed` times as fast, of a train and track with these files.
+    pub fn new(source: String, speed: f64, files: Setup, on_message: OnMessage) -> Self {
         Self {
             source,
             speed,
+            files: files.clone(),
             inner: Mutex::new(Inner {
                 reader: Reader::new(),
                 state: State::default(),
+                told: Told::default(),
+                setup: files,
+                described: 0,
                 connection: Connection::Opening,
                 opened: 0,
                 damaged: 0,
@@ -110,6 +124,20 @@ impl Hub {
         }
         (inner.on_message)(message, received.as_ref());
         self.change(inner);
+    }
+
+    /// The board was told this.
+    pub fn told(&self, message: &[u8]) {
+        let mut inner = self.lock();
+        let Some(told) = inner.told.hear(message) else {
+            return;
+        };
+        let setup = self.files.clone().or(told);
+        if setup != inner.setup {
+            inner.setup = setup;
+            inner.described = inner.described.wrapping_add(1);
+            self.change(inner);
+        }
     }
 
     /// So many pieces of the line were no message.
@@ -167,6 +195,8 @@ impl Hub {
                 silent: age_s.is_none_or(|age_s| age_s > longest_s),
                 tally,
             },
+            setup: &inner.setup,
+            described: inner.described,
             version: inner.version,
         }
     }

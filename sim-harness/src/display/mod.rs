@@ -11,7 +11,8 @@
 //! | runs of the case study without a board | [`demo`] |
 //! | who has what? one lock, many readers | [`hub`] |
 //! | what is known now, of this run, of past runs? | [`state`] |
-//! | what is drawn behind it: train and track files | [`setup`] |
+//! | what is drawn behind it: train and track | [`setup`] |
+//! | train and track as the board was told | [`told`] |
 //! | the page in a browser | [`page`] |
 //! | one line a frame | [`text`] |
 //! | the view in a terminal | [`terminal`] |
@@ -27,3 +28,4 @@ pub mod source;
 pub mod state;
 pub mod terminal;
 pub mod text;
+pub mod told;

@@ -7,12 +7,11 @@
 //! | `/` and its assets | the page; no other host is asked for anything |
 //! | `/events` | [`Update`]s as they come, at most [`LEAST_PAUSE`] apart, at least one each [`LONGEST_PAUSE`] |
 //! | `/state` | everything once, for other programs |
-//! | `/setup` | train and track as described |
+//! | `/setup` | train and track as described; `described` of an update counts its changes |
 //!
 //! A browser that joins late gets all in its first update; one that was away reconnects by itself and does, too.
 
 use super::hub::{Hub, LinkHealth, View};
-use super::setup::Setup;
 use super::state::{Now, PastRun, Point, UNSETTLED};
 use serde::Serialize;
 use std::borrow::Cow;
@@ -70,6 +69,7 @@ pub struct Update<'a> {
     points: &'a [Point],
     now: &'a Now,
     link: LinkHealth,
+    described: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     previous: Option<&'a [Point]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -90,7 +90,9 @@ impl Cursor {
         let View {
             state,
             link,
+            described,
             version,
+            ..
         } = view;
         let anew = self.epoch != Some(state.epoch);
         let from = if anew {
@@ -113,6 +115,7 @@ impl Cursor {
             points: state.points.get(from..).unwrap_or_default(),
             now: &state.now,
             link,
+            described,
             previous: anew.then_some(&state.previous[..]),
             past: more_runs.then_some(&state.past[..]),
         }
@@ -124,7 +127,6 @@ pub struct Page {
     listener: TcpListener,
     address: SocketAddr,
     hub: Arc<Hub>,
-    setup: String,
     connections: AtomicUsize,
 }
 
@@ -133,13 +135,12 @@ impl Page {
     ///
     /// # Errors
     /// The port is taken.
-    pub fn bind(port: u16, hub: Arc<Hub>, setup: &Setup) -> io::Result<Self> {
+    pub fn bind(port: u16, hub: Arc<Hub>) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         Ok(Self {
             address: listener.local_addr()?,
             listener,
             hub,
-            setup: serde_json::to_string(setup)?,
             connections: AtomicUsize::new(0),
         })
     }
@@ -182,7 +183,7 @@ impl Page {
             }
             Some(request) => match request.path.as_str() {
                 "/events" => return tell(&self.hub, browser),
-                "/setup" => ("200 OK", JSON, Cow::from(&self.setup)),
+                "/setup" => ("200 OK", JSON, self.setup()?.into()),
                 "/state" => ("200 OK", JSON, self.state()?.into()),
                 path => match ASSETS.iter().find(|asset| asset.path == path) {
                     Some(asset) => ("200 OK", asset.kind, asset.text.into()),
@@ -203,6 +204,10 @@ impl Page {
         Ok(self
             .hub
             .view(|view| serde_json::to_string(&Cursor::default().update(view)))?)
+    }
+
+    fn setup(&self) -> io::Result<String> {
+        Ok(self.hub.view(|view| serde_json::to_string(view.setup))?)
     }
 
     /// A page of another site must not read this one under a name of its own (DNS rebinding).

@@ -1,6 +1,6 @@
-//! What is drawn behind the values and no frame tells: the train as its manufacturer describes it, stops, limits, gradients.
+//! What is drawn behind the values and no frame of the board tells: the train as its manufacturer describes it, stops, limits, gradients.
 //!
-//! In: train and track files, each or none. Out: [`Setup`], which the page gets once.
+//! In: train and track files, each or none; what the board was told. Out: [`Setup`], which the page gets whenever it changes.
 
 use crate::track_file::TrackFile;
 use crate::train_file::TrainFile;
@@ -20,5 +20,13 @@ impl Setup {
     pub fn manufacturer(&self, speed_mps: f64) -> Option<f64> {
         let davis = self.train.as_ref()?.davis;
         Some(davis.r0 + speed_mps * (davis.r1 + speed_mps * davis.r2))
+    }
+
+    /// What is missing here from there.
+    pub fn or(self, other: &Self) -> Self {
+        Self {
+            train: self.train.or_else(|| other.train.clone()),
+            track: self.track.or_else(|| other.track.clone()),
+        }
     }
 }

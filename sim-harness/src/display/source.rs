@@ -16,7 +16,7 @@ use rundown::link::{Counters, Link};
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Pause before a source is opened again.
@@ -65,12 +65,17 @@ impl fmt::Display for Source {
 }
 
 impl Source {
+    /// Whether it is opened again when it fails.
+    pub const fn is_tried_again(&self) -> bool {
+        matches!(self, Self::Board { .. } | Self::File { follow: true, .. })
+    }
+
     /// Whether it has an end and a pace of its own.
     pub const fn is_recording(&self) -> bool {
         matches!(self, Self::File { follow: false, .. } | Self::Demo)
     }
 
-    /// Opens what must be there at once: a file. Boards may come later.
+    /// Opens what must be there at once: a file that does not grow. All others may come later.
     ///
     /// # Errors
     /// The file cannot be opened.
@@ -83,13 +88,13 @@ impl Source {
                 address,
                 listen_only,
             } => Open::Board(address, listen_only),
-            Self::File { path, follow } => {
+            Self::File { path, follow: true } => Open::Growing(path),
+            Self::File {
+                path,
+                follow: false,
+            } => {
                 let file = File::open(&path).map_err(|error| named(&path, error))?;
-                Open::Recording(if follow {
-                    Box::new(Growing(file))
-                } else {
-                    Box::new(file)
-                })
+                Open::Recording(Box::new(file))
             }
             Self::Stdin => Open::Recording(Box::new(io::stdin())),
             Self::Demo => Open::Demo,
@@ -103,6 +108,8 @@ pub enum Open {
     Board(Address, bool),
     /// Bytes.
     Recording(Box<dyn Read + Send>),
+    /// A file that somebody writes to, or will.
+    Growing(PathBuf),
     /// Simulated runs.
     Demo,
 }
@@ -112,6 +119,7 @@ impl Open {
     pub fn run(self, hub: &Hub, speed: Option<f64>) {
         match self {
             Self::Board(address, listen_only) => board(&address, listen_only, hub),
+            Self::Growing(path) => growing(&path, hub, speed),
             Self::Recording(reader) => {
                 hub.connection(Connection::Open);
                 let read = recording(reader, hub, &mut Player::new(hub, speed));
@@ -253,21 +261,44 @@ fn lines(mut reader: impl BufRead, hub: &Hub, player: &mut Player<'_>) -> io::Re
             Ok(Some(recorded)) if recorded.way == Way::Received => {
                 player.message(&recorded.message)
             }
-            Ok(Some(_)) => {}
+            Ok(Some(recorded)) => hub.told(&recorded.message),
             Err(_) => hub.damaged(1),
         }
     }
 }
 
-/// A file that somebody writes to. Its end is waited at.
-struct Growing(File);
+/// A file may be there later, and be written anew.
+fn growing(path: &Path, hub: &Hub, speed: Option<f64>) -> ! {
+    loop {
+        let followed = File::open(path).and_then(|file| {
+            hub.connection(Connection::Open);
+            let file = Growing { file, at: 0 };
+            recording(file, hub, &mut Player::new(hub, speed))
+        });
+        hub.connection(match followed {
+            Ok(()) => Connection::Opening,
+            Err(error) => Connection::Lost(format!("{}: {error}", path.display())),
+        });
+        std::thread::sleep(FOLLOW);
+    }
+}
+
+/// A file that grows. Its end is waited at; it ends where it is shorter than it was, for then it is another one.
+struct Growing {
+    file: File,
+    at: u64,
+}
 
 impl Read for Growing {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         loop {
-            match self.0.read(buffer)? {
+            match self.file.read(buffer)? {
+                0 if self.file.metadata()?.len() < self.at => return Ok(0),
                 0 => std::thread::sleep(FOLLOW),
-                read => return Ok(read),
+                read => {
+                    self.at += read as u64;
+                    return Ok(read);
+                }
             }
         }
     }

@@ -1,6 +1,8 @@
 //! The view in a terminal, for a computer without a browser.
 //!
 //! In: a [`Hub`]. Out: a screen, drawn again with each change; `q`, Esc or Ctrl-C leaves it.
+//!
+//! A narrow screen, as the usual one of 80 x 24, has no room for both charts above four tables that can be read: past runs take the place of r(v), whose values stand in their table.
 
 use super::hub::{Connection, Hub, View};
 use super::setup::Setup;
@@ -21,6 +23,8 @@ use std::time::Duration;
 const PAUSE: Duration = Duration::from_millis(100);
 /// Dots of a curve across a chart.
 const DOTS: f64 = 240.0;
+/// Columns below which a screen is narrow.
+const NARROW: u16 = 116;
 /// Speeds of the ATB-EG steps, as the features frame has them.
 pub const BRAKE_STEPS: [&str; 5] = ["> 130", "130-80", "80-60", "60-40", "< 40"];
 
@@ -28,10 +32,10 @@ pub const BRAKE_STEPS: [&str; 5] = ["> 130", "130-80", "80-60", "60-40", "< 40"]
 ///
 /// # Errors
 /// Those of the terminal.
-pub fn run(hub: &Hub, setup: &Setup) -> io::Result<()> {
+pub fn run(hub: &Hub) -> io::Result<()> {
     let mut terminal = ratatui::try_init()?;
     let done = loop {
-        let drawn = hub.view(|view| terminal.draw(|frame| draw(frame, &view, setup)).map(drop));
+        let drawn = hub.view(|view| terminal.draw(|frame| draw(frame, &view)).map(drop));
         if let Err(error) = drawn {
             break Err(error);
         }
@@ -68,7 +72,8 @@ const fn colour(regime: Regime) -> Color {
 }
 
 /// Draws everything. Missing values are dashes of the same place.
-pub fn draw(frame: &mut Frame<'_>, view: &View<'_>, setup: &Setup) {
+pub fn draw(frame: &mut Frame<'_>, view: &View<'_>) {
+    let narrow = frame.area().width < NARROW;
     let [head, charts, tables, foot] = Layout::vertical([
         Constraint::Length(4),
         Constraint::Min(8),
@@ -76,18 +81,24 @@ pub fn draw(frame: &mut Frame<'_>, view: &View<'_>, setup: &Setup) {
         Constraint::Length(1),
     ])
     .areas(frame.area());
-    let [speed, resistance] =
-        Layout::horizontal([Constraint::Percentage(60), Constraint::Percentage(40)]).areas(charts);
-    let [parameters, limits, brake, past] = Layout::horizontal([
-        Constraint::Fill(5),
-        Constraint::Fill(5),
-        Constraint::Fill(3),
-        Constraint::Fill(5),
+    let [speed, beside] =
+        Layout::horizontal([Constraint::Percentage(55), Constraint::Percentage(45)]).areas(charts);
+    // As wide as their longest lines.
+    let [parameters, limits, brake, right] = Layout::horizontal([
+        Constraint::Length(30),
+        Constraint::Length(30),
+        Constraint::Length(20),
+        Constraint::Fill(1),
     ])
     .areas(tables);
     frame.render_widget(header(view), head);
-    draw_speed(frame, speed, view.state, setup);
-    draw_resistance(frame, resistance, view.state, setup);
+    draw_speed(frame, speed, view.state, view.setup);
+    let past = if narrow {
+        beside
+    } else {
+        draw_resistance(frame, beside, view.state, view.setup);
+        right
+    };
     frame.render_widget(of_parameters(view.state), parameters);
     frame.render_widget(of_limits(view.state), limits);
     frame.render_widget(of_brake(view.state), brake);
@@ -142,8 +153,9 @@ fn header<'a>(view: &View<'_>) -> Paragraph<'a> {
         old,
     ]);
     let ahead = view.state.now.coast_ahead.as_ref();
-    let ahead = ahead.map_or_else(|| "-".to_owned(), of_coast_ahead);
-    let coasting = Line::from(format!(" coasting from here: {ahead}"));
+    let now_s = estimate.map(|estimate| estimate.time_s);
+    let ahead = ahead.map_or_else(|| "-".to_owned(), |ahead| of_coast_ahead(ahead, now_s));
+    let coasting = Line::from(format!(" coast: {ahead}"));
     titled(" Rundown (q: quit) ", vec![line, coasting])
 }
 
@@ -191,10 +203,10 @@ fn draw_speed(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Setup) {
     let (low, high) = x.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
         (low.min(x), high.max(x))
     });
-    // In steps of 5 km, so that the scale stays for a while.
+    // In steps of 5 km, so that the scale stays for a while; a location that is a little below its step is noise.
     let seen = if low <= high {
         [
-            (low / 5.0).floor() * 5.0,
+            (low / 5.0 + 0.02).floor() * 5.0,
             ((high / 5.0).floor() + 1.0) * 5.0,
         ]
     } else {
@@ -406,17 +418,14 @@ fn of_link<'a>(view: &View<'_>) -> Paragraph<'a> {
         .age_s
         .map_or_else(|| "-".to_owned(), |age| format!("{age:.0} s ago"));
     let counts = format!(
-        "  last frame {age}  {} frames, {} lost, {} damaged, {} out of order, {} unknown, {} reconnects",
+        "  {age}  {} frames, {} lost, {} damaged, {} out of order, {} unknown, {} reconnects; {}",
         link.tally.frames,
         link.tally.lost,
         link.tally.damaged,
         link.tally.out_of_order,
         link.tally.unknown,
-        link.reconnects
+        link.reconnects,
+        link.source
     );
-    Paragraph::new(Line::from(vec![
-        format!(" {}: ", link.source).into(),
-        state,
-        counts.into(),
-    ]))
+    Paragraph::new(Line::from(vec![" ".into(), state, counts.into()]))
 }

@@ -78,7 +78,7 @@ fn said(body: &Body) -> String {
         Body::Estimate(estimate) => of_estimate(estimate),
         Body::Parameters(parameters) => of_parameters(parameters),
         Body::Effort(effort) => of_effort(effort),
-        Body::CoastAhead(ahead) => of_coast_ahead(ahead),
+        Body::CoastAhead(ahead) => of_coast_ahead(ahead, None),
         Body::Features(features) => of_features(features),
         Body::SwitchingPoints(points) => match points.points.last() {
             Some(last) => format!(
@@ -203,12 +203,12 @@ fn of_effort(effort: &Effort) -> String {
 /// Two-sided 90 % of a normal distribution, in standard deviations.
 pub const NINETY: f32 = 1.645;
 
-/// What coasting leads to, with 90 % intervals.
-pub fn of_coast_ahead(ahead: &CoastAhead) -> String {
+/// What coasting leads to, with 90 % intervals; the time on the board's clock, or from `now_s` of it.
+pub fn of_coast_ahead(ahead: &CoastAhead, now_s: Option<f64>) -> String {
     let target = ahead.target.map_or_else(String::new, |target| {
         let place = format!("{:.3} km", target.at_m / 1000.0);
         match target.limit_mps {
-            Some(limit) => format!("the limit of {:.0} km/h at {place}", limit * KMH),
+            Some(limit) => format!("the {:.0} km/h limit at {place}", limit * KMH),
             None => format!("the stop at {place}"),
         }
     });
@@ -217,12 +217,21 @@ pub fn of_coast_ahead(ahead: &CoastAhead) -> String {
             speed_mps,
             time_s,
             time_sd_s,
-        }) => format!(
-            "{:.0} \u{b1}{:.0} km/h at {target} at {time_s:.0} s \u{b1}{:.0} s (90 %)",
-            speed_mps.value * KMH,
-            NINETY * speed_mps.sd * KMH,
-            NINETY * time_sd_s
-        ),
+        }) => {
+            let time = match now_s {
+                None => format!("at {time_s:.0} s"),
+                Some(now_s) => {
+                    let left_s = (time_s - now_s).max(0.0).round() as u32;
+                    format!("in {}:{:02}", left_s / 60, left_s % 60)
+                }
+            };
+            format!(
+                "{:.0} \u{b1}{:.0} km/h at {target} {time} \u{b1}{:.0} s (90 %)",
+                speed_mps.value * KMH,
+                NINETY * speed_mps.sd * KMH,
+                NINETY * time_sd_s
+            )
+        }
         CoastOutcome::Stops(place) => format!(
             "stops at {:.1} \u{b1}{:.1} km (90 %), before {target}",
             place.value / 1000.0,

@@ -104,6 +104,7 @@ impl Example {
             name: &self.name,
             measurements: &self.measurements,
             estimates: &self.estimates,
+            coast_ahead: &[],
             regimes: &self.regimes,
             features: &self.features,
             counters: &self.counters,

@@ -23,6 +23,7 @@ mod example;
 
 use crate::replay::ReplayedRun;
 use rundown::Real;
+use rundown::coast_ahead::CoastAhead;
 use rundown::estimate::{Counters, Estimate};
 use rundown::features::{FeatureConfig, Features};
 use rundown::measurement::Measurement;
@@ -62,6 +63,8 @@ pub struct RunView<'a> {
     pub measurements: &'a [Measurement],
     /// The estimates.
     pub estimates: &'a [Estimate],
+    /// What coasting from each estimate on leads to; none where the track has no targets.
+    pub coast_ahead: &'a [CoastAhead],
     /// The confirmed regime of each estimate.
     pub regimes: &'a [Regime],
     /// What section 3.3 asks.
@@ -81,6 +84,7 @@ impl<'a> RunView<'a> {
             name: &run.name,
             measurements: &run.measurements,
             estimates: &run.estimates,
+            coast_ahead: &run.coast_ahead,
             regimes: &run.regimes,
             features: &run.summary.features,
             counters: &run.summary.counters,

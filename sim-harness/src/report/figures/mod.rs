@@ -5,15 +5,18 @@
 //! | [`motion`] | 3: speed, acceleration, effort, r0, r1, r2 |
 //! | [`resistance_terms`] | 5: stacked terms of the running resistance |
 //! | [`regimes`] | 6: the speed profile in the colours of the regimes |
+//! | [`coast_ahead`] | - |
 //! | [`innovations`] | - |
 //! | [`readings`] | - |
 //! | [`resistance_curve`], [`vehicle_history`] | - (what Fig. 4 shows of all runs, with its uncertainty) |
 
+mod coast_ahead;
 mod motion;
 mod readings;
 mod regimes;
 mod resistance;
 
+pub use coast_ahead::coast_ahead;
 pub use motion::motion;
 pub use readings::{innovations, readings};
 pub use regimes::regimes;

@@ -28,6 +28,11 @@ pub(super) fn run_section(index: usize, run: &RunView, report: &Report) -> Marku
                     Effort and acceleration are means since the sample before."))
                 h3 { "Terms of the running resistance" }
                 (figure(figures::resistance_terms(run), "The three terms of the running resistance, stacked, and the resistance of the track's gradient in the same scale (Fig. 5 of the paper)."))
+                @if let Some(ahead) = figures::coast_ahead(run) {
+                    h3 { "Coasting ahead" }
+                    (figure(ahead, "Speed and time at the next stop or lower limit if the train coasts from each place on. While it does coast, both should stay within their earlier bands. \
+                        The crosses are how fast and when the train was there, mostly by its brake."))
+                }
                 h3 { "Innovations" }
                 (figure(figures::innovations(run), "Measured less expected. A consistent filter has about 95 % of them inside the band."))
                 (missing_innovations(run))

@@ -1,0 +1,92 @@
+//! Train and track as the board was told: the other direction of a recording of `rundown link --record`.
+//!
+//! In: messages to the board. Out: a [`Setup`] whenever a run begins, for then the description is whole. A display has no key: the MAC is the board's affair, and what it refused is no description of its run.
+
+use super::setup::Setup;
+use crate::track_file::{GradientEntry, SpeedLimit, Stop, TrackFile};
+use crate::train_file::{DavisTable, TrainFile};
+use rundown::auth::TRAILER;
+use rundown::train::TrainDescription;
+use rundown::uplink::{self, Command, OPEN, Request, SECURED, VERSION};
+
+const NAME: &str = "as the board was told";
+
+/// Listens to what the board is told.
+#[derive(Clone, Debug, Default)]
+pub struct Told {
+    setup: Setup,
+}
+
+impl Told {
+    /// Takes a message; the description of the run that begins with it, if one does.
+    pub fn hear(&mut self, message: &[u8]) -> Option<&Setup> {
+        match request(message)? {
+            Request::Train(frame) => self.setup.train = Some(train(&frame.description)),
+            Request::Track(part) => {
+                if part.first == 0 {
+                    self.setup.track = Some(TrackFile {
+                        name: NAME.to_owned(),
+                        length_m: part.length_m,
+                        ..TrackFile::default()
+                    });
+                }
+                let gradients = part.gradients.iter().map(|gradient| GradientEntry {
+                    from_m: gradient.from_m,
+                    permille: gradient.permille,
+                });
+                self.setup.track.as_mut()?.gradient.extend(gradients);
+            }
+            Request::Targets(part) => {
+                let track = self.setup.track.as_mut()?;
+                if part.first == 0 {
+                    track.speed_limit.clear();
+                    track.stop.clear();
+                }
+                for target in &part.targets {
+                    match target.limit_mps {
+                        Some(limit_mps) => track.speed_limit.push(SpeedLimit {
+                            from_m: target.at_m,
+                            kmh: 3.6 * limit_mps,
+                        }),
+                        // A board knows no names.
+                        None => track.stop.push(Stop {
+                            at_m: target.at_m,
+                            name: format!("stop {}", track.stop.len() + 1),
+                        }),
+                    }
+                }
+            }
+            Request::Command(Command::Begin { .. }) => return Some(&self.setup),
+            _ => {}
+        }
+        None
+    }
+}
+
+fn request(message: &[u8]) -> Option<Request> {
+    let payload = match message {
+        [VERSION, OPEN, payload @ ..] => payload,
+        [VERSION, SECURED, secured @ ..] => secured.split_last_chunk::<TRAILER>()?.0,
+        _ => return None,
+    };
+    uplink::decode(payload).map(|uplink| uplink.request)
+}
+
+fn train(description: &TrainDescription) -> TrainFile {
+    let davis = &description.davis;
+    TrainFile {
+        name: NAME.to_owned(),
+        mass_kg: description.mass_kg,
+        rotating_mass_factor: description.rotating_mass_factor,
+        length_m: description.length_m,
+        max_tractive_effort_n: description.max_tractive_effort_n,
+        max_power_w: description.max_power_w,
+        max_brake_mps2: description.max_brake_mps2,
+        davis: DavisTable {
+            r0: davis.r0,
+            r1: davis.r1,
+            r2: davis.r2,
+        },
+        effect: Vec::new(),
+    }
+}
