@@ -126,6 +126,8 @@ pub fn calibrate(
         let whitening = whitening(noise, own, spread, rows, &columns);
         -whitening.log_determinant() - 0.5 * freedom * whitening.whiten(residual).norm_squared()
     };
+    // In coasting a wind looks like a constant and a mass together, larger ones than runs of one train have. With an effort column they are its zero and gain, too.
+    let most_own = if measured { [0.05, 0.2] } else { [1e-3, 0.04] };
     let mut reached = f64::NEG_INFINITY;
     for round in 0..3 {
         let Some((residual, _)) = left(&found) else {
@@ -146,9 +148,9 @@ pub fn calibrate(
                         0 => (&mut noise.reading_mps, 0.08, 1.0),
                         1 => (&mut noise.acceleration_mps2, 0.003, 0.2),
                         2 => (&mut noise.change_share, 0.3, 2.0),
-                        3 => (&mut own.constant_n_per_kg, 5e-4, 0.05),
+                        3 => (&mut own.constant_n_per_kg, 5e-4, most_own[0]),
                         4 => (&mut own.wind_mps, 0.5, 20.0),
-                        _ => (&mut own.mass, 5e-3, 0.2),
+                        _ => (&mut own.mass, 5e-3, most_own[1]),
                     };
                     if which >= 3 && *value == 0.0 {
                         if own_zero[which - 3] || step < 1.0 {

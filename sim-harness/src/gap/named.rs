@@ -164,14 +164,11 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
     let mut limit = findings.limit.as_ref();
     // Without an effort column a heavier train shows twice: less acceleration for its power, and less air drag for its mass.
     if let (false, [only], Some(found)) = (findings.measured, terms.as_slice(), limit)
-        && let (Term::Davis([false, false, true]), Limit::Scale { factor }) =
-            (&only.term, &found.limit)
+        && let Limit::Scale { factor } = &found.limit
+        && let Some((by_drag, sd)) = mass_by_drag(only, findings.believed_r2)
     {
-        let r2 = findings.believed_r2;
-        let by_drag = -only.beta[0] / (r2 + only.beta[0]);
         let by_power = 1.0 / factor - 1.0;
         if by_drag * by_power > 0.0 && (by_drag - by_power).abs() < 0.5 * by_drag.abs() + 0.02 {
-            let sd = only.sd[0] / r2;
             let effect = Effect::MassError(core_effects::MassError { relative: by_drag });
             let mut mass = plain(
                 effect,
@@ -258,6 +255,16 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
     }
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     all
+}
+
+/// What a train's mass would have to be, relative to the believed one and with its standard deviation, for a change of r2 alone to be less, or more, air drag for its mass.
+fn mass_by_drag(fitted: &Fitted, r2: f64) -> Option<(f64, f64)> {
+    let (beta, sd) = (*fitted.beta.first()?, *fitted.sd.first()?);
+    match fitted.term {
+        Term::Davis([false, false, true]) => Some((-beta / (r2 + beta), sd / r2)),
+        Term::Mass => Some((beta / (1.0 - beta), sd)),
+        _ => None,
+    }
 }
 
 fn around(name: &'static str, value: f64, sd: f64) -> (&'static str, f64, f64) {

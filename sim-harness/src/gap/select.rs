@@ -517,8 +517,9 @@ fn families(
     if !context.curves.is_empty() {
         families.push(Family::Shapes(vec![Term::Curve]));
     }
+    // In coasting it is a wrong r2, and so a rival of that.
+    families.push(Family::Shapes(vec![Term::Mass]));
     if measured {
-        families.push(Family::Shapes(vec![Term::Mass]));
         families.push(Family::Shapes(
             [20.0, 40.0, 60.0, 80.0, 100.0]
                 .map(|v| Term::BrakeFade(kmh(v)))
