@@ -6,7 +6,7 @@ use super::coasting::coasted;
 use super::kinematics::{Kinematics, kinematics};
 use super::rows::{Believed, Row};
 use super::runs::{EffortReading, Interval, Readings, Run, intervals, usual_step_s};
-use super::select::{ENOUGH, Search};
+use super::select::{ENOUGH, Search, unnamed};
 use super::terms::{Context, Term};
 
 /// What may be known of a line beyond its gradients.
@@ -453,7 +453,7 @@ fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
             .filter_map(|found| {
                 let mut with = others.clone();
                 with.insert(index, found.term.clone());
-                let worse = score - search.score(&with);
+                let worse = score - search.score(&with) - unnamed(&found.term);
                 (worse < NEAR).then_some((found.term, worse))
             })
             .collect();

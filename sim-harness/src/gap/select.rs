@@ -446,12 +446,20 @@ fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bo
     }
 }
 
+/// What a section must be better by only because it has no name: it fits as well as one with a name that is better by no more.
+pub fn unnamed(term: &Term) -> f64 {
+    match term {
+        Term::Bump(_) => UNNAMED,
+        _ => 0.0,
+    }
+}
+
 /// Cost of a term's freedom.
 pub fn cost(term: &Term, rows: &[Row]) -> f64 {
     match term {
         Term::Davis(wrong) => wrong.iter().filter(|w| **w).count() as f64 * COEFFICIENT,
         Term::Tunnel(_) | Term::Gradient(_) => COEFFICIENT + SECTION,
-        Term::Bump(_) => COEFFICIENT + SECTION + UNNAMED,
+        Term::Bump(_) => COEFFICIENT + SECTION + unnamed(term),
         // One law instead of three coefficients: a little dearer than one of them.
         Term::Cube => COEFFICIENT + 1.0,
         Term::Delay | Term::Late => 0.0,
