@@ -3,10 +3,11 @@
 use crate::recording::{Recording, Row};
 use crate::simulation::scenario_file::Simulation;
 use crate::toml_file::TomlError;
-use crate::truth::facts::Facts;
+use crate::truth::facts::{Facts, Mark};
 use crate::truth::plan::{Heading, plan};
 use crate::truth::scenario::{DriveError, Run, Scenario, simulate_planned};
 use crate::truth::sensors::{Sample, TruthSample};
+use crate::truth::train::DavisTruth;
 use rundown::measurement::Measurement;
 use rundown::track::Direction;
 use rundown::units::KmPerHour;
@@ -31,7 +32,43 @@ pub struct CaseTruth {
     /// A row for each row of the recording.
     pub samples: Vec<TruthSample>,
     /// The run as a whole.
-    pub facts: Facts,
+    pub facts: RunTruth,
+}
+
+/// The truth of a run as a whole, as far as the study shows it: a data set on disk has it too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunTruth {
+    /// Running resistance of this run as still air would have it: load and wind included.
+    pub davis: DavisTruth,
+    /// Rotating mass of this run, kg.
+    pub rotating_mass_kg: f64,
+    /// The speed the driver wanted to keep, m/s.
+    pub cruise_mps: f64,
+    /// Start of the final coast; `None` if the driver braked from power.
+    pub final_coast: Option<Mark>,
+    /// Start of the final brake.
+    pub final_brake: Mark,
+    /// Standstill at the last stop.
+    pub stop: Mark,
+    /// Mean power while accelerating, 50 to 130 km/h, W/kg.
+    pub mean_power_50_130_w_per_kg: Option<f64>,
+    /// Largest there, 50 to 90 km/h, W/kg.
+    pub max_power_50_90_w_per_kg: Option<f64>,
+}
+
+impl From<&Facts> for RunTruth {
+    fn from(facts: &Facts) -> Self {
+        Self {
+            davis: facts.davis,
+            rotating_mass_kg: facts.train.rotating_mass_kg(),
+            cruise_mps: facts.cruise_mps,
+            final_coast: facts.final_coast,
+            final_brake: facts.final_brake,
+            stop: facts.stop,
+            mean_power_50_130_w_per_kg: facts.mean_power_50_130_w_per_kg,
+            max_power_50_90_w_per_kg: facts.max_power_50_90_w_per_kg,
+        }
+    }
 }
 
 impl Case {
@@ -62,8 +99,8 @@ impl Case {
                 warnings: Vec::new(),
             },
             truth: Some(CaseTruth {
+                facts: RunTruth::from(&run.facts),
                 samples: run.truth,
-                facts: run.facts,
             }),
         }
     }
