@@ -1,6 +1,6 @@
 //! Where the runs of a study come from, chunk by chunk: simulated, folders of logs, or Parquet files.
 
-use super::case::{Case, fleet_run};
+use super::case::{Case, FleetUnit};
 use super::truth_folder::{TruthError, TruthFolder};
 use crate::map_matching::CentreLine;
 use crate::output::json::Failed;
@@ -153,8 +153,16 @@ impl Source {
             Self::Simulated(simulated) => {
                 let range = advance(&mut simulated.next, simulated.runs);
                 let (simulation, seed) = (&simulated.simulation, simulated.seed);
-                let run = |index| {
-                    fleet_run(simulation, seed, index).map_err(|error| Failed {
+                // A unit's runs are planned together: once a chunk, not once a run.
+                let runs = FleetUnit::runs(simulation);
+                let first = range.start / runs;
+                let units = first..range.end.div_ceil(runs);
+                let units: Vec<FleetUnit> = units
+                    .map(|unit| FleetUnit::new(simulation, seed, unit))
+                    .collect();
+                let run = |index: usize| {
+                    let unit = &units[index / runs - first];
+                    unit.drive(index % runs).map_err(|error| Failed {
                         file: PathBuf::from(&simulation.name),
                         error: error.to_string(),
                     })
