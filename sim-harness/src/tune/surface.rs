@@ -71,7 +71,7 @@ pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn())
     }
     Picture {
         name: "tune_profiles".to_owned(),
-        caption: "Loss of likelihood a sample along each parameter, the others as at the optimum, each in a scale of its own up to 2; crosses: a coefficient is negative somewhere. Solid green: the optimum, dashed: Table 1 where it is in reach.".to_owned(),
+        caption: "Loss of likelihood a sample along each parameter, the others as at the optimum, each in a scale of its own, from 0.01 to 2; crosses: a coefficient is negative somewhere. Solid green: the optimum, dashed: Table 1 where it is in reach.".to_owned(),
         svg: Grid {
             title: "Likelihood along each parameter".to_owned(),
             description: "A panel for each parameter, lowest at the optimum".to_owned(),
