@@ -2,7 +2,8 @@
 //!
 //! In: files and folders as given on the command line. Out: [`RunSet`].
 //!
-//! A folder stands for all its `*.csv` in the order of their names. The index [`INDEX`] beside the logs gives departure, unit and direction;
+//! A folder stands for all its `*.csv` in the order of their names; one without any that has a folder `runs`, as a data set of
+//! `rundown simulate`, stands for that. The index [`INDEX`] beside the logs gives departure, unit and direction;
 //! when every run stands in an index the runs go in the order of departure, otherwise as given. `runs.csv` and `index.csv` are never
 //! taken for logs, so that `logs/*.csv` works.
 
@@ -88,8 +89,9 @@ impl RunSet {
     /// # Errors
     /// [`RunSetError`] when a folder or an index cannot be read.
     pub fn find(arguments: &[PathBuf]) -> Result<Self, RunSetError> {
+        let arguments: Vec<PathBuf> = arguments.iter().map(|path| log_folder(path)).collect();
         let mut paths = Vec::new();
-        for argument in arguments {
+        for argument in &arguments {
             if argument.is_dir() {
                 paths.extend(logs_of(argument)?);
             } else if !is_table(argument) {
@@ -191,6 +193,13 @@ fn file_name(path: &Path) -> String {
 
 fn is_table(path: &Path) -> bool {
     NOT_LOGS.contains(&file_name(path).as_str())
+}
+
+/// The folder `runs` of a data set, else the path itself.
+fn log_folder(path: &Path) -> PathBuf {
+    let runs = path.join("runs");
+    let is_data_set = runs.is_dir() && matches!(logs_of(path), Err(RunSetError::NoLogs { .. }));
+    if is_data_set { runs } else { path.to_owned() }
 }
 
 /// The logs of a folder in the order of their names.
@@ -311,6 +320,21 @@ mod tests {
         ]);
         let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
         assert_eq!(names(&set), ["a", "b"]);
+    }
+
+    #[test]
+    fn a_data_set_is_its_folder_of_runs_and_logs_beside_one_come_first() {
+        let folder = folder(&[
+            ("set/runs/a.csv", ""),
+            ("set/runs/runs.csv", "file,unit\na.csv,7\n"),
+            ("set/truth/a.csv", ""),
+            ("mixed/b.csv", ""),
+            ("mixed/runs/c.csv", ""),
+        ]);
+        let set = RunSet::find(&[folder.path().join("set")]).unwrap();
+        assert_eq!((names(&set), set.files[0].unit.as_str()), (vec!["a"], "7"));
+        let set = RunSet::find(&[folder.path().join("mixed")]).unwrap();
+        assert_eq!(names(&set), ["b"]);
     }
 
     #[test]

@@ -171,7 +171,8 @@ fn the_numbers_are_those_of_the_runs() {
 
     // Fig. 8: the mean of a step is that of its samples.
     let brake = folder.table("out/fig8_brake_rates_paper.csv");
-    let step = brake.rows_of("run", "60_to_40").numbers("brake_rate_mps2")[0];
+    let steps = brake.rows_of("kind", "step").rows_of("run", "60_to_40");
+    let step = steps.numbers("brake_rate_mps2")[0];
     let samples = brake.rows_of("kind", "sample");
     let speeds = samples.numbers("speed_kmh");
     let rates = samples.numbers("brake_rate_mps2");
@@ -182,6 +183,12 @@ fn the_numbers_are_those_of_the_runs() {
     let within: Vec<f64> = within.map(|(_, rate)| *rate).collect();
     let mean = within.iter().sum::<f64>() / within.len() as f64;
     assert!((mean - step).abs() < 1e-9, "{mean} {step}");
+
+    let true_step = brake
+        .rows_of("kind", "true_step")
+        .rows_of("run", "60_to_40");
+    let true_rate = true_step.numbers("brake_rate_mps2")[0];
+    assert!((true_rate - step).abs() < 0.1, "{true_rate} {step}");
 
     // Fig. 9: one cross a run, its largest power between 50 and 90 km/h.
     let power = folder.table("out/fig9_power_gated.csv");
@@ -285,6 +292,83 @@ fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
             .iter()
             .all(|text| !text.contains("km/h"))
     );
+}
+
+#[test]
+fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
+    let folder = Folder::new();
+    let scenario = "runs = 3\n[wind]\nsd_mps = 2.0\n[load]\nsd = 0.02\n";
+    std::fs::write(folder.path("s.toml"), scenario).unwrap();
+    folder.rundown(&["simulate", "--scenario", "s.toml", "--out", "set"]);
+    folder.rundown(&["study", "--scenario", "s.toml", "--out", "direct"]);
+    let study = |runs: &str, out: &str| {
+        let output = Command::new(env!("CARGO_BIN_EXE_rundown"))
+            .current_dir(folder.0.path())
+            .args(["study", "--runs", runs, "--train", "set/train.toml"])
+            .args(["--track", "set/track.toml", "--out", out])
+            .output();
+        let output = output.unwrap();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (
+            output.status.code(),
+            text(&output.stdout),
+            text(&output.stderr),
+        )
+    };
+
+    // The whole data set, and its logs alone.
+    let direct = folder.table("direct/runs.csv");
+    for (runs, out) in [("set", "a"), ("set/runs", "b")] {
+        let (code, said, _) = study(runs, out);
+        assert_eq!(code, Some(0));
+        assert!(said.contains("3 runs; their truth is known"), "{said}");
+        let table = folder.table(&format!("{out}/runs.csv"));
+        let of_truth = table.header.iter().filter(|name| name.starts_with("true_"));
+        for name in of_truth {
+            let pairs = table.numbers(name).into_iter().zip(direct.numbers(name));
+            let pairs: Vec<(f64, f64)> = pairs.collect();
+            assert_eq!(pairs.len(), 3, "{name}");
+            for (read, known) in pairs {
+                // Written with seven digits behind the point.
+                assert!(
+                    (read - known).abs() <= 1e-5 * known.abs() + 1e-9,
+                    "{name}: {read} {known}"
+                );
+            }
+        }
+        let claims = folder.table(&format!("{out}/claims.csv"));
+        assert_eq!(
+            claims.column("truth"),
+            folder.table("direct/claims.csv").column("truth")
+        );
+    }
+
+    // One truth is missing, one is of other times: they are named, and the third is shown.
+    std::fs::remove_file(folder.path("set/truth/run001.csv")).unwrap();
+    let path = folder.path("set/truth/run002.csv");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("\n20.0,", "\n21.0,")).unwrap();
+    let (code, said, error) = study("set", "c");
+    assert_eq!(code, Some(1));
+    assert!(said.contains("1 run; its truth is known"), "{said}");
+    assert!(
+        error.contains("run001.csv: cannot be read as truth"),
+        "{error}"
+    );
+    assert!(error.contains("expected the truth at 20 s"), "{error}");
+
+    std::fs::write(folder.path("set/truth/truth.json"), "{}").unwrap();
+    let (code, _, error) = study("set", "d");
+    assert_eq!(code, Some(3));
+    assert!(error.contains("missing field `runs`"), "{error}");
+
+    std::fs::remove_dir_all(folder.path("set/truth")).unwrap();
+    let (code, said, _) = study("set", "e");
+    assert_eq!(code, Some(0));
+    assert!(said.contains("3 runs; no truth lies beside them"), "{said}");
+    let page = std::fs::read_to_string(folder.path("e/report.html")).unwrap();
+    assert!(page.contains("no truth lies beside them"));
+    assert!(folder.table("e/runs.csv").numbers("true_r0").is_empty());
 }
 
 #[test]

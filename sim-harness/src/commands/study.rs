@@ -4,15 +4,17 @@ use super::recorded::{Opened, Recorded};
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::config_file;
 use crate::parquet::RunWriter;
+use crate::report::numbers::counted;
 use crate::simulation::scenario_file::Simulation;
 use crate::study::case::{calm, case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, gather};
-use crate::study::page::{Page, page};
+use crate::study::page::{Page, known, page};
 use crate::study::sensitivity::sensitivity;
 use crate::study::slope::{Answer, Look, Plan};
 use crate::study::source::Source;
+use crate::study::trials::{self, Trials};
 use crate::study::write::RunTable;
 use crate::study::{claims, description, slope as self_test, write};
 use crate::track_file::TrackFile;
@@ -31,6 +33,9 @@ Examples:
 
   Recorded runs, folders of logs or of Parquet files:
     rundown study --runs logs/ --train train.toml --track track.toml --out study
+
+  Runs of rundown simulate, whose truth lies beside them and is shown:
+    rundown study --runs hidden --train hidden/train.toml --track hidden/track.toml --out study
 
   A scenario of your own, as for rundown simulate, and a fleet of it:
     rundown study --scenario scenario.toml --out study
@@ -51,7 +56,7 @@ Files in the output folder:
 const FEW_VEHICLES: usize = 30;
 /// Seed where none is given.
 const SEED: u64 = 1;
-/// Runs on which larger initial deviations are tried.
+/// Runs on which other settings of the filter are tried.
 const SENSITIVITY_RUNS: usize = 67;
 
 /// Arguments of `rundown study`.
@@ -148,6 +153,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             .collect();
         let json = json!({
             "runs": study.gathered.paper.runs,
+            "runs_with_truth": study.gathered.truth.runs,
             "failed": study.gathered.failed.len(),
             "claims": claims,
             "truth_slope": study.answers,
@@ -188,7 +194,7 @@ fn described(arguments: &Arguments) -> Result<Described, Failure> {
         train,
         track,
         source,
-        words: "recorded".to_owned(),
+        words: "read from files".to_owned(),
         files: None,
     })
 }
@@ -201,7 +207,7 @@ fn simulated(simulation: Simulation, seed: u64, count: usize) -> Result<Describe
         files: Some((simulation.train.clone(), simulation.track.clone())),
         train: of_scenario.train,
         track: of_scenario.track,
-        words: format!("simulated with seed {seed}, their truth known"),
+        words: format!("simulated with seed {seed}"),
         source: Source::simulated(simulation, seed, count),
     })
 }
@@ -266,8 +272,13 @@ fn study(
         .take(SENSITIVITY_RUNS)
         .map(|run| run.recording.clone())
         .collect();
-    let sensitivity = sensitivity(&config, train, &track, &few).map_err(Failure::refused)?;
-    let claims = claims::claims(&gathered, &train, &sensitivity);
+    let trials = Trials {
+        sensitivity: sensitivity(&config, train, &track, &few).map_err(Failure::refused)?,
+        noise: trials::noise(&config, train, &track, &few).map_err(Failure::refused)?,
+        thinned: trials::thinned(&estimators, &gathered.drawn),
+        pace: trials::pace(&estimators, &few),
+    };
+    let claims = claims::claims(&gathered, &train, &trials);
     // What the slope is does not depend on the runs of this study: it is asked of simulated vehicles on the paper's line.
     let plan = Plan {
         simulation: calm().map_err(Failure::refused)?,
@@ -290,7 +301,7 @@ fn study(
         slopes: &slopes,
         answers: &answers,
         claims: &claims,
-        sensitivity: &sensitivity,
+        sensitivity: &trials.sensitivity,
     });
     let written = write::pictures(out, &pictures)
         .and_then(|()| write::pictures(out, &slopes))
@@ -315,7 +326,7 @@ fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
         };
         pictures.push(histograms::davis(drawn, eyes, &train.davis()));
         pictures.push(histograms::style(drawn, eyes));
-        pictures.push(brake::brake(drawn, eyes, tallies));
+        pictures.push(brake::brake(drawn, eyes, tallies, &gathered.truth));
         pictures.push(power::power(drawn, eyes, train));
         if let Some(example) = &gathered.example {
             pictures.extend(run::pictures(example, eyes, train));
@@ -326,7 +337,9 @@ fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
 
 /// The claims and the slopes, in lines.
 pub(super) fn table(study: &Study) -> String {
-    let mut text = format!("{} runs\n\n", study.gathered.paper.runs);
+    let (runs, known) = (study.gathered.paper.runs, known(&study.gathered));
+    let runs = counted(runs as usize, "run", "runs");
+    let mut text = format!("{runs}; {known}\n\n");
     for claim in &study.claims {
         let mark = match claim.verdict {
             Verdict::Reproduced => "yes",

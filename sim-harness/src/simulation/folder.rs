@@ -253,6 +253,13 @@ const fn regime_word(regime: Regime) -> &'static str {
     }
 }
 
+/// The regime of a word in `truth/runNNN.csv`.
+pub fn regime_of_word(word: &str) -> Option<Regime> {
+    use Regime::{Brake, Coast, Cruise, Standstill, Traction};
+    let mut all = [Standstill, Traction, Cruise, Coast, Brake].into_iter();
+    all.find(|regime| regime_word(*regime) == word)
+}
+
 /// To the millisecond, without needless zeros.
 fn time(time_s: f64) -> String {
     let text = format!("{time_s:.3}");

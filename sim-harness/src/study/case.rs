@@ -3,10 +3,11 @@
 use crate::recording::{Recording, Row};
 use crate::simulation::scenario_file::Simulation;
 use crate::toml_file::TomlError;
-use crate::truth::facts::Facts;
-use crate::truth::plan::{Heading, plan};
+use crate::truth::facts::{Facts, Mark};
+use crate::truth::plan::{Heading, RunPlan, plan};
 use crate::truth::scenario::{DriveError, Run, Scenario, simulate_planned};
 use crate::truth::sensors::{Sample, TruthSample};
+use crate::truth::train::DavisTruth;
 use rundown::measurement::Measurement;
 use rundown::track::Direction;
 use rundown::units::KmPerHour;
@@ -31,7 +32,43 @@ pub struct CaseTruth {
     /// A row for each row of the recording.
     pub samples: Vec<TruthSample>,
     /// The run as a whole.
-    pub facts: Facts,
+    pub facts: RunTruth,
+}
+
+/// The truth of a run as a whole, as far as the study shows it: a data set on disk has it too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunTruth {
+    /// Running resistance of this run as still air would have it: load and wind included.
+    pub davis: DavisTruth,
+    /// Rotating mass of this run, kg.
+    pub rotating_mass_kg: f64,
+    /// The speed the driver wanted to keep, m/s.
+    pub cruise_mps: f64,
+    /// Start of the final coast; `None` if the driver braked from power.
+    pub final_coast: Option<Mark>,
+    /// Start of the final brake.
+    pub final_brake: Mark,
+    /// Standstill at the last stop.
+    pub stop: Mark,
+    /// Mean power while accelerating, 50 to 130 km/h, W/kg.
+    pub mean_power_50_130_w_per_kg: Option<f64>,
+    /// Largest there, 50 to 90 km/h, W/kg.
+    pub max_power_50_90_w_per_kg: Option<f64>,
+}
+
+impl From<&Facts> for RunTruth {
+    fn from(facts: &Facts) -> Self {
+        Self {
+            davis: facts.davis,
+            rotating_mass_kg: facts.train.rotating_mass_kg(),
+            cruise_mps: facts.cruise_mps,
+            final_coast: facts.final_coast,
+            final_brake: facts.final_brake,
+            stop: facts.stop,
+            mean_power_50_130_w_per_kg: facts.mean_power_50_130_w_per_kg,
+            max_power_50_90_w_per_kg: facts.max_power_50_90_w_per_kg,
+        }
+    }
 }
 
 impl Case {
@@ -62,8 +99,8 @@ impl Case {
                 warnings: Vec::new(),
             },
             truth: Some(CaseTruth {
+                facts: RunTruth::from(&run.facts),
                 samples: run.truth,
-                facts: run.facts,
             }),
         }
     }
@@ -86,27 +123,61 @@ pub fn calm() -> Result<Simulation, TomlError> {
     Simulation::parse(Path::new("calm.toml"), "name = \"calm\"\n")
 }
 
-/// Run `index` of a fleet: units of as many runs as the simulation has, the first one as it says, each other with a resistance of its own.
+/// A unit of a simulated fleet: as many runs as the simulation has, the first unit as it says, each other with a resistance of its own.
+#[derive(Clone, Debug)]
+pub struct FleetUnit {
+    unit: usize,
+    scenario: Scenario,
+    plans: Vec<RunPlan>,
+}
+
+impl FleetUnit {
+    /// Runs of each unit.
+    pub fn runs(simulation: &Simulation) -> usize {
+        simulation.runs.max(1)
+    }
+
+    /// The unit of this number, counted from 0.
+    pub fn new(simulation: &Simulation, seed: u64, unit: usize) -> Self {
+        // Low-discrepancy: every share of a fleet has units from all over the range.
+        let place = (0.5 + unit as f64 * 0.618_033_988_749_894_9).fract();
+        let factor = 1.0 + UNIT_SPREAD * (2.0 * place - 1.0);
+        let scenario = Scenario {
+            davis_scale: simulation.scenario.davis_scale.map(|scale| scale * factor),
+            ..simulation.scenario.clone()
+        };
+        let seed = seed.wrapping_add(1_000_003 * unit as u64);
+        Self {
+            unit,
+            plans: plan(&scenario, Self::runs(simulation), seed),
+            scenario,
+        }
+    }
+
+    /// Drives a run, counted from 0.
+    ///
+    /// # Errors
+    /// [`DriveError`] if the train does not arrive.
+    ///
+    /// # Panics
+    /// If the unit has fewer runs.
+    pub fn drive(&self, run: usize) -> Result<Case, DriveError> {
+        let unit = self.unit + 1;
+        Ok(Case::simulated(
+            format!("unit{unit:03}_run{:02}", run + 1),
+            format!("unit{unit:03}"),
+            simulate_planned(&self.scenario, &self.plans[run])?,
+        ))
+    }
+}
+
+/// Run `index` of a fleet, unit after unit.
 ///
 /// # Errors
 /// [`DriveError`] if the train does not arrive.
 pub fn fleet_run(simulation: &Simulation, seed: u64, index: usize) -> Result<Case, DriveError> {
-    let runs = simulation.runs.max(1);
-    let (unit, run) = (index / runs, index % runs);
-    let unit_seed = seed.wrapping_add(1_000_003 * unit as u64);
-    // Low-discrepancy: every share of a fleet has units from all over the range.
-    let place = (0.5 + unit as f64 * 0.618_033_988_749_894_9).fract();
-    let factor = 1.0 + UNIT_SPREAD * (2.0 * place - 1.0);
-    let of_unit = Scenario {
-        davis_scale: simulation.scenario.davis_scale.map(|scale| scale * factor),
-        ..simulation.scenario.clone()
-    };
-    let planned = plan(&of_unit, runs, unit_seed).swap_remove(run);
-    Ok(Case::simulated(
-        format!("unit{:03}_run{:02}", unit + 1, run + 1),
-        format!("unit{:03}", unit + 1),
-        simulate_planned(&of_unit, &planned)?,
-    ))
+    let runs = FleetUnit::runs(simulation);
+    FleetUnit::new(simulation, seed, index / runs).drive(index % runs)
 }
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use rundown::config::{Config, ConfigError, Mode};
 use rundown::estimator::Estimator;
 use rundown::memory::Vehicle;
+use rundown::state;
 use rundown::state::Gaussian;
 use rundown::track::Track;
 use rundown::train::Train;
@@ -102,6 +103,12 @@ pub struct Gathered {
     pub top_kmh: Moments,
     /// Runs that were measured above [`LIMIT_KMH`].
     pub over_limit: u64,
+    /// Runs that were above it, of those whose truth is known.
+    pub truly_over_limit: u64,
+    /// From the first location of each run to its last, m.
+    pub travelled_m: Moments,
+    /// Mean time between the readings of each run, s.
+    pub interval_s: Moments,
     /// Rows of all logs.
     pub rows: u64,
     /// Runs for figures.
@@ -165,7 +172,7 @@ pub fn gather(
         let of_gated: Vec<View> = gated.par_iter().map(views).collect();
         let truths: Vec<Option<View>> = cases
             .par_iter()
-            .map(|case| case.truth.as_ref().map(View::of_truth))
+            .map(|case| case.truth.as_ref().map(|t| View::of_truth(t, train)))
             .collect();
         let views = of_paper.iter().zip(&of_gated).zip(&truths);
         let records: Vec<Record> = cases
@@ -183,6 +190,10 @@ pub fn gather(
             if let Some(truth) = &truth {
                 gathered.truth.add(truth);
             }
+            if let Some(truth) = &case.truth {
+                gathered.add_speed_errors(&case.recording, truth, &paper_run, &gated_run);
+            }
+            gathered.add_extent(&case.recording);
             gathered.rows += case.recording.rows.len() as u64;
             let top_kmh = top_kmh(&case);
             gathered.top_kmh.add(top_kmh);
@@ -216,6 +227,60 @@ pub fn gather(
         .collect();
     gathered.units.sort_by(|a, b| a.0.cmp(&b.0));
     Ok(gathered)
+}
+
+impl Gathered {
+    fn add_extent(&mut self, recording: &Recording) {
+        let readings = || recording.rows.iter().map(|row| &row.measurement);
+        let mut locations_m = readings().filter_map(|m| m.location_m);
+        if let Some(first_m) = locations_m.next() {
+            let last_m = locations_m.next_back().unwrap_or(first_m);
+            self.travelled_m.add((last_m - first_m).abs());
+        }
+        if let (Some(first), Some(last)) = (readings().next(), readings().next_back())
+            && recording.rows.len() > 1
+        {
+            let intervals = (recording.rows.len() - 1) as f64;
+            self.interval_s
+                .add((last.time_s - first.time_s) / intervals);
+        }
+    }
+
+    /// How far readings and filtered speeds are from the truth, and whether the train was too fast.
+    fn add_speed_errors(
+        &mut self,
+        recording: &Recording,
+        truth: &CaseTruth,
+        paper: &ReplayedRun,
+        gated: &ReplayedRun,
+    ) {
+        let true_kmh = |index: usize| Some(3.6 * truth.samples.get(index)?.speed_mps);
+        let rms = |speeds_mps: &mut dyn Iterator<Item = Option<f64>>| {
+            let mut squares = Moments::default();
+            for (index, speed_mps) in speeds_mps.enumerate() {
+                if let Some((seen, was)) = speed_mps.zip(true_kmh(index)) {
+                    squares.add((3.6 * seen - was).powi(2));
+                }
+            }
+            squares.mean().map(f64::sqrt)
+        };
+        let filtered = |run: &ReplayedRun| {
+            let speeds = run.estimates.iter().map(|e| e.belief.mean[state::SPEED]);
+            rms(&mut speeds.map(Some))
+        };
+        let readings = recording.rows.iter().map(|row| row.measurement.speed_mps);
+        for (tallies, error_kmh) in [
+            (&mut self.paper, filtered(paper)),
+            (&mut self.gated, filtered(gated)),
+            (&mut self.truth, rms(&mut readings.into_iter())),
+        ] {
+            error_kmh
+                .into_iter()
+                .for_each(|kmh| tallies.speed_error_kmh.add(kmh));
+        }
+        let top_kmh = truth.samples.iter().map(|s| 3.6 * s.speed_mps);
+        self.truly_over_limit += u64::from(top_kmh.fold(0.0, f64::max) > LIMIT_KMH);
+    }
 }
 
 /// Each run for itself.

@@ -8,11 +8,11 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | which runs? | [`source`], [`case`], [`description`] |
+//! | which runs? | [`source`], [`case`], [`description`], [`truth_folder`] |
 //! | what does the estimator say of one run, and what was true? | [`view`] |
 //! | and of all of them? | [`gather`], [`tallies`], [`moments`] |
 //! | what do the figures show? | [`figures`] |
-//! | what does the paper claim, and is it so here? | [`claims`], [`sensitivity`] |
+//! | what does the paper claim, and is it so here? | [`claims`], [`trials`], [`sensitivity`] |
 //! | where is it told? | [`page`], [`write`](mod@write) |
 //! | does the estimate follow the truth, how closely could it? | [`slope`], [`bound`] |
 
@@ -28,5 +28,7 @@ pub mod sensitivity;
 pub mod slope;
 pub mod source;
 pub mod tallies;
+pub mod trials;
+pub mod truth_folder;
 pub mod view;
 pub mod write;

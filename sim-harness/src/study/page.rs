@@ -77,11 +77,10 @@ fn summary(page: &Page) -> Markup {
     html! {
         section id="summary" {
             p.lead {
-                (counted(runs, "run", "runs")) ", " (page.source) ". Of " (page.claims.len())
-                " numeric claims of section 4 of the paper, " strong { (count(Verdict::Reproduced)) " are reproduced" } ", "
-                strong { (count(Verdict::Not)) " are not" }
-                @if count(Verdict::NoData) > 0 { ", and " (count(Verdict::NoData)) " have no data here" }
-                ". " a href="#claims" { "All of them, with the reason" } "."
+                (counted(runs, "run", "runs")) ", " (page.source) "; " (known(gathered)) ". Of " (page.claims.len())
+                " claims of section 4 of the paper, " strong { (count(Verdict::Reproduced)) " are reproduced" } ", "
+                strong { (count(Verdict::Not)) " are not" } ", and " (count(Verdict::NoData)) " cannot be judged by these runs. "
+                a href="#claims" { "All of them, with the reason" } "."
             }
             @if !gathered.failed.is_empty() {
                 p.note {
@@ -95,6 +94,18 @@ fn summary(page: &Page) -> Markup {
                 "the first is the paper's mode and the second the gated mode on the same runs. Every picture lies beside this page as SVG with its numbers as CSV."
             }
         }
+    }
+}
+
+/// Of how many runs the truth is known.
+pub fn known(gathered: &Gathered) -> String {
+    let (runs, known) = (gathered.paper.runs, gathered.truth.runs);
+    match (known, runs) {
+        (_, 0) => "none could be used".to_owned(),
+        (0, _) => "no truth lies beside them, so the columns of truth are empty".to_owned(),
+        (1, 1) => "its truth is known and shown".to_owned(),
+        _ if known == runs => "their truth is known and shown".to_owned(),
+        _ => format!("the truth of {known} of them is known: columns of truth speak of these"),
     }
 }
 
@@ -271,7 +282,7 @@ pub fn initial(sensitivity: &[Sensitivity]) -> Markup {
 fn all_claims(claims: &[Claim]) -> Markup {
     html! {
         section id="claims" {
-            h2 { "All numeric claims of section 4" }
+            h2 { "All claims of section 4" }
             (claims_table(claims.iter(), true))
         }
     }

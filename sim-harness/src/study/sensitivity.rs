@@ -80,6 +80,12 @@ pub fn sensitivity(
     Ok(found)
 }
 
+/// Runs in which a coefficient falls below zero.
+pub(super) fn negative_runs(estimator: &Estimator, runs: &[Recording]) -> usize {
+    let is_negative = |run: &&Recording| least(estimator, run).iter().any(|share| *share < 0.0);
+    runs.par_iter().filter(is_negative).count()
+}
+
 /// Least coefficients of a run, as shares of the manufacturer's.
 fn least(estimator: &Estimator, run: &Recording) -> [f64; 3] {
     let replayed = replay(

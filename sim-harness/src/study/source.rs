@@ -1,6 +1,7 @@
 //! Where the runs of a study come from, chunk by chunk: simulated, folders of logs, or Parquet files.
 
-use super::case::{Case, fleet_run};
+use super::case::{Case, FleetUnit};
+use super::truth_folder::{TruthError, TruthFolder};
 use crate::map_matching::CentreLine;
 use crate::output::json::Failed;
 use crate::parquet::{ParquetError, RunReader};
@@ -9,7 +10,7 @@ use crate::run_log::{BadRows, RunLog};
 use crate::run_set::{RunFile, RunSet, RunSetError};
 use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 
 /// Runs that are in memory at a time.
@@ -40,6 +41,8 @@ pub struct Simulated {
 pub struct Logs {
     files: Vec<RunFile>,
     line: Option<CentreLine>,
+    /// By the folder of the logs.
+    truths: HashMap<PathBuf, TruthFolder>,
     next: usize,
 }
 
@@ -60,6 +63,9 @@ pub enum SourceError {
     /// A folder or an index of logs cannot be read.
     #[error(transparent)]
     Logs(#[from] RunSetError),
+    /// The truth beside logs is broken.
+    #[error(transparent)]
+    Truth(#[from] TruthError),
     /// A folder cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Io {
@@ -93,6 +99,7 @@ impl Source {
     }
 
     /// Recorded runs: Parquet files, folders of them (also deeper, in the order of their paths), or else logs and folders of logs.
+    /// Where the truth of logs lies beside them, as `rundown simulate` writes it, the runs have it.
     /// What a person may want to know is handed to `note`.
     ///
     /// # Errors
@@ -111,9 +118,19 @@ impl Source {
         }
         let set = RunSet::find(arguments)?;
         set.notes.iter().for_each(|text| note(text));
+        let mut truths = HashMap::new();
+        for file in &set.files {
+            let folder = folder_of(file);
+            if !truths.contains_key(folder)
+                && let Some(truth) = TruthFolder::beside(folder)?
+            {
+                truths.insert(folder.to_owned(), truth);
+            }
+        }
         Ok(Self::Logs(Logs {
             files: set.files,
             line,
+            truths,
             next: 0,
         }))
     }
@@ -127,11 +144,6 @@ impl Source {
         }
     }
 
-    /// The runs are simulated, and their truth is known.
-    pub fn is_simulated(&self) -> bool {
-        matches!(self, Self::Simulated(_))
-    }
-
     /// The next runs, at most [`CHUNK`]; none after the last. A log that cannot be used is in its place.
     ///
     /// # Errors
@@ -141,8 +153,16 @@ impl Source {
             Self::Simulated(simulated) => {
                 let range = advance(&mut simulated.next, simulated.runs);
                 let (simulation, seed) = (&simulated.simulation, simulated.seed);
-                let run = |index| {
-                    fleet_run(simulation, seed, index).map_err(|error| Failed {
+                // A unit's runs are planned together: once a chunk, not once a run.
+                let runs = FleetUnit::runs(simulation);
+                let first = range.start / runs;
+                let units = first..range.end.div_ceil(runs);
+                let units: Vec<FleetUnit> = units
+                    .map(|unit| FleetUnit::new(simulation, seed, unit))
+                    .collect();
+                let run = |index: usize| {
+                    let unit = &units[index / runs - first];
+                    unit.drive(index % runs).map_err(|error| Failed {
                         file: PathBuf::from(&simulation.name),
                         error: error.to_string(),
                     })
@@ -151,10 +171,10 @@ impl Source {
             }
             Self::Logs(logs) => {
                 let range = advance(&mut logs.next, logs.files.len());
-                let line = logs.line.as_ref();
+                let logs = &*logs;
                 logs.files[range]
                     .par_iter()
-                    .map(|file| read(file, line))
+                    .map(|file| logs.read(file))
                     .collect()
             }
             Self::Parquet(files) => {
@@ -203,17 +223,26 @@ fn advance(next: &mut usize, end: usize) -> std::ops::Range<usize> {
     from..*next
 }
 
-fn read(file: &RunFile, line: Option<&CentreLine>) -> Result<Case, Failed> {
-    let failed = |error: String| Failed {
-        file: file.path.clone(),
-        error,
-    };
-    let log =
-        RunLog::read(&file.path, BadRows::Refuse).map_err(|error| failed(error.to_string()))?;
-    let recording = Recording::new(file, &log, line, DirectionChoice::Auto)
-        .map_err(|error| failed(error.to_string()))?;
-    Ok(Case {
-        recording,
-        truth: None,
-    })
+impl Logs {
+    fn read(&self, file: &RunFile) -> Result<Case, Failed> {
+        let failed = |error: String| Failed {
+            file: file.path.clone(),
+            error,
+        };
+        let log =
+            RunLog::read(&file.path, BadRows::Refuse).map_err(|error| failed(error.to_string()))?;
+        let recording = Recording::new(file, &log, self.line.as_ref(), DirectionChoice::Auto)
+            .map_err(|error| failed(error.to_string()))?;
+        let truth = match self.truths.get(folder_of(file)) {
+            Some(folder) => folder
+                .of(&file.path, &recording.rows)
+                .map_err(|error| failed(error.to_string()))?,
+            None => None,
+        };
+        Ok(Case { recording, truth })
+    }
+}
+
+fn folder_of(file: &RunFile) -> &Path {
+    file.path.parent().unwrap_or(Path::new(""))
 }

@@ -46,10 +46,14 @@ pub struct Tallies {
     pub brake_steps: [Moments; 5],
     /// Power of the samples below and above [`CLOUDS_KMH`], within [`POWER_KMH`], kW.
     pub clouds_kw: [Moments; 2],
+    /// Runs with power in both clouds, of those with power on both sides of [`CLOUDS_KMH`].
+    pub in_both_clouds: [u64; 2],
     /// Intervals of each run that say something of the largest tractive effort.
     pub effort_samples: Moments,
     /// Root mean square of filtered less measured speed, km/h.
     pub speed_rms_kmh: Moments,
+    /// Root mean square of the speed less the true one, km/h; as it was: of the readings.
+    pub speed_error_kmh: Moments,
     /// Share of the time in which the resistance was learned.
     pub learned_share: Moments,
 }
@@ -95,6 +99,10 @@ impl Tallies {
             .zip(outcome.shares.into_iter().flatten())
         {
             moments.add(share);
+        }
+        if let Some(is_in_both) = outcome.in_both_clouds {
+            self.in_both_clouds[0] += u64::from(is_in_both);
+            self.in_both_clouds[1] += 1;
         }
         for (speed_kmh, rate_mps2) in &points.brake {
             self.brake_steps[atb_step(*speed_kmh)].add(*rate_mps2);

@@ -5,6 +5,7 @@
 
 use super::case::CaseTruth;
 use super::moments::Moments;
+use super::tallies::{CLOUDS_KMH, POWER_KMH};
 use crate::replay::ReplayedRun;
 use crate::table::{Cell, Record};
 use crate::truth::driver::Regime as TrueRegime;
@@ -50,6 +51,8 @@ pub struct Outcome {
     pub davis: [f64; 3],
     /// Root mean square of filtered less measured speed, km/h.
     pub speed_rms_kmh: Option<f64>,
+    /// The first acceleration has power below the manufacturer's up to [`CLOUDS_KMH`] and above it at higher speeds.
+    pub in_both_clouds: Option<bool>,
     /// Share of the time in which the resistance was learned.
     pub learned_share: Option<f64>,
 }
@@ -157,6 +160,7 @@ impl View {
             power_kw: (features.power_w_per_kg.count > 0)
                 .then_some(kw * features.power_w_per_kg.mean),
             max_power_kw: largest(&points.power),
+            in_both_clouds: in_both_clouds(&points.power, train),
             coast_mps2: coasting.mean(),
             effort_samples: Some(f64::from(
                 features
@@ -172,10 +176,10 @@ impl View {
     }
 
     /// What was true, at the times of the samples.
-    pub fn of_truth(truth: &CaseTruth) -> Self {
+    pub fn of_truth(truth: &CaseTruth, described: &Train) -> Self {
         let facts = &truth.facts;
         let davis = [facts.davis.r0, facts.davis.r1, facts.davis.r2];
-        let kw = facts.train.rotating_mass_kg() / 1000.0;
+        let kw = facts.rotating_mass_kg / 1000.0;
         let mut points = Points {
             davis: vec![davis; truth.samples.len()],
             ..Points::default()
@@ -218,6 +222,7 @@ impl View {
             shares: shares(times_s),
             power_kw: facts.mean_power_50_130_w_per_kg.map(|p| kw * p),
             max_power_kw: facts.max_power_50_90_w_per_kg.map(|p| kw * p),
+            in_both_clouds: in_both_clouds(&points.power, described),
             coast_mps2: coasting.mean(),
             effort_samples: None,
             davis,
@@ -265,6 +270,17 @@ fn shares(times_s: [f64; 4]) -> Option<[f64; 4]> {
 fn largest(points: &[PowerPoint]) -> Option<f64> {
     let within = points.iter().filter(|p| CROSS_KMH.contains(&p.speed_kmh));
     within.map(|point| point.power_kw).reduce(f64::max)
+}
+
+/// `None` where one of the two ranges of speed has no point.
+fn in_both_clouds(points: &[PowerPoint], described: &Train) -> Option<bool> {
+    let stated_kw = described.description().max_power_w / 1000.0;
+    let within = points.iter().filter(|p| POWER_KMH.contains(&p.speed_kmh));
+    let (fast, slow): (Vec<&PowerPoint>, Vec<&PowerPoint>) =
+        within.partition(|p| p.speed_kmh > CLOUDS_KMH);
+    let least = slow.iter().map(|p| p.power_kw).reduce(f64::min)?;
+    let most = fast.iter().map(|p| p.power_kw).reduce(f64::max)?;
+    Some(least < stated_kw && most > stated_kw)
 }
 
 /// Index of the ATB-EG step of a speed.

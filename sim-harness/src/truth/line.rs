@@ -78,6 +78,10 @@ const CORRIDOR_CURVES_M: [(f64, f64, f64); 9] = [
 /// What lies further than this beyond an end of a line does not matter, m.
 const BEYOND_M: f64 = 1e5;
 
+/// Length of the cells in which gradients are looked up, m, and how much of the cell before belongs to each for the rounding of a quotient.
+const CELL_M: f64 = 50.0;
+const OVERLAP_M: f64 = 1.0;
+
 /// A curve of the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curve {
@@ -96,6 +100,8 @@ pub struct Line {
     gradients_permille: Vec<(f64, f64)>,
     limits_kmh: Vec<(f64, f64)>,
     heights_m: Vec<f64>,
+    // Gradients that have begun where a cell begins: the integrator asks for eight heights a step, and a search for each took half of its time.
+    begun_by_cell: Vec<usize>,
     curves: Vec<Curve>,
     calls_m: Vec<f64>,
 }
@@ -128,8 +134,12 @@ impl Line {
             }
             heights_m.push(height_m);
         }
+        let cells = (length_m / CELL_M).max(0.0) as usize + 1;
+        let begin_m = |cell: usize| cell as f64 * CELL_M - OVERLAP_M;
+        let begun = |cell| gradients_permille.partition_point(|g| g.0 <= begin_m(cell));
         Self {
             length_m,
+            begun_by_cell: (0..cells).map(begun).collect(),
             gradients_permille,
             limits_kmh,
             heights_m,
@@ -285,15 +295,27 @@ impl Line {
 
     /// Height above the first entry, m.
     pub fn height_m(&self, location_m: f64) -> f64 {
-        match self
-            .gradients_permille
-            .partition_point(|g| g.0 <= location_m)
-        {
+        match self.begun(location_m) {
             0 => 0.0,
             begun => {
                 let (from_m, permille) = self.gradients_permille[begun - 1];
                 self.heights_m[begun - 1] + (location_m - from_m) * permille / 1000.0
             }
+        }
+    }
+
+    /// Number of gradients that begin at or before a location.
+    fn begun(&self, location_m: f64) -> usize {
+        let gradients = &self.gradients_permille;
+        let cell = location_m * (1.0 / CELL_M);
+        // What lies before the line is in no cell.
+        let known = self.begun_by_cell.get(cell as usize);
+        match known.filter(|_| cell >= 0.0) {
+            Some(&known) => {
+                let rest = gradients[known..].iter();
+                known + rest.take_while(|g| g.0 <= location_m).count()
+            }
+            None => gradients.partition_point(|g| g.0 <= location_m),
         }
     }
 
@@ -329,6 +351,25 @@ fn corridor_curves() -> Vec<Curve> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn gradients_are_found_by_cell_as_by_search() {
+        let flat = Line::flat_corridor();
+        let changed = flat.with_extra_gradient(7_123.4, 7_149.999_999_999, 3.0);
+        let short = Line::new(30.0, vec![(10.0, 1.0), (12.0, 2.0)], vec![(0.0, 40.0)]);
+        let none = Line::new(500.0, Vec::new(), vec![(0.0, 40.0)]);
+        for line in [flat.reversed(), flat, changed, Line::hilly(3), short, none] {
+            let edges = line.gradients_permille.iter().map(|g| g.0);
+            let grid = (-20..700).map(|cell| f64::from(cell) * CELL_M);
+            let places = edges
+                .chain(grid)
+                .flat_map(|m| [m.next_down(), m, m.next_up(), m + 13.7]);
+            for at_m in places.chain([f64::NAN, f64::INFINITY, -f64::INFINITY]) {
+                let searched = line.gradients_permille.partition_point(|g| g.0 <= at_m);
+                assert_eq!(line.begun(at_m), searched, "{at_m} m");
+            }
+        }
+    }
 
     #[test]
     fn a_reversed_line_has_the_same_heights_from_the_other_end() {

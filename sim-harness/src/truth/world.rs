@@ -11,7 +11,7 @@
 
 use crate::truth::effects::Effect;
 use crate::truth::effects::limits::{brake_share, capability};
-use crate::truth::effects::resistance::{Moment, Setting, extra_n_per_kg};
+use crate::truth::effects::resistance::{Moment, Setting, extra_n_per_kg, is_resistance};
 use crate::truth::line::Line;
 use crate::truth::motion::Motion;
 use crate::truth::plan::{Heading, RunPlan};
@@ -50,6 +50,8 @@ pub struct World {
     /// How late the location is beyond the sensors' latency, s.
     pub location_lag_s: f64,
     effects: Vec<Effect>,
+    /// Those of them that add to the resistance: asked for four times a step.
+    resisting: Vec<Effect>,
     described_over_true_mass: f64,
     season: f64,
 }
@@ -120,6 +122,11 @@ impl World {
             headwind_mps,
             speed_scale,
             location_lag_s,
+            resisting: effects
+                .iter()
+                .filter(|e| is_resistance(e))
+                .cloned()
+                .collect(),
             effects,
         }
     }
@@ -142,7 +149,7 @@ impl World {
             line: &self.line,
             described_over_true_mass: self.described_over_true_mass,
         };
-        self.effects
+        self.resisting
             .iter()
             .map(|effect| extra_n_per_kg(effect, &setting, &at))
             .fold(0.0, |sum, extra| sum + extra)

@@ -2,7 +2,7 @@
 
 use super::parameters::{COUNT, PARAMETERS, Place};
 use super::score::Bench;
-use crate::report::chart::{Axes, Figure, Grid, Layer, Panel, Stroke};
+use crate::report::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
 use crate::report::colours;
 use crate::study::figures::Picture;
 use crate::table::Cell;
@@ -16,6 +16,8 @@ const REACH: f64 = 1.5;
 const PLANE: [usize; 2] = [8, 9];
 /// Loss of likelihood a sample at which the colours end.
 const DEEPEST: f64 = 2.0;
+/// A scale of losses ends here at least.
+const FINEST: f64 = 0.01;
 
 /// Places that [`profiles`] and [`plane`] ask for.
 pub const EVALUATIONS: usize =
@@ -69,7 +71,7 @@ pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn())
     }
     Picture {
         name: "tune_profiles".to_owned(),
-        caption: "Loss of likelihood a sample along each parameter, the others as at the optimum, each in a scale of its own up to 2; crosses: a coefficient is negative somewhere. Solid green: the optimum, dashed: Table 1 where it is in reach.".to_owned(),
+        caption: "Loss of likelihood a sample along each parameter, the others as at the optimum, each in a scale of its own, from 0.01 to 2; crosses: a coefficient is negative somewhere. Solid green: the optimum, dashed: Table 1 where it is in reach.".to_owned(),
         svg: Grid {
             title: "Likelihood along each parameter".to_owned(),
             description: "A panel for each parameter, lowest at the optimum".to_owned(),
@@ -97,16 +99,19 @@ fn panel(index: usize, spots: &[Spot], optimum: f64, table1: f64) -> Figure {
     let place = |spot: &Spot| (spot.value, spot.above.min(DEEPEST));
     let line = spots.iter().filter(shown).map(|s| Some(place(s)));
     let negative = spots.iter().filter(shown).filter(|s| s.negative);
+    // A scale of its own, but none so fine that a parameter which does not matter seems to.
+    let losses = range_of(spots.iter().filter(shown).map(|s| place(s).1));
+    let most = losses.end.max(FINEST);
+    let losses = losses.start.min(-0.05 * most)..1.05 * most;
     Figure {
         title: String::new(),
         description: String::new(),
         x_label: name,
         x: ends[0]..ends[1],
         panels: vec![Panel {
-            label: "loss".to_owned(),
+            label: "loss a sample".to_owned(),
             height: 260,
-            // A scale of its own: some parameters hardly matter, and that should be read from the numbers.
-            y: None,
+            y: Some(losses),
             axes: Axes::Left,
             layers: vec![
                 Layer::Line {

@@ -11,8 +11,8 @@ const BLACK: RGBColor = RGBColor(0, 0, 0);
 /// Right end of the axis, km/h.
 const END_KMH: f64 = 150.0;
 
-/// The picture. Means and deviations are those of all runs, dots those of the drawn ones.
-pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies) -> Picture {
+/// The picture. Means and deviations are those of all runs, dots those of the drawn ones; true means where `truth` has runs.
+pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) -> Picture {
     let of_run = |run: &Drawn| eyes.of(run).points.brake.clone();
     let dots: Vec<(f64, f64)> = drawn.iter().flat_map(of_run).collect();
     let edges = [
@@ -24,6 +24,7 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies) -> Picture {
         0.0,
     ];
     let (mut means, mut bands, mut records) = (Vec::new(), Vec::new(), Vec::new());
+    let mut true_means = Vec::new();
     for (index, moments) in tallies.brake_steps.iter().enumerate().rev() {
         let (from, to) = (edges[index + 1], edges[index]);
         let (mean, sd) = (moments.mean(), moments.sd().unwrap_or(0.0));
@@ -31,6 +32,18 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies) -> Picture {
             means.extend([Some((from, mean)), Some((to, mean)), None]);
             let edge = |kmh| Some((kmh, mean - sd, mean + sd));
             bands.extend([edge(from), edge(to), None]);
+        }
+        let true_moments = &truth.brake_steps[index];
+        if let Some(mean) = true_moments.mean() {
+            true_means.extend([Some((from, mean)), Some((to, mean)), None]);
+            records.push(vec![
+                text("kind", "true_step"),
+                text("run", ATB_NAMES[index]),
+                number("speed_kmh", 0.5 * (from + to)),
+                number("brake_rate_mps2", mean),
+                number("sd_mps2", true_moments.sd()),
+                number("count", true_moments.count as f64),
+            ]);
         }
         records.push(vec![
             text("kind", "step"),
@@ -53,6 +66,40 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies) -> Picture {
             ]
         }));
     }
+    let mut layers = vec![
+        Layer::Band {
+            legend: "standard deviation".to_owned(),
+            colour: colours::ESTIMATED,
+            opacity: 0.18,
+            points: bands,
+        },
+        Layer::Dots {
+            legend: "observed".to_owned(),
+            colour: colours::MEASURED,
+            opacity: 0.5,
+            points: dots,
+        },
+        Layer::Line {
+            legend: "mean of the step".to_owned(),
+            colour: colours::ESTIMATED,
+            stroke: Stroke::Solid,
+            points: means,
+        },
+    ];
+    if !true_means.is_empty() {
+        layers.push(Layer::Line {
+            legend: "true mean".to_owned(),
+            colour: colours::TRUTH,
+            stroke: Stroke::Dashed,
+            points: true_means,
+        });
+    }
+    layers.push(Layer::Verticals {
+        legend: "ATB-EG steps".to_owned(),
+        colour: BLACK,
+        stroke: Stroke::Thin,
+        at: ATB_STEPS_KMH.to_vec(),
+    });
     let figure = Figure {
         title: "Fig. 8: brake rates".to_owned(),
         description: "Brake rate of each interval over its speed, mean and standard deviation of each ATB-EG step"
@@ -64,32 +111,7 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies) -> Picture {
             height: 620,
             y: None,
             axes: Axes::Left,
-            layers: vec![
-                Layer::Band {
-                    legend: "standard deviation".to_owned(),
-                    colour: colours::ESTIMATED,
-                    opacity: 0.18,
-                    points: bands,
-                },
-                Layer::Dots {
-                    legend: "observed".to_owned(),
-                    colour: colours::MEASURED,
-                    opacity: 0.5,
-                    points: dots,
-                },
-                Layer::Line {
-                    legend: "mean of the step".to_owned(),
-                    colour: colours::ESTIMATED,
-                    stroke: Stroke::Solid,
-                    points: means,
-                },
-                Layer::Verticals {
-                    legend: "ATB-EG steps".to_owned(),
-                    colour: BLACK,
-                    stroke: Stroke::Thin,
-                    at: ATB_STEPS_KMH.to_vec(),
-                },
-            ],
+            layers,
             empty: "no brake was seen".to_owned(),
         }],
     };

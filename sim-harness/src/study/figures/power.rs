@@ -30,8 +30,20 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let mut records = Vec::new();
     for run in drawn {
         let largest = largest(run);
+        let truth = run.truth.iter().flat_map(|truth| &truth.points.power);
+        records.extend(truth.map(|point| {
+            vec![
+                text("kind", "true"),
+                text("run", run.name()),
+                number("speed_kmh", point.speed_kmh),
+                number("power_kw", point.power_kw),
+                number("location_m", point.location_m),
+                text("largest_50_90", ""),
+            ]
+        }));
         records.extend(eyes.of(run).points.power.iter().map(|point| {
             vec![
+                text("kind", "observed"),
                 text("run", run.name()),
                 number("speed_kmh", point.speed_kmh),
                 number("power_kw", point.power_kw),
@@ -43,6 +55,37 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
             ]
         }));
     }
+    let true_points = drawn.iter().flat_map(|run| &run.truth);
+    let true_points = true_points.flat_map(|truth| truth.points.power.iter().map(place));
+    let true_points: Vec<(f64, f64)> = true_points.collect();
+    let mut layers = Vec::new();
+    if !true_points.is_empty() {
+        layers.push(Layer::Dots {
+            legend: "true".to_owned(),
+            colour: colours::TRUTH,
+            opacity: 0.25,
+            points: true_points,
+        });
+    }
+    layers.extend([
+        Layer::Dots {
+            legend: "observed".to_owned(),
+            colour: colours::MEASURED,
+            opacity: 0.55,
+            points: dots,
+        },
+        Layer::Line {
+            legend: "manufacturer".to_owned(),
+            colour: colours::LIMIT,
+            stroke: Stroke::Dashed,
+            points: vec![Some((0.0, stated_kw)), Some((END_KMH, stated_kw))],
+        },
+        Layer::Marks {
+            legend: "largest of each run, 50 to 90 km/h".to_owned(),
+            colour: colours::ESTIMATED,
+            points: crosses,
+        },
+    ]);
     let figure = Figure {
         title: "Fig. 9: tractive power".to_owned(),
         description: "Tractive power of each interval of the first acceleration over its speed"
@@ -54,25 +97,7 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
             height: 620,
             y: None,
             axes: Axes::Left,
-            layers: vec![
-                Layer::Dots {
-                    legend: "observed".to_owned(),
-                    colour: colours::MEASURED,
-                    opacity: 0.55,
-                    points: dots,
-                },
-                Layer::Line {
-                    legend: "manufacturer".to_owned(),
-                    colour: colours::LIMIT,
-                    stroke: Stroke::Dashed,
-                    points: vec![Some((0.0, stated_kw)), Some((END_KMH, stated_kw))],
-                },
-                Layer::Marks {
-                    legend: "largest of each run, 50 to 90 km/h".to_owned(),
-                    colour: colours::ESTIMATED,
-                    points: crosses,
-                },
-            ],
+            layers,
             empty: "no acceleration was seen".to_owned(),
         }],
     };

@@ -88,6 +88,25 @@ pub fn extra_n_per_kg(effect: &Effect, setting: &Setting, at: &Moment) -> f64 {
     }
 }
 
+/// Whether [`extra_n_per_kg`] of an effect can be other than 0.
+pub fn is_resistance(effect: &Effect) -> bool {
+    matches!(
+        effect,
+        Effect::TunnelDrag { .. }
+            | Effect::CurveResistance { .. }
+            | Effect::DraggingBrake { .. }
+            | Effect::TemperatureResistance { .. }
+            | Effect::SeasonalDrift { .. }
+            | Effect::WarmUp { .. }
+            | Effect::CubicDrag { .. }
+            | Effect::SpeedBump { .. }
+            | Effect::LocationBump { .. }
+            | Effect::PeriodicDrag { .. }
+            | Effect::Frost { .. }
+            | Effect::DayStep { .. }
+    )
+}
+
 /// 1 in the middle, 0 at ±1 and beyond, smooth.
 fn raised_cosine(x: f64) -> f64 {
     if x.abs() < 1.0 {
