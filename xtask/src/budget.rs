@@ -61,13 +61,13 @@ const FILTER_CALL: Limit = Limit {
 const FILTER_STACK: Limit = Limit {
     what: "filter step alone: stack",
     unit: "B",
-    most: 1 << 10,
+    most: 1250,
     goal: 1 << 10,
 };
 const FILTER_CODE: Limit = Limit {
     what: "filter step alone: code",
     unit: "B",
-    most: 10_000,
+    most: 10_700,
     goal: 10_000,
 };
 const PANICS: Limit = Limit {
