@@ -1,8 +1,6 @@
-//! Test-only, for the emulated mps2-an386: steps of the paper's filter and nothing else. Says over the serial line how long the longest took; `cargo xtask budget` starts it.
+//! Steps of the paper's filter and nothing else. Says over the serial line how long the longest took; `cargo xtask budget` starts it.
 //!
 //! Out: counts of the system timer, 4 bytes, little endian; 0 where a step failed.
-#![no_std]
-#![no_main]
 
 use core::hint::black_box;
 use core::panic::PanicInfo;
