@@ -72,7 +72,7 @@ impl Script<'_> {
     }
 
     fn field(&mut self) -> Option<f64> {
-        (self.byte() % 8 != 0).then(|| self.number())
+        (!self.byte().is_multiple_of(8)).then(|| self.number())
     }
 }
 
@@ -170,7 +170,7 @@ impl<'a> Conversation<'a> {
     /// Begins with a request for the status, so that signing is possible. The first byte decides whether the board is described before the rest.
     pub fn new(bytes: &'a [u8]) -> Self {
         let mut script = Script(bytes);
-        let prepared = script.byte() % 4 != 0;
+        let prepared = !script.byte().is_multiple_of(4);
         let mut conversation = Self {
             script,
             signer: None,
@@ -200,7 +200,7 @@ impl<'a> Conversation<'a> {
         let script = &mut self.script;
         Some(match script.byte() % 12 {
             0 => Step::Tick,
-            1 => Step::Deaf(script.byte() % 2 == 0),
+            1 => Step::Deaf(script.byte().is_multiple_of(2)),
             2 => Step::Noise(script.bytes()),
             3 => Step::Message(script.bytes()),
             4 => Step::Message([&[uplink::VERSION, OPEN], &script.bytes()[..]].concat()),
