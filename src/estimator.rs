@@ -366,6 +366,9 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         if judged.anew && run.last.is_some() {
             run.counters.count(Cause::LongGap);
         }
+        if judged.shifted {
+            run.counters.count(Cause::Contradiction);
+        }
         let mut age = |reading: &Result<Real, Cause>, age_s: &mut Real| {
             *age_s = if reading.is_ok() {
                 0.0

@@ -7,7 +7,7 @@
 //! | time equal or back | the measurement is dropped and counted |
 //! | no measurement for more than `long_gap_s` | location and speed are taken up anew, what was learned stays |
 //! | not finite, negative, off the track, faster than any train | the field is dropped, the other one is used |
-//! | location far from where the speed leads | dropped; three in a row that agree with each other are believed |
+//! | location far from where the speed leads | dropped; three in a row that agree with each other are believed, counted as `Contradiction` |
 //! | the same location while the train runs | dropped for as long as it lasts |
 //! | locations that go back as fast as the speed goes on | `Reversing`: location and speed are used, nothing is learned |
 //! | the same speed while the locations say otherwise | speed dropped |
@@ -112,6 +112,8 @@ pub struct Judged {
     pub effort_n_per_kg: Option<Real>,
     /// Location and speed were both read, but contradict each other.
     pub contradiction: Option<Cause>,
+    /// Locations that the speed does not lead to agreed with each other: the location is taken up anew.
+    pub shifted: bool,
 }
 
 /// What must be remembered to judge the next measurement.
@@ -191,6 +193,7 @@ impl Plausibility {
 
         let before_m = self.raw_location_m;
         let mut contradiction = None;
+        let mut shifted = false;
         let location_m = match measurement.location_m {
             None => Err(Cause::NoLocation),
             Some(m) if !m.is_finite() => Err(Cause::LocationOutOfRange),
@@ -200,12 +203,13 @@ impl Plausibility {
             Some(m) => {
                 self.raw_location_m = Some(m);
                 let step_m = before_m.map(|before_m| direction.sign() * (m - before_m));
-                let judged = self.judge_location(config, m, step_m, run_m);
-                contradiction = judged.1;
+                let (location_m, against_speed) = self.judge_location(config, m, step_m, run_m);
+                shifted = against_speed == Some(Cause::Contradiction);
+                contradiction = against_speed.filter(|_| !shifted);
                 if contradiction == Some(Cause::StuckSpeed) && speed_mps.is_ok() {
                     speed_mps = Err(Cause::StuckSpeed);
                 }
-                judged.0
+                location_m
             }
         };
         let effort_n_per_kg = measurement
@@ -219,6 +223,7 @@ impl Plausibility {
             speed_mps,
             effort_n_per_kg,
             contradiction,
+            shifted,
         })
     }
 
@@ -272,6 +277,7 @@ impl Plausibility {
         Ok(speed_mps)
     }
 
+    /// The location, and how it contradicts the speed; `Contradiction`: by a shift that is believed.
     fn judge_location(
         &mut self,
         config: &PlausibilityConfig,
@@ -324,7 +330,7 @@ impl Plausibility {
         };
         if self.agreeing_locations >= config.agreeing {
             self.believe(location_m, 1.0);
-            return (Ok(location_m), None);
+            return (Ok(location_m), Some(Cause::Contradiction));
         }
         (Err(Cause::LocationJump), None)
     }

@@ -9,7 +9,7 @@ use rundown_wire::link::isotp::{Config, Receiver, Sender};
 
 fuzz_target!(|data: &[u8]| {
     let mut script = Script(data);
-    let config = if script.byte() % 2 == 0 {
+    let config = if script.byte().is_multiple_of(2) {
         Config::CLASSIC
     } else {
         Config::FD
@@ -23,7 +23,7 @@ fuzz_target!(|data: &[u8]| {
         // A quarter of the frames come after a silence of up to two seconds; now and then the clock is set back.
         now_us = match script.byte() {
             255 => 0,
-            n if n % 4 == 0 => now_us + u64::from(n) * 8000,
+            n if n.is_multiple_of(4) => now_us + u64::from(n) * 8000,
             n => now_us + u64::from(n),
         };
         let _silence = receiver.check_time(now_us);

@@ -4,16 +4,18 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-use host_tests::accuracy::description;
 use host_tests::board::PROVISIONING;
-use sim_harness::truth::scenario::Scenario;
+use host_tests::coasting::with_targets;
 use rundown::auth::Signer;
 use rundown::config::{Config, Mode};
+use rundown::effects::*;
 use rundown::measurement::Measurement;
 use rundown::task::DATA_ID;
-use rundown::track::Direction;
+use rundown::track::{Curve, Direction};
 use rundown::uplink::{self, Command, OPEN, Pace, Request, SECURED, Uplink};
 use rundown_wire::{Body, Downlink, MAX_MESSAGE};
+use sim_harness::desk::Description;
+use sim_harness::truth::scenario::Scenario;
 use std::collections::VecDeque;
 use std::sync::LazyLock;
 
@@ -70,16 +72,19 @@ impl Script<'_> {
     }
 
     fn field(&mut self) -> Option<f64> {
-        (self.byte() % 8 != 0).then(|| self.number())
+        (!self.byte().is_multiple_of(8)).then(|| self.number())
     }
 }
 
 /// Requests that describe a board and make it run, in the order in which they work.
 static REQUESTS: LazyLock<Vec<Request>> = LazyLock::new(|| {
-    let scenario = Scenario::default();
-    let description = description(Config::default(), &scenario);
+    let description = described();
     let mut requests = description.requests(PROVISIONING.train.0);
     let track_id = description.track_id();
+    requests.push(Request::Surroundings(Surroundings {
+        temperature_c: Some(-5.0),
+        day: Some(20_500.0),
+    }));
     for command in [
         Command::Pace(Pace::Lockstep),
         Command::Begin {
@@ -95,6 +100,7 @@ static REQUESTS: LazyLock<Vec<Request>> = LazyLock::new(|| {
         Command::Pace(Pace::Clock),
         Command::Status,
         Command::Forget,
+        Command::ClearEffects,
     ] {
         requests.push(Request::Command(command));
     }
@@ -104,6 +110,41 @@ static REQUESTS: LazyLock<Vec<Request>> = LazyLock::new(|| {
     );
     requests
 });
+
+/// A train and a track with something of everything: every request has a pattern to bend.
+fn described() -> Description {
+    let curve = |from_m| Curve {
+        from_m,
+        to_m: from_m + 300.0,
+        radius_m: 600.0,
+    };
+    let effects = [
+        Effect::CurveResistance(CurveResistance {
+            coefficient_roeckl: 0.8,
+        }),
+        Effect::TemperatureResistance(TemperatureResistance {
+            dr0_per_deg_c: -1e-4,
+            ref_c: 15.0,
+        }),
+        Effect::SeasonalDrift(SeasonalDrift {
+            dr0_over_period: 1e-3,
+            period_days: 365.0,
+            reference_day: 20_000.0,
+        }),
+        Effect::SpeedScale(SpeedScale {
+            measured_over_true: 1.01,
+        }),
+        Effect::Unknown(Unknown {
+            coordinate: Coordinate::Temperature,
+            table: [(-10.0, 4e-3), (20.0, 0.0)].into_iter().collect(),
+        }),
+    ];
+    Description {
+        curves: (0..20).map(|i| curve(1000.0 * f64::from(i))).collect(),
+        effects: Effects::try_new(effects).expect("effects that a train can have"),
+        ..with_targets(Config::default(), &Scenario::default())
+    }
+}
 
 /// Requests of [`REQUESTS`] after which a run is under way in lockstep.
 static PREPARING: LazyLock<usize> = LazyLock::new(|| {
@@ -129,7 +170,7 @@ impl<'a> Conversation<'a> {
     /// Begins with a request for the status, so that signing is possible. The first byte decides whether the board is described before the rest.
     pub fn new(bytes: &'a [u8]) -> Self {
         let mut script = Script(bytes);
-        let prepared = script.byte() % 4 != 0;
+        let prepared = !script.byte().is_multiple_of(4);
         let mut conversation = Self {
             script,
             signer: None,
@@ -159,7 +200,7 @@ impl<'a> Conversation<'a> {
         let script = &mut self.script;
         Some(match script.byte() % 12 {
             0 => Step::Tick,
-            1 => Step::Deaf(script.byte() % 2 == 0),
+            1 => Step::Deaf(script.byte().is_multiple_of(2)),
             2 => Step::Noise(script.bytes()),
             3 => Step::Message(script.bytes()),
             4 => Step::Message([&[uplink::VERSION, OPEN], &script.bytes()[..]].concat()),

@@ -7,6 +7,8 @@ use host_tests::flash::Flash;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown::config::{Config, Mode};
+use rundown::effects::*;
+use rundown::link::serial::{Decoder, encode};
 use rundown::measurement::Measurement;
 use rundown::track::{Direction, Gradient};
 use rundown::uplink::{self, Command, Request, Setting, Uplink};
@@ -34,6 +36,39 @@ fn is_a_number(frame: &Downlink) -> bool {
     let text = format!("{:?}", frame.body);
     let mut words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
     !words.any(|word| word == "NaN" || word == "inf")
+}
+
+/// Row 1, over the decoder and the task: what a flipped bit leaves of a message changes nothing, in the run nor in the counters of what was asked.
+#[test]
+fn a_flipped_bit_on_the_line_leaves_the_state_as_it_was() {
+    let (mut plain, _, log) = running();
+    let (mut board, ..) = running();
+    let (before, after) = log.split_at(60);
+    assert_eq!(digests(&mut board, before), digests(&mut plain, before));
+    let measurement = board.desk.open(Request::Measurement(after[0])).unwrap();
+    let end = board.desk.secured(Request::Command(Command::End)).unwrap();
+    let mut decoder: Decoder = Decoder::new();
+    for message in [measurement, end] {
+        let line = encode(&message).unwrap();
+        for bit in 0..8 * line.len() {
+            let mut damaged = line.to_vec();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            damaged.push(0);
+            let mut dropped = 0;
+            for byte in damaged {
+                match decoder.push(byte) {
+                    Ok(Some(read)) => panic!("bit {bit} of {message:02X?} gives {read:02X?}"),
+                    Ok(None) => {}
+                    Err(_) => dropped += 1,
+                }
+            }
+            assert!(dropped > 0, "bit {bit} of {message:02X?} is not counted");
+        }
+    }
+    assert_eq!(board.status().refusals, plain.status().refusals);
+    let (found, expected) = (board.snapshot(), plain.snapshot());
+    assert_eq!(found, expected);
+    assert_eq!(digests(&mut board, after), digests(&mut plain, after));
 }
 
 /// Row 3.
@@ -104,6 +139,51 @@ fn the_senders_counter_wraps_without_a_gap() {
     assert_eq!(say(2, status), Some(2));
 }
 
+/// Row 6: the board's own counters. Of a train that waits for its departure, so that the run does not end.
+#[test]
+fn the_boards_counters_wrap_without_a_gap() {
+    let (mut board, _, log) = running();
+    let (mut plain, ..) = running();
+    // The tick of a run that began four years ago. A snapshot says at which tick it was taken.
+    board.measure(&log[0]);
+    plain.measure(&log[0]);
+    let mut parts = board.snapshot();
+    board.ask(Request::Command(Command::End)).unwrap();
+    for part in &mut parts {
+        part.tick = u32::MAX - 3;
+        board.ask(Request::Snapshot(part.clone())).unwrap();
+    }
+    let mut ticks = Vec::new();
+    for measurement in &log[1..40] {
+        let found = board.measure(measurement);
+        ticks.extend(found.last().map(|frame| frame.tick));
+        assert_eq!(estimate(&found), estimate(&plain.measure(measurement)));
+    }
+    let expected = (1..40).map(|tick| (u32::MAX - 3_u32).wrapping_add(tick));
+    assert_eq!(ticks, expected.collect::<Vec<_>>());
+
+    // The sequence numbers of its frames.
+    let (mut board, ..) = running();
+    let (mut frames, mut last) = (0_u32, None);
+    let mut measurement = Measurement {
+        speed_mps: Some(0.0),
+        ..log[0]
+    };
+    while frames < 66_000 {
+        for frame in board.measure(&measurement) {
+            assert!(
+                last.is_none_or(|last: u16| frame.sequence == last.wrapping_add(1)),
+                "{last:?}, then {}",
+                frame.sequence
+            );
+            last = Some(frame.sequence);
+            frames += 1;
+        }
+        measurement.time_s += 10.0;
+    }
+    assert_eq!(board.status().not_sent, 0);
+}
+
 /// Row 7.
 #[test]
 fn unknown_versions_kinds_and_lengths_are_refused_by_cause() {
@@ -130,6 +210,28 @@ fn unknown_versions_kinds_and_lengths_are_refused_by_cause() {
     let status = board.status();
     assert_eq!((status.setup, status.running), (setup, true));
     assert_eq!(status.refusals[Refusal::Malformed as usize], 6);
+}
+
+/// Row 10.
+#[test]
+fn a_run_on_another_track_is_refused_and_the_one_under_way_goes_on() {
+    let (mut board, description, log) = running();
+    let (mut plain, ..) = running();
+    let other = Command::Begin {
+        direction: Direction::Down,
+        track_id: description.track_id() ^ 1,
+    };
+    let (before, after) = log.split_at(30);
+    assert_eq!(digests(&mut board, before), digests(&mut plain, before));
+    let refused = board.ask(Request::Command(other));
+    assert_eq!(refused, Err(Refusal::OtherTrack));
+    assert_eq!(digests(&mut board, after), digests(&mut plain, after));
+    assert_eq!(board.status().refusals[Refusal::OtherTrack as usize], 1);
+
+    board.ask(Request::Command(Command::End)).unwrap();
+    let refused = board.ask(Request::Command(other));
+    assert_eq!(refused, Err(Refusal::OtherTrack));
+    assert!(!board.status().running);
 }
 
 /// Row 14.
@@ -180,6 +282,65 @@ fn odd_floats_in_every_field_never_reach_a_frame_and_leave_the_run_usable() {
             let refused = answer(&refused).unwrap().result;
             assert_eq!(refused, Err(Refusal::TimeNotIncreasing), "{time_s}");
         }
+    }
+}
+
+/// Row 14, of what the effects depend on.
+#[test]
+fn odd_temperatures_and_dates_are_refused_and_the_old_ones_stay() {
+    let (mut board, description, log) = running();
+    board.ask(Request::Command(Command::End)).unwrap();
+    let with_effects = Description {
+        effects: Effects::try_new([
+            Effect::TemperatureResistance(TemperatureResistance {
+                dr0_per_deg_c: -1e-4,
+                ref_c: 15.0,
+            }),
+            Effect::SeasonalDrift(SeasonalDrift {
+                dr0_over_period: 1e-3,
+                period_days: 365.0,
+                reference_day: 20_000.0,
+            }),
+        ])
+        .unwrap(),
+        ..description
+    };
+    let winter = Surroundings {
+        temperature_c: Some(-5.0),
+        day: Some(20_100.0),
+    };
+    let start = || {
+        let mut board = Board::start(Flash::erased(8));
+        board.prepare(&with_effects, Direction::Up);
+        board.ask(Request::Surroundings(winter)).unwrap();
+        board
+    };
+    let (mut plain, mut board) = (start(), start());
+    for (tick, measurement) in log.iter().enumerate() {
+        let odd = [
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            1e300,
+            -1e300,
+            1e9,
+        ][tick % 6];
+        for wrong in [
+            Surroundings {
+                temperature_c: Some(odd),
+                ..winter
+            },
+            Surroundings {
+                day: Some(odd),
+                ..winter
+            },
+        ] {
+            let refused = board.ask(Request::Surroundings(wrong));
+            assert_eq!(refused, Err(Refusal::OutOfRange), "{wrong:?}");
+        }
+        let frames = board.measure(measurement);
+        assert!(frames.iter().all(is_a_number), "tick {tick}");
+        assert_eq!(estimate(&frames), estimate(&plain.measure(measurement)));
     }
 }
 

@@ -53,6 +53,19 @@ fn in_final_coast(run: &Run, share: f64) -> usize {
         .unwrap()
 }
 
+/// r and its covariance are the same to the last bit, and nothing is said to be learned.
+fn assert_frozen(estimates: &[Estimate]) {
+    for estimate in estimates {
+        assert!(!estimate.learning, "at {} s", estimate.time_s);
+        assert_eq!(
+            davis_bits(estimate),
+            davis_bits(&estimates[0]),
+            "at {} s",
+            estimate.time_s
+        );
+    }
+}
+
 fn davis_bits(estimate: &Estimate) -> Vec<u64> {
     let belief = &estimate.belief;
     (2..5)
@@ -90,12 +103,15 @@ fn a_location_shift_that_stays_is_believed_after_three_fixes() {
     for measurement in &mut log[k..] {
         measurement.location_m = measurement.location_m.map(|m| m + 1000.0);
     }
-    let (estimates, _) = replay(&estimator, &log);
+    let (estimates, summary) = replay(&estimator, &log);
     // Then two are dropped, the third is taken up
     assert_eq!(estimates[k].validity, Validity::Held(Cause::LocationJump));
     let settled = &estimates[k + 3];
     assert_eq!(settled.validity, Validity::Valid);
     assert!((settled.belief.mean[LOCATION] - run.truth[k + 3].location_m - 1000.0).abs() < 60.0);
+    // And this is counted
+    assert_eq!(summary.counters.of(Cause::LocationJump), 2);
+    assert_eq!(summary.counters.of(Cause::Contradiction), 1);
 }
 
 #[test]
@@ -225,6 +241,16 @@ fn a_stuck_location_is_named_and_the_speed_is_used() {
     assert!(summary.counters.of(Cause::StuckLocation) >= 8);
     let error_m = estimates[k + 9].belief.mean[LOCATION] - run.truth[k + 9].location_m;
     assert!(error_m.abs() < 150.0, "{error_m}");
+    // Named with the second sample, invalid after a minute, and r stands still once the longest gap of a segment has passed
+    assert_eq!(
+        estimates[k + 1].validity,
+        Validity::Held(Cause::StuckLocation)
+    );
+    assert_eq!(
+        estimates[k + 9].validity,
+        Validity::Invalid(Cause::StuckLocation)
+    );
+    assert_frozen(&estimates[k + 5..k + 10]);
 }
 
 #[test]
@@ -275,20 +301,52 @@ fn eight_hours_of_standstill_change_nothing() {
     assert!(estimates.last().unwrap().belief.sd(LOCATION) <= 40.0);
 }
 
+/// The final coast of 20 runs with a spike of the speed in its middle: when, the truth, and what is said with it and without.
+fn spikes(change_kmh: f64) -> impl Iterator<Item = (usize, Run, Vec<Estimate>, [RunSummary; 2])> {
+    let scenario = Scenario::default();
+    let estimator = estimator(Config::default(), &scenario);
+    (0..20).map(move |seed| {
+        let run = simulate(&scenario, seed);
+        let mut log = measurements(&run);
+        let k = in_final_coast(&run, 0.5);
+        let (_, without) = replay(&estimator, &log);
+        log[k].speed_mps = log[k].speed_mps.map(|v| v + change_kmh / 3.6);
+        let (estimates, with) = replay(&estimator, &log);
+        (k, run, estimates, [without, with])
+    })
+}
+
 #[test]
 fn a_slip_of_30_kmh_is_dropped() {
-    let (estimator, run, mut log) = clean();
-    let k = in_final_coast(&run, 0.5);
-    let (_, without) = replay(&estimator, &log);
-    log[k].speed_mps = log[k].speed_mps.map(|v| v + 30.0 / 3.6);
-    let (estimates, with) = replay(&estimator, &log);
-    let taken = (estimates[k].belief.mean[SPEED] - run.truth[k].speed_mps).abs();
-    assert!(
-        taken < 1.5 || estimates[k].validity != Validity::Valid,
-        "{taken} m/s"
-    );
-    let (r, sd) = resistance(&without.run_davis, 100.0);
-    assert!((resistance(&with.run_davis, 100.0).0 - r).abs() < 3.0 * sd);
+    for (seed, (k, run, estimates, [without, with])) in spikes(30.0).enumerate() {
+        assert_eq!(
+            estimates[k].validity,
+            Validity::Held(Cause::SpeedJump),
+            "seed {seed}"
+        );
+        assert_eq!(estimates[k + 1].validity, Validity::Valid, "seed {seed}");
+        let error_mps = estimates[k].belief.mean[SPEED] - run.truth[k].speed_mps;
+        assert!(error_mps.abs() < 0.3, "seed {seed}: {error_mps} m/s");
+        let (r, sd) = resistance(&without.run_davis, 100.0);
+        let moved = (resistance(&with.run_davis, 100.0).0 - r) / sd;
+        assert!(moved.abs() < 0.1, "seed {seed}: {moved} sd");
+    }
+}
+
+/// It looks like a brake, so the speed is believed until the train is fast again. What it teaches is nothing.
+#[test]
+fn a_slide_of_30_kmh_ends_the_segment_and_is_over_with_the_fourth_sample() {
+    for (seed, (k, run, estimates, [_, with])) in spikes(-30.0).enumerate() {
+        assert!(!estimates[k].learning, "seed {seed}");
+        let after = &estimates[k + 3];
+        assert_eq!(after.validity, Validity::Valid, "seed {seed}");
+        let error_mps = after.belief.mean[SPEED] - run.truth[k + 3].speed_mps;
+        assert!(error_mps.abs() < 0.5, "seed {seed}: {error_mps} m/s");
+        let (r, sd) = resistance(&with.run_davis, 100.0);
+        let truth = run.facts.davis.resistance_n_per_kg(100.0 / 3.6);
+        let error = (r - truth) / sd;
+        assert!(error.abs() < 3.5, "seed {seed}: {error} sd");
+    }
 }
 
 #[test]
@@ -310,6 +368,29 @@ fn unreadable_fields_are_dropped_and_the_others_used() {
         Validity::Held(Cause::SpeedOutOfRange)
     );
     assert_eq!(estimates[k + 12].validity, Validity::Valid);
+}
+
+#[test]
+fn a_location_off_the_track_is_named_and_freezes_the_resistance() {
+    // Given a coasting train, when its locations lie off the track for two minutes and its speed is read as before
+    let (estimator, run, mut log) = clean();
+    let k = in_final_coast(&run, 0.3);
+    for measurement in &mut log[k..k + 12] {
+        measurement.location_m = measurement.location_m.map(|m| m + 100_000.0);
+    }
+    let (estimates, summary) = replay(&estimator, &log);
+    // Then the cause is said at once, and r stands still once the longest gap of a segment has passed
+    assert_eq!(summary.counters.of(Cause::LocationOutOfRange), 12);
+    for estimate in &estimates[k..k + 6] {
+        assert_eq!(estimate.validity, Validity::Held(Cause::LocationOutOfRange));
+    }
+    assert_eq!(
+        estimates[k + 11].validity,
+        Validity::Invalid(Cause::LocationOutOfRange)
+    );
+    assert_frozen(&estimates[k + 4..k + 12]);
+    let error_m = estimates[k + 11].belief.mean[LOCATION] - run.truth[k + 11].location_m;
+    assert!(error_m.abs() < 60.0, "{error_m}");
 }
 
 #[test]

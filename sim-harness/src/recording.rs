@@ -9,6 +9,7 @@ use crate::effect_file::day_of;
 use crate::map_matching::{CentreLine, MatchState, NoMatch};
 use crate::run_log::{RunLog, Sample};
 use crate::run_set::RunFile;
+use rundown::effects::Surroundings;
 use rundown::measurement::Measurement;
 use rundown::track::Direction;
 use rundown::units::KmPerHour;
@@ -120,6 +121,27 @@ impl Recording {
             rows,
             warnings,
         })
+    }
+
+    /// What is known of the surroundings before the first row.
+    pub fn surroundings(&self) -> Surroundings {
+        Surroundings {
+            temperature_c: None,
+            day: self.day,
+        }
+    }
+}
+
+impl Row {
+    /// Takes this row's temperature into what is known of the surroundings. An empty field, or one that a board refuses: as it was.
+    pub fn update(&self, surroundings: &mut Surroundings) {
+        let now = Surroundings {
+            temperature_c: self.temperature_c.or(surroundings.temperature_c),
+            ..*surroundings
+        };
+        if now.are_plausible() {
+            *surroundings = now;
+        }
     }
 }
 

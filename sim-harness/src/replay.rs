@@ -12,7 +12,6 @@
 use crate::recording::{Recording, Row};
 use rayon::prelude::*;
 use rundown::coast_ahead::CoastAhead;
-use rundown::effects::Surroundings;
 use rundown::estimate::Estimate;
 use rundown::estimator::{Estimator, RunSummary, StepError};
 use rundown::measurement::Measurement;
@@ -94,13 +93,9 @@ pub fn replay(
     let mut dropped = Vec::new();
     let mut coast_ahead = Vec::new();
     let has_targets = estimator.track().targets() > 0;
-    let mut surroundings = Surroundings {
-        temperature_c: None,
-        day: recording.day,
-    };
+    let mut surroundings = recording.surroundings();
     for row in steps(&recording.rows, tick) {
-        // An empty field: as it was.
-        surroundings.temperature_c = row.temperature_c.or(surroundings.temperature_c);
+        row.update(&mut surroundings);
         estimator.tell(&mut run, surroundings);
         match estimator.step(&mut run, &row.measurement) {
             Ok(estimate) => {

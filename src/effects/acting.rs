@@ -28,6 +28,16 @@ pub struct Surroundings {
     pub day: Option<Real>,
 }
 
+impl Surroundings {
+    /// Whether a train can meet them: -60 to 80 °C, a date within a million days of the origin. No number is neither.
+    pub fn are_plausible(&self) -> bool {
+        let within = |value: Option<Real>, low: Real, high: Real| {
+            value.is_none_or(|value| (low..=high).contains(&value))
+        };
+        within(self.temperature_c, -60.0, 80.0) && within(self.day, -1e6, 1e6)
+    }
+}
+
 /// What the effects need to know of a run beside its motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Journey {

@@ -29,6 +29,9 @@ impl<F: NorFlash> Task<'_, F> {
     ) -> Result<(), Refusal> {
         match request {
             Request::Command(command) => self.command(*command, port),
+            Request::Surroundings(surroundings) if !surroundings.are_plausible() => {
+                Err(Refusal::OutOfRange)
+            }
             Request::Surroundings(surroundings) => {
                 self.estimator.tell(self.run, *surroundings);
                 Ok(())

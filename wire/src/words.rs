@@ -103,7 +103,7 @@ pub enum Cause {
     StuckLocation,
     /// The train runs against its direction of travel.
     Reversing,
-    /// Location and speed contradict each other in another way.
+    /// Locations that the speed does not lead to agreed with each other: the location was taken up anew.
     Contradiction,
     /// No measurement for so long that location and speed were taken up anew.
     LongGap,

@@ -1,6 +1,7 @@
 //! `cargo xtask budget`: what the firmware costs, against what it may cost.
 
 mod calls;
+mod filter;
 mod stack;
 mod thumb;
 
@@ -50,6 +51,25 @@ const CALL: Limit = Limit {
     most: 440_000,
     goal: 150_000,
 };
+/// A step of the paper's model, f64 in software: 11 sigma points, two readings.
+const FILTER_CALL: Limit = Limit {
+    what: "filter step alone",
+    unit: "instructions",
+    most: 32_000,
+    goal: 32_000,
+};
+const FILTER_STACK: Limit = Limit {
+    what: "filter step alone: stack",
+    unit: "B",
+    most: 1250,
+    goal: 1 << 10,
+};
+const FILTER_CODE: Limit = Limit {
+    what: "filter step alone: code",
+    unit: "B",
+    most: 10_700,
+    goal: 10_000,
+};
 const PANICS: Limit = Limit {
     what: "places that may panic",
     unit: "",
@@ -83,12 +103,16 @@ pub fn budget() -> Result<(), String> {
     let panics = graph.to_panics();
     let allocators = calls::allocators(&image);
     let bound = stack::bound(&graph)?;
+    let step = filter::measure()?;
     let lines = [
         (FLASH, image.flash),
         (RAM, image.ram),
         (STACK, bound.bytes),
         (PAINTED, run.stack_bytes),
         (CALL, run.instructions),
+        (FILTER_CALL, step.instructions),
+        (FILTER_STACK, step.stack_bytes),
+        (FILTER_CODE, step.code_bytes),
         (PANICS, count(&panics)),
         (ALLOCATORS, count(&allocators)),
     ];

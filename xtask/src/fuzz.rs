@@ -1,10 +1,29 @@
-//! `fuzz`: every fuzz target for a while, by cargo-fuzz on nightly Rust.
+//! `fuzz`: every fuzz target for a while.
+//!
+//! Any toolchain that builds the workspace will do: the coverage counters that libFuzzer follows are a pass of the stable compiler. `cargo fuzz` on nightly Rust works
+//! in `fuzz/` as well and adds the address sanitizer, of which the code without `unsafe` has little need.
 
-use crate::shell::{ask, run};
-use std::process::Command;
+use crate::shell::{ask, cargo, root, run, shown};
+use std::path::Path;
+use std::process::{Child, Command};
 
 /// The programs of `fuzz/Cargo.toml`.
 const TARGETS: [&str; 4] = ["serial_decoder", "isotp_receiver", "uplink", "whole_task"];
+
+/// As many as a small machine has processors.
+const AT_ONCE: usize = 2;
+
+/// Coverage counters for libFuzzer, and the checks of a debug build (overflow, assertions) in optimised code.
+const FLAGS: [&str; 8] = [
+    "--cfg fuzzing",
+    "-Cpasses=sancov-module",
+    "-Cllvm-args=-sanitizer-coverage-level=4",
+    "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
+    "-Cllvm-args=-sanitizer-coverage-pc-table",
+    "-Cllvm-args=-sanitizer-coverage-trace-compares",
+    "-Cdebug-assertions",
+    "-Ccodegen-units=1",
+];
 
 /// Each target for so many seconds; what breaks one is left in `fuzz/artifacts`.
 pub fn fuzz(seconds: &str) -> Result<(), String> {
@@ -15,32 +34,73 @@ pub fn fuzz(seconds: &str) -> Result<(), String> {
     if seconds == 0 {
         return Err("expected at least one second, found 0".into());
     }
-    if ask("rustup", &["run", "nightly", "rustc", "--version"]).is_none() {
-        return Err(
-            "fuzzing needs nightly Rust: rustup toolchain install nightly --profile minimal".into(),
-        );
-    }
-    if ask("cargo-fuzz", &["--version"]).is_none() {
-        return Err(
-            "fuzzing needs cargo-fuzz, which is not installed: cargo install cargo-fuzz --locked"
-                .into(),
-        );
-    }
-    for target in TARGETS {
-        // Through rustup, since the cargo that runs this task is of another toolchain.
-        let mut command = Command::new("rustup");
-        command.args(["run", "nightly", "cargo", "fuzz", "run", target, "--"]);
-        // All lengths from the start: by default a short run of a slow target stays with inputs of a few bytes.
-        let limit = format!("-max_total_time={seconds}");
-        run(command.args([&limit, "-max_len=4096", "-len_control=0"]))?;
+    let host = ask("rustc", &["--print", "host-tuple"])
+        .ok_or("`rustc --print host-tuple` says nothing: is Rust installed?")?;
+    build(&host)?;
+    let programs = root().join("fuzz/target").join(&host).join("release");
+    for targets in TARGETS.chunks(AT_ONCE) {
+        run_together(&programs, targets, seconds)?;
     }
     Ok(())
+}
+
+/// All targets at once: they differ in little but their last file.
+fn build(host: &str) -> Result<(), String> {
+    let mut build = cargo();
+    build.args(["build", "--release", "--bins", "--locked"]);
+    build.args(["--manifest-path", "fuzz/Cargo.toml"]);
+    // For a named target the flags do not reach build scripts and macros.
+    build.args(["--target", host, "--target-dir", "fuzz/target"]);
+    build.env("RUSTFLAGS", FLAGS.join(" "));
+    run(&mut build).map_err(|error| {
+        format!("{error}\nfuzzing needs a C++ compiler for libFuzzer (Debian: apt-get install g++) and an up-to-date fuzz/Cargo.lock (cargo metadata --manifest-path fuzz/Cargo.toml)")
+    })
+}
+
+/// Waits for all of them, also where one has failed: the others' findings count too.
+fn run_together(programs: &Path, targets: &[&str], seconds: u32) -> Result<(), String> {
+    let mut running = Vec::new();
+    for target in targets {
+        running.push((target, start(programs, target, seconds)?));
+    }
+    let mut failed = Vec::new();
+    for (target, mut child) in running {
+        let ended = child.wait();
+        if !ended.is_ok_and(|status| status.success()) {
+            failed.push(format!(
+                "{target} failed; the input that breaks it lies in fuzz/artifacts/{target}"
+            ));
+        }
+    }
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(failed.join("\n"))
+    }
+}
+
+fn start(programs: &Path, target: &str, seconds: u32) -> Result<Child, String> {
+    for folder in ["corpus", "artifacts"] {
+        let folder = root().join("fuzz").join(folder).join(target);
+        std::fs::create_dir_all(&folder)
+            .map_err(|error| format!("{}: {error}", folder.display()))?;
+    }
+    let mut command = Command::new(programs.join(target));
+    // All lengths from the start: by default a short run of a slow target stays with inputs of a few bytes.
+    command.args(["-max_len=4096", "-len_control=0", "-print_final_stats=1"]);
+    command.arg(format!("-max_total_time={seconds}"));
+    command.arg(format!("-artifact_prefix=fuzz/artifacts/{target}/"));
+    command.arg(format!("fuzz/corpus/{target}"));
+    println!("$ {}", shown(&command));
+    command
+        .current_dir(root())
+        .spawn()
+        .map_err(|error| format!("{target} could not be started: {error}"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shell::root;
 
     #[test]
     fn every_target_is_run() {

@@ -30,7 +30,7 @@ Tasks:
   stack                         the most stack that the firmware can take, path by path, and the largest frames
   test                          the whole test run: set-up, firmware, unit, integration and documentation tests of every package
   browser                       the page of `rundown display` in Chromium, which is installed if it is missing; pictures in target/browser
-  fuzz [SECONDS]                every fuzz target for so long (default: 60); needs nightly Rust and cargo-fuzz
+  fuzz [--seconds N]            every fuzz target for so long (default: 60), two at a time; needs a C++ compiler
   ci                            everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
 
 Exit codes: 0 passed, 1 a command failed, 2 no such task";
@@ -42,7 +42,7 @@ fn main() -> ExitCode {
         ["setup"] => setup::setup(),
         ["firmware"] => all(firmware::firmware),
         ["firmware", "--board", name] => with_board(name, firmware::firmware),
-        ["firmware-lint"] => all(firmware::lint),
+        ["firmware-lint"] => all(firmware::lint).and_then(|()| firmware::lint_filter_step()),
         ["run"] => run_firmware::run_firmware(Board::L475Emulated, None),
         ["run", "--key", key] => run_firmware::run_firmware(Board::L475Emulated, Some(*key)),
         ["emulate", arguments @ ..] => emulate(arguments),
@@ -51,7 +51,7 @@ fn main() -> ExitCode {
         ["test"] => test(),
         ["browser"] => browser(),
         ["fuzz"] => fuzz::fuzz("60"),
-        ["fuzz", seconds] => fuzz::fuzz(seconds),
+        ["fuzz", "--seconds", seconds] => fuzz::fuzz(seconds),
         ["ci"] => run(Command::new("bash").arg(".ci/run")),
         [] | ["help" | "--help" | "-h"] => {
             println!("{HELP}");

@@ -167,6 +167,8 @@ where
         .map(|recording| recording.rows.len())
         .sum();
     let bar = screen::progress(ticks);
+    // What the board had from an earlier session is not known.
+    let mut told = None;
     for recording in recordings {
         let pace = if arguments.real_time {
             Pace::Clock
@@ -182,6 +184,7 @@ where
             .rows
             .first()
             .map_or(0.0, |row| row.measurement.time_s);
+        let mut surroundings = recording.surroundings();
         for row in &recording.rows {
             if arguments.real_time {
                 let due = Duration::try_from_secs_f64(row.measurement.time_s - first_s);
@@ -191,6 +194,14 @@ where
                         None => std::thread::sleep(Duration::from_millis(5)),
                     }
                 }
+            }
+            row.update(&mut surroundings);
+            if told.replace(surroundings) != Some(surroundings) {
+                let request = Request::Surroundings(surroundings);
+                let what = "the temperature and the date";
+                said.hear(&session.ask(request, what).map_err(board)?);
+            }
+            if arguments.real_time {
                 session.report(&row.measurement).map_err(board)?;
             } else {
                 said.hear(&session.measure(&row.measurement).map_err(board)?);

@@ -17,6 +17,7 @@ pub mod study;
 pub mod tune;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// What `--help` says about exit codes.
@@ -113,7 +114,12 @@ impl Failure {
 
 /// Runs the command on the arguments of the process.
 pub fn main() -> ExitCode {
-    let done = match Arguments::parse().command {
+    run(std::env::args_os())
+}
+
+/// Runs the command on these arguments, its name first. Ends the process where they are wrong, or help is asked for.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let done = match Arguments::parse_from(arguments).command {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),

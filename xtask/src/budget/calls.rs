@@ -123,6 +123,18 @@ impl Graph {
         }
     }
 
+    /// Bytes of code of a function and of all that it may call.
+    pub fn code_below(&self, name: &str) -> Option<u64> {
+        let (&start, _) = self.0.iter().find(|(_, function)| function.name == name)?;
+        let (mut found, mut open) = (BTreeSet::new(), vec![start]);
+        while let Some(at) = open.pop() {
+            if let Some(function) = self.0.get(&at).filter(|_| found.insert(at)) {
+                open.extend(function.calls.union(&function.instead));
+            }
+        }
+        Some(found.iter().map(|at| self.0[at].size).sum())
+    }
+
     /// The deepest stack below a function, itself included. Every path through the calls counts, whether it can be taken or not.
     pub fn deepest(&self, name: &str) -> Option<Deepest> {
         let (&start, _) = self.0.iter().find(|(_, function)| function.name == name)?;
@@ -275,6 +287,10 @@ mod tests {
         assert_eq!(names, ["start", "middle", "leaf"]);
         assert!(found.recursive.is_empty());
         assert!(graph.deepest("again").unwrap().recursive.contains("again"));
+        // start, leaf, middle, instead: each once.
+        assert_eq!(graph.code_below("start"), Some(8));
+        assert_eq!(graph.code_below("again"), Some(2));
+        assert_eq!(graph.code_below("nobody"), None);
     }
 
     #[test]

@@ -1,0 +1,50 @@
+//! What one step of the paper's filter costs: instructions in the emulator, stack and code from its image.
+
+use super::calls::Graph;
+use crate::firmware;
+use emulator::{Board, Emulator, Image, NS_PER_INSTRUCTION, Settings, Sleep};
+use std::io::Read;
+
+/// The function of `src/filter_step/image.rs` that is measured.
+const STEP: &str = "filter_step::image::filter_step";
+/// Of the processor of the mps2-an386, whose timer counts.
+const NS_PER_COUNT: u64 = 40;
+
+/// A step.
+pub struct Step {
+    pub instructions: u64,
+    pub stack_bytes: u64,
+    /// With the functions that it calls, those for f64 among them.
+    pub code_bytes: u64,
+}
+
+/// Builds the image, reads it, and lets it run.
+pub fn measure() -> Result<Step, String> {
+    let path = firmware::filter_step()?;
+    let image = Image::read(&path).map_err(|error| error.to_string())?;
+    let graph = Graph::read(&image);
+    let missing = || format!("{} has no function {STEP}", path.display());
+    let deepest = graph.deepest(STEP).ok_or_else(missing)?;
+    let code_bytes = graph.code_below(STEP).ok_or_else(missing)?;
+    let settings = Settings {
+        board: Board::Mps2,
+        image: path,
+        sleep: Sleep::AsHost,
+        flash: None,
+        preloads: Vec::new(),
+    };
+    let mut emulator = Emulator::start(&settings).map_err(|error| error.to_string())?;
+    let mut counts = [0; 4];
+    emulator
+        .line()
+        .read_exact(&mut counts)
+        .map_err(|error| format!("the step of the filter does not end: {error}"))?;
+    match u64::from(u32::from_le_bytes(counts)) {
+        0 => Err("a step of the filter failed in the emulator".to_owned()),
+        counts => Ok(Step {
+            instructions: counts * NS_PER_COUNT / u64::from(NS_PER_INSTRUCTION),
+            stack_bytes: deepest.bytes,
+            code_bytes,
+        }),
+    }
+}
