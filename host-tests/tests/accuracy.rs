@@ -45,9 +45,8 @@ fn gated_learning_follows_the_truth() {
     let [(causal, _), (confirmed, f1)] = table.regime_scores();
     assert!(causal > 0.88 && confirmed > 0.90 && f1 > 0.91);
     let [brake_s, coast_s, cruise_kmh, power_percent] = table.feature_p90();
-    // A tenth of the final coasts begin within a sample of a turn of power, and are found one turn early, 30 to 50 s: the percentile stands at
-    // that edge (18 s over 804 runs, 28 s over 400).
-    assert!(brake_s < 5.0 && coast_s < 35.0, "{brake_s} {coast_s}");
+    // 10 s over 804 runs of another seed, 11 and 12 s over 400 each.
+    assert!(brake_s < 5.0 && coast_s < 17.0, "{brake_s} {coast_s}");
     assert!(
         cruise_kmh < 0.7 && power_percent < 1.6,
         "{cruise_kmh} {power_percent}"

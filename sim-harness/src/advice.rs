@@ -8,21 +8,37 @@ use rundown::estimate::Cause;
 
 /// Runs that are named in one note.
 const NAMED: usize = 3;
+/// One reading in so many off the track is no glitch of a receiver.
+const SHARE_OFF_TRACK: usize = 20;
 
 /// The notes on a replay.
 pub fn advice(config: &Config, track_length_m: f64, runs: &[ReplayedRun]) -> Vec<String> {
     let mut notes = Vec::new();
+    if runs.is_empty() {
+        return notes;
+    }
     let mut about = |runs: Vec<&ReplayedRun>, text: &str| {
         if !runs.is_empty() {
             notes.push(format!("{}: {text}", names(&runs)));
         }
     };
     let off_track = |run: &&ReplayedRun| {
-        2 * run.summary.counters.of(Cause::LocationOutOfRange) as usize > run.estimates.len()
+        let off = run.summary.counters.of(Cause::LocationOutOfRange) as usize;
+        off * SHARE_OFF_TRACK > run.estimates.len()
     };
     about(
         runs.iter().filter(off_track).collect(),
-        &format!("most locations lie off the track, which is 0 to {track_length_m} m"),
+        &format!(
+            "more than one location in {SHARE_OFF_TRACK} lies off the track, which is 0 to {track_length_m} m: are track and length_m those of this line?"
+        ),
+    );
+    let without_speed = |run: &&ReplayedRun| {
+        let mut rows = run.measurements.iter();
+        rows.all(|measurement| measurement.speed_mps.is_none())
+    };
+    about(
+        runs.iter().filter(without_speed).collect(),
+        "no speed_kmh in any row, without which nothing is known of the train",
     );
     if config.mode == Mode::Measured {
         let without_effort = |run: &&ReplayedRun| {

@@ -22,7 +22,8 @@ pub struct FeatureConfig {
     pub brake_steps_kmh: [Real; 4],
     /// Interruptions of a phase of at most this many ticks (or as many times `window_s`) are bridged; 0 bridges none.
     pub bridge_samples: u32,
-    /// An interruption whose effort moves the speed by more than this is real at any length, km/h. Rounding to 1 km/h alone can make 1.
+    /// An interruption whose effort moves the speed by more than this is real at any length, and so is a turn of power inside one tick of a coast, km/h.
+    /// Rounding to 1 km/h alone can make 1.
     pub bridge_speed_kmh: Real,
     /// Below this the train comes to a stop within the interval, km/h.
     pub stop_speed_kmh: Real,

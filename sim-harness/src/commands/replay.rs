@@ -110,8 +110,9 @@ impl From<ModeChoice> for Mode {
 
 fn period(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
-        _ => Err("expected a number of seconds above 0".to_owned()),
+        // Behind a longer pause the estimator begins anew.
+        Ok(seconds) if seconds > 0.0 && seconds <= 600.0 => Ok(seconds),
+        _ => Err("expected a number of seconds above 0, at most 600".to_owned()),
     }
 }
 

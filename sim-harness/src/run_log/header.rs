@@ -31,6 +31,9 @@ pub(super) struct Header {
     pub(super) others: Vec<usize>,
 }
 
+/// No clock in seconds is beyond this, three thousand years. One in milliseconds since 1970 is.
+const LATEST_S: f64 = 1e11;
+
 impl Header {
     pub(super) fn read(record: &StringRecord, line: u64) -> Result<Self, Complaint> {
         let names: Vec<String> = record.iter().map(str::to_owned).collect();
@@ -138,9 +141,11 @@ impl Header {
             })
         };
         let time_s = match number(TIME)? {
-            Some(time_s) if time_s.is_finite() => time_s,
+            Some(time_s) if time_s.abs() <= LATEST_S => time_s,
             Some(time_s) => {
-                return Err(self.complaint(line, TIME, format!("expected a time, found {time_s}")));
+                let message =
+                    format!("expected a time in s, at most {LATEST_S:e}, found {time_s:e}");
+                return Err(self.complaint(line, TIME, message));
             }
             None => {
                 return Err(self.complaint(
@@ -173,12 +178,12 @@ impl Header {
                 format!("expected a time after {latest_s}, found {}", sample.time_s),
             );
         }
-        for (column, value) in [
-            (LOCATION, sample.location_m),
-            (SPEED, sample.speed_kmh),
-            (LATITUDE, sample.latitude_deg),
-            (LONGITUDE, sample.longitude_deg),
-            (EFFORT, sample.effort_n_per_kg),
+        for (column, value, most) in [
+            (LOCATION, sample.location_m, 1e7),
+            (SPEED, sample.speed_kmh, 1e3),
+            (LATITUDE, sample.latitude_deg, 90.0),
+            (LONGITUDE, sample.longitude_deg, 180.0),
+            (EFFORT, sample.effort_n_per_kg, 10.0),
         ] {
             match value {
                 Some(value) if !value.is_finite() => {
@@ -189,6 +194,10 @@ impl Header {
                         column,
                         format!("expected a speed of 0 or more, found {value}"),
                     );
+                }
+                // Not `{value}`: 1e300 would be three hundred digits.
+                Some(value) if value.abs() > most => {
+                    doubt(column, format!("expected at most {most}, found {value:e}"));
                 }
                 _ => {}
             }

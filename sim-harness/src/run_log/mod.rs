@@ -7,9 +7,9 @@
 //! | empty field | `None`: a missing sample, never a zero |
 //! | column of another name | kept as text in [`RunLog::other_columns`], used by nothing |
 //! | line that begins with `#`, blank line, byte order mark, `\r\n` | accepted |
-//! | not a number, wrong count of fields, no time | a bad row: the log is refused and every bad row is named, or it is left out with [`BadRows::LeaveOut`] |
+//! | not a number, wrong count of fields, no time, a time beyond 1e11 s | a bad row: the log is refused and every bad row is named, or it is left out with [`BadRows::LeaveOut`] |
 //! | time not after the largest one before | warned of, handed on: the estimator drops and counts it |
-//! | NaN, infinite, negative speed | warned of, handed on: the estimator judges it and has a cause for it |
+//! | NaN, infinite, negative speed, a value no train has (1000 km/h, 10 000 km) | warned of, handed on: the estimator judges it and has a cause for it |
 //!
 //! Nothing is left out without a message that names file, line and column.
 
@@ -440,6 +440,21 @@ mod tests {
             "line 5, column 3 (speed_kmh): expected a finite number, found inf",
         ];
         assert_eq!(warnings, expected);
+    }
+
+    #[test]
+    fn values_no_train_has_are_named() {
+        let log = parse("time_s,location_m,speed_kmh,effort_n_per_kg\n0,1e300,9000,-50\n").unwrap();
+        let warnings: Vec<String> = log.warnings.iter().map(Complaint::to_string).collect();
+        let expected = [
+            "line 2, column 2 (location_m): expected at most 10000000, found 1e300",
+            "line 2, column 3 (speed_kmh): expected at most 1000, found 9e3",
+            "line 2, column 4 (effort_n_per_kg): expected at most 10, found -5e1",
+        ];
+        assert_eq!(warnings, expected);
+        let found = message("time_s,location_m,speed_kmh\n1732205593000,0,0\n");
+        let expected = "run.csv: line 2, column 1 (time_s): expected a time in s, at most 1e11, found 1.732205593e12\n";
+        assert!(found.starts_with(expected), "{found}");
     }
 
     #[test]
