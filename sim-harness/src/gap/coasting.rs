@@ -20,6 +20,10 @@ const CHANGE: f64 = 0.08;
 /// Coasting is believed above this probability.
 const ENOUGH: f64 = 0.85;
 const REGIMES: usize = 5;
+/// Density of coasting far from what it should be, over that of its middle.
+const FAR: f64 = 1e-5;
+/// What the model has beyond the description counts up to this, N/kg: 3 permille.
+const MOST_EXTRA_N_PER_KG: f64 = 0.03;
 
 /// Which intervals of a run coasted. `extra` is what the model has beyond the believed description, N/kg, and `uncertain` its standard deviation.
 pub fn coasted(
@@ -35,6 +39,8 @@ pub fn coasted(
         .iter()
         .zip(extra)
         .map(|(interval, extra)| {
+            // Beyond that it would be power that drivers apply at the same place, taken for a gradient, and found there ever more.
+            let extra = extra.clamp(-MOST_EXTRA_N_PER_KG, MOST_EXTRA_N_PER_KG);
             let load = super::rows::believed_load(line, interval) + extra;
             let effort = interval.acceleration_mps2() + load;
             let speed = interval.mean_speed_mps();
@@ -45,6 +51,8 @@ pub fn coasted(
                 let z = x / sd;
                 (1.0 + z * z / 5.0).powi(-3) / sd
             };
+            // Not heavier tails: one interval of power between two of coasting must cost more than to change twice.
+            let coast = |z: f64| (-0.5 * z * z).exp() + FAR;
             let even = |low: f64, high: f64| {
                 // A broad plateau with soft edges.
                 let outside = (low - effort).max(effort - high).max(0.0);
@@ -54,7 +62,7 @@ pub fn coasted(
                 return [1e-9, 1.0, 1.0, 1.0, 1.0];
             }
             [
-                student(effort, sd),
+                coast(effort / sd) / sd,
                 student(effort - load, 1.3 * noise_n_per_kg) * 0.7
                     + 0.3 * student(effort - load, 3.0 * noise_n_per_kg),
                 even(0.15 * most, 1.1 * most),
