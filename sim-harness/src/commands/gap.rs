@@ -124,13 +124,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         .for_each(|text| screen::note(text));
     let believed = Believed::new(&core_train, &core_track);
     let surroundings = load::surroundings(&track);
+    let bar = screen::waiting();
     let tell = |text: &str| {
         if !arguments.json {
-            screen::note(text);
+            bar.suspend(|| screen::note(text));
         }
+        bar.set_message(text.to_owned());
     };
     let found = investigate(believed, &surroundings, &runs, arguments.hold_out, tell);
     let Some(found) = found else {
+        bar.finish_and_clear();
         return Err(Failure {
             message: format!(
                 "{} runs have too little to compare: expected moving samples with location and speed, and an effort column or long coasting; nothing was written",
@@ -158,12 +161,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         // The lists were checked when they were read; one that is too long is left out, as a board would.
         effect_file::effects(&track.effect, &train.effect, Some(run)).unwrap_or(Effects::NONE)
     };
+    tell("the estimator's innovations with both models");
     let innovations = innovations(
         &estimator,
         &recordings,
         |run| effects((&train, &track), run),
         |run| effects((&repaired.0, &repaired.1), run),
     );
+    bar.finish_and_clear();
     let mut json = found.json(&dataset);
     if let Some(found) = &innovations {
         json["innovations"] = json!({
@@ -178,6 +183,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         found: &found,
         believed,
         runs: &runs,
+        innovations,
     });
     let texts = [("gap.json", format!("{json:#}\n")), ("report.html", page)];
     write(&arguments.out, &found, &repaired, &texts).map_err(Failure::not_written)?;

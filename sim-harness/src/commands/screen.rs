@@ -7,6 +7,7 @@ use rundown::resistance::Davis;
 use rundown::state::Gaussian;
 use rundown::units::KmPerHour;
 use std::io::{self, IsTerminal, Write};
+use std::time::Duration;
 
 /// Fewer runs are done before a bar is read.
 const FEW_RUNS: usize = 3;
@@ -61,6 +62,19 @@ pub(super) fn progress(runs: usize) -> ProgressBar {
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {eta} left") {
         bar.set_style(style);
     }
+    bar
+}
+
+/// What is being done and for how long, on stderr when that is a terminal.
+pub(super) fn waiting() -> ProgressBar {
+    if !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(100));
     bar
 }
 

@@ -21,6 +21,7 @@ mod tables;
 mod values;
 mod words;
 
+use super::innovations::Innovations;
 use super::rows::Believed;
 use super::runs::Run;
 use super::workflow::Investigation;
@@ -38,6 +39,8 @@ pub struct Page<'a> {
     pub believed: Believed<'a>,
     /// The runs, as analysed.
     pub runs: &'a [Run],
+    /// Of the on-board estimator on the held-out runs, if it had any.
+    pub innovations: Option<Innovations>,
 }
 
 /// The whole page.

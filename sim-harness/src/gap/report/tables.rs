@@ -161,5 +161,11 @@ pub(super) fn gap(page: &Page<'_>) -> Markup {
             }
         } }
         p.small { (compared) " speeds compared. The removable gap is what lies between before and the noise floor, in mean squares." }
+        @if let Some(innovations) = page.innovations {
+            p {
+                "Innovations of the on-board estimator's speed on the same runs, root mean square: "
+                (number(innovations.before_mps, 3)) " m/s with the believed model, " (number(innovations.after_mps, 3)) " m/s with the repaired one."
+            }
+        }
     }
 }
