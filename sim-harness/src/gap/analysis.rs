@@ -59,8 +59,8 @@ pub struct Findings {
     pub period_days: f64,
 }
 
-/// Fewer rows are no ground for a term: with an effort column, and where only coasting counts, which may have been recognised wrongly.
-const FEW_ROWS: [usize; 2] = [120, 300];
+/// Rows below this are no ground for a term.
+const FEW_ROWS: usize = 120;
 
 /// A term with its coefficients.
 #[derive(Clone, Debug)]
@@ -143,7 +143,7 @@ pub fn analyse(
         let (calibrated, likelihood) = calibrate(&context, &rows, measured, true, &model);
         let search = Search::new(&context, &rows, &calibrated, measured);
         // So few rows would fit anything; limits can be judged nevertheless.
-        model = if rows.len() < FEW_ROWS[usize::from(!measured)] {
+        model = if rows.len() < FEW_ROWS {
             Vec::new()
         } else {
             search.select()
