@@ -379,7 +379,7 @@ mod tests {
             "run.csv: line 3: expected 3 fields as in the header, found 2",
             "run.csv: line 4: expected 3 fields as in the header, found 4",
             "run.csv: line 5, column 1 (time_s): expected a time, found an empty field",
-            "run.csv: line 6, column 1 (time_s): expected a time, found NaN",
+            "run.csv: line 6, column 1 (time_s): expected a time in s, at most 1e11, found NaN",
         ];
         assert_eq!(found.lines().take(4).collect::<Vec<_>>(), expected);
     }

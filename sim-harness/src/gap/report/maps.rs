@@ -147,7 +147,7 @@ fn figure(
     let findings = &page.found.findings;
     let at = |row: &Row| (coordinate.of)(findings, row);
     let x = range_of(findings.rows.iter().filter_map(at));
-    let enough = page.runs.len() / (directions.len().max(1) * 2 * LEAST_RUNS);
+    let enough = page.runs.len() / (directions.len().max(1) * LEAST_RUNS);
     let bins = if coordinate.of_run {
         coordinate.most_bins.min(enough.max(1))
     } else {
