@@ -427,3 +427,16 @@ fn the_demo_says_what_it_saw_and_where_the_report_lies() {
     }
     assert!(folder.path("out/demo/report.html").exists());
 }
+
+#[test]
+fn an_effect_is_explained_without_any_data() {
+    let explain = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
+        command.args(["gap", "--explain"]).args(arguments);
+        command.output().unwrap()
+    };
+    let told = explain(&["steady_wind"]);
+    assert!(told.status.success(), "{told:?}");
+    assert!(String::from_utf8_lossy(&told.stdout).contains("headwind"));
+    assert_eq!(explain(&["no_such_effect"]).status.code(), Some(2));
+}

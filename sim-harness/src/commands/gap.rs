@@ -37,7 +37,7 @@ Examples:
   What an effect is, what it looks like, and which data would tell:
     rundown gap --explain steady_wind
 
-  A set with a hidden effect to try it on:
+  A set with a hidden effect to try it on (take the # from the lines of an [[effect]] in the scenario):
     rundown simulate --example > scenario.toml
     rundown simulate --scenario scenario.toml --out set
     rundown gap --train set/train.toml --track set/track.toml --runs set/runs --out gap
@@ -57,21 +57,11 @@ Files in the output folder:
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
     /// The believed train
-    #[arg(
-        long,
-        value_name = "T.toml",
-        required_unless_present = "explain",
-        default_value = ""
-    )]
-    train: PathBuf,
+    #[arg(long, value_name = "T.toml", required_unless_present = "explain")]
+    train: Option<PathBuf>,
     /// The believed track
-    #[arg(
-        long,
-        value_name = "K.toml",
-        required_unless_present = "explain",
-        default_value = ""
-    )]
-    track: PathBuf,
+    #[arg(long, value_name = "K.toml", required_unless_present = "explain")]
+    track: Option<PathBuf>,
     /// Folder of run logs, or run logs
     #[arg(long, value_name = "DIR", required_unless_present = "explain", num_args = 1..)]
     runs: Vec<PathBuf>,
@@ -96,8 +86,8 @@ impl Arguments {
     /// Of a folder as `rundown simulate` writes it.
     pub(super) fn of_set(set: &Path, out: PathBuf) -> Self {
         Self {
-            train: set.join("train.toml"),
-            track: set.join("track.toml"),
+            train: Some(set.join("train.toml")),
+            track: Some(set.join("track.toml")),
             runs: vec![set.join("runs")],
             explain: None,
             out,
@@ -114,8 +104,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         screen::print(&text);
         return Ok(ExitCode::SUCCESS);
     }
-    let (train, core_train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
-    let (track, core_track) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;
+    // Both are there: they are required unless a page is asked for.
+    let path = |path: &Option<PathBuf>| path.clone().unwrap_or_default();
+    let (train, core_train) = TrainFile::read(&path(&arguments.train)).map_err(Failure::refused)?;
+    let (track, core_track) = TrackFile::read(&path(&arguments.track)).map_err(Failure::refused)?;
     let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
     let (runs, notes) = load::runs(&set, &track, arguments.direction);
     set.notes
@@ -226,13 +218,25 @@ fn story(found: &Investigation) -> String {
         }
         text.push('\n');
     }
+    if found.compared.is_empty() {
+        text.push_str(
+            "no held-out run could be compared: too few runs, or too little to simulate in them\n",
+        );
+        return text;
+    }
+    let gone = match gap.removed() {
+        Some(share) if gap.after_mps <= gap.before_mps => {
+            format!("{:.0} % of the removable gap is gone", 100.0 * share)
+        }
+        Some(_) => "worse than before".to_owned(),
+        None => "there was nothing to remove".to_owned(),
+    };
     text.push_str(&format!(
-        "simulated against measured speed, {} held-out runs: {:.3} m/s before, {:.3} after, noise floor {:.3}: {:.0} % of the removable gap is gone\n",
+        "simulated against measured speed, {} held-out runs: {:.3} m/s before, {:.3} after, noise floor {:.3}: {gone}\n",
         found.held_out.len(),
         gap.before_mps,
         gap.after_mps,
         gap.floor_mps,
-        100.0 * gap.removed_share
     ));
     text
 }

@@ -44,7 +44,7 @@ pub struct Pull {
 impl Pull {
     /// The power is what limits, not the effort.
     pub(super) fn by_power(&self) -> bool {
-        self.effort_over_limit > 1.001
+        self.effort_over_limit > BY_POWER
     }
 }
 
@@ -96,6 +96,8 @@ const SHARES: usize = 101;
 const LEAST_SHARE: f64 = 0.4;
 /// Probability that an interval is not steady power after all.
 const STRAY: f64 = 0.1;
+/// Effort limit over power limit above which the power limits.
+const BY_POWER: f64 = 1.001;
 /// Effort limit over power limit up to which the corner reaches.
 const CORNER: f64 = 1.35;
 /// A limit nearer to the believed one is no finding.
@@ -104,6 +106,8 @@ const LEAST_SCALE: f64 = 0.03;
 const CAUTION: f64 = 6.0;
 /// What the choice of the runs costs.
 const BAD_DAYS: f64 = 6.0;
+/// Gain of log-likelihood below which a run says nothing of bad days.
+const TELLS: f64 = 0.5;
 /// More runs than this are no bad days but the train.
 const MOST_SLIPPERY: f64 = 0.6;
 const LEAST_ACCELERATION_MPS2: f64 = 0.03;
@@ -139,13 +143,13 @@ pub fn pulls(
                 ratio,
                 sd: (effort_sd / limit)
                     .hypot(0.008)
-                    .hypot(0.06 / interval.mean_speed_mps().max(1.0)),
+                    .hypot(speed_sd_mps(0.06, most / limit) / interval.mean_speed_mps().max(1.0)),
                 effort_over_limit: most / limit,
                 number: 0,
                 weight: 1.0,
             };
             // Near the corner of effort and power a driver who asks for less effort than power is limited by neither share.
-            let at_corner = (1.001..CORNER).contains(&pull.effort_over_limit);
+            let at_corner = (BY_POWER..CORNER).contains(&pull.effort_over_limit);
             (ratio > LEAST_SHARE - 0.1
                 && !at_corner
                 && slowest > 1.5
@@ -200,6 +204,15 @@ pub(super) fn by_number(pulls: &[Pull]) -> impl Iterator<Item = &[Pull]> {
     pulls.chunk_by(|a, b| a.number == b.number)
 }
 
+/// What the reading of the speed is to the ratio, m/s: where the effort is what limits, the limit does not depend on the speed, and only a rise of the effort does.
+fn speed_sd_mps(at_power: f64, effort_over_limit: f64) -> f64 {
+    if effort_over_limit > BY_POWER {
+        at_power
+    } else {
+        0.03
+    }
+}
+
 /// Intervals of steady power where the effort is measured at the moments of its samples: no mean over an interval is needed, and a fast log shows more of the first
 /// seconds.
 pub fn sampled_pulls(
@@ -227,7 +240,7 @@ pub fn sampled_pulls(
                 location_m: s.location_m?,
                 speed_mps,
                 ratio: s.effort_n_per_kg? / limit,
-                sd: 0.008_f64.hypot(0.08 / speed_mps.max(1.0)),
+                sd: 0.008_f64.hypot(speed_sd_mps(0.08, most / limit) / speed_mps.max(1.0)),
                 effort_over_limit: most / limit,
                 number: 0,
                 weight: 1.0,
@@ -253,7 +266,7 @@ pub fn sampled_pulls(
             continue;
         }
         if pull.ratio > LEAST_SHARE - 0.1
-            && !(1.001..CORNER).contains(&pull.effort_over_limit)
+            && !(BY_POWER..CORNER).contains(&pull.effort_over_limit)
             && pull.speed_mps > 1.5
             && gains > LEAST_ACCELERATION_MPS2
             && (near(before) || near(after))
@@ -663,7 +676,8 @@ fn adhesion(runs: &[&[Pull]], believed: &[f64]) -> Option<FoundLimit> {
     let slippery: Vec<usize> = of_runs
         .iter()
         .enumerate()
-        .filter(|(_, g)| share * g.clamp(-50.0, 50.0).exp() > 1.0 - share)
+        // A run without a pull at low speed says nothing, whatever the share of the others.
+        .filter(|(_, g)| **g > TELLS && share * g.clamp(-50.0, 50.0).exp() > 1.0 - share)
         .filter_map(|(i, _)| runs[i].first().map(|p| p.run))
         .collect();
     if slippery.is_empty() || slippery.len() as f64 > MOST_SLIPPERY * runs.len() as f64 {

@@ -59,6 +59,11 @@ impl Gap {
         self.before_mps.powi(2) - floor > LEAST_REMOVABLE * floor
     }
 
+    /// Share of the removable gap that is gone; `None` where there was none.
+    pub fn removed(&self) -> Option<f64> {
+        self.is_removable().then_some(self.removed_share)
+    }
+
     /// Over speeds compared.
     pub fn of(compared: &[Compared]) -> Self {
         let n = compared.len().max(1) as f64;

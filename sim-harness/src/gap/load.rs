@@ -22,6 +22,10 @@ pub enum LoadError {
     Recording(#[from] RecordingError),
 }
 
+/// Locations and speeds that trains have stay below.
+const MOST_M: f64 = 1e7;
+const MOST_MPS: f64 = 1000.0 / 3.6;
+
 /// Reads one run.
 ///
 /// # Errors
@@ -45,8 +49,11 @@ pub fn run(
         }
         samples.push(Sample {
             time_s: measurement.time_s,
-            location_m: measurement.location_m,
-            speed_mps: measurement.speed_mps,
+            // What no train has was warned of when the log was read; no estimator judges it here.
+            location_m: measurement.location_m.filter(|at| at.abs() < MOST_M),
+            speed_mps: measurement
+                .speed_mps
+                .filter(|v| (0.0..MOST_MPS).contains(v)),
             effort_n_per_kg: measurement.effort_n_per_kg,
             temperature_c: sample.ambient_temperature_c,
         });

@@ -195,7 +195,8 @@ impl Investigation {
             "explained"
         } else if self.named.iter().all(|n| n.effect.name() == "unknown") {
             "unknown"
-        } else if self.gap.removed_share < EXPLAINED
+        } else if self.compared.is_empty()
+            || self.gap.removed_share < EXPLAINED
             || self.named.iter().any(|n| n.effect.name() == "unknown")
         {
             "partly_explained"
@@ -217,7 +218,7 @@ impl Investigation {
                 "before": gap.before_mps,
                 "after": gap.after_mps,
                 "noise_floor": gap.floor_mps,
-                "removed_share": gap.removed_share,
+                "removed_share": gap.removed(),
                 "held_out_runs": self.held_out.len(),
             },
             "p_value": self.p_value,
