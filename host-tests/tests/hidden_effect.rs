@@ -1,16 +1,10 @@
 //! Is a hidden effect found, named and sized, and is nothing found where nothing is hidden? The workflow gets a folder as `rundown simulate` writes it, without its truth.
 
 use rundown::effects::Effect;
-use sim_harness::gap::bench::blind;
 use sim_harness::gap::bench::draw::{Ask, Set, Size};
 use sim_harness::gap::bench::score::Score;
-use sim_harness::gap::load;
-use sim_harness::gap::rows::Believed;
-use sim_harness::gap::workflow::{Investigation, investigate};
-use sim_harness::recording::DirectionChoice;
-use sim_harness::run_set::RunSet;
-use sim_harness::track_file::TrackFile;
-use sim_harness::train_file::TrainFile;
+use sim_harness::gap::bench::{ReadSet, blind};
+use sim_harness::gap::workflow::Investigation;
 
 /// Runs of a set: fewer than an analyst has, so that the test is quick.
 const RUNS: usize = 24;
@@ -102,16 +96,12 @@ fn a_worn_wheel_of_one_run_is_found_by_the_ways_of_the_others() {
     });
     let folder = tempfile::tempdir().unwrap();
     set.write(folder.path()).unwrap();
-    let (_, train) = TrainFile::read(&folder.path().join("train.toml")).unwrap();
-    let (file, track) = TrackFile::read(&folder.path().join("track.toml")).unwrap();
-    let logs = RunSet::find(&[folder.path().join("runs")]).unwrap();
-    let (mut runs, _) = load::runs(&logs, &file, DirectionChoice::Auto);
-    for sample in &mut runs[7].samples {
+    let mut read = ReadSet::of(folder.path()).unwrap();
+    for sample in &mut read.runs[7].samples {
         sample.speed_mps = sample.speed_mps.map(|v| 1.013 * v);
         sample.location_m = sample.location_m.map(|at| 1.013 * at);
     }
-    let believed = Believed::new(&train, &track);
-    let found = investigate(believed, &load::surroundings(&file), &runs, None, |_| ()).unwrap();
+    let found = read.investigate().unwrap();
     let [only] = &found.named[..] else {
         panic!("{:?}", found.named);
     };
@@ -120,6 +110,6 @@ fn a_worn_wheel_of_one_run_is_found_by_the_ways_of_the_others() {
     };
     println!("{scale:?} {:?}", only.intervals);
     assert!((scale.measured_over_true - 1.013).abs() < 0.002, "{only:?}");
-    assert_eq!(only.runs, [runs[7].name.clone()]);
+    assert_eq!(only.runs, [read.runs[7].name.clone()]);
     assert_eq!(found.verdict(), "explained");
 }

@@ -16,6 +16,7 @@
 //!
 //! Compared by marginal likelihood, the shares integrated out.
 
+use super::fit::LOSS_AT_LIMIT;
 use super::rows::Believed;
 use super::runs::{Interval, Readings, Run};
 use rundown::track::Direction;
@@ -559,8 +560,6 @@ struct Edges {
 /// Where trains pull on both sides the edge lies half-way between the last pull that is limited and the first that is not. Where they do not, the section is taken to end soon
 /// after the last one that is.
 fn edges(pulled: &[f64], best_m: [f64; 2], most: f64, gain: impl Fn([f64; 2]) -> f64) -> Edges {
-    /// Half the 95 % point of chi square with one degree of freedom.
-    const LOSS: f64 = 1.92;
     /// A loss that is none.
     const SAME: f64 = 0.3;
     /// Nearer pulls are not tried one by one, m.
@@ -600,7 +599,7 @@ fn edges(pulled: &[f64], best_m: [f64; 2], most: f64, gain: impl Fn([f64; 2]) ->
     let edge = |edge: usize| {
         let [inner, outer] = [false, true].map(|outwards| reach(edge, outwards, SAME));
         let half = (0.5 * (outer - inner)).clamp(-SOON_M, SOON_M);
-        let limits = [false, true].map(|outwards| reach(edge, outwards, LOSS));
+        let limits = [false, true].map(|outwards| reach(edge, outwards, LOSS_AT_LIMIT));
         (
             inner + half,
             (limits[0].min(limits[1]), limits[0].max(limits[1])),

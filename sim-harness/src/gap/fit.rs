@@ -3,6 +3,16 @@
 use core::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
+/// Log-likelihood that a value at its 95 % limit loses: half the 95 % point of chi square with one degree of freedom.
+pub const LOSS_AT_LIMIT: f64 = 1.92;
+
+/// The middle of values in any order.
+pub fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
 /// A design in whitened rows, reduced to what fits need.
 #[derive(Clone, Debug)]
 pub struct Base {

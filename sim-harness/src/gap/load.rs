@@ -4,10 +4,11 @@ use super::analysis::Surroundings;
 use super::runs::{Run, Sample};
 use crate::map_matching::CentreLine;
 use crate::recording::{DirectionChoice, Recording, RecordingError};
-use crate::run_log::{BadRows, RunLog, RunLogError};
+use crate::run_log::{BadRows, MOST_LOCATION_M, MOST_SPEED_KMH, RunLog, RunLogError};
 use crate::run_set::{RunFile, RunSet};
 use crate::track_file::TrackFile;
 use rayon::prelude::*;
+use rundown::units::KmPerHour;
 use thiserror::Error;
 
 /// Why a log gives no run.
@@ -22,10 +23,6 @@ pub enum LoadError {
     Recording(#[from] RecordingError),
 }
 
-/// Locations and speeds that trains have stay below.
-const MOST_M: f64 = 1e7;
-const MOST_MPS: f64 = 1000.0 / 3.6;
-
 /// Reads one run.
 ///
 /// # Errors
@@ -37,6 +34,7 @@ pub fn run(
 ) -> Result<(Run, Vec<String>), LoadError> {
     let log = RunLog::read(&file.path, BadRows::LeaveOut)?;
     let recording = Recording::new(file, &log, line, direction)?;
+    let most_mps = KmPerHour(MOST_SPEED_KMH).to_mps();
     let mut samples: Vec<Sample> = Vec::with_capacity(recording.rows.len());
     for (row, sample) in recording.rows.iter().zip(&log.samples) {
         let measurement = &row.measurement;
@@ -50,10 +48,12 @@ pub fn run(
         samples.push(Sample {
             time_s: measurement.time_s,
             // What no train has was warned of when the log was read; no estimator judges it here.
-            location_m: measurement.location_m.filter(|at| at.abs() < MOST_M),
+            location_m: measurement
+                .location_m
+                .filter(|at| at.abs() < MOST_LOCATION_M),
             speed_mps: measurement
                 .speed_mps
-                .filter(|v| (0.0..MOST_MPS).contains(v)),
+                .filter(|v| (0.0..most_mps).contains(v)),
             effort_n_per_kg: measurement.effort_n_per_kg,
             temperature_c: sample.ambient_temperature_c,
         });

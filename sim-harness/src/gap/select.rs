@@ -5,7 +5,7 @@
 
 use super::calibrate::{Calibrated, knots};
 use super::evidence::NOTHING_N_PER_KG;
-use super::fit::{Base, Gain};
+use super::fit::{Base, Gain, LOSS_AT_LIMIT};
 use super::rows::Row;
 use super::scan::{Kind, Scan};
 use super::terms::{Context, Coordinate, Term, both_directions, coordinate};
@@ -285,8 +285,6 @@ impl<'a> Search<'a> {
 
     /// How far each edge of a section may move before the log-likelihood has lost what a 95 % limit allows.
     pub fn edges(&self, others: &[Term], term: &Term) -> Option<[(f64, f64); 2]> {
-        /// Half the 95 % point of chi square with one degree of freedom.
-        const LOSS: f64 = 1.92;
         let (section, kind) = match term {
             Term::Tunnel(section) => (*section, Kind::Tunnel),
             Term::Gradient(section) => (*section, Kind::Gradient),
@@ -303,7 +301,7 @@ impl<'a> Search<'a> {
             let mut moved = section;
             for _ in 0..60 {
                 moved[edge] += by;
-                if moved[1] - moved[0] < 50.0 || gain(moved) < most - LOSS {
+                if moved[1] - moved[0] < 50.0 || gain(moved) < most - LOSS_AT_LIMIT {
                     break;
                 }
             }

@@ -8,6 +8,7 @@
 //! Where platforms are described, the second also judges all runs together. What all runs have alike in the first is found by [`kinematics`](super::kinematics).
 
 use super::analysis::Surroundings;
+use super::fit::median;
 use super::kinematics::scale_of_run;
 use super::named::Named;
 use super::runs::{Run, Sample};
@@ -67,12 +68,6 @@ pub fn wheels(runs: &[Run], surroundings: &Surroundings) -> Vec<Wheel> {
         found.extend(common(&by_stops));
     }
     found
-}
-
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// Middle and scatter of many runs, which a few exceptions do not move.

@@ -1,6 +1,6 @@
 //! The header of a run log: which column is where, and what that makes of a row.
 
-use super::{Complaint, OtherColumn, Sample};
+use super::{Complaint, MOST_LOCATION_M, MOST_SPEED_KMH, OtherColumn, Sample};
 use csv::StringRecord;
 
 const TIME: usize = 0;
@@ -179,8 +179,8 @@ impl Header {
             );
         }
         for (column, value, most) in [
-            (LOCATION, sample.location_m, 1e7),
-            (SPEED, sample.speed_kmh, 1e3),
+            (LOCATION, sample.location_m, MOST_LOCATION_M),
+            (SPEED, sample.speed_kmh, MOST_SPEED_KMH),
             (LATITUDE, sample.latitude_deg, 90.0),
             (LONGITUDE, sample.longitude_deg, 180.0),
             (EFFORT, sample.effort_n_per_kg, 10.0),

@@ -22,6 +22,11 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
+/// No train is further along its line, m; a location beyond it is warned of.
+pub const MOST_LOCATION_M: f64 = 1e7;
+/// No train is faster, km/h; a speed above it is warned of.
+pub const MOST_SPEED_KMH: f64 = 1e3;
+
 /// Bad rows and warnings that are spelled out; the rest is counted.
 pub const MAX_LISTED: usize = 20;
 

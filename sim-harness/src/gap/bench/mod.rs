@@ -11,20 +11,24 @@ pub mod draw;
 pub mod score;
 pub mod table;
 
+use super::analysis::Surroundings;
 use super::load;
 use super::rows::Believed;
+use super::runs::Run;
 use super::workflow::{Investigation, investigate};
 use crate::recording::DirectionChoice;
 use crate::run_set::RunSet;
 use crate::track_file::TrackFile;
 use crate::train_file::TrainFile;
 use draw::Set;
+use rundown::track::Track;
+use rundown::train::Train;
+use std::error::Error;
 use std::fs;
 use std::path::Path;
-use thiserror::Error;
 
 /// Why a set was not investigated.
-#[derive(Debug, Error)]
+#[derive(Debug, thiserror::Error)]
 #[error("set {seed} ({kinds}): {reason}")]
 pub struct BenchError {
     /// Seed of the set.
@@ -48,21 +52,52 @@ pub fn blind(set: &Set, folder: &Path) -> Result<Option<Investigation>, BenchErr
     };
     set.write(folder).map_err(|e| failed(e.to_string()))?;
     fs::remove_dir_all(folder.join("truth")).map_err(|e| failed(e.to_string()))?;
-    let (_, train) =
-        TrainFile::read(&folder.join("train.toml")).map_err(|e| failed(e.to_string()))?;
-    let (file, track) =
-        TrackFile::read(&folder.join("track.toml")).map_err(|e| failed(e.to_string()))?;
-    let logs = RunSet::find(&[folder.join("runs")]).map_err(|e| failed(e.to_string()))?;
-    let (runs, notes) = load::runs(&logs, &file, DirectionChoice::Auto);
-    if runs.len() != set.ask.runs {
+    let read = ReadSet::of(folder).map_err(|e| failed(e.to_string()))?;
+    if read.runs.len() != set.ask.runs {
         return Err(failed(format!(
             "{} of {} runs could be read: {}",
-            runs.len(),
+            read.runs.len(),
             set.ask.runs,
-            notes.join("; ")
+            read.notes.join("; ")
         )));
     }
-    let believed = Believed::new(&train, &track);
-    let surroundings = load::surroundings(&file);
-    Ok(investigate(believed, &surroundings, &runs, None, |_| ()))
+    Ok(read.investigate())
+}
+
+/// What an analyst has of a set.
+#[derive(Clone, Debug)]
+pub struct ReadSet {
+    train: Train,
+    track: Track,
+    surroundings: Surroundings,
+    /// The runs.
+    pub runs: Vec<Run>,
+    /// What was said while they were read.
+    pub notes: Vec<String>,
+}
+
+impl ReadSet {
+    /// Of a folder as `rundown simulate` writes it.
+    ///
+    /// # Errors
+    /// Names the file.
+    pub fn of(folder: &Path) -> Result<Self, Box<dyn Error>> {
+        let (_, train) = TrainFile::read(&folder.join("train.toml"))?;
+        let (file, track) = TrackFile::read(&folder.join("track.toml"))?;
+        let logs = RunSet::find(&[folder.join("runs")])?;
+        let (runs, notes) = load::runs(&logs, &file, DirectionChoice::Auto);
+        Ok(Self {
+            train,
+            track,
+            surroundings: load::surroundings(&file),
+            runs,
+            notes,
+        })
+    }
+
+    /// Investigates. `None`: the runs have too little to compare.
+    pub fn investigate(&self) -> Option<Investigation> {
+        let believed = Believed::new(&self.train, &self.track);
+        investigate(believed, &self.surroundings, &self.runs, None, |_| ())
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::draw::{Ask, Size};
 use super::score::Score;
+use crate::gap::fit::median;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -152,12 +153,6 @@ fn confusion(done: &[Done], effort: bool) -> String {
     }
     text.push('\n');
     text
-}
-
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 fn percent(value: Option<f64>) -> String {
