@@ -3,10 +3,13 @@
 use super::calibrate::{Calibrated, calibrate};
 use super::caps::{FoundLimit, Pull, limits, pulls, sampled_pulls};
 use super::coasting::coasted;
+use super::dragging::dragging;
+use super::fit::{TWO_SIDED, median};
 use super::kinematics::{Kinematics, kinematics};
 use super::rows::{Believed, Row};
 use super::runs::{EffortReading, Interval, Readings, Run, intervals, usual_step_s};
-use super::select::{ENOUGH, Search, unnamed};
+use super::select::{ENOUGH, Found, Search, unnamed};
+use super::shape;
 use super::terms::{Context, Term};
 
 /// What may be known of a line beyond its gradients.
@@ -75,6 +78,8 @@ pub struct Fitted {
     pub gain: f64,
     /// 95 % limits of the edges of a section, m.
     pub edges_m: Option<[(f64, f64); 2]>,
+    /// Limits of a shape that is a number.
+    pub shape: Option<shape::Limits>,
     /// Others that would do nearly as well in its place, with how much worse they are.
     pub rivals: Vec<(Term, f64)>,
 }
@@ -85,6 +90,38 @@ const NEAR: f64 = 3.0;
 const MEASURED_SHARE: f64 = 0.7;
 /// Deviation of the resistance from its description within which coasting is still recognised: wide at first.
 const UNCERTAIN: [f64; 3] = [0.3, 0.15, 0.1];
+/// Standard deviation of a calculated effort for speeds rounded to 1 km/h, 10 s apart, and its range, N/kg. Logs with less between samples are fast, s.
+const ROUNDED_N_PER_KG: f64 = 0.0115;
+const FAST_S: f64 = 3.0;
+const RECOGNISED_N_PER_KG: (f64, f64) = (0.006, 0.03);
+
+/// How sure a calculated effort is in which coasting is to be recognised.
+#[derive(Clone, Copy, Debug)]
+struct Recognised {
+    noise_n_per_kg: f64,
+    uncertain: f64,
+}
+
+impl Recognised {
+    /// With the noise that was found, if one was.
+    fn new(runs: &[Run], found: Option<&Calibrated>, uncertain: f64) -> Self {
+        // Speeds of a fast log are means of several readings.
+        let fast = median(runs.iter().map(usual_step_s)).is_some_and(|step_s| step_s < FAST_S);
+        let at_first = if fast { 0.7 } else { 1.0 } * ROUNDED_N_PER_KG;
+        let of_readings = |found: &Calibrated| {
+            let acceleration = 1.44 * found.noise.reading_mps / 10.0;
+            let (least, most) = RECOGNISED_N_PER_KG;
+            acceleration
+                .hypot(found.noise.acceleration_mps2)
+                .clamp(least, most)
+        };
+        Self {
+            noise_n_per_kg: found.map_or(at_first, of_readings),
+            uncertain,
+        }
+    }
+}
+
 /// Gain of log-likelihood above which runs have a wind of their own, over other differences between runs.
 const WIND_GAIN: f64 = 9.0;
 /// The least standard deviation of the wind that matters, m/s.
@@ -134,13 +171,19 @@ pub fn analyse(
     let rounds = if measured { 1 } else { UNCERTAIN.len() };
     let mut model: Vec<Term> = Vec::new();
     let mut beta: Vec<f64> = Vec::new();
-    let mut last = None;
+    let mut last: Option<(Vec<Row>, Calibrated, f64)> = None;
     for uncertain in UNCERTAIN.iter().take(rounds) {
-        let rows = rows(&context, runs, &cut, measured, (&model, &beta), *uncertain);
+        let known = last.as_ref().filter(|(rows, ..)| rows.len() >= FEW_ROWS);
+        let recognised = Recognised::new(runs, known.map(|(_, found, _)| found), *uncertain);
+        let rows = rows(&context, runs, &cut, measured, (&model, &beta), recognised);
         if rows.len() < 30 {
             break;
         }
-        let (calibrated, likelihood) = calibrate(&context, &rows, measured, true, &model);
+        let (mut calibrated, mut likelihood) = calibrate(&context, &rows, measured, true, &model);
+        if let Some(drags) = dragging(&context, &rows, &calibrated, &model) {
+            let with: Vec<Term> = model.iter().cloned().chain([drags]).collect();
+            (calibrated, likelihood) = calibrate(&context, &rows, measured, true, &with);
+        }
         let search = Search::new(&context, &rows, &calibrated, measured);
         // So few rows would fit anything; limits can be judged nevertheless.
         model = if rows.len() < FEW_ROWS {
@@ -257,8 +300,12 @@ pub fn apply(
         })
         .collect();
     let model = (model.as_slice(), beta.as_slice());
-    let last = UNCERTAIN[UNCERTAIN.len() - 1];
-    let rows = rows(&context, runs, &cut, findings.measured, model, last);
+    let recognised = Recognised::new(
+        runs,
+        Some(&findings.calibrated),
+        UNCERTAIN[UNCERTAIN.len() - 1],
+    );
+    let rows = rows(&context, runs, &cut, findings.measured, model, recognised);
     let pulls = pulls_of(
         &context,
         runs,
@@ -359,7 +406,7 @@ fn rows(
     cut: &[Vec<Interval>],
     measured: bool,
     model: (&[Term], &[f64]),
-    uncertain: f64,
+    recognised: Recognised,
 ) -> Vec<Row> {
     let mut rows = Vec::new();
     for (run, intervals) in runs.iter().zip(cut) {
@@ -372,14 +419,13 @@ fn rows(
             );
         } else {
             let extra = extra(context, run, intervals, model);
-            let noise = 0.0115;
             let coasts = coasted(
                 &context.believed,
                 run.direction,
                 intervals,
                 &extra,
-                noise,
-                uncertain,
+                recognised.noise_n_per_kg,
+                recognised.uncertain,
             );
             rows.extend(
                 intervals
@@ -402,6 +448,8 @@ fn efforts(
     model: (&[Term], &[f64]),
 ) -> Vec<Option<f64>> {
     let line = context.believed.line(run.direction);
+    // What a table was found from ends somewhere; beyond it is a guess, and no ground for judging the traction.
+    let within = |interval: &Interval| model.0.iter().all(|term| term.covers(interval));
     let extra = extra(context, run, intervals, model);
     intervals
         .iter()
@@ -412,11 +460,8 @@ fn efforts(
                     .effort_n_per_kg
                     .filter(|_| interval.effort_change_n_per_kg < 0.05)
             } else {
-                Some(
-                    interval.acceleration_mps2()
-                        + super::rows::believed_load(line, interval)
-                        + extra,
-                )
+                let load = super::rows::believed_load(line, interval) + extra;
+                within(interval).then(|| interval.acceleration_mps2() + load)
             }
         })
         .collect()
@@ -441,15 +486,13 @@ fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
         place += count;
         let mut others = model.to_vec();
         others.remove(index);
-        let gain = search
-            .candidates(&others)
-            .iter()
-            .find(|found| core::mem::discriminant(&found.term) == core::mem::discriminant(term))
-            .map_or(0.0, |found| found.gain.gain);
-        let rivals = search
-            .candidates(&others)
+        let (same, rivals): (Vec<Found>, Vec<Found>) =
+            search.candidates(&others).into_iter().partition(|found| {
+                core::mem::discriminant(&found.term) == core::mem::discriminant(term)
+            });
+        let gain = same.first().map_or(0.0, |found| found.gain.gain);
+        let rivals = rivals
             .into_iter()
-            .filter(|found| core::mem::discriminant(&found.term) != core::mem::discriminant(term))
             .filter_map(|found| {
                 let mut with = others.clone();
                 with.insert(index, found.term.clone());
@@ -457,13 +500,21 @@ fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
                 (worse < NEAR).then_some((found.term, worse))
             })
             .collect();
+        let sd: Vec<f64> = range
+            .clone()
+            .zip(search.systematic(term))
+            .map(|(i, systematic)| naive[(i, i)].max(robust[(i, i)]).sqrt().hypot(systematic))
+            .collect();
+        let beside = search.base(&others);
+        let shape = beside.and_then(|beside| {
+            let sd = sd.first().copied().unwrap_or(0.0);
+            shape::limits(&beside, search, term, TWO_SIDED * sd)
+        });
         fitted.push(Fitted {
             term: term.clone(),
-            beta: range.clone().map(|i| base.beta[i]).collect(),
-            sd: range
-                .zip(search.systematic(term))
-                .map(|(i, systematic)| naive[(i, i)].max(robust[(i, i)]).sqrt().hypot(systematic))
-                .collect(),
+            beta: range.map(|i| base.beta[i]).collect(),
+            sd,
+            shape,
             gain,
             edges_m: search.edges(&others, term),
             rivals,

@@ -57,7 +57,8 @@ pub fn own_columns(context: &Context<'_>, rows: &[Row]) -> [Vec<f64>; 3] {
     [vec![1.0; rows.len()], wind, mass]
 }
 
-fn whitening(
+/// The whitening under a noise, by what each run has for itself.
+pub fn whitening(
     noise: &Noise,
     own: &Own,
     spread: &[f64],
@@ -109,19 +110,14 @@ pub fn calibrate(
         spread: vec![1.0; rows.len()],
     };
     // The flexible model is taken out once a round, under the noise found so far; what is left, widened for what it took, is judged.
-    let left = |found: &Calibrated| -> Option<(Vec<f64>, DVector<f64>)> {
-        let whitening = whitening(&found.noise, &found.own, &found.spread, rows, &columns);
-        let white: Vec<_> = flexible.iter().map(|c| whitening.whiten(c)).collect();
-        let base = Base::new(&whitening.whiten(&y), &white, whitening.runs())?;
-        let mut left = y.clone();
-        for (column, beta) in flexible.iter().zip(base.beta.iter()) {
-            left.iter_mut()
-                .zip(column)
-                .for_each(|(e, c)| *e -= beta * c);
-        }
-        Some((left, base.residual))
+    let left = |found: &Calibrated| {
+        left_of(
+            &y,
+            &flexible,
+            &whitening(&found.noise, &found.own, &found.spread, rows, &columns),
+        )
     };
-    let freedom = rows.len() as f64 / (rows.len() as f64 - flexible.len() as f64).max(1.0);
+    let freedom = freedom(rows, &flexible);
     let likelihood = |noise: &Noise, own: &Own, spread: &[f64], residual: &[f64]| {
         let whitening = whitening(noise, own, spread, rows, &columns);
         -whitening.log_determinant() - 0.5 * freedom * whitening.whiten(residual).norm_squared()
@@ -193,6 +189,41 @@ pub fn calibrate(
         }
     }
     (found, reached)
+}
+
+/// What a flexible model leaves: as it is, and whitened.
+fn left_of(
+    y: &[f64],
+    flexible: &[Vec<f64>],
+    whitening: &Whitening,
+) -> Option<(Vec<f64>, DVector<f64>)> {
+    let white: Vec<_> = flexible.iter().map(|c| whitening.whiten(c)).collect();
+    let base = Base::new(&whitening.whiten(y), &white, whitening.runs())?;
+    let mut left = y.to_vec();
+    for (column, beta) in flexible.iter().zip(base.beta.iter()) {
+        left.iter_mut()
+            .zip(column)
+            .for_each(|(e, c)| *e -= beta * c);
+    }
+    Some((left, base.residual))
+}
+
+/// What is left is smaller by what the flexible model took: the factor on its squares.
+fn freedom(rows: &[Row], flexible: &[Vec<f64>]) -> f64 {
+    rows.len() as f64 / (rows.len() as f64 - flexible.len() as f64).max(1.0)
+}
+
+/// What a model flexible enough for any effect leaves of the residuals, and the factor on its squares.
+pub fn left(
+    context: &Context<'_>,
+    rows: &[Row],
+    calibrated: &Calibrated,
+    model: &[Term],
+) -> Option<(Vec<f64>, f64)> {
+    let flexible = flexible(context, rows, model);
+    let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
+    let (left, _) = left_of(&y, &flexible, &calibrated.whitening(context, rows))?;
+    Some((left, freedom(rows, &flexible)))
 }
 
 /// Columns that take up any effect: Davis, location, time, the known model, and effects of the effort.

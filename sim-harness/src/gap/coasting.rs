@@ -19,6 +19,8 @@ use rundown::track::Direction;
 const CHANGE: f64 = 0.08;
 /// Coasting is believed above this probability.
 const ENOUGH: f64 = 0.85;
+/// A stretch must be coasting rather than a held speed by so much, log of the odds.
+const RATHER: f64 = 1.0;
 const REGIMES: usize = 5;
 /// Density of coasting far from what it should be, over that of its middle.
 const FAR: f64 = 1e-5;
@@ -35,6 +37,8 @@ pub fn coasted(
     uncertain: f64,
 ) -> Vec<bool> {
     let line = believed.line(direction);
+    // Coasting rather than a held speed, log of the odds.
+    let mut rather = Vec::with_capacity(intervals.len());
     let densities: Vec<[f64; REGIMES]> = intervals
         .iter()
         .zip(extra)
@@ -53,6 +57,11 @@ pub fn coasted(
             };
             // Not heavier tails: one interval of power between two of coasting must cost more than to change twice.
             let coast = |z: f64| (-0.5 * z * z).exp() + FAR;
+            let hold = 0.7 * student(effort - load, 1.3 * noise_n_per_kg)
+                + 0.3 * student(effort - load, 3.0 * noise_n_per_kg);
+            let most_hold =
+                0.7 * student(0.0, 1.3 * noise_n_per_kg) + 0.3 * student(0.0, 3.0 * noise_n_per_kg);
+            rather.push((coast(effort / sd) * most_hold / hold).ln());
             let even = |low: f64, high: f64| {
                 // A broad plateau with soft edges.
                 let outside = (low - effort).max(effort - high).max(0.0);
@@ -63,8 +72,7 @@ pub fn coasted(
             }
             [
                 coast(effort / sd) / sd,
-                student(effort - load, 1.3 * noise_n_per_kg) * 0.7
-                    + 0.3 * student(effort - load, 3.0 * noise_n_per_kg),
+                hold,
                 even(0.15 * most, 1.1 * most),
                 even(-0.8, -0.1),
                 // Changing: anywhere between.
@@ -104,10 +112,20 @@ pub fn coasted(
             .and_then(|i| coasting.get(i))
             .is_none_or(|p| *p > 0.5)
     };
-    (0..coasting.len())
+    let mut coasted: Vec<bool> = (0..coasting.len())
         .map(|i| {
             let i = i as isize;
             coasting[i as usize] > ENOUGH && beyond(i - 1) && beyond(i + 1)
         })
-        .collect()
+        .collect();
+    // Down a gradient that balances the resistance a held speed looks like coasting, interval by interval.
+    let mut at = 0;
+    for stretch in coasted.chunk_by_mut(|a, b| a == b) {
+        let all: f64 = rather[at..at + stretch.len()].iter().sum();
+        at += stretch.len();
+        if all < RATHER {
+            stretch.fill(false);
+        }
+    }
+    coasted
 }

@@ -6,6 +6,9 @@ use nalgebra::{DMatrix, DVector};
 /// Log-likelihood that a value at its 95 % limit loses: half the 95 % point of chi square with one degree of freedom.
 pub const LOSS_AT_LIMIT: f64 = 1.92;
 
+/// 97.5 % point of the normal distribution, a little wider for the few runs there are.
+pub const TWO_SIDED: f64 = 2.05;
+
 /// The middle of values in any order.
 pub fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();

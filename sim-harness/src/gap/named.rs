@@ -2,8 +2,10 @@
 
 use super::analysis::{Findings, Fitted, Surroundings};
 use super::caps::Limit;
+use super::fit::TWO_SIDED;
 use super::runs::Run;
-use super::terms::{Coordinate, Term};
+use super::separates::{Have, separates};
+use super::terms::{Coordinate, Term, both_directions};
 use rundown::effects::{self as core_effects, Effect};
 use serde_json::{Map, Value, json};
 
@@ -29,9 +31,6 @@ pub struct Named {
     /// Gain of log-likelihood.
     pub gain: f64,
 }
-
-/// 97.5 % point of the normal distribution, a little wider for the few runs there are.
-const TWO_SIDED: f64 = 2.05;
 
 impl Named {
     /// An effect that acts in all runs and has no rivals.
@@ -114,24 +113,6 @@ pub fn name(term: &Term) -> &'static str {
         Term::Delay => "delay",
         Term::Late => "late",
     }
-}
-
-/// What would tell two effects apart that these data do not.
-fn separates(a: &str, b: &str, measured: bool) -> Option<&'static str> {
-    let pair = |x: &str, y: &str| (a == x && b == y) || (a == y && b == x);
-    if pair("steady_wind", "davis_error") || pair("gradient_error", "unknown") {
-        return Some("runs in the other direction");
-    }
-    if pair("tunnel_drag", "gradient_error") {
-        return Some("runs at another speed, or in the other direction");
-    }
-    if pair("seasonal_drift", "temperature_resistance") {
-        return Some("another season");
-    }
-    if pair("mass_error", "traction_scale") || pair("mass_error", "davis_error") || !measured {
-        return Some("an effort column");
-    }
-    None
 }
 
 /// All that was found, by name. `runs` as analysed.
@@ -237,12 +218,11 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
                         factor: *value,
                         below_kmh: *below_kmh,
                     }),
-                    vec![
-                        factor(*value),
-                        ("below_kmh", below_kmh - 8.0, below_kmh + 8.0),
-                    ],
+                    vec![factor(*value)],
                     found.gain,
                 );
+                let limits = found.below_kmh.map(|(low, high)| ("below_kmh", low, high));
+                named.intervals.extend(limits);
                 named.runs = slippery.iter().map(|i| runs[*i].name.clone()).collect();
                 named
             }
@@ -300,6 +280,7 @@ fn of_term(
         sd,
         gain,
         edges_m,
+        shape,
         rivals,
     } = fitted;
     let mut term = term.clone();
@@ -406,29 +387,34 @@ fn of_term(
             reference_day: findings.first_day,
         }),
         Term::WarmUp(tau_s) => {
-            let amplitude = one("amplitude", 1.0);
-            intervals.push(("tau_s", 0.6 * tau_s, 1.6 * tau_s));
+            if let Some(limits) = shape {
+                intervals.push(("amplitude", limits.beta.0, limits.beta.1));
+                intervals.push(("tau_s", limits.shape.0, limits.shape.1));
+            }
             Effect::WarmUp(core_effects::WarmUp {
-                amplitude,
+                amplitude: beta[0],
                 tau_s: *tau_s,
             })
         }
         Term::Length(true_m) => {
-            // The coefficient is fixed; how sure it is follows from what a change of the length would cost.
-            let by = (true_m - findings.length_m).abs() / (2.0 * gain.max(1.0)).sqrt();
-            intervals.push(around(
-                "true_length_m",
-                *true_m,
-                by.max(0.02 * findings.length_m),
-            ));
+            if let Some(limits) = shape {
+                intervals.push(("true_length_m", limits.shape.0, limits.shape.1));
+            }
             Effect::TrainLengthError(core_effects::TrainLengthError {
                 true_length_m: *true_m,
             })
         }
-        Term::BrakeFade(from_mps) => Effect::BrakeFade(core_effects::BrakeFade {
-            fade_at_140: one("fade_at_140", 1.0),
-            from_kmh: 3.6 * from_mps,
-        }),
+        Term::BrakeFade(from_mps) => {
+            if let Some(limits) = shape {
+                intervals.push(("fade_at_140", limits.beta.0, limits.beta.1));
+                let (low, high) = limits.shape;
+                intervals.push(("from_kmh", 3.6 * low, 3.6 * high));
+            }
+            Effect::BrakeFade(core_effects::BrakeFade {
+                fade_at_140: beta[0],
+                from_kmh: 3.6 * from_mps,
+            })
+        }
         Term::DraggingBrake(dragging) => {
             of_runs = dragging.iter().map(|i| runs[*i].name.clone()).collect();
             Effect::DraggingBrake(core_effects::DraggingBrake {
@@ -468,10 +454,14 @@ fn of_term(
         .collect();
     ambiguous_with.dedup();
     ambiguous_with.truncate(2);
-    let mut would_separate: Vec<&'static str> = ambiguous_with
+    let have = Have {
+        effort: findings.measured,
+        both_directions: both_directions(&findings.rows),
+    };
+    let advice = ambiguous_with
         .iter()
-        .filter_map(|other| separates(effect.name(), other, findings.measured))
-        .collect();
+        .map(|other| separates(effect.name(), other, have));
+    let mut would_separate: Vec<&'static str> = advice.collect();
     would_separate.dedup();
     Some(Named {
         confidence: (1.0 - (-gain.min(30.0) / 2.0).exp()) / (1.0 + odds),

@@ -206,9 +206,6 @@ pub fn intervals(index: usize, run: &Run, line: &Line<'_>, readings: &Readings) 
         let (from, to) = (pair[0], pair[1]);
         let dt_s = to.time_s - from.time_s;
         let effort = mean_effort(run, readings, from.sample, to.sample);
-        if effort.is_some_and(|(mean, _)| mean < BRAKED_N_PER_KG) {
-            braked = true;
-        }
         if dt_s > longest_s {
             last_end = None;
             continue;
@@ -232,7 +229,7 @@ pub fn intervals(index: usize, run: &Run, line: &Line<'_>, readings: &Readings) 
             let held = held(run, line, readings, &from, &to, &path);
             (mean + 0.5 * held, change + held.abs())
         });
-        intervals.push(Interval {
+        let mut interval = Interval {
             run: index,
             begin_s: from.time_s,
             dt_s,
@@ -245,7 +242,13 @@ pub fn intervals(index: usize, run: &Run, line: &Line<'_>, readings: &Readings) 
             braked,
             follows: last_end == Some(from.sample),
             path,
-        });
+        };
+        // An effort that is not measured may have been a brake test of a few seconds: any run may have braked.
+        braked |= interval
+            .effort_n_per_kg
+            .is_none_or(|effort| effort < BRAKED_N_PER_KG);
+        interval.braked = braked;
+        intervals.push(interval);
         last_end = Some(to.sample);
     }
     intervals

@@ -8,6 +8,7 @@ use super::evidence::NOTHING_N_PER_KG;
 use super::fit::{Base, Gain, LOSS_AT_LIMIT};
 use super::rows::Row;
 use super::scan::{Kind, Scan};
+use super::shape;
 use super::terms::{Context, Coordinate, Term, both_directions, coordinate};
 use super::whitening::Whitening;
 use nalgebra::DVector;
@@ -150,54 +151,77 @@ impl<'a> Search<'a> {
             Family::Length => return self.best_length(base),
             Family::Dragging => vec![self.dragging(base)?],
         };
-        terms
-            .into_iter()
-            .filter(|term| {
-                let same =
-                    |other: &Term| core::mem::discriminant(other) == core::mem::discriminant(term);
-                is_section(term) || !model.iter().any(same) || matches!(term, Term::Smooth(..))
-            })
-            .filter_map(|term| {
-                let gain = base.gain(&self.white(&term))?;
-                if !matters(&term, gain.beta.as_slice(), self.context, self.rows) {
-                    return None;
-                }
-                let cost = cost(&term, self.rows);
-                let (value, sure) = (gain.naive_gain - cost, gain.gain - cost);
-                // A gain that rests on a few runs is worth what it is worth run by run.
-                let few = matches!(term, Term::DraggingBrake(_));
-                let sure = if few {
-                    sure
-                } else {
-                    sure.min(gain.without_best - cost)
-                };
-                let value = if sure > ENOUGH {
-                    value
-                } else {
-                    value.min(sure)
-                };
-                Some(Found { term, gain, value })
-            })
-            .max_by(|a, b| a.value.total_cmp(&b.value))
+        let terms = terms.into_iter().filter(|term| {
+            let same =
+                |other: &Term| core::mem::discriminant(other) == core::mem::discriminant(term);
+            is_section(term) || !model.iter().any(same) || matches!(term, Term::Smooth(..))
+        });
+        let found = |term: Term| {
+            let gain = base.gain(&self.white(&term))?;
+            if !matters(&term, gain.beta.as_slice(), self.context, self.rows) {
+                return None;
+            }
+            let cost = cost(&term, self.rows);
+            let (value, sure) = (gain.naive_gain - cost, gain.gain - cost);
+            // A gain that rests on a few runs is worth what it is worth run by run.
+            let few = matches!(term, Term::DraggingBrake(_));
+            let sure = if few {
+                sure
+            } else {
+                sure.min(gain.without_best - cost)
+            };
+            let value = if sure > ENOUGH {
+                value
+            } else {
+                value.min(sure)
+            };
+            Some(Found { term, gain, value })
+        };
+        let best = terms
+            .filter_map(found)
+            .max_by(|a, b| a.value.total_cmp(&b.value))?;
+        if best.value < ENOUGH {
+            return Some(best);
+        }
+        match shape::refined(self, base, best.term.clone()) {
+            same if same == best.term => Some(best),
+            finer => found(finer).or(Some(best)),
+        }
     }
 
-    /// Another length: the coefficient is 1, so the gain is not that of a free fit.
+    /// What a term brings beside a model. The coefficient of another length is 1, so its gain is not that of a free fit.
+    pub fn gain(&self, base: &Base, term: &Term) -> Option<Gain> {
+        let columns: Vec<DVector<f64>> = term
+            .columns(self.context, self.rows)
+            .iter()
+            .map(|column| self.whitening.whiten(column))
+            .collect();
+        let Term::Length(_) = term else {
+            return base.gain(&columns);
+        };
+        let column = base.beside(&columns[0]);
+        let mut gain = base.gain(core::slice::from_ref(&column))?;
+        let naive = base.residual.dot(&column) - 0.5 * column.norm_squared();
+        gain.gain *= naive / gain.naive_gain.max(1e-12);
+        gain.naive_gain = naive;
+        Some(gain)
+    }
+
     fn best_length(&self, base: &Base) -> Option<Found> {
         let believed_m = self.context.believed.train().length_m();
-        (4..40)
+        let found = |term: Term| {
+            let gain = self.gain(base, &term)?;
+            let value = gain.gain - cost(&term, self.rows);
+            Some(Found { term, gain, value })
+        };
+        let best = (4..40)
             .filter(|i: &i32| (i - 20).abs() >= 3)
-            .filter_map(|i| {
-                let true_m = believed_m * f64::from(i) / 20.0;
-                let term = Term::Length(true_m);
-                let column = base.beside(&self.white(&term)[0]);
-                let mut gain = base.gain(core::slice::from_ref(&column))?;
-                let naive = base.residual.dot(&column) - 0.5 * column.norm_squared();
-                gain.gain *= naive / gain.naive_gain.max(1e-12);
-                gain.naive_gain = naive;
-                let value = gain.gain - cost(&term, self.rows);
-                Some(Found { term, gain, value })
-            })
-            .max_by(|a, b| a.value.total_cmp(&b.value))
+            .filter_map(|i| found(Term::Length(believed_m * f64::from(i) / 20.0)))
+            .max_by(|a, b| a.value.total_cmp(&b.value))?;
+        if best.value < ENOUGH {
+            return Some(best);
+        }
+        found(shape::refined(self, base, best.term))
     }
 
     /// The runs in which a constant resistance after the first brake application, the same in all of them, explains most.
@@ -401,6 +425,8 @@ fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bo
     const LEAST_UNNAMED_N_PER_KG: f64 = 6e-4;
     /// The same in a section of the line: 0.2 permille.
     const LEAST_IN_SECTION_N_PER_KG: f64 = 2e-3;
+    /// What stiff bearings add at most, N/kg. More is a law of something else, carried back to the departure.
+    const MOST_WARM_UP_N_PER_KG: f64 = 0.03;
     // In rising order.
     let sizes = || {
         let columns = term.columns(context, rows);
@@ -437,7 +463,9 @@ fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bo
         Term::Gradient(_) | Term::Bump(_) => most() > LEAST_IN_SECTION_N_PER_KG,
         Term::Curve | Term::DraggingBrake(_) => beta[0] > 0.0 && most() > LEAST_N_PER_KG,
         // The largest value belongs to the first rows alone.
-        Term::WarmUp(_) => beta[0] > 0.0 && most() > 2.0 * LEAST_N_PER_KG,
+        Term::WarmUp(_) => {
+            (0.0..MOST_WARM_UP_N_PER_KG).contains(&beta[0]) && most() > 2.0 * LEAST_N_PER_KG
+        }
         Term::Davis(_) | Term::Cube | Term::Wind(_) => often() > LEAST_N_PER_KG,
         Term::Smooth(..) => most() > LEAST_UNNAMED_N_PER_KG,
         _ => most() > LEAST_N_PER_KG,
@@ -536,6 +564,7 @@ fn families(
         (Coordinate::Speed, 7),
         (Coordinate::Speed, 14),
         (Coordinate::Time, 7),
+        (Coordinate::Time, 24),
     ];
     if rows.iter().any(|row| row.interval.temperature_c.is_some()) {
         families.push(Family::Shapes(vec![Term::Temperature]));

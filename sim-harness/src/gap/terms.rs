@@ -4,7 +4,7 @@
 //! coefficient, averaged along the path of each interval.
 
 use super::rows::{Believed, Row};
-use super::runs::Point;
+use super::runs::{Interval, Point};
 use rundown::motion::Line;
 use rundown::track::Direction;
 
@@ -97,6 +97,18 @@ impl Term {
             Self::Smooth(_, knots) => knots.len(),
             _ => 1,
         }
+    }
+
+    /// A table reaches this interval. Laws reach everywhere.
+    pub fn covers(&self, interval: &Interval) -> bool {
+        let Self::Smooth(which, knots) = self else {
+            return true;
+        };
+        // Few rows lie beyond the last knots but one.
+        let inner = knots.get(1).zip(knots.get(knots.len().saturating_sub(2)));
+        let at = of_interval(*which, interval, interval.middle());
+        at.zip(inner)
+            .is_some_and(|(at, (first, last))| (*first..=*last).contains(&at))
     }
 
     /// Its columns, one for each coefficient.
@@ -193,12 +205,16 @@ impl Term {
 
 /// The coordinate's value at a point.
 pub fn coordinate(which: Coordinate, row: &Row, point: &Point) -> Option<f64> {
+    of_interval(which, &row.interval, point)
+}
+
+fn of_interval(which: Coordinate, interval: &Interval, point: &Point) -> Option<f64> {
     match which {
         Coordinate::Location => Some(point.location_m),
         Coordinate::Speed => Some(point.speed_mps),
         Coordinate::Time => Some(point.since_departure_s),
-        Coordinate::Temperature => row.interval.temperature_c,
-        Coordinate::Day => row.interval.day,
+        Coordinate::Temperature => interval.temperature_c,
+        Coordinate::Day => interval.day,
     }
 }
 

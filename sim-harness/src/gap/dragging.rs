@@ -1,0 +1,153 @@
+//! Does a brake drag in some of the runs?
+//!
+//! A constant resistance in a quarter of the runs is also a spread between runs, and the noise of a data set has room for that (wind, constant). So the two are compared as
+//! explanations of what differs from run to run:
+//!
+//! ```text
+//! e_i = d b_i z_i + own_i + noise        z_i = 1 with probability p, own_i normal
+//! ```
+//!
+//! with b the rows after the first brake application; d = 0 is the noise alone. Whether a run drags is integrated out, so choosing the runs costs nothing.
+
+use super::calibrate::{Calibrated, Own, left, own_columns, whitening};
+use super::rows::Row;
+use super::terms::{Context, Term};
+
+/// What the mixture must be better by: two coefficients, and what makes it sure.
+const ENOUGH: f64 = 8.0;
+/// Smallest and largest drag, N/kg.
+const DRAG_N_PER_KG: (f64, f64) = (1e-3, 0.05);
+/// More runs than this do not drag: it is the train.
+const MOST: f64 = 0.6;
+
+/// The drag of a run along its rows: score and information.
+struct Told {
+    run: usize,
+    score: f64,
+    information: f64,
+}
+
+impl Told {
+    /// Gain of log-likelihood if the run drags.
+    fn gain(&self, drag: f64) -> f64 {
+        drag * self.score - 0.5 * drag * drag * self.information
+    }
+}
+
+/// Drag and share of the runs, by expectation and maximisation, and the gain of log-likelihood.
+fn mixture(told: &[Told], mut drag: f64) -> (f64, f64, f64) {
+    let mut share: f64 = 0.2;
+    let odds = |share: f64, gain: f64| share * gain.clamp(-500.0, 500.0).exp() / (1.0 - share);
+    for _ in 0..60 {
+        let (mut sum, mut score, mut information) = (0.0, 0.0, 0.0);
+        for run in told {
+            let odds = odds(share, run.gain(drag));
+            let drags = odds / (1.0 + odds);
+            sum += drags;
+            score += drags * run.score;
+            information += drags * run.information;
+        }
+        share = (sum / told.len() as f64).clamp(0.5 / told.len() as f64, MOST);
+        drag = (score / information.max(1e-12)).clamp(DRAG_N_PER_KG.0, DRAG_N_PER_KG.1);
+    }
+    let of_run = |run: &Told| (1.0 - share).ln() + odds(share, run.gain(drag)).ln_1p();
+    (drag, share, told.iter().map(of_run).sum())
+}
+
+/// The runs in which a brake drags, if that explains what differs between runs better than their own constants and winds. `None` too if the model has such runs already.
+pub fn dragging(
+    context: &Context<'_>,
+    rows: &[Row],
+    calibrated: &Calibrated,
+    model: &[Term],
+) -> Option<Term> {
+    if model
+        .iter()
+        .any(|term| matches!(term, Term::DraggingBrake(_)))
+    {
+        return None;
+    }
+    let columns = own_columns(context, rows);
+    let all: Vec<usize> = rows.iter().map(|row| row.interval.run).collect();
+    let braked = Term::DraggingBrake(all)
+        .columns(context, rows)
+        .swap_remove(0);
+    let (residual, freedom) = left(context, rows, calibrated, model)?;
+    let of = |own: &Own| {
+        let whitening = whitening(&calibrated.noise, own, &calibrated.spread, rows, &columns);
+        let (e, b) = (whitening.whiten(&residual), whitening.whiten(&braked));
+        let told: Vec<Told> = whitening
+            .runs()
+            .iter()
+            .map(|range| {
+                let e = e.rows(range.start, range.len());
+                let b = b.rows(range.start, range.len());
+                Told {
+                    run: rows[range.start].interval.run,
+                    score: freedom * b.dot(&e),
+                    information: freedom * b.norm_squared(),
+                }
+            })
+            .collect();
+        (
+            -whitening.log_determinant() - 0.5 * freedom * e.norm_squared(),
+            told,
+        )
+    };
+    let (plain, _) = of(&calibrated.own);
+    let mut best: Option<(f64, f64, f64, Vec<Told>)> = None;
+    for constant in [0.0, 0.25, 0.5, 1.0] {
+        for wind in [0.0, 0.25, 0.5, 1.0] {
+            let own = Own {
+                constant_n_per_kg: constant * calibrated.own.constant_n_per_kg,
+                wind_mps: wind * calibrated.own.wind_mps,
+                ..calibrated.own
+            };
+            let (without, told) = of(&own);
+            for start in [0.003, 0.01] {
+                let (drag, share, gain) = mixture(&told, start);
+                if best.as_ref().is_none_or(|b| without + gain > b.0) {
+                    let (_, told) = of(&own);
+                    best = Some((without + gain, drag, share, told));
+                }
+            }
+        }
+    }
+    let (reached, drag, share, told) = best?;
+    let odds = |run: &&Told| share * run.gain(drag).clamp(-500.0, 500.0).exp() > 1.0 - share;
+    let runs: Vec<usize> = told.iter().filter(odds).map(|run| run.run).collect();
+    (reached - plain > ENOUGH && !runs.is_empty()).then_some(Term::DraggingBrake(runs))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(constants: impl Iterator<Item = f64>) -> Vec<Told> {
+        let information = 1.0 / (1.5e-3_f64 * 1.5e-3);
+        constants
+            .enumerate()
+            .map(|(run, constant)| Told {
+                run,
+                score: constant * information,
+                information,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_quarter_of_the_runs_drags() {
+        let told = told((0..60).map(|i| if i % 4 == 0 { 6e-3 } else { 0.0 }));
+        let (drag, share, gain) = mixture(&told, 0.003);
+        assert!((drag - 6e-3).abs() < 1e-4);
+        assert!((share - 0.25).abs() < 0.02);
+        assert!(gain > 50.0);
+    }
+
+    #[test]
+    fn no_run_drags_where_none_differs() {
+        let told = told((0..60).map(|i| 1.5e-3 * f64::from(i % 3 - 1)));
+        let (_, _, gain) = mixture(&told, 0.003);
+        assert!(gain < 3.0);
+    }
+}

@@ -1,0 +1,115 @@
+//! Terms whose shape is a number: a time constant, the speed at which a fade begins, a length. The search tries a few; here the best is made finer, and its limits are found.
+
+use super::fit::{Base, Gain, LOSS_AT_LIMIT};
+use super::select::Search;
+use super::terms::Term;
+
+/// A shape, how far each step goes at first, and the range in which it makes sense.
+struct Dial {
+    value: f64,
+    step: f64,
+    least: f64,
+    most: f64,
+    /// The shape is the exponential of the value.
+    exponential: bool,
+}
+
+impl Dial {
+    fn of(term: &Term) -> Option<Self> {
+        let dial = |value: f64, step, least, most, exponential| {
+            Some(Self {
+                value,
+                step,
+                least,
+                most,
+                exponential,
+            })
+        };
+        match term {
+            // 20 s to 40 min.
+            Term::WarmUp(tau_s) => dial(tau_s.ln(), 0.25, 3.0, 7.8, true),
+            Term::BrakeFade(from_mps) => dial(*from_mps, 2.5, 0.0, 32.0, false),
+            Term::Length(true_m) => dial(true_m.ln(), 0.03, 2.3, 7.3, true),
+            _ => None,
+        }
+    }
+
+    fn shape(&self, value: f64) -> f64 {
+        if self.exponential { value.exp() } else { value }
+    }
+}
+
+fn with_shape(term: &Term, shape: f64) -> Term {
+    match term {
+        Term::WarmUp(_) => Term::WarmUp(shape),
+        Term::BrakeFade(_) => Term::BrakeFade(shape),
+        Term::Length(_) => Term::Length(shape),
+        other => other.clone(),
+    }
+}
+
+/// 95 % limits of a shape, and of the coefficient that goes with it: where the shape moves, the coefficient follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Of the shape.
+    pub shape: (f64, f64),
+    /// Of the coefficient.
+    pub beta: (f64, f64),
+}
+
+/// The same term with its shape made finer.
+pub fn refined(search: &Search<'_>, base: &Base, term: Term) -> Term {
+    let Some(dial) = Dial::of(&term) else {
+        return term;
+    };
+    let gain = |value: f64| {
+        let gain = search.gain(base, &with_shape(&term, dial.shape(value)));
+        gain.map_or(f64::NEG_INFINITY, |gain| gain.naive_gain)
+    };
+    let (mut best, mut step) = (dial.value, dial.step);
+    let mut most = gain(best);
+    while step > 0.04 * dial.step {
+        let mut moved = false;
+        for value in [best - step, best + step] {
+            let now = gain(value.clamp(dial.least, dial.most));
+            if now > most {
+                (best, most, moved) = (value.clamp(dial.least, dial.most), now, true);
+            }
+        }
+        if !moved {
+            step *= 0.5;
+        }
+    }
+    with_shape(&term, dial.shape(best))
+}
+
+/// Limits of a term's shape beside the others of its model: the profile of the log-likelihood. `half`: how far the limits of its coefficient are from it where the shape stays.
+pub fn limits(base: &Base, search: &Search<'_>, term: &Term, half: f64) -> Option<Limits> {
+    let dial = Dial::of(term)?;
+    let at = |value: f64| search.gain(base, &with_shape(term, dial.shape(value)));
+    let of = |gain: &Gain| (gain.gain, gain.beta.iter().next().copied().unwrap_or(1.0));
+    let (most, beta) = of(&at(dial.value)?);
+    let mut limits = Limits {
+        shape: (dial.shape(dial.value), dial.shape(dial.value)),
+        beta: (beta - half, beta + half),
+    };
+    for direction in [-1.0, 1.0] {
+        let mut value = dial.value;
+        while value > dial.least && value < dial.most {
+            value = (value + direction * 0.2 * dial.step).clamp(dial.least, dial.most);
+            let Some((gain, beta)) = at(value).as_ref().map(of) else {
+                break;
+            };
+            let loss = (most - gain).max(0.0);
+            if loss > LOSS_AT_LIMIT {
+                break;
+            }
+            let half = half * (1.0 - loss / LOSS_AT_LIMIT).sqrt();
+            limits.beta.0 = limits.beta.0.min(beta - half);
+            limits.beta.1 = limits.beta.1.max(beta + half);
+            limits.shape.0 = limits.shape.0.min(dial.shape(value));
+            limits.shape.1 = limits.shape.1.max(dial.shape(value));
+        }
+    }
+    Some(limits)
+}
