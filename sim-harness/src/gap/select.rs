@@ -5,7 +5,7 @@
 
 use super::calibrate::{Calibrated, knots};
 use super::evidence::NOTHING_N_PER_KG;
-use super::fit::{Base, Gain, LOSS_AT_LIMIT};
+use super::fit::{Base, Gain, LOSS_AT_LIMIT, TWO_SIDED};
 use super::rows::Row;
 use super::scan::{Kind, Scan};
 use super::shape;
@@ -80,8 +80,10 @@ impl<'a> Search<'a> {
         measured: bool,
     ) -> Self {
         let whitening = calibrated.whitening(context, rows);
-        let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
-        let y = whitening.whiten(&y);
+        // Winds that differ from run to run are more resistance in the mean: (v + w)² is v² + w².
+        let by_winds = context.believed.train().davis().r2 * calibrated.own.wind_mps.powi(2);
+        let y = rows.iter().map(|row| row.residual_n_per_kg - by_winds);
+        let y = whitening.whiten(&y.collect::<Vec<f64>>());
         let families = families(context, rows, &whitening, measured);
         let sensors = sensors(context, rows, &whitening);
         Self {
@@ -175,6 +177,9 @@ impl<'a> Search<'a> {
             } else {
                 value.min(sure)
             };
+            if value > ENOUGH && !self.is_sure(&term, &gain) {
+                return None;
+            }
             Some(Found { term, gain, value })
         };
         let best = terms
@@ -187,6 +192,18 @@ impl<'a> Search<'a> {
             same if same == best.term => Some(best),
             finer => found(finer).or(Some(best)),
         }
+    }
+
+    /// Its sign is sure, whatever differs in all rows alike.
+    fn is_sure(&self, term: &Term, gain: &Gain) -> bool {
+        // The other coefficient of a temperature is a constant.
+        let one = gain.beta.len() == 1 || matches!(term, Term::Temperature);
+        let (beta, systematic) = (gain.beta.iter().next(), self.systematic(term));
+        let (true, Some(beta), Some(systematic)) = (one, beta, systematic.first()) else {
+            return true;
+        };
+        let sd = gain.naive[(0, 0)].max(gain.robust[(0, 0)]).sqrt();
+        beta.abs() > TWO_SIDED * sd.hypot(*systematic)
     }
 
     /// What a term brings beside a model. The coefficient of another length is 1, so its gain is not that of a free fit.
