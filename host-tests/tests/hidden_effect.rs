@@ -5,6 +5,7 @@ use sim_harness::gap::bench::draw::{Ask, Set, Size};
 use sim_harness::gap::bench::score::Score;
 use sim_harness::gap::bench::{ReadSet, blind};
 use sim_harness::gap::workflow::Investigation;
+use sim_harness::truth::effects::Effect as Hidden;
 
 /// Runs of a set: fewer than an analyst has, so that the test is quick.
 const RUNS: usize = 24;
@@ -15,12 +16,24 @@ fn investigated(
     dirty: bool,
     seed: u64,
 ) -> (Score, Investigation) {
+    let (_, score, found) = of_size(Size::Clear, RUNS, kinds, effort, dirty, seed);
+    (score, found)
+}
+
+fn of_size(
+    size: Size,
+    runs: usize,
+    kinds: &[&'static str],
+    effort: bool,
+    dirty: bool,
+    seed: u64,
+) -> (Set, Score, Investigation) {
     let set = Set::draw(Ask {
         kinds: kinds.to_vec(),
-        size: Size::Clear,
+        size,
         effort,
         dirty,
-        runs: RUNS,
+        runs,
         seed,
     });
     let folder = tempfile::tempdir().unwrap();
@@ -28,7 +41,7 @@ fn investigated(
     assert!(!folder.path().join("truth").exists());
     let score = Score::of(&set, Some(&found));
     println!("{:?}, seed {seed}: {score:?}", set.scenario.effects);
-    (score, found)
+    (set, score, found)
 }
 
 #[test]
@@ -81,6 +94,87 @@ fn what_is_in_no_catalogue_is_called_unknown_with_its_coordinate() {
     assert!(score.exact, "{score:?}");
     assert!(matches!(found.named[0].effect, Effect::Unknown(_)));
     assert_eq!(found.verdict(), "unknown");
+}
+
+/// 95 % limits of a parameter of the first effect.
+fn limits(found: &Investigation, parameter: &str) -> (f64, f64) {
+    let all = &found.named[0].intervals;
+    let one = all.iter().find(|(name, ..)| *name == parameter);
+    one.map(|(_, low, high)| (*low, *high)).unwrap()
+}
+
+/// As many runs as an analyst has.
+const MANY: usize = 67;
+
+#[test]
+fn medium_and_faint_effects_are_found_in_many_runs() {
+    for (size, kind, seed) in [
+        (Size::Medium, "mass_error", 31),
+        (Size::Faint, "seasonal_drift", 32),
+        (Size::Faint, "tunnel_drag", 33),
+    ] {
+        let (_, score, _) = of_size(size, MANY, &[kind], true, false, seed);
+        assert!(score.exact, "{score:?}");
+        assert!(score.size_errors[0] < 0.25, "{score:?}");
+    }
+}
+
+/// Drawn between 150 and 600 s, the time constant is none of those that are tried first.
+#[test]
+fn a_warm_up_has_its_time_constant_and_limits_that_hold_it() {
+    let (set, score, found) = of_size(Size::Clear, MANY, &["warm_up"], true, false, 41);
+    assert!(score.exact, "{score:?}");
+    assert!(score.size_errors[0] < 0.1, "{score:?}");
+    let Effect::WarmUp(warm_up) = &found.named[0].effect else {
+        panic!("{:?}", found.named);
+    };
+    assert!((warm_up.tau_s / 300.0 - 1.0).abs() < 0.15, "{warm_up:?}");
+    let (low, high) = limits(&found, "tau_s");
+    assert!(
+        low < 300.0 && 300.0 < high && high < 2.0 * low,
+        "{low} {high}"
+    );
+}
+
+#[test]
+fn slippery_days_are_found_with_their_runs() {
+    let (set, score, found) = of_size(Size::Clear, MANY, &["low_adhesion"], true, false, 51);
+    assert!(score.exact, "{score:?}");
+    assert!(score.size_errors[0] < 0.1, "{score:?}");
+    let slippery = found.named[0].runs.len();
+    assert!((5..=30).contains(&slippery), "{slippery} runs");
+    let [Hidden::LowAdhesion { below_kmh, .. }] = set.scenario.effects[..] else {
+        panic!("{:?}", set.scenario.effects);
+    };
+    let (low, high) = limits(&found, "below_kmh");
+    assert!(
+        low < below_kmh && below_kmh < high,
+        "{low} {below_kmh} {high}"
+    );
+}
+
+/// Without an effort column a constant in some runs is no wind of single runs.
+#[test]
+fn a_dragging_brake_is_told_from_winds_without_an_effort_column() {
+    let (_, score, found) = of_size(Size::Clear, MANY, &["dragging_brake"], false, false, 61);
+    assert!(score.exact, "{score:?}");
+    assert!(score.size_errors[0] < 0.15, "{score:?}");
+    let dragging = found.named[0].runs.len();
+    assert!((8..=27).contains(&dragging), "{dragging} runs");
+}
+
+/// In one direction a tunnel and a wrong gradient differ by the speeds of the runs alone: both names are told, with what would separate them, or the right one.
+#[test]
+fn a_tunnel_in_one_direction_is_named_or_shared() {
+    for seed in [71, 72] {
+        let (_, score, found) = of_size(Size::Clear, MANY, &["tunnel_drag"], true, false, seed);
+        assert!(score.shared, "{score:?}");
+        let named = &found.named[0];
+        assert_eq!(
+            named.ambiguous_with.is_empty(),
+            named.would_separate.is_empty()
+        );
+    }
 }
 
 /// One of the runs has a worn wheel, and its odometer gives the locations, too: only the other runs tell.

@@ -218,9 +218,13 @@ fn line(done: &Done) -> String {
         (false, true) => "shared",
         (false, false) => "missed",
     };
+    let outside = match &score.outside[..] {
+        [] => String::new(),
+        names => format!(", not {}", names.join(", ")),
+    };
     let removed = score.removed.map_or("-".to_owned(), |r| format!("{r:.2}"));
     let mut text = format!(
-        "{word} {:<24} {:<6} {} {} seed {:<10} {:<44} p {:.3} removed {removed} {:.3?} size error {:.2?} place {:.2?} intervals {:?}  found {}",
+        "{word} {:<24} {:<6} {} {} seed {:<10} {:<44} p {:.3} removed {removed} {:.3?} size error {:.2?} place {:.2?} intervals {:?}{}  found {}",
         if ask.kinds.is_empty() {
             "nothing".to_owned()
         } else {
@@ -236,6 +240,7 @@ fn line(done: &Done) -> String {
         score.size_errors,
         score.places,
         score.intervals,
+        outside,
         score.found.join(" + "),
     );
     if !score.rivals.is_empty() {

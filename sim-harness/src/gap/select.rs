@@ -29,6 +29,8 @@ const SHAPE: f64 = 1.5;
 const UNNAMED: f64 = 4.0;
 /// Largest extra resistance over the believed one.
 const MOST_SHARE: f64 = 1.5;
+/// Knots at even speeds.
+const EVEN: usize = 12;
 /// Most terms in a model.
 const MOST_TERMS: usize = 4;
 
@@ -591,11 +593,20 @@ fn families(
         families.push(Family::Shapes(vec![Term::Season]));
         coordinates.push((Coordinate::Day, 5));
     }
+    let along = |which| {
+        let at = move |row: &Row| coordinate(which, row, row.interval.middle());
+        rows.iter().filter_map(at)
+    };
+    let mut smooth = |which, knots| families.push(Family::Shapes(vec![Term::Smooth(which, knots)]));
     for (which, count) in coordinates {
-        let at = rows
-            .iter()
-            .filter_map(|row| coordinate(which, row, row.interval.middle()));
-        families.push(Family::Shapes(vec![Term::Smooth(which, knots(at, count))]));
+        smooth(which, knots(along(which), count));
+    }
+    // Speeds that are only passed through have few rows, and no knot among those that are equally filled.
+    let (low, high) =
+        along(Coordinate::Speed).fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+    if low < high {
+        let even = |i: usize| low + (high - low) * i as f64 / (EVEN - 1) as f64;
+        smooth(Coordinate::Speed, (0..EVEN).map(even).collect());
     }
     families
 }

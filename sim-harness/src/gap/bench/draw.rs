@@ -227,7 +227,7 @@ fn effect(kind: &str, size: Size, train: &TrainTruth, rng: &mut ChaCha8Rng) -> E
         },
         "low_adhesion" => Effect::LowAdhesion {
             factor: size.of([0.4, 0.5, 0.65]),
-            below_kmh: 45.0,
+            below_kmh: rng.random_range(35.0..60.0),
             runs: Affected::Share(0.25),
         },
         "speed_scale" => Effect::SpeedScale {
@@ -245,14 +245,14 @@ fn effect(kind: &str, size: Size, train: &TrainTruth, rng: &mut ChaCha8Rng) -> E
         },
         "brake_fade" => Effect::BrakeFade {
             fade_at_140: size.of([0.45, 0.3, 0.15]),
-            from_kmh: 60.0,
+            from_kmh: rng.random_range(40.0..80.0),
         },
         "train_length_error" => Effect::TrainLengthError {
             true_length_m: train.length_m * size.of([0.5, 0.67, 0.8]),
         },
         "warm_up" => Effect::WarmUp {
             amplitude: size.of([6e-3, 3e-3, 1.5e-3]),
-            tau_s: 300.0,
+            tau_s: rng.random_range(150.0..600.0),
         },
         "davis_error" => {
             let share = sign * size.of([0.2, 0.1, 0.05]);
@@ -267,8 +267,8 @@ fn effect(kind: &str, size: Size, train: &TrainTruth, rng: &mut ChaCha8Rng) -> E
             k: size.of([3e-7, 1.5e-7, 7e-8]),
         },
         "speed_bump" => Effect::SpeedBump {
-            at_kmh: 100.0,
-            half_width_kmh: 20.0,
+            at_kmh: rng.random_range(65.0..100.0),
+            half_width_kmh: rng.random_range(10.0..25.0),
             drag_n_per_kg: size.of([0.012, 0.006, 0.003]),
         },
         "location_bump" => Effect::LocationBump {
@@ -278,14 +278,14 @@ fn effect(kind: &str, size: Size, train: &TrainTruth, rng: &mut ChaCha8Rng) -> E
         },
         "periodic_drag" => Effect::PeriodicDrag {
             amplitude: size.of([0.01, 0.005, 0.0025]),
-            period_s: 400.0,
+            period_s: rng.random_range(300.0..900.0),
         },
         "frost" => Effect::Frost {
-            below_c: 3.0,
+            below_c: rng.random_range(2.0..5.0),
             drag_n_per_kg: size.of([5e-3, 2.5e-3, 1.2e-3]),
         },
         _ => Effect::DayStep {
-            from_share: 0.6,
+            from_share: rng.random_range(0.3..0.7),
             drag_n_per_kg: size.of([4e-3, 2e-3, 1e-3]),
         },
     }

@@ -33,6 +33,8 @@ pub struct Score {
     pub places: Vec<f64>,
     /// Reported 95 % intervals, and how many of them hold the truth.
     pub intervals: [usize; 2],
+    /// Parameters whose interval does not hold the truth.
+    pub outside: Vec<&'static str>,
     /// Share of the removable gap that is gone on the held-out runs; `None` where there was none.
     pub removed: Option<f64>,
     /// The gap on the held-out runs before and after, and its floor, m/s.
@@ -57,6 +59,7 @@ impl Score {
             size_errors: Vec::new(),
             places: Vec::new(),
             intervals: [0, 0],
+            outside: Vec::new(),
             removed: found
                 .filter(|f| f.gap.is_removable())
                 .map(|f| f.gap.removed_share),
@@ -89,7 +92,11 @@ impl Score {
         for (name, low, high) in &found.intervals {
             if let Some(value) = truth[*name].as_f64() {
                 self.intervals[0] += 1;
-                self.intervals[1] += usize::from(*low <= value && value <= *high);
+                if *low <= value && value <= *high {
+                    self.intervals[1] += 1;
+                } else {
+                    self.outside.push(name);
+                }
             }
         }
         let section = |value: &Value| Some([value["from_m"].as_f64()?, value["to_m"].as_f64()?]);
