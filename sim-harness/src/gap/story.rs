@@ -146,3 +146,23 @@ fn interval(ends: Option<(f64, f64)>) -> String {
         format!(" (95 % interval {:.0} to {:.0})", 100.0 * low, 100.0 * high)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rundown::effects::LocationLag;
+
+    #[test]
+    fn a_negative_lag_is_early_and_a_table_tells_its_coordinate() {
+        let early = Named::plain(Effect::LocationLag(LocationLag { lag_s: -2.1 }), 9.0);
+        let text = of_effect(&early);
+        assert!(text.contains("the location comes 2.1 s early"), "{text}");
+        let unknown = Unknown {
+            coordinate: Coordinate::Speed,
+            table: [(10.0, 0.0), (40.0, 2e-3)].into_iter().collect(),
+        };
+        let text = of_effect(&Named::plain(Effect::Unknown(unknown), 9.0));
+        let told = "along the speed, a table from 36 to 144 km/h, 0.0000 to 0.0020 N/kg";
+        assert!(text.contains(told), "{text}");
+    }
+}

@@ -1,6 +1,7 @@
 //! The law of each effect over the data: mean residuals over the variable that the law depends on, with the fitted law through them.
 
 use super::Page;
+use super::axis::axis;
 use super::binned::{Bin, Value, binned, width};
 use super::maps::{colour, word};
 use super::words::plain;
@@ -9,28 +10,15 @@ use crate::gap::named::Named;
 use crate::gap::rows::Row;
 use crate::report::chart::{Axes, Figure, Layer, Panel, Stroke, range_of};
 use crate::report::colours;
-use rundown::effects::{Coordinate, Effect};
+use rundown::effects::Effect;
 use rundown::track::Direction;
 
 /// Standard errors to either side of a mean.
 const TWO_SIDED: f64 = 1.96;
 /// Points of a law.
 const MOST_BINS: usize = 24;
-/// A brake application that is strong enough to tell what share of it is lacking, N/kg.
-const BRAKING_N_PER_KG: f64 = -0.05;
-
-type Of<'a, T> = Box<dyn Fn(&Row) -> T + 'a>;
-
-/// What a law is drawn over.
-struct Axis<'a> {
-    x_label: &'static str,
-    /// None: the row is not drawn.
-    x: Of<'a, Option<f64>>,
-    /// Each direction has its own law.
-    by_direction: bool,
-    /// Divisor of residual and law: 1, or the effort where a share of it is drawn.
-    per: Option<fn(&Row) -> f64>,
-}
+/// A mean of fewer runs is not drawn.
+const LEAST_RUNS: usize = 5;
 
 /// Picture and caption of each effect that has a law over the residuals.
 pub(super) fn laws(page: &Page<'_>, explained: &[f64]) -> Vec<(String, String)> {
@@ -40,93 +28,6 @@ pub(super) fn laws(page: &Page<'_>, explained: &[f64]) -> Vec<(String, String)> 
         _ => law(page, one, explained),
     })
     .collect()
-}
-
-fn axis<'a>(page: &'a Page<'_>, one: &'a Named) -> Option<Axis<'a>> {
-    let speed = |row: &Row| Some(3.6 * row.interval.mean_speed_mps());
-    let km = |row: &Row| row.interval.middle().location_m / 1000.0;
-    let minutes = |row: &Row| Some(row.interval.middle().since_departure_s / 60.0);
-    let temperature = |row: &Row| row.interval.temperature_c;
-    let first_day = page.found.findings.first_day;
-    let day = move |row: &Row| Some(row.interval.day? - first_day);
-    let believed = &page.believed;
-    let plain = |x_label, x: Of<'a, Option<f64>>| Axis {
-        x_label,
-        x,
-        by_direction: false,
-        per: None,
-    };
-    let found = match &one.effect {
-        // Where the whole train is inside: there the law is one of the speed alone.
-        Effect::TunnelDrag(e) => plain(
-            "speed, km/h, with the whole train in the section",
-            Box::new(move |row| {
-                let v2 = row.interval.mean(|p| p.speed_mps * p.speed_mps);
-                let inside = extra(believed, &one.effect, row) / (e.k * v2);
-                speed(row).filter(|_| inside > 0.98)
-            }),
-        ),
-        Effect::GradientError(e) => {
-            let around = (0.5 * (e.to_m - e.from_m)).max(1000.0);
-            let near = (e.from_m - around) / 1000.0..(e.to_m + around) / 1000.0;
-            Axis {
-                by_direction: true,
-                ..plain(
-                    "location of the train's front, km",
-                    Box::new(move |row| Some(km(row)).filter(|at| near.contains(at))),
-                )
-            }
-        }
-        Effect::CurveResistance(e) => plain(
-            "R\u{f6}ckl's resistance of the curves under the train, N/kg",
-            Box::new(move |row| Some(extra(believed, &one.effect, row) / e.coefficient_roeckl)),
-        ),
-        Effect::SteadyWind(_) => Axis {
-            by_direction: true,
-            ..plain("speed, km/h", Box::new(speed))
-        },
-        Effect::MassError(_) => plain(
-            "effort less believed air drag, N/kg",
-            Box::new(move |row| {
-                let r2 = believed.train().davis().r2;
-                let drag = row.interval.mean(|p| r2 * p.speed_mps * p.speed_mps);
-                Some(row.effort_n_per_kg - drag)
-            }),
-        ),
-        Effect::DraggingBrake(_) => plain(
-            "number of the run, after its first brake application",
-            Box::new(|row| row.interval.braked.then_some(row.interval.run as f64 + 1.0)),
-        ),
-        Effect::TemperatureResistance(_) => {
-            plain("ambient temperature, \u{b0}C", Box::new(temperature))
-        }
-        Effect::SeasonalDrift(_) => plain("days since the first run", Box::new(day)),
-        Effect::BrakeFade(_) => Axis {
-            per: Some(|row| row.effort_n_per_kg),
-            ..plain(
-                "speed, km/h, while braking",
-                Box::new(move |row| speed(row).filter(|_| row.effort_n_per_kg < BRAKING_N_PER_KG)),
-            )
-        },
-        Effect::TrainLengthError(_) => plain(
-            "gradient under the length found less that under the believed one, N/kg",
-            Box::new(move |row| Some(extra(believed, &one.effect, row))),
-        ),
-        Effect::WarmUp(_) => plain("time since departure, min", Box::new(minutes)),
-        Effect::DavisError(_) => plain("speed, km/h", Box::new(speed)),
-        Effect::Unknown(e) => match e.coordinate {
-            Coordinate::Location => plain(
-                "location of the train's front, km",
-                Box::new(move |row| Some(km(row))),
-            ),
-            Coordinate::Speed => plain("speed, km/h", Box::new(speed)),
-            Coordinate::Time => plain("time since departure, min", Box::new(minutes)),
-            Coordinate::Temperature => plain("ambient temperature, \u{b0}C", Box::new(temperature)),
-            Coordinate::Day => plain("days since the first run", Box::new(day)),
-        },
-        _ => return None,
-    };
-    Some(found)
 }
 
 /// A row with where it lies, what is left for this effect, and what its law says.
@@ -171,9 +72,10 @@ fn law(page: &Page<'_>, one: &Named, explained: &[f64]) -> Option<(String, Strin
         return None;
     }
     let x = range_of(rows.iter().map(|(_, at)| at.x));
-    let width = match one.effect {
-        Effect::DraggingBrake(_) => 1.0,
-        _ => width(&x, MOST_BINS),
+    let (width, least) = match one.effect {
+        // Runs one by one.
+        Effect::DraggingBrake(_) => (1.0, 1),
+        _ => (width(&x, MOST_BINS), LEAST_RUNS.min(page.runs.len())),
     };
     let mut layers = Vec::new();
     let groups: Vec<Option<Direction>> = if axis.by_direction {
@@ -186,7 +88,7 @@ fn law(page: &Page<'_>, one: &Named, explained: &[f64]) -> Option<(String, Strin
     for (i, group) in groups.into_iter().enumerate() {
         let mine = rows.iter().filter(|(d, _)| group.is_none_or(|g| g == *d));
         let mine: Vec<&At> = mine.map(|(_, at)| at).collect();
-        layers.extend(layers_of(&mine, group, width, i == 0));
+        layers.extend(layers_of(&mine, group, (width, least), i == 0));
     }
     let y_label = match axis.per {
         Some(_) => "lacking share of the braking effort",
@@ -219,7 +121,13 @@ fn law(page: &Page<'_>, one: &Named, explained: &[f64]) -> Option<(String, Strin
     ))
 }
 
-fn layers_of(rows: &[&At], group: Option<Direction>, width: f64, first: bool) -> Vec<Layer> {
+/// `least`: a mean of fewer runs is not drawn.
+fn layers_of(
+    rows: &[&At],
+    group: Option<Direction>,
+    (width, least): (f64, usize),
+    first: bool,
+) -> Vec<Layer> {
     let bins = |of: &dyn Fn(&At) -> f64| -> Vec<Bin> {
         let value = |at: &&At| Value {
             run: at.run,
@@ -231,19 +139,24 @@ fn layers_of(rows: &[&At], group: Option<Direction>, width: f64, first: bool) ->
     };
     // The same rows make the same bins: each stands at the mean of its rows.
     let (places, data, law) = (bins(&|at| at.x), bins(&|at| at.left), bins(&|at| at.law));
-    let bar = |(place, bin): (&Bin, &Bin)| {
+    let pairs = |of: &[Bin]| -> Vec<(Bin, Bin)> {
+        let pairs = places.iter().cloned().zip(of.iter().cloned());
+        pairs.filter(|(_, bin)| bin.runs >= least).collect()
+    };
+    let (data, law) = (pairs(&data), pairs(&law));
+    let bar = |(place, bin): &(Bin, Bin)| {
         let half = TWO_SIDED * bin.se?;
         let end = |by: f64| Some((place.mean, bin.mean + by));
         Some(vec![end(-half), end(half)])
     };
-    let point = |(place, bin): (&Bin, &Bin)| (place.mean, bin.mean);
+    let point = |(place, bin): &(Bin, Bin)| (place.mean, bin.mean);
     let dots = group.map_or(colours::MEASURED, colour);
     vec![
         Layer::Threads {
             legend: String::new(),
             colour: dots,
             opacity: 0.7,
-            lines: places.iter().zip(&data).filter_map(bar).collect(),
+            lines: data.iter().filter_map(bar).collect(),
         },
         Layer::Dots {
             legend: match group {
@@ -252,13 +165,13 @@ fn layers_of(rows: &[&At], group: Option<Direction>, width: f64, first: bool) ->
             },
             colour: dots,
             opacity: 1.0,
-            points: places.iter().zip(&data).map(point).collect(),
+            points: data.iter().map(point).collect(),
         },
         Layer::Line {
             legend: if first { "law as fitted" } else { "" }.to_owned(),
             colour: colours::ESTIMATED,
             stroke: Stroke::Solid,
-            points: places.iter().zip(&law).map(|p| Some(point(p))).collect(),
+            points: law.iter().map(|p| Some(point(p))).collect(),
         },
     ]
 }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `words` | the verdict in sentences |
 //! | `maps` | residuals over location, speed, ..., with what the effects explain |
-//! | `law` | each effect's law through the mean residuals |
+//! | `law`, `axis` | each effect's law through the mean residuals |
 //! | `rivals` | who else was tried, and how much worse it fits |
 //! | `limits` | effort over the believed limit, where a limit was found |
 //! | `held_out` | simulated speed before and after, on runs that took no part |
@@ -14,6 +14,7 @@
 //!
 //! In: a [`Page`], which borrows what the workflow has. Out: one HTML file that needs nothing else.
 
+mod axis;
 mod binned;
 mod caveats;
 mod held_out;

@@ -44,7 +44,7 @@ pub(super) fn rivals(page: &Page<'_>) -> Markup {
             } }
         } }
         p.small {
-            "Every other candidate was fitted in the place of the effect, beside the other effects. The number is the log-likelihood that is lost, the cost of each one's freedom included: "
+            "Every other candidate was fitted in the place of the effect, beside the other effects; one that would be too small to matter there is not listed. The number is the log-likelihood that is lost, the cost of each one's freedom included: "
             "with 3 the effect found is 20 times more likely than its rival, with 7 a thousand times. " em { "Unknown" } " stands for a section or a law without a name."
         }
     }
