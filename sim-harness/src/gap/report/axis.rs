@@ -19,6 +19,8 @@ pub(super) struct Axis<'a> {
     pub x: Of<'a, Option<f64>>,
     /// Each direction has its own law.
     pub by_direction: bool,
+    /// A run has one value of it, about.
+    pub of_run: bool,
     /// Divisor of residual and law: 1, or the effort where a share of it is drawn.
     pub per: Option<fn(&Row) -> f64>,
 }
@@ -36,7 +38,12 @@ pub(super) fn axis<'a>(page: &'a Page<'_>, one: &'a Named) -> Option<Axis<'a>> {
         x_label,
         x,
         by_direction: false,
+        of_run: false,
         per: None,
+    };
+    let of_run = |x_label, x: Of<'a, Option<f64>>| Axis {
+        of_run: true,
+        ..plain(x_label, x)
     };
     let found = match &one.effect {
         // Where the whole train is inside: there the law is one of the speed alone.
@@ -80,9 +87,9 @@ pub(super) fn axis<'a>(page: &'a Page<'_>, one: &'a Named) -> Option<Axis<'a>> {
             Box::new(|row| row.interval.braked.then_some(row.interval.run as f64 + 1.0)),
         ),
         Effect::TemperatureResistance(_) => {
-            plain("ambient temperature, \u{b0}C", Box::new(temperature))
+            of_run("ambient temperature, \u{b0}C", Box::new(temperature))
         }
-        Effect::SeasonalDrift(_) => plain("days since the first run", Box::new(day)),
+        Effect::SeasonalDrift(_) => of_run("days since the first run", Box::new(day)),
         Effect::BrakeFade(_) => Axis {
             per: Some(|row| row.effort_n_per_kg),
             ..plain(
@@ -103,8 +110,10 @@ pub(super) fn axis<'a>(page: &'a Page<'_>, one: &'a Named) -> Option<Axis<'a>> {
             ),
             Coordinate::Speed => plain("speed, km/h", Box::new(speed)),
             Coordinate::Time => plain("time since departure, min", Box::new(minutes)),
-            Coordinate::Temperature => plain("ambient temperature, \u{b0}C", Box::new(temperature)),
-            Coordinate::Day => plain("days since the first run", Box::new(day)),
+            Coordinate::Temperature => {
+                of_run("ambient temperature, \u{b0}C", Box::new(temperature))
+            }
+            Coordinate::Day => of_run("days since the first run", Box::new(day)),
         },
         _ => return None,
     };

@@ -75,7 +75,15 @@ fn law(page: &Page<'_>, one: &Named, explained: &[f64]) -> Option<(String, Strin
     let (width, least) = match one.effect {
         // Runs one by one.
         Effect::DraggingBrake(_) => (1.0, 1),
-        _ => (width(&x, MOST_BINS), LEAST_RUNS.min(page.runs.len())),
+        _ => {
+            let enough = page.runs.len() / (2 * LEAST_RUNS);
+            let most = if axis.of_run {
+                MOST_BINS.min(enough.max(1))
+            } else {
+                MOST_BINS
+            };
+            (width(&x, most), LEAST_RUNS.min(page.runs.len()))
+        }
     };
     let mut layers = Vec::new();
     let groups: Vec<Option<Direction>> = if axis.by_direction {
@@ -90,6 +98,14 @@ fn law(page: &Page<'_>, one: &Named, explained: &[f64]) -> Option<(String, Strin
         let mine: Vec<&At> = mine.map(|(_, at)| at).collect();
         layers.extend(layers_of(&mine, group, (width, least), i == 0));
     }
+    let points = layers.iter().flat_map(|layer| match layer {
+        Layer::Dots { points, .. } => points.as_slice(),
+        _ => &[],
+    });
+    // Where a mean stands, and a little beside it.
+    let x = range_of(points.map(|(x, _)| *x));
+    let beside = 0.02 * (x.end - x.start);
+    let x = x.start - beside..x.end + beside;
     let y_label = match axis.per {
         Some(_) => "lacking share of the braking effort",
         None => "residual, N/kg",

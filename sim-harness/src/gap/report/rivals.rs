@@ -20,9 +20,9 @@ pub(super) fn rivals(page: &Page<'_>) -> Markup {
         return html! {};
     }
     let told = |worse: f64| match worse {
-        w if w < NEAR => "cannot be told from it",
+        w if w < NEAR => "not told apart",
         w if w < FAR => "less likely",
-        _ => "ruled out by these data",
+        _ => "ruled out",
     };
     let digits = |worse: f64| number(worse, if worse.abs() < 100.0 { 1 } else { 0 });
     html! {
