@@ -51,7 +51,8 @@ pub fn rivals(
     found.named.iter().map(of).collect()
 }
 
-fn is_limit(effect: &Effect) -> bool {
+/// It bounds the traction, and leaves the motion under a known effort as it is.
+pub fn is_limit(effect: &Effect) -> bool {
     matches!(
         effect,
         Effect::PowerLimitSection(_) | Effect::TractionScale(_) | Effect::LowAdhesion(_)

@@ -3,6 +3,7 @@
 use super::Page;
 use crate::gap::answer::NO_ENERGY;
 use crate::gap::journey::{Spread, Summary};
+use crate::gap::rivals::is_limit;
 use crate::gap::share::{LEAST_RUNS, Share};
 use crate::report::numbers::{NOTHING, number, percent};
 use maud::{Markup, html};
@@ -13,12 +14,14 @@ pub(super) fn journeys(page: &Page<'_>) -> Markup {
         return html! {};
     };
     let stalled: usize = page.found.journeys.iter().map(|j| j.stalled).sum();
+    let limited = page.found.named.iter().any(|one| is_limit(&one.effect));
     html! {
         h3 { "Running time" }
         p {
             "The time to cover the way of each window of up to 120 s, from its measured first speed and with the recorded effort at each place, summed over a run: "
             (number(times.measured / 60.0, 0)) " min in " (times.share.runs) " runs. "
             (gone(&times.share))
+            @if limited { " The recorded effort drives the train, so what a limit of the traction costs does not show here." }
             @if stalled > 0 { " In " (stalled) " windows a simulated train did not arrive; they are left out." }
         }
         (table("simulated less measured running time of a run", "s", &times))

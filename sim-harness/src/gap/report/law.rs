@@ -110,7 +110,10 @@ fn law(page: &Page<'_>, one: &Named, explained: &[f64]) -> Option<(String, Strin
         Some(_) => "lacking share of the braking effort",
         None => "residual, N/kg",
     };
-    let name = plain(one.effect.name());
+    let name = match one.effect {
+        Effect::Unknown(_) => "unknown effect".to_owned(),
+        _ => plain(one.effect.name()),
+    };
     let figure = Figure {
         title: format!("The law of the {name} over the data"),
         description: format!("Mean {y_label}, over {}", axis.x_label),
@@ -167,6 +170,22 @@ fn layers_of(
     };
     let point = |(place, bin): &(Bin, Bin)| (place.mean, bin.mean);
     let dots = group.map_or(colours::MEASURED, colour);
+    let legend = if first { "law as fitted" } else { "" }.to_owned();
+    let law = if least == 1 {
+        // Between one run and the next there is nothing.
+        Layer::Marks {
+            legend,
+            colour: colours::ESTIMATED,
+            points: law.iter().map(point).collect(),
+        }
+    } else {
+        Layer::Line {
+            legend,
+            colour: colours::ESTIMATED,
+            stroke: Stroke::Solid,
+            points: law.iter().map(|p| Some(point(p))).collect(),
+        }
+    };
     vec![
         Layer::Threads {
             legend: String::new(),
@@ -183,12 +202,7 @@ fn layers_of(
             opacity: 1.0,
             points: data.iter().map(point).collect(),
         },
-        Layer::Line {
-            legend: if first { "law as fitted" } else { "" }.to_owned(),
-            colour: colours::ESTIMATED,
-            stroke: Stroke::Solid,
-            points: law.iter().map(|p| Some(point(p))).collect(),
-        },
+        law,
     ]
 }
 

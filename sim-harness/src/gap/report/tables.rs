@@ -102,7 +102,7 @@ fn effect(one: &Named) -> Markup {
         td.text rowspan=(rows) style=(TOP) { (listed(&one.would_separate)) }
     };
     html! {
-        @if parameters.is_empty() { tr { (named) td.text colspan="4" { "a table: the dashed line over the data" } (sure) } }
+        @if parameters.is_empty() { tr { (named) td.text colspan="4" { "a table: the line through the data below" } (sure) } }
         @for (index, (name, value)) in parameters.iter().enumerate() {
             @let (value, ends) = with_ends(*value, interval(one, name));
             tr {
