@@ -1,7 +1,10 @@
 //! Does `rundown gap` refuse what it cannot do, say what its names rest on, and write all or nothing?
 
+use rundown::effects::{Effect, SteadyWind};
 use serde_json::Value;
+use sim_harness::effect_file::EffectEntry;
 use sim_harness::gap::answer::Answer;
+use sim_harness::gap::files::Files;
 use sim_harness::gap::load;
 use sim_harness::gap::notes::NO_ROWS;
 use sim_harness::gap::report::{Page, page};
@@ -107,26 +110,29 @@ fn runs_that_are_nowhere_are_refused() {
     assert!(!folder.path().join("out").exists());
 }
 
-/// The described track has as many effects as a board takes: with one more there is no frame.
+/// A model found before is no part of the belief: it is told, and not doubled.
 #[test]
-fn what_cannot_be_rendered_leaves_no_folder() {
+fn effects_that_were_described_are_replaced_and_told() {
     let folder = simulated(24, TUNNEL);
     let path = folder.path().join("set/track.toml");
-    let mut track = std::fs::read_to_string(&path).unwrap();
-    for i in 0..8 {
-        let from_m = 1000.0 * f64::from(i);
-        write!(
-            track,
-            "\n[[effect]]\nname = \"gradient_error\"\nfrom_m = {from_m:.1}\nto_m = {:.1}\ndelta_permille = 0.001\n",
-            from_m + 500.0
-        )
-        .unwrap();
-    }
-    std::fs::write(path, track).unwrap();
+    let track = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(path, format!("{track}{TUNNEL}")).unwrap();
+    let (code, screen, words) = gap(folder.path(), &["--runs", "set/runs"]);
+    assert_eq!(code, Some(0), "{words}");
+    assert!(screen.contains("had effects already (1)"), "{screen}");
+    let repaired = read(folder.path(), "model/track.toml");
+    assert_eq!(repaired.matches("tunnel_drag").count(), 1, "{repaired}");
+}
+
+#[test]
+fn where_a_folder_cannot_be_made_nothing_is_written() {
+    let folder = simulated(8, "");
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(out.join("model"), "a file").unwrap();
     let (code, _, words) = gap(folder.path(), &["--runs", "set/runs"]);
     assert_eq!(code, Some(4), "{words}");
-    assert!(words.contains("effect.frame"), "{words}");
-    assert!(!folder.path().join("out").exists());
+    assert_eq!(std::fs::read_dir(out).unwrap().count(), 1);
 }
 
 /// Trains that pull, keep their speed and brake, in logs without an effort column: nothing tells the resistance, nor does the one that coasts, which is held out, tell what noise leaves.
@@ -188,6 +194,7 @@ fn a_repair_that_makes_things_worse_is_told_everywhere() {
             found,
             rivals: &[],
             innovations: None,
+            described_effects: 0,
             rotating_mass_kg: train.rotating_mass_kg(),
         };
         let page = page(&Page {
@@ -206,6 +213,18 @@ fn a_repair_that_makes_things_worse_is_told_everywhere() {
     assert_eq!(json["gap"]["worse_than_before"], true);
     assert!(caveats(&json)[0].starts_with("Worse than before"));
     assert!(screen.contains("worse than before") && html.contains("Worse than before"));
+    // Nine effects are more than a board takes: there is no frame, so there is no file.
+    let (mut file, (train, _)) = (file, TrainFile::read(&set.join("train.toml")).unwrap());
+    file.effect = vec![
+        EffectEntry {
+            effect: Effect::SteadyWind(SteadyWind { wind_mps: 1.0 }),
+            runs: None,
+        };
+        9
+    ];
+    let texts = [("gap.json", screen), ("report.html", html)];
+    let error = Files::render(&found, &(train, file), texts).unwrap_err();
+    assert!(error.to_string().starts_with("effect.frame: "), "{error}");
 }
 
 /// The example of `gap --help` for a hidden effect, line by line.

@@ -154,7 +154,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let innovations = innovations(
         &estimator,
         &held_out,
-        |run| effects((&train, &track), run),
+        |_| Effects::NONE,
         |run| effects((&repaired.0, &repaired.1), run),
     );
     bar.finish_and_clear();
@@ -169,6 +169,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         found: &found,
         rivals: &rivals,
         innovations,
+        described_effects: train.effect.len() + track.effect.len(),
         rotating_mass_kg: believed.train().rotating_mass_kg(),
     };
     let json = format!("{:#}\n", answer.json());

@@ -21,6 +21,8 @@ pub struct Answer<'a> {
     pub rivals: &'a [Vec<Rival>],
     /// Of the on-board estimator on the held-out runs, if it had any.
     pub innovations: Option<Innovations>,
+    /// How many effects the described train and track had already.
+    pub described_effects: usize,
     /// Rotating mass of the believed train, kg: energy for each kg of it becomes energy.
     pub rotating_mass_kg: f64,
 }
@@ -66,7 +68,7 @@ impl Answer<'_> {
                 "p_value": e.p_value,
             })).collect::<Vec<_>>(),
             "rivals": MEANING,
-            "caveats": notes(found, self.runs),
+            "caveats": self.notes(),
         });
         if let Some(found) = &self.innovations {
             json["innovations"] = json!({
@@ -77,6 +79,18 @@ impl Answer<'_> {
             });
         }
         json
+    }
+
+    /// What a reader must know beside the verdict, the weightiest first.
+    pub fn notes(&self) -> Vec<String> {
+        let mut all = notes(self.found, self.runs);
+        if self.described_effects > 0 {
+            all.push(format!(
+                "The described train and track had effects already ({}). They took no part: the analysis began without them, and what was found stands in their place.",
+                self.described_effects
+            ));
+        }
+        all
     }
 
     fn effects(&self) -> Vec<Value> {

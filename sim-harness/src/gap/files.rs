@@ -69,10 +69,14 @@ impl Files {
             let path = path.to_owned();
             move |source| WriteError { path, source }
         };
-        for (name, bytes) in &self.0 {
+        // All folders first: where one cannot be made, nothing is written.
+        for (name, _) in &self.0 {
             let path = out.join(name);
             let folder = path.parent().unwrap_or(out);
             fs::create_dir_all(folder).map_err(at(folder))?;
+        }
+        for (name, bytes) in &self.0 {
+            let path = out.join(name);
             fs::write(&path, bytes).map_err(at(&path))?;
         }
         Ok(())
@@ -86,13 +90,15 @@ fn failed(name: &'static str, error: &impl std::fmt::Display) -> RenderError {
     }
 }
 
-/// Train and track with what was found.
+/// Train and track with what was found, in place of effects that they had: these took no part in the analysis.
 pub fn repaired(
     found: &Investigation,
     train: &TrainFile,
     track: &TrackFile,
 ) -> (TrainFile, TrackFile) {
     let (mut train, mut track) = (train.clone(), track.clone());
+    train.effect.clear();
+    track.effect.clear();
     for one in &found.named {
         let entry = EffectEntry {
             effect: one.effect.clone(),

@@ -3,7 +3,7 @@
 use super::answer::{Answer, NO_ENERGY};
 use super::journey::Summary;
 use super::named::Named;
-use super::notes::{notes, worse};
+use super::notes::worse;
 use rundown::effects::{Coordinate, Effect, Unknown};
 
 /// The story.
@@ -28,7 +28,7 @@ pub fn story(answer: &Answer<'_>) -> String {
         text.push('\n');
     }
     text.push_str(&held_out(answer));
-    for note in notes(found, answer.runs) {
+    for note in answer.notes() {
         text.push_str(&format!("note: {note}\n"));
     }
     text

@@ -3,7 +3,7 @@
 use super::Page;
 use super::values::{confidence, short, told, unit};
 use crate::gap::named::Named;
-use crate::gap::notes::{SIGNIFICANT, notes, worse};
+use crate::gap::notes::{SIGNIFICANT, worse};
 use crate::report::numbers::{counted, number};
 use rundown::effects::{Coordinate, Effect};
 
@@ -25,7 +25,7 @@ fn any(names: &[&'static str]) -> String {
 pub(super) fn verdict(page: &Page<'_>) -> Vec<String> {
     let found = page.found;
     let all = counted(page.runs.len(), "run", "runs");
-    let mut notes = notes(found, page.runs.len());
+    let mut notes = page.answer.notes();
     // What could not be judged at all comes before what was found.
     let (mut sentences, judged) = match found.findings.rows.is_empty() {
         true => (vec![notes.remove(0)], false),
