@@ -3,7 +3,7 @@
 use super::study::{Study, of_case_study};
 use super::{Failure, gap, screen};
 use crate::simulation::folder;
-use crate::simulation::scenario_file::Simulation;
+use crate::simulation::scenario_file::{HIDDEN_EFFECT, Simulation};
 use crate::study::case::case_study;
 use crate::study::claims::Verdict;
 use crate::study::description;
@@ -26,9 +26,6 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// What the gap workflow is shown on.
-const HIDDEN: &str = include_str!("../../../data/scenarios/hidden_effect.toml");
-
 /// Simulates and replays the runs, writes what `rundown study` writes, and prints the table. Then what `rundown gap` says of runs with a hidden effect.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let study = of_case_study(SEED, &arguments.out)?;
@@ -46,7 +43,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 
 /// Hides a tunnel in simulated runs and looks for it with the description that does not have it.
 fn hidden_effect(out: &Path) -> Result<ExitCode, Failure> {
-    let simulation = Simulation::parse("hidden_effect.toml".as_ref(), HIDDEN);
+    let simulation = Simulation::parse("hidden_effect.toml".as_ref(), HIDDEN_EFFECT);
     let simulation = simulation.map_err(Failure::refused)?;
     let set = out.join("hidden");
     screen::print(&format!(

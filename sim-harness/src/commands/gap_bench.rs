@@ -190,9 +190,11 @@ fn one(ask: Ask, kept: Option<&Path>) -> Result<Done, BenchError> {
     let found = blind(&set, folder)?;
     let seconds = begun.elapsed().as_secs_f64();
     if let (Some(folder), Some(found)) = (kept, &found) {
-        gap_tables::residuals(&folder.join("residuals.csv"), &found.findings.rows)
-            .and_then(|()| gap_tables::pulls(&folder.join("pulls.csv"), &found.findings.pulls))
-            .map_err(|e| failed(std::io::Error::other(e)))?;
+        let put = |name: &str, table: Result<Vec<u8>, csv::Error>| {
+            std::fs::write(folder.join(name), table.map_err(std::io::Error::other)?)
+        };
+        put("residuals.csv", gap_tables::residuals(&found.findings.rows)).map_err(failed)?;
+        put("pulls.csv", gap_tables::pulls(&found.findings.pulls)).map_err(failed)?;
     }
     let scenario = &set.scenario;
     Ok(Done {

@@ -26,7 +26,7 @@ Exit codes:
   0  everything was done
   1  a run could not be used; the others were replayed and written
   2  wrong arguments
-  3  the train, the track, the configuration, a scenario or an index of runs was refused
+  3  the train, the track, the configuration, a scenario, or a folder or index of runs was refused
   4  an output could not be written
   5  the board did not answer, or refused";
 

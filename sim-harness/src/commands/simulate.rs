@@ -2,7 +2,7 @@
 
 use super::{Failure, screen};
 use crate::simulation::folder;
-use crate::simulation::scenario_file::{EXAMPLE, Simulation};
+use crate::simulation::scenario_file::{EXAMPLE, HIDDEN_EFFECT, Simulation};
 use crate::truth::facts::Facts;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -17,6 +17,9 @@ Examples:
   A scenario of your own: start from the commented example, add an effect, simulate:
     rundown simulate --example > scenario.toml
     rundown simulate --scenario scenario.toml --out hidden --seed 7 --runs 100
+
+  Runs with an effect that the description does not have, for `rundown gap`:
+    rundown simulate --example hidden-effect > scenario.toml
 
 Files in the output folder:
   runs/runNNN.csv        logs, as a recorder on board writes them
@@ -48,16 +51,34 @@ pub struct Arguments {
     #[arg(long)]
     force: bool,
     /// Print a commented scenario file, and do nothing else
-    #[arg(long)]
-    example: bool,
+    #[arg(long, value_name = "WHICH", value_enum, num_args = 0..=1, default_missing_value = "case-study")]
+    example: Option<Example>,
+}
+
+/// Scenarios to start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Example {
+    /// The case study with the loads and winds of everyday; every field there is
+    CaseStudy,
+    /// Runs on a line with a tunnel that nobody described, for `rundown gap`
+    HiddenEffect,
+}
+
+impl Example {
+    fn text(self) -> &'static str {
+        match self {
+            Self::CaseStudy => EXAMPLE,
+            Self::HiddenEffect => HIDDEN_EFFECT,
+        }
+    }
 }
 
 /// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let out = match (&arguments.out, arguments.example) {
-        (Some(out), false) => out,
-        _ => {
-            screen::print(EXAMPLE);
+        (Some(out), None) => out,
+        (_, example) => {
+            screen::print(example.unwrap_or(Example::CaseStudy).text());
             return Ok(ExitCode::SUCCESS);
         }
     };

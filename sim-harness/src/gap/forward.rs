@@ -7,11 +7,15 @@
 //! model where it pulls with full power. Resistance and limits of the effects come from [`rundown::effects`], the code of the board.
 
 use super::analysis::Findings;
-use super::caps::{self, Pull};
+use super::calibrate::Own;
 use super::own_wind::own_wind;
 use super::rows::{Believed, Row};
+use super::runs::Interval;
+use super::share::{LEAST_REMOVABLE, Share, Squares};
+use core::ops::Range;
 use rundown::effects::{Effect, Effects, Limits, Moment, SteadyWind};
-use rundown::track::Direction;
+use rundown::motion::Line;
+use std::collections::BTreeMap;
 
 /// Length of a window, s.
 pub const WINDOW_S: f64 = 120.0;
@@ -50,6 +54,10 @@ pub struct Gap {
     pub floor_mps: f64,
     /// Share of the removable gap that is gone, 0 to 1; 1 where there was none.
     pub removed_share: f64,
+    /// Its 95 % interval from whole runs drawn anew; none where nothing was to be removed, or with too few runs.
+    pub removed_95: Option<(f64, f64)>,
+    /// Runs with speeds that were compared.
+    pub runs: usize,
 }
 
 impl Gap {
@@ -64,31 +72,106 @@ impl Gap {
         self.is_removable().then_some(self.removed_share)
     }
 
+    /// The repaired model is further off than the believed one.
+    pub fn is_worse(&self) -> bool {
+        self.after_mps > self.before_mps
+    }
+
     /// Over speeds compared.
     pub fn of(compared: &[Compared]) -> Self {
-        let n = compared.len().max(1) as f64;
-        let mean = |of: &dyn Fn(&Compared) -> f64| compared.iter().map(of).sum::<f64>() / n;
-        let before = mean(&|c| c.before_mps * c.before_mps);
-        let after = mean(&|c| c.after_mps * c.after_mps);
-        let floor = mean(&|c| c.floor);
-        // In mean squares: errors of model and sensors add up in them.
-        let removable = before - floor;
-        let removed_share = if removable > LEAST_REMOVABLE * floor {
-            ((before - after) / removable).clamp(0.0, 1.0)
-        } else {
-            1.0
-        };
+        let share = Share::of(&of_runs(compared));
         Self {
-            before_mps: before.sqrt(),
-            after_mps: after.sqrt(),
-            floor_mps: floor.sqrt(),
-            removed_share,
+            before_mps: share.before,
+            after_mps: share.after,
+            floor_mps: share.floor,
+            removed_share: share.removed.unwrap_or(1.0),
+            removed_95: share.removed_95,
+            runs: share.runs,
         }
     }
 }
 
-/// A gap above the noise floor by a smaller share of it is none, in mean squares.
-const LEAST_REMOVABLE: f64 = 0.02;
+/// Sums of squares, run by run.
+fn of_runs(compared: &[Compared]) -> Vec<Squares> {
+    let mut runs: BTreeMap<usize, Squares> = BTreeMap::new();
+    for c in compared {
+        let of_run = runs.entry(c.run).or_default();
+        *of_run = of_run.and(&Squares::of(c.before_mps, c.after_mps, c.floor));
+    }
+    runs.into_values().collect()
+}
+
+/// Windows of adjacent rows.
+pub fn windows(rows: &[Row]) -> Vec<Range<usize>> {
+    let end_s = |row: &Row| row.interval.begin_s + row.interval.dt_s;
+    let mut windows = Vec::new();
+    let mut begin = 0;
+    while begin < rows.len() {
+        let mut end = begin + 1;
+        while end < rows.len()
+            && rows[end].interval.follows
+            && rows[end].interval.run == rows[begin].interval.run
+            && (rows[end].interval.begin_s - end_s(&rows[end - 1])).abs() < 1e-6
+            && end_s(&rows[end]) - rows[begin].interval.begin_s <= WINDOW_S
+        {
+            end += 1;
+        }
+        windows.push(begin..end);
+        begin = end;
+    }
+    windows
+}
+
+/// The repaired model in one window.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// With the wind of this run, if winds are the effect.
+    pub effects: Effects,
+    /// What the run has for itself, which no model of other runs can know.
+    own: Own,
+}
+
+impl Model {
+    /// Resistance by the run's own constant, wind and mass, one standard deviation of each, N/kg.
+    pub fn own_n_per_kg(&self, findings: &Findings, row: &Row) -> [f64; 3] {
+        let (r2, speed) = (findings.believed_r2, row.interval.mean_speed_mps());
+        [
+            self.own.constant_n_per_kg,
+            2.0 * r2 * speed * self.own.wind_mps,
+            (row.effort_n_per_kg - r2 * speed * speed) * self.own.mass,
+        ]
+    }
+}
+
+/// The repaired model in one window: where winds differ from run to run, with the wind that the run's other windows tell.
+pub fn model_of(
+    believed: &Believed<'_>,
+    findings: &Findings,
+    effects: &Effects,
+    rows: &[Row],
+    window: Range<usize>,
+) -> Model {
+    let mut own = findings.calibrated.own;
+    let spread_mps = effects.iter().find_map(|effect| match effect {
+        Effect::RunWind(wind) => Some(wind.sd_mps),
+        _ => None,
+    });
+    let (Some(spread_mps), Some(first)) = (spread_mps, rows.get(window.start)) else {
+        return Model {
+            effects: effects.clone(),
+            own,
+        };
+    };
+    let others = rows[..window.start].iter().chain(&rows[window.end..]);
+    let others = others.filter(|row| row.interval.run == first.interval.run);
+    let noise = &findings.calibrated.noise;
+    let (headwind_mps, sd) = own_wind(others, believed, effects, noise, spread_mps);
+    own.wind_mps = sd;
+    Model {
+        effects: in_wind(effects, first.direction.sign() * headwind_mps),
+        own,
+    }
+}
 
 /// Simulates each window of adjacent rows with and without the effects.
 pub fn resisted(
@@ -97,59 +180,23 @@ pub fn resisted(
     effects: &Effects,
     rows: &[Row],
 ) -> Vec<Compared> {
-    let none = Effects::NONE;
-    let spread_mps = effects.iter().find_map(|effect| match effect {
-        Effect::RunWind(wind) => Some(wind.sd_mps),
-        _ => None,
-    });
+    let noise = &findings.calibrated.noise;
     let mut compared = Vec::new();
-    let mut begin = 0;
-    while begin < rows.len() {
-        let mut end = begin + 1;
-        let duration = |end: usize| {
-            let last: &Row = &rows[end];
-            last.interval.begin_s + last.interval.dt_s - rows[begin].interval.begin_s
-        };
-        while end < rows.len()
-            && rows[end].interval.follows
-            && rows[end].interval.run == rows[begin].interval.run
-            && (rows[end].interval.begin_s
-                - rows[end - 1].interval.begin_s
-                - rows[end - 1].interval.dt_s)
-                .abs()
-                < 1e-6
-            && duration(end) <= WINDOW_S
-        {
-            end += 1;
-        }
-        let window = &rows[begin..end];
-        let noise = &findings.calibrated.noise;
-        // What a run has for itself, no model of other runs can know.
-        let mut own = findings.calibrated.own;
-        let before = simulate(believed, &none, window);
-        // But its wind, if winds are the effect: from its other windows.
-        let after = if let Some(spread_mps) = spread_mps {
-            let run = window[0].interval.run;
-            let others = rows[..begin].iter().chain(&rows[end..]);
-            let others = others.filter(|row| row.interval.run == run);
-            let (headwind_mps, sd) = own_wind(others, believed, effects, noise, spread_mps);
-            own.wind_mps = sd;
-            let wind_mps = window[0].direction.sign() * headwind_mps;
-            simulate(believed, &in_wind(effects, wind_mps), window)
-        } else {
-            simulate(believed, effects, window)
-        };
-        let (mut walk, mut by_wind, mut by_mass, mut by_constant) = (0.0, 0.0, 0.0, 0.0);
+    for range in windows(rows) {
+        let window = &rows[range.clone()];
+        let model = model_of(believed, findings, effects, rows, range);
+        let before = simulate(believed, &Effects::NONE, window);
+        let after = simulate(believed, &model.effects, window);
+        let (mut walk, mut own) = (0.0, [0.0; 3]);
         for (i, row) in window.iter().enumerate() {
             let interval = &row.interval;
             let change = noise.change_share * interval.effort_change_n_per_kg;
             walk +=
                 (noise.acceleration_mps2.powi(2) + change * change) * interval.dt_s * interval.dt_s;
-            let (r2, speed) = (findings.believed_r2, interval.mean_speed_mps());
-            by_wind += 2.0 * r2 * speed * own.wind_mps * interval.dt_s;
-            by_mass += (row.effort_n_per_kg - r2 * speed * speed) * own.mass * interval.dt_s;
-            by_constant += own.constant_n_per_kg * interval.dt_s;
-            let own = by_wind * by_wind + by_mass * by_mass + by_constant * by_constant;
+            for (sum, force) in own.iter_mut().zip(model.own_n_per_kg(findings, row)) {
+                *sum += force * interval.dt_s;
+            }
+            let own = own.iter().map(|sum| sum * sum).sum::<f64>();
             compared.push(Compared {
                 run: interval.run,
                 time_s: interval.begin_s + interval.dt_s,
@@ -161,7 +208,6 @@ pub fn resisted(
                 floor: 2.0 * noise.reading_mps * noise.reading_mps + walk + own,
             });
         }
-        begin = end;
     }
     compared
 }
@@ -188,110 +234,68 @@ fn in_wind(effects: &Effects, wind_mps: f64) -> Effects {
     all
 }
 
+/// A train at this place and speed, driven as it was in this row.
+pub fn moment_at(row: &Row, location_m: f64, speed_mps: f64, since_departure_s: f64) -> Moment {
+    Moment {
+        location_m,
+        speed_mps,
+        effort_n_per_kg: row.effort_n_per_kg,
+        since_departure_s,
+        braked: row.interval.braked,
+        temperature_c: row.interval.temperature_c,
+        day: row.interval.day,
+    }
+}
+
+/// What the effort leaves after resistance, gradient and effects; a brake gives what the effects leave of it.
+pub fn acceleration_mps2(line: &Line<'_>, effects: &Effects, moment: &Moment) -> f64 {
+    let (location_m, speed) = (moment.location_m, moment.speed_mps);
+    let davis = line.train.davis();
+    let effort = if moment.effort_n_per_kg < 0.0 {
+        let limits = effects.limits(line.train, location_m, speed);
+        moment.effort_n_per_kg * limits.brake_n_per_kg / Limits::of(line.train).brake_n_per_kg
+    } else {
+        moment.effort_n_per_kg
+    };
+    effort
+        - davis.resistance_n_per_kg(speed)
+        - line.gradient_n_per_kg(location_m)
+        - effects.resistance_n_per_kg(line, &davis, moment)
+}
+
+/// Where an interval begins, m. `sign`: of its direction. The points of its path are the middles of its parts.
+pub fn begin_m(interval: &Interval, sign: f64) -> f64 {
+    let part_s = interval.dt_s / interval.path.len() as f64;
+    interval.path[0].location_m - sign * interval.speed_mps[0] * 0.5 * part_s
+}
+
+/// Where it ends, m.
+pub fn end_m(interval: &Interval, sign: f64) -> f64 {
+    let part_s = interval.dt_s / interval.path.len() as f64;
+    interval.path[interval.path.len() - 1].location_m + sign * interval.speed_mps[1] * 0.5 * part_s
+}
+
 /// Speeds at the ends of the rows of a window, driven by their efforts.
 fn simulate(believed: &Believed<'_>, effects: &Effects, window: &[Row]) -> Vec<f64> {
     let line = believed.line(window[0].direction);
-    let davis = line.train.davis();
     let sign = line.direction.sign();
-    let first = &window[0].interval;
-    let mut speed = first.speed_mps[0];
-    let mut location_m =
-        first.path[0].location_m - sign * speed * 0.5 * first.dt_s / first.path.len() as f64;
+    let mut speed = window[0].interval.speed_mps[0];
+    let mut location_m = begin_m(&window[0].interval, sign);
     let mut speeds = Vec::with_capacity(window.len());
     for row in window {
         let interval = &row.interval;
         let steps = (interval.dt_s / STEP_S).ceil().max(1.0);
         let dt = interval.dt_s / steps;
         for k in 0..steps as usize {
-            let since = interval.path[k * interval.path.len() / steps as usize].since_departure_s;
-            let moment = Moment {
-                location_m,
-                speed_mps: speed,
-                effort_n_per_kg: row.effort_n_per_kg,
-                since_departure_s: since,
-                braked: interval.braked,
-                temperature_c: interval.temperature_c,
-                day: interval.day,
-            };
-            let effort = if row.effort_n_per_kg < 0.0 {
-                let limits = effects.limits(line.train, location_m, speed);
-                row.effort_n_per_kg * limits.brake_n_per_kg / Limits::of(line.train).brake_n_per_kg
-            } else {
-                row.effort_n_per_kg
-            };
-            let acceleration = effort
-                - davis.resistance_n_per_kg(speed)
-                - line.gradient_n_per_kg(location_m)
-                - effects.resistance_n_per_kg(line, &davis, &moment);
+            let since_s = interval.path[k * interval.path.len() / steps as usize].since_departure_s;
+            let moment = moment_at(row, location_m, speed, since_s);
+            let acceleration = acceleration_mps2(line, effects, &moment);
             location_m += sign * (speed * dt + 0.5 * acceleration * dt * dt);
             speed = (speed + acceleration * dt).max(0.0);
         }
         speeds.push(speed);
     }
     speeds
-}
-
-/// Pulling at full power: the change of speed that limit and driver's share foresee, against the one that was.
-pub fn pulled(
-    believed: &Believed<'_>,
-    direction: Direction,
-    effects: &Effects,
-    pulls: &[Pull],
-    dt_s: f64,
-) -> Vec<Compared> {
-    let train = believed.line(direction).train;
-    let none = Effects::NONE;
-    let limit = |effects: &Effects, pull: &Pull| {
-        effects
-            .limits(train, pull.location_m, pull.speed_mps)
-            .traction_n_per_kg(pull.speed_mps)
-            / train.max_effort_n_per_kg(pull.speed_mps)
-    };
-    // What the driver asks for in this pull: what it shows where no limit of the effects holds it back. Held back all the way, it was some share between
-    // what the train gives and everything.
-    let asked = |parts: &[&Pull]| {
-        let free = parts.iter().filter(|part| {
-            let limit = limit(effects, part);
-            limit > 0.99 && limit < 1.01 || part.ratio < limit - 2.0 * part.sd
-        });
-        let mut ratios: Vec<f64> = free.map(|part| part.ratio).collect();
-        ratios.sort_by(f64::total_cmp);
-        match ratios.get(ratios.len() * 4 / 5) {
-            Some(ratio) => *ratio,
-            None => {
-                let given = parts.iter().map(|part| limit(effects, part));
-                let given = given.fold(1.0, f64::min);
-                given.max(0.5 * (1.0 + given))
-            }
-        }
-    };
-    let mut compared = Vec::new();
-    for parts in caps::by_number(pulls) {
-        for by_power in [false, true] {
-            let parts: Vec<&Pull> = parts.iter().filter(|p| p.by_power() == by_power).collect();
-            if parts.is_empty() {
-                continue;
-            }
-            let asked = asked(&parts);
-            compared.extend(parts.into_iter().map(|pull| {
-                let most = train.max_effort_n_per_kg(pull.speed_mps);
-                let error = |effects: &Effects| {
-                    (asked.min(limit(effects, pull)) - pull.ratio) * most * dt_s
-                };
-                Compared {
-                    run: pull.run,
-                    time_s: 0.0,
-                    since_s: 0.0,
-                    location_m: pull.location_m,
-                    measured_mps: pull.speed_mps,
-                    before_mps: error(&none),
-                    after_mps: error(effects),
-                    floor: (pull.sd * most * dt_s).powi(2),
-                }
-            }));
-        }
-    }
-    compared
 }
 
 /// The effects that act on motion or limits, as the board takes them.

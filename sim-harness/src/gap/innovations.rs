@@ -23,7 +23,7 @@ pub struct Innovations {
 /// Of these runs. `estimator`: of the believed train and track; `believed` and `repaired` give the effects of a run. `None`: there are no innovations.
 pub fn innovations(
     estimator: &Estimator,
-    recordings: &[Recording],
+    recordings: &[&Recording],
     believed: impl Fn(&str) -> Effects,
     repaired: impl Fn(&str) -> Effects,
 ) -> Option<Innovations> {

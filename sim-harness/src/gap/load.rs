@@ -23,7 +23,7 @@ pub enum LoadError {
     Recording(#[from] RecordingError),
 }
 
-/// Reads one run.
+/// Reads one run: as the workflow takes it, and as an estimator replays it.
 ///
 /// # Errors
 /// [`LoadError`] names file and place.
@@ -31,7 +31,7 @@ pub fn run(
     file: &RunFile,
     line: Option<&CentreLine>,
     direction: DirectionChoice,
-) -> Result<(Run, Vec<String>), LoadError> {
+) -> Result<(Run, Recording), LoadError> {
     let log = RunLog::read(&file.path, BadRows::LeaveOut)?;
     let recording = Recording::new(file, &log, line, direction)?;
     let most_mps = KmPerHour(MOST_SPEED_KMH).to_mps();
@@ -59,12 +59,12 @@ pub fn run(
         });
     }
     let run = Run {
-        name: recording.name,
+        name: recording.name.clone(),
         direction: recording.direction,
         day: recording.day,
         samples,
     };
-    Ok((run, recording.warnings))
+    Ok((run, recording))
 }
 
 /// Reads all runs; those that cannot be used are left out, with the reason.
@@ -73,6 +73,16 @@ pub fn runs(
     track: &TrackFile,
     direction: DirectionChoice,
 ) -> (Vec<Run>, Vec<String>) {
+    let (read, notes) = with_recordings(set, track, direction);
+    (read.into_iter().map(|(run, _)| run).collect(), notes)
+}
+
+/// The same with what an estimator replays of each.
+pub fn with_recordings(
+    set: &RunSet,
+    track: &TrackFile,
+    direction: DirectionChoice,
+) -> (Vec<(Run, Recording)>, Vec<String>) {
     let line = CentreLine::new(&track.centre_line);
     let read: Vec<_> = set
         .files
@@ -82,9 +92,9 @@ pub fn runs(
     let (mut runs, mut notes) = (Vec::new(), Vec::new());
     for result in read {
         match result {
-            Ok((run, warnings)) => {
-                notes.extend(warnings);
-                runs.push(run);
+            Ok((run, recording)) => {
+                notes.extend(recording.warnings.iter().cloned());
+                runs.push((run, recording));
             }
             Err(error) => notes.push(format!("{error}; the run was left out")),
         }

@@ -1,6 +1,7 @@
 //! The gap workflow: where simulation and measured data disagree, which effect is missing, and the gap shrinking.
 
 pub mod analysis;
+pub mod answer;
 pub mod bench;
 pub mod calibrate;
 pub mod caps;
@@ -8,20 +9,30 @@ pub mod coasting;
 pub mod dragging;
 pub mod evidence;
 pub mod explain;
+pub mod explained;
+pub mod files;
 pub mod fit;
 pub mod forward;
 pub mod innovations;
+pub mod journey;
+mod judge;
 pub mod kinematics;
 pub mod load;
 pub mod named;
+pub mod notes;
+mod on_line;
 pub mod own_wind;
+pub mod pulled;
 pub mod report;
+pub mod rivals;
 pub mod rows;
 pub mod runs;
 pub mod scan;
 pub mod select;
 pub mod separates;
 pub mod shape;
+pub mod share;
+pub mod story;
 pub mod tables;
 pub mod terms;
 pub mod travelled;

@@ -3,9 +3,7 @@
 use super::caps::Pull;
 use super::rows::Row;
 use super::workflow::Investigation;
-use crate::output::WriteError;
 use serde::Serialize;
-use std::path::Path;
 
 #[derive(Serialize)]
 struct Residual {
@@ -46,11 +44,11 @@ struct Compared {
     after_kmh: f64,
 }
 
-/// Writes each interval's residual; location, speed and time since departure are those of its middle.
+/// Each interval's residual; location, speed and time since departure are those of its middle.
 ///
 /// # Errors
-/// [`WriteError`] names the file.
-pub fn residuals(path: &Path, rows: &[Row]) -> Result<(), WriteError> {
+/// [`csv::Error`] when a row cannot be told as text.
+pub fn residuals(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
     let residual = |row: &Row| {
         let middle = row.interval.middle();
         Residual {
@@ -67,14 +65,14 @@ pub fn residuals(path: &Path, rows: &[Row]) -> Result<(), WriteError> {
             residual_n_per_kg: row.residual_n_per_kg,
         }
     };
-    write(path, rows.iter().map(residual))
+    table(rows.iter().map(residual))
 }
 
-/// Writes the intervals of steady power while trains gain speed, beside the believed limit.
+/// The intervals of steady power while trains gain speed, beside the believed limit.
 ///
 /// # Errors
-/// [`WriteError`] names the file.
-pub fn pulls(path: &Path, pulls: &[Vec<Pull>]) -> Result<(), WriteError> {
+/// [`csv::Error`] when a row cannot be told as text.
+pub fn pulls(pulls: &[Vec<Pull>]) -> Result<Vec<u8>, csv::Error> {
     let rows = pulls.iter().flatten().map(|pull| PulledAt {
         run: pull.run + 1,
         pull: pull.number + 1,
@@ -84,14 +82,14 @@ pub fn pulls(path: &Path, pulls: &[Vec<Pull>]) -> Result<(), WriteError> {
         sd: pull.sd,
         by_power: pull.by_power(),
     });
-    write(path, rows)
+    table(rows)
 }
 
-/// Writes measured and simulated speed of the held-out runs, before and after.
+/// Measured and simulated speed of the held-out runs, before and after.
 ///
 /// # Errors
-/// [`WriteError`] names the file.
-pub fn before_after(path: &Path, found: &Investigation) -> Result<(), WriteError> {
+/// [`csv::Error`] when a row cannot be told as text.
+pub fn before_after(found: &Investigation) -> Result<Vec<u8>, csv::Error> {
     let rows = found.compared.iter().map(|c| Compared {
         run: found.held_out[c.run] + 1,
         time_s: c.time_s,
@@ -100,20 +98,14 @@ pub fn before_after(path: &Path, found: &Investigation) -> Result<(), WriteError
         before_kmh: 3.6 * (c.measured_mps + c.before_mps),
         after_kmh: 3.6 * (c.measured_mps + c.after_mps),
     });
-    write(path, rows)
+    table(rows)
 }
 
-fn write(path: &Path, rows: impl Iterator<Item = impl Serialize>) -> Result<(), WriteError> {
-    let failed = |error: csv::Error| WriteError {
-        path: path.to_owned(),
-        source: std::io::Error::other(error),
-    };
-    let mut csv = csv::Writer::from_path(path).map_err(failed)?;
+fn table(rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, csv::Error> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
     for row in rows {
-        csv.serialize(row).map_err(failed)?;
+        csv.serialize(row)?;
     }
-    csv.flush().map_err(|source| WriteError {
-        path: path.to_owned(),
-        source,
-    })
+    csv.into_inner()
+        .map_err(|error| std::io::Error::other(error.to_string()).into())
 }

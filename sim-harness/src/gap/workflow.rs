@@ -2,18 +2,20 @@
 //!
 //! Names and sizes come from all runs. How much of the gap they remove comes from an analysis that saw only the training runs, judged on the others.
 
-use super::analysis::{Findings, Surroundings, analyse, apply};
+use super::analysis::{Findings, Surroundings, analyse};
 use super::evidence::{Evidence, evidence};
-use super::forward::{Compared, Gap, effects, pulled, resisted};
+use super::explained::explained;
+use super::forward::{Compared, Gap, effects};
+use super::journey::Journey;
+use super::judge::{Judged, judge};
 use super::named::{Named, named};
+use super::on_line::on_line;
 use super::own_wind::own_wind;
-use super::rows::Believed;
+use super::rows::{Believed, Row};
 use super::runs::Run;
 use super::terms::Context;
-use super::travelled::travelled;
 use super::wheels::{put_right, wheels};
 use rundown::effects::{Effect, Effects};
-use serde_json::{Value, json};
 
 /// What came of it.
 #[derive(Clone, Debug)]
@@ -28,6 +30,12 @@ pub struct Investigation {
     pub evidence: Vec<Evidence>,
     /// Probability of such evidence without a gap.
     pub p_value: f64,
+    /// The same of what is left with the effects in the model, on the very runs that the effects were found in.
+    pub p_value_after: f64,
+    /// Both on the held-out runs, with the effects that the training runs tell; none with too few runs or rows.
+    pub p_value_held_out: Option<[f64; 2]>,
+    /// Running time and energy of the held-out runs.
+    pub journeys: Vec<Journey>,
     /// Simulated against measured speed on the held-out runs.
     pub compared: Vec<Compared>,
     /// The same in numbers.
@@ -41,9 +49,16 @@ const HELD_OUT: usize = 5;
 /// A gap of which less was removed is explained only in part.
 const EXPLAINED: f64 = 0.7;
 
-/// Indices of `count` runs, evenly spread.
+/// Fewer runs are no ground to find an effect in.
+pub const LEAST_TRAINING: usize = 5;
+/// The most runs that can be held out.
+pub fn most_held_out(runs: usize) -> usize {
+    runs.saturating_sub(LEAST_TRAINING)
+}
+
+/// Indices of `count` runs, evenly spread; at most [`most_held_out`].
 pub fn held_out(runs: usize, count: Option<usize>) -> Vec<usize> {
-    let count = count.unwrap_or(runs / HELD_OUT).min(runs.saturating_sub(2));
+    let count = count.unwrap_or(runs / HELD_OUT).min(most_held_out(runs));
     (0..count)
         .map(|i| (2 * i + 1) * runs / (2 * count))
         .collect()
@@ -59,11 +74,16 @@ pub fn investigate(
 ) -> Option<Investigation> {
     story("wheels: each run against the others");
     let wheels = wheels(runs, surroundings);
-    let runs = put_right(runs, &wheels);
-    let runs = runs.as_slice();
+    let righted: Vec<Run>;
+    let runs = if wheels.is_empty() {
+        runs
+    } else {
+        righted = put_right(runs, &wheels);
+        &righted
+    };
     story("where and what: all runs");
     let findings = analyse(believed, surroundings, runs, &mut story)?;
-    let mut named = named(&findings, surroundings, runs);
+    let mut named = all_named(&findings, surroundings, runs);
     named.extend(wheels.iter().map(|wheel| wheel.named(runs)));
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let with = effects(&named);
@@ -72,44 +92,78 @@ pub fn investigate(
             one.per_run = winds(&believed, &findings, &with, wind.sd_mps, runs);
         }
     }
-    let context = Context {
-        believed,
-        curves: &surroundings.curves,
-        temperature_c: findings.temperature_c,
-        first_day: findings.first_day,
-        period_days: findings.period_days,
-    };
+    let context = context(believed, surroundings, &findings);
     story("is it chance: signs of whole runs flipped");
     let (evidence, p_value) = evidence(&context, &findings.rows, &findings.calibrated);
+    let rows = repaired(&believed, &named, runs, &findings.rows);
+    let (_, p_value_after) = super::evidence::evidence(&context, &rows, &findings.calibrated);
     let held_out = held_out(runs.len(), hold_out);
-    let (tested, training): (Vec<_>, Vec<_>) = runs
-        .iter()
-        .cloned()
-        .enumerate()
-        .partition(|(i, _)| held_out.contains(i));
-    let (tested, training): (Vec<Run>, Vec<Run>) = (
-        tested.into_iter().map(|(_, run)| run).collect(),
-        training.into_iter().map(|(_, run)| run).collect(),
-    );
-    story("the same on the training runs, judged on the others");
-    let (trained, compared) = match analyse(believed, surroundings, &training, |_| ()) {
-        Some(found) => {
-            let trained = super::named::named(&found, surroundings, &training);
-            let compared = compare(believed, surroundings, &found, &trained, &tested);
-            (trained, compared)
-        }
-        None => (Vec::new(), Vec::new()),
+    let of = |tested: bool| -> Vec<Run> {
+        let runs = runs.iter().enumerate();
+        let wanted = runs.filter(|(i, _)| held_out.contains(i) == tested);
+        wanted.map(|(_, run)| run.clone()).collect()
     };
+    let (tested, training) = (of(true), of(false));
+    let mut judged = Judged::default();
+    let mut trained = Vec::new();
+    if !tested.is_empty() {
+        story("the same on the training runs, judged on the others");
+        if let Some(found) = analyse(believed, surroundings, &training, |_| ()) {
+            trained = all_named(&found, surroundings, &training);
+            judged = judge(believed, surroundings, &found, &trained, &tested);
+        }
+    }
     Some(Investigation {
-        gap: Gap::of(&compared),
+        gap: Gap::of(&judged.compared),
         findings,
         named,
         trained,
         evidence,
         p_value,
-        compared,
+        p_value_after,
+        p_value_held_out: judged.p_values,
+        journeys: judged.journeys,
+        compared: judged.compared,
         held_out,
     })
+}
+
+/// What was found, by name; nothing of it lies beyond the ends of the line.
+fn all_named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> Vec<Named> {
+    let mut all = named(findings, surroundings, runs);
+    for one in &mut all {
+        on_line(one, surroundings.length_m);
+    }
+    all
+}
+
+pub(super) fn context<'a>(
+    believed: Believed<'a>,
+    surroundings: &'a Surroundings,
+    findings: &Findings,
+) -> Context<'a> {
+    Context {
+        believed,
+        curves: &surroundings.curves,
+        temperature_c: findings.temperature_c,
+        first_day: findings.first_day,
+        period_days: findings.period_days,
+    }
+}
+
+/// The rows with what the effects leave of their residuals.
+pub(super) fn repaired(
+    believed: &Believed<'_>,
+    named: &[Named],
+    runs: &[Run],
+    rows: &[Row],
+) -> Vec<Row> {
+    let left = |(row, explained): (&Row, f64)| Row {
+        residual_n_per_kg: row.residual_n_per_kg - explained,
+        ..row.clone()
+    };
+    let explained = explained(believed, named, runs, rows);
+    rows.iter().zip(explained).map(left).collect()
 }
 
 /// Each run's wind in the `up` direction, with its standard deviation.
@@ -127,61 +181,6 @@ fn winds(
         (run.name.clone(), run.direction.sign() * headwind_mps, sd)
     };
     runs.iter().enumerate().map(of_run).collect()
-}
-
-fn compare(
-    believed: Believed<'_>,
-    surroundings: &Surroundings,
-    found: &Findings,
-    trained: &[Named],
-    tested: &[Run],
-) -> Vec<Compared> {
-    // Which of the held-out runs an effect of some runs acts in, only the run itself can say: the choice that fits it better, one bit a run.
-    let (always, sometimes): (Vec<Named>, Vec<Named>) = trained
-        .iter()
-        .cloned()
-        .partition(|named| named.runs.is_empty());
-    let without = effects(&always);
-    let with = effects(&always.iter().chain(&sometimes).cloned().collect::<Vec<_>>());
-    let (rows, pulls) = apply(believed, surroundings, found, tested);
-    let judged = |effects: &Effects| {
-        let mut compared = resisted(&believed, found, effects, &rows);
-        if found.limit.is_some() {
-            for (run, pulls) in tested.iter().zip(&pulls) {
-                compared.extend(pulled(&believed, run.direction, effects, pulls, 10.0));
-            }
-        }
-        compared
-    };
-    let kinematic =
-        |named: &Named| matches!(named.effect, Effect::SpeedScale(_) | Effect::LocationLag(_));
-    let way: Vec<Compared> = if trained.iter().any(kinematic) {
-        let of_run = |(i, run)| travelled(i, run, &found.readings);
-        tested.iter().enumerate().flat_map(of_run).collect()
-    } else {
-        Vec::new()
-    };
-    let mut plain = judged(&without);
-    if sometimes.is_empty() {
-        plain.extend(way);
-        return plain;
-    }
-    let acting = judged(&with);
-    let of_run = |compared: &[Compared], run: usize, of: fn(&Compared) -> f64| {
-        let of_run = compared.iter().filter(|c| c.run == run);
-        of_run.map(of).sum::<f64>()
-    };
-    let error = |compared: &[Compared], run| of_run(compared, run, |c| c.after_mps * c.after_mps);
-    // A driver may by chance ask for what a limit leaves: where that foresees the pulls as well as a share of his own, the limit acts.
-    let chance = |run| of_run(&plain, run, |c| if c.time_s == 0.0 { c.floor } else { 0.0 });
-    let better: Vec<bool> = (0..tested.len())
-        .map(|run| error(&acting, run) < error(&plain, run) + chance(run))
-        .collect();
-    let chosen = plain.into_iter().zip(acting);
-    chosen
-        .map(|(plain, acting)| if better[plain.run] { acting } else { plain })
-        .chain(way)
-        .collect()
 }
 
 impl Investigation {
@@ -203,31 +202,5 @@ impl Investigation {
         } else {
             "explained"
         }
-    }
-
-    /// `gap.json`.
-    pub fn json(&self, dataset: &str) -> Value {
-        let gap = &self.gap;
-        json!({
-            "dataset": dataset,
-            "verdict": self.verdict(),
-            "effects": self.named.iter().map(Named::json).collect::<Vec<_>>(),
-            "gap": {
-                "what": "simulated against measured speed, held-out runs",
-                "unit": "m/s",
-                "before": gap.before_mps,
-                "after": gap.after_mps,
-                "noise_floor": gap.floor_mps,
-                "removed_share": gap.removed(),
-                "held_out_runs": self.held_out.len(),
-            },
-            "p_value": self.p_value,
-            "evidence": self.evidence.iter().map(|e| json!({
-                "coordinate": e.coordinate,
-                "score": e.score,
-                "at": e.at,
-                "p_value": e.p_value,
-            })).collect::<Vec<_>>(),
-        })
     }
 }

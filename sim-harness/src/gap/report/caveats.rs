@@ -74,9 +74,15 @@ fn readings(page: &Page<'_>) -> String {
         ));
     }
     if readings.location_lag_s != 0.0 {
+        let late_s = readings.location_lag_s;
+        let put = if late_s > 0.0 {
+            "carried on"
+        } else {
+            "put back"
+        };
         corrected.push(format!(
-            "locations were carried on by {} s",
-            number(readings.location_lag_s, 1)
+            "locations were {put} by the way of {} s",
+            number(late_s.abs(), 1)
         ));
     }
     if findings.measured && readings.effort == EffortReading::MeanSinceLast {

@@ -124,14 +124,14 @@ fn directions(page: &Page<'_>) -> Vec<Direction> {
     all.into_iter().filter(travelled).collect()
 }
 
-fn word(direction: Direction) -> &'static str {
+pub(super) fn word(direction: Direction) -> &'static str {
     match direction {
         Direction::Up => "up",
         Direction::Down => "down",
     }
 }
 
-fn colour(direction: Direction) -> RGBColor {
+pub(super) fn colour(direction: Direction) -> RGBColor {
     match direction {
         Direction::Up => colours::MEASURED,
         Direction::Down => colours::GRADIENT,

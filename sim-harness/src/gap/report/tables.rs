@@ -42,6 +42,15 @@ pub(super) fn evidence(found: &Investigation) -> Markup {
             }
         } }
         p.small { "Found by flipping the signs of whole runs, 999 times: intervals of one run are not independent, so the run is the unit. The least p-value that can come out is 0.001." }
+        @if !found.named.is_empty() {
+            p {
+                "With the effects in the model the same test of what is left gives p = " (number(found.p_value_after, 3))
+                ", on the runs that the effects were found in."
+                @if let Some([before, after]) = found.p_value_held_out {
+                    " On the held-out runs alone, with the effects that the others tell: " (number(before, 3)) " before, " (number(after, 3)) " after."
+                }
+            }
+        }
     }
 }
 
@@ -93,7 +102,7 @@ fn effect(one: &Named) -> Markup {
         td.text rowspan=(rows) style=(TOP) { (listed(&one.would_separate)) }
     };
     html! {
-        @if parameters.is_empty() { tr { (named) td.text colspan="4" { "a table: the dashed line over the data" } (sure) } }
+        @if parameters.is_empty() { tr { (named) td.text colspan="4" { "a table: the line through the data below" } (sure) } }
         @for (index, (name, value)) in parameters.iter().enumerate() {
             @let (value, ends) = with_ends(*value, interval(one, name));
             tr {
@@ -158,10 +167,13 @@ pub(super) fn gap(page: &Page<'_>) -> Markup {
                 tr { th scope="row" { "after: with the effects" } td { (number(gap.after_mps, 3)) } }
                 tr { th scope="row" { "noise floor: a perfect model" } td { (number(gap.floor_mps, 3)) } }
                 tr { th scope="row" { "share of the removable gap that is gone" } td { @if gap.is_removable() { (percent(gap.removed_share)) } @else { "there was none" } } }
+                @if let Some((low, high)) = gap.removed_95 {
+                    tr { th scope="row" { "its 95 % interval, from " (gap.runs) " runs drawn anew" } td { (percent(low)) " to " (percent(high)) } }
+                }
             }
         } }
         p.small { (compared) " speeds compared. The removable gap is what lies between before and the noise floor, in mean squares." }
-        @if let Some(innovations) = page.innovations {
+        @if let Some(innovations) = page.answer.innovations {
             p {
                 "Innovations of the on-board estimator's speed on the same runs, root mean square: "
                 (number(innovations.before_mps, 3)) " m/s with the believed model, " (number(innovations.after_mps, 3)) " m/s with the repaired one."

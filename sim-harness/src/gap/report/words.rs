@@ -3,6 +3,7 @@
 use super::Page;
 use super::values::{confidence, short, told, unit};
 use crate::gap::named::Named;
+use crate::gap::notes::{SIGNIFICANT, worse};
 use crate::report::numbers::{counted, number};
 use rundown::effects::{Coordinate, Effect};
 
@@ -23,80 +24,83 @@ fn any(names: &[&'static str]) -> String {
 /// The sentences at the top of the page.
 pub(super) fn verdict(page: &Page<'_>) -> Vec<String> {
     let found = page.found;
+    let all = counted(page.runs.len(), "run", "runs");
+    let mut notes = page.answer.notes();
+    // What could not be judged at all comes before what was found.
+    let (mut sentences, judged) = match found.findings.rows.is_empty() {
+        true => (vec![notes.remove(0)], false),
+        false => (Vec::new(), true),
+    };
     let chance = match found.p_value {
         p if p <= 0.0011 => "at most one time in a thousand".to_owned(),
         p => format!("with probability {}", number(p, 3)),
     };
+    let significant = judged && found.p_value < SIGNIFICANT;
     if found.named.is_empty() {
-        let all = counted(page.runs.len(), "run", "runs");
-        return vec![if found.p_value < 0.05 {
-            format!(
-                "No effect of the catalogue was found in {all}, yet the residuals are not quite what noise leaves: without a gap they would look like this {chance}."
-            )
-        } else {
-            format!(
+        sentences.push(match (judged, significant) {
+            (false, _) => format!("In what could be looked at, nothing was found in {all}."),
+            (true, true) => format!("No effect of the catalogue was found in {all}."),
+            (true, false) => format!(
                 "No gap: what the model does not explain in {all} is what these sensors leave (such residuals, or larger ones, come about by chance {chance})."
-            )
-        }];
+            ),
+        });
+    } else {
+        sentences.extend(found.named.iter().map(|one| of(page, one)));
+        sentences.extend(held_out(page));
+        if significant {
+            let left = match found.p_value_after {
+                p if p >= SIGNIFICANT => format!(
+                    "; what is left with the effects in the model is such as chance leaves (p = {})",
+                    number(p, 2)
+                ),
+                _ => String::new(),
+            };
+            sentences.push(format!(
+                "Chance alone would leave such residuals {chance}{left}."
+            ));
+        }
     }
-    let mut sentences: Vec<String> = found.named.iter().map(|one| of(page, one)).collect();
-    sentences.push(held_out(page));
-    sentences.push(match found.p_value {
-        p if p < 0.05 => format!("Chance alone would leave such residuals {chance}."),
-        // What bounds the traction, or differs between runs, leaves no mean residual.
-        _ => format!(
-            "The mean residuals below show no gap (chance alone would leave such ones {chance}); what was found shows in {}.",
-            shows_in(&found.named)
-        ),
-    });
+    sentences.extend(notes);
     sentences
 }
 
-/// What the effects bring on runs that took no part.
-fn held_out(page: &Page<'_>) -> String {
+/// What the effects bring on runs that took no part; where they bring harm, a note tells.
+fn held_out(page: &Page<'_>) -> Option<String> {
     let (found, gap) = (page.found, &page.found.gap);
     if found.compared.is_empty() {
-        return "No held-out run could be compared.".to_owned();
+        return Some("No held-out run could be compared.".to_owned());
+    }
+    if worse(gap) {
+        return None;
     }
     let runs = counted(found.held_out.len(), "held-out run", "held-out runs");
     let mps = |value| number(value, 2);
     if !gap.is_removable() {
-        return format!(
+        return Some(format!(
             "On {runs} there was no gap to remove: the simulated speed is off by {} m/s, and a perfect model would leave {}.",
             mps(gap.before_mps),
             mps(gap.floor_mps)
-        );
+        ));
     }
     let them = if found.trained.len() == 1 {
         "it"
     } else {
         "them"
     };
-    format!(
-        "With {them} in the model {}\u{a0}% of the removable gap is gone on {runs}: the simulated speed is off by {} m/s instead of {}, and a perfect model would leave {}.",
-        number(100.0 * gap.removed_share, 0),
+    let whole = |share: f64| number(100.0 * share, 0);
+    let interval = match gap.removed_95 {
+        Some((low, high)) => {
+            format!(" (95\u{a0}% interval {} to {})", whole(low), whole(high))
+        }
+        None => String::new(),
+    };
+    Some(format!(
+        "With {them} in the model {}\u{a0}% of the removable gap is gone on {runs}{interval}: the simulated speed is off by {} m/s instead of {}, and a perfect model would leave {}.",
+        whole(gap.removed_share),
         mps(gap.after_mps),
         mps(gap.before_mps),
         mps(gap.floor_mps)
-    )
-}
-
-/// In what effects show that leave no mean residual.
-fn shows_in(named: &[Named]) -> String {
-    let of = |one: &Named| match one.effect {
-        Effect::PowerLimitSection(_) | Effect::TractionScale(_) | Effect::LowAdhesion(_) => {
-            "the effort at full power"
-        }
-        Effect::RunWind(_) | Effect::DraggingBrake(_) => "the differences between runs",
-        Effect::SpeedScale(_) | Effect::LocationLag(_) => {
-            "the way by location against the way by speed"
-        }
-        _ => "the fit of its own law",
-    };
-    let mut all: Vec<&str> = named.iter().map(of).collect();
-    all.sort_unstable();
-    all.dedup();
-    all.join(" and ")
+    ))
 }
 
 /// One effect in a sentence or two.
@@ -198,12 +202,13 @@ fn what(page: &Page<'_>, named: &Named) -> String {
             value("factor", e.factor, 100.0, "%")
         ),
         Effect::SpeedScale(e) => format!(
-            "The odometer reads wrong: measured over true speed is {}",
+            "The speed is read on a wrong scale: measured over true speed is {}",
             value("measured_over_true", e.measured_over_true, 1.0, "")
         ),
         Effect::LocationLag(e) => format!(
-            "The location comes late, by {}",
-            value("lag_s", e.lag_s, 1.0, "s")
+            "The location comes {}, by {}",
+            if e.lag_s > 0.0 { "late" } else { "early" },
+            value("lag_s", e.lag_s, e.lag_s.signum(), "s")
         ),
         Effect::TemperatureResistance(e) => format!(
             "The constant resistance r0 depends on the temperature: {} for each degree, as described at {} \u{b0}C",

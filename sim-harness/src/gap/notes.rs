@@ -1,0 +1,97 @@
+//! What a reader must know beside the verdict: for the screen, `gap.json` and the page alike.
+
+use super::forward::Gap;
+use super::named::Named;
+use super::workflow::{Investigation, LEAST_TRAINING};
+use rundown::effects::Effect;
+
+/// With fewer runs a name rests on little.
+const FEW_RUNS: usize = 10;
+/// A p-value below it is evidence of a gap.
+pub const SIGNIFICANT: f64 = 0.05;
+
+/// Sentences, the weightiest first; `runs`: how many there were.
+pub fn notes(found: &Investigation, runs: usize) -> Vec<String> {
+    let mut notes = Vec::new();
+    if found.findings.rows.is_empty() {
+        notes.push(NO_ROWS.to_owned());
+    }
+    if worse(&found.gap) {
+        notes.push(format!(
+            "Worse than before: on the held-out runs the simulated speed is off by {:.3} m/s with the effects and by {:.3} without them. Do not use the repaired model before this is understood.",
+            found.gap.after_mps, found.gap.before_mps
+        ));
+    }
+    if runs <= LEAST_TRAINING {
+        notes.push(format!(
+            "There are {runs} runs: none can be held out, because an analysis needs {LEAST_TRAINING}, so nothing here was tried on runs that took no part."
+        ));
+    } else if found.held_out.is_empty() {
+        notes.push(
+            "No run was held out: nothing here was tried on runs that took no part.".to_owned(),
+        );
+    }
+    if runs < FEW_RUNS {
+        notes.push(format!(
+            "{runs} runs are few: what one driver or one day does can pass for an effect, and a small effect is not found."
+        ));
+    }
+    notes.extend(contradiction(found));
+    notes
+}
+
+/// What is said where nothing could be judged by forces.
+pub const NO_ROWS: &str = "No resistance could be judged: the logs have no effort column, and no train coasts long enough in them. Only wheels, locations and limits of the traction were looked at.";
+
+/// The repaired model is further off where there was something to remove, or by more than chance rounding.
+pub fn worse(gap: &Gap) -> bool {
+    gap.is_worse() && gap.after_mps > 1.001 * gap.before_mps
+}
+
+/// Where p-value and verdict seem to say different things.
+fn contradiction(found: &Investigation) -> Option<String> {
+    if found.findings.rows.is_empty() {
+        return None;
+    }
+    let (before, after) = (found.p_value, found.p_value_after);
+    let p = |value: f64| format!("p = {value:.3}");
+    if found.named.is_empty() {
+        return (before < SIGNIFICANT).then(|| {
+            format!(
+                "The residuals are not quite what noise leaves ({}), yet no effect of the catalogue explains enough of them to be named.",
+                p(before)
+            )
+        });
+    }
+    if before >= SIGNIFICANT {
+        return Some(format!(
+            "The mean residuals show no gap ({}), and that is no contradiction: what was found shows in {}.",
+            p(before),
+            shows_in(&found.named)
+        ));
+    }
+    (after < SIGNIFICANT).then(|| {
+        format!(
+            "Something is left in the residuals with the effects in the model ({}): a further effect too small to be named, or a law that is not quite the true one.",
+            p(after)
+        )
+    })
+}
+
+/// In what effects show that leave no mean residual.
+fn shows_in(named: &[Named]) -> String {
+    let of = |one: &Named| match one.effect {
+        Effect::PowerLimitSection(_) | Effect::TractionScale(_) | Effect::LowAdhesion(_) => {
+            "the effort at full power"
+        }
+        Effect::RunWind(_) | Effect::DraggingBrake(_) => "the differences between runs",
+        Effect::SpeedScale(_) | Effect::LocationLag(_) => {
+            "the way by location against the way by speed"
+        }
+        _ => "the fit of its own law",
+    };
+    let mut all: Vec<&str> = named.iter().map(of).collect();
+    all.sort_unstable();
+    all.dedup();
+    all.join(" and ")
+}

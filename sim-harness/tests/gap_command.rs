@@ -1,0 +1,251 @@
+//! Does `rundown gap` refuse what it cannot do, say what its names rest on, and write all or nothing?
+
+use rundown::effects::{Effect, SteadyWind};
+use serde_json::Value;
+use sim_harness::effect_file::EffectEntry;
+use sim_harness::gap::answer::Answer;
+use sim_harness::gap::files::Files;
+use sim_harness::gap::load;
+use sim_harness::gap::notes::NO_ROWS;
+use sim_harness::gap::report::{Page, page};
+use sim_harness::gap::rows::Believed;
+use sim_harness::gap::story::story;
+use sim_harness::gap::workflow::{Investigation, investigate};
+use sim_harness::recording::DirectionChoice;
+use sim_harness::run_set::RunSet;
+use sim_harness::track_file::TrackFile;
+use sim_harness::train_file::TrainFile;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const TUNNEL: &str = r#"
+[[effect]]
+name = "tunnel_drag"
+from_m = 18100.0
+to_m = 21000.0
+k = 1.2e-5
+"#;
+
+fn rundown(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
+    command
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn told(output: &Output) -> (Option<i32>, String, String) {
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
+    (
+        output.status.code(),
+        text(&output.stdout),
+        text(&output.stderr),
+    )
+}
+
+/// A folder with `set`: so many runs with an effort column.
+fn simulated(runs: usize, effect: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario =
+        format!("name = \"set\"\nruns = {runs}\nseed = 3\n[effort]\ncolumn = true\n{effect}");
+    std::fs::write(folder.path().join("s.toml"), scenario).unwrap();
+    let output = rundown(
+        folder.path(),
+        &["simulate", "--scenario", "s.toml", "--out", "set"],
+    );
+    assert!(output.status.success(), "{output:?}");
+    folder
+}
+
+/// `rundown gap` on `set`, results in `out`.
+fn gap(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
+    let mut all = vec!["gap", "--train", "set/train.toml", "--out", "out"];
+    all.extend(["--track", "set/track.toml"]);
+    all.extend(more);
+    told(&rundown(folder, &all))
+}
+
+fn read(folder: &Path, name: &str) -> String {
+    std::fs::read_to_string(folder.join("out").join(name)).unwrap()
+}
+
+fn caveats(json: &Value) -> Vec<&str> {
+    let all = json["caveats"].as_array().unwrap();
+    all.iter().map(|text| text.as_str().unwrap()).collect()
+}
+
+#[test]
+fn holding_out_too_many_is_refused_with_the_largest_number() {
+    let folder = simulated(8, "");
+    let (code, _, words) = gap(folder.path(), &["--runs", "set/runs", "--hold-out", "4"]);
+    assert_eq!(code, Some(2), "{words}");
+    assert!(words.contains("at most 3 can be held out"), "{words}");
+    assert!(!folder.path().join("out").exists());
+    let (code, screen, words) = gap(folder.path(), &["--runs", "set/runs", "--hold-out", "3"]);
+    assert_eq!(code, Some(0), "{words}");
+    assert!(screen.contains("3 held-out runs"), "{screen}");
+}
+
+#[test]
+fn few_runs_are_told_everywhere() {
+    let folder = simulated(4, "");
+    let (code, screen, words) = gap(folder.path(), &["--runs", "set/runs"]);
+    assert_eq!(code, Some(0), "{words}");
+    let note = "There are 4 runs: none can be held out";
+    assert!(screen.contains(note), "{screen}");
+    let json: Value = serde_json::from_str(&read(folder.path(), "gap.json")).unwrap();
+    assert!(caveats(&json).iter().any(|c| c.starts_with(note)), "{json}");
+    assert!(json["gap"]["before"].is_null(), "{json}");
+    assert!(read(folder.path(), "report.html").contains(note));
+}
+
+#[test]
+fn runs_that_are_nowhere_are_refused() {
+    let folder = simulated(1, "");
+    let (code, _, words) = gap(folder.path(), &["--runs", "nowhere"]);
+    assert_eq!(code, Some(3), "{words}");
+    assert!(words.contains("nowhere: expected a folder of run logs"));
+    assert!(!folder.path().join("out").exists());
+}
+
+/// A model found before is no part of the belief: it is told, and not doubled.
+#[test]
+fn effects_that_were_described_are_replaced_and_told() {
+    let folder = simulated(24, TUNNEL);
+    let path = folder.path().join("set/track.toml");
+    let track = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(path, format!("{track}{TUNNEL}")).unwrap();
+    let (code, screen, words) = gap(folder.path(), &["--runs", "set/runs"]);
+    assert_eq!(code, Some(0), "{words}");
+    assert!(screen.contains("had effects already (1)"), "{screen}");
+    let repaired = read(folder.path(), "model/track.toml");
+    assert_eq!(repaired.matches("tunnel_drag").count(), 1, "{repaired}");
+}
+
+#[test]
+fn where_a_folder_cannot_be_made_nothing_is_written() {
+    let folder = simulated(8, "");
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(out.join("model"), "a file").unwrap();
+    let (code, _, words) = gap(folder.path(), &["--runs", "set/runs"]);
+    assert_eq!(code, Some(4), "{words}");
+    assert_eq!(std::fs::read_dir(out).unwrap().count(), 1);
+}
+
+/// Trains that pull, keep their speed and brake, in logs without an effort column: nothing tells the resistance, nor does the one that coasts, which is held out, tell what noise leaves.
+#[test]
+fn without_effort_and_coasting_no_resistance_is_judged_and_no_map_drawn() {
+    let folder = simulated(1, "");
+    let runs = folder.path().join("cruising");
+    std::fs::create_dir(&runs).unwrap();
+    for run in 0..6 {
+        let mut log = "time_s,location_m,speed_kmh\n".to_owned();
+        let cruise_mps = 25.0 + f64::from(run);
+        let (mut location_m, mut speed) = (0.0, 0.0_f64);
+        for i in 0..80 {
+            let kmh = (3.6 * speed).round();
+            writeln!(log, "{:.1},{location_m:.2},{kmh}", 10.0 * f64::from(i)).unwrap();
+            let believed = 7.38e-3 + 1.6e-4 * speed + 2.8e-5 * speed * speed;
+            let next = match i {
+                71.. => (speed - 6.0).max(0.0),
+                50.. if run == 3 => speed - 10.0 * believed,
+                _ => (speed + 4.0).min(cruise_mps),
+            };
+            location_m += 5.0 * (speed + next);
+            speed = next;
+        }
+        std::fs::write(runs.join(format!("r{run}.csv")), log).unwrap();
+    }
+    let (code, screen, words) = gap(folder.path(), &["--runs", "cruising"]);
+    assert_eq!(code, Some(0), "{words}");
+    assert!(
+        screen.contains(NO_ROWS) && !screen.contains("p-value"),
+        "{screen}"
+    );
+    let json: Value = serde_json::from_str(&read(folder.path(), "gap.json")).unwrap();
+    assert_eq!(caveats(&json)[0], NO_ROWS);
+    assert!(json["p_value"].is_null() && json["gap"]["p_value_after"].is_null());
+    assert!(json["gap"]["before"].is_null(), "{json}");
+    assert!(json["running_time"]["why_not"].is_string(), "{json}");
+    let page = read(folder.path(), "report.html");
+    assert!(page.contains(&format!("<p class=\"lead\">{NO_ROWS}</p>")));
+    assert!(!page.contains("Residual over location") && !page.contains("p-value"));
+}
+
+/// The numbers of a bad outcome are put in place of those that were found: no data set is bad on purpose.
+#[test]
+fn a_repair_that_makes_things_worse_is_told_everywhere() {
+    let folder = simulated(8, "");
+    let set = folder.path().join("set");
+    let (_, train) = TrainFile::read(&set.join("train.toml")).unwrap();
+    let (file, track) = TrackFile::read(&set.join("track.toml")).unwrap();
+    let logs = RunSet::find(&[set.join("runs")]).unwrap();
+    let (runs, _) = load::runs(&logs, &file, DirectionChoice::Auto);
+    let believed = Believed::new(&train, &track);
+    let surroundings = load::surroundings(&file);
+    let mut found = investigate(believed, &surroundings, &runs, None, |_| ()).unwrap();
+    let told = |found: &Investigation| {
+        let answer = Answer {
+            dataset: "set",
+            runs: runs.len(),
+            found,
+            rivals: &[],
+            innovations: None,
+            described_effects: 0,
+            rotating_mass_kg: train.rotating_mass_kg(),
+        };
+        let page = page(&Page {
+            answer,
+            found,
+            believed,
+            runs: &runs,
+        });
+        (answer.json(), story(&answer), page)
+    };
+    let (json, screen, html) = told(&found);
+    assert_eq!(json["gap"]["worse_than_before"], false);
+    assert!(!screen.contains("orse than before") && !html.contains("Worse than before"));
+    found.gap.after_mps = 2.0 * found.gap.before_mps;
+    let (json, screen, html) = told(&found);
+    assert_eq!(json["gap"]["worse_than_before"], true);
+    assert!(caveats(&json)[0].starts_with("Worse than before"));
+    assert!(screen.contains("worse than before") && html.contains("Worse than before"));
+    // Nine effects are more than a board takes: there is no frame, so there is no file.
+    let (mut file, (train, _)) = (file, TrainFile::read(&set.join("train.toml")).unwrap());
+    file.effect = vec![
+        EffectEntry {
+            effect: Effect::SteadyWind(SteadyWind { wind_mps: 1.0 }),
+            runs: None,
+        };
+        9
+    ];
+    let texts = [("gap.json", screen), ("report.html", html)];
+    let error = Files::render(&found, &(train, file), texts).unwrap_err();
+    assert!(error.to_string().starts_with("effect.frame: "), "{error}");
+}
+
+/// The example of `gap --help` for a hidden effect, line by line.
+#[test]
+fn the_example_of_the_help_works_word_for_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, help, _) = told(&rundown(folder.path(), &["gap", "--help"]));
+    assert_eq!(code, Some(0));
+    let after = help.split("A set with a hidden effect").nth(1).unwrap();
+    let lines = after.lines().skip(1).map(str::trim);
+    let lines: Vec<&str> = lines.take_while(|line| !line.is_empty()).collect();
+    assert_eq!(lines.len(), 3, "{lines:?}");
+    let bin = Path::new(env!("CARGO_BIN_EXE_rundown")).parent().unwrap();
+    for line in lines {
+        let mut shell = Command::new("sh");
+        let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
+        let shell = shell.current_dir(folder.path()).env("PATH", path);
+        let output = shell.args(["-c", line]).output().unwrap();
+        assert!(output.status.success(), "{line}: {output:?}");
+    }
+    let json = std::fs::read_to_string(folder.path().join("gap/gap.json")).unwrap();
+    let json: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["effects"][0]["name"], "tunnel_drag", "{json}");
+}
