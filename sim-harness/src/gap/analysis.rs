@@ -84,6 +84,8 @@ pub struct Fitted {
     pub rivals: Vec<(Term, f64)>,
 }
 
+/// A law is as good as this share of its coefficient, whatever the noise: means over 10 s, the path between readings.
+const LAW: f64 = 0.01;
 /// A rival within this of a term cannot be told apart from it.
 const NEAR: f64 = 3.0;
 /// Share of moving samples with an effort above which the effort counts as measured.
@@ -502,8 +504,10 @@ fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
             .collect();
         let sd: Vec<f64> = range
             .clone()
-            .zip(search.systematic(term))
+            .zip(search.systematic(model, index))
             .map(|(i, systematic)| naive[(i, i)].max(robust[(i, i)]).sqrt().hypot(systematic))
+            .zip(range.clone())
+            .map(|(sd, i)| sd.hypot(LAW * base.beta[i]))
             .collect();
         let beside = search.base(&others);
         let shape = beside.and_then(|beside| {

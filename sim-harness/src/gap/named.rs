@@ -32,6 +32,11 @@ pub struct Named {
     pub gain: f64,
 }
 
+/// What rounding, and efforts that rise within a reading, do to the factor of a limit, as a share of it.
+const LIMIT: f64 = 0.006;
+/// What the path between two readings does to a lag, s.
+const LAG_S: f64 = 0.02;
+
 impl Named {
     /// An effect that acts in all runs and has no rivals.
     pub(super) fn plain(effect: Effect, gain: f64) -> Self {
@@ -134,6 +139,7 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
     }
     if kinematics.lag_matters() {
         let (lag_s, sd) = kinematics.lag_s;
+        let sd = sd.hypot(LAG_S);
         let effect = Effect::LocationLag(core_effects::LocationLag { lag_s });
         all.push(plain(
             effect,
@@ -175,7 +181,7 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
     }
     if let Some(found) = limit {
         let factor = |value: f64| {
-            let sd = found.factor_sd.max(0.002 * value);
+            let sd = found.factor_sd.hypot(LIMIT * value);
             around("factor", value, sd)
         };
         let mut of_limit = match &found.limit {

@@ -29,6 +29,8 @@ const SHAPE: f64 = 1.5;
 const UNNAMED: f64 = 4.0;
 /// Largest extra resistance over the believed one.
 const MOST_SHARE: f64 = 1.5;
+/// How well a Davis coefficient is described that is left as it is, as a share of it.
+const DESCRIBED: f64 = 0.1;
 /// Knots at even speeds.
 const EVEN: usize = 12;
 /// Most terms in a model.
@@ -200,7 +202,7 @@ impl<'a> Search<'a> {
     fn is_sure(&self, term: &Term, gain: &Gain) -> bool {
         // The other coefficient of a temperature is a constant.
         let one = gain.beta.len() == 1 || matches!(term, Term::Temperature);
-        let (beta, systematic) = (gain.beta.iter().next(), self.systematic(term));
+        let (beta, systematic) = (gain.beta.iter().next(), self.in_all_rows(term));
         let (true, Some(beta), Some(systematic)) = (one, beta, systematic.first()) else {
             return true;
         };
@@ -309,7 +311,7 @@ impl<'a> Search<'a> {
     }
 
     /// What a difference of [`NOTHING_N_PER_KG`] in all rows alike would make of each coefficient of a term where it acts.
-    pub fn systematic(&self, term: &Term) -> Vec<f64> {
+    fn in_all_rows(&self, term: &Term) -> Vec<f64> {
         let columns = term.columns(self.context, self.rows);
         let size = |column: Vec<f64>| {
             let acting = || column.iter().filter(|value| **value != 0.0);
@@ -324,6 +326,38 @@ impl<'a> Search<'a> {
             }
         };
         columns.into_iter().map(size).map(of).collect()
+    }
+
+    /// Standard deviations of a term's coefficients that no spread of rows or runs shows: a difference in all rows alike, and Davis coefficients that were taken as
+    /// described.
+    pub fn systematic(&self, model: &[Term], index: usize) -> Vec<f64> {
+        let mut sd = self.in_all_rows(&model[index]);
+        let Term::Davis(wrong) = model[index] else {
+            return sd;
+        };
+        let free = |term: &&Term| !matches!(term, Term::Length(_));
+        let before: usize = model[..index].iter().filter(free).map(Term::count).sum();
+        let columns: Vec<_> = model
+            .iter()
+            .filter(free)
+            .flat_map(|term| self.white(term).to_vec())
+            .collect();
+        let davis = self.context.believed.train().davis();
+        for (k, described) in [davis.r0, davis.r1, davis.r2]
+            .into_iter()
+            .enumerate()
+            .filter(|(k, _)| !wrong[*k])
+        {
+            let mut alone = [false; 3];
+            alone[k] = true;
+            let left_out = self.white(&Term::Davis(alone));
+            if let Some(base) = Base::new(&left_out[0], &columns, self.whitening.runs()) {
+                for (sd, beta) in sd.iter_mut().zip(base.beta.iter().skip(before)) {
+                    *sd = sd.hypot(DESCRIBED * described * beta);
+                }
+            }
+        }
+        sd
     }
 
     /// How far each edge of a section may move before the log-likelihood has lost what a 95 % limit allows.

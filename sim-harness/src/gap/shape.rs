@@ -94,21 +94,27 @@ pub fn limits(base: &Base, search: &Search<'_>, term: &Term, half: f64) -> Optio
         beta: (beta - half, beta + half),
     };
     for direction in [-1.0, 1.0] {
-        let mut value = dial.value;
-        while value > dial.least && value < dial.most {
-            value = (value + direction * 0.2 * dial.step).clamp(dial.least, dial.most);
-            let Some((gain, beta)) = at(value).as_ref().map(of) else {
-                break;
-            };
-            let loss = (most - gain).max(0.0);
-            if loss > LOSS_AT_LIMIT {
-                break;
+        // Ever larger steps out, then halves of the last one back in.
+        let (mut value, mut step, mut outside) = (dial.value, 0.01 * dial.step, false);
+        while step >= 0.01 * dial.step {
+            let next = (value + direction * step).clamp(dial.least, dial.most);
+            let loss = |gain: f64| (most - gain).max(0.0);
+            let found = at(next).as_ref().map(of);
+            match found.filter(|(gain, _)| loss(*gain) <= LOSS_AT_LIMIT) {
+                Some((gain, beta)) => {
+                    let half = half * (1.0 - loss(gain) / LOSS_AT_LIMIT).sqrt();
+                    limits.beta.0 = limits.beta.0.min(beta - half);
+                    limits.beta.1 = limits.beta.1.max(beta + half);
+                    limits.shape.0 = limits.shape.0.min(dial.shape(next));
+                    limits.shape.1 = limits.shape.1.max(dial.shape(next));
+                    if next == value {
+                        break;
+                    }
+                    value = next;
+                }
+                None => outside = true,
             }
-            let half = half * (1.0 - loss / LOSS_AT_LIMIT).sqrt();
-            limits.beta.0 = limits.beta.0.min(beta - half);
-            limits.beta.1 = limits.beta.1.max(beta + half);
-            limits.shape.0 = limits.shape.0.min(dial.shape(value));
-            limits.shape.1 = limits.shape.1.max(dial.shape(value));
+            step *= if outside { 0.5 } else { 2.0 };
         }
     }
     Some(limits)

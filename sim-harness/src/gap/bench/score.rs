@@ -33,8 +33,8 @@ pub struct Score {
     pub places: Vec<f64>,
     /// Reported 95 % intervals, and how many of them hold the truth.
     pub intervals: [usize; 2],
-    /// Parameters whose interval does not hold the truth.
-    pub outside: Vec<&'static str>,
+    /// Parameters whose interval does not hold the truth, with both.
+    pub outside: Vec<String>,
     /// Share of the removable gap that is gone on the held-out runs; `None` where there was none.
     pub removed: Option<f64>,
     /// The gap on the held-out runs before and after, and its floor, m/s.
@@ -95,7 +95,8 @@ impl Score {
                 if *low <= value && value <= *high {
                     self.intervals[1] += 1;
                 } else {
-                    self.outside.push(name);
+                    self.outside
+                        .push(format!("{name} {value:.4e} in {low:.4e} to {high:.4e}"));
                 }
             }
         }

@@ -57,7 +57,10 @@ pub fn edges(pulled: &[f64], best_m: [f64; 2], most: f64, gain: impl Fn([f64; 2]
         let limits = [false, true].map(|outwards| reach(edge, outwards, LOSS_AT_LIMIT));
         (
             inner + half,
-            (limits[0].min(limits[1]), limits[0].max(limits[1])),
+            (
+                limits[0].min(limits[1]) - STEP_M,
+                limits[0].max(limits[1]) + STEP_M,
+            ),
         )
     };
     let (from, to) = (edge(0), edge(1));
