@@ -8,7 +8,7 @@ use super::fit::{TWO_SIDED, median};
 use super::kinematics::{Kinematics, kinematics};
 use super::rows::{Believed, Row};
 use super::runs::{EffortReading, Interval, Readings, Run, intervals, usual_step_s};
-use super::select::{ENOUGH, Found, Search, unnamed};
+use super::select::{ENOUGH, Found, Search, SectionLimits, unnamed};
 use super::shape;
 use super::terms::{Context, Term};
 
@@ -76,8 +76,8 @@ pub struct Fitted {
     pub sd: Vec<f64>,
     /// Log-likelihood that would be lost without it.
     pub gain: f64,
-    /// 95 % limits of the edges of a section, m.
-    pub edges_m: Option<[(f64, f64); 2]>,
+    /// Limits of a section.
+    pub section: Option<SectionLimits>,
     /// Limits of a shape that is a number.
     pub shape: Option<shape::Limits>,
     /// Others that would do nearly as well in its place, with how much worse they are.
@@ -509,18 +509,17 @@ fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
             .zip(range.clone())
             .map(|(sd, i)| sd.hypot(LAW * base.beta[i]))
             .collect();
+        let half = TWO_SIDED * sd.first().copied().unwrap_or(0.0);
         let beside = search.base(&others);
-        let shape = beside.and_then(|beside| {
-            let sd = sd.first().copied().unwrap_or(0.0);
-            shape::limits(&beside, search, term, TWO_SIDED * sd)
-        });
+        let shape = beside.and_then(|beside| shape::limits(&beside, search, term, half));
+        let section = search.section(&others, term, half);
         fitted.push(Fitted {
             term: term.clone(),
             beta: range.map(|i| base.beta[i]).collect(),
             sd,
             shape,
             gain,
-            edges_m: search.edges(&others, term),
+            section,
             rivals,
         });
     }

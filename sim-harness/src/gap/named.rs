@@ -285,7 +285,7 @@ fn of_term(
         beta,
         sd,
         gain,
-        edges_m,
+        section,
         shape,
         rivals,
     } = fitted;
@@ -320,15 +320,22 @@ fn of_term(
         sd.iter_mut().for_each(|s| *s *= factor);
     }
     let mut intervals = Vec::new();
-    if let Some([from, to]) = edges_m {
+    // Of a coefficient whose section may be another: as a share of it, for it may go by another name by now.
+    let mut share = None;
+    if let Some(limits) = section {
+        let [from, to] = limits.edges_m;
         intervals.push(("from_m", from.0, from.1));
         intervals.push(("to_m", to.0, to.1));
+        share = Some([limits.beta.0, limits.beta.1].map(|limit| limit / fitted.beta[0]));
     }
     let mut coordinate = None;
     let mut of_runs = Vec::new();
     let mut one = |name: &'static str, scale: f64| {
         let value = beta[0] * scale;
-        intervals.push(around(name, value, sd[0] * scale));
+        intervals.push(match share {
+            Some([a, b]) => (name, (value * a).min(value * b), (value * a).max(value * b)),
+            None => around(name, value, sd[0] * scale),
+        });
         value
     };
     let effect = match &term {

@@ -114,6 +114,24 @@ impl Scan {
         best
     }
 
+    /// Sections on the grid that lose less than `loss` of a gain of log-likelihood, with their coefficients and what they lose.
+    pub fn within(&self, base: &Base, gain: f64, loss: f64) -> Vec<([f64; 2], f64, f64)> {
+        let with_residual = self.columns.transpose() * &base.residual;
+        let gram = base.project(&self.columns, &self.gram);
+        let mut within = Vec::new();
+        for a in 0..self.edges_m.len() {
+            for b in a + 1..self.edges_m.len() {
+                let information = gram[(a, a)] + gram[(b, b)] - 2.0 * gram[(a, b)];
+                let beta = (with_residual[b] - with_residual[a]) / information;
+                let lost = gain - 0.5 * beta * beta * information;
+                if information > 0.0 && lost < loss {
+                    within.push(([self.edges_m[a], self.edges_m[b]], beta, lost.max(0.0)));
+                }
+            }
+        }
+        within
+    }
+
     /// The same with edges refined below the grid: a cumulative column between two edges is, within a train's length, the straight line between theirs.
     pub fn refined(&self, base: &Base) -> Option<[f64; 2]> {
         let with_residual = self.columns.transpose() * &base.residual;

@@ -47,6 +47,15 @@ pub struct Found {
     pub value: f64,
 }
 
+/// 95 % limits of a section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SectionLimits {
+    /// Of its edges, m.
+    pub edges_m: [(f64, f64); 2],
+    /// Of its coefficient.
+    pub beta: (f64, f64),
+}
+
 /// A family of terms: which shapes there are.
 #[derive(Clone, Debug)]
 pub enum Family {
@@ -360,8 +369,9 @@ impl<'a> Search<'a> {
         sd
     }
 
-    /// How far each edge of a section may move before the log-likelihood has lost what a 95 % limit allows.
-    pub fn edges(&self, others: &[Term], term: &Term) -> Option<[(f64, f64); 2]> {
+    /// 95 % limits of a section: how far its edges may move, one by one and both together, before the log-likelihood has lost what is allowed, and where its
+    /// coefficient goes meanwhile. `half`: how far the limits of the coefficient are from it where the edges stay.
+    pub fn section(&self, others: &[Term], term: &Term, half: f64) -> Option<SectionLimits> {
         let (section, kind) = match term {
             Term::Tunnel(section) => (*section, Kind::Tunnel),
             Term::Gradient(section) => (*section, Kind::Gradient),
@@ -369,22 +379,50 @@ impl<'a> Search<'a> {
             _ => return None,
         };
         let base = self.base(others)?;
-        let gain = |section: [f64; 2]| {
-            base.gain(&self.white(&kind.term(section)))
-                .map_or(0.0, |gain| gain.gain)
+        let gain = |section: [f64; 2]| self.gain(&base, &kind.term(section));
+        let best = gain(section)?;
+        let mut limits = SectionLimits {
+            edges_m: section.map(|at| (at, at)),
+            beta: (best.beta[0], best.beta[0]),
         };
-        let most = gain(section);
-        let reach = |edge: usize, by: f64| {
+        let mut include = |section: [f64; 2], beta: f64, lost: f64| {
+            let half = half * (1.0 - lost / LOSS_AT_LIMIT).max(0.0).sqrt();
+            limits.beta = (
+                limits.beta.0.min(beta - half),
+                limits.beta.1.max(beta + half),
+            );
+            for (limits, at) in limits.edges_m.iter_mut().zip(section) {
+                *limits = (limits.0.min(at), limits.1.max(at));
+            }
+        };
+        include(section, best.beta[0], 0.0);
+        for (edge, by) in [(0, -40.0), (0, 40.0), (1, -40.0), (1, 40.0)] {
             let mut moved = section;
             for _ in 0..60 {
                 moved[edge] += by;
-                if moved[1] - moved[0] < 50.0 || gain(moved) < most - LOSS_AT_LIMIT {
+                let lost = |gain: &Gain| (best.gain - gain.gain).max(0.0);
+                let found = gain(moved).filter(|gain| lost(gain) < LOSS_AT_LIMIT);
+                let Some(found) = found.filter(|_| moved[1] - moved[0] >= 50.0) else {
+                    // The limit is no nearer than this.
+                    include(moved, best.beta[0], LOSS_AT_LIMIT);
                     break;
-                }
+                };
+                include(moved, found.beta[0], lost(&found));
             }
-            moved[edge]
-        };
-        Some([0, 1].map(|edge| (reach(edge, -40.0), reach(edge, 40.0))))
+        }
+        let scans = self.families.iter().filter_map(|family| match family {
+            Family::Section(scan) if scan.kind() == kind => Some(scan),
+            _ => None,
+        });
+        // Where runs differ more than the noise model says, so much more may be lost.
+        let wider = (best.naive_gain / best.gain.max(1e-9)).max(1.0);
+        for scan in scans {
+            for (section, beta, lost) in scan.within(&base, best.naive_gain, wider * LOSS_AT_LIMIT)
+            {
+                include(section, beta, lost / wider);
+            }
+        }
+        Some(limits)
     }
 
     /// The model.
@@ -416,9 +454,19 @@ impl<'a> Search<'a> {
                 return;
             };
             let brought = at_first - now;
-            match self.candidates(model).into_iter().next() {
-                Some(next) if next.value > ENOUGH.max(SHADOW * brought) => model.push(next.term),
-                _ => return,
+            let next = self.candidates(model).into_iter().find(|found| {
+                // What differs from run to run is no shadow of what acts along the way, and the other way round.
+                let alike = |term: &Term| between_runs(term) == between_runs(&found.term);
+                let shadow = if model.iter().any(alike) {
+                    SHADOW * brought
+                } else {
+                    0.0
+                };
+                found.value > ENOUGH.max(shadow)
+            });
+            match next {
+                Some(next) => model.push(next.term),
+                None => return,
             }
         }
     }
@@ -460,6 +508,17 @@ pub fn sensors(context: &Context<'_>, rows: &[Row], whitening: &Whitening) -> Ve
     let columns = [Term::Delay, Term::Late].map(|term| term.columns(context, rows).remove(0));
     let shown = columns.iter().filter(|c| c.iter().any(|v| *v != 0.0));
     shown.map(|column| whitening.whiten(column)).collect()
+}
+
+/// The same all through a run, another in each.
+fn between_runs(term: &Term) -> bool {
+    matches!(
+        term,
+        Term::Season
+            | Term::Temperature
+            | Term::DraggingBrake(_)
+            | Term::Smooth(Coordinate::Day | Coordinate::Temperature, _)
+    )
 }
 
 fn is_section(term: &Term) -> bool {
