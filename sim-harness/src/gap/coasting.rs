@@ -21,6 +21,11 @@ const CHANGE: f64 = 0.08;
 const ENOUGH: f64 = 0.85;
 /// A stretch must be coasting rather than a held speed by so much, log of the odds.
 const RATHER: f64 = 1.0;
+/// How far a described resistance may be off when a held speed is told from coasting.
+const DESCRIBED: f64 = 0.3;
+/// So many neighbours on both sides must not together be a held speed by so much.
+const AROUND: usize = 2;
+const RATHER_NOT: f64 = 2.0;
 const REGIMES: usize = 5;
 /// Density of coasting far from what it should be, over that of its middle.
 const FAR: f64 = 1e-5;
@@ -61,7 +66,9 @@ pub fn coasted(
                 + 0.3 * student(effort - load, 3.0 * noise_n_per_kg);
             let most_hold =
                 0.7 * student(0.0, 1.3 * noise_n_per_kg) + 0.3 * student(0.0, 3.0 * noise_n_per_kg);
-            rather.push((coast(effort / sd) * most_hold / hold).ln());
+            // By the description alone: the model must not make coasting of a speed that was held.
+            let by_description = (effort - extra) / noise_n_per_kg.hypot(DESCRIBED * r);
+            rather.push((coast(by_description) * most_hold / hold).ln());
             let even = |low: f64, high: f64| {
                 // A broad plateau with soft edges.
                 let outside = (low - effort).max(effort - high).max(0.0);
@@ -118,13 +125,16 @@ pub fn coasted(
             coasting[i as usize] > ENOUGH && beyond(i - 1) && beyond(i + 1)
         })
         .collect();
-    // Down a gradient that balances the resistance a held speed looks like coasting, interval by interval.
+    // Down a gradient that balances the resistance a held speed looks like coasting, interval by interval; and power between two coasts must not hide in them.
     let mut at = 0;
     for stretch in coasted.chunk_by_mut(|a, b| a == b) {
-        let all: f64 = rather[at..at + stretch.len()].iter().sum();
+        let rather = &rather[at..at + stretch.len()];
         at += stretch.len();
-        if all < RATHER {
-            stretch.fill(false);
+        let around =
+            |i: usize| &rather[i.saturating_sub(AROUND)..(i + AROUND + 1).min(rather.len())];
+        let all: f64 = rather.iter().sum();
+        for (i, coasted) in stretch.iter_mut().enumerate() {
+            *coasted &= all > RATHER && around(i).iter().sum::<f64>() > -RATHER_NOT;
         }
     }
     coasted

@@ -54,6 +54,22 @@ fn mixture(told: &[Told], mut drag: f64) -> (f64, f64, f64) {
     (drag, share, told.iter().map(of_run).sum())
 }
 
+/// Largest gain of log-likelihood of a constant in all runs on one side of some value of a coordinate.
+fn step(told: &[Told], of: impl Fn(&Told) -> Option<f64>) -> f64 {
+    let mut along: Vec<(f64, &Told)> = told
+        .iter()
+        .filter_map(|run| Some((of(run)?, run)))
+        .collect();
+    along.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let gain = |side: &[(f64, &Told)]| {
+        let sum = |of: fn(&Told) -> f64| side.iter().map(|(_, run)| of(run)).sum::<f64>();
+        let (score, information) = (sum(|run| run.score), sum(|run| run.information));
+        0.5 * score.max(0.0).powi(2) / information.max(1e-12)
+    };
+    let sides = (0..along.len()).flat_map(|k| [gain(&along[..k]), gain(&along[k..])]);
+    sides.fold(0.0, f64::max)
+}
+
 /// The runs in which a brake drags, if that explains what differs between runs better than their own constants and winds. `None` too if the model has such runs already.
 pub fn dragging(
     context: &Context<'_>,
@@ -114,6 +130,18 @@ pub fn dragging(
         }
     }
     let (reached, drag, share, told) = best?;
+    // From a day on, or on cold days, is another law.
+    let at = |run: &Told, of: fn(&Row) -> Option<f64>| {
+        rows.iter()
+            .find(|row| row.interval.run == run.run)
+            .and_then(of)
+    };
+    let day = |run: &Told| at(run, |row| row.interval.day);
+    let temperature = |run: &Told| at(run, |row| row.interval.temperature_c);
+    let (_, _, gain) = mixture(&told, drag);
+    if step(&told, day).max(step(&told, temperature)) > gain {
+        return None;
+    }
     let odds = |run: &&Told| share * run.gain(drag).clamp(-500.0, 500.0).exp() > 1.0 - share;
     let runs: Vec<usize> = told.iter().filter(odds).map(|run| run.run).collect();
     (reached - plain > ENOUGH && !runs.is_empty()).then_some(Term::DraggingBrake(runs))
@@ -142,6 +170,16 @@ mod tests {
         assert!((drag - 6e-3).abs() < 1e-4);
         assert!((share - 0.25).abs() < 0.02);
         assert!(gain > 50.0);
+    }
+
+    #[test]
+    fn a_constant_from_a_day_on_is_a_step() {
+        let late = told((0..60).map(|i| if i >= 45 { 6e-3 } else { 0.0 }));
+        let (_, _, gain) = mixture(&late, 0.003);
+        assert!(step(&late, |run| Some(run.run as f64)) > gain);
+        let scattered = told((0..60).map(|i| if i % 4 == 0 { 6e-3 } else { 0.0 }));
+        let (_, _, gain) = mixture(&scattered, 0.003);
+        assert!(step(&scattered, |run| Some(run.run as f64)) < gain);
     }
 
     #[test]

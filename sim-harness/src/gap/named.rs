@@ -5,7 +5,7 @@ use super::caps::Limit;
 use super::fit::TWO_SIDED;
 use super::runs::Run;
 use super::separates::{Have, separates};
-use super::terms::{Coordinate, Term, both_directions};
+use super::terms::{Coordinate, Side, Term, both_directions};
 use rundown::effects::{self as core_effects, Effect};
 use serde_json::{Map, Value, json};
 
@@ -32,8 +32,12 @@ pub struct Named {
     pub gain: f64,
 }
 
+/// Half the width of a step in a table: of a day, or of a degree.
+const STEP: f64 = 0.02;
 /// What rounding, and efforts that rise within a reading, do to the factor of a limit, as a share of it.
 const LIMIT: f64 = 0.006;
+/// What a speed changes between two readings of an accelerating train, km/h.
+const BELOW_KMH: f64 = 3.0;
 /// What the path between two readings does to a lag, s.
 const LAG_S: f64 = 0.02;
 
@@ -114,7 +118,7 @@ pub fn name(term: &Term) -> &'static str {
         Term::Length(_) => "train_length_error",
         Term::BrakeFade(_) => "brake_fade",
         Term::DraggingBrake(_) => "dragging_brake",
-        Term::Bump(_) | Term::Cube | Term::Smooth(..) => "unknown",
+        Term::Bump(_) | Term::Cube | Term::Step(..) | Term::Smooth(..) => "unknown",
         Term::Delay => "delay",
         Term::Late => "late",
     }
@@ -227,7 +231,9 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
                     vec![factor(*value)],
                     found.gain,
                 );
-                let limits = found.below_kmh.map(|(low, high)| ("below_kmh", low, high));
+                let limits = found.below_kmh;
+                let limits =
+                    limits.map(|(low, high)| ("below_kmh", low - BELOW_KMH, high + BELOW_KMH));
                 named.intervals.extend(limits);
                 named.runs = slippery.iter().map(|i| runs[*i].name.clone()).collect();
                 named
@@ -449,6 +455,15 @@ fn of_term(
             let knots: Vec<f64> = (0..20).map(|i| 2.2 * f64::from(i)).collect();
             let values: Vec<f64> = knots.iter().map(|v| b * v.powi(3)).collect();
             table(Coordinate::Speed, &knots, &values)?
+        }
+        Term::Step(which, at, side) => {
+            coordinate = Some(coordinate_name(*which));
+            let n_per_kg = one("n_per_kg", 1.0);
+            let values = match side {
+                Side::Below => [n_per_kg, 0.0],
+                Side::Above => [0.0, n_per_kg],
+            };
+            table(*which, &[at - STEP, at + STEP], &values)?
         }
         Term::Smooth(which, knots) => {
             coordinate = Some(coordinate_name(*which));

@@ -9,11 +9,12 @@ use super::fit::{Base, Gain, LOSS_AT_LIMIT, TWO_SIDED};
 use super::rows::Row;
 use super::scan::{Kind, Scan};
 use super::shape;
-use super::terms::{Context, Coordinate, Term, both_directions, coordinate};
+use super::terms::{Context, Coordinate, Side, Term, both_directions, coordinate};
 use super::whitening::Whitening;
 use nalgebra::DVector;
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::rc::Rc;
 
 /// A value below this is chance: with some fifteen families a data set without an effect reaches it once in about a hundred.
@@ -25,12 +26,16 @@ const COEFFICIENT: f64 = 2.1;
 /// Cost of the freedom to choose a section, or a time constant.
 const SECTION: f64 = 5.0;
 const SHAPE: f64 = 1.5;
+/// What another length must be better by: locations that are off by some metres look like it.
+const SHIFT: f64 = 4.0;
 /// What an unnamed smooth function must be better by than a named effect.
 const UNNAMED: f64 = 4.0;
 /// Largest extra resistance over the believed one.
 const MOST_SHARE: f64 = 1.5;
 /// How well a Davis coefficient is described that is left as it is, as a share of it.
 const DESCRIBED: f64 = 0.1;
+/// Most values of a coordinate between which steps are tried: each run's, where there are no more.
+const STEPS: usize = 100;
 /// Knots at even speeds.
 const EVEN: usize = 12;
 /// Most terms in a model.
@@ -169,7 +174,9 @@ impl<'a> Search<'a> {
         let terms = terms.into_iter().filter(|term| {
             let same =
                 |other: &Term| core::mem::discriminant(other) == core::mem::discriminant(term);
-            is_section(term) || !model.iter().any(same) || matches!(term, Term::Smooth(..))
+            is_section(term)
+                || !model.iter().any(same)
+                || matches!(term, Term::Smooth(..) | Term::Step(..))
         });
         let found = |term: Term| {
             let gain = base.gain(&self.white(&term))?;
@@ -517,6 +524,7 @@ fn between_runs(term: &Term) -> bool {
         Term::Season
             | Term::Temperature
             | Term::DraggingBrake(_)
+            | Term::Step(..)
             | Term::Smooth(Coordinate::Day | Coordinate::Temperature, _)
     )
 }
@@ -537,6 +545,8 @@ fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bo
     const LEAST_UNNAMED_N_PER_KG: f64 = 6e-4;
     /// The same in a section of the line: 0.2 permille.
     const LEAST_IN_SECTION_N_PER_KG: f64 = 2e-3;
+    /// A brake that drags by less is no finding: winds and loads of single runs do that.
+    const LEAST_DRAG_N_PER_KG: f64 = 1.5e-3;
     /// What stiff bearings add at most, N/kg. More is a law of something else, carried back to the departure.
     const MOST_WARM_UP_N_PER_KG: f64 = 0.03;
     // In rising order.
@@ -573,13 +583,14 @@ fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> bo
         Term::Length(_) => true,
         Term::Tunnel(_) => beta[0] > 0.0 && most() > LEAST_IN_SECTION_N_PER_KG,
         Term::Gradient(_) | Term::Bump(_) => most() > LEAST_IN_SECTION_N_PER_KG,
-        Term::Curve | Term::DraggingBrake(_) => beta[0] > 0.0 && most() > LEAST_N_PER_KG,
+        Term::Curve => beta[0] > 0.0 && most() > LEAST_N_PER_KG,
+        Term::DraggingBrake(_) => beta[0] > LEAST_DRAG_N_PER_KG,
         // The largest value belongs to the first rows alone.
         Term::WarmUp(_) => {
             (0.0..MOST_WARM_UP_N_PER_KG).contains(&beta[0]) && most() > 2.0 * LEAST_N_PER_KG
         }
         Term::Davis(_) | Term::Cube | Term::Wind(_) => often() > LEAST_N_PER_KG,
-        Term::Smooth(..) => most() > LEAST_UNNAMED_N_PER_KG,
+        Term::Smooth(..) | Term::Step(..) => most() > LEAST_UNNAMED_N_PER_KG,
         _ => most() > LEAST_N_PER_KG,
     }
 }
@@ -602,12 +613,13 @@ pub fn cost(term: &Term, rows: &[Row]) -> f64 {
         Term::Cube => COEFFICIENT + 1.0,
         Term::Delay | Term::Late => 0.0,
         Term::Curve | Term::Wind(_) | Term::Mass | Term::Season => COEFFICIENT,
-        Term::Length(_) => COEFFICIENT + SHAPE,
+        Term::Length(_) => COEFFICIENT + SHAPE + SHIFT,
         Term::Temperature => 2.0 * COEFFICIENT,
         Term::WarmUp(_) | Term::BrakeFade(_) => COEFFICIENT + SHAPE,
         Term::DraggingBrake(runs) => {
             COEFFICIENT + choice_cost(runs.len(), rows.last().map_or(1, |r| r.interval.run + 1))
         }
+        Term::Step(..) => COEFFICIENT + SECTION + UNNAMED,
         Term::Smooth(_, knots) => knots.len() as f64 * COEFFICIENT + UNNAMED,
     }
 }
@@ -690,6 +702,25 @@ fn families(
         let at = move |row: &Row| coordinate(which, row, row.interval.middle());
         rows.iter().filter_map(at)
     };
+    // Days and temperatures are those of runs, so a step lies between two of them.
+    for which in [Coordinate::Day, Coordinate::Temperature] {
+        let of_run = |range: &Range<usize>| {
+            coordinate(
+                which,
+                &rows[range.start],
+                rows[range.start].interval.middle(),
+            )
+        };
+        let between = knots(whitening.runs().iter().filter_map(of_run), STEPS);
+        let steps = between.windows(2).flat_map(|pair| {
+            let at = 0.5 * (pair[0] + pair[1]);
+            [Side::Below, Side::Above].map(|side| Term::Step(which, at, side))
+        });
+        let steps: Vec<Term> = steps.collect();
+        if !steps.is_empty() {
+            families.push(Family::Shapes(steps));
+        }
+    }
     let mut smooth = |which, knots| families.push(Family::Shapes(vec![Term::Smooth(which, knots)]));
     for (which, count) in coordinates {
         smooth(which, knots(along(which), count));

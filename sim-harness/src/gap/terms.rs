@@ -23,6 +23,15 @@ pub enum Coordinate {
     Day,
 }
 
+/// Where a step acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Below its value.
+    Below,
+    /// Above it.
+    Above,
+}
+
 /// A term, its shape fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Term {
@@ -58,6 +67,8 @@ pub enum Term {
     BrakeFade(f64),
     /// After the first brake application, in these runs.
     DraggingBrake(Vec<usize>),
+    /// Constant below a value of a coordinate, or above it.
+    Step(Coordinate, f64, Side),
     /// Piecewise linear along a coordinate, with these knots.
     Smooth(Coordinate, Vec<f64>),
 }
@@ -197,6 +208,14 @@ impl Term {
             })],
             Self::DraggingBrake(runs) => vec![along(&|_, row, _| {
                 f64::from(row.interval.braked && runs.contains(&row.interval.run))
+            })],
+            Self::Step(which, value, side) => vec![along(&|_, row, p| {
+                let at = coordinate(*which, row, p);
+                let acts = |at: f64| match side {
+                    Side::Below => at < *value,
+                    Side::Above => at > *value,
+                };
+                f64::from(at.is_some_and(acts))
             })],
             Self::Smooth(coordinate, knots) => smooth(*coordinate, knots, rows),
         }

@@ -93,7 +93,7 @@ mod tests {
         assert!((found.likely_m[0] - 1_950.0).abs() < 60.0);
         assert!((found.likely_m[1] - 2_950.0).abs() < 60.0);
         assert!(found.limits_m[0].0 <= 2_000.0 && found.limits_m[0].1 >= 1_900.0);
-        assert!(found.limits_m[1].1 - found.limits_m[1].0 < 300.0);
+        assert!(found.limits_m[1].1 - found.limits_m[1].0 < 400.0);
     }
 
     #[test]

@@ -121,10 +121,26 @@ fn numbered(parts: impl Iterator<Item = Part>) -> Vec<Pull> {
         [] => false,
     });
     let numbered = wanted.enumerate().flat_map(|(number, parts)| {
-        let pulls = parts.iter().map(|part| part.pull);
+        let pulls = without_end(parts).iter().map(|part| part.pull);
         pulls.map(move |pull| Pull { number, ..pull })
     });
     numbered.collect()
+}
+
+/// Without its end, where a driver who has nearly reached the speed takes power back.
+fn without_end(parts: &[Part]) -> &[Part] {
+    /// Nearly, m/s.
+    const LEFT_MPS: f64 = 2.0;
+    /// Less than this share of what was asked before.
+    const TAKEN_BACK: f64 = 0.85;
+    let reached = parts.iter().map(|part| part.speeds_mps[1]);
+    let reached = reached.fold(0.0, f64::max);
+    let most = parts.iter().map(|part| part.pull.ratio).fold(0.0, f64::max);
+    let ends = |part: &Part| {
+        part.pull.ratio < TAKEN_BACK * most && reached - part.speeds_mps[0] < LEFT_MPS
+    };
+    let kept = parts.iter().rposition(|part| !ends(part));
+    &parts[..kept.map_or(0, |last| last + 1)]
 }
 
 /// The parts of each pull.
@@ -139,6 +155,26 @@ fn speed_sd_mps(at_power: f64, effort_over_limit: f64) -> f64 {
     } else {
         0.03
     }
+}
+
+/// The power stays while the speed goes up and down: with the gradient, at the limit of what the train gives, though it gains nothing. A driver who holds a speed does the opposite.
+fn floats(read: &[(f64, Pull)], here: usize) -> bool {
+    /// The power stays within this share of the limit.
+    const SAME: f64 = 0.015;
+    /// For so long, s.
+    const LONG_S: f64 = 50.0;
+    /// Meanwhile the speed differs by this much, m/s: more than rounding and a driver who corrects it.
+    const FLOATS_MPS: f64 = 0.8;
+    let ratio = read[here].1.ratio;
+    let same = |(_, other): &&(f64, Pull)| (other.ratio - ratio).abs() < SAME;
+    let before = read[..here].iter().rev().take_while(same);
+    let after = read[here..].iter().take_while(same);
+    let (mut times, mut speeds) = ((f64::INFINITY, 0.0_f64), (f64::INFINITY, 0.0_f64));
+    for (time_s, pull) in before.chain(after) {
+        times = (times.0.min(*time_s), times.1.max(*time_s));
+        speeds = (speeds.0.min(pull.speed_mps), speeds.1.max(pull.speed_mps));
+    }
+    times.1 - times.0 >= LONG_S && speeds.1 - speeds.0 >= FLOATS_MPS
 }
 
 /// Intervals of steady power where the effort is measured at the moments of its samples: no mean over an interval is needed, and a fast log shows more of the first
@@ -196,7 +232,7 @@ pub fn sampled_pulls(
         if pull.ratio > LEAST_RATIO
             && !(BY_POWER..CORNER).contains(&pull.effort_over_limit)
             && pull.speed_mps > 1.5
-            && gains > LEAST_ACCELERATION_MPS2
+            && (gains > LEAST_ACCELERATION_MPS2 || floats(&read, i))
             && (near(before) || near(after))
             && time_s - last_s >= LEAST_S
         {
