@@ -32,8 +32,6 @@ pub struct Named {
     pub gain: f64,
 }
 
-/// Half the width of a step in a table: of a day, or of a degree.
-const STEP: f64 = 0.02;
 /// What rounding, and efforts that rise within a reading, do to the factor of a limit, as a share of it.
 const LIMIT: f64 = 0.006;
 /// What a speed changes between two readings of an accelerating train, km/h.
@@ -456,14 +454,14 @@ fn of_term(
             let values: Vec<f64> = knots.iter().map(|v| b * v.powi(3)).collect();
             table(Coordinate::Speed, &knots, &values)?
         }
-        Term::Step(which, at, side) => {
+        Term::Step(which, ends, side) => {
             coordinate = Some(coordinate_name(*which));
             let n_per_kg = one("n_per_kg", 1.0);
             let values = match side {
                 Side::Below => [n_per_kg, 0.0],
                 Side::Above => [0.0, n_per_kg],
             };
-            table(*which, &[at - STEP, at + STEP], &values)?
+            table(*which, ends, &values)?
         }
         Term::Smooth(which, knots) => {
             coordinate = Some(coordinate_name(*which));

@@ -36,6 +36,8 @@ const MOST_SHARE: f64 = 1.5;
 const DESCRIBED: f64 = 0.1;
 /// Most values of a coordinate between which steps are tried: each run's, where there are no more.
 const STEPS: usize = 100;
+/// Half the width of a steep step, of a day or a degree.
+pub const STEEP: f64 = 0.02;
 /// Knots at even speeds.
 const EVEN: usize = 12;
 /// Most terms in a model.
@@ -714,7 +716,7 @@ fn families(
         let between = knots(whitening.runs().iter().filter_map(of_run), STEPS);
         let steps = between.windows(2).flat_map(|pair| {
             let at = 0.5 * (pair[0] + pair[1]);
-            [Side::Below, Side::Above].map(|side| Term::Step(which, at, side))
+            [Side::Below, Side::Above].map(|side| Term::Step(which, [at - STEEP, at + STEEP], side))
         });
         let steps: Vec<Term> = steps.collect();
         if !steps.is_empty() {

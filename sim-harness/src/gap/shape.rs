@@ -1,8 +1,8 @@
 //! Terms whose shape is a number: a time constant, the speed at which a fade begins, a length. The search tries a few; here the best is made finer, and its limits are found.
 
 use super::fit::{Base, Gain, LOSS_AT_LIMIT};
-use super::select::Search;
-use super::terms::Term;
+use super::select::{STEEP, Search};
+use super::terms::{Coordinate, Side, Term};
 
 /// A shape, how far each step goes at first, and the range in which it makes sense.
 struct Dial {
@@ -59,6 +59,9 @@ pub struct Limits {
 
 /// The same term with its shape made finer.
 pub fn refined(search: &Search<'_>, base: &Base, term: Term) -> Term {
+    if let Term::Step(which, ends, side) = term {
+        return Term::Step(which, ramp(search, base, which, ends, side), side);
+    }
     let Some(dial) = Dial::of(&term) else {
         return term;
     };
@@ -81,6 +84,41 @@ pub fn refined(search: &Search<'_>, base: &Base, term: Term) -> Term {
         }
     }
     with_shape(&term, dial.shape(best))
+}
+
+/// A step that is not steep: both ends moved as long as it fits better.
+fn ramp(
+    search: &Search<'_>,
+    base: &Base,
+    which: Coordinate,
+    mut ends: [f64; 2],
+    side: Side,
+) -> [f64; 2] {
+    /// Longest move, of days or degrees, and the shortest.
+    const MOVES: (f64, f64) = (8.0, 0.1);
+    let gain = |ends: [f64; 2]| {
+        let gain = search.gain(base, &Term::Step(which, ends, side));
+        gain.map_or(f64::NEG_INFINITY, |gain| gain.naive_gain)
+    };
+    let (mut most, mut step) = (gain(ends), MOVES.0);
+    while step > MOVES.1 {
+        let mut moved = false;
+        for (end, by) in [(0, -step), (0, step), (1, -step), (1, step)] {
+            let mut other = ends;
+            other[end] += by;
+            if other[1] - other[0] < 2.0 * STEEP - 1e-9 {
+                continue;
+            }
+            let now = gain(other);
+            if now > most + 1e-9 {
+                (ends, most, moved) = (other, now, true);
+            }
+        }
+        if !moved {
+            step *= 0.5;
+        }
+    }
+    ends
 }
 
 /// Limits of a term's shape beside the others of its model: the profile of the log-likelihood. `half`: how far the limits of its coefficient are from it where the shape stays.

@@ -67,8 +67,8 @@ pub enum Term {
     BrakeFade(f64),
     /// After the first brake application, in these runs.
     DraggingBrake(Vec<usize>),
-    /// Constant below a value of a coordinate, or above it.
-    Step(Coordinate, f64, Side),
+    /// Constant below a value of a coordinate, or above another; a straight line between the two.
+    Step(Coordinate, [f64; 2], Side),
     /// Piecewise linear along a coordinate, with these knots.
     Smooth(Coordinate, Vec<f64>),
 }
@@ -209,13 +209,15 @@ impl Term {
             Self::DraggingBrake(runs) => vec![along(&|_, row, _| {
                 f64::from(row.interval.braked && runs.contains(&row.interval.run))
             })],
-            Self::Step(which, value, side) => vec![along(&|_, row, p| {
-                let at = coordinate(*which, row, p);
-                let acts = |at: f64| match side {
-                    Side::Below => at < *value,
-                    Side::Above => at > *value,
+            Self::Step(which, [below, above], side) => vec![along(&|_, row, p| {
+                let Some(at) = coordinate(*which, row, p) else {
+                    return 0.0;
                 };
-                f64::from(at.is_some_and(acts))
+                let up = ((at - below) / (above - below)).clamp(0.0, 1.0);
+                match side {
+                    Side::Below => 1.0 - up,
+                    Side::Above => up,
+                }
             })],
             Self::Smooth(coordinate, knots) => smooth(*coordinate, knots, rows),
         }
