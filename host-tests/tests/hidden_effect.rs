@@ -4,6 +4,7 @@ use rundown::effects::Effect;
 use sim_harness::gap::bench::draw::{Ask, Set, Size};
 use sim_harness::gap::bench::score::Score;
 use sim_harness::gap::bench::{ReadSet, blind};
+use sim_harness::gap::notes::notes;
 use sim_harness::gap::workflow::Investigation;
 use sim_harness::truth::effects::Effect as Hidden;
 
@@ -174,6 +175,11 @@ fn a_dragging_brake_is_told_from_winds_without_an_effort_column() {
     assert!(score.size_errors[0] < 0.15, "{score:?}");
     let dragging = found.named[0].runs.len();
     assert!((8..=27).contains(&dragging), "{dragging} runs");
+    let told = notes(&found, MANY);
+    assert!(
+        told.iter().any(|note| note.contains("coasting alone")),
+        "{told:?}"
+    );
 }
 
 /// In one direction a tunnel and a wrong gradient differ by the speeds of the runs alone: both names are told, with what would separate them, or the right one.

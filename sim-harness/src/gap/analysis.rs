@@ -6,7 +6,7 @@ use super::coasting::coasted;
 use super::dragging::dragging;
 use super::fit::{TWO_SIDED, median};
 use super::kinematics::{Kinematics, kinematics};
-use super::rows::{Believed, Row};
+use super::rows::{Believed, Row, SLOWEST_MPS};
 use super::runs::{EffortReading, Interval, Readings, Run, intervals, usual_step_s};
 use super::select::{ENOUGH, Found, Search, SectionLimits, unnamed};
 use super::shape;
@@ -36,6 +36,8 @@ pub struct Findings {
     pub readings: Readings,
     /// With an effort column.
     pub measured: bool,
+    /// Intervals in which a train moved.
+    pub moving: usize,
     /// Rows that counted.
     pub rows: Vec<Row>,
     /// Their noise.
@@ -63,7 +65,7 @@ pub struct Findings {
 }
 
 /// Rows below this are no ground for a term.
-const FEW_ROWS: usize = 120;
+pub const FEW_ROWS: usize = 120;
 
 /// A term with its coefficients.
 #[derive(Clone, Debug)]
@@ -226,6 +228,11 @@ pub fn analyse(
         kinematics,
         readings,
         measured,
+        moving: cut
+            .iter()
+            .flatten()
+            .filter(|i| i.mean_speed_mps() > SLOWEST_MPS)
+            .count(),
         terms,
         limit,
         pulls: of_runs,

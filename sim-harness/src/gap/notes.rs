@@ -1,5 +1,6 @@
 //! What a reader must know beside the verdict: for the screen, `gap.json` and the page alike.
 
+use super::analysis::{FEW_ROWS, Findings};
 use super::forward::Gap;
 use super::named::Named;
 use super::workflow::{Investigation, LEAST_TRAINING};
@@ -16,6 +17,7 @@ pub fn notes(found: &Investigation, runs: usize) -> Vec<String> {
     if found.findings.rows.is_empty() {
         notes.push(NO_ROWS.to_owned());
     }
+    notes.extend(seen(&found.findings));
     if worse(&found.gap) {
         notes.push(format!(
             "Worse than before: on the held-out runs the simulated speed is off by {:.3} m/s with the effects and by {:.3} without them. Do not use the repaired model before this is understood.",
@@ -38,6 +40,34 @@ pub fn notes(found: &Investigation, runs: usize) -> Vec<String> {
     }
     notes.extend(contradiction(found));
     notes
+}
+
+/// How much of the runs tells of the resistance, where that is not nearly all.
+fn seen(findings: &Findings) -> Option<String> {
+    let rows = findings.rows.len();
+    if rows == 0 {
+        return None;
+    }
+    if rows < FEW_ROWS {
+        return Some(format!(
+            "Only {rows} intervals tell of the resistance, too few to look for an effect in: wheels, locations and limits of the traction alone were looked at."
+        ));
+    }
+    if findings.measured {
+        return None;
+    }
+    let mut speeds: Vec<f64> = findings
+        .rows
+        .iter()
+        .map(|row| 3.6 * row.interval.mean_speed_mps())
+        .collect();
+    speeds.sort_by(f64::total_cmp);
+    Some(format!(
+        "Without an effort column the resistance shows in coasting alone: {:.0} % of the moving time, nine tenths of it between {:.0} and {:.0} km/h. What acts where nobody coasts is not seen.",
+        100.0 * rows as f64 / findings.moving.max(rows) as f64,
+        speeds[rows / 20],
+        speeds[rows - 1 - rows / 20],
+    ))
 }
 
 /// What is said where nothing could be judged by forces.

@@ -12,7 +12,7 @@ use rundown::track::Direction;
 use rundown::train::Train;
 
 /// Below this an interval says nothing: readings of zero, creeping, the last metres, m/s.
-const SLOWEST_MPS: f64 = 2.0;
+pub const SLOWEST_MPS: f64 = 2.0;
 
 /// An effort that changes by more within an interval has no mean that is known well enough, N/kg: a switch of the regime, a brake being applied.
 const MOST_CHANGE_N_PER_KG: f64 = 0.03;
