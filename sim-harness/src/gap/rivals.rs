@@ -8,9 +8,10 @@ use super::analysis::Surroundings;
 use super::caps::{Limit, limits};
 use super::named::{Named, name};
 use super::rows::Believed;
-use super::select::{Search, unnamed};
+use super::select::Search;
 use super::terms::Term;
 use super::workflow::{Investigation, context};
+use super::worth::unnamed;
 use rundown::effects::Effect;
 
 /// A candidate in the place of an effect.

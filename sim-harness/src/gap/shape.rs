@@ -1,7 +1,8 @@
 //! Terms whose shape is a number: a time constant, the speed at which a fade begins, a length. The search tries a few; here the best is made finer, and its limits are found.
 
+use super::families::STEEP;
 use super::fit::{Base, Gain, LOSS_AT_LIMIT};
-use super::select::{STEEP, Search};
+use super::select::Search;
 use super::terms::{Coordinate, Side, Term};
 
 /// A shape, how far each step goes at first, and the range in which it makes sense.

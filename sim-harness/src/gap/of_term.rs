@@ -1,0 +1,299 @@
+//! A term as the effect that the board runs.
+
+use super::analysis::{Findings, Surroundings};
+use super::fit::TWO_SIDED;
+use super::fitted::Fitted;
+use super::named::{Named, around, name};
+use super::runs::Run;
+use super::separates::{Have, separates};
+use super::terms::{Coordinate, Side, Term, both_directions};
+use rundown::effects::{self as core_effects, Effect};
+
+/// A described section whose edges may be those of the one found takes its place.
+pub(super) fn described(
+    section: [f64; 2],
+    edges: [(f64, f64); 2],
+    descriptions: &[(f64, f64)],
+) -> [f64; 2] {
+    const NEAR_M: f64 = 600.0;
+    let within = |at: f64, (low, high): (f64, f64)| (low - NEAR_M..high + NEAR_M).contains(&at);
+    let fits = |&&(from, to): &&(f64, f64)| within(from, edges[0]) && within(to, edges[1]);
+    let found = descriptions.iter().find(fits);
+    found.map_or(section, |(from, to)| [*from, *to])
+}
+
+fn overlaps(section: [f64; 2], descriptions: &[(f64, f64)]) -> bool {
+    descriptions.iter().any(|(from, to)| {
+        let both = section[1].min(*to) - section[0].max(*from);
+        let either = section[1].max(*to) - section[0].min(*from);
+        both > 0.4 * either
+    })
+}
+
+/// The name, the parameters and the limits of a term. `None`: a matter of sensors.
+pub(super) fn of_term(
+    fitted: &Fitted,
+    findings: &Findings,
+    surroundings: &Surroundings,
+    runs: &[Run],
+) -> Option<Named> {
+    let Fitted {
+        term,
+        beta,
+        sd,
+        gain,
+        section,
+        shape,
+        rivals,
+    } = fitted;
+    let mut term = term.clone();
+    let (mut beta, mut sd) = (beta.clone(), sd.clone());
+    // A section that does as well as a tunnel and as a wrong gradient is a tunnel if one is described there, and a wrong gradient if not.
+    let swap = match &term {
+        Term::Tunnel(section) if !overlaps(*section, &surroundings.tunnels) => true,
+        Term::Gradient(section) => overlaps(*section, &surroundings.tunnels),
+        _ => false,
+    };
+    let mut rivals: Vec<(&'static str, f64)> = rivals
+        .iter()
+        .map(|(term, worse)| (name(term), *worse))
+        .collect();
+    if swap
+        && let Some((other, _)) = fitted.rivals.iter().find(|(other, worse)| {
+            *worse < 1.5 && matches!(other, Term::Tunnel(_) | Term::Gradient(_))
+        })
+    {
+        // The force is the same; only what it is called differs.
+        let speed2 = mean_square_speed(findings, &term);
+        let gravity = findings.gravity_n_per_kg;
+        let factor = match other {
+            Term::Gradient(_) => speed2 / gravity,
+            _ => gravity / speed2,
+        };
+        rivals.retain(|(n, _)| *n != name(other));
+        rivals.insert(0, (name(&term), 0.0));
+        term = other.clone();
+        beta.iter_mut().for_each(|b| *b *= factor);
+        sd.iter_mut().for_each(|s| *s *= factor);
+    }
+    let mut intervals = Vec::new();
+    // Of a coefficient whose section may be another: as a share of it, for it may go by another name by now.
+    let mut share = None;
+    if let Some(limits) = section {
+        let [from, to] = limits.edges_m;
+        intervals.push(("from_m", from.0, from.1));
+        intervals.push(("to_m", to.0, to.1));
+        share = Some([limits.beta.0, limits.beta.1].map(|limit| limit / fitted.beta[0]));
+    }
+    let mut coordinate = None;
+    let mut of_runs = Vec::new();
+    let mut one = |name: &'static str, scale: f64| {
+        let value = beta[0] * scale;
+        intervals.push(match share {
+            Some([a, b]) => (name, (value * a).min(value * b), (value * a).max(value * b)),
+            None => around(name, value, sd[0] * scale),
+        });
+        value
+    };
+    let effect = match &term {
+        Term::Davis(wrong) => {
+            let mut d = [0.0; 3];
+            let mut at = 0;
+            for k in 0..3 {
+                if wrong[k] {
+                    d[k] = beta[at];
+                    intervals.push(around(["dr0", "dr1", "dr2"][k], beta[at], sd[at]));
+                    at += 1;
+                }
+            }
+            Effect::DavisError(core_effects::DavisError {
+                dr0: d[0],
+                dr1: d[1],
+                dr2: d[2],
+            })
+        }
+        Term::Tunnel(section) => {
+            let [from_m, to_m] =
+                described(*section, section.map(|at| (at, at)), &surroundings.tunnels);
+            Effect::TunnelDrag(core_effects::TunnelDrag {
+                from_m,
+                to_m,
+                k: one("k", 1.0),
+            })
+        }
+        Term::Gradient([from_m, to_m]) => Effect::GradientError(core_effects::GradientError {
+            from_m: *from_m,
+            to_m: *to_m,
+            delta_permille: one("delta_permille", 1000.0),
+        }),
+        Term::Curve => Effect::CurveResistance(core_effects::CurveResistance {
+            coefficient_roeckl: one("coefficient_roeckl", 1.0),
+        }),
+        Term::Wind(_) => Effect::SteadyWind(core_effects::SteadyWind {
+            wind_mps: one("wind_mps", 1.0),
+        }),
+        Term::Mass => {
+            // The coefficient is e/(1 + e).
+            let relative = |b: f64| b / (1.0 - b);
+            intervals.push((
+                "relative",
+                relative(beta[0] - TWO_SIDED * sd[0]),
+                relative(beta[0] + TWO_SIDED * sd[0]),
+            ));
+            Effect::MassError(core_effects::MassError {
+                relative: relative(beta[0]),
+            })
+        }
+        Term::Temperature => {
+            intervals.push(around("dr0_per_degC", beta[0], sd[0]));
+            Effect::TemperatureResistance(core_effects::TemperatureResistance {
+                dr0_per_deg_c: beta[0],
+                ref_c: findings.temperature_c - beta[1] / beta[0],
+            })
+        }
+        Term::Season => Effect::SeasonalDrift(core_effects::SeasonalDrift {
+            dr0_over_period: one("dr0_over_period", 1.0),
+            period_days: findings.period_days,
+            reference_day: findings.first_day,
+        }),
+        Term::WarmUp(tau_s) => {
+            if let Some(limits) = shape {
+                intervals.push(("amplitude", limits.beta.0, limits.beta.1));
+                intervals.push(("tau_s", limits.shape.0, limits.shape.1));
+            }
+            Effect::WarmUp(core_effects::WarmUp {
+                amplitude: beta[0],
+                tau_s: *tau_s,
+            })
+        }
+        Term::Length(true_m) => {
+            if let Some(limits) = shape {
+                intervals.push(("true_length_m", limits.shape.0, limits.shape.1));
+            }
+            Effect::TrainLengthError(core_effects::TrainLengthError {
+                true_length_m: *true_m,
+            })
+        }
+        Term::BrakeFade(from_mps) => {
+            if let Some(limits) = shape {
+                intervals.push(("fade_at_140", limits.beta.0, limits.beta.1));
+                let (low, high) = limits.shape;
+                intervals.push(("from_kmh", 3.6 * low, 3.6 * high));
+            }
+            Effect::BrakeFade(core_effects::BrakeFade {
+                fade_at_140: beta[0],
+                from_kmh: 3.6 * from_mps,
+            })
+        }
+        Term::DraggingBrake(dragging) => {
+            of_runs = dragging.iter().map(|i| runs[*i].name.clone()).collect();
+            Effect::DraggingBrake(core_effects::DraggingBrake {
+                drag_n_per_kg: one("drag_n_per_kg", 1.0),
+            })
+        }
+        Term::Bump([from_m, to_m]) => {
+            coordinate = Some("location");
+            let n_per_kg = one("n_per_kg", 1.0);
+            table(
+                Coordinate::Location,
+                &[from_m - 1.0, *from_m, *to_m, to_m + 1.0],
+                &[0.0, n_per_kg, n_per_kg, 0.0],
+            )?
+        }
+        Term::Cube => {
+            coordinate = Some("speed");
+            let b = one("n_per_kg_at_1_mps", 1.0);
+            let knots: Vec<f64> = (0..20).map(|i| 2.2 * f64::from(i)).collect();
+            let values: Vec<f64> = knots.iter().map(|v| b * v.powi(3)).collect();
+            table(Coordinate::Speed, &knots, &values)?
+        }
+        Term::Step(which, ends, side) => {
+            coordinate = Some(coordinate_name(*which));
+            let n_per_kg = one("n_per_kg", 1.0);
+            let values = match side {
+                Side::Below => [n_per_kg, 0.0],
+                Side::Above => [0.0, n_per_kg],
+            };
+            table(*which, ends, &values)?
+        }
+        Term::Smooth(which, knots) => {
+            coordinate = Some(coordinate_name(*which));
+            table(*which, knots, &beta)?
+        }
+        Term::Delay | Term::Late => return None,
+    };
+    let odds: f64 = rivals
+        .iter()
+        .map(|(_, worse)| (-worse.max(0.0)).exp())
+        .sum();
+    let mut ambiguous_with: Vec<&'static str> = rivals
+        .iter()
+        .map(|(name, _)| *name)
+        .filter(|other| *other != effect.name() && *other != "delay")
+        .collect();
+    ambiguous_with.dedup();
+    ambiguous_with.truncate(2);
+    let have = Have {
+        effort: findings.measured,
+        both_directions: both_directions(&findings.rows),
+    };
+    let advice = ambiguous_with
+        .iter()
+        .map(|other| separates(effect.name(), other, have));
+    let mut would_separate: Vec<&'static str> = advice.collect();
+    would_separate.dedup();
+    Some(Named {
+        confidence: (1.0 - (-gain.min(30.0) / 2.0).exp()) / (1.0 + odds),
+        effect,
+        intervals,
+        ambiguous_with,
+        would_separate,
+        runs: of_runs,
+        coordinate,
+        per_run: Vec::new(),
+        gain: *gain,
+    })
+}
+
+/// Mean of v² over the rows in the section of a term.
+fn mean_square_speed(findings: &Findings, term: &Term) -> f64 {
+    let (Term::Tunnel(section) | Term::Gradient(section)) = term else {
+        return 1.0;
+    };
+    let inside = || {
+        findings
+            .rows
+            .iter()
+            .filter(|row| (section[0]..section[1]).contains(&row.interval.middle().location_m))
+            .map(|row| row.interval.mean_speed_mps().powi(2))
+    };
+    inside().sum::<f64>() / inside().count().max(1) as f64
+}
+
+fn coordinate_name(which: Coordinate) -> &'static str {
+    match which {
+        Coordinate::Location => "location",
+        Coordinate::Speed => "speed",
+        Coordinate::Time => "time",
+        Coordinate::Temperature => "temperature",
+        Coordinate::Day => "day",
+    }
+}
+
+fn table(which: Coordinate, knots: &[f64], values: &[f64]) -> Option<Effect> {
+    let coordinate = match which {
+        Coordinate::Location => core_effects::Coordinate::Location,
+        Coordinate::Speed => core_effects::Coordinate::Speed,
+        Coordinate::Time => core_effects::Coordinate::Time,
+        Coordinate::Temperature => core_effects::Coordinate::Temperature,
+        Coordinate::Day => core_effects::Coordinate::Day,
+    };
+    let points = knots
+        .iter()
+        .zip(values)
+        .map(|(k, v)| (*k as f32, *v as f32));
+    Some(Effect::Unknown(core_effects::Unknown {
+        coordinate,
+        table: points.take(core_effects::MAX_POINTS).collect(),
+    }))
+}
