@@ -77,6 +77,7 @@ pub fn families(
     // In coasting it is a wrong r2, and so a rival of that.
     families.push(Family::Shapes(vec![Term::Mass]));
     if measured {
+        families.push(Family::Shapes(vec![Term::Gauge]));
         families.push(Family::Shapes(
             [20.0, 40.0, 60.0, 80.0, 100.0]
                 .map(|v| Term::BrakeFade(kmh(v)))

@@ -55,7 +55,7 @@ impl Kinematics {
     pub fn truncates(&self) -> bool {
         let half = 0.5 * self.quantum_mps;
         let (value, sd) = self.offset_mps;
-        half > 0.0 && (value - half).abs() < 0.5 * half && value > 3.0 * sd
+        half > 0.0 && (value - half).abs() < 0.4 * half && value > 3.0 * sd
     }
 
     /// What is corrected before any force is looked at.
@@ -92,12 +92,17 @@ struct OfRun {
 pub fn kinematics(runs: &[Run]) -> Kinematics {
     let quantum_mps = quantum_mps(runs);
     let of_runs: Vec<OfRun> = runs.iter().filter_map(of_run).collect();
-    // Without a quantum there is no truncation, so no offset to look for.
-    let free: Vec<usize> = if quantum_mps > 0.0 {
-        vec![0, 1, 2]
+    let with_offset = fitted(&of_runs, quantum_mps, &[0, 1, 2]);
+    // Without a quantum there is no truncation. An offset that is not put right must not hold a part of the scale either.
+    if quantum_mps > 0.0 && with_offset.truncates() {
+        with_offset
     } else {
-        vec![0, 2]
-    };
+        fitted(&of_runs, quantum_mps, &[0, 2])
+    }
+}
+
+/// `free`: which of scale, offset and lag are looked for.
+fn fitted(of_runs: &[OfRun], quantum_mps: f64, free: &[usize]) -> Kinematics {
     let mut kept: Vec<&OfRun> = of_runs.iter().collect();
     let mut found = Kinematics {
         quantum_mps,
@@ -105,7 +110,7 @@ pub fn kinematics(runs: &[Run]) -> Kinematics {
         ..Kinematics::default()
     };
     for _ in 0..3 {
-        let Some((beta, sd, outside)) = over_runs(&kept, &free) else {
+        let Some((beta, sd, outside)) = over_runs(&kept, free) else {
             return found;
         };
         found.scale = (1.0 / (1.0 + beta[0]) - 1.0, sd[0]);
@@ -182,6 +187,21 @@ pub fn scale_of_run(run: &Run) -> Option<(f64, f64)> {
     Some((1.0 / (1.0 + beta[0]), sd[0]))
 }
 
+/// What a change of the acceleration adds to the way from reading `i` - 1 to reading `i`, m: -dt² Δa/12 (Hermite). Ten seconds beside the end of a strong acceleration are a metre, always
+/// of the same sign.
+fn bent(read: &[(f64, f64, f64)], i: usize, longest_s: f64) -> f64 {
+    let (Some(before), Some(after)) = (i.checked_sub(2).map(|j| read[j]), read.get(i + 1)) else {
+        return 0.0;
+    };
+    let (from, to) = (read[i - 1], read[i]);
+    let moving = before.2.min(from.2).min(to.2).min(after.2) > 0.0;
+    if !moving || from.0 - before.0 > longest_s || after.0 - to.0 > longest_s {
+        return 0.0;
+    }
+    let slope = |a: (f64, f64, f64), b: (f64, f64, f64)| (b.2 - a.2) / (b.0 - a.0);
+    -(to.0 - from.0).powi(2) / 12.0 * (slope(from, *after) - slope(before, to))
+}
+
 fn of_run(run: &Run) -> Option<OfRun> {
     let sign = run.direction.sign();
     let longest_s = 3.0 * usual_step_s(run).max(5.0);
@@ -193,7 +213,9 @@ fn of_run(run: &Run) -> Option<OfRun> {
         .collect();
     let mut way = vec![0.0; read.len()];
     for i in 1..read.len() {
-        way[i] = way[i - 1] + 0.5 * (read[i].0 - read[i - 1].0) * (read[i].2 + read[i - 1].2);
+        way[i] = way[i - 1]
+            + 0.5 * (read[i].0 - read[i - 1].0) * (read[i].2 + read[i - 1].2)
+            + bent(&read, i, longest_s);
     }
     let mut picked: Vec<usize> = Vec::new();
     for (i, r) in read.iter().enumerate() {

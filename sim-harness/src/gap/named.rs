@@ -102,6 +102,9 @@ impl Named {
     }
 }
 
+/// Name of what a gauge of the effort does: no effect of a train.
+pub const GAUGE: &str = "effort_gauge";
+
 /// Name of a term.
 pub fn name(term: &Term) -> &'static str {
     match term {
@@ -118,6 +121,7 @@ pub fn name(term: &Term) -> &'static str {
         Term::BrakeFade(_) => "brake_fade",
         Term::DraggingBrake(_) => "dragging_brake",
         Term::Bump(_) | Term::Cube | Term::Step(..) | Term::Smooth(..) => "unknown",
+        Term::Gauge => GAUGE,
         Term::Delay => "delay",
         Term::Late => "late",
     }

@@ -3,6 +3,7 @@
 use super::analysis::{FEW_ROWS, Findings};
 use super::forward::Gap;
 use super::named::Named;
+use super::terms::Term;
 use super::workflow::{Investigation, LEAST_TRAINING};
 use rundown::effects::Effect;
 
@@ -18,6 +19,7 @@ pub fn notes(found: &Investigation, runs: usize) -> Vec<String> {
         notes.push(NO_ROWS.to_owned());
     }
     notes.extend(seen(&found.findings));
+    notes.extend(gauge(&found.findings));
     if worse(&found.gap) {
         notes.push(format!(
             "Worse than before: on the held-out runs the simulated speed is off by {:.3} m/s with the effects and by {:.3} without them. Do not use the repaired model before this is understood.",
@@ -40,6 +42,20 @@ pub fn notes(found: &Investigation, runs: usize) -> Vec<String> {
     }
     notes.extend(contradiction(found));
     notes
+}
+
+/// What the gauge of the effort reads too much or too little.
+fn gauge(findings: &Findings) -> Option<String> {
+    let gauge = findings
+        .terms
+        .iter()
+        .find(|fitted| fitted.term == Term::Gauge)?;
+    let share = gauge.beta.first()?;
+    Some(format!(
+        "The effort column reads {:.1} % too {} for the motion, beside what is named: a matter of its gauge, which the model does not need to know.",
+        100.0 * share.abs(),
+        if *share > 0.0 { "much" } else { "little" },
+    ))
 }
 
 /// How much of the runs tells of the resistance, where that is not nearly all.

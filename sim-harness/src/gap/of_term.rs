@@ -3,7 +3,7 @@
 use super::analysis::{Findings, Surroundings};
 use super::fit::TWO_SIDED;
 use super::fitted::Fitted;
-use super::named::{Named, around, name};
+use super::named::{GAUGE, Named, around, name};
 use super::runs::Run;
 use super::separates::{Have, separates};
 use super::terms::{Coordinate, Side, Term, both_directions};
@@ -220,7 +220,7 @@ pub(super) fn of_term(
             coordinate = Some(coordinate_name(*which));
             table(*which, knots, &beta)?
         }
-        Term::Delay | Term::Late => return None,
+        Term::Delay | Term::Late | Term::Gauge => return None,
     };
     let odds: f64 = rivals
         .iter()
@@ -229,7 +229,7 @@ pub(super) fn of_term(
     let mut ambiguous_with: Vec<&'static str> = rivals
         .iter()
         .map(|(name, _)| *name)
-        .filter(|other| *other != effect.name() && *other != "delay")
+        .filter(|other| *other != effect.name() && *other != "delay" && *other != GAUGE)
         .collect();
     ambiguous_with.dedup();
     ambiguous_with.truncate(2);
@@ -241,6 +241,9 @@ pub(super) fn of_term(
         .iter()
         .map(|other| separates(effect.name(), other, have));
     let mut would_separate: Vec<&'static str> = advice.collect();
+    if rivals.iter().any(|(name, _)| *name == GAUGE) {
+        would_separate.push("a calibrated gauge of the effort");
+    }
     would_separate.dedup();
     Some(Named {
         confidence: (1.0 - (-gain.min(30.0) / 2.0).exp()) / (1.0 + odds),

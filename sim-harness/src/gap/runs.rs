@@ -4,6 +4,7 @@
 //! travelled in it, the effort if it was measured. Faster logs are thinned to intervals of that length, for within less the rounding of the
 //! speed hides everything.
 
+use super::rows::believed_load;
 use rundown::motion::Line;
 use rundown::track::Direction;
 
@@ -17,6 +18,8 @@ const READING_S: f64 = 2.5;
 pub const POINTS: usize = 10;
 /// A measured effort below this is a brake application, N/kg.
 const BRAKED_N_PER_KG: f64 = -0.05;
+/// What a brake test takes off the mean effort of 10 s at least, N/kg: 10 km/h less in the middle of an acceleration is 0.3.
+const TEST_N_PER_KG: f64 = 0.12;
 
 /// One sample. What was not recorded is `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -243,10 +246,16 @@ pub fn intervals(index: usize, run: &Run, line: &Line<'_>, readings: &Readings) 
             follows: last_end == Some(from.sample),
             path,
         };
-        // An effort that is not measured may have been a brake test of a few seconds: any run may have braked.
-        braked |= interval
-            .effort_n_per_kg
-            .is_none_or(|effort| effort < BRAKED_N_PER_KG);
+        braked |= match interval.effort_n_per_kg {
+            // A brake test of some seconds may lie between two readings of the effort: the speed shows that it was less than both.
+            Some(effort) => {
+                let by_speed = interval.acceleration_mps2() + believed_load(line, &interval);
+                let least = effort_at(run, from.sample).min(effort_at(run, to.sample));
+                effort < BRAKED_N_PER_KG || by_speed < least.max(0.0) - TEST_N_PER_KG
+            }
+            // One that is not measured at all may be anywhere: any run may have braked.
+            None => true,
+        };
         interval.braked = braked;
         intervals.push(interval);
         last_end = Some(to.sample);

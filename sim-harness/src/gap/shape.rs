@@ -30,7 +30,13 @@ impl Dial {
             // 20 s to 40 min.
             Term::WarmUp(tau_s) => dial(tau_s.ln(), 0.25, 3.0, 7.8, true),
             Term::BrakeFade(from_mps) => dial(*from_mps, 2.5, 0.0, 32.0, false),
-            Term::Length(true_m) => dial(true_m.ln(), 0.03, 2.3, 7.3, true),
+            Term::Length(true_m) => dial(
+                true_m.ln(),
+                0.03,
+                true_m.ln() - 0.3,
+                true_m.ln() + 0.3,
+                true,
+            ),
             _ => None,
         }
     }

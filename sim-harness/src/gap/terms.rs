@@ -55,6 +55,8 @@ pub enum Term {
     Wind(f64),
     /// u - r2 v²: coefficient e/(1 + e).
     Mass,
+    /// u: an effort that is shown too large by this share. A matter of the gauge, and no named law.
+    Gauge,
     /// Temperature above the mean of the set, and a constant.
     Temperature,
     /// Share of the period passed.
@@ -175,6 +177,7 @@ impl Term {
             Self::Mass => vec![along(&|_, row, p| {
                 row.effort_n_per_kg - r2 * p.speed_mps * p.speed_mps
             })],
+            Self::Gauge => vec![along(&|_, row, _| row.effort_n_per_kg)],
             Self::Temperature => vec![
                 along(&|_, row, _| {
                     row.interval

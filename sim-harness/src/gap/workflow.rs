@@ -9,6 +9,7 @@ use super::forward::{Compared, Gap, effects};
 use super::journey::Journey;
 use super::judge::{Judged, judge};
 use super::named::{Named, named};
+use super::notes::worse;
 use super::on_line::on_line;
 use super::own_wind::own_wind;
 use super::rows::{Believed, Row};
@@ -195,7 +196,8 @@ impl Investigation {
         } else if self.named.iter().all(|n| n.effect.name() == "unknown") {
             "unknown"
         } else if self.compared.is_empty()
-            || self.gap.removed_share < EXPLAINED
+            || self.gap.removed().is_none_or(|share| share < EXPLAINED)
+            || worse(&self.gap)
             || self.named.iter().any(|n| n.effect.name() == "unknown")
         {
             "partly_explained"

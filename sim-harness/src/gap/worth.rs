@@ -2,6 +2,7 @@
 
 use super::rows::Row;
 use super::terms::{Context, Coordinate, Term};
+use rundown::resistance::Davis;
 
 /// Cost of a free coefficient: half the logarithm of about 67 runs.
 const COEFFICIENT: f64 = 2.1;
@@ -25,6 +26,11 @@ pub fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -
     const LEAST_IN_SECTION_N_PER_KG: f64 = 2e-3;
     /// A brake that drags by less is no finding: winds and loads of single runs do that.
     const LEAST_DRAG_N_PER_KG: f64 = 1.5e-3;
+    /// A load of a few passengers is no finding.
+    const LEAST_MASS: f64 = 0.008;
+    /// A gauge of the effort is off by about so much; what is more is another mass.
+    const LEAST_GAUGE: f64 = 0.003;
+    const MOST_GAUGE: f64 = 0.03;
     /// What stiff bearings add at most, N/kg. More is a law of something else, carried back to the departure.
     const MOST_WARM_UP_N_PER_KG: f64 = 0.03;
     // In rising order.
@@ -50,13 +56,19 @@ pub fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -
     };
     if !matches!(
         term,
-        Term::Tunnel(_) | Term::Gradient(_) | Term::Bump(_) | Term::Mass | Term::BrakeFade(_)
+        Term::Tunnel(_)
+            | Term::Gradient(_)
+            | Term::Bump(_)
+            | Term::Mass
+            | Term::Gauge
+            | Term::BrakeFade(_)
     ) && absurd()
     {
         return false;
     }
     match term {
-        Term::Mass => beta[0].abs() > 0.008,
+        Term::Mass => beta[0].abs() > LEAST_MASS,
+        Term::Gauge => (LEAST_GAUGE..MOST_GAUGE).contains(&beta[0].abs()),
         Term::BrakeFade(_) => beta[0] > 0.04,
         Term::Length(_) => true,
         Term::Tunnel(_) => beta[0] > 0.0 && most() > LEAST_IN_SECTION_N_PER_KG,
@@ -67,10 +79,21 @@ pub fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -
         Term::WarmUp(_) => {
             (0.0..MOST_WARM_UP_N_PER_KG).contains(&beta[0]) && most() > 2.0 * LEAST_N_PER_KG
         }
-        Term::Davis(_) | Term::Cube | Term::Wind(_) => often() > LEAST_N_PER_KG,
+        Term::Davis(wrong) => often() > LEAST_N_PER_KG && possible(*wrong, beta, &davis),
+        Term::Cube | Term::Wind(_) => often() > LEAST_N_PER_KG,
         Term::Smooth(..) | Term::Step(..) => most() > LEAST_UNNAMED_N_PER_KG,
         _ => most() > LEAST_N_PER_KG,
     }
+}
+
+/// No coefficient of the train would be negative.
+fn possible(wrong: [bool; 3], beta: &[f64], described: &Davis) -> bool {
+    let mut beta = beta.iter();
+    let described = [described.r0, described.r1, described.r2];
+    described.into_iter().zip(wrong).all(|(described, wrong)| {
+        let change = if wrong { beta.next() } else { None };
+        described + change.copied().unwrap_or(0.0) >= 0.0
+    })
 }
 
 /// What a section must be better by only because it has no name: it fits as well as one with a name that is better by no more.
@@ -90,7 +113,7 @@ pub fn cost(term: &Term, rows: &[Row]) -> f64 {
         // One law instead of three coefficients: a little dearer than one of them.
         Term::Cube => COEFFICIENT + 1.0,
         Term::Delay | Term::Late => 0.0,
-        Term::Curve | Term::Wind(_) | Term::Mass | Term::Season => COEFFICIENT,
+        Term::Curve | Term::Wind(_) | Term::Mass | Term::Gauge | Term::Season => COEFFICIENT,
         Term::Length(_) => COEFFICIENT + SHAPE + SHIFT,
         Term::Temperature => 2.0 * COEFFICIENT,
         Term::WarmUp(_) | Term::BrakeFade(_) => COEFFICIENT + SHAPE,

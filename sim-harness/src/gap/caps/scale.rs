@@ -59,12 +59,22 @@ pub fn scale(runs: &[Told<'_>]) -> Option<FoundLimit> {
     };
     let scaled =
         |factor: f64| -> Vec<f64> { runs.iter().map(|run| run.gain_up_to(factor)).collect() };
+    let sum = |gains: &[f64]| gains.iter().sum::<f64>();
+    // A gauge that reads some percent wrong is no finding: what the best factor that near brings is brought by nothing.
+    let near = (-6..=6).map(|i| 1.0 + LEAST_SCALE * f64::from(i) / 6.0);
+    let near = near.flat_map(|factor| [capped(factor), scaled(factor)]);
+    let near = near.max_by(|a, b| sum(a).total_cmp(&sum(b)))?;
     let one = |of: &dyn Fn(f64) -> Vec<f64>, cost: f64| {
         let range = (15..40)
             .map(|i| 0.04 * f64::from(i))
             .filter(|f| (f - 1.0).abs() > LEAST_SCALE);
-        let (factor, _, factor_sd) = best_factor(range, |factor| of(factor).iter().sum())?;
-        let gain = trimmed(of(factor).into_iter()).min(of(factor).iter().sum());
+        let (factor, _, factor_sd) = best_factor(range, |factor| sum(&of(factor)))?;
+        let beyond: Vec<f64> = of(factor)
+            .iter()
+            .zip(&near)
+            .map(|(gain, near)| gain - near)
+            .collect();
+        let gain = trimmed(beyond.iter().copied()).min(sum(&beyond));
         ((factor - 1.0).abs() > LEAST_SCALE).then_some(FoundLimit {
             limit: Limit::Scale { factor },
             gain,
