@@ -194,6 +194,7 @@ fn a_repair_that_makes_things_worse_is_told_everywhere() {
             found,
             rivals: &[],
             innovations: None,
+            left_out: 0,
             described_effects: 0,
             rotating_mass_kg: train.rotating_mass_kg(),
         };
@@ -248,4 +249,40 @@ fn the_example_of_the_help_works_word_for_word() {
     let json = std::fs::read_to_string(folder.path().join("gap/gap.json")).unwrap();
     let json: Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["effects"][0]["name"], "tunnel_drag", "{json}");
+}
+
+#[test]
+fn a_copy_of_a_run_and_a_log_that_is_none_are_left_out_and_told() {
+    let folder = simulated(8, "");
+    let runs = folder.path().join("set/runs");
+    std::fs::copy(runs.join("run001.csv"), runs.join("copy.csv")).unwrap();
+    std::fs::write(runs.join("none.csv"), "no log at all\n").unwrap();
+    let output = rundown(
+        folder.path(),
+        &[
+            "gap",
+            "--train",
+            "set/train.toml",
+            "--track",
+            "set/track.toml",
+            "--runs",
+            "set/runs",
+            "--out",
+            "gap",
+        ],
+    );
+    let (code, screen, notes) = told(&output);
+    assert_eq!(code, Some(1), "{notes}");
+    assert!(notes.contains("samples of another run"), "{notes}");
+    assert!(
+        screen.contains("2 of 10 logs could not be used"),
+        "{screen}"
+    );
+    let json: Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join("gap/gap.json")).unwrap())
+            .unwrap();
+    assert_eq!(
+        (json["runs"].as_u64(), json["runs_left_out"].as_u64()),
+        (Some(8), Some(2))
+    );
 }

@@ -169,6 +169,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         found: &found,
         rivals: &rivals,
         innovations,
+        left_out: set.files.len() - runs.len(),
         described_effects: train.effect.len() + track.effect.len(),
         rotating_mass_kg: believed.train().rotating_mass_kg(),
     };
@@ -182,9 +183,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let texts = [("gap.json", json.clone()), ("report.html", page)];
     let files = Files::render(&found, &repaired, texts).map_err(Failure::not_written)?;
     files.write(&arguments.out).map_err(Failure::not_written)?;
+    let done = if answer.left_out == 0 {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(super::SOME_RUNS_FAILED)
+    };
     if arguments.json {
         screen::print(&json);
-        return Ok(ExitCode::SUCCESS);
+        return Ok(done);
     }
     screen::print(&story(&answer));
     if let Some(found) = &innovations {
@@ -194,7 +200,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         ));
     }
     screen::print(&format!("\nresults: {}\n", arguments.out.display()));
-    Ok(ExitCode::SUCCESS)
+    Ok(done)
 }
 
 /// Refuses to hold out so many runs that too few are left to find an effect in.

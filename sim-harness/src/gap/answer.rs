@@ -15,6 +15,8 @@ pub struct Answer<'a> {
     pub dataset: &'a str,
     /// How many there were.
     pub runs: usize,
+    /// How many logs could not be used.
+    pub left_out: usize,
     /// What came of them.
     pub found: &'a Investigation,
     /// Rivals of each effect.
@@ -42,6 +44,8 @@ impl Answer<'_> {
         let compared = |value: f64| (!found.compared.is_empty()).then_some(value);
         let mut json = json!({
             "dataset": self.dataset,
+            "runs": self.runs,
+            "runs_left_out": self.left_out,
             "verdict": found.verdict(),
             "effects": self.effects(),
             "gap": {
@@ -84,6 +88,13 @@ impl Answer<'_> {
     /// What a reader must know beside the verdict, the weightiest first.
     pub fn notes(&self) -> Vec<String> {
         let mut all = notes(self.found, self.runs);
+        if self.left_out > 0 {
+            all.push(format!(
+                "{} of {} logs could not be used; why stands on the screen.",
+                self.left_out,
+                self.left_out + self.runs
+            ));
+        }
         if self.described_effects > 0 {
             all.push(format!(
                 "The described train and track had effects already ({}). They took no part: the analysis began without them, and what was found stands in their place.",

@@ -89,9 +89,14 @@ pub fn with_recordings(
         .par_iter()
         .map(|file| run(file, line.as_ref(), direction))
         .collect();
-    let (mut runs, mut notes) = (Vec::new(), Vec::new());
+    let (mut runs, mut notes): (Vec<(Run, Recording)>, Vec<String>) = (Vec::new(), Vec::new());
     for result in read {
         match result {
+            // Counted twice it would stand on both sides of the hold-out.
+            Ok((run, _)) if runs.iter().any(|(other, _)| other.samples == run.samples) => {
+                let name = &run.name;
+                notes.push(format!("{name}: has the samples of another run, to the last digit; the run was left out"));
+            }
             Ok((run, recording)) => {
                 notes.extend(recording.warnings.iter().cloned());
                 runs.push((run, recording));
