@@ -20,6 +20,12 @@ pub(super) fn evidence(found: &Investigation) -> Markup {
         "speed" => format!("{} km/h", number(3.6 * one.at, 0)),
         "time" => format!("{} min", number(one.at / 60.0, 1)),
         "temperature" => format!("{} \u{b0}C", number(one.at, 0)),
+        "effort" => format!("{} N/kg", number(one.at, 2)),
+        "regime" if one.at > 0.5 => "power".to_owned(),
+        "regime" if one.at < -0.5 => "brake".to_owned(),
+        "regime" => "coast".to_owned(),
+        "direction" if one.at > 0.0 => "up".to_owned(),
+        "direction" => "down".to_owned(),
         _ => format!("day {}", number(one.at - found.findings.first_day, 0)),
     };
     html! {
