@@ -1,9 +1,12 @@
 //! Does another tool get what was learned? The files of `rundown export`, and the way back through a replay.
 
+mod common;
+
+use common::{done, rundown};
 use quick_xml::events::Event;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 const RUN: &str = include_str!("../../data/reference/run01.csv");
 
@@ -11,14 +14,6 @@ fn reference(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../data/reference")
         .join(name)
-}
-
-fn rundown(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rundown"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
 }
 
 fn stderr(output: &Output) -> String {
@@ -36,8 +31,7 @@ fn replayed(more: &[&str]) -> tempfile::TempDir {
         std::fs::write(at.join("logs").join(name), RUN).unwrap();
     }
     let described = ["replay", "--train", "train.toml", "--track", "track.toml"];
-    let output = rundown(at, &[&described, more, &["logs"]].concat());
-    assert!(output.status.success(), "{}", stderr(&output));
+    done(at, &[&described, more, &["logs"]].concat());
     folder
 }
 

@@ -1,5 +1,8 @@
 //! Does `rundown gap` refuse what it cannot do, say what its names rest on, and write all or nothing?
 
+mod common;
+
+use common::{done, rundown};
 use rundown::effects::{Effect, SteadyWind};
 use serde_json::Value;
 use sim_harness::effect_file::EffectEntry;
@@ -27,15 +30,6 @@ to_m = 21000.0
 k = 1.2e-5
 "#;
 
-fn rundown(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
-    command
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
-}
-
 fn told(output: &Output) -> (Option<i32>, String, String) {
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
     (
@@ -51,11 +45,10 @@ fn simulated(runs: usize, effect: &str) -> tempfile::TempDir {
     let scenario =
         format!("name = \"set\"\nruns = {runs}\nseed = 3\n[effort]\ncolumn = true\n{effect}");
     std::fs::write(folder.path().join("s.toml"), scenario).unwrap();
-    let output = rundown(
+    done(
         folder.path(),
         &["simulate", "--scenario", "s.toml", "--out", "set"],
     );
-    assert!(output.status.success(), "{output:?}");
     folder
 }
 

@@ -1,8 +1,9 @@
 //! Does the page of `rundown gap` say what the workflow found, and need nothing else?
 
+mod common;
+
+use common::done;
 use serde_json::Value;
-use std::path::Path;
-use std::process::Command;
 
 const SCENARIO: &str = r#"
 name = "set"
@@ -19,14 +20,6 @@ to_m = 21000.0
 k = 1.2e-5
 "#;
 
-fn rundown(folder: &Path, arguments: &[&str]) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
-    let output = command.current_dir(folder).args(arguments).output();
-    let output = output.unwrap();
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{words}");
-}
-
 /// `gap.json` and `report.html` of a simulated set.
 fn investigated(effect: &str) -> (Value, String) {
     let folder = tempfile::tempdir().unwrap();
@@ -38,7 +31,7 @@ fn investigated(effect: &str) -> (Value, String) {
     };
     let scenario = format!("{SCENARIO}{effort}{effect}");
     std::fs::write(path.join("s.toml"), scenario).unwrap();
-    rundown(path, &["simulate", "--scenario", "s.toml", "--out", "set"]);
+    done(path, &["simulate", "--scenario", "s.toml", "--out", "set"]);
     let model = ["--train", "set/train.toml", "--track", "set/track.toml"];
     let gap = [
         "gap",
@@ -49,7 +42,7 @@ fn investigated(effect: &str) -> (Value, String) {
         "--hold-out",
         "6",
     ];
-    rundown(path, &[gap.as_slice(), &model].concat());
+    done(path, &[gap.as_slice(), &model].concat());
     let read = |name: &str| std::fs::read_to_string(path.join("out").join(name)).unwrap();
     let json = serde_json::from_str(&read("gap.json")).unwrap();
     (json, read("report.html"))

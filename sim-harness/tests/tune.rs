@@ -1,30 +1,19 @@
 //! Does `rundown tune` find a better filter by the paper's criteria, and write one that `rundown replay` takes?
 
+mod common;
+
+use common::done;
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
 
 const RUN: &str = include_str!("../../data/reference/run01.csv");
-
-fn rundown(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
-    let output = command.current_dir(folder).args(arguments).output();
-    let output = output.unwrap();
-    assert_eq!(
-        output.status.code(),
-        Some(0),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    output
-}
 
 #[test]
 fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     let few = ["tune", "--count", "4", "--evaluations", "300", "--out", "a"];
-    let text = String::from_utf8(rundown(path, &few).stdout).unwrap();
+    let text = String::from_utf8(done(path, &few).stdout).unwrap();
     assert!(text.contains("a likely filter is no true one"), "{text}");
     let read = |name: &str| std::fs::read_to_string(path.join(name)).unwrap();
     let json: Value = serde_json::from_str(&read("a/tune.json")).unwrap();
@@ -62,7 +51,7 @@ fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
     ];
     let mut arguments = replay.to_vec();
     arguments.extend(["--out", "replayed", "run.csv"]);
-    rundown(path, &arguments);
+    done(path, &arguments);
     let replayed: Value = serde_json::from_str(&read("replayed/replay.json")).unwrap();
     assert_eq!(replayed["mode"], "paper");
 
@@ -70,7 +59,7 @@ fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
     assert!(read("a/tune_profiles.csv").lines().count() > 100);
     assert_eq!(read("a/tune_plane.csv").lines().count(), 1 + 81);
     let again = few.map(|word| if word == "a" { "b" } else { word });
-    rundown(path, &again);
+    done(path, &again);
     for name in ["config.toml", "tune.json", "report.html", "tune_plane.svg"] {
         assert_eq!(
             read(&format!("a/{name}")),

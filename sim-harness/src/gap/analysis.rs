@@ -43,8 +43,8 @@ pub struct Findings {
     pub calibrated: Calibrated,
     /// Missing terms of the resistance, with their coefficients.
     pub terms: Vec<Fitted>,
-    /// Limits of the traction that are not as believed.
-    pub limit: Option<FoundLimit>,
+    /// Limits of the traction, the best first.
+    pub limits: Vec<FoundLimit>,
     /// Intervals of steady power from which the limits were judged, run by run.
     pub pulls: Vec<Vec<Pull>>,
     /// Gain of log-likelihood of a wind of its own in each run, over other differences between runs.
@@ -77,6 +77,26 @@ impl Findings {
     /// Runs differ in their wind.
     pub fn run_wind(&self) -> bool {
         self.wind_gain > WIND_GAIN && self.calibrated.own.wind_mps > LEAST_WIND_MPS
+    }
+
+    /// The limit of the traction that is not as believed, if one is worth a name.
+    pub fn limit(&self) -> Option<&FoundLimit> {
+        self.limits.first().filter(|found| found.value > ENOUGH)
+    }
+
+    /// What the columns of terms were made from.
+    pub fn context<'a>(
+        &self,
+        believed: Believed<'a>,
+        surroundings: &'a Surroundings,
+    ) -> Context<'a> {
+        Context {
+            believed,
+            curves: &surroundings.curves,
+            temperature_c: self.temperature_c,
+            first_day: self.first_day,
+            period_days: self.period_days,
+        }
     }
 }
 
@@ -162,10 +182,6 @@ pub fn analyse(
         (&model, &beta),
         &calibrated,
     );
-    let limit = limits(&of_runs)
-        .into_iter()
-        .next()
-        .filter(|l| l.value > ENOUGH);
     Some(Findings {
         kinematics,
         readings,
@@ -176,7 +192,7 @@ pub fn analyse(
             .filter(|i| i.mean_speed_mps() > SLOWEST_MPS)
             .count(),
         terms,
-        limit,
+        limits: limits(&of_runs),
         pulls: of_runs,
         wind_gain: likelihood - without_wind,
         believed_r2: believed.train().davis().r2,
@@ -197,13 +213,7 @@ pub fn apply(
     findings: &Findings,
     runs: &[Run],
 ) -> (Vec<Row>, Vec<Vec<Pull>>) {
-    let context = Context {
-        believed,
-        curves: &surroundings.curves,
-        temperature_c: findings.temperature_c,
-        first_day: findings.first_day,
-        period_days: findings.period_days,
-    };
+    let context = findings.context(believed, surroundings);
     let cut: Vec<Vec<Interval>> = runs
         .iter()
         .enumerate()

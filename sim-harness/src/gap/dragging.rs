@@ -12,6 +12,8 @@
 use super::calibrate::{Calibrated, Own, left, own_columns, whitening};
 use super::rows::Row;
 use super::terms::{Context, Term};
+use core::ops::Range;
+use nalgebra::DVector;
 
 /// What the mixture must be better by: two coefficients, and what makes it sure.
 const ENOUGH: f64 = 8.0;
@@ -21,21 +23,49 @@ const DRAG_N_PER_KG: (f64, f64) = (1e-3, 0.05);
 const MOST: f64 = 0.6;
 
 /// The drag of a run along its rows: score and information.
-struct Told {
-    run: usize,
-    score: f64,
-    information: f64,
+pub(super) struct Told {
+    pub run: usize,
+    pub score: f64,
+    pub information: f64,
 }
 
 impl Told {
+    /// Of each run; `braked` and `residual` whitened.
+    pub fn of_runs(
+        rows: &[Row],
+        runs: &[Range<usize>],
+        braked: &DVector<f64>,
+        residual: &DVector<f64>,
+    ) -> Vec<Self> {
+        let of_run = |range: &Range<usize>| {
+            let b = braked.rows(range.start, range.len());
+            let e = residual.rows(range.start, range.len());
+            Self {
+                run: rows[range.start].interval.run,
+                score: b.dot(&e),
+                information: b.norm_squared(),
+            }
+        };
+        runs.iter().map(of_run).collect()
+    }
+
     /// Gain of log-likelihood if the run drags.
-    fn gain(&self, drag: f64) -> f64 {
+    pub fn gain(&self, drag: f64) -> f64 {
         drag * self.score - 0.5 * drag * drag * self.information
     }
 }
 
-/// Drag and share of the runs, by expectation and maximisation, and the gain of log-likelihood.
-fn mixture(told: &[Told], mut drag: f64) -> (f64, f64, f64) {
+/// Some runs drag, the others do not.
+#[derive(Clone, Copy)]
+struct Mixture {
+    drag: f64,
+    share: f64,
+    /// Of log-likelihood.
+    gain: f64,
+}
+
+/// By expectation and maximisation.
+fn mixture(told: &[Told], mut drag: f64) -> Mixture {
     let mut share: f64 = 0.2;
     let odds = |share: f64, gain: f64| share * gain.clamp(-500.0, 500.0).exp() / (1.0 - share);
     for _ in 0..60 {
@@ -51,7 +81,11 @@ fn mixture(told: &[Told], mut drag: f64) -> (f64, f64, f64) {
         drag = (score / information.max(1e-12)).clamp(DRAG_N_PER_KG.0, DRAG_N_PER_KG.1);
     }
     let of_run = |run: &Told| (1.0 - share).ln() + odds(share, run.gain(drag)).ln_1p();
-    (drag, share, told.iter().map(of_run).sum())
+    Mixture {
+        drag,
+        share,
+        gain: told.iter().map(of_run).sum(),
+    }
 }
 
 /// Largest gain of log-likelihood of a constant in all runs on one side of some value of a coordinate.
@@ -92,26 +126,18 @@ pub fn dragging(
     let of = |own: &Own| {
         let whitening = whitening(&calibrated.noise, own, &calibrated.spread, rows, &columns);
         let (e, b) = (whitening.whiten(&residual), whitening.whiten(&braked));
-        let told: Vec<Told> = whitening
-            .runs()
-            .iter()
-            .map(|range| {
-                let e = e.rows(range.start, range.len());
-                let b = b.rows(range.start, range.len());
-                Told {
-                    run: rows[range.start].interval.run,
-                    score: freedom * b.dot(&e),
-                    information: freedom * b.norm_squared(),
-                }
-            })
-            .collect();
+        let mut told = Told::of_runs(rows, whitening.runs(), &b, &e);
+        for run in &mut told {
+            run.score *= freedom;
+            run.information *= freedom;
+        }
         (
             -whitening.log_determinant() - 0.5 * freedom * e.norm_squared(),
             told,
         )
     };
     let (plain, _) = of(&calibrated.own);
-    let mut best: Option<(f64, f64, f64, Vec<Told>)> = None;
+    let mut best: Option<(f64, Mixture, Vec<Told>)> = None;
     for constant in [0.0, 0.25, 0.5, 1.0] {
         for wind in [0.0, 0.25, 0.5, 1.0] {
             let own = Own {
@@ -120,16 +146,18 @@ pub fn dragging(
                 ..calibrated.own
             };
             let (without, told) = of(&own);
-            for start in [0.003, 0.01] {
-                let (drag, share, gain) = mixture(&told, start);
-                if best.as_ref().is_none_or(|b| without + gain > b.0) {
-                    let (_, told) = of(&own);
-                    best = Some((without + gain, drag, share, told));
-                }
+            let found = [0.003, 0.01].map(|start| mixture(&told, start));
+            let found = if found[1].gain > found[0].gain {
+                found[1]
+            } else {
+                found[0]
+            };
+            if best.as_ref().is_none_or(|b| without + found.gain > b.0) {
+                best = Some((without + found.gain, found, told));
             }
         }
     }
-    let (reached, drag, share, told) = best?;
+    let (reached, Mixture { drag, share, gain }, told) = best?;
     // From a day on, or on cold days, is another law.
     let at = |run: &Told, of: fn(&Row) -> Option<f64>| {
         rows.iter()
@@ -138,7 +166,6 @@ pub fn dragging(
     };
     let day = |run: &Told| at(run, |row| row.interval.day);
     let temperature = |run: &Told| at(run, |row| row.interval.temperature_c);
-    let (_, _, gain) = mixture(&told, drag);
     if step(&told, day).max(step(&told, temperature)) > gain {
         return None;
     }
@@ -166,7 +193,7 @@ mod tests {
     #[test]
     fn a_quarter_of_the_runs_drags() {
         let told = told((0..60).map(|i| if i % 4 == 0 { 6e-3 } else { 0.0 }));
-        let (drag, share, gain) = mixture(&told, 0.003);
+        let Mixture { drag, share, gain } = mixture(&told, 0.003);
         assert!((drag - 6e-3).abs() < 1e-4);
         assert!((share - 0.25).abs() < 0.02);
         assert!(gain > 50.0);
@@ -175,17 +202,17 @@ mod tests {
     #[test]
     fn a_constant_from_a_day_on_is_a_step() {
         let late = told((0..60).map(|i| if i >= 45 { 6e-3 } else { 0.0 }));
-        let (_, _, gain) = mixture(&late, 0.003);
+        let gain = mixture(&late, 0.003).gain;
         assert!(step(&late, |run| Some(run.run as f64)) > gain);
         let scattered = told((0..60).map(|i| if i % 4 == 0 { 6e-3 } else { 0.0 }));
-        let (_, _, gain) = mixture(&scattered, 0.003);
+        let gain = mixture(&scattered, 0.003).gain;
         assert!(step(&scattered, |run| Some(run.run as f64)) < gain);
     }
 
     #[test]
     fn no_run_drags_where_none_differs() {
         let told = told((0..60).map(|i| 1.5e-3 * f64::from(i % 3 - 1)));
-        let (_, _, gain) = mixture(&told, 0.003);
+        let gain = mixture(&told, 0.003).gain;
         assert!(gain < 3.0);
     }
 }

@@ -62,24 +62,19 @@ pub fn effort_reading(context: &Context<'_>, runs: &[Run], readings: &Readings) 
             effort,
             ..*readings
         };
-        let mut residuals: Vec<f64> = runs
-            .iter()
-            .enumerate()
-            .flat_map(|(i, run)| {
-                let line = context.believed.line(run.direction);
-                intervals(i, run, line, &readings)
-                    .into_iter()
-                    .filter(|interval| interval.effort_change_n_per_kg > 0.03)
-                    .filter_map(|interval| {
-                        let effort = interval.effort_n_per_kg?;
-                        let load = super::rows::believed_load(line, &interval);
-                        Some((effort - interval.acceleration_mps2() - load).abs())
-                    })
-                    .collect::<Vec<_>>()
-            })
-            .collect();
-        residuals.sort_by(f64::total_cmp);
-        residuals.get(residuals.len() / 2).copied().unwrap_or(0.0)
+        let residuals = runs.iter().enumerate().flat_map(|(i, run)| {
+            let line = context.believed.line(run.direction);
+            intervals(i, run, line, &readings)
+                .into_iter()
+                .filter(|interval| interval.effort_change_n_per_kg > 0.03)
+                .filter_map(|interval| {
+                    let effort = interval.effort_n_per_kg?;
+                    let load = super::rows::believed_load(line, &interval);
+                    Some((effort - interval.acceleration_mps2() - load).abs())
+                })
+                .collect::<Vec<_>>()
+        });
+        median(residuals).unwrap_or(0.0)
     };
     if spread(EffortReading::MeanSinceLast) < 0.7 * spread(EffortReading::Momentary) {
         EffortReading::MeanSinceLast
@@ -201,7 +196,8 @@ pub fn pulls_of(
         .zip(runs)
         .enumerate()
         .map(|(index, (intervals, run))| {
-            if measured && (readings.effort == EffortReading::Momentary || usual_step_s(run) < 3.0)
+            if measured
+                && (readings.effort == EffortReading::Momentary || usual_step_s(run) < FAST_S)
             {
                 return sampled_pulls(&context.believed, index, run, readings);
             }

@@ -29,7 +29,7 @@ pub struct Fitted {
 /// A law is as good as this share of its coefficient, whatever the noise: means over 10 s, the path between readings.
 const LAW: f64 = 0.01;
 /// A rival within this of a term cannot be told apart from it.
-const NEAR: f64 = 3.0;
+pub const NEAR: f64 = 3.0;
 
 /// Each term of the model with its coefficients, what it brings beside the others, and who would do as well.
 pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {

@@ -10,7 +10,7 @@ use super::pulled::pulled;
 use super::rows::{Believed, Row};
 use super::runs::Run;
 use super::travelled::travelled;
-use super::workflow::{context, repaired};
+use super::workflow::repaired;
 use rundown::effects::{Effect, Effects};
 
 /// With fewer runs the signs can be flipped in too few ways to tell chance.
@@ -49,7 +49,7 @@ pub(super) fn judge(
     }
     let compare = |effects: &Effects| {
         let mut compared = resisted(&believed, found, effects, &rows);
-        if found.limit.is_some() {
+        if found.limit().is_some() {
             for (run, pulls) in tested.iter().zip(&pulls) {
                 compared.extend(pulled(&believed, run.direction, effects, pulls, 10.0));
             }
@@ -127,7 +127,7 @@ fn p_values(
     if with_rows.count() < LEAST_FLIPPED {
         return None;
     }
-    let context = context(believed, surroundings, found);
+    let context = found.context(believed, surroundings);
     let calibrated = Calibrated {
         spread: vec![1.0; rows.len()],
         ..found.calibrated.clone()

@@ -155,7 +155,7 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
         ));
     }
     let mut terms: Vec<&Fitted> = findings.terms.iter().collect();
-    let mut limit = findings.limit.as_ref();
+    let mut limit = findings.limit();
     // Without an effort column a heavier train shows twice: less acceleration for its power, and less air drag for its mass.
     if let (false, [only], Some(found)) = (findings.measured, terms.as_slice(), limit)
         && let Limit::Scale { factor } = &found.limit

@@ -229,7 +229,7 @@ pub(super) fn of_term(
     let mut ambiguous_with: Vec<&'static str> = rivals
         .iter()
         .map(|(name, _)| *name)
-        .filter(|other| *other != effect.name() && *other != "delay" && *other != GAUGE)
+        .filter(|other| *other != effect.name() && *other != GAUGE)
         .collect();
     ambiguous_with.dedup();
     ambiguous_with.truncate(2);

@@ -5,12 +5,12 @@
 //! ```
 
 use super::analysis::Surroundings;
-use super::caps::{Limit, limits};
+use super::caps::Limit;
 use super::named::{Named, name};
 use super::rows::Believed;
 use super::select::Search;
 use super::terms::Term;
-use super::workflow::{Investigation, context};
+use super::workflow::Investigation;
 use super::worth::unnamed;
 use rundown::effects::Effect;
 
@@ -34,7 +34,7 @@ pub fn rivals(
     surroundings: &Surroundings,
 ) -> Vec<Vec<Rival>> {
     let findings = &found.findings;
-    let context = context(believed, surroundings, findings);
+    let context = findings.context(believed, surroundings);
     let model: Vec<Term> = findings.terms.iter().map(|f| f.term.clone()).collect();
     let search = (!model.is_empty()).then(|| {
         let (rows, calibrated) = (&findings.rows, &findings.calibrated);
@@ -92,7 +92,7 @@ fn of_term(search: &Search<'_>, model: &[Term], index: usize, named: &str) -> Ve
 }
 
 fn of_limit(found: &Investigation, named: &str) -> Vec<Rival> {
-    let all = limits(&found.findings.pulls);
+    let all = &found.findings.limits;
     let best = all.first().map_or(0.0, |limit| limit.value);
     let rival = all.iter().map(|found| Rival {
         name: match found.limit {
@@ -105,10 +105,10 @@ fn of_limit(found: &Investigation, named: &str) -> Vec<Rival> {
     nearest(rival, named)
 }
 
-/// One of each name, the nearest; not the effect itself, nor what a sensor does.
+/// One of each name, the nearest; not the effect itself.
 fn nearest(rivals: impl Iterator<Item = Rival>, named: &str) -> Vec<Rival> {
     let mut all: Vec<Rival> = rivals
-        .filter(|r| r.name != named && !matches!(r.name, "delay" | "late") && r.worse.is_finite())
+        .filter(|r| r.name != named && r.worse.is_finite())
         .collect();
     all.sort_by(|a, b| a.worse.total_cmp(&b.worse));
     let mut nearest: Vec<Rival> = Vec::new();

@@ -246,16 +246,17 @@ pub fn intervals(index: usize, run: &Run, line: &Line<'_>, readings: &Readings) 
             follows: last_end == Some(from.sample),
             path,
         };
-        braked |= match interval.effort_n_per_kg {
-            // A brake test of some seconds may lie between two readings of the effort: the speed shows that it was less than both.
-            Some(effort) => {
-                let by_speed = interval.acceleration_mps2() + believed_load(line, &interval);
-                let least = effort_at(run, from.sample).min(effort_at(run, to.sample));
-                effort < BRAKED_N_PER_KG || by_speed < least.max(0.0) - TEST_N_PER_KG
-            }
-            // One that is not measured at all may be anywhere: any run may have braked.
-            None => true,
-        };
+        braked = braked
+            || match interval.effort_n_per_kg {
+                // A brake test of some seconds may lie between two readings of the effort: the speed shows that it was less than both.
+                Some(effort) => {
+                    let by_speed = || interval.acceleration_mps2() + believed_load(line, &interval);
+                    let least = effort_at(run, from.sample).min(effort_at(run, to.sample));
+                    effort < BRAKED_N_PER_KG || by_speed() < least.max(0.0) - TEST_N_PER_KG
+                }
+                // One that is not measured at all may be anywhere: any run may have braked.
+                None => true,
+            };
         interval.braked = braked;
         intervals.push(interval);
         last_end = Some(to.sample);

@@ -4,6 +4,7 @@
 //! where runs differ more than the noise model says, minus what its freedom costs.
 
 use super::calibrate::Calibrated;
+use super::dragging::Told;
 use super::families::{Family, families};
 use super::fit::{Base, Gain};
 use super::rows::Row;
@@ -215,45 +216,32 @@ impl<'a> Search<'a> {
         let all: Vec<usize> = self.rows.iter().map(|row| row.interval.run).collect();
         let column = &self.white(&Term::DraggingBrake(all))[0];
         let column = base.beside(column);
-        let of_runs: Vec<(usize, f64, f64)> = self
-            .whitening
-            .runs()
-            .iter()
-            .map(|range| {
-                let c = column.rows(range.start, range.len());
-                let e = base.residual.rows(range.start, range.len());
-                (
-                    self.rows[range.start].interval.run,
-                    c.dot(&e),
-                    c.norm_squared(),
-                )
-            })
-            .filter(|(_, _, information)| *information > 0.0)
-            .collect();
+        let mut of_runs = Told::of_runs(self.rows, self.whitening.runs(), &column, &base.residual);
+        of_runs.retain(|run| run.information > 0.0);
+        let sums = |chosen: &[&Told]| {
+            let add = |(a, b): (f64, f64), run: &&Told| (a + run.score, b + run.information);
+            chosen.iter().fold((0.0, 0.0), add)
+        };
         let mut best: Option<(f64, Vec<usize>)> = None;
-        for (_, score, information) in &of_runs {
+        for Told {
+            score, information, ..
+        } in &of_runs
+        {
             let mut drag = score / information;
             if drag <= 0.0 {
                 continue;
             }
-            let mut chosen: Vec<&(usize, f64, f64)> = Vec::new();
+            let mut chosen: Vec<&Told> = Vec::new();
             for _ in 0..6 {
-                chosen = of_runs
-                    .iter()
-                    .filter(|(_, g, i)| g * drag - 0.5 * i * drag * drag > 1.0)
-                    .collect();
-                let (g, i) = chosen
-                    .iter()
-                    .fold((0.0, 0.0), |(a, b), c| (a + c.1, b + c.2));
+                chosen = of_runs.iter().filter(|run| run.gain(drag) > 1.0).collect();
+                let (g, i) = sums(&chosen);
                 if i <= 0.0 {
                     break;
                 }
                 drag = g / i;
             }
-            let (g, i) = chosen
-                .iter()
-                .fold((0.0, 0.0), |(a, b), c| (a + c.1, b + c.2));
-            let runs: Vec<usize> = chosen.iter().map(|c| c.0).collect();
+            let (g, i) = sums(&chosen);
+            let runs: Vec<usize> = chosen.iter().map(|run| run.run).collect();
             let value = if i > 0.0 { 0.5 * g * g / i } else { 0.0 }
                 - choice_cost(runs.len(), of_runs.len());
             if !runs.is_empty() && best.as_ref().is_none_or(|b| value > b.0) {

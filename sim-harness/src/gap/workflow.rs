@@ -14,7 +14,6 @@ use super::on_line::on_line;
 use super::own_wind::own_wind;
 use super::rows::{Believed, Row};
 use super::runs::Run;
-use super::terms::Context;
 use super::wheels::{put_right, wheels};
 use rundown::effects::{Effect, Effects};
 
@@ -93,7 +92,7 @@ pub fn investigate(
             one.per_run = winds(&believed, &findings, &with, wind.sd_mps, runs);
         }
     }
-    let context = context(believed, surroundings, &findings);
+    let context = findings.context(believed, surroundings);
     story("is it chance: signs of whole runs flipped");
     let (evidence, p_value) = evidence(&context, &findings.rows, &findings.calibrated);
     let rows = repaired(&believed, &named, runs, &findings.rows);
@@ -136,20 +135,6 @@ fn all_named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
         on_line(one, surroundings.length_m);
     }
     all
-}
-
-pub(super) fn context<'a>(
-    believed: Believed<'a>,
-    surroundings: &'a Surroundings,
-    findings: &Findings,
-) -> Context<'a> {
-    Context {
-        believed,
-        curves: &surroundings.curves,
-        temperature_c: findings.temperature_c,
-        first_day: findings.first_day,
-        period_days: findings.period_days,
-    }
 }
 
 /// The rows with what the effects leave of their residuals.

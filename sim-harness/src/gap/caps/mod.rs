@@ -98,3 +98,14 @@ fn trimmed(gains: impl Iterator<Item = f64>) -> f64 {
     let kept = gains.len() - (gains.len() / 10).max(1);
     gains[..kept].iter().sum::<f64>() * gains.len() as f64 / kept as f64
 }
+
+/// Standard deviation of a factor from the curvature of the log-likelihood, over a step wide enough for its roughness. `gain`: what a factor brings that is by so much larger.
+fn factor_sd(most: f64, gain: impl Fn(f64) -> f64) -> f64 {
+    const STEP: f64 = 0.01;
+    let curvature = (2.0 * most - gain(-STEP) - gain(STEP)) / (STEP * STEP);
+    if curvature > 0.0 {
+        1.0 / curvature.sqrt()
+    } else {
+        STEP
+    }
+}

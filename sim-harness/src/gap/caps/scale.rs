@@ -1,7 +1,7 @@
 //! The train gives another share of its description everywhere.
 
 use super::told::Told;
-use super::{FoundLimit, Limit, trimmed};
+use super::{FoundLimit, Limit, factor_sd, trimmed};
 
 /// A limit nearer to the believed one is no finding.
 const LEAST_SCALE: f64 = 0.03;
@@ -33,14 +33,7 @@ fn best_factor(
             step *= 0.5;
         }
     }
-    // Curvature of the log-likelihood, over a step wide enough for its roughness.
-    let h = 0.01;
-    let curvature = (2.0 * most - gain(factor - h) - gain(factor + h)) / (h * h);
-    let sd = if curvature > 0.0 {
-        1.0 / curvature.sqrt()
-    } else {
-        h
-    };
+    let sd = factor_sd(most, |by| gain(factor + by));
     Some((factor, most, sd))
 }
 

@@ -3,7 +3,7 @@
 use super::edges::edges;
 use super::pulls::Pull;
 use super::told::{SHARES, Told, density, over_shares, shares};
-use super::{FoundLimit, Limit, trimmed};
+use super::{FoundLimit, Limit, factor_sd, trimmed};
 
 /// Edges of sections lie on this grid before they are refined, m.
 const EDGE_M: f64 = 250.0;
@@ -149,9 +149,6 @@ pub fn section(runs: &[Told<'_>]) -> Option<FoundLimit> {
         gain_of(from, to, factor)
     });
     [from, to] = edges.likely_m;
-    let h = 0.01;
-    let curvature =
-        (2.0 * most - gain_of(from, to, factor - h) - gain_of(from, to, factor + h)) / (h * h);
     let gain = most.min(trimmed(runs.iter().map(|run| gain(run, from, to, factor))));
     Some(FoundLimit {
         limit: Limit::Section {
@@ -161,11 +158,7 @@ pub fn section(runs: &[Told<'_>]) -> Option<FoundLimit> {
         },
         gain,
         value: gain - 2.1 - 5.0,
-        factor_sd: if curvature > 0.0 {
-            1.0 / curvature.sqrt()
-        } else {
-            h
-        },
+        factor_sd: factor_sd(most, |by| gain_of(from, to, factor + by)),
         edges_m: Some(edges.limits_m),
         below_kmh: None,
     })

@@ -12,7 +12,7 @@ const MOST_DOTS: usize = 4000;
 /// Picture and caption; none where the limits are as believed.
 pub(super) fn limits(page: &Page<'_>) -> Option<(String, String)> {
     let findings = &page.found.findings;
-    let limit = &findings.limit.as_ref()?.limit;
+    let limit = &findings.limit()?.limit;
     let pulls: Vec<&Pull> = findings.pulls.iter().flatten().collect();
     let km = |pull: &Pull| pull.location_m / 1000.0;
     let kmh = |pull: &Pull| 3.6 * pull.speed_mps;

@@ -2,13 +2,12 @@
 
 use super::Page;
 use super::words::plain;
+use crate::gap::fitted::NEAR;
 use crate::gap::named::Named;
 use crate::gap::rivals::Rival;
 use crate::report::numbers::number;
 use maud::{Markup, html};
 
-/// Up to this much worse a rival cannot be told apart.
-const NEAR: f64 = 3.0;
 /// A thousand times less likely.
 const FAR: f64 = 6.9;
 
