@@ -56,3 +56,4 @@ pub mod track_file;
 pub mod train_file;
 pub mod truth;
 pub mod tune;
+pub mod units;

@@ -9,6 +9,7 @@ use crate::effect_file::day_of;
 use crate::map_matching::{CentreLine, MatchState, NoMatch};
 use crate::run_log::{RunLog, Sample};
 use crate::run_set::RunFile;
+use crate::units;
 use rundown::effects::Surroundings;
 use rundown::measurement::Measurement;
 use rundown::track::Direction;
@@ -111,7 +112,10 @@ impl Recording {
             _ => log.samples.iter().map(|sample| sample.location_m).collect(),
         };
         let direction = direction(file.direction, choice, &locations, &mut warn);
-        let rows = log.samples.iter().zip(locations).map(row).collect();
+        let rows: Vec<Row> = log.samples.iter().zip(locations).map(row).collect();
+        if let Some(doubt) = units::doubt(&rows) {
+            warn(doubt.to_string());
+        }
         Ok(Self {
             name: file.name.clone(),
             path: file.path.clone(),

@@ -60,6 +60,8 @@ fn gap(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
     told(&rundown(folder, &all))
 }
 
+const RUNS: [&str; 2] = ["--runs", "set/runs"];
+
 fn read(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join("out").join(name)).unwrap()
 }
@@ -86,7 +88,7 @@ fn few_runs_are_told_everywhere() {
     let folder = simulated(4, "");
     let (code, screen, words) = gap(folder.path(), &["--runs", "set/runs"]);
     assert_eq!(code, Some(0), "{words}");
-    let note = "There are 4 runs: none can be held out";
+    let note = "4 runs at hand, none held out";
     assert!(screen.contains(note), "{screen}");
     let json: Value = serde_json::from_str(&read(folder.path(), "gap.json")).unwrap();
     assert!(caveats(&json).iter().any(|c| c.starts_with(note)), "{json}");
@@ -182,6 +184,7 @@ fn a_repair_that_makes_things_worse_is_told_everywhere() {
     let mut found = investigate(believed, &surroundings, &runs, None, |_| ()).unwrap();
     let told = |found: &Investigation| {
         let answer = Answer {
+            about_track: &[],
             dataset: "set",
             runs: runs.len(),
             found,
@@ -278,4 +281,82 @@ fn a_copy_of_a_run_and_a_log_that_is_none_are_left_out_and_told() {
         (json["runs"].as_u64(), json["runs_left_out"].as_u64()),
         (Some(8), Some(2))
     );
+}
+
+/// The logs of a set, each line changed.
+fn rewritten(set: &Path, change: impl Fn(&mut Vec<String>)) {
+    for entry in std::fs::read_dir(set.join("runs")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.file_name().unwrap() == "runs.csv" {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let (header, rows) = text.split_once('\n').unwrap();
+        let mut out = format!("{header}\n");
+        for row in rows.lines() {
+            let mut fields: Vec<String> = row.split(',').map(str::to_owned).collect();
+            change(&mut fields);
+            out += &(fields.join(",") + "\n");
+        }
+        std::fs::write(&path, out).unwrap();
+    }
+}
+
+#[test]
+fn logs_in_other_units_are_refused_with_the_unit_that_they_seem_to_have() {
+    for (column, factor, words) in [
+        (0, 1000.0, "milliseconds"),
+        (1, 0.001, "kilometres"),
+        (2, 1.0 / 3.6, "a speed in m/s?"),
+        (3, 170e3, "divided by the rotating mass"),
+    ] {
+        let folder = simulated(6, "");
+        let set = folder.path().join("set");
+        rewritten(&set, |fields| {
+            if let Ok(value) = fields[column].parse::<f64>() {
+                fields[column] = (factor * value).to_string();
+            }
+        });
+        let (code, _, said) = gap(folder.path(), &RUNS);
+        assert_ne!(code, Some(0), "{said}");
+        assert!(said.contains(words), "{words}: {said}");
+        assert!(!folder.path().join("out").exists());
+    }
+}
+
+#[test]
+fn a_track_that_is_too_short_or_flat_is_told() {
+    let folder = simulated(8, "");
+    let path = folder.path().join("set/track.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let shorter = text.replace("length_m = 32103.0", "length_m = 20000.0");
+    assert_ne!(text, shorter);
+    let flat: String = shorter
+        .lines()
+        .map(|line| match line.starts_with("permille") {
+            true => "permille = 0.0\n".to_owned(),
+            false => format!("{line}\n"),
+        })
+        .collect();
+    let told = |track: &str| {
+        std::fs::write(&path, track).unwrap();
+        gap(folder.path(), &RUNS);
+        let json = read(folder.path(), "gap.json");
+        caveats(&serde_json::from_str(&json).unwrap()).join(" ")
+    };
+    let as_it_is = told(&text);
+    assert!(!as_it_is.contains("described"), "{as_it_is}");
+    let wrong = told(&flat);
+    assert!(wrong.contains("the track from 0 to 20000 m"), "{wrong}");
+    assert!(wrong.contains("without gradients"), "{wrong}");
+}
+
+#[test]
+fn an_output_folder_that_is_a_file_is_refused_before_the_work() {
+    let folder = simulated(6, "");
+    std::fs::write(folder.path().join("out"), "mine").unwrap();
+    let (code, _, said) = gap(folder.path(), &RUNS);
+    assert_ne!(code, Some(0));
+    assert!(said.contains("out is a file"), "{said}");
+    assert!(!said.contains("all runs"), "{said}");
 }

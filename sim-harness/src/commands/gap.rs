@@ -112,6 +112,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             nowhere.display()
         )));
     }
+    // Refused before the work, not after it.
+    if let Some(file) = arguments.out.ancestors().find(|path| path.is_file()) {
+        return Err(Failure::refused(format!(
+            "--out {}: expected a folder, or a name that is free; {} is a file",
+            arguments.out.display(),
+            file.display()
+        )));
+    }
     let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
     let (read, notes) = load::with_recordings(&set, &track, arguments.direction);
     let (runs, recordings): (Vec<Run>, Vec<Recording>) = read.into_iter().unzip();
@@ -163,7 +171,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         .iter()
         .map(|p| p.display().to_string())
         .collect();
+    let about_track = load::about_track(&track, &runs);
     let answer = Answer {
+        about_track: &about_track,
         dataset: &dataset.join(" "),
         runs: runs.len(),
         found: &found,

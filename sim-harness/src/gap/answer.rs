@@ -11,6 +11,8 @@ use serde_json::{Value, json};
 /// All that is told of a data set.
 #[derive(Clone, Copy, Debug)]
 pub struct Answer<'a> {
+    /// What is doubtful about the described track, in sentences.
+    pub about_track: &'a [String],
     /// Where the runs come from.
     pub dataset: &'a str,
     /// How many there were.
@@ -88,6 +90,7 @@ impl Answer<'_> {
     /// What a reader must know beside the verdict, the weightiest first.
     pub fn notes(&self) -> Vec<String> {
         let mut all = notes(self.found, self.runs);
+        all.extend_from_slice(self.about_track);
         if self.left_out > 0 {
             all.push(format!(
                 "{} of {} logs could not be used; why stands on the screen.",

@@ -131,11 +131,11 @@ const PAGES: [Page; 19] = [
     },
     Page {
         name: "speed_scale",
-        what: "The odometer shows too much or too little: a worn wheel, a wrong diameter.",
+        what: "The speed shows too much or too little: a worn wheel, a wrong diameter; or the locations go by another measure.",
         law: "measured speed = factor x true speed",
         parameters: "measured_over_true",
         shows: "the location grows slower (or faster) than the speed says, everywhere alike; or, where the odometer gives the location too, a run's ways between its stops are longer (or shorter) than those of the other runs: then the run is named",
-        confused: "a line whose chainage is stretched, in the logs of one vehicle alone",
+        confused: "a line whose chainage is stretched, in the logs of one vehicle alone; a speed and a location that both come from a receiver cannot show a wheel at all",
         tells: "a satellite receiver beside the odometer; another vehicle on the same line; stops with known chainage",
     },
     Page {

@@ -7,8 +7,10 @@ use crate::recording::{DirectionChoice, Recording, RecordingError};
 use crate::run_log::{BadRows, MOST_LOCATION_M, MOST_SPEED_KMH, RunLog, RunLogError};
 use crate::run_set::{RunFile, RunSet};
 use crate::track_file::TrackFile;
+use crate::units;
 use rayon::prelude::*;
 use rundown::units::KmPerHour;
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// Why a log gives no run.
@@ -21,6 +23,14 @@ pub enum LoadError {
     /// It has no location.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// Its numbers are in other units.
+    #[error("{}: {doubt}", path.display())]
+    Units {
+        /// The log.
+        path: PathBuf,
+        /// Which, and why it is thought so.
+        doubt: units::Doubt,
+    },
 }
 
 /// Reads one run: as the workflow takes it, and as an estimator replays it.
@@ -34,6 +44,10 @@ pub fn run(
 ) -> Result<(Run, Recording), LoadError> {
     let log = RunLog::read(&file.path, BadRows::LeaveOut)?;
     let recording = Recording::new(file, &log, line, direction)?;
+    if let Some(doubt) = units::doubt(&recording.rows) {
+        let path = file.path.clone();
+        return Err(LoadError::Units { path, doubt });
+    }
     let most_mps = KmPerHour(MOST_SPEED_KMH).to_mps();
     let mut samples: Vec<Sample> = Vec::with_capacity(recording.rows.len());
     for (row, sample) in recording.rows.iter().zip(&log.samples) {
@@ -105,6 +119,33 @@ pub fn with_recordings(
         }
     }
     (runs, notes)
+}
+
+/// What is doubtful about the track that these runs are judged by.
+pub fn about_track(track: &TrackFile, runs: &[Run]) -> Vec<String> {
+    /// A location may be this far beyond an end, m: half a train, and the noise of a receiver.
+    const BEYOND_M: f64 = 300.0;
+    let mut notes = Vec::new();
+    let located = || {
+        runs.iter()
+            .flat_map(|run| run.samples.iter().filter_map(|s| s.location_m))
+    };
+    let line = -BEYOND_M..=track.length_m + BEYOND_M;
+    let beyond = located().filter(|at| !line.contains(at)).count();
+    if beyond > 0 {
+        let (first_m, last_m) = located().fold((f64::INFINITY, 0.0_f64), |(low, high), at| {
+            (low.min(at), high.max(at))
+        });
+        notes.push(format!(
+            "{beyond} of {} locations are not on the described track: they go from {first_m:.0} to {last_m:.0} m, the track from 0 to {:.0} m. Nothing is known of gradients there; look whether the logs belong to this track.",
+            located().count(),
+            track.length_m
+        ));
+    }
+    if track.gradient.iter().all(|g| g.permille == 0.0) {
+        notes.push("The track is described without gradients. If the line is not flat, its slopes are found as effects of places, of the length of the train or of the direction.".to_owned());
+    }
+    notes
 }
 
 /// What the track file says beside gradients.

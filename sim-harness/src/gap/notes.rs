@@ -5,6 +5,7 @@ use super::forward::Gap;
 use super::named::Named;
 use super::terms::Term;
 use super::workflow::{Investigation, LEAST_TRAINING};
+use crate::report::numbers::counted;
 use rundown::effects::Effect;
 
 /// With fewer runs a name rests on little.
@@ -28,7 +29,8 @@ pub fn notes(found: &Investigation, runs: usize) -> Vec<String> {
     }
     if runs <= LEAST_TRAINING {
         notes.push(format!(
-            "There are {runs} runs: none can be held out, because an analysis needs {LEAST_TRAINING}, so nothing here was tried on runs that took no part."
+            "{} at hand, none held out: an analysis needs {LEAST_TRAINING}, so nothing here was tried on runs that took no part.",
+            counted(runs, "run", "runs")
         ));
     } else if found.held_out.is_empty() {
         notes.push(
@@ -37,7 +39,7 @@ pub fn notes(found: &Investigation, runs: usize) -> Vec<String> {
     }
     if runs < FEW_RUNS {
         notes.push(format!(
-            "{runs} runs are few: what one driver or one day does can pass for an effect, and a small effect is not found."
+            "Few runs ({runs}): what one driver or one day does can pass for an effect, and a small effect is not found."
         ));
     }
     notes.extend(contradiction(found));

@@ -203,7 +203,9 @@ pub(super) fn of_term(
         Term::Cube => {
             coordinate = Some("speed");
             let b = one("n_per_kg_at_1_mps", 1.0);
-            let knots: Vec<f64> = (0..20).map(|i| 2.2 * f64::from(i)).collect();
+            let fastest = findings.rows.iter().map(|row| row.interval.speed_mps[0]);
+            let step_mps = fastest.fold(1.0, f64::max) / 19.0;
+            let knots: Vec<f64> = (0..20).map(|i| step_mps * f64::from(i)).collect();
             let values: Vec<f64> = knots.iter().map(|v| b * v.powi(3)).collect();
             table(Coordinate::Speed, &knots, &values)?
         }
@@ -291,12 +293,18 @@ fn table(which: Coordinate, knots: &[f64], values: &[f64]) -> Option<Effect> {
         Coordinate::Temperature => core_effects::Coordinate::Temperature,
         Coordinate::Day => core_effects::Coordinate::Day,
     };
-    let points = knots
+    let mut points: Vec<(f32, f32)> = knots
         .iter()
         .zip(values)
-        .map(|(k, v)| (*k as f32, *v as f32));
-    Some(Effect::Unknown(core_effects::Unknown {
-        coordinate,
-        table: points.take(core_effects::MAX_POINTS).collect(),
-    }))
+        .map(|(k, v)| (*k as f32, *v as f32))
+        .collect();
+    // Single precision may make two knots one, and a board takes neither that nor a value that is no number.
+    points.dedup_by(|a, b| a.0 <= b.0);
+    let finite = points.iter().all(|(k, v)| k.is_finite() && v.is_finite());
+    finite.then(|| {
+        Effect::Unknown(core_effects::Unknown {
+            coordinate,
+            table: points.into_iter().take(core_effects::MAX_POINTS).collect(),
+        })
+    })
 }

@@ -83,8 +83,9 @@ fn shape(unknown: &Unknown) -> String {
         })
     };
     let ((from, to), (low, high)) = (ends(|p| p.0), ends(|p| p.1));
+    let digits = if to - from < 10.0 { 1 } else { 0 };
     format!(
-        "along the {along}, a table from {from:.0} to {to:.0} {unit}, {low:.4} to {high:.4} N/kg"
+        "along the {along}, a table from {from:.digits$} to {to:.digits$} {unit}, {low:.4} to {high:.4} N/kg"
     )
 }
 
