@@ -1,7 +1,7 @@
 //! From recorded runs to the missing effects: the order of the steps, and nothing else.
 
 use super::calibrate::{Calibrated, calibrate};
-use super::caps::{FoundLimit, Pull, limits};
+use super::caps::{FoundLimit, Pull, limits, traction};
 use super::dragging::dragging;
 use super::efforts::{Recognised, effort_reading, measured, pulls_of, rows};
 use super::fitted::{Fitted, fitted};
@@ -182,6 +182,12 @@ pub fn analyse(
         (&model, &beta),
         &calibrated,
     );
+    let traction: Vec<_> = if measured {
+        let of_run = |run| traction(&believed, run, &readings);
+        runs.iter().map(of_run).collect()
+    } else {
+        Vec::new()
+    };
     Some(Findings {
         kinematics,
         readings,
@@ -192,7 +198,7 @@ pub fn analyse(
             .filter(|i| i.mean_speed_mps() > SLOWEST_MPS)
             .count(),
         terms,
-        limits: limits(&of_runs),
+        limits: limits(&of_runs, &traction),
         pulls: of_runs,
         wind_gain: likelihood - without_wind,
         believed_r2: believed.train().davis().r2,

@@ -1,5 +1,6 @@
 //! The gap workflow: where simulation and measured data disagree, which effect is missing, and the gap shrinking.
 
+mod agreement;
 pub mod analysis;
 pub mod answer;
 pub mod bench;

@@ -37,7 +37,8 @@ pub struct Named {
 const LIMIT: f64 = 0.006;
 /// What a speed changes between two readings of an accelerating train, km/h.
 const BELOW_KMH: f64 = 3.0;
-/// What the path between two readings does to a lag, s.
+/// What the path between two readings does to a scale, and to a lag, s.
+const SCALE: f64 = 3e-4;
 const LAG_S: f64 = 0.02;
 
 impl Named {
@@ -141,7 +142,7 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
         let effect = Effect::SpeedScale(core_effects::SpeedScale {
             measured_over_true: scale,
         });
-        let around = vec![around("measured_over_true", scale, sd)];
+        let around = vec![around("measured_over_true", scale, sd.hypot(SCALE))];
         all.push(plain(effect, around, 0.5 * (value / sd).powi(2)));
     }
     if kinematics.lag_matters() {

@@ -4,6 +4,7 @@ use super::analysis::{Findings, Surroundings};
 use super::fit::TWO_SIDED;
 use super::fitted::Fitted;
 use super::named::{GAUGE, Named, around, name};
+use super::rows::Row;
 use super::runs::Run;
 use super::separates::{Have, separates};
 use super::terms::{Coordinate, Side, Term, both_directions};
@@ -58,23 +59,22 @@ pub(super) fn of_term(
         .iter()
         .map(|(term, worse)| (name(term), *worse))
         .collect();
+    let other = fitted.rivals.iter().find(|(other, worse)| {
+        *worse < 1.5 && matches!(other, Term::Tunnel(_) | Term::Gradient(_))
+    });
+    let factor = other.map_or(0.0, |(other, _)| same_force(findings, &term, other));
+    // A tunnel helps nobody along.
+    let possible = |other: &Term| matches!(other, Term::Gradient(_)) || beta[0] * factor > 0.0;
     if swap
-        && let Some((other, _)) = fitted.rivals.iter().find(|(other, worse)| {
-            *worse < 1.5 && matches!(other, Term::Tunnel(_) | Term::Gradient(_))
-        })
+        && let Some((other, _)) = other
+        && possible(other)
     {
         // The force is the same; only what it is called differs.
-        let speed2 = mean_square_speed(findings, &term);
-        let gravity = findings.gravity_n_per_kg;
-        let factor = match other {
-            Term::Gradient(_) => speed2 / gravity,
-            _ => gravity / speed2,
-        };
         rivals.retain(|(n, _)| *n != name(other));
         rivals.insert(0, (name(&term), 0.0));
         term = other.clone();
         beta.iter_mut().for_each(|b| *b *= factor);
-        sd.iter_mut().for_each(|s| *s *= factor);
+        sd.iter_mut().for_each(|s| *s *= factor.abs());
     }
     let mut intervals = Vec::new();
     // Of a coefficient whose section may be another: as a share of it, for it may go by another name by now.
@@ -260,19 +260,25 @@ pub(super) fn of_term(
     })
 }
 
-/// Mean of v² over the rows in the section of a term.
-fn mean_square_speed(findings: &Findings, term: &Term) -> f64 {
+/// Coefficient of another term of the same section over that of a term, for the same mean force. A gradient changes its sign with the direction.
+fn same_force(findings: &Findings, term: &Term, other: &Term) -> f64 {
     let (Term::Tunnel(section) | Term::Gradient(section)) = term else {
-        return 1.0;
+        return 0.0;
     };
-    let inside = || {
-        findings
-            .rows
-            .iter()
-            .filter(|row| (section[0]..section[1]).contains(&row.interval.middle().location_m))
-            .map(|row| row.interval.mean_speed_mps().powi(2))
-    };
-    inside().sum::<f64>() / inside().count().max(1) as f64
+    let inside = |row: &&Row| (section[0]..section[1]).contains(&row.interval.middle().location_m);
+    let (mut count, mut sign, mut speed2) = (0.0, 0.0, 0.0);
+    for row in findings.rows.iter().filter(inside) {
+        count += 1.0;
+        sign += row.direction.sign();
+        speed2 += row.interval.mean_speed_mps().powi(2);
+    }
+    let tunnel_over_gradient = findings.gravity_n_per_kg * count / f64::max(speed2, 1e-9);
+    let usual_sign = if sign < 0.0 { -1.0 } else { 1.0 };
+    usual_sign
+        * match other {
+            Term::Gradient(_) => 1.0 / tunnel_over_gradient,
+            _ => tunnel_over_gradient,
+        }
 }
 
 fn coordinate_name(which: Coordinate) -> &'static str {

@@ -40,6 +40,11 @@ const SHORTEST_M: f64 = 300.0;
 /// Longest section, as a share of the line: more is no matter of place.
 const LONGEST_SHARE: f64 = 0.4;
 
+/// A section with a smaller share of its information beside the model is the model's own.
+const LEAST_INFORMATION: f64 = 1e-6;
+/// A section that gains by less is the same.
+const LEAST_GAIN: f64 = 1e-6;
+
 /// Cumulative columns of one kind, whitened.
 #[derive(Clone, Debug)]
 pub struct Scan {
@@ -102,7 +107,7 @@ impl Scan {
                 }
                 let information = gram[(a, a)] + gram[(b, b)] - 2.0 * gram[(a, b)];
                 let score = with_residual[b] - with_residual[a];
-                if information <= 1e-6 * (self.gram[(b, b)] + self.gram[(a, a)]) {
+                if information <= LEAST_INFORMATION * (self.gram[(b, b)] + self.gram[(a, a)]) {
                     continue;
                 }
                 let gain = 0.5 * score * score / information;
@@ -156,12 +161,16 @@ impl Scan {
                 to[1],
             ];
             let score: f64 = terms.iter().map(|(i, w)| w * with_residual[*i]).sum();
-            let information: f64 = terms
-                .iter()
-                .flat_map(|(i, a)| terms.iter().map(move |(j, b)| (i, j, a * b)))
-                .map(|(i, j, w)| w * gram[(*i, *j)])
-                .sum();
-            if information > 0.0 {
+            let squared = |gram: &DMatrix<f64>| -> f64 {
+                terms
+                    .iter()
+                    .flat_map(|(i, a)| terms.iter().map(move |(j, b)| (i, j, a * b)))
+                    .map(|(i, j, w)| w * gram[(*i, *j)])
+                    .sum()
+            };
+            let information = squared(&gram);
+            // Nearly nothing beside the model: what it brings is rounding.
+            if information > LEAST_INFORMATION * squared(&self.gram) {
                 0.5 * score * score / information
             } else {
                 0.0
@@ -175,11 +184,12 @@ impl Scan {
                 for by in [step_m, -step_m] {
                     let mut other = section;
                     other[edge] += by;
-                    if other[1] - other[0] < SHORTEST_M {
+                    let on_grid = self.edges_m[0]..=self.edges_m[last + 1];
+                    if other[1] - other[0] < SHORTEST_M || !on_grid.contains(&other[edge]) {
                         continue;
                     }
                     let now = gain(other);
-                    if now > most {
+                    if now > most + LEAST_GAIN {
                         (section, most, moved) = (other, now, true);
                     }
                 }

@@ -159,7 +159,9 @@ impl<'a> Search<'a> {
             } else {
                 value.min(sure)
             };
-            if value > ENOUGH && !self.is_sure(&term, &gain) {
+            let sure = || self.is_sure(&term, &gain);
+            let agrees = || self.agrees(base, &term, gain.beta.as_slice());
+            if value > ENOUGH && !(sure() && agrees()) {
                 return None;
             }
             Some(Found { term, gain, value })
@@ -199,6 +201,10 @@ impl<'a> Search<'a> {
         let found = |term: Term| {
             let gain = self.gain(base, &term)?;
             let value = gain.gain - cost(&term, self.rows);
+            // Another length is a column of its own: its coefficient is 1.
+            if value > ENOUGH && !self.agrees(base, &term, &[1.0]) {
+                return None;
+            }
             Some(Found { term, gain, value })
         };
         let best = (4..40)
@@ -283,7 +289,8 @@ impl<'a> Search<'a> {
         let Some(at_first) = left(&[]) else {
             return;
         };
-        loop {
+        // A term that comes and goes would do so for ever.
+        for _ in 0..2 * MOST_TERMS {
             self.reconsider(model);
             if model.len() >= MOST_TERMS {
                 return;

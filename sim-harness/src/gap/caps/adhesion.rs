@@ -9,6 +9,8 @@ use crate::gap::fit::LOSS_AT_LIMIT;
 const BAD_DAYS: f64 = 6.0;
 /// Gain of log-likelihood below which a run says nothing of bad days.
 const TELLS: f64 = 0.5;
+/// What may as well act above this speed is no matter of starting, km/h.
+const LOW_KMH: f64 = 75.0;
 /// More runs than this are no bad days but the train.
 const MOST_SLIPPERY: f64 = 0.6;
 
@@ -89,6 +91,10 @@ pub fn adhesion(runs: &[Told<'_>]) -> Option<FoundLimit> {
             .unwrap_or(0.0)
     };
     let below_kmh = |step| below + reach(step, &|by| loss(factor, below + by));
+    let below_kmh = (below_kmh(-1.0), below_kmh(1.0));
+    if below_kmh.1 > LOW_KMH {
+        return None;
+    }
     let of_factor = reach(0.002, &|by| loss(factor + by, below))
         - reach(-0.002, &|by| loss(factor + by, below));
     Some(FoundLimit {
@@ -96,7 +102,7 @@ pub fn adhesion(runs: &[Told<'_>]) -> Option<FoundLimit> {
         value: total - 2.0 * 2.1 - 1.5 - BAD_DAYS,
         factor_sd: (0.25 * of_factor).max(0.005),
         edges_m: None,
-        below_kmh: Some((below_kmh(-1.0), below_kmh(1.0))),
+        below_kmh: Some(below_kmh),
         limit: Limit::Adhesion {
             factor,
             below_kmh: below,

@@ -18,14 +18,17 @@
 
 mod adhesion;
 mod edges;
+mod exceeded;
 mod pulls;
 mod scale;
 mod section;
 mod told;
 
+pub use exceeded::{Reading, traction};
 pub use pulls::{Pull, by_number, pulls, sampled_pulls};
 
 use adhesion::adhesion;
+use exceeded::allowed;
 use scale::scale;
 use section::section;
 use told::Told;
@@ -75,8 +78,8 @@ pub struct FoundLimit {
     pub below_kmh: Option<(f64, f64)>,
 }
 
-/// All limits that are better than the believed one, best first. `pulls` by run.
-pub fn limits(pulls: &[Vec<Pull>]) -> Vec<FoundLimit> {
+/// All limits that are better than the believed one, best first. `pulls` and `traction` by run; the second is empty where the effort is not measured.
+pub fn limits(pulls: &[Vec<Pull>], traction: &[Vec<Reading>]) -> Vec<FoundLimit> {
     let runs: Vec<Told<'_>> = pulls
         .iter()
         .filter(|pulls| pulls.len() >= 2)
@@ -85,7 +88,8 @@ pub fn limits(pulls: &[Vec<Pull>]) -> Vec<FoundLimit> {
     if runs.len() < 3 {
         return Vec::new();
     }
-    let found = [scale(&runs), section(&runs), adhesion(&runs)];
+    let section = section(&runs).and_then(|found| allowed(found, traction));
+    let found = [scale(&runs), section, adhesion(&runs)];
     let mut found: Vec<FoundLimit> = found.into_iter().flatten().collect();
     found.sort_by(|a, b| b.value.total_cmp(&a.value));
     found

@@ -37,7 +37,9 @@ const BY_POWER: f64 = 1.001;
 /// Effort limit over power limit up to which the corner reaches.
 const CORNER: f64 = 1.35;
 /// A ratio below this is no pull.
-const LEAST_RATIO: f64 = super::told::LEAST_SHARE - 0.1;
+const LEAST_RATIO: f64 = super::told::LEAST_SHARE + 0.05;
+/// What the gauge of the effort differs by from run to run and within one, as a share.
+const GAUGE: f64 = 0.012;
 const LEAST_ACCELERATION_MPS2: f64 = 0.03;
 /// Speed that a pull must gain to count, m/s.
 const LEAST_GAIN_MPS: f64 = 4.0;
@@ -70,7 +72,7 @@ pub fn pulls(
                 speed_mps: interval.mean_speed_mps(),
                 ratio,
                 sd: (effort_sd / limit)
-                    .hypot(0.008)
+                    .hypot(GAUGE)
                     .hypot(speed_sd_mps(0.06, most / limit) / interval.mean_speed_mps().max(1.0)),
                 effort_over_limit: most / limit,
                 number: 0,
@@ -204,7 +206,7 @@ pub fn sampled_pulls(
                 location_m: s.location_m?,
                 speed_mps,
                 ratio: s.effort_n_per_kg? / limit,
-                sd: 0.008_f64.hypot(speed_sd_mps(0.08, most / limit) / speed_mps.max(1.0)),
+                sd: GAUGE.hypot(speed_sd_mps(0.08, most / limit) / speed_mps.max(1.0)),
                 effort_over_limit: most / limit,
                 number: 0,
                 weight: 1.0,

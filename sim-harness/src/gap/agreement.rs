@@ -1,0 +1,89 @@
+//! Do all rows tell the same of a term, and do those tell it that nothing else could?
+//!
+//! An effect of the train or the line acts in all parts of the data. A part in which a term, with its coefficients from all rows, makes the fit worse by more than chance would, contradicts
+//! it. And what acts by place must be told by rows that drivers cannot forge:
+//!
+//! | weak witness | because |
+//! |---|---|
+//! | braking, effort measured | drivers brake at the same places in each run, and what readings of the effort miss between them is the same in each run, too |
+//! | holding a speed, for the length | a driver or a regulator answers each change of the gradient some seconds late, and so looks like a train of another length |
+//! | less resistance than believed, effort not measured | a train that is pulled lightly looks like one that coasts |
+
+use super::fit::Base;
+use super::rows::Row;
+use super::select::{ENOUGH, Search};
+use super::terms::Term;
+use super::worth::is_section;
+use nalgebra::DVector;
+use rundown::track::Direction;
+
+/// Gain of log-likelihood below which a part contradicts a term: with a true effect, about one part in a hundred falls below.
+const AGAINST: f64 = -3.0;
+/// An effort below this is a brake application, N/kg.
+const BRAKING_N_PER_KG: f64 = -0.02;
+/// A speed that changes by less is held, m/s².
+const HELD_MPS2: f64 = 0.02;
+
+/// One of two parts of the rows; the other is the rest.
+type Part = fn(&Row) -> bool;
+
+fn held(row: &Row) -> bool {
+    row.interval.acceleration_mps2().abs() < HELD_MPS2
+}
+
+fn up(row: &Row) -> bool {
+    row.direction == Direction::Up
+}
+
+/// It acts by place.
+pub(super) fn by_place(term: &Term) -> bool {
+    is_section(term) || matches!(term, Term::Length(_) | Term::Curve)
+}
+
+/// By what the rows are split.
+fn splits(term: &Term) -> &'static [Part] {
+    match term {
+        _ if is_section(term) || matches!(term, Term::Length(_)) => &[held, up],
+        Term::DraggingBrake(_) => &[held],
+        _ => &[],
+    }
+}
+
+impl Search<'_> {
+    /// No part of the rows contradicts a term with these coefficients, and what acts by place is told by more than weak witnesses.
+    pub(super) fn agrees(&self, base: &Base, term: &Term, beta: &[f64]) -> bool {
+        let splits = splits(term);
+        if splits.is_empty() && !by_place(term) {
+            return true;
+        }
+        let mut explained = DVector::zeros(base.residual.len());
+        for (column, beta) in self.white(term).iter().zip(beta) {
+            explained += base.beside(column) * *beta;
+        }
+        let gains =
+            base.residual.component_mul(&explained) - 0.5 * explained.component_mul(&explained);
+        let sum = |wanted: &dyn Fn(usize) -> bool| -> f64 {
+            let gains = gains.iter().enumerate();
+            gains.filter(|(i, _)| wanted(*i)).map(|(_, g)| g).sum()
+        };
+        let against = |part: &Part, inside: bool| sum(&|i| part(&self.rows[i]) == inside) < AGAINST;
+        if splits.iter().any(|p| against(p, true) || against(p, false)) {
+            return false;
+        }
+        if !by_place(term) {
+            return true;
+        }
+        let columns = term.columns(self.context, self.rows);
+        let extra = |i: usize| columns.iter().zip(beta).map(|(c, b)| c[i] * b).sum::<f64>();
+        sum(&|i| !is_weak(term, &self.rows[i], extra(i))) > ENOUGH
+    }
+}
+
+/// A driver could have forged what this row tells. `extra`: the resistance that the term adds in it, N/kg.
+fn is_weak(term: &Term, row: &Row, extra: f64) -> bool {
+    let Some(effort) = row.interval.effort_n_per_kg else {
+        return extra < 0.0;
+    };
+    let answers = matches!(term, Term::Length(_)) && effort > 0.0 && held(row);
+    effort < BRAKING_N_PER_KG || answers
+}

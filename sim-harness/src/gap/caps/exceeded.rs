@@ -1,0 +1,155 @@
+//! Did trains give more than a limit allows?
+//!
+//! Drivers who creep up to the same speed on the same slope all ask for the same power there, and that looks like a limit. A limit is refuted by runs that exceed it, however briefly:
+//! here every reading of a measured effort counts, not only steady power. Where runs exceed it near its ends alone, it is shorter.
+
+use super::{FoundLimit, Limit};
+use crate::gap::rows::Believed;
+use crate::gap::runs::{Readings, Run};
+
+/// A reading of the effort where the power limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// Location, m.
+    location_m: f64,
+    /// Effort over believed limit.
+    ratio: f64,
+}
+
+/// A ratio above a limit by less is a gauge, or a reading of the speed.
+const ABOVE: f64 = 1.1;
+/// Fewer runs than this, or than this share of those that pull there, are strays.
+const FEW_RUNS: usize = 3;
+const FEW_SHARE: f64 = 0.1;
+/// A section of which less is left is none.
+const LEFT_SHARE: f64 = 0.5;
+/// How well the readings that exceed a limit tell where it begins, m: just before, or as far on as a train goes between two readings.
+const EDGE_M: (f64, f64) = (50.0, 500.0);
+
+/// All readings of traction of a run where the power limits.
+pub fn traction(believed: &Believed<'_>, run: &Run, readings: &Readings) -> Vec<Reading> {
+    let train = believed.line(run.direction).train;
+    let most = train.max_effort_n_per_kg(0.1);
+    let read = run.samples.iter().filter_map(|s| {
+        let speed_mps = (s.speed_mps? + readings.speed_offset_mps) / readings.speed_scale;
+        let limit = train.max_effort_n_per_kg(speed_mps.max(0.5));
+        let effort = s.effort_n_per_kg.filter(|effort| *effort > 0.0)?;
+        (limit < most).then_some(Reading {
+            location_m: s.location_m?,
+            ratio: effort / limit,
+        })
+    });
+    read.collect()
+}
+
+/// A limit of a section as far as the readings allow it, if they do.
+pub fn allowed(mut found: FoundLimit, traction: &[Vec<Reading>]) -> Option<FoundLimit> {
+    let Limit::Section {
+        from_m,
+        to_m,
+        factor,
+    } = &mut found.limit
+    else {
+        return Some(found);
+    };
+    let (low, high) = (*from_m, *to_m);
+    let middle = 0.5 * (low + high);
+    if let Some(at) = exceeded(traction, low..middle, *factor, |a, b| a.total_cmp(b)) {
+        *from_m = at;
+    }
+    if let Some(at) = exceeded(traction, middle..high, *factor, |a, b| b.total_cmp(a)) {
+        *to_m = at;
+    }
+    if *to_m - *from_m < LEFT_SHARE * (high - low) {
+        return None;
+    }
+    if let Some([from, to]) = &mut found.edges_m {
+        let (before, beyond) = EDGE_M;
+        if *from_m > low {
+            *from = (*from_m - before, from.1.max(*from_m + beyond));
+        }
+        if *to_m < high {
+            *to = (to.0.min(*to_m - beyond), *to_m + before);
+        }
+    }
+    Some(found)
+}
+
+/// How far into a part of the line enough runs give more than `factor`. `inwards`: in which order locations lie on the way to the middle.
+fn exceeded(
+    traction: &[Vec<Reading>],
+    part: core::ops::Range<f64>,
+    factor: f64,
+    inwards: impl Fn(&f64, &f64) -> core::cmp::Ordering,
+) -> Option<f64> {
+    let inside = |run: &&Vec<Reading>| run.iter().any(|r| part.contains(&r.location_m));
+    let pulling = traction.iter().filter(inside).count();
+    let few = FEW_RUNS.max((FEW_SHARE * pulling as f64).ceil() as usize);
+    let innermost = |run: &Vec<Reading>| {
+        let above = run.iter().filter(|r| r.ratio > ABOVE * factor);
+        let above = above.map(|r| r.location_m).filter(|at| part.contains(at));
+        above.max_by(&inwards)
+    };
+    let mut of_runs: Vec<f64> = traction.iter().filter_map(innermost).collect();
+    of_runs.sort_by(|a, b| inwards(b, a));
+    of_runs.get(few - 1).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Twenty runs that read the effort every 100 m; so many give 0.6 at these places, and otherwise 0.3.
+    fn runs(above: usize, at_m: &[f64]) -> Vec<Vec<Reading>> {
+        let run = |i: usize| {
+            let reading = |k: u32| {
+                let location_m = 100.0 * f64::from(k);
+                let much = i < above && at_m.contains(&location_m);
+                Reading {
+                    location_m,
+                    ratio: if much { 0.6 } else { 0.3 },
+                }
+            };
+            (0..200).map(reading).collect()
+        };
+        (0..20).map(run).collect()
+    }
+
+    fn section(traction: &[Vec<Reading>]) -> Option<(f64, f64)> {
+        let found = FoundLimit {
+            limit: Limit::Section {
+                from_m: 4_000.0,
+                to_m: 8_000.0,
+                factor: 0.33,
+            },
+            gain: 20.0,
+            value: 13.0,
+            factor_sd: 0.01,
+            edges_m: None,
+            below_kmh: None,
+        };
+        match allowed(found, traction)?.limit {
+            Limit::Section { from_m, to_m, .. } => Some((from_m, to_m)),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn strays_and_what_lies_outside_change_nothing() {
+        assert_eq!(section(&runs(2, &[6_000.0])), Some((4_000.0, 8_000.0)));
+        assert_eq!(
+            section(&runs(20, &[3_000.0, 9_000.0])),
+            Some((4_000.0, 8_000.0))
+        );
+        assert_eq!(section(&[]), Some((4_000.0, 8_000.0)));
+    }
+
+    #[test]
+    fn many_runs_near_an_end_shorten_a_limit_and_in_its_middle_refute_it() {
+        assert_eq!(
+            section(&runs(5, &[4_500.0, 7_800.0])),
+            Some((4_500.0, 7_800.0))
+        );
+        assert_eq!(section(&runs(5, &[5_900.0, 6_100.0])), None);
+    }
+}
