@@ -7,20 +7,24 @@
 //! |---|---|
 //! | braking, effort measured | drivers brake at the same places in each run, and what readings of the effort miss between them is the same in each run, too |
 //! | holding a speed, for the length | a driver or a regulator answers each change of the gradient some seconds late, and so looks like a train of another length |
-//! | less resistance than believed, effort not measured | a train that is pulled lightly looks like one that coasts |
+//! | a load that is nearer to none than believed, effort not measured | a train that is pulled lightly uphill, or braked lightly downhill, looks like one that coasts |
 
 use super::fit::Base;
 use super::rows::Row;
+use super::runs::Point;
 use super::select::{ENOUGH, Search};
 use super::terms::Term;
 use super::worth::is_section;
 use nalgebra::DVector;
+use rundown::motion::Line;
 use rundown::track::Direction;
 
 /// Gain of log-likelihood below which a part contradicts a term: with a true effect, about one part in a hundred falls below.
 const AGAINST: f64 = -3.0;
 /// An effort below this is a brake application, N/kg.
 const BRAKING_N_PER_KG: f64 = -0.02;
+/// A term acts where it adds more than this share of the most that it adds.
+const ACTING: f64 = 0.1;
 /// A speed that changes by less is held, m/s².
 const HELD_MPS2: f64 = 0.02;
 
@@ -75,14 +79,25 @@ impl Search<'_> {
         }
         let columns = term.columns(self.context, self.rows);
         let extra = |i: usize| columns.iter().zip(beta).map(|(c, b)| c[i] * b).sum::<f64>();
-        sum(&|i| !is_weak(term, &self.rows[i], extra(i))) > ENOUGH
+        // Whitened rows also tell a little of their neighbours and of the whole run: those count in which the term acts.
+        let most = (0..self.rows.len()).fold(0.0, |most, i| f64::max(most, extra(i).abs()));
+        let strong = |i: usize| {
+            let row = &self.rows[i];
+            let line = self.context.believed.line(row.direction);
+            extra(i).abs() > ACTING * most && !is_weak(term, row, extra(i), line)
+        };
+        sum(&strong) > ENOUGH
     }
 }
 
 /// A driver could have forged what this row tells. `extra`: the resistance that the term adds in it, N/kg.
-fn is_weak(term: &Term, row: &Row, extra: f64) -> bool {
+fn is_weak(term: &Term, row: &Row, extra: f64, line: &Line<'_>) -> bool {
     let Some(effort) = row.interval.effort_n_per_kg else {
-        return extra < 0.0;
+        let davis = line.train.davis();
+        let load = |p: &Point| {
+            davis.resistance_n_per_kg(p.speed_mps) + line.gradient_n_per_kg(p.location_m)
+        };
+        return row.interval.path.iter().any(|p| extra * load(p) < 0.0);
     };
     let answers = matches!(term, Term::Length(_)) && effort > 0.0 && held(row);
     effort < BRAKING_N_PER_KG || answers
