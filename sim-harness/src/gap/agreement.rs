@@ -102,3 +102,73 @@ fn is_weak(term: &Term, row: &Row, extra: f64, line: &Line<'_>) -> bool {
     let answers = matches!(term, Term::Length(_)) && effort > 0.0 && held(row);
     effort < BRAKING_N_PER_KG || answers
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rundown::resistance::Davis;
+    use rundown::track::{Gradient, Track};
+    use rundown::train::{Train, TrainDescription};
+
+    fn train() -> Train {
+        let description = TrainDescription {
+            mass_kg: 364e3,
+            rotating_mass_factor: 1.06,
+            length_m: 162.0,
+            davis: Davis {
+                r0: 7.38e-3,
+                r1: 1.6e-4,
+                r2: 2.8e-5,
+            },
+            max_tractive_effort_n: 192.92e3,
+            max_power_w: 2.036e6,
+            max_brake_mps2: 0.66,
+        };
+        Train::try_new(description).unwrap()
+    }
+
+    /// Level, then 20 permille up.
+    fn track() -> Track {
+        let gradient = |from_m: f64, permille: f64| Gradient { from_m, permille };
+        Track::try_new(9_000.0, [gradient(0.0, 0.0), gradient(5_000.0, 20.0)]).unwrap()
+    }
+
+    #[test]
+    fn without_an_effort_a_load_that_seems_nearer_to_none_may_be_a_held_speed() {
+        let (train, track) = (train(), track());
+        let weak = |direction, location_m, extra| {
+            let line = Line {
+                train: &train,
+                track: &track,
+                direction,
+            };
+            let row = Row::coasting(direction, location_m, 30.0);
+            is_weak(&Term::Bump([0.0, 9_000.0]), &row, extra, &line)
+        };
+        // Level, uphill: less resistance is light power. Downhill: more is a light brake.
+        assert!(weak(Direction::Up, 2_000.0, -0.02) && !weak(Direction::Up, 2_000.0, 0.02));
+        assert!(weak(Direction::Up, 7_000.0, -0.02) && !weak(Direction::Up, 7_000.0, 0.02));
+        assert!(weak(Direction::Down, 7_000.0, 0.02) && !weak(Direction::Down, 7_000.0, -0.02));
+    }
+
+    #[test]
+    fn with_an_effort_braking_is_weak_and_for_a_length_a_held_speed_too() {
+        let (train, track) = (train(), track());
+        let line = Line {
+            train: &train,
+            track: &track,
+            direction: Direction::Up,
+        };
+        let weak = |term: &Term, effort: f64, gained_mps: f64| {
+            let mut row = Row::coasting(Direction::Up, 2_000.0, 30.0);
+            row.effort_n_per_kg = effort;
+            row.interval.effort_n_per_kg = Some(effort);
+            row.interval.speed_mps[1] += gained_mps;
+            is_weak(term, &row, 0.02, &line)
+        };
+        let (tunnel, length) = (Term::Tunnel([0.0, 9_000.0]), Term::Length(200.0));
+        assert!(weak(&tunnel, -0.3, -3.0) && weak(&length, -0.3, -3.0));
+        assert!(!weak(&tunnel, 0.05, 0.0) && weak(&length, 0.05, 0.0));
+        assert!(!weak(&length, 0.2, 1.5) && !weak(&length, 0.0, 0.0));
+    }
+}

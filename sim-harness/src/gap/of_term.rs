@@ -62,7 +62,9 @@ pub(super) fn of_term(
     let other = fitted.rivals.iter().find(|(other, worse)| {
         *worse < 1.5 && matches!(other, Term::Tunnel(_) | Term::Gradient(_))
     });
-    let factor = other.map_or(0.0, |(other, _)| same_force(findings, &term, other));
+    let factor = other.map_or(0.0, |(other, _)| {
+        same_force(&findings.rows, findings.gravity_n_per_kg, &term, other)
+    });
     // A tunnel helps nobody along.
     let possible = |other: &Term| matches!(other, Term::Gradient(_)) || beta[0] * factor > 0.0;
     if swap
@@ -261,18 +263,18 @@ pub(super) fn of_term(
 }
 
 /// Coefficient of another term of the same section over that of a term, for the same mean force. A gradient changes its sign with the direction.
-fn same_force(findings: &Findings, term: &Term, other: &Term) -> f64 {
+fn same_force(rows: &[Row], gravity_n_per_kg: f64, term: &Term, other: &Term) -> f64 {
     let (Term::Tunnel(section) | Term::Gradient(section)) = term else {
         return 0.0;
     };
     let inside = |row: &&Row| (section[0]..section[1]).contains(&row.interval.middle().location_m);
     let (mut count, mut sign, mut speed2) = (0.0, 0.0, 0.0);
-    for row in findings.rows.iter().filter(inside) {
+    for row in rows.iter().filter(inside) {
         count += 1.0;
         sign += row.direction.sign();
         speed2 += row.interval.mean_speed_mps().powi(2);
     }
-    let tunnel_over_gradient = findings.gravity_n_per_kg * count / f64::max(speed2, 1e-9);
+    let tunnel_over_gradient = gravity_n_per_kg * count / f64::max(speed2, 1e-9);
     let usual_sign = if sign < 0.0 { -1.0 } else { 1.0 };
     usual_sign
         * match other {
@@ -313,4 +315,30 @@ fn table(which: Coordinate, knots: &[f64], values: &[f64]) -> Option<Effect> {
             table: points.into_iter().take(core_effects::MAX_POINTS).collect(),
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rundown::track::Direction;
+
+    /// 0.02 N/kg more resistance at 50 m/s are a tunnel of 8e-6 in both directions, and a gradient whose sign is that of the direction.
+    #[test]
+    fn a_gradient_by_the_name_of_a_tunnel_is_the_same_force_in_each_direction() {
+        let section = [1_000.0, 3_000.0];
+        let (tunnel, gradient) = (Term::Tunnel(section), Term::Gradient(section));
+        let gravity = 9.25;
+        for direction in [Direction::Up, Direction::Down] {
+            let rows = [
+                Row::coasting(direction, 2_000.0, 50.0),
+                // Outside, and so of no weight.
+                Row::coasting(direction, 9_000.0, 10.0),
+            ];
+            let slope = direction.sign() * 0.02 / gravity;
+            let k = slope * same_force(&rows, gravity, &gradient, &tunnel);
+            assert!((k - 8e-6).abs() < 1e-12, "{direction:?}: {k}");
+            let back = k * same_force(&rows, gravity, &tunnel, &gradient);
+            assert!((back - slope).abs() < 1e-12, "{direction:?}: {back}");
+        }
+    }
 }

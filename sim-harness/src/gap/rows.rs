@@ -88,3 +88,36 @@ impl Row {
         )
     }
 }
+
+#[cfg(test)]
+impl Row {
+    /// A row of a train at one place and speed, its effort not measured.
+    pub(super) fn coasting(direction: Direction, location_m: f64, speed_mps: f64) -> Self {
+        use super::runs::{POINTS, Point};
+        let point = Point {
+            location_m,
+            speed_mps,
+            since_departure_s: 60.0,
+        };
+        let interval = Interval {
+            run: 0,
+            begin_s: 60.0,
+            dt_s: 10.0,
+            speed_mps: [speed_mps; 2],
+            effort_n_per_kg: None,
+            effort_change_n_per_kg: 0.0,
+            effort_step_n_per_kg: 0.0,
+            temperature_c: None,
+            day: None,
+            braked: false,
+            follows: false,
+            path: [point; POINTS],
+        };
+        Self {
+            interval,
+            direction,
+            effort_n_per_kg: 0.0,
+            residual_n_per_kg: 0.0,
+        }
+    }
+}
