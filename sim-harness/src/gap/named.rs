@@ -1,12 +1,13 @@
 //! What was found, by name: each term as the effect that the board runs, with limits, runs and rivals.
 
 use super::analysis::{Findings, Surroundings};
-use super::caps::Limit;
+use super::caps::{FoundLimit, Limit};
 use super::fit::TWO_SIDED;
-use super::fitted::Fitted;
+use super::fitted::{Fitted, NEAR};
 use super::of_term::{described, of_term};
 use super::runs::Run;
-use super::terms::Term;
+use super::separates::{Have, separates};
+use super::terms::{Term, both_directions};
 use rundown::effects::{self as core_effects, Effect};
 use serde_json::{Map, Value, json};
 
@@ -247,6 +248,19 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
             of_limit.ambiguous_with = vec!["mass_error"];
             of_limit.would_separate = vec!["an effort column"];
         }
+        let near = |other: &&FoundLimit| found.value - other.value < NEAR;
+        for other in findings.limits.iter().skip(1).filter(near) {
+            let name = other.limit.name();
+            let have = Have {
+                effort: findings.measured,
+                both_directions: both_directions(&findings.rows),
+            };
+            let advice = separates(found.limit.name(), name, have);
+            of_limit.ambiguous_with.push(name);
+            of_limit.would_separate.push(advice);
+        }
+        of_limit.ambiguous_with.truncate(2);
+        of_limit.would_separate.dedup();
         all.push(of_limit);
     }
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));

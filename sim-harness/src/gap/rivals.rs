@@ -5,7 +5,6 @@
 //! ```
 
 use super::analysis::Surroundings;
-use super::caps::Limit;
 use super::named::{Named, name};
 use super::rows::Believed;
 use super::select::Search;
@@ -95,11 +94,7 @@ fn of_limit(found: &Investigation, named: &str) -> Vec<Rival> {
     let all = &found.findings.limits;
     let best = all.first().map_or(0.0, |limit| limit.value);
     let rival = all.iter().map(|found| Rival {
-        name: match found.limit {
-            Limit::Scale { .. } => "traction_scale",
-            Limit::Section { .. } => "power_limit_section",
-            Limit::Adhesion { .. } => "low_adhesion",
-        },
+        name: found.limit.name(),
         worse: best - found.value,
     });
     nearest(rival, named)

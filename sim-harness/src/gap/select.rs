@@ -11,7 +11,7 @@ use super::rows::Row;
 use super::shape;
 use super::terms::{Context, Term};
 use super::whitening::Whitening;
-use super::worth::{between_runs, choice_cost, cost, is_section, matters};
+use super::worth::{between_runs, choice_cost, cost, is_section, is_unnamed, matters};
 use nalgebra::DVector;
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -136,9 +136,9 @@ impl<'a> Search<'a> {
         let terms = terms.into_iter().filter(|term| {
             let same =
                 |other: &Term| core::mem::discriminant(other) == core::mem::discriminant(term);
-            is_section(term)
-                || !model.iter().any(same)
-                || matches!(term, Term::Smooth(..) | Term::Step(..))
+            // A board takes one table.
+            let second = is_unnamed(term) && model.iter().any(is_unnamed);
+            !second && (is_section(term) || !model.iter().any(same))
         });
         let found = |term: Term| {
             let gain = base.gain(&self.white(&term))?;

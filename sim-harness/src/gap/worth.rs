@@ -143,6 +143,14 @@ pub fn between_runs(term: &Term) -> bool {
     )
 }
 
+/// It has no name in the catalogue.
+pub fn is_unnamed(term: &Term) -> bool {
+    matches!(
+        term,
+        Term::Bump(_) | Term::Cube | Term::Step(..) | Term::Smooth(..)
+    )
+}
+
 /// It acts in a section of the line.
 pub fn is_section(term: &Term) -> bool {
     matches!(term, Term::Tunnel(_) | Term::Gradient(_) | Term::Bump(_))

@@ -61,6 +61,17 @@ pub enum Limit {
     },
 }
 
+impl Limit {
+    /// Name of the effect.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Scale { .. } => "traction_scale",
+            Self::Section { .. } => "power_limit_section",
+            Self::Adhesion { .. } => "low_adhesion",
+        }
+    }
+}
+
 /// A limit with what was found of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundLimit {

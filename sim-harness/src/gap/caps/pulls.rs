@@ -37,9 +37,9 @@ const BY_POWER: f64 = 1.001;
 /// Effort limit over power limit up to which the corner reaches.
 const CORNER: f64 = 1.35;
 /// A ratio below this is no pull.
-const LEAST_RATIO: f64 = super::told::LEAST_SHARE + 0.05;
+const LEAST_RATIO: f64 = super::told::LEAST_SHARE - 0.1;
 /// What the gauge of the effort differs by from run to run and within one, as a share.
-const GAUGE: f64 = 0.012;
+const GAUGE: f64 = 0.008;
 const LEAST_ACCELERATION_MPS2: f64 = 0.03;
 /// Speed that a pull must gain to count, m/s.
 const LEAST_GAIN_MPS: f64 = 4.0;
@@ -57,7 +57,7 @@ pub fn pulls(
     effort_sd: f64,
 ) -> Vec<Pull> {
     let train = believed.line(direction).train;
-    let ratios: Vec<Option<Pull>> = intervals
+    let read: Vec<Option<Pull>> = intervals
         .iter()
         .zip(effort)
         .map(|(interval, effort)| {
@@ -65,7 +65,6 @@ pub fn pulls(
             let limit = interval.mean(|p| train.max_effort_n_per_kg(p.speed_mps.max(0.5)));
             let most = train.max_effort_n_per_kg(0.1);
             let ratio = effort / limit;
-            let slowest = interval.speed_mps[0].min(interval.speed_mps[1]);
             let pull = Pull {
                 run: interval.run,
                 location_m: interval.middle().location_m,
@@ -78,13 +77,33 @@ pub fn pulls(
                 number: 0,
                 weight: 1.0,
             };
+            Some(pull)
+        })
+        .collect();
+    let powered: Vec<(f64, Pull)> = intervals
+        .iter()
+        .zip(&read)
+        .filter_map(|(interval, pull)| Some((interval.begin_s, (*pull)?)))
+        .collect();
+    // A calculated effort follows the rounding of the speed: nothing floats in it.
+    let float: Vec<f64> = (0..powered.len())
+        .filter(|i| effort_sd == 0.0 && floats(&powered, *i))
+        .map(|i| powered[i].0)
+        .collect();
+    let floats = |interval: &Interval| float.contains(&interval.begin_s);
+    let ratios: Vec<Option<Pull>> = intervals
+        .iter()
+        .zip(&read)
+        .map(|(interval, pull)| {
+            let pull = (*pull)?;
+            let slowest = interval.speed_mps[0].min(interval.speed_mps[1]);
             // Near the corner of effort and power a driver who asks for less effort than power is limited by neither share.
             let at_corner = (BY_POWER..CORNER).contains(&pull.effort_over_limit);
-            (ratio > LEAST_RATIO
+            (pull.ratio > LEAST_RATIO
                 && !at_corner
                 && slowest > 1.5
-                && interval.acceleration_mps2() > LEAST_ACCELERATION_MPS2)
-                .then_some(pull)
+                && (interval.acceleration_mps2() > LEAST_ACCELERATION_MPS2 || floats(interval)))
+            .then_some(pull)
         })
         .collect();
     // Steady: like a neighbour.
@@ -100,6 +119,7 @@ pub fn pulls(
         ((before || after) && !raised).then_some(Part {
             time_s: intervals[i].begin_s,
             speeds_mps: intervals[i].speed_mps,
+            floats: floats(&intervals[i]),
             pull,
         })
     });
@@ -110,6 +130,8 @@ pub fn pulls(
 struct Part {
     time_s: f64,
     speeds_mps: [f64; 2],
+    /// The power stays for long while the speed floats: a limit, not a driver who has reached his speed.
+    floats: bool,
     pull: Pull,
 }
 
@@ -118,6 +140,7 @@ fn numbered(parts: impl Iterator<Item = Part>) -> Vec<Pull> {
     let parts: Vec<Part> = parts.collect();
     let of_pulls = parts.chunk_by(|a, b| b.time_s - a.time_s <= APART_S);
     let wanted = of_pulls.filter(|parts| match parts {
+        parts if parts.iter().any(|part| part.floats) => true,
         [first, .., last] => last.speeds_mps[1] - first.speeds_mps[0] > LEAST_GAIN_MPS,
         [only] => only.speeds_mps[1] - only.speeds_mps[0] > LEAST_GAIN_MPS,
         [] => false,
@@ -139,7 +162,8 @@ fn without_end(parts: &[Part]) -> &[Part] {
     let reached = reached.fold(0.0, f64::max);
     let most = parts.iter().map(|part| part.pull.ratio).fold(0.0, f64::max);
     let ends = |part: &Part| {
-        part.pull.ratio < TAKEN_BACK * most && reached - part.speeds_mps[0] < LEFT_MPS
+        let taken_back = part.pull.ratio < TAKEN_BACK * most && !part.floats;
+        taken_back && reached - part.speeds_mps[0] < LEFT_MPS
     };
     let kept = parts.iter().rposition(|part| !ends(part));
     &parts[..kept.map_or(0, |last| last + 1)]
@@ -231,10 +255,11 @@ pub fn sampled_pulls(
         if !near(before) && pull.speed_mps - before.1.speed_mps < rises_mps {
             continue;
         }
+        let floats = floats(&read, i);
         if pull.ratio > LEAST_RATIO
             && !(BY_POWER..CORNER).contains(&pull.effort_over_limit)
             && pull.speed_mps > 1.5
-            && (gains > LEAST_ACCELERATION_MPS2 || floats(&read, i))
+            && (gains > LEAST_ACCELERATION_MPS2 || floats)
             && (near(before) || near(after))
             && time_s - last_s >= LEAST_S
         {
@@ -242,6 +267,7 @@ pub fn sampled_pulls(
             pulls.push(Part {
                 time_s: *time_s,
                 speeds_mps: [before.1.speed_mps, after.1.speed_mps],
+                floats,
                 pull: Pull { weight, ..*pull },
             });
             last_s = *time_s;

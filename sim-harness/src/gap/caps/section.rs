@@ -50,7 +50,7 @@ fn factors(runs: &[Told<'_>]) -> Vec<f64> {
     const STEP: f64 = 0.005;
     const STEPS: usize = 136;
     /// Pulls within this of a factor are near, a standard deviation.
-    const NEAR: f64 = 0.012;
+    const NEAR: f64 = 0.01;
     let of_pull = |asked: &ByPower<'_>| median(asked.parts().map(|(pull, _)| pull.ratio));
     let ratios: Vec<f64> = runs
         .iter()

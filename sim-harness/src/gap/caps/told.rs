@@ -5,7 +5,7 @@ use super::pulls::{Pull, by_number};
 /// Shares that drivers ask for: finer than what is known of a share.
 pub const SHARES: usize = 101;
 /// The least of them.
-pub const LEAST_SHARE: f64 = 0.25;
+pub const LEAST_SHARE: f64 = 0.4;
 /// Probability that an interval is not steady power after all.
 const STRAY: f64 = 0.1;
 
