@@ -260,8 +260,8 @@ fn travelled_m(locations: &[Option<f64>]) -> Option<f64> {
     Some(median(&known[known.len() - deciding..]) - median(&known[..deciding]))
 }
 
-/// Middle value, the upper one of two.
-fn median(values: &[f64]) -> f64 {
+/// Middle value, the upper one of two; of a list that is not empty.
+pub(crate) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted[sorted.len() / 2]

@@ -3,7 +3,7 @@
 //! Way by location over way by speed is 1 where all is well, within the few percent of a worn wheel. A speed in m/s makes it 3.6, a time in milliseconds or a location in kilometres a
 //! thousandth. An effort that is a force has values that no train has. Medians, so that no single wild reading decides.
 
-use crate::recording::Row;
+use crate::recording::{Row, median};
 use thiserror::Error;
 
 /// A column that seems to hold another unit.
@@ -66,9 +66,8 @@ pub fn doubt(rows: &[Row]) -> Option<Doubt> {
 }
 
 fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    values.sort_by(f64::total_cmp);
-    (values.len() >= FEW).then(|| values[values.len() / 2])
+    let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    (values.len() >= FEW).then(|| median(&values))
 }
 
 #[cfg(test)]

@@ -10,8 +10,7 @@
 //! | a load that is nearer to none than believed, effort not measured | a train that is pulled lightly uphill, or braked lightly downhill, looks like one that coasts |
 
 use super::fit::Base;
-use super::rows::Row;
-use super::runs::Point;
+use super::rows::{Row, load_at};
 use super::select::{ENOUGH, Search};
 use super::terms::Term;
 use super::worth::is_section;
@@ -40,7 +39,7 @@ fn up(row: &Row) -> bool {
 }
 
 /// It acts by place.
-pub(super) fn by_place(term: &Term) -> bool {
+fn by_place(term: &Term) -> bool {
     is_section(term) || matches!(term, Term::Length(_) | Term::Curve)
 }
 
@@ -77,14 +76,13 @@ impl Search<'_> {
         if !by_place(term) {
             return true;
         }
-        let columns = term.columns(self.context, self.rows);
-        let extra = |i: usize| columns.iter().zip(beta).map(|(c, b)| c[i] * b).sum::<f64>();
+        let extra = term.extra(beta, self.context, self.rows);
         // Whitened rows also tell a little of their neighbours and of the whole run: those count in which the term acts.
-        let most = (0..self.rows.len()).fold(0.0, |most, i| f64::max(most, extra(i).abs()));
+        let most = extra.iter().fold(0.0, |most, e| f64::max(most, e.abs()));
         let strong = |i: usize| {
             let row = &self.rows[i];
             let line = self.context.believed.line(row.direction);
-            extra(i).abs() > ACTING * most && !is_weak(term, row, extra(i), line)
+            extra[i].abs() > ACTING * most && !is_weak(term, row, extra[i], line)
         };
         sum(&strong) > ENOUGH
     }
@@ -93,11 +91,8 @@ impl Search<'_> {
 /// A driver could have forged what this row tells. `extra`: the resistance that the term adds in it, N/kg.
 fn is_weak(term: &Term, row: &Row, extra: f64, line: &Line<'_>) -> bool {
     let Some(effort) = row.interval.effort_n_per_kg else {
-        let davis = line.train.davis();
-        let load = |p: &Point| {
-            davis.resistance_n_per_kg(p.speed_mps) + line.gradient_n_per_kg(p.location_m)
-        };
-        return row.interval.path.iter().any(|p| extra * load(p) < 0.0);
+        let mut loads = row.interval.path.iter().map(|p| load_at(line, p));
+        return loads.any(|load| extra * load < 0.0);
     };
     let answers = matches!(term, Term::Length(_)) && effort > 0.0 && held(row);
     effort < BRAKING_N_PER_KG || answers
@@ -106,26 +101,8 @@ fn is_weak(term: &Term, row: &Row, extra: f64, line: &Line<'_>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rundown::resistance::Davis;
+    use crate::report::example::train;
     use rundown::track::{Gradient, Track};
-    use rundown::train::{Train, TrainDescription};
-
-    fn train() -> Train {
-        let description = TrainDescription {
-            mass_kg: 364e3,
-            rotating_mass_factor: 1.06,
-            length_m: 162.0,
-            davis: Davis {
-                r0: 7.38e-3,
-                r1: 1.6e-4,
-                r2: 2.8e-5,
-            },
-            max_tractive_effort_n: 192.92e3,
-            max_power_w: 2.036e6,
-            max_brake_mps2: 0.66,
-        };
-        Train::try_new(description).unwrap()
-    }
 
     /// Level, then 20 permille up.
     fn track() -> Track {

@@ -9,7 +9,8 @@ use super::kinematics::{Kinematics, kinematics};
 use super::rows::{Believed, Row, SLOWEST_MPS};
 use super::runs::{Interval, Readings, Run, intervals};
 use super::select::{ENOUGH, Search};
-use super::terms::{Context, Term};
+use super::separates::Have;
+use super::terms::{Context, Term, both_directions};
 
 /// What may be known of a line beyond its gradients.
 #[derive(Clone, Debug, Default)]
@@ -82,6 +83,14 @@ impl Findings {
     /// The limit of the traction that is not as believed, if one is worth a name.
     pub fn limit(&self) -> Option<&FoundLimit> {
         self.limits.first().filter(|found| found.value > ENOUGH)
+    }
+
+    /// What the data have already that could tell rivals apart.
+    pub fn have(&self) -> Have {
+        Have {
+            effort: self.measured,
+            both_directions: both_directions(&self.rows),
+        }
     }
 
     /// What the columns of terms were made from.

@@ -6,8 +6,8 @@ use super::fit::TWO_SIDED;
 use super::fitted::{Fitted, NEAR};
 use super::of_term::{described, of_term};
 use super::runs::Run;
-use super::separates::{Have, separates};
-use super::terms::{Term, both_directions};
+use super::separates::separates;
+use super::terms::Term;
 use rundown::effects::{self as core_effects, Effect};
 use serde_json::{Map, Value, json};
 
@@ -107,6 +107,9 @@ impl Named {
 /// Name of what a gauge of the effort does: no effect of a train.
 pub const GAUGE: &str = "effort_gauge";
 
+/// Name of what has none.
+const UNKNOWN: &str = "unknown";
+
 /// Name of a term.
 pub fn name(term: &Term) -> &'static str {
     match term {
@@ -122,11 +125,16 @@ pub fn name(term: &Term) -> &'static str {
         Term::Length(_) => "train_length_error",
         Term::BrakeFade(_) => "brake_fade",
         Term::DraggingBrake(_) => "dragging_brake",
-        Term::Bump(_) | Term::Cube | Term::Step(..) | Term::Smooth(..) => "unknown",
+        Term::Bump(_) | Term::Cube | Term::Step(..) | Term::Smooth(..) => UNKNOWN,
         Term::Gauge => GAUGE,
         Term::Delay => "delay",
         Term::Late => "late",
     }
+}
+
+/// It has no name in the catalogue.
+pub fn is_unnamed(term: &Term) -> bool {
+    name(term) == UNKNOWN
 }
 
 /// All that was found, by name. `runs` as analysed.
@@ -251,11 +259,7 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
         let near = |other: &&FoundLimit| found.value - other.value < NEAR;
         for other in findings.limits.iter().skip(1).filter(near) {
             let name = other.limit.name();
-            let have = Have {
-                effort: findings.measured,
-                both_directions: both_directions(&findings.rows),
-            };
-            let advice = separates(found.limit.name(), name, have);
+            let advice = separates(found.limit.name(), name, findings.have());
             of_limit.ambiguous_with.push(name);
             of_limit.would_separate.push(advice);
         }

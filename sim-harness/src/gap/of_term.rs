@@ -6,8 +6,8 @@ use super::fitted::Fitted;
 use super::named::{GAUGE, Named, around, name};
 use super::rows::Row;
 use super::runs::Run;
-use super::separates::{Have, separates};
-use super::terms::{Coordinate, Side, Term, both_directions};
+use super::separates::separates;
+use super::terms::{Coordinate, Side, Term};
 use rundown::effects::{self as core_effects, Effect};
 
 /// A described section whose edges may be those of the one found takes its place.
@@ -237,10 +237,7 @@ pub(super) fn of_term(
         .collect();
     ambiguous_with.dedup();
     ambiguous_with.truncate(2);
-    let have = Have {
-        effort: findings.measured,
-        both_directions: both_directions(&findings.rows),
-    };
+    let have = findings.have();
     let advice = ambiguous_with
         .iter()
         .map(|other| separates(effect.name(), other, have));

@@ -6,7 +6,7 @@
 //!
 //! With an effort column every moving interval gives one; without, only established coasting does (u = 0).
 
-use super::runs::Interval;
+use super::runs::{Interval, Point};
 use rundown::motion::Line;
 use rundown::track::Direction;
 use rundown::train::Train;
@@ -52,10 +52,15 @@ impl<'a> Believed<'a> {
     }
 }
 
-/// What the believed model takes off along an interval, r + g, N/kg.
-pub fn believed_load(line: &Line<'_>, interval: &Interval) -> f64 {
+/// What the believed model takes off at a point, r + g, N/kg.
+pub fn load_at(line: &Line<'_>, point: &Point) -> f64 {
     let davis = line.train.davis();
-    interval.mean(|p| davis.resistance_n_per_kg(p.speed_mps) + line.gradient_n_per_kg(p.location_m))
+    davis.resistance_n_per_kg(point.speed_mps) + line.gradient_n_per_kg(point.location_m)
+}
+
+/// The same along an interval.
+pub fn believed_load(line: &Line<'_>, interval: &Interval) -> f64 {
+    interval.mean(|p| load_at(line, p))
 }
 
 /// An interval that counts, with its residual.
@@ -93,7 +98,7 @@ impl Row {
 impl Row {
     /// A row of a train at one place and speed, its effort not measured.
     pub(super) fn coasting(direction: Direction, location_m: f64, speed_mps: f64) -> Self {
-        use super::runs::{POINTS, Point};
+        use super::runs::POINTS;
         let point = Point {
             location_m,
             speed_mps,

@@ -71,6 +71,13 @@ pub struct Readings {
     pub effort: EffortReading,
 }
 
+impl Readings {
+    /// The true speed of a moving train from a reading, m/s.
+    pub fn true_speed_mps(&self, read_mps: f64) -> f64 {
+        (read_mps + self.speed_offset_mps) / self.speed_scale
+    }
+}
+
 impl Default for Readings {
     fn default() -> Self {
         Self {
@@ -292,7 +299,7 @@ fn nodes(run: &Run, line: &Line<'_>, readings: &Readings, usual_s: f64) -> Vec<N
         .filter_map(|(index, sample)| {
             let speed = sample.speed_mps?;
             let true_mps = if speed > 0.0 {
-                (speed + readings.speed_offset_mps) / readings.speed_scale
+                readings.true_speed_mps(speed)
             } else {
                 0.0
             };

@@ -112,6 +112,13 @@ impl Term {
         }
     }
 
+    /// What it adds to the resistance in each row with these coefficients, N/kg.
+    pub fn extra(&self, beta: &[f64], context: &Context<'_>, rows: &[Row]) -> Vec<f64> {
+        let columns = self.columns(context, rows);
+        let of_row = |i: usize| columns.iter().zip(beta).map(|(c, b)| c[i] * b).sum();
+        (0..rows.len()).map(of_row).collect()
+    }
+
     /// A table reaches this interval. Laws reach everywhere.
     pub fn covers(&self, interval: &Interval) -> bool {
         let Self::Smooth(which, knots) = self else {

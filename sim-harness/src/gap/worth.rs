@@ -35,9 +35,8 @@ pub fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -
     const MOST_WARM_UP_N_PER_KG: f64 = 0.03;
     // In rising order.
     let sizes = || {
-        let columns = term.columns(context, rows);
-        let extra = |i: usize| columns.iter().zip(beta).map(|(c, b)| c[i] * b).sum::<f64>();
-        let mut sizes: Vec<f64> = (0..rows.len()).map(|i| extra(i).abs()).collect();
+        let extra = term.extra(beta, context, rows).into_iter();
+        let mut sizes: Vec<f64> = extra.map(f64::abs).collect();
         sizes.sort_by(f64::total_cmp);
         sizes
     };
@@ -47,9 +46,8 @@ pub fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -
     // More than the train's whole resistance is no finding either: too few rows for so many coefficients.
     let davis = context.believed.train().davis();
     let absurd = || {
-        let columns = term.columns(context, rows);
-        rows.iter().enumerate().any(|(i, row)| {
-            let extra: f64 = columns.iter().zip(beta).map(|(c, b)| c[i] * b).sum();
+        let extra = term.extra(beta, context, rows);
+        rows.iter().zip(extra).any(|(row, extra)| {
             extra.abs()
                 > MOST_SHARE * davis.resistance_n_per_kg(row.interval.mean_speed_mps()) + 0.01
         })
@@ -140,14 +138,6 @@ pub fn between_runs(term: &Term) -> bool {
             | Term::DraggingBrake(_)
             | Term::Step(..)
             | Term::Smooth(Coordinate::Day | Coordinate::Temperature, _)
-    )
-}
-
-/// It has no name in the catalogue.
-pub fn is_unnamed(term: &Term) -> bool {
-    matches!(
-        term,
-        Term::Bump(_) | Term::Cube | Term::Step(..) | Term::Smooth(..)
     )
 }
 

@@ -19,7 +19,7 @@ pub mod page;
 pub mod resistance;
 
 #[cfg(test)]
-mod example;
+pub(crate) mod example;
 
 use crate::replay::ReplayedRun;
 use rundown::Real;

@@ -31,7 +31,7 @@ pub fn traction(believed: &Believed<'_>, run: &Run, readings: &Readings) -> Vec<
     let train = believed.line(run.direction).train;
     let most = train.max_effort_n_per_kg(0.1);
     let read = run.samples.iter().filter_map(|s| {
-        let speed_mps = (s.speed_mps? + readings.speed_offset_mps) / readings.speed_scale;
+        let speed_mps = readings.true_speed_mps(s.speed_mps?);
         let limit = train.max_effort_n_per_kg(speed_mps.max(0.5));
         let effort = s.effort_n_per_kg.filter(|effort| *effort > 0.0)?;
         (limit < most).then_some(Reading {

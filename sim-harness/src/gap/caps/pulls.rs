@@ -26,6 +26,11 @@ pub struct Pull {
 }
 
 impl Pull {
+    /// Enough of the limit, and away from the corner of effort and power, near which a driver who asks for less effort than power is limited by neither share.
+    fn says_something(&self) -> bool {
+        self.ratio > LEAST_RATIO && !(BY_POWER..CORNER).contains(&self.effort_over_limit)
+    }
+
     /// The power is what limits, not the effort.
     pub fn by_power(&self) -> bool {
         self.effort_over_limit > BY_POWER
@@ -40,6 +45,8 @@ const CORNER: f64 = 1.35;
 const LEAST_RATIO: f64 = super::told::LEAST_SHARE - 0.1;
 /// What the gauge of the effort differs by from run to run and within one, as a share.
 const GAUGE: f64 = 0.008;
+/// A slower train is starting, m/s.
+const SLOWEST_MPS: f64 = 1.5;
 const LEAST_ACCELERATION_MPS2: f64 = 0.03;
 /// Speed that a pull must gain to count, m/s.
 const LEAST_GAIN_MPS: f64 = 4.0;
@@ -80,30 +87,22 @@ pub fn pulls(
             Some(pull)
         })
         .collect();
-    let powered: Vec<(f64, Pull)> = intervals
-        .iter()
-        .zip(&read)
-        .filter_map(|(interval, pull)| Some((interval.begin_s, (*pull)?)))
-        .collect();
-    // A calculated effort follows the rounding of the speed: nothing floats in it.
-    let float: Vec<f64> = (0..powered.len())
-        .filter(|i| effort_sd == 0.0 && floats(&powered, *i))
-        .map(|i| powered[i].0)
-        .collect();
-    let floats = |interval: &Interval| float.contains(&interval.begin_s);
+    let known = |(i, pull): (usize, &Option<Pull>)| Some((i, (intervals[i].begin_s, (*pull)?)));
+    let (at, known): (Vec<usize>, Vec<(f64, Pull)>) =
+        read.iter().enumerate().filter_map(known).unzip();
+    let mut floating = vec![false; intervals.len()];
+    for (place, i) in at.into_iter().enumerate() {
+        // A calculated effort follows the rounding of the speed: nothing floats in it.
+        floating[i] = effort_sd == 0.0 && floats(&known, place);
+    }
     let ratios: Vec<Option<Pull>> = intervals
         .iter()
-        .zip(&read)
-        .map(|(interval, pull)| {
-            let pull = (*pull)?;
+        .zip(read)
+        .zip(&floating)
+        .map(|((interval, pull), floats)| {
             let slowest = interval.speed_mps[0].min(interval.speed_mps[1]);
-            // Near the corner of effort and power a driver who asks for less effort than power is limited by neither share.
-            let at_corner = (BY_POWER..CORNER).contains(&pull.effort_over_limit);
-            (pull.ratio > LEAST_RATIO
-                && !at_corner
-                && slowest > 1.5
-                && (interval.acceleration_mps2() > LEAST_ACCELERATION_MPS2 || floats(interval)))
-            .then_some(pull)
+            let pulls = *floats || interval.acceleration_mps2() > LEAST_ACCELERATION_MPS2;
+            pull.filter(|pull| pulls && slowest > SLOWEST_MPS && pull.says_something())
         })
         .collect();
     // Steady: like a neighbour.
@@ -119,7 +118,7 @@ pub fn pulls(
         ((before || after) && !raised).then_some(Part {
             time_s: intervals[i].begin_s,
             speeds_mps: intervals[i].speed_mps,
-            floats: floats(&intervals[i]),
+            floats: floating[i],
             pull,
         })
     });
@@ -185,6 +184,10 @@ fn speed_sd_mps(at_power: f64, effort_over_limit: f64) -> f64 {
 
 /// The power stays while the speed goes up and down: with the gradient, at the limit of what the train gives, though it gains nothing. A driver who holds a speed does the opposite.
 fn floats(read: &[(f64, Pull)], here: usize) -> bool {
+    // Coasts and stops are long, and no pulls.
+    if read[here].1.ratio <= LEAST_RATIO {
+        return false;
+    }
     /// The power stays within this share of the limit.
     const SAME: f64 = 0.015;
     /// For so long, s.
@@ -223,7 +226,7 @@ pub fn sampled_pulls(
         .samples
         .iter()
         .filter_map(|s| {
-            let speed_mps = (s.speed_mps? + readings.speed_offset_mps) / readings.speed_scale;
+            let speed_mps = readings.true_speed_mps(s.speed_mps?);
             let limit = train.max_effort_n_per_kg(speed_mps.max(0.5));
             let pull = Pull {
                 run: index,
@@ -256,9 +259,8 @@ pub fn sampled_pulls(
             continue;
         }
         let floats = floats(&read, i);
-        if pull.ratio > LEAST_RATIO
-            && !(BY_POWER..CORNER).contains(&pull.effort_over_limit)
-            && pull.speed_mps > 1.5
+        if pull.says_something()
+            && pull.speed_mps > SLOWEST_MPS
             && (gains > LEAST_ACCELERATION_MPS2 || floats)
             && (near(before) || near(after))
             && time_s - last_s >= LEAST_S

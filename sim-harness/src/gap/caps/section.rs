@@ -83,7 +83,8 @@ fn searched(runs: &[Told<'_>], bins: &Bins) -> Vec<[f64; 3]> {
     let mut changes = vec![0.0; factors.len() * side * side];
     let at = shares(1.0);
     for asked in runs.iter().flat_map(Told::by_power) {
-        let unlimited = asked.at_share().map(|sum| SHARED * sum);
+        let at_any = asked.at_share().map(|sum| SHARED * sum);
+        let unlimited = over_shares(&at_any);
         let mut touched: Vec<usize> = asked.parts().map(|(pull, _)| bins.bin(pull)).collect();
         touched.sort_unstable();
         touched.dedup();
@@ -99,11 +100,11 @@ fn searched(runs: &[Told<'_>], bins: &Bins) -> Vec<[f64; 3]> {
                 }
             }
             for first in 0..touched.len() {
-                let mut at_share = unlimited;
+                let mut at_share = at_any;
                 for last in first..touched.len() {
                     let with = at_share.iter_mut().zip(&of_bins[last]);
                     with.for_each(|(sum, change)| *sum += change);
-                    let gain = over_shares(&at_share) - over_shares(&unlimited);
+                    let gain = over_shares(&at_share) - unlimited;
                     // All sections that begin after the bin touched before and end before the one touched next.
                     let begin = if first == 0 {
                         0
