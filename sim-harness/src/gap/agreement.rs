@@ -39,7 +39,7 @@ fn up(row: &Row) -> bool {
 }
 
 /// It acts by place.
-fn by_place(term: &Term) -> bool {
+pub(super) fn by_place(term: &Term) -> bool {
     is_section(term) || matches!(term, Term::Length(_) | Term::Curve)
 }
 

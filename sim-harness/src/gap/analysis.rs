@@ -1,9 +1,11 @@
 //! From recorded runs to the missing effects: the order of the steps, and nothing else.
 
 use super::calibrate::{Calibrated, calibrate};
-use super::caps::{FoundLimit, Pull, limits, traction};
+use super::caps::{FoundLimit, Pull, limits};
+use super::coasting::Recognised;
 use super::dragging::dragging;
-use super::efforts::{Recognised, effort_reading, measured, pulls_of, rows};
+use super::efforts::{effort_reading, measured, rows, traction_of};
+use super::fit::TWO_SIDED;
 use super::fitted::{Fitted, fitted};
 use super::kinematics::{Kinematics, kinematics};
 use super::rows::{Believed, Row, SLOWEST_MPS};
@@ -65,19 +67,28 @@ pub struct Findings {
 }
 
 /// Rows below this are no ground for a term.
-pub const FEW_ROWS: usize = 120;
+pub const FEW_ROWS: usize = 80;
 
 /// Deviation of the resistance from its description within which coasting is still recognised: wide at first.
 const UNCERTAIN: [f64; 3] = [0.3, 0.15, 0.1];
 /// Gain of log-likelihood above which runs have a wind of their own, over other differences between runs.
-const WIND_GAIN: f64 = 9.0;
+const WIND_GAIN: f64 = 4.5;
+/// Below this gain it may as well be a brake that drags in some of them.
+pub const NO_DRAG_GAIN: f64 = 9.0;
+/// The wind of a run is not measured without error: the spread is that much less certain than that of as many values.
+const WIND_SD: f64 = 1.3;
 /// The least standard deviation of the wind that matters, m/s.
 pub const LEAST_WIND_MPS: f64 = 0.8;
 
 impl Findings {
-    /// Runs differ in their wind.
-    pub fn run_wind(&self) -> bool {
-        self.wind_gain > WIND_GAIN && self.calibrated.own.wind_mps > LEAST_WIND_MPS
+    /// Spread of the wind between runs and its standard deviation, m/s, if runs surely differ by more than the wind that there always is.
+    pub fn run_wind(&self) -> Option<(f64, f64)> {
+        let mut runs: Vec<usize> = self.rows.iter().map(|row| row.interval.run).collect();
+        runs.dedup();
+        let spread = self.calibrated.own.wind_mps;
+        let sd = WIND_SD * spread / (2.0 * runs.len().max(2) as f64).sqrt();
+        let sure = self.wind_gain > WIND_GAIN && spread - TWO_SIDED * sd > LEAST_WIND_MPS;
+        sure.then_some((spread, sd))
     }
 
     /// The limit of the traction that is not as believed, if one is worth a name.
@@ -149,7 +160,12 @@ pub fn analyse(
     let mut last: Option<(Vec<Row>, Calibrated, f64)> = None;
     for uncertain in UNCERTAIN.iter().take(rounds) {
         let known = last.as_ref().filter(|(rows, ..)| rows.len() >= FEW_ROWS);
-        let recognised = Recognised::new(runs, known.map(|(_, found, _)| found), *uncertain);
+        let recognised = Recognised::new(
+            runs,
+            &readings,
+            known.map(|(_, found, _)| found),
+            *uncertain,
+        );
         let rows = rows(&context, runs, &cut, measured, (&model, &beta), recognised);
         if rows.len() < 30 {
             break;
@@ -182,7 +198,7 @@ pub fn analyse(
     } else {
         return None;
     };
-    let of_runs = pulls_of(
+    let (pulls, traction) = traction_of(
         &context,
         runs,
         &cut,
@@ -191,12 +207,6 @@ pub fn analyse(
         (&model, &beta),
         &calibrated,
     );
-    let traction: Vec<_> = if measured {
-        let of_run = |run| traction(&believed, run, &readings);
-        runs.iter().map(of_run).collect()
-    } else {
-        Vec::new()
-    };
     Some(Findings {
         kinematics,
         readings,
@@ -207,8 +217,8 @@ pub fn analyse(
             .filter(|i| i.mean_speed_mps() > SLOWEST_MPS)
             .count(),
         terms,
-        limits: limits(&of_runs, &traction),
-        pulls: of_runs,
+        limits: limits(&pulls, &traction),
+        pulls,
         wind_gain: likelihood - without_wind,
         believed_r2: believed.train().davis().r2,
         gravity_n_per_kg: believed.train().gravity_n_per_kg(),
@@ -250,11 +260,12 @@ pub fn apply(
     let model = (model.as_slice(), beta.as_slice());
     let recognised = Recognised::new(
         runs,
+        &findings.readings,
         Some(&findings.calibrated),
         UNCERTAIN[UNCERTAIN.len() - 1],
     );
     let rows = rows(&context, runs, &cut, findings.measured, model, recognised);
-    let pulls = pulls_of(
+    let (pulls, _) = traction_of(
         &context,
         runs,
         &cut,

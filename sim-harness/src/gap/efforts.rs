@@ -1,45 +1,52 @@
 //! The effort of each interval: measured, known to be zero in coasting, or what the model says it takes; and so the rows and the pulls of a set.
 
-use super::calibrate::Calibrated;
-use super::caps::{Pull, pulls, sampled_pulls};
-use super::coasting::coasted;
+use super::agreement::by_place;
+use super::calibrate::{Calibrated, Own};
+use super::caps::{Pull, Reading, calculated, pulls, sampled_pulls, traction};
+use super::coasting::{Driven, Extra, Recognised, coasted};
 use super::fit::median;
 use super::rows::Row;
 use super::runs::{EffortReading, Interval, Readings, Run, intervals, usual_step_s};
 use super::terms::{Context, Term};
+use core::f64::consts::SQRT_2;
 
 /// Share of moving samples with an effort above which the effort counts as measured.
 const MEASURED_SHARE: f64 = 0.7;
-/// Standard deviation of a calculated effort for speeds rounded to 1 km/h, 10 s apart, N/kg.
-const ROUNDED_N_PER_KG: f64 = 0.0115;
+/// What a calculated effort has beyond the rounding of the speeds, standard deviation at first, N/kg.
+const DISTURBED_N_PER_KG: f64 = 0.005;
 /// The range in which the one that was found is believed, N/kg.
-const RECOGNISED_N_PER_KG: (f64, f64) = (0.006, 0.03);
+const RECOGNISED_N_PER_KG: (f64, f64) = (0.003, 0.03);
 /// Logs with less between samples are fast, s.
 const FAST_S: f64 = 3.0;
 
-/// How sure a calculated effort is in which coasting is to be recognised.
-#[derive(Clone, Copy, Debug)]
-pub struct Recognised {
-    noise_n_per_kg: f64,
-    uncertain: f64,
+/// What the rounding of speeds 10 s apart leaves in an effort calculated from them, standard deviation, N/kg.
+fn rounded_n_per_kg(runs: &[Run], readings: &Readings) -> f64 {
+    // Speeds of a fast log are means of several readings.
+    let fast = median(runs.iter().map(usual_step_s)).is_some_and(|step_s| step_s < FAST_S);
+    let of_reading = readings.speed_quantum_mps / 12.0_f64.sqrt() * if fast { 0.7 } else { 1.0 };
+    SQRT_2 * of_reading / 10.0
+}
+
+/// The same with all else that disturbs it, as found.
+fn calculated_n_per_kg(found: &Calibrated) -> f64 {
+    (SQRT_2 * found.noise.reading_mps / 10.0).hypot(found.noise.acceleration_mps2)
 }
 
 impl Recognised {
     /// With the noise that was found, if one was.
-    pub fn new(runs: &[Run], found: Option<&Calibrated>, uncertain: f64) -> Self {
-        // Speeds of a fast log are means of several readings.
-        let fast = median(runs.iter().map(usual_step_s)).is_some_and(|step_s| step_s < FAST_S);
-        let at_first = if fast { 0.7 } else { 1.0 } * ROUNDED_N_PER_KG;
-        let of_readings = |found: &Calibrated| {
-            let acceleration = 1.44 * found.noise.reading_mps / 10.0;
-            let (least, most) = RECOGNISED_N_PER_KG;
-            acceleration
-                .hypot(found.noise.acceleration_mps2)
-                .clamp(least, most)
-        };
+    pub fn new(
+        runs: &[Run],
+        readings: &Readings,
+        found: Option<&Calibrated>,
+        uncertain: f64,
+    ) -> Self {
+        let at_first = rounded_n_per_kg(runs, readings).hypot(DISTURBED_N_PER_KG);
+        let (least, most) = RECOGNISED_N_PER_KG;
+        let of = |found| calculated_n_per_kg(found).clamp(least, most);
         Self {
-            noise_n_per_kg: found.map_or(at_first, of_readings),
+            noise_n_per_kg: found.map_or(at_first, of),
             uncertain,
+            own: found.map_or_else(Own::default, |found| found.own),
         }
     }
 }
@@ -109,6 +116,22 @@ fn extra(
     extra
 }
 
+/// A model without what acts by place.
+fn beyond_places((model, beta): (&[Term], &[f64])) -> (Vec<Term>, Vec<f64>) {
+    let mut betas = beta.iter().copied();
+    let mut kept = (Vec::new(), Vec::new());
+    for term in model {
+        let of_term = betas.by_ref().take(term.count());
+        if by_place(term) {
+            of_term.for_each(drop);
+        } else {
+            kept.0.push(term.clone());
+            kept.1.extend(of_term);
+        }
+    }
+    kept
+}
+
 /// The rows of a set: from every moving interval where the effort is measured, else from coasting.
 pub fn rows(
     context: &Context<'_>,
@@ -118,35 +141,35 @@ pub fn rows(
     model: (&[Term], &[f64]),
     recognised: Recognised,
 ) -> Vec<Row> {
-    let mut rows = Vec::new();
-    for (run, intervals) in runs.iter().zip(cut) {
-        let line = context.believed.line(run.direction);
+    let zero: Vec<Vec<bool>> = if measured {
+        Vec::new()
+    } else {
+        let (terms, betas) = beyond_places(model);
+        let driven = |(run, intervals): (&Run, &Vec<Interval>)| {
+            let extra = Extra {
+                all: extra(context, run, intervals, model),
+                beyond_places: extra(context, run, intervals, (&terms, &betas)),
+            };
+            let line = context.believed.line(run.direction);
+            Driven::new(line, intervals, &extra, recognised)
+        };
+        coasted(&runs.iter().zip(cut).map(driven).collect::<Vec<_>>())
+    };
+    let effort = |run: usize, i: usize| {
         if measured {
-            rows.extend(
-                intervals
-                    .iter()
-                    .filter_map(|i| Row::new(line, i, i.effort_n_per_kg)),
-            );
+            cut[run][i].effort_n_per_kg
         } else {
-            let extra = extra(context, run, intervals, model);
-            let coasts = coasted(
-                &context.believed,
-                run.direction,
-                intervals,
-                &extra,
-                recognised.noise_n_per_kg,
-                recognised.uncertain,
-            );
-            rows.extend(
-                intervals
-                    .iter()
-                    .zip(coasts)
-                    .filter(|(_, coasts)| *coasts)
-                    .filter_map(|(i, _)| Row::new(line, i, Some(0.0))),
-            );
+            zero[run][i].then_some(0.0)
         }
-    }
-    rows
+    };
+    let of_run = |(index, run): (usize, &Run)| {
+        let line = context.believed.line(run.direction);
+        let intervals = cut[index].iter().enumerate();
+        intervals
+            .filter_map(|(i, interval)| Row::new(line, interval, Some(effort(index, i)?)))
+            .collect::<Vec<_>>()
+    };
+    runs.iter().enumerate().flat_map(of_run).collect()
 }
 
 /// The effort of each interval: measured, or what the model says it takes.
@@ -177,8 +200,8 @@ fn efforts(
         .collect()
 }
 
-/// The pulls of each run.
-pub fn pulls_of(
+/// Steady pulls of each run, and all that it gives where the power limits.
+pub fn traction_of(
     context: &Context<'_>,
     runs: &[Run],
     cut: &[Vec<Interval>],
@@ -186,23 +209,28 @@ pub fn pulls_of(
     readings: &Readings,
     model: (&[Term], &[f64]),
     calibrated: &Calibrated,
-) -> Vec<Vec<Pull>> {
+) -> (Vec<Vec<Pull>>, Vec<Vec<Reading>>) {
+    let believed = &context.believed;
     let sd = if measured {
         0.0
     } else {
-        1.5 * calibrated.noise.reading_mps / 10.0
+        // The noise was found where coasting was recognised, and there it is at its smallest.
+        calculated_n_per_kg(calibrated).max(rounded_n_per_kg(runs, readings))
     };
-    cut.iter()
-        .zip(runs)
-        .enumerate()
-        .map(|(index, (intervals, run))| {
-            if measured
-                && (readings.effort == EffortReading::Momentary || usual_step_s(run) < FAST_S)
-            {
-                return sampled_pulls(&context.believed, index, run, readings);
-            }
-            let effort = efforts(context, run, intervals, measured, model);
-            pulls(&context.believed, run.direction, intervals, &effort, sd)
-        })
-        .collect()
+    let of_run = |(index, (intervals, run)): (usize, (&Vec<Interval>, &Run))| {
+        let effort = efforts(context, run, intervals, measured, model);
+        let sampled = readings.effort == EffortReading::Momentary || usual_step_s(run) < FAST_S;
+        let pulls = if measured && sampled {
+            sampled_pulls(believed, index, run, readings)
+        } else {
+            pulls(believed, run.direction, intervals, &effort, sd)
+        };
+        let given = if measured {
+            traction(believed, run, readings)
+        } else {
+            calculated(believed.train(), intervals, &effort, sd)
+        };
+        (pulls, given)
+    };
+    cut.iter().zip(runs).enumerate().map(of_run).unzip()
 }

@@ -71,6 +71,7 @@ impl Kinematics {
             } else {
                 0.0
             },
+            speed_quantum_mps: self.quantum_mps,
             // A lag too small to be named still moves the train on its gradients.
             location_lag_s: if self.lag_s.0.abs() > 3.0 * self.lag_s.1 {
                 self.lag_s.0

@@ -1,6 +1,6 @@
 //! What was found, by name: each term as the effect that the board runs, with limits, runs and rivals.
 
-use super::analysis::{Findings, Surroundings};
+use super::analysis::{Findings, NO_DRAG_GAIN, Surroundings};
 use super::caps::{FoundLimit, Limit};
 use super::fit::TWO_SIDED;
 use super::fitted::{Fitted, NEAR};
@@ -189,12 +189,17 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
     for fitted in terms {
         all.extend(of_term(fitted, findings, surroundings, runs));
     }
-    if findings.run_wind() {
-        let sd_mps = findings.calibrated.own.wind_mps;
-        let relative = 1.0 / (2.0 * runs.len().max(2) as f64).sqrt();
+    if let Some((sd_mps, sd)) = findings.run_wind() {
         let effect = Effect::RunWind(core_effects::RunWind { sd_mps });
-        let around = vec![around("sd_mps", sd_mps, 1.3 * relative * sd_mps)];
-        all.push(plain(effect, around, findings.wind_gain));
+        let around = vec![around("sd_mps", sd_mps, sd)];
+        let mut wind = plain(effect, around, findings.wind_gain);
+        if findings.wind_gain < NO_DRAG_GAIN {
+            let rival = "dragging_brake";
+            let advice = separates(wind.effect.name(), rival, findings.have());
+            wind.ambiguous_with.push(rival);
+            wind.would_separate.push(advice);
+        }
+        all.push(wind);
     }
     if let Some(found) = limit {
         let factor = |value: f64| {

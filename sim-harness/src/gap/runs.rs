@@ -65,6 +65,8 @@ pub struct Readings {
     pub speed_scale: f64,
     /// To be added to a speed reading, m/s: half a quantum if the recorder truncates.
     pub speed_offset_mps: f64,
+    /// The step of the speed readings, m/s; 0 if there is none.
+    pub speed_quantum_mps: f64,
     /// The location reading is this old, s.
     pub location_lag_s: f64,
     /// How the effort is read.
@@ -83,6 +85,7 @@ impl Default for Readings {
         Self {
             speed_scale: 1.0,
             speed_offset_mps: 0.0,
+            speed_quantum_mps: 0.0,
             location_lag_s: 0.0,
             effort: EffortReading::Momentary,
         }

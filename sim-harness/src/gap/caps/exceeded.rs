@@ -1,11 +1,12 @@
 //! Did trains give more than a limit allows?
 //!
 //! Drivers who creep up to the same speed on the same slope all ask for the same power there, and that looks like a limit. A limit is refuted by runs that exceed it, however briefly:
-//! here every reading of a measured effort counts, not only steady power. Where runs exceed it near its ends alone, it is shorter.
+//! here every reading of the effort counts, not only steady power; of a calculated one, what it is at least. Where runs exceed it near its ends alone, it is shorter.
 
 use super::{FoundLimit, Limit};
 use crate::gap::rows::Believed;
-use crate::gap::runs::{Readings, Run};
+use crate::gap::runs::{Interval, Readings, Run};
+use rundown::train::Train;
 
 /// A reading of the effort where the power limits.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +19,8 @@ pub struct Reading {
 
 /// A ratio above a limit by less is a gauge, or a reading of the speed.
 const ABOVE: f64 = 1.1;
+/// So many standard deviations below a calculated effort the true one never is.
+const SURE: f64 = 4.0;
 /// Fewer runs than this, or than this share of those that pull there, are strays.
 const FEW_RUNS: usize = 3;
 const FEW_SHARE: f64 = 0.1;
@@ -39,6 +42,30 @@ pub fn traction(believed: &Believed<'_>, run: &Run, readings: &Readings) -> Vec<
             ratio: effort / limit,
         })
     });
+    read.collect()
+}
+
+/// The same where the effort is calculated, with this standard deviation: what each interval gives at least.
+pub fn calculated(
+    train: &Train,
+    intervals: &[Interval],
+    effort: &[Option<f64>],
+    effort_sd: f64,
+) -> Vec<Reading> {
+    let most = train.max_effort_n_per_kg(0.1);
+    let read = intervals
+        .iter()
+        .zip(effort)
+        .filter_map(|(interval, effort)| {
+            let limit = interval.mean(|p| train.max_effort_n_per_kg(p.speed_mps.max(0.5)));
+            let least = (*effort)? - SURE * effort_sd;
+            let [begin, end] = interval.speed_mps;
+            let by_power = train.max_effort_n_per_kg(begin.min(end).max(0.5)) < most;
+            (by_power && least > 0.0).then_some(Reading {
+                location_m: interval.middle().location_m,
+                ratio: least / limit,
+            })
+        });
     read.collect()
 }
 
@@ -98,6 +125,9 @@ fn exceeded(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gap::rows::Row;
+    use crate::report::example::train;
+    use rundown::track::Direction;
 
     /// Twenty runs that read the effort every 100 m; so many give 0.6 at these places, and otherwise 0.3.
     fn runs(above: usize, at_m: &[f64]) -> Vec<Vec<Reading>> {
@@ -151,5 +181,23 @@ mod tests {
             Some((4_500.0, 7_800.0))
         );
         assert_eq!(section(&runs(5, &[5_900.0, 6_100.0])), None);
+    }
+
+    #[test]
+    fn a_calculated_effort_counts_for_what_it_is_at_least_and_only_where_the_power_limits() {
+        let train = train();
+        let corner_mps =
+            train.description().max_power_w / train.description().max_tractive_effort_n;
+        let interval = |from_mps: f64| {
+            let mut interval = Row::coasting(Direction::Up, 1000.0, from_mps + 1.0).interval;
+            interval.speed_mps = [from_mps, from_mps + 2.0];
+            interval
+        };
+        let intervals = [corner_mps - 0.5, corner_mps + 0.5].map(interval);
+        let limit = train.max_effort_n_per_kg(corner_mps + 1.5);
+        let read = calculated(&train, &intervals, &[Some(limit); 2], 0.02 * limit);
+        let ratios: Vec<f64> = read.iter().map(|reading| reading.ratio).collect();
+        assert_eq!(ratios.len(), 1, "{ratios:?}");
+        assert!((ratios[0] - 0.92).abs() < 1e-9, "{ratios:?}");
     }
 }

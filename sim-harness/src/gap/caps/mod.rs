@@ -24,7 +24,7 @@ mod scale;
 mod section;
 mod told;
 
-pub use exceeded::{Reading, traction};
+pub use exceeded::{Reading, calculated, traction};
 pub use pulls::{Pull, by_number, pulls, sampled_pulls};
 
 use adhesion::adhesion;
@@ -89,7 +89,7 @@ pub struct FoundLimit {
     pub below_kmh: Option<(f64, f64)>,
 }
 
-/// All limits that are better than the believed one, best first. `pulls` and `traction` by run; the second is empty where the effort is not measured.
+/// All limits that are better than the believed one, best first. `pulls` and `traction` by run.
 pub fn limits(pulls: &[Vec<Pull>], traction: &[Vec<Reading>]) -> Vec<FoundLimit> {
     let runs: Vec<Told<'_>> = pulls
         .iter()
