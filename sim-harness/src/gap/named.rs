@@ -5,8 +5,9 @@ use super::caps::{FoundLimit, Limit};
 use super::fit::TWO_SIDED;
 use super::fitted::{Fitted, NEAR};
 use super::of_term::{described, of_term};
+use super::rows::Row;
 use super::runs::Run;
-use super::separates::separates;
+use super::separates::{Have, separates};
 use super::terms::Term;
 use rundown::effects::{self as core_effects, Effect};
 use serde_json::{Map, Value, json};
@@ -41,6 +42,8 @@ const BELOW_KMH: f64 = 3.0;
 /// What the path between two readings does to a scale, and to a lag, s.
 const SCALE: f64 = 3e-4;
 const LAG_S: f64 = 0.02;
+/// Above this factor what a section lacks in power may as well be a resistance in it, where the effort is calculated.
+const LITTLE_LESS: f64 = 0.85;
 
 impl Named {
     /// An effect that acts in all runs and has no rivals.
@@ -56,6 +59,14 @@ impl Named {
             per_run: Vec::new(),
             gain,
         }
+    }
+
+    /// Adds what may as well be it, with its odds.
+    fn rival(&mut self, name: &'static str, odds: f64, have: Have) {
+        self.confidence = 1.0 / (1.0 / self.confidence + odds);
+        self.would_separate
+            .push(separates(self.effect.name(), name, have));
+        self.ambiguous_with.push(name);
     }
 
     /// Adds the 95 % interval of a parameter.
@@ -193,11 +204,9 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
         let effect = Effect::RunWind(core_effects::RunWind { sd_mps });
         let around = vec![around("sd_mps", sd_mps, sd)];
         let mut wind = plain(effect, around, findings.wind_gain);
-        if findings.wind_gain < NO_DRAG_GAIN {
-            let rival = "dragging_brake";
-            let advice = separates(wind.effect.name(), rival, findings.have());
-            wind.ambiguous_with.push(rival);
-            wind.would_separate.push(advice);
+        // Without an effort column nobody knows when a brake was applied.
+        if !findings.measured || findings.wind_gain < NO_DRAG_GAIN {
+            wind.rival("dragging_brake", 1.0, findings.have());
         }
         all.push(wind);
     }
@@ -257,16 +266,23 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
                 named
             }
         };
-        if !findings.measured && matches!(found.limit, Limit::Scale { .. }) {
-            of_limit.ambiguous_with = vec!["mass_error"];
-            of_limit.would_separate = vec!["an effort column"];
+        match found.limit {
+            Limit::Scale { .. } if !findings.measured => {
+                of_limit.rival("mass_error", 1.0, findings.have());
+            }
+            Limit::Section {
+                from_m,
+                to_m,
+                factor,
+            } if !findings.measured && factor > LITTLE_LESS && !coasted(from_m..to_m, findings) => {
+                of_limit.rival("tunnel_drag", 1.0, findings.have());
+            }
+            _ => {}
         }
         let near = |other: &&FoundLimit| found.value - other.value < NEAR;
         for other in findings.limits.iter().skip(1).filter(near) {
-            let name = other.limit.name();
-            let advice = separates(found.limit.name(), name, findings.have());
-            of_limit.ambiguous_with.push(name);
-            of_limit.would_separate.push(advice);
+            let odds = f64::exp(other.value - found.value);
+            of_limit.rival(other.limit.name(), odds, findings.have());
         }
         of_limit.ambiguous_with.truncate(2);
         of_limit.would_separate.dedup();
@@ -274,6 +290,13 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
     }
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     all
+}
+
+/// Enough intervals coasted in a section for its resistance to be known there.
+fn coasted(section: core::ops::Range<f64>, findings: &Findings) -> bool {
+    const ENOUGH: usize = 10;
+    let inside = |row: &&Row| section.contains(&row.interval.middle().location_m);
+    findings.rows.iter().filter(inside).count() >= ENOUGH
 }
 
 /// What a train's mass would have to be, relative to the believed one and with its standard deviation, for a change of r2 alone to be less, or more, air drag for its mass.

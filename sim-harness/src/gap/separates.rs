@@ -44,8 +44,13 @@ pub fn separates(a: &str, b: &str, have: Have) -> &'static str {
     if pair("warm_up", "unknown") || pair("warm_up", "davis_error") {
         return "runs that begin at another place or speed";
     }
-    let mass = |name: &str| matches!(name, "mass_error" | "traction_scale" | "brake_fade");
-    if !have.effort && (mass(a) || mass(b)) {
+    let by_effort = |name: &str| {
+        matches!(
+            name,
+            "mass_error" | "traction_scale" | "power_limit_section" | "brake_fade"
+        )
+    };
+    if !have.effort && (by_effort(a) || by_effort(b)) {
         return EFFORT;
     }
     if place(a) || place(b) || pair("davis_error", "unknown") || pair("davis_error", "steady_wind")

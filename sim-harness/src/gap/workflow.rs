@@ -131,6 +131,8 @@ pub fn investigate(
 /// What was found, by name; nothing of it lies beyond the ends of the line.
 fn all_named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> Vec<Named> {
     let mut all = named(findings, surroundings, runs);
+    // What no board takes is no effect of a train; the residuals still say that something is left.
+    all.retain(|one| one.effect.check().is_ok());
     for one in &mut all {
         on_line(one, surroundings.length_m);
     }

@@ -28,6 +28,8 @@ pub fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -
     const LEAST_DRAG_N_PER_KG: f64 = 1.5e-3;
     /// A load of a few passengers is no finding.
     const LEAST_MASS: f64 = 0.008;
+    /// No description is further off. Without an effort column it would be the air drag of another train.
+    const MOST_MASS: f64 = 0.4;
     /// A gauge of the effort is off by about so much; what is more is another mass.
     const LEAST_GAUGE: f64 = 0.003;
     const MOST_GAUGE: f64 = 0.03;
@@ -65,7 +67,7 @@ pub fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -
         return false;
     }
     match term {
-        Term::Mass => beta[0].abs() > LEAST_MASS,
+        Term::Mass => (LEAST_MASS..MOST_MASS).contains(&beta[0].abs()),
         Term::Gauge => (LEAST_GAUGE..MOST_GAUGE).contains(&beta[0].abs()),
         Term::BrakeFade(_) => beta[0] > 0.04,
         Term::Length(_) => true,
