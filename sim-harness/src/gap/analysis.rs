@@ -157,23 +157,19 @@ pub fn analyse(
     let rounds = if measured { 1 } else { UNCERTAIN.len() };
     let mut model: Vec<Term> = Vec::new();
     let mut beta: Vec<f64> = Vec::new();
-    let mut last: Option<(Vec<Row>, Calibrated, f64)> = None;
+    let mut last: Option<(Vec<Row>, Calibrated)> = None;
     for uncertain in UNCERTAIN.iter().take(rounds) {
-        let known = last.as_ref().filter(|(rows, ..)| rows.len() >= FEW_ROWS);
-        let recognised = Recognised::new(
-            runs,
-            &readings,
-            known.map(|(_, found, _)| found),
-            *uncertain,
-        );
+        let known = last.as_ref().filter(|(rows, _)| rows.len() >= FEW_ROWS);
+        let recognised =
+            Recognised::new(runs, &readings, known.map(|(_, found)| found), *uncertain);
         let rows = rows(&context, runs, &cut, measured, (&model, &beta), recognised);
         if rows.len() < 30 {
             break;
         }
-        let (mut calibrated, mut likelihood) = calibrate(&context, &rows, measured, true, &model);
+        let (mut calibrated, _) = calibrate(&context, &rows, measured, true, &model);
         if let Some(drags) = dragging(&context, &rows, &calibrated, &model) {
             let with: Vec<Term> = model.iter().cloned().chain([drags]).collect();
-            (calibrated, likelihood) = calibrate(&context, &rows, measured, true, &with);
+            (calibrated, _) = calibrate(&context, &rows, measured, true, &with);
         }
         let search = Search::new(&context, &rows, &calibrated, measured);
         // So few rows would fit anything; limits can be judged nevertheless.
@@ -184,17 +180,19 @@ pub fn analyse(
         };
         let base = search.base(&model)?;
         beta = expanded(&model, base.beta.as_slice());
-        last = Some((rows, calibrated, likelihood));
+        last = Some((rows, calibrated));
     }
     // Without rows forces cannot be judged; wheels and locations can.
     let judged = last.is_some();
-    let (rows, calibrated, likelihood) = last.unwrap_or_default();
-    let (terms, without_wind) = if judged {
-        let (_, without_wind) = calibrate(&context, &rows, measured, false, &model);
+    let (rows, calibrated) = last.unwrap_or_default();
+    let (terms, wind_gain) = if judged {
+        // Beside the same model, which was not known when the noise was found.
+        let reached = |wind| calibrate(&context, &rows, measured, wind, &model).1;
+        let wind_gain = reached(true) - reached(false);
         let search = Search::new(&context, &rows, &calibrated, measured);
-        (fitted(&search, &model), without_wind)
+        (fitted(&search, &model), wind_gain)
     } else if kinematics.runs > 0 {
-        (Vec::new(), likelihood)
+        (Vec::new(), 0.0)
     } else {
         return None;
     };
@@ -219,7 +217,7 @@ pub fn analyse(
         terms,
         limits: limits(&pulls, &traction),
         pulls,
-        wind_gain: likelihood - without_wind,
+        wind_gain,
         believed_r2: believed.train().davis().r2,
         gravity_n_per_kg: believed.train().gravity_n_per_kg(),
         length_m: believed.train().length_m(),

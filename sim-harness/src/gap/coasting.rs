@@ -6,10 +6,11 @@
 //! |---|---|
 //! | coast | 0 |
 //! | hold | what keeps the speed: r + g |
-//! | power | 0.15 to 1.05 of the largest |
-//! | brake | -0.1 to -0.8 |
+//! | power | 0.15 to 1.1 of the largest |
+//! | brake | -0.8 to -0.1 |
+//! | change | -0.5 to 1.05 of the largest |
 //!
-//! Intervals in which the regime changes lie anywhere between. So an interval counts as coasted only if the one beside it did, too, or if the change clearly lies in the one
+//! Coasting and a held speed weigh more than their share, 2.5 times as much as a density of the same width: without that short coasts would hardly be seen. An interval counts as coasted only if the one beside it did, too, or if the change clearly lies in the one
 //! beside it: its effort is a part of the one before. How often regimes change is found from the runs.
 
 use super::calibrate::Own;
@@ -21,7 +22,7 @@ use rundown::motion::Line;
 const CHANGES: [f64; 4] = [0.08, 0.15, 0.25, 0.4];
 /// Coasting is believed above this probability.
 const ENOUGH: f64 = 0.85;
-/// A stretch must be coasting rather than a held speed by so much, log of the odds.
+/// A stretch must be coasting rather than a held speed by so much, log of the ratio.
 const RATHER: f64 = 1.0;
 /// So many neighbours on both sides must not together be a held speed by so much.
 const AROUND: usize = 2;
@@ -69,9 +70,9 @@ pub struct Driven {
 /// What one interval tells.
 struct Told {
     effort_n_per_kg: f64,
-    /// Density of its effort under each regime.
-    densities: [f64; REGIMES],
-    /// Coasting rather than a held speed, log of the odds.
+    /// Weight of its effort under each regime.
+    weights: [f64; REGIMES],
+    /// Log of how much better coasting fits than a held speed, each beside its own best.
     rather: f64,
 }
 
@@ -106,7 +107,7 @@ impl Told {
         };
         let held = hold(effort - load);
         let most = line.train.max_effort_n_per_kg(speed.max(1.0));
-        let densities = [
+        let weights = [
             coast(effort) / sd,
             held,
             even(0.15 * most, 1.1 * most),
@@ -119,8 +120,8 @@ impl Told {
         let moves = interval.speed_mps.iter().all(|speed| *speed >= SLOWEST_MPS);
         Self {
             effort_n_per_kg: effort,
-            densities: if moves {
-                densities
+            weights: if moves {
+                weights
             } else {
                 [1e-9, 1.0, 1.0, 1.0, 1.0]
             },
@@ -153,7 +154,7 @@ impl Driven {
         let mut likelihood = 0.0;
         let forward = self.told.iter().map(|told| {
             let foreseen = step(&now, change);
-            let joint = core::array::from_fn(|i| foreseen[i] * told.densities[i]);
+            let joint = core::array::from_fn(|i| foreseen[i] * told.weights[i]);
             likelihood += joint.iter().sum::<f64>().max(1e-300).ln();
             now = scaled(joint);
             now
@@ -167,7 +168,7 @@ impl Driven {
         let mut backward = [1.0; REGIMES];
         for (regimes, told) in regimes.iter_mut().zip(&self.told).rev() {
             *regimes = scaled(core::array::from_fn(|i| regimes[i] * backward[i]));
-            let weighted = core::array::from_fn(|i| told.densities[i] * backward[i]);
+            let weighted = core::array::from_fn(|i| told.weights[i] * backward[i]);
             backward = scaled(step(&weighted, change));
         }
         regimes

@@ -59,7 +59,9 @@ pub fn measured(runs: &[Run]) -> bool {
             .filter(|s| s.speed_mps.is_some_and(|v| v > 1.0))
     };
     let with = moving().filter(|s| s.effort_n_per_kg.is_some()).count();
-    with as f64 > MEASURED_SHARE * moving().count() as f64 && with > 0
+    // A column of zeros is none.
+    let any = moving().any(|s| s.effort_n_per_kg.is_some_and(|effort| effort != 0.0));
+    any && with as f64 > MEASURED_SHARE * moving().count() as f64
 }
 
 /// The reading under which the residuals are smaller.

@@ -7,8 +7,8 @@ use crate::effect_frame;
 use crate::output::WriteError;
 use crate::track_file::TrackFile;
 use crate::train_file::TrainFile;
-use std::fs;
 use std::path::Path;
+use std::{fs, io};
 use thiserror::Error;
 
 /// A file that cannot be rendered.
@@ -69,11 +69,20 @@ impl Files {
             let path = path.to_owned();
             move |source| WriteError { path, source }
         };
-        // All folders first: where one cannot be made, nothing is written.
+        // All folders first: where one cannot be made, or one lies in the way, nothing is written.
         for (name, _) in &self.0 {
             let path = out.join(name);
             let folder = path.parent().unwrap_or(out);
             fs::create_dir_all(folder).map_err(at(folder))?;
+        }
+        if let Some(path) = self
+            .0
+            .iter()
+            .map(|(name, _)| out.join(name))
+            .find(|path| path.is_dir())
+        {
+            let source = io::Error::from(io::ErrorKind::IsADirectory);
+            return Err(WriteError { path, source });
         }
         for (name, bytes) in &self.0 {
             let path = out.join(name);

@@ -30,6 +30,8 @@ pub struct Fitted {
 const LAW: f64 = 0.01;
 /// A rival within this of a term cannot be told apart from it.
 pub const NEAR: f64 = 3.0;
+/// A rival that is worse by more has no odds.
+const FAR: f64 = 10.0;
 
 /// Each term of the model with its coefficients, what it brings beside the others, and who would do as well.
 pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
@@ -61,7 +63,7 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
                 let mut with = others.clone();
                 with.insert(index, found.term.clone());
                 let worse = score - search.score(&with) - unnamed(&found.term);
-                (worse < NEAR).then_some((found.term, worse))
+                (worse < FAR).then_some((found.term, worse))
             })
             .collect();
         let sd: Vec<f64> = range

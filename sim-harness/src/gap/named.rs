@@ -285,6 +285,7 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
             of_limit.rival(other.limit.name(), odds, findings.have());
         }
         of_limit.ambiguous_with.truncate(2);
+        of_limit.would_separate.truncate(2);
         of_limit.would_separate.dedup();
         all.push(of_limit);
     }
@@ -303,8 +304,11 @@ fn coasted(section: core::ops::Range<f64>, findings: &Findings) -> bool {
 fn mass_by_drag(fitted: &Fitted, r2: f64) -> Option<(f64, f64)> {
     let (beta, sd) = (*fitted.beta.first()?, *fitted.sd.first()?);
     match fitted.term {
-        Term::Davis([false, false, true]) => Some((-beta / (r2 + beta), sd / r2)),
-        Term::Mass => Some((beta / (1.0 - beta), sd)),
+        Term::Davis([false, false, true]) => {
+            let true_r2 = r2 + beta;
+            Some((-beta / true_r2, sd * r2 / (true_r2 * true_r2)))
+        }
+        Term::Mass => Some((beta / (1.0 - beta), sd / (1.0 - beta).powi(2))),
         _ => None,
     }
 }

@@ -42,6 +42,7 @@ pub fn notes(found: &Investigation, runs: usize) -> Vec<String> {
             "Few runs ({runs}): what one driver or one day does can pass for an effect, and a small effect is not found."
         ));
     }
+    notes.extend(other_names(found));
     notes.extend(contradiction(found));
     notes
 }
@@ -94,6 +95,31 @@ pub const NO_ROWS: &str = "No resistance could be judged: the logs have no effor
 /// The repaired model is further off where there was something to remove, or by more than chance rounding.
 pub fn worse(gap: &Gap) -> bool {
     gap.is_worse() && gap.after_mps > 1.001 * gap.before_mps
+}
+
+/// Before and after are measured with what the training runs tell, which may be something else than all runs do.
+fn other_names(found: &Investigation) -> Option<String> {
+    let names = |named: &[Named]| {
+        // A wheel of one run is put right before.
+        let of_all = named
+            .iter()
+            .filter(|one| !matches!(one.effect, Effect::SpeedScale(_)));
+        let mut names: Vec<&str> = of_all.map(|one| one.effect.name()).collect();
+        names.sort_unstable();
+        names
+    };
+    let (all, training) = (names(&found.named), names(&found.trained));
+    let told = |names: &[&str]| match names {
+        [] => "nothing".to_owned(),
+        names => names.join(", "),
+    };
+    (!found.held_out.is_empty() && all != training).then(|| {
+        format!(
+            "All runs tell of {}, those that were not held out of {}: before and after on the held-out runs are measured with the second.",
+            told(&all),
+            told(&training)
+        )
+    })
 }
 
 /// Where p-value and verdict seem to say different things.

@@ -2,7 +2,7 @@
 
 use super::analysis::{Findings, Surroundings};
 use super::fit::TWO_SIDED;
-use super::fitted::Fitted;
+use super::fitted::{Fitted, NEAR};
 use super::named::{GAUGE, Named, around, name};
 use super::rows::Row;
 use super::runs::Run;
@@ -230,8 +230,8 @@ pub(super) fn of_term(
         .iter()
         .map(|(_, worse)| (-worse.max(0.0)).exp())
         .sum();
-    let mut ambiguous_with: Vec<&'static str> = rivals
-        .iter()
+    let near = || rivals.iter().filter(|(_, worse)| *worse < NEAR);
+    let mut ambiguous_with: Vec<&'static str> = near()
         .map(|(name, _)| *name)
         .filter(|other| *other != effect.name() && *other != GAUGE)
         .collect();
@@ -242,7 +242,7 @@ pub(super) fn of_term(
         .iter()
         .map(|other| separates(effect.name(), other, have));
     let mut would_separate: Vec<&'static str> = advice.collect();
-    if rivals.iter().any(|(name, _)| *name == GAUGE) {
+    if near().any(|(name, _)| *name == GAUGE) {
         would_separate.push("a calibrated gauge of the effort");
     }
     would_separate.dedup();

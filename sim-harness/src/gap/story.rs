@@ -20,9 +20,13 @@ pub fn story(answer: &Answer<'_>) -> String {
     for (i, one) in found.named.iter().enumerate() {
         text.push_str(&of_effect(one));
         if let Some([nearest, ..]) = answer.rivals.get(i).map(Vec::as_slice) {
+            let (size, less) = match nearest.worse {
+                worse if worse < 0.0 => (-worse, "more"),
+                worse => (worse, "less"),
+            };
             text.push_str(&format!(
-                "  next best {} (log-likelihood {:.1} less)",
-                nearest.name, nearest.worse
+                "  next best {} (log-likelihood {size:.1} {less})",
+                nearest.name
             ));
         }
         text.push('\n');

@@ -48,6 +48,8 @@ pub struct Investigation {
 const HELD_OUT: usize = 5;
 /// A gap of which less was removed is explained only in part.
 const EXPLAINED: f64 = 0.7;
+/// Below this p-value there is a gap, named or not: that of fewer than one in a thousand flips of signs.
+const SURE_GAP: f64 = 0.0015;
 
 /// Fewer runs are no ground to find an effect in.
 pub const LEAST_TRAINING: usize = 5;
@@ -177,7 +179,11 @@ impl Investigation {
         // The wheel of one run is put right before the gap is measured.
         let of_one_run = |n: &Named| n.effect.name() == "speed_scale" && !n.runs.is_empty();
         if self.named.is_empty() {
-            "no_gap"
+            if self.p_value < SURE_GAP {
+                "unknown"
+            } else {
+                "no_gap"
+            }
         } else if self.named.iter().all(of_one_run) {
             "explained"
         } else if self.named.iter().all(|n| n.effect.name() == "unknown") {

@@ -5,14 +5,14 @@
 
 use super::{FoundLimit, Limit};
 use crate::gap::rows::Believed;
-use crate::gap::runs::{Interval, Readings, Run};
+use crate::gap::runs::{EffortReading, Interval, POINTS, Readings, Run, Sample};
 use rundown::train::Train;
 
 /// A reading of the effort where the power limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading {
-    /// Location, m.
-    location_m: f64,
+    /// Where it was read, from and to, m: a mean belongs to all of the way since the reading before.
+    span_m: [f64; 2],
     /// Effort over believed limit.
     ratio: f64,
 }
@@ -33,13 +33,20 @@ const EDGE_M: (f64, f64) = (50.0, 500.0);
 pub fn traction(believed: &Believed<'_>, run: &Run, readings: &Readings) -> Vec<Reading> {
     let train = believed.line(run.direction).train;
     let most = train.max_effort_n_per_kg(0.1);
-    let read = run.samples.iter().filter_map(|s| {
+    let limit = |s: &Sample| {
         let speed_mps = readings.true_speed_mps(s.speed_mps?);
-        let limit = train.max_effort_n_per_kg(speed_mps.max(0.5));
-        let effort = s.effort_n_per_kg.filter(|effort| *effort > 0.0)?;
-        (limit < most).then_some(Reading {
-            location_m: s.location_m?,
-            ratio: effort / limit,
+        Some(train.max_effort_n_per_kg(speed_mps.max(0.5))).filter(|limit| *limit < most)
+    };
+    let read = (0..run.samples.len()).filter_map(|i| {
+        let here = &run.samples[i];
+        let from = match readings.effort {
+            EffortReading::Momentary => here,
+            EffortReading::MeanSinceLast => &run.samples[i.checked_sub(1)?],
+        };
+        let effort = here.effort_n_per_kg.filter(|effort| *effort > 0.0)?;
+        Some(Reading {
+            span_m: [from.location_m?, here.location_m?],
+            ratio: effort / limit(from)?.max(limit(here)?),
         })
     });
     read.collect()
@@ -62,7 +69,7 @@ pub fn calculated(
             let [begin, end] = interval.speed_mps;
             let by_power = train.max_effort_n_per_kg(begin.min(end).max(0.5)) < most;
             (by_power && least > 0.0).then_some(Reading {
-                location_m: interval.middle().location_m,
+                span_m: [0, POINTS - 1].map(|i| interval.path[i].location_m),
                 ratio: least / limit,
             })
         });
@@ -109,13 +116,18 @@ fn exceeded(
     factor: f64,
     inwards: impl Fn(&f64, &f64) -> core::cmp::Ordering,
 ) -> Option<f64> {
-    let inside = |run: &&Vec<Reading>| run.iter().any(|r| part.contains(&r.location_m));
+    let within = |r: &&Reading| r.span_m.iter().all(|at| part.contains(at));
+    let inside = |run: &&Vec<Reading>| run.iter().any(|r| within(&r));
     let pulling = traction.iter().filter(inside).count();
     let few = FEW_RUNS.max((FEW_SHARE * pulling as f64).ceil() as usize);
     let innermost = |run: &Vec<Reading>| {
         let above = run.iter().filter(|r| r.ratio > ABOVE * factor);
-        let above = above.map(|r| r.location_m).filter(|at| part.contains(at));
-        above.max_by(&inwards)
+        // Somewhere along its way: no further in than the end that is nearer to the edge.
+        let outer = |r: &Reading| {
+            let [a, b] = r.span_m;
+            if inwards(&a, &b).is_lt() { a } else { b }
+        };
+        above.filter(within).map(outer).max_by(&inwards)
     };
     let mut of_runs: Vec<f64> = traction.iter().filter_map(innermost).collect();
     of_runs.sort_by(|a, b| inwards(b, a));
@@ -136,7 +148,7 @@ mod tests {
                 let location_m = 100.0 * f64::from(k);
                 let much = i < above && at_m.contains(&location_m);
                 Reading {
-                    location_m,
+                    span_m: [location_m; 2],
                     ratio: if much { 0.6 } else { 0.3 },
                 }
             };
