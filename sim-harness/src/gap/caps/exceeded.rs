@@ -196,6 +196,14 @@ mod tests {
     }
 
     #[test]
+    fn a_mean_over_the_edge_says_nothing_and_one_inside_counts_from_its_outer_end() {
+        let mean = |span_m: [f64; 2]| vec![vec![Reading { span_m, ratio: 0.6 }]; 10];
+        assert_eq!(section(&mean([3_800.0, 4_200.0])), Some((4_000.0, 8_000.0)));
+        assert_eq!(section(&mean([4_100.0, 4_500.0])), Some((4_100.0, 8_000.0)));
+        assert_eq!(section(&mean([7_900.0, 7_500.0])), Some((4_000.0, 7_900.0)));
+    }
+
+    #[test]
     fn a_calculated_effort_counts_for_what_it_is_at_least_and_only_where_the_power_limits() {
         let train = train();
         let corner_mps =
