@@ -4,7 +4,6 @@ use super::edges::edges;
 use super::pulls::Pull;
 use super::told::{ByPower, SHARES, Told, density, over_shares, shares};
 use super::{FoundLimit, Limit, factor_sd, trimmed};
-use crate::gap::fit::median;
 
 /// Edges of sections lie on this grid before they are refined, m.
 const EDGE_M: f64 = 250.0;
@@ -51,16 +50,16 @@ fn factors(runs: &[Told<'_>]) -> Vec<f64> {
     const STEPS: usize = 136;
     /// Pulls within this of a factor are near, a standard deviation.
     const NEAR: f64 = 0.01;
-    let of_pull = |asked: &ByPower<'_>| median(asked.parts().map(|(pull, _)| pull.ratio));
-    let ratios: Vec<f64> = runs
-        .iter()
-        .flat_map(Told::by_power)
-        .filter_map(|asked| of_pull(&asked))
-        .collect();
+    // A short section holds a part of a pull only.
+    let of_pull = |asked: ByPower<'_>| asked.parts().map(|(pull, _)| pull.ratio).collect();
+    let ratios: Vec<Vec<f64>> = runs.iter().flat_map(Told::by_power).map(of_pull).collect();
     let factor = |step: usize| LEAST + STEP * step as f64;
     let near = |step: usize| -> f64 {
-        let off = ratios.iter().map(|ratio| (ratio - factor(step)) / NEAR);
-        off.map(|z| (-0.5 * z * z).exp()).sum()
+        let nearest = |parts: &Vec<f64>| {
+            let off = parts.iter().map(|ratio| (ratio - factor(step)) / NEAR);
+            off.map(|z| (-0.5 * z * z).exp()).fold(0.0, f64::max)
+        };
+        ratios.iter().map(nearest).sum()
     };
     let near: Vec<f64> = (0..STEPS).map(near).collect();
     let is_peak = |i: &usize| {
