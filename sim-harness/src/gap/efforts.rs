@@ -220,19 +220,22 @@ pub fn traction_of(
         calculated_n_per_kg(calibrated).max(rounded_n_per_kg(runs, readings))
     };
     let of_run = |(index, (intervals, run)): (usize, (&Vec<Interval>, &Run))| {
-        let effort = efforts(context, run, intervals, measured, model);
+        let effort = || efforts(context, run, intervals, measured, model);
+        if !measured {
+            let effort = effort();
+            let given = calculated(believed.train(), intervals, &effort, sd);
+            return (
+                pulls(believed, run.direction, intervals, &effort, sd),
+                given,
+            );
+        }
         let sampled = readings.effort == EffortReading::Momentary || usual_step_s(run) < FAST_S;
-        let pulls = if measured && sampled {
+        let pulls = if sampled {
             sampled_pulls(believed, index, run, readings)
         } else {
-            pulls(believed, run.direction, intervals, &effort, sd)
+            pulls(believed, run.direction, intervals, &effort(), sd)
         };
-        let given = if measured {
-            traction(believed, run, readings)
-        } else {
-            calculated(believed.train(), intervals, &effort, sd)
-        };
-        (pulls, given)
+        (pulls, traction(believed, run, readings))
     };
     cut.iter().zip(runs).enumerate().map(of_run).unzip()
 }
