@@ -32,20 +32,11 @@ impl<'a, F: NorFlash> Application<'a, F> {
     }
 
     /// A byte came over the line. `health` is asked when a status is due.
-    pub fn receive(
-        &mut self,
-        byte: u8,
-        health: impl Fn() -> Health + Copy,
-        send: &mut impl FnMut(&[u8]) -> bool,
-    ) {
+    pub fn receive(&mut self, byte: u8, health: impl Fn() -> Health + Copy, send: &mut impl FnMut(&[u8]) -> bool) {
         match self.decoder.push(byte) {
             Ok(Some(message)) => {
                 self.messages.received = self.messages.received.saturating_add(1);
-                let mut line = Line {
-                    send,
-                    health,
-                    messages: &mut self.messages,
-                };
+                let mut line = Line { send, health, messages: &mut self.messages };
                 self.task.receive(message, &mut line);
             }
             Ok(None) => {}
@@ -54,16 +45,9 @@ impl<'a, F: NorFlash> Application<'a, F> {
     }
 
     /// A tick of the clock.
-    #[cfg_attr(
-        not(target_os = "none"),
-        expect(dead_code, reason = "the host's clock does not tick")
-    )]
+    #[cfg_attr(not(target_os = "none"), expect(dead_code, reason = "the host's clock does not tick"))]
     pub fn tick(&mut self, health: impl Fn() -> Health, send: &mut impl FnMut(&[u8]) -> bool) {
-        let mut line = Line {
-            send,
-            health,
-            messages: &mut self.messages,
-        };
+        let mut line = Line { send, health, messages: &mut self.messages };
         self.task.tick(&mut line);
     }
 }
@@ -85,9 +69,6 @@ impl<S: FnMut(&[u8]) -> bool, H: Fn() -> Health> Port for Line<'_, S, H> {
     }
 
     fn health(&self) -> Health {
-        Health {
-            messages: *self.messages,
-            ..(self.health)()
-        }
+        Health { messages: *self.messages, ..(self.health)() }
     }
 }

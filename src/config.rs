@@ -53,12 +53,7 @@ pub struct SensorConfig {
 impl Default for SensorConfig {
     /// Location with ten times the paper's 4 m: costs little, and a wrong speed scale or a late fix then reaches the resistance far less.
     fn default() -> Self {
-        Self {
-            speed_quantum_kmh: 1.0,
-            rounding: Rounding::Rounded,
-            speed_noise_kmh: 0.05,
-            location_sd_m: 40.0,
-        }
+        Self { speed_quantum_kmh: 1.0, rounding: Rounding::Rounded, speed_noise_kmh: 0.05, location_sd_m: 40.0 }
     }
 }
 
@@ -66,9 +61,7 @@ impl SensorConfig {
     /// Middle of the interval that a reading stands for, m/s. Zero stays zero: a standing train is not rounded.
     pub fn centre_mps(&self, reading_mps: Real) -> Real {
         match self.rounding {
-            Rounding::Truncated if reading_mps > 0.0 => {
-                reading_mps + 0.5 * self.speed_quantum_kmh / 3.6
-            }
+            Rounding::Truncated if reading_mps > 0.0 => reading_mps + 0.5 * self.speed_quantum_kmh / 3.6,
             _ => reading_mps,
         }
     }
@@ -167,10 +160,7 @@ pub struct Config {
 impl Config {
     /// The default values in this mode.
     pub fn with_mode(mode: Mode) -> Self {
-        Self {
-            mode,
-            ..Self::default()
-        }
+        Self { mode, ..Self::default() }
     }
 
     /// Checks every value that could do harm.
@@ -180,12 +170,7 @@ impl Config {
     pub fn check(&self) -> Result<(), ConfigError> {
         let sensor = &self.sensor;
         let paper = &self.paper;
-        between(
-            "sensor.speed_quantum_kmh",
-            sensor.speed_quantum_kmh,
-            0.0,
-            20.0,
-        )?;
+        between("sensor.speed_quantum_kmh", sensor.speed_quantum_kmh, 0.0, 20.0)?;
         between("sensor.speed_noise_kmh", sensor.speed_noise_kmh, 0.0, 20.0)?;
         between(
             "sensor speed_quantum_kmh + speed_noise_kmh",
@@ -194,42 +179,17 @@ impl Config {
             40.0,
         )?;
         between("sensor.location_sd_m", sensor.location_sd_m, 0.01, 1e4)?;
-        between(
-            "paper.initial_location_sd_m",
-            paper.initial_location_sd_m,
-            1e-6,
-            1e5,
-        )?;
-        between(
-            "paper.initial_speed_sd_kmh",
-            paper.initial_speed_sd_kmh,
-            1e-6,
-            1e3,
-        )?;
+        between("paper.initial_location_sd_m", paper.initial_location_sd_m, 1e-6, 1e5)?;
+        between("paper.initial_speed_sd_kmh", paper.initial_speed_sd_kmh, 1e-6, 1e3)?;
         for sd in paper.initial_davis_sd {
             between("paper.initial_davis_sd", sd, 1e-15, 1.0)?;
         }
         between("paper.location_sd_m", paper.location_sd_m, 1e-3, 1e5)?;
         between("paper.speed_sd_kmh", paper.speed_sd_kmh, 1e-3, 1e3)?;
-        between(
-            "paper.acceleration_noise_mps2",
-            paper.acceleration_noise_mps2,
-            0.0,
-            10.0,
-        )?;
+        between("paper.acceleration_noise_mps2", paper.acceleration_noise_mps2, 0.0, 10.0)?;
         between("paper.sub_step_s", paper.sub_step_s, 0.1, 1e12)?;
-        between(
-            "paper_rule.coast_n_per_kg",
-            self.paper_rule.coast_n_per_kg,
-            0.0,
-            10.0,
-        )?;
-        between(
-            "paper_rule.cruise_mps2",
-            self.paper_rule.cruise_mps2,
-            0.0,
-            10.0,
-        )?;
+        between("paper_rule.coast_n_per_kg", self.paper_rule.coast_n_per_kg, 0.0, 10.0)?;
+        between("paper_rule.cruise_mps2", self.paper_rule.cruise_mps2, 0.0, 10.0)?;
         self.learning.check()?;
         self.memory.check()?;
         self.recogniser.check()?;
@@ -261,15 +221,9 @@ pub enum ConfigError {
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::OutOfRange {
-                field,
-                least,
-                most,
-                found,
-            } => write!(
-                f,
-                "configuration: {field} must be {least} to {most}, found {found}"
-            ),
+            Self::OutOfRange { field, least, most, found } => {
+                write!(f, "configuration: {field} must be {least} to {most}, found {found}")
+            }
             Self::Features(error) => write!(f, "configuration: {error}"),
         }
     }
@@ -278,20 +232,6 @@ impl fmt::Display for ConfigError {
 impl core::error::Error for ConfigError {}
 
 /// `found` lies within `least..=most`; NaN does not.
-pub(crate) fn between(
-    field: &'static str,
-    found: Real,
-    least: Real,
-    most: Real,
-) -> Result<(), ConfigError> {
-    if (least..=most).contains(&found) {
-        Ok(())
-    } else {
-        Err(ConfigError::OutOfRange {
-            field,
-            least,
-            most,
-            found,
-        })
-    }
+pub(crate) fn between(field: &'static str, found: Real, least: Real, most: Real) -> Result<(), ConfigError> {
+    if (least..=most).contains(&found) { Ok(()) } else { Err(ConfigError::OutOfRange { field, least, most, found }) }
 }

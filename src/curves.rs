@@ -41,10 +41,7 @@ pub(crate) struct Curves {
 }
 
 impl Curves {
-    pub(crate) const NONE: Self = Self {
-        bends: Vec::new(),
-        begun_m: 0.0,
-    };
+    pub(crate) const NONE: Self = Self { bends: Vec::new(), begun_m: 0.0 };
 
     pub(crate) fn is_empty(&self) -> bool {
         self.bends.is_empty()
@@ -106,11 +103,7 @@ mod tests {
     use super::*;
 
     fn curve(from_m: Real, to_m: Real, radius_m: Real) -> Curve {
-        Curve {
-            from_m,
-            to_m,
-            radius_m,
-        }
+        Curve { from_m, to_m, radius_m }
     }
 
     #[test]
@@ -119,18 +112,8 @@ mod tests {
         assert!(curves.push(curve(100.0, 300.0, 705.0)));
         assert!(curves.push(curve(150.0, 200.0, 280.0)), "inside");
         assert!(curves.push(curve(290.0, 400.0, 280.0)), "overlaps");
-        for (location_m, sum_m) in [
-            (0.0, 0.0),
-            (100.0, 0.0),
-            (200.0, 0.1),
-            (300.0, 0.2),
-            (350.0, 0.3),
-            (9e3, 0.4),
-        ] {
-            assert!(
-                (curves.integral_m(location_m) - sum_m).abs() < 1e-6,
-                "{location_m}"
-            );
+        for (location_m, sum_m) in [(0.0, 0.0), (100.0, 0.0), (200.0, 0.1), (300.0, 0.2), (350.0, 0.3), (9e3, 0.4)] {
+            assert!((curves.integral_m(location_m) - sum_m).abs() < 1e-6, "{location_m}");
         }
     }
 

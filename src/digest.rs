@@ -55,11 +55,7 @@ pub fn of_estimate(estimate: &Estimate) -> u32 {
     });
     of(&(
         (estimate.time_s, estimate.dt_s, estimate.belief),
-        (
-            estimate.effort_n_per_kg,
-            estimate.acceleration_mps2,
-            estimate.gradient_n_per_kg,
-        ),
+        (estimate.effort_n_per_kg, estimate.acceleration_mps2, estimate.gradient_n_per_kg),
         (estimate.regime, estimate.confirmed, estimate.learning),
         (innovation, estimate.validity),
     ))

@@ -18,11 +18,7 @@ pub struct NotPositiveDefinite {
 
 impl fmt::Display for NotPositiveDefinite {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "covariance is not positive definite: pivot {} is {}",
-            self.row, self.pivot
-        )
+        write!(f, "covariance is not positive definite: pivot {} is {}", self.row, self.pivot)
     }
 }
 
@@ -57,16 +53,10 @@ pub struct Column<const N: usize, const K: usize> {
 pub fn eliminate<const N: usize, const K: usize>(
     covariance: &SMatrix<Real, N, N>,
 ) -> Result<[Column<N, K>; K], NotPositiveDefinite> {
-    let mut columns = [Column {
-        d: 0.0,
-        l: SVector::zeros(),
-        dl: SVector::zeros(),
-    }; K];
+    let mut columns = [Column { d: 0.0, l: SVector::zeros(), dl: SVector::zeros() }; K];
     for j in 0..K {
         // Not copied as a column, nor by an index, which may panic for all that the compiler knows.
-        let mut dl = SVector::<Real, N>::from_fn(|i, _| {
-            covariance.get((i, j)).copied().unwrap_or(Real::NAN)
-        });
+        let mut dl = SVector::<Real, N>::from_fn(|i, _| covariance.get((i, j)).copied().unwrap_or(Real::NAN));
         for before in &columns[..j] {
             dl -= before.dl * before.l[j];
         }
@@ -86,11 +76,7 @@ pub fn eliminate<const N: usize, const K: usize>(
 #[inline]
 pub(crate) fn above_zero(pivot: Real, row: usize) -> Result<Real, NotPositiveDefinite> {
     // Also refuses NaN.
-    if pivot > 0.0 {
-        Ok(pivot)
-    } else {
-        Err(NotPositiveDefinite { row, pivot })
-    }
+    if pivot > 0.0 { Ok(pivot) } else { Err(NotPositiveDefinite { row, pivot }) }
 }
 
 #[cfg(test)]
@@ -102,10 +88,7 @@ mod tests {
     fn factor_gives_back_the_matrix() {
         let p = matrix![4.0, 2.0, -1.0; 2.0, 3.0, 0.5; -1.0, 0.5, 2.0];
         let columns = eliminate::<3, 3>(&p).unwrap();
-        let sum = columns
-            .iter()
-            .map(|column| column.dl * column.l.transpose())
-            .sum::<SMatrix<Real, 3, 3>>();
+        let sum = columns.iter().map(|column| column.dl * column.l.transpose()).sum::<SMatrix<Real, 3, 3>>();
         assert!((sum - p).amax() < 1e-15);
         for column in &columns {
             assert!((column.l * column.d - column.dl).amax() < 1e-15);
@@ -125,10 +108,7 @@ mod tests {
     #[test]
     fn the_failing_pivot_is_named() {
         let indefinite = matrix![1.0, 2.0; 2.0, 1.0];
-        let expected = NotPositiveDefinite {
-            row: 1,
-            pivot: -3.0,
-        };
+        let expected = NotPositiveDefinite { row: 1, pivot: -3.0 };
         assert_eq!(eliminate::<2, 2>(&indefinite), Err(expected));
         let not_a_number = matrix![Real::NAN, 0.0; 0.0, 1.0];
         assert_eq!(eliminate::<2, 2>(&not_a_number).unwrap_err().row, 0);

@@ -52,10 +52,7 @@ pub struct Counters {
 
 impl Counters {
     /// Nothing has occurred.
-    pub const ZEROED: Self = Self {
-        counts: [0; Cause::ALL.len()],
-        time_not_increasing: 0,
-    };
+    pub const ZEROED: Self = Self { counts: [0; Cause::ALL.len()], time_not_increasing: 0 };
 
     /// Adds one.
     pub fn count(&mut self, cause: Cause) {

@@ -56,10 +56,9 @@ pub enum StepError {
 impl fmt::Display for StepError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TimeNotIncreasing { last_s, found_s } => write!(
-                f,
-                "time must increase: the last measurement was at {last_s} s, this one is at {found_s} s"
-            ),
+            Self::TimeNotIncreasing { last_s, found_s } => {
+                write!(f, "time must increase: the last measurement was at {last_s} s, this one is at {found_s} s")
+            }
         }
     }
 }
@@ -99,12 +98,7 @@ impl<T: Borrow<Track>> Estimator<T> {
     /// [`ConfigError`] names the first field that is out of range.
     pub fn try_new(config: Config, train: Train, track: T) -> Result<Self, ConfigError> {
         config.check()?;
-        Ok(Self {
-            config,
-            train,
-            track,
-            effects: Effects::NONE,
-        })
+        Ok(Self { config, train, track, effects: Effects::NONE })
     }
 
     /// The same with these effects in the model.
@@ -134,12 +128,7 @@ impl<T: Borrow<Track>> Estimator<T> {
 impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     /// Without a train, for a board that is still to be told: not to be stepped before train and track are set.
     pub(crate) fn undescribed(track: T, effects: E) -> Self {
-        Self {
-            config: Config::default(),
-            train: Train::undescribed(),
-            track,
-            effects,
-        }
+        Self { config: Config::default(), train: Train::undescribed(), track, effects }
     }
 
     /// The named effects of the model.
@@ -199,20 +188,14 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     /// The memory's settings; how windy the line is may be known as an effect.
     pub fn memory_config(&self) -> MemoryConfig {
         let memory = self.config.memory;
-        MemoryConfig {
-            wind_sd_mps: self.effects().wind_sd_mps().unwrap_or(memory.wind_sd_mps),
-            ..memory
-        }
+        MemoryConfig { wind_sd_mps: self.effects().wind_sd_mps().unwrap_or(memory.wind_sd_mps), ..memory }
     }
 
     /// Largest tractive effort and largest brake effort, N/kg, both positive, as the model believes them at a location and speed.
     pub fn limits_n_per_kg(&self, location_m: Real, speed_mps: Real) -> (Real, Real) {
         if self.effects().is_empty() {
             let train = &self.train;
-            return (
-                train.max_effort_n_per_kg(speed_mps),
-                train.max_brake_n_per_kg(),
-            );
+            return (train.max_effort_n_per_kg(speed_mps), train.max_brake_n_per_kg());
         }
         let limits = self.effects().limits(&self.train, location_m, speed_mps);
         (limits.traction_n_per_kg(speed_mps), limits.brake_n_per_kg)
@@ -226,9 +209,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     /// The vehicle as its manufacturer describes it, before any run.
     pub fn new_vehicle(&self) -> Vehicle {
         match self.config.mode {
-            Mode::Paper => {
-                Vehicle::independent(self.train.davis(), self.config.paper.initial_davis_sd)
-            }
+            Mode::Paper => Vehicle::independent(self.train.davis(), self.config.paper.initial_davis_sd),
             Mode::Gated | Mode::Measured => Vehicle::new(&self.memory_config(), self.train.davis()),
         }
     }
@@ -253,11 +234,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     ///
     /// # Errors
     /// [`StepError::TimeNotIncreasing`]: the measurement is dropped and counted, nothing else changes.
-    pub fn step(
-        &self,
-        run: &mut RunState,
-        measurement: &Measurement,
-    ) -> Result<Estimate, StepError> {
+    pub fn step(&self, run: &mut RunState, measurement: &Measurement) -> Result<Estimate, StepError> {
         let config = &self.config;
         let measurement = &self.corrected(run, measurement);
         let judged = run
@@ -271,26 +248,16 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
                 measurement,
             )
             .map_err(|last_s| {
-                run.counters.time_not_increasing =
-                    run.counters.time_not_increasing.saturating_add(1);
-                StepError::TimeNotIncreasing {
-                    last_s: last_s.unwrap_or(0.0),
-                    found_s: measurement.time_s,
-                }
+                run.counters.time_not_increasing = run.counters.time_not_increasing.saturating_add(1);
+                StepError::TimeNotIncreasing { last_s: last_s.unwrap_or(0.0), found_s: measurement.time_s }
             })?;
-        let line = Line {
-            train: &self.train,
-            track: self.track(),
-            direction: run.direction,
-        };
+        let line = Line { train: &self.train, track: self.track(), direction: run.direction };
         run.journey.measured(judged.time_s, judged.speed_mps.ok());
         let acting = Acting::new(self.effects.borrow(), run.journey);
         let validity = self.count(run, &judged);
         let estimate = match config.mode {
             Mode::Paper => self.paper_tick(run, &line, &acting, &judged, validity),
-            Mode::Gated | Mode::Measured => {
-                self.learning_tick(run, &line, &acting, &judged, validity)
-            }
+            Mode::Gated | Mode::Measured => self.learning_tick(run, &line, &acting, &judged, validity),
         };
         self.observe(run, &line, &acting, &judged, &estimate);
         // What the regime is at this tick may be taken back at the next one; a brake is not.
@@ -306,28 +273,18 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         if effects.is_empty() {
             return *measurement;
         }
-        let speed_mps = measurement
-            .speed_mps
-            .map(|speed_mps| effects.true_speed_mps(speed_mps));
+        let speed_mps = measurement.speed_mps.map(|speed_mps| effects.true_speed_mps(speed_mps));
         let last_mps = run.last.map_or(0.0, |last| last.speed_mps);
         let location_m = measurement.location_m.map(|location_m| {
             let now_mps = speed_mps.unwrap_or(last_mps);
             effects.true_location_m(run.direction.sign(), location_m, now_mps)
         });
-        Measurement {
-            location_m,
-            speed_mps,
-            ..*measurement
-        }
+        Measurement { location_m, speed_mps, ..*measurement }
     }
 
     /// What coasting from the last tick's `estimate` on leads to, see [`crate::coast_ahead`]. Changes nothing.
     pub fn coast_ahead(&self, run: &RunState, estimate: &Estimate) -> CoastAhead {
-        let line = Line {
-            train: &self.train,
-            track: self.track(),
-            direction: run.direction,
-        };
+        let line = Line { train: &self.train, track: self.track(), direction: run.direction };
         let acting = Acting::new(self.effects.borrow(), run.journey);
         // That of a tick of 10 s.
         let noise_mps2 = self.config.learning.acceleration_noise_mps2;
@@ -355,8 +312,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         if let Some(last) = run.unconfirmed.take() {
             run.features.observe(&self.config.features, &last);
         }
-        run.features
-            .features_in(&self.config.features, &mut summary.features);
+        run.features.features_in(&self.config.features, &mut summary.features);
         summary.gain = run.learner.gain();
         summary.learned_s = run.learner.learned_s();
         summary.counters = run.counters;
@@ -370,18 +326,10 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             run.counters.count(Cause::Contradiction);
         }
         let mut age = |reading: &Result<Real, Cause>, age_s: &mut Real| {
-            *age_s = if reading.is_ok() {
-                0.0
-            } else {
-                *age_s + judged.dt_s
-            };
+            *age_s = if reading.is_ok() { 0.0 } else { *age_s + judged.dt_s };
             let cause = reading.err()?;
             run.counters.count(cause);
-            Some(if *age_s > INVALID_AFTER_S {
-                Validity::Invalid(cause)
-            } else {
-                Validity::Held(cause)
-            })
+            Some(if *age_s > INVALID_AFTER_S { Validity::Invalid(cause) } else { Validity::Held(cause) })
         };
         let location = age(&judged.location_m, &mut run.without_location_s);
         let speed = age(&judged.speed_mps, &mut run.without_speed_s);
@@ -392,8 +340,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             return Validity::Invalid(cause);
         }
         match (location, speed) {
-            (Some(invalid @ Validity::Invalid(_)), _)
-            | (_, Some(invalid @ Validity::Invalid(_))) => invalid,
+            (Some(invalid @ Validity::Invalid(_)), _) | (_, Some(invalid @ Validity::Invalid(_))) => invalid,
             (Some(held), _) | (None, Some(held)) => held,
             (None, None) => Validity::Valid,
         }
@@ -418,22 +365,13 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             _ => PaperLoop::begin(config, line, acting, time_s, &davis, location_m, speed_mps),
         };
         if !judged.anew {
-            match next.step(
-                config,
-                line,
-                acting,
-                time_s,
-                judged.dt_s,
-                [location_m, speed_mps],
-            ) {
+            match next.step(config, line, acting, time_s, judged.dt_s, [location_m, speed_mps]) {
                 Ok(found) => innovation = Some(found),
                 Err(_) => {
                     // The covariance is of no use any more: begin again with what was learned.
                     run.counters.count(Cause::Numerics);
                     validity = Validity::Held(Cause::Numerics);
-                    next = PaperLoop::begin(
-                        config, line, acting, time_s, &run.begin, location_m, speed_mps,
-                    );
+                    next = PaperLoop::begin(config, line, acting, time_s, &run.begin, location_m, speed_mps);
                 }
             }
         }
@@ -444,10 +382,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             speed_mps: next.belief.mean[SPEED],
         });
         let confirmed = run.unconfirmed.map(|_| run.regime);
-        run.regime = self
-            .config
-            .paper_rule
-            .recognise(next.effort_n_per_kg, next.acceleration_mps2);
+        run.regime = self.config.paper_rule.recognise(next.effort_n_per_kg, next.acceleration_mps2);
         let regime = run.regime;
         Estimate {
             time_s: judged.time_s,
@@ -483,22 +418,16 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             run.learner.end();
         } else {
             let sign = line.direction.sign();
-            run.kinematics
-                .step(&config.sensor, sign, judged.dt_s, location_m, speed_mps);
+            run.kinematics.step(&config.sensor, sign, judged.dt_s, location_m, speed_mps);
             if let Some(location_m) = location_m
-                && (location_m - run.kinematics.belief().mean[LOCATION]).abs()
-                    > config.plausibility.location_jump_m
+                && (location_m - run.kinematics.belief().mean[LOCATION]).abs() > config.plausibility.location_jump_m
             {
                 run.kinematics.anchor(&config.sensor, location_m);
                 run.learner.end();
             }
         }
         let moving = run.kinematics.belief();
-        let now = Point {
-            time_s: judged.time_s,
-            location_m: moving.mean[LOCATION],
-            speed_mps: moving.mean[SPEED],
-        };
+        let now = Point { time_s: judged.time_s, location_m: moving.mean[LOCATION], speed_mps: moving.mean[SPEED] };
 
         // Effort over the piece of evidence that ends now.
         let read = speed_mps.is_some();
@@ -507,11 +436,8 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         let regime = run.regime;
 
         // Learning.
-        let enough = if run.learner.in_segment() {
-            config.learning.end_probability
-        } else {
-            config.learning.begin_probability
-        };
+        let enough =
+            if run.learner.in_segment() { config.learning.end_probability } else { config.learning.begin_probability };
         let coasting = config.mode == Mode::Gated && recognised.coasted > enough;
         let fast = now.speed_mps > config.learning.min_speed_kmh / 3.6;
         let known = match config.mode {
@@ -534,10 +460,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
                         effort_n_per_kg,
                         effort_sd_n_per_kg,
                     };
-                    match run
-                        .learner
-                        .step(&config.learning, &config.sensor, line, acting, &tick)
-                    {
+                    match run.learner.step(&config.learning, &config.sensor, line, acting, &tick) {
                         Ok(found) => {
                             innovation = found;
                             learning = run.learner.in_segment();
@@ -562,10 +485,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
                     effort_sd_n_per_kg: 0.0,
                 };
                 if config.mode == Mode::Measured
-                    || run
-                        .learner
-                        .step(&config.learning, &config.sensor, line, acting, &tick)
-                        .is_err()
+                    || run.learner.step(&config.learning, &config.sensor, line, acting, &tick).is_err()
                 {
                     run.learner.end();
                 }
@@ -605,12 +525,10 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         let config = &self.config.recogniser;
         let before = run.regime;
         let belief = run.learner.provisional();
-        let over = run.anchor.filter(|_| read).map(|anchor| {
-            (
-                anchor,
-                effort::over_interval(line, acting, &davis_of(&belief), &anchor, now),
-            )
-        });
+        let over = run
+            .anchor
+            .filter(|_| read)
+            .map(|anchor| (anchor, effort::over_interval(line, acting, &davis_of(&belief), &anchor, now)));
         let mut recognition = Recognition {
             effort: over.map(|(_, effort)| effort),
             confirmed: run.unconfirmed.map(|_| before),
@@ -626,10 +544,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             if read {
                 run.anchor = Some(*now);
                 run.regime = run.recogniser.regime();
-            } else if run
-                .anchor
-                .is_some_and(|anchor| now.time_s - anchor.time_s > LOST_S)
-            {
+            } else if run.anchor.is_some_and(|anchor| now.time_s - anchor.time_s > LOST_S) {
                 run.anchor = None;
                 run.recogniser = Recogniser::default();
             }
@@ -642,8 +557,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             &Evidence {
                 interval_s,
                 acceleration_mps2: effort.acceleration_mps2,
-                acceleration_sd_mps2: core::f64::consts::SQRT_2 * self.config.sensor.speed_sd_mps()
-                    / interval_s,
+                acceleration_sd_mps2: core::f64::consts::SQRT_2 * self.config.sensor.speed_sd_mps() / interval_s,
                 resistance_n_per_kg: effort.resistance_n_per_kg,
                 resistance_sd_n_per_kg: resistance_sd(&belief, midway_mps),
                 max_effort_n_per_kg: self.limits_n_per_kg(now.location_m, midway_mps).0,
@@ -674,14 +588,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     }
 
     /// Hands the last tick to the features, now that its regime is confirmed, and keeps this one.
-    fn observe(
-        &self,
-        run: &mut RunState,
-        line: &Line<'_>,
-        acting: &Acting<'_>,
-        judged: &Judged,
-        estimate: &Estimate,
-    ) {
+    fn observe(&self, run: &mut RunState, line: &Line<'_>, acting: &Acting<'_>, judged: &Judged, estimate: &Estimate) {
         if let (Some(mut last), Some(regime)) = (run.unconfirmed, estimate.confirmed) {
             if last.regime != Regime::Standstill {
                 last.regime = regime;
@@ -695,10 +602,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             speed_mps: estimate.belief.mean[SPEED],
         };
         // Readings, not filtered speeds: the paper's filtered speed lags by a sample.
-        let reading = judged
-            .speed_mps
-            .ok()
-            .map(|speed_mps| Point { speed_mps, ..now });
+        let reading = judged.speed_mps.ok().map(|speed_mps| Point { speed_mps, ..now });
         let effort = match (run.reading, reading) {
             (Some(from), Some(to)) => Some(effort::over_interval(line, acting, &davis, &from, &to)),
             _ => None,

@@ -19,9 +19,7 @@ mod app {
     use super::PERIOD_S;
     use crate::application::Application;
     use crate::board::stopwatch::{self, Stopwatch, TIMER_HZ};
-    use crate::board::{
-        self, Board, DogTimer, Flash, Place, SerialPort, device::Interrupt, kept_ram,
-    };
+    use crate::board::{self, Board, DogTimer, Flash, Place, SerialPort, device::Interrupt, kept_ram};
     use core::mem::MaybeUninit;
     use core::sync::atomic::{AtomicU32, Ordering};
     use heapless::spsc::{Consumer, Producer, Queue};
@@ -84,50 +82,20 @@ mod app {
     #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<'static, Flash>> = MaybeUninit::uninit(), run: RunState = RunState::ZEROED, outbox: Outbox<OUTBOX> = Outbox::new(), room: Room = Room::EMPTY])]
     fn init(cx: init::Context) -> (Shared, Local) {
         // The chip's registers are taken once, here; if they were not free something is very wrong, and a reset is the answer.
-        let Some(Board {
-            port,
-            watchdog,
-            flash,
-            clock,
-            cause,
-        }) = board::start(cx.core)
-        else {
+        let Some(Board { port, watchdog, flash, clock, cause }) = board::start(cx.core) else {
             cortex_m::peripheral::SCB::sys_reset()
         };
         let (kept, boot) = Kept::boot(kept_ram::load(), cause);
         kept_ram::store(&kept);
-        defmt::info!(
-            "boot, clock {=u32} Hz, resets {=u32}",
-            clock.hz(),
-            boot.resets
-        );
+        defmt::info!("boot, clock {=u32} Hz, resets {=u32}", clock.hz(), boot.resets);
         let heartbeat_only = boot.operation == Operation::HeartbeatOnly;
-        let application = place(
-            cx.local.application,
-            flash,
-            heartbeat_only,
-            cx.local.run,
-            cx.local.room,
-        );
+        let application = place(cx.local.application, flash, heartbeat_only, cx.local.run, cx.local.room);
         let (ring_in, ring_out) = cx.local.ring.split();
         rtic::pend(Interrupt::COMP);
         rtic::pend(Interrupt::TSC);
         (
-            Shared {
-                port,
-                outbox: cx.local.outbox,
-                start: Start { boot, clock },
-                application,
-            },
-            Local {
-                ring_in,
-                ring_out,
-                watchdog,
-                feed_rule: FeedRule::default(),
-                quiet_periods: 0,
-                kept,
-                next_tick: 0,
-            },
+            Shared { port, outbox: cx.local.outbox, start: Start { boot, clock }, application },
+            Local { ring_in, ring_out, watchdog, feed_rule: FeedRule::default(), quiet_periods: 0, kept, next_tick: 0 },
         )
     }
 
@@ -141,8 +109,8 @@ mod app {
     #[task(binds = USART1, priority = 3, shared = [port, outbox], local = [ring_in])]
     fn line(cx: line::Context) {
         let ring = cx.local.ring_in;
-        let came = (cx.shared.port, cx.shared.outbox)
-            .lock(|port, outbox| serial::serve(port, ring, outbox, &LINE_ERRORS));
+        let came =
+            (cx.shared.port, cx.shared.outbox).lock(|port, outbox| serial::serve(port, ring, outbox, &LINE_ERRORS));
         if came {
             rtic::pend(Interrupt::TSC);
         }
@@ -157,10 +125,7 @@ mod app {
             local.kept.crash_loop.second();
             kept_ram::store(local.kept);
         }
-        let beats = Beats {
-            tick: TICK_BEATS.load(Ordering::Relaxed),
-            link: LINK_BEATS.load(Ordering::Relaxed),
-        };
+        let beats = Beats { tick: TICK_BEATS.load(Ordering::Relaxed), link: LINK_BEATS.load(Ordering::Relaxed) };
         match local.feed_rule.ask(beats) {
             Ok(()) => {
                 local.watchdog.feed();
@@ -188,10 +153,7 @@ mod app {
         // The difference, because the counter wraps.
         if periods.wrapping_sub(*cx.local.next_tick) < u32::MAX / 2 {
             *cx.local.next_tick = cx.local.next_tick.wrapping_add(PERIOD_S * TIMER_HZ);
-            let (health, mut say) = (
-                health(cx.shared.start),
-                say(cx.shared.port, cx.shared.outbox),
-            );
+            let (health, mut say) = (health(cx.shared.start), say(cx.shared.port, cx.shared.outbox));
             let watch = Stopwatch::start();
             cx.shared.application.tick(health, &mut say);
             watch.stop();
@@ -231,13 +193,7 @@ mod app {
         room: &'static mut Room,
     ) -> &'static mut Application<'static, Flash> {
         let provisioning = Provisioning::from_bytes(&board::provisioning::record());
-        slot.write(Application::new(
-            provisioning,
-            flash,
-            heartbeat_only,
-            run,
-            room,
-        ))
+        slot.write(Application::new(provisioning, flash, heartbeat_only, run, room))
     }
 
     /// Puts a frame into the outbox and starts the line. When there is no room the oldest frame goes.

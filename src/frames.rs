@@ -15,10 +15,8 @@ use rundown_wire::{Learned, Value};
 
 /// Where, how fast, which regime.
 pub fn estimate(estimate: &Estimate) -> wire::Estimate {
-    let value = |component| Value {
-        value: estimate.belief.mean[component] as f32,
-        sd: estimate.belief.sd(component) as f32,
-    };
+    let value =
+        |component| Value { value: estimate.belief.mean[component] as f32, sd: estimate.belief.sd(component) as f32 };
     wire::Estimate {
         time_s: estimate.time_s,
         dt_s: estimate.dt_s as f32,
@@ -41,17 +39,10 @@ pub fn parameters(
 ) -> wire::Parameters {
     let belief = &estimate.belief;
     let sd = |i| belief.sd(R0 + i);
-    let value = |i, value: Real| Value {
-        value: value as f32,
-        sd: sd(i) as f32,
-    };
+    let value = |i, value: Real| Value { value: value as f32, sd: sd(i) as f32 };
     let correlation = |i: usize, j: usize| {
         let both = sd(i) * sd(j);
-        if both > 0.0 {
-            (belief.covariance[(R0 + i, R0 + j)] / both) as f32
-        } else {
-            0.0
-        }
+        if both > 0.0 { (belief.covariance[(R0 + i, R0 + j)] / both) as f32 } else { 0.0 }
     };
     wire::Parameters {
         r0: value(0, published.r0),
@@ -59,10 +50,7 @@ pub fn parameters(
         r2: value(2, published.r2),
         correlation: [correlation(0, 1), correlation(0, 2), correlation(1, 2)],
         learned,
-        gain: gain.map(|(value, sd)| Value {
-            value: value as f32,
-            sd: sd as f32,
-        }),
+        gain: gain.map(|(value, sd)| Value { value: value as f32, sd: sd as f32 }),
     }
 }
 
@@ -80,10 +68,7 @@ pub fn effort(estimate: &Estimate, limits_n_per_kg: (Real, Real)) -> wire::Effor
 
 /// What coasting leads to.
 pub fn coast_ahead(ahead: &CoastAhead) -> wire::CoastAhead {
-    let value = |value: Real, sd: Real| Value {
-        value: value as f32,
-        sd: sd as f32,
-    };
+    let value = |value: Real, sd: Real| Value { value: value as f32, sd: sd as f32 };
     wire::CoastAhead {
         from_time_s: ahead.from.time_s,
         from_location_m: ahead.from.location_m as f32,
@@ -101,19 +86,13 @@ pub fn coast_ahead(ahead: &CoastAhead) -> wire::CoastAhead {
                 time_sd_s: arrival.time_sd_s as f32,
             }),
             Outcome::MayStop => wire::CoastOutcome::MayStop,
-            Outcome::Stops { location_m, sd_m } => {
-                wire::CoastOutcome::Stops(value(location_m, sd_m))
-            }
+            Outcome::Stops { location_m, sd_m } => wire::CoastOutcome::Stops(value(location_m, sd_m)),
         },
     }
 }
 
 fn statistic(statistic: &features::Statistic) -> wire::Statistic {
-    wire::Statistic {
-        count: statistic.count,
-        mean: statistic.mean as f32,
-        sd: statistic.sd as f32,
-    }
+    wire::Statistic { count: statistic.count, mean: statistic.mean as f32, sd: statistic.sd as f32 }
 }
 
 fn phase(phase: &features::Phase) -> wire::Phase {
@@ -157,17 +136,13 @@ pub fn features(features: &Features) -> wire::Features {
 /// The switching points from `first` on, as many as one frame holds.
 pub fn switching_points(features: &Features, first: usize) -> wire::SwitchingPoints {
     let all = &features.switching_points;
-    let points = all
-        .iter()
-        .skip(first)
-        .take(wire::SWITCHING_POINTS)
-        .map(|point| wire::SwitchingPoint {
-            time_s: point.time_s,
-            location_m: point.location_m as f32,
-            speed_mps: point.speed_mps as f32,
-            from: point.from,
-            to: point.to,
-        });
+    let points = all.iter().skip(first).take(wire::SWITCHING_POINTS).map(|point| wire::SwitchingPoint {
+        time_s: point.time_s,
+        location_m: point.location_m as f32,
+        speed_mps: point.speed_mps as f32,
+        from: point.from,
+        to: point.to,
+    });
     wire::SwitchingPoints {
         first: u16::try_from(first).unwrap_or(u16::MAX),
         total: u16::try_from(all.len()).unwrap_or(u16::MAX),
@@ -179,10 +154,7 @@ pub fn switching_points(features: &Features, first: usize) -> wire::SwitchingPoi
 /// The end of a run; `wind_sd_mps` as the vehicle's memory has it.
 pub fn run_summary(summary: &RunSummary, vehicle: &Vehicle, wind_sd_mps: Real) -> wire::RunSummary {
     let davis = |belief: &Gaussian<3>| {
-        let value = |i: usize, value: Real| Value {
-            value: value as f32,
-            sd: belief.sd(i) as f32,
-        };
+        let value = |i: usize, value: Real| Value { value: value as f32, sd: belief.sd(i) as f32 };
         let [r0, r1, r2] = belief.mean.into();
         [value(0, r0), value(1, r1), value(2, r2)]
     };
@@ -191,10 +163,7 @@ pub fn run_summary(summary: &RunSummary, vehicle: &Vehicle, wind_sd_mps: Real) -
         run_davis: davis(&summary.run_davis),
         vehicle_davis: davis(&vehicle.davis()),
         wind_sd_mps: wind_sd_mps as f32,
-        gain: Value {
-            value: summary.gain.0 as f32,
-            sd: summary.gain.1 as f32,
-        },
+        gain: Value { value: summary.gain.0 as f32, sd: summary.gain.1 as f32 },
         learned_s: summary.learned_s as f32,
     }
 }

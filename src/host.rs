@@ -6,8 +6,7 @@
 
 use crate::application::Application;
 use embedded_storage::nor_flash::{
-    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read,
-    check_write,
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 use rundown::auth::provisioning::{Provisioning, SIZE};
 use rundown::run_state::RunState;
@@ -20,9 +19,7 @@ use std::path::{Path, PathBuf};
 pub fn run() -> io::Result<()> {
     let mut arguments = std::env::args_os().skip(1);
     let (Some(key), records, None) = (arguments.next(), arguments.next(), arguments.next()) else {
-        return Err(io::Error::other(
-            "usage: firmware KEY [RECORDS] <uplink >downlink",
-        ));
+        return Err(io::Error::other("usage: firmware KEY [RECORDS] <uplink >downlink"));
     };
     let key: [u8; SIZE] = std::fs::read(&key)?.try_into().map_err(|_| {
         let key = Path::new(&key).display();
@@ -85,10 +82,7 @@ impl FileFlash {
             _ => vec![0xFF; PAGE * PAGES],
         };
         if bytes.len() != PAGE * PAGES {
-            return Err(io::Error::other(format!(
-                "the records must have {} bytes",
-                PAGE * PAGES
-            )));
+            return Err(io::Error::other(format!("the records must have {} bytes", PAGE * PAGES)));
         }
         Ok(Self { bytes, path })
     }

@@ -26,12 +26,8 @@ pub struct Kinematics {
 
 impl Kinematics {
     /// Zeros, as by default.
-    pub(crate) const ZEROED: Self = Self {
-        location_m: 0.0,
-        location_variance: 0.0,
-        speed_mps: 0.0,
-        speed_variance: 0.0,
-    };
+    pub(crate) const ZEROED: Self =
+        Self { location_m: 0.0, location_variance: 0.0, speed_mps: 0.0, speed_variance: 0.0 };
 
     /// Begins anew; a missing location or speed begins at 0 with a standard deviation that says so.
     pub fn begin(sensor: &SensorConfig, location_m: Option<Real>, speed_mps: Option<Real>) -> Self {
@@ -70,11 +66,7 @@ impl Kinematics {
         let run_m = 0.5 * (before_mps + self.speed_mps) * dt_s;
         self.location_m += sign * run_m;
         let wrong_m = DISTANCE_SHARE * run_m;
-        let reading = if run_m == 0.0 {
-            0.0
-        } else {
-            0.5 * self.speed_variance * dt_s * dt_s
-        };
+        let reading = if run_m == 0.0 { 0.0 } else { 0.5 * self.speed_variance * dt_s * dt_s };
         self.location_variance = (self.location_variance + wrong_m * wrong_m + reading).min(1e10);
         if let Some(location_m) = location_m {
             let sensor_variance = sensor.location_sd_m * sensor.location_sd_m;
@@ -94,10 +86,7 @@ impl Kinematics {
     pub fn belief(&self) -> Gaussian<2> {
         Gaussian {
             mean: Vector2::new(self.location_m, self.speed_mps),
-            covariance: Matrix2::from_diagonal(&Vector2::new(
-                self.location_variance,
-                self.speed_variance,
-            )),
+            covariance: Matrix2::from_diagonal(&Vector2::new(self.location_variance, self.speed_variance)),
         }
     }
 }

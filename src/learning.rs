@@ -76,32 +76,17 @@ impl Default for LearningConfig {
 impl LearningConfig {
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         between("learning.min_speed_kmh", self.min_speed_kmh, 5.0, 300.0)?;
-        between(
-            "learning.begin_probability",
-            self.begin_probability,
-            0.5,
-            1.0,
-        )?;
+        between("learning.begin_probability", self.begin_probability, 0.5, 1.0)?;
         between("learning.end_probability", self.end_probability, 0.0, 1.0)?;
         between("learning.end_cut_s", self.end_cut_s, 0.0, 600.0)?;
         between("learning.min_segment_s", self.min_segment_s, 0.0, 3600.0)?;
         between("learning.gate", self.gate, 1.0, 1e3)?;
-        between(
-            "learning.acceleration_noise_mps2",
-            self.acceleration_noise_mps2,
-            0.0,
-            1.0,
-        )?;
+        between("learning.acceleration_noise_mps2", self.acceleration_noise_mps2, 0.0, 1.0)?;
         between("learning.staircase_s", self.staircase_s, 0.0, 60.0)?;
         between("learning.sub_step_s", self.sub_step_s, 0.1, 60.0)?;
         between("learning.max_gap_s", self.max_gap_s, 1.0, 600.0)?;
         between("learning.gain_sd", self.gain_sd, 1e-6, 0.5)?;
-        between(
-            "learning.effort_change_share",
-            self.effort_change_share,
-            0.0,
-            10.0,
-        )
+        between("learning.effort_change_share", self.effort_change_share, 0.0, 10.0)
     }
 }
 
@@ -118,11 +103,7 @@ impl Observation<2> for LocationAndSpeed {
     const COMPONENTS: [usize; 2] = [LOCATION, SPEED];
 
     fn variance(&self, i: usize) -> Real {
-        if i == 0 {
-            self.location_variance
-        } else {
-            self.speed_variance
-        }
+        if i == 0 { self.location_variance } else { self.speed_variance }
     }
 }
 
@@ -202,11 +183,8 @@ impl Segment {
 
 impl Learner {
     /// Zeros; to be begun.
-    pub(crate) const ZEROED: Self = Self {
-        constants: Gaussian::ZEROED,
-        segment: Some(Segment::ZEROED),
-        learned_s: 0.0,
-    };
+    pub(crate) const ZEROED: Self =
+        Self { constants: Gaussian::ZEROED, segment: Some(Segment::ZEROED), learned_s: 0.0 };
 
     /// Begins with a belief of the run's Davis coefficients.
     pub fn new(config: &LearningConfig, davis: &Gaussian<3>) -> Self {
@@ -220,10 +198,7 @@ impl Learner {
         let constants = &mut self.constants;
         *constants = Gaussian::independent([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, config.gain_sd]);
         constants.mean.fixed_rows_mut::<3>(0).copy_from(&davis.mean);
-        constants
-            .covariance
-            .fixed_view_mut::<3, 3>(0, 0)
-            .copy_from(&davis.covariance);
+        constants.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&davis.covariance);
         self.segment = None;
         self.learned_s = 0.0;
     }
@@ -248,9 +223,7 @@ impl Learner {
 
     /// The best belief at this moment, for recognising: what the running segment has reached, before it is known whether it counts.
     pub fn provisional(&self) -> Gaussian<3> {
-        self.segment
-            .as_ref()
-            .map_or_else(|| self.davis(), |segment| davis_of(&segment.constants()))
+        self.segment.as_ref().map_or_else(|| self.davis(), |segment| davis_of(&segment.constants()))
     }
 
     /// Gain of the measured effort, true over measured, with its standard deviation.
@@ -272,34 +245,18 @@ impl Learner {
     pub fn moving(&self) -> Option<Gaussian<2>> {
         self.segment.as_ref().map(|segment| Gaussian {
             mean: segment.belief.mean.fixed_rows::<2>(0).into_owned(),
-            covariance: segment
-                .belief
-                .covariance
-                .fixed_view::<2, 2>(0, 0)
-                .into_owned(),
+            covariance: segment.belief.covariance.fixed_view::<2, 2>(0, 0).into_owned(),
         })
     }
 
     /// Begins a segment where location and speed are known from readings alone; the speed is left to the next reading, see `BEGIN_SPEED_SD_MPS`.
     pub fn begin(&mut self, time_s: Real, moving: &Gaussian<2>) {
         let mut belief = Gaussian::independent([0.0; SIZE_WITH_GAIN], [0.0; SIZE_WITH_GAIN]);
-        belief
-            .mean
-            .fixed_rows_mut::<2>(LOCATION)
-            .copy_from(&moving.mean);
-        belief
-            .covariance
-            .fixed_view_mut::<2, 2>(LOCATION, LOCATION)
-            .copy_from(&moving.covariance);
+        belief.mean.fixed_rows_mut::<2>(LOCATION).copy_from(&moving.mean);
+        belief.covariance.fixed_view_mut::<2, 2>(LOCATION, LOCATION).copy_from(&moving.covariance);
         belief.covariance[(SPEED, SPEED)] = BEGIN_SPEED_SD_MPS * BEGIN_SPEED_SD_MPS;
-        belief
-            .mean
-            .fixed_rows_mut::<4>(R0)
-            .copy_from(&self.constants.mean);
-        belief
-            .covariance
-            .fixed_view_mut::<4, 4>(R0, R0)
-            .copy_from(&self.constants.covariance);
+        belief.mean.fixed_rows_mut::<4>(R0).copy_from(&self.constants.mean);
+        belief.covariance.fixed_view_mut::<4, 4>(R0, R0).copy_from(&self.constants.covariance);
         let segment = self.segment.insert(Segment::ZEROED);
         segment.begin_s = time_s;
         segment.settled_s = time_s;
@@ -363,15 +320,9 @@ impl Learner {
         }
         // Ticks of a fast log need not all wait: so few are enough that the ring is never full.
         let spacing_s = config.end_cut_s / (WAITING - 2) as Real;
-        let due = segment
-            .waiting
-            .back()
-            .is_none_or(|last| time_s - last.time_s >= spacing_s);
+        let due = segment.waiting.back().is_none_or(|last| time_s - last.time_s >= spacing_s);
         if due {
-            let reached = Reached {
-                time_s,
-                constants: segment.constants(),
-            };
+            let reached = Reached { time_s, constants: segment.constants() };
             // Cannot be full, see above; if it were, this belief would merely not wait.
             let _waits = segment.waiting.push_back(reached).is_ok();
         }
@@ -390,11 +341,7 @@ impl Segment {
     fn constants(&self) -> Gaussian<4> {
         Gaussian {
             mean: self.belief.mean.fixed_rows::<4>(R0).into_owned(),
-            covariance: self
-                .belief
-                .covariance
-                .fixed_view::<4, 4>(R0, R0)
-                .into_owned(),
+            covariance: self.belief.covariance.fixed_view::<4, 4>(R0, R0).into_owned(),
         }
     }
 
@@ -407,16 +354,11 @@ impl Segment {
         acting: &Acting<'_>,
         tick: &Tick,
     ) -> Result<(Innovation<2>, bool), NotPositiveDefinite> {
-        let ukf = Ukf {
-            spread: config.spread,
-            gate: [Some(config.gate); 2],
-            reuse_points: false,
-        };
+        let ukf = Ukf { spread: config.spread, gate: [Some(config.gate); 2], reuse_points: false };
         let sub_steps = libm::ceil(tick.dt_s / config.sub_step_s).clamp(1.0, 1000.0);
         let h_s = tick.dt_s / sub_steps;
         // White acceleration noise of this tick, spread over its sub-steps so that their sum has the same variance.
-        let gusts =
-            config.acceleration_noise_mps2 * config.acceleration_noise_mps2 * 10.0 / tick.dt_s;
+        let gusts = config.acceleration_noise_mps2 * config.acceleration_noise_mps2 * 10.0 / tick.dt_s;
         let effort = tick.effort_sd_n_per_kg * tick.effort_sd_n_per_kg;
         let noise_mps2 = libm::sqrt((gusts + effort) * sub_steps);
         let mut begin_s = tick.time_s - tick.dt_s;
@@ -433,11 +375,7 @@ impl Segment {
             location_variance: sensor.location_sd_m * sensor.location_sd_m,
             speed_variance: speed_sd_mps * speed_sd_mps * staircase,
         };
-        let innovation = ukf.update(
-            &mut self.belief,
-            &observation,
-            &[tick.location_m, tick.speed_mps],
-        )?;
+        let innovation = ukf.update(&mut self.belief, &observation, &[tick.location_m, tick.speed_mps])?;
         let [location, speed] = innovation.readings;
         if location == Reading::Used {
             self.last_location_s = tick.time_s;
@@ -446,9 +384,6 @@ impl Segment {
             self.last_speed_s = tick.time_s;
         }
         let gap_s = tick.time_s - self.last_speed_s.min(self.last_location_s);
-        Ok((
-            innovation,
-            speed != Reading::Gated && gap_s <= config.max_gap_s,
-        ))
+        Ok((innovation, speed != Reading::Gated && gap_s <= config.max_gap_s))
     }
 }

@@ -52,13 +52,7 @@ pub struct MemoryConfig {
 
 impl Default for MemoryConfig {
     fn default() -> Self {
-        Self {
-            vehicle_scale_sd: 0.15,
-            vehicle_shape_sd: 0.10,
-            wind_sd_mps: 2.0,
-            load_sd: 0.02,
-            drift_sd: 5e-4,
-        }
+        Self { vehicle_scale_sd: 0.15, vehicle_shape_sd: 0.10, wind_sd_mps: 2.0, load_sd: 0.02, drift_sd: 5e-4 }
     }
 }
 
@@ -76,11 +70,7 @@ impl MemoryConfig {
         let wind_sd_mps = scale * self.wind_sd_mps;
         let constant = nominal.r2 * wind_sd_mps * wind_sd_mps / guarded(nominal.r0);
         let linear = 2.0 * nominal.r2 * wind_sd_mps / guarded(nominal.r1);
-        let sd = [
-            core::f64::consts::SQRT_2 * constant,
-            linear,
-            scale * self.load_sd,
-        ];
+        let sd = [core::f64::consts::SQRT_2 * constant, linear, scale * self.load_sd];
         Gaussian::independent([constant, 0.0, 0.0], sd)
     }
 }
@@ -112,13 +102,7 @@ impl Vehicle {
         let common = config.vehicle_scale_sd * config.vehicle_scale_sd;
         let own = config.vehicle_shape_sd * config.vehicle_shape_sd;
         let covariance = Matrix3::from_element(common) + Matrix3::from_diagonal_element(own);
-        Self::with_prior(
-            nominal,
-            Gaussian {
-                mean: Vector3::from_element(1.0),
-                covariance,
-            },
-        )
+        Self::with_prior(nominal, Gaussian { mean: Vector3::from_element(1.0), covariance })
     }
 
     /// A vehicle with independent standard deviations of its coefficients (SI units), as Table 1 states them.
@@ -129,23 +113,12 @@ impl Vehicle {
     }
 
     fn with_prior(nominal: Davis, vehicle: Gaussian<3>) -> Self {
-        let hypothesis = |(scale, weight)| Hypothesis {
-            scale,
-            weight,
-            vehicle,
-        };
+        let hypothesis = |(scale, weight)| Hypothesis { scale, weight, vehicle };
         let mut hypotheses = [hypothesis((0.0, 0.0)); SCALES.len()];
-        for (slot, entry) in hypotheses
-            .iter_mut()
-            .zip(SCALES.into_iter().zip(SCALE_WEIGHTS))
-        {
+        for (slot, entry) in hypotheses.iter_mut().zip(SCALES.into_iter().zip(SCALE_WEIGHTS)) {
             *slot = hypothesis(entry);
         }
-        Self {
-            nominal,
-            hypotheses,
-            runs: 0,
-        }
+        Self { nominal, hypotheses, runs: 0 }
     }
 
     /// The vehicle's Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²).
@@ -155,9 +128,7 @@ impl Vehicle {
 
     /// What is believed of the train of the next run: the vehicle and the deviation of a day.
     pub fn next_run(&self, config: &MemoryConfig) -> Gaussian<3> {
-        let of_run = |hypothesis: &Hypothesis| {
-            hypothesis.of_run(&config.deviation(&self.nominal, hypothesis.scale))
-        };
+        let of_run = |hypothesis: &Hypothesis| hypothesis.of_run(&config.deviation(&self.nominal, hypothesis.scale));
         self.in_si(&self.mixture(of_run))
     }
 
@@ -168,11 +139,8 @@ impl Vehicle {
 
     /// Standard deviation of the wind from run to run as learned so far, m/s.
     pub fn wind_sd_mps(&self, config: &MemoryConfig) -> Real {
-        let variance: Real = self
-            .hypotheses
-            .iter()
-            .map(|hypothesis| hypothesis.weight * hypothesis.scale * hypothesis.scale)
-            .sum();
+        let variance: Real =
+            self.hypotheses.iter().map(|hypothesis| hypothesis.weight * hypothesis.scale * hypothesis.scale).sum();
         config.wind_sd_mps * libm::sqrt(variance)
     }
 
@@ -224,11 +192,7 @@ impl Vehicle {
     }
 
     /// What the run itself said, free of the belief it began with: information matrix and vector, in shares.
-    fn likelihood(
-        &self,
-        begin: &Gaussian<3>,
-        end: &Gaussian<3>,
-    ) -> Option<(Matrix3<Real>, Vector3<Real>)> {
+    fn likelihood(&self, begin: &Gaussian<3>, end: &Gaussian<3>) -> Option<(Matrix3<Real>, Vector3<Real>)> {
         let begin = self.in_shares(begin);
         let end = self.in_shares(end);
         let before = begin.covariance.try_inverse()?;
@@ -240,11 +204,8 @@ impl Vehicle {
 
     /// One normal distribution with the mean and the covariance of the weighted hypotheses.
     fn mixture(&self, of: impl Fn(&Hypothesis) -> Gaussian<3>) -> Gaussian<3> {
-        let mean: Vector3<Real> = self
-            .hypotheses
-            .iter()
-            .map(|hypothesis| of(hypothesis).mean * hypothesis.weight)
-            .sum();
+        let mean: Vector3<Real> =
+            self.hypotheses.iter().map(|hypothesis| of(hypothesis).mean * hypothesis.weight).sum();
         let covariance = self
             .hypotheses
             .iter()
@@ -259,18 +220,12 @@ impl Vehicle {
 
     fn in_si(&self, relative: &Gaussian<3>) -> Gaussian<3> {
         let unit = Matrix3::from_diagonal(&shares(&self.nominal));
-        Gaussian {
-            mean: unit * relative.mean,
-            covariance: unit * relative.covariance * unit,
-        }
+        Gaussian { mean: unit * relative.mean, covariance: unit * relative.covariance * unit }
     }
 
     fn in_shares(&self, si: &Gaussian<3>) -> Gaussian<3> {
         let unit = Matrix3::from_diagonal(&shares(&self.nominal).map(|u| 1.0 / u));
-        Gaussian {
-            mean: unit * si.mean,
-            covariance: unit * si.covariance * unit,
-        }
+        Gaussian { mean: unit * si.mean, covariance: unit * si.covariance * unit }
     }
 }
 
@@ -290,12 +245,7 @@ impl Hypothesis {
 
     /// Takes up a likelihood exp(-½ rᵀΛr + ηᵀr) of a run whose train is the vehicle plus a deviation.
     /// Returns the logarithm of how well it was foreseen.
-    fn learn(
-        &mut self,
-        deviation: &Gaussian<3>,
-        information: &Matrix3<Real>,
-        vector: &Vector3<Real>,
-    ) -> Option<Real> {
+    fn learn(&mut self, deviation: &Gaussian<3>, information: &Matrix3<Real>, vector: &Vector3<Real>) -> Option<Real> {
         let one = Matrix3::identity();
         let of_run = self.of_run(deviation);
         let mean = of_run.mean;
@@ -310,8 +260,7 @@ impl Hypothesis {
         // What is left of the run's information once its own deviation is integrated out.
         let blurred = (one + information * deviation.covariance).try_inverse()?;
         let information = blurred * information;
-        let covariance = self.vehicle.covariance
-            * (one + information * self.vehicle.covariance).try_inverse()?;
+        let covariance = self.vehicle.covariance * (one + information * self.vehicle.covariance).try_inverse()?;
         self.vehicle = Gaussian {
             mean: self.vehicle.mean + covariance * (blurred * eta),
             covariance: (covariance + covariance.transpose()) * 0.5,

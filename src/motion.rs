@@ -52,12 +52,7 @@ impl<'a> Line<'a> {
 
     #[inline(always)]
     fn under_train(&self, location_m: Real) -> UnderTrain<'a> {
-        UnderTrain::new(
-            self.track,
-            location_m,
-            self.train.length_m(),
-            self.direction,
-        )
+        UnderTrain::new(self.track, location_m, self.train.length_m(), self.direction)
     }
 }
 
@@ -156,10 +151,7 @@ impl<'a> Motion<'a> {
 
     /// The same step with white noise of this standard deviation in the acceleration, constant over the step (Q of Eq. 3).
     pub fn with_noise(self, noise_mps2: Real) -> Self {
-        Self {
-            noise_variance: noise_mps2 * noise_mps2,
-            ..self
-        }
+        Self { noise_variance: noise_mps2 * noise_mps2, ..self }
     }
 
     /// Acceleration at a state, Eq. (5), m/s².
@@ -173,11 +165,7 @@ impl<'a> Motion<'a> {
 
     #[inline]
     fn effort_at<const N: usize>(&self, x: &SVector<Real, N>) -> Real {
-        if N > GAIN {
-            x[GAIN] * self.effort_n_per_kg
-        } else {
-            self.effort_n_per_kg
-        }
+        if N > GAIN { x[GAIN] * self.effort_n_per_kg } else { self.effort_n_per_kg }
     }
 }
 
@@ -208,10 +196,7 @@ impl<const N: usize> Process<N, MOVING> for Motion<'_> {
         let Column { d, l, dl } = column;
         let w = x[SPEED] + self.lead_mps;
         let dv = l[SPEED];
-        let mut pair = Pair {
-            odd: -c * dv * dv * dl[R2],
-            even: -dv * (dl[R1] + x[R2] * dl[SPEED] + 2.0 * w * dl[R2]),
-        };
+        let mut pair = Pair { odd: -c * dv * dv * dl[R2], even: -dv * (dl[R1] + x[R2] * dl[SPEED] + 2.0 * w * dl[R2]) };
         // Only the column of the location shifts the train, by √(c D).
         if l[LOCATION] != 0.0
             && let Some((odd, even)) = self.under_train.rise_over_edges(c * d)

@@ -60,24 +60,9 @@ impl PaperLoop {
         sd[SPEED] = config.initial_speed_sd_kmh / 3.6;
         let mut belief = Gaussian::independent(mean, sd);
         belief.mean.fixed_rows_mut::<3>(R0).copy_from(&davis.mean);
-        belief
-            .covariance
-            .fixed_view_mut::<3, 3>(R0, R0)
-            .copy_from(&davis.covariance);
-        let effort_n_per_kg = effort::of_paper(
-            line,
-            acting,
-            &state::davis(&belief.mean),
-            0.0,
-            &point(time_s, &belief),
-        );
-        Self {
-            belief,
-            effort_n_per_kg,
-            acceleration_mps2: 0.0,
-            reading_mps: speed_mps,
-            since_reading_s: 0.0,
-        }
+        belief.covariance.fixed_view_mut::<3, 3>(R0, R0).copy_from(&davis.covariance);
+        let effort_n_per_kg = effort::of_paper(line, acting, &state::davis(&belief.mean), 0.0, &point(time_s, &belief));
+        Self { belief, effort_n_per_kg, acceleration_mps2: 0.0, reading_mps: speed_mps, since_reading_s: 0.0 }
     }
 
     /// One step of `dt_s` up to `time_s`, with the readings of location and speed.
@@ -94,11 +79,7 @@ impl PaperLoop {
         readings: [Option<Real>; 2],
     ) -> Result<Innovation<2>, NotPositiveDefinite> {
         let [_, speed_mps] = readings;
-        let ukf = Ukf {
-            spread: config.spread,
-            gate: [None; 2],
-            reuse_points: config.reuse_points,
-        };
+        let ukf = Ukf { spread: config.spread, gate: [None; 2], reuse_points: config.reuse_points };
         let since_reading_s = self.since_reading_s + dt_s;
         let by_readings = match (self.reading_mps, speed_mps) {
             (Some(before), Some(now)) => Some((now - before) / since_reading_s),
@@ -106,13 +87,7 @@ impl PaperLoop {
         };
         let before_mps = self.belief.mean[SPEED];
         let effort_of = |belief: &Gaussian<SIZE>, acceleration_mps2| {
-            effort::of_paper(
-                line,
-                acting,
-                &state::davis(&belief.mean),
-                acceleration_mps2,
-                &point(time_s, belief),
-            )
+            effort::of_paper(line, acting, &state::davis(&belief.mean), acceleration_mps2, &point(time_s, belief))
         };
         let driving_n_per_kg = match (config.difference, by_readings) {
             (Difference::Forward, Some(a)) => effort_of(&self.belief, a),
@@ -157,9 +132,5 @@ impl PaperLoop {
 }
 
 fn point(time_s: Real, belief: &Gaussian<SIZE>) -> Point {
-    Point {
-        time_s,
-        location_m: belief.mean[LOCATION],
-        speed_mps: belief.mean[SPEED],
-    }
+    Point { time_s, location_m: belief.mean[LOCATION], speed_mps: belief.mean[SPEED] }
 }

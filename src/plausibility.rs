@@ -60,38 +60,13 @@ impl Default for PlausibilityConfig {
 
 impl PlausibilityConfig {
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        between(
-            "plausibility.max_speed_kmh",
-            self.max_speed_kmh,
-            1.0,
-            1000.0,
-        )?;
-        between(
-            "plausibility.max_acceleration_mps2",
-            self.max_acceleration_mps2,
-            0.1,
-            100.0,
-        )?;
-        between(
-            "plausibility.location_jump_m",
-            self.location_jump_m,
-            1.0,
-            1e6,
-        )?;
-        between(
-            "plausibility.location_share",
-            self.location_share,
-            0.0,
-            10.0,
-        )?;
+        between("plausibility.max_speed_kmh", self.max_speed_kmh, 1.0, 1000.0)?;
+        between("plausibility.max_acceleration_mps2", self.max_acceleration_mps2, 0.1, 100.0)?;
+        between("plausibility.location_jump_m", self.location_jump_m, 1.0, 1e6)?;
+        between("plausibility.location_share", self.location_share, 0.0, 10.0)?;
         between("plausibility.off_track_m", self.off_track_m, 0.0, 1e9)?;
         between("plausibility.long_gap_s", self.long_gap_s, 10.0, 1e6)?;
-        between(
-            "plausibility.agreeing",
-            Real::from(self.agreeing),
-            1.0,
-            100.0,
-        )
+        between("plausibility.agreeing", Real::from(self.agreeing), 1.0, 100.0)
     }
 }
 
@@ -212,19 +187,8 @@ impl Plausibility {
                 location_m
             }
         };
-        let effort_n_per_kg = measurement
-            .effort_n_per_kg
-            .filter(|effort| effort.abs() < 10.0);
-        Ok(Judged {
-            time_s,
-            dt_s,
-            anew,
-            location_m,
-            speed_mps,
-            effort_n_per_kg,
-            contradiction,
-            shifted,
-        })
+        let effort_n_per_kg = measurement.effort_n_per_kg.filter(|effort| effort.abs() < 10.0);
+        Ok(Judged { time_s, dt_s, anew, location_m, speed_mps, effort_n_per_kg, contradiction, shifted })
     }
 
     fn judge_speed(
@@ -250,8 +214,7 @@ impl Plausibility {
             let by_train = 2.0 * train.max_effort_n_per_kg(from_mps) + DESCENT_N_PER_KG;
             let up = config.max_acceleration_mps2.min(by_train);
             let change_mps = speed_mps - from_mps;
-            -config.max_acceleration_mps2 * age_s <= change_mps + margin_mps
-                && change_mps <= up * age_s + margin_mps
+            -config.max_acceleration_mps2 * age_s <= change_mps + margin_mps && change_mps <= up * age_s + margin_mps
         };
         if let Some((last_mps, age_s)) = self.speed {
             if !possible(last_mps, age_s) {
@@ -323,11 +286,7 @@ impl Plausibility {
             self.agreeing_locations = 0;
             return (Err(Cause::StuckLocation), None);
         }
-        self.agreeing_locations = if agrees(step_m, run_m) {
-            self.agreeing_locations.saturating_add(1)
-        } else {
-            1
-        };
+        self.agreeing_locations = if agrees(step_m, run_m) { self.agreeing_locations.saturating_add(1) } else { 1 };
         if self.agreeing_locations >= config.agreeing {
             self.believe(location_m, 1.0);
             return (Ok(location_m), Some(Cause::Contradiction));
@@ -350,10 +309,7 @@ mod tests {
     #[test]
     fn agreeing_readings_are_at_least_one_and_not_a_whole_run() {
         for (agreeing, accepted) in [(0, false), (1, true), (100, true), (101, false)] {
-            let config = PlausibilityConfig {
-                agreeing,
-                ..PlausibilityConfig::default()
-            };
+            let config = PlausibilityConfig { agreeing, ..PlausibilityConfig::default() };
             assert_eq!(config.check().is_ok(), accepted, "{agreeing}");
         }
     }

@@ -34,47 +34,25 @@ impl Published {
     }
 
     /// The coefficients to publish and how far they may be trusted. `initial_sd` is that of r at [`JUDGED_KMH`] by the description alone.
-    pub fn judge(
-        &mut self,
-        nominal: &Davis,
-        initial_sd: Real,
-        found: &Gaussian<3>,
-    ) -> (Davis, Learned) {
+    pub fn judge(&mut self, nominal: &Davis, initial_sd: Real, found: &Gaussian<3>) -> (Davis, Learned) {
         let sd = resistance_sd(found, KmPerHour(JUDGED_KMH).to_mps());
-        let least = if self.learned {
-            FORGOTTEN_SHARE
-        } else {
-            LEARNED_SHARE
-        };
+        let least = if self.learned { FORGOTTEN_SHARE } else { LEARNED_SHARE };
         self.learned = sd < least * initial_sd;
 
         let [r0, r1, r2] = found.mean.into();
         let davis = Davis { r0, r1, r2 };
-        let (low, high) = if self.out_of_bounds {
-            (0.55, 1.9)
-        } else {
-            (0.5, 2.0)
-        };
+        let (low, high) = if self.out_of_bounds { (0.55, 1.9) } else { (0.5, 2.0) };
         self.out_of_bounds = !BOUND_KMH.iter().all(|kmh| {
             let speed_mps = KmPerHour(*kmh).to_mps();
-            let share =
-                davis.resistance_n_per_kg(speed_mps) / nominal.resistance_n_per_kg(speed_mps);
+            let share = davis.resistance_n_per_kg(speed_mps) / nominal.resistance_n_per_kg(speed_mps);
             (low..=high).contains(&share)
         });
         if self.out_of_bounds {
             let cut = |found: Real, nominal: Real| found.max(0.5 * nominal).min(2.0 * nominal);
-            let davis = Davis {
-                r0: cut(r0, nominal.r0),
-                r1: cut(r1, nominal.r1),
-                r2: cut(r2, nominal.r2),
-            };
+            let davis = Davis { r0: cut(r0, nominal.r0), r1: cut(r1, nominal.r1), r2: cut(r2, nominal.r2) };
             return (davis, Learned::OutOfBounds);
         }
-        let learned = if self.learned {
-            Learned::Learned
-        } else {
-            Learned::NotYet
-        };
+        let learned = if self.learned { Learned::Learned } else { Learned::NotYet };
         (davis, learned)
     }
 }
@@ -84,11 +62,7 @@ mod tests {
     use super::*;
     use nalgebra::Vector3;
 
-    const NOMINAL: Davis = Davis {
-        r0: 7.38e-3,
-        r1: 1.6e-4,
-        r2: 2.8e-5,
-    };
+    const NOMINAL: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 
     fn belief(scale: Real, sd: Real) -> Gaussian<3> {
         let mean = [scale * NOMINAL.r0, scale * NOMINAL.r1, scale * NOMINAL.r2];
@@ -117,10 +91,7 @@ mod tests {
         wild.mean = Vector3::new(-1.0, 1.0, NOMINAL.r2);
         let (davis, learned) = published.judge(&NOMINAL, 1e-3, &wild);
         assert_eq!(learned, Learned::OutOfBounds);
-        assert_eq!(
-            (davis.r0, davis.r1, davis.r2),
-            (0.5 * NOMINAL.r0, 2.0 * NOMINAL.r1, NOMINAL.r2)
-        );
+        assert_eq!((davis.r0, davis.r1, davis.r2), (0.5 * NOMINAL.r0, 2.0 * NOMINAL.r1, NOMINAL.r2));
         let none = Gaussian::independent([Real::NAN; 3], [1.0; 3]);
         let (davis, learned) = published.judge(&NOMINAL, 1e-3, &none);
         assert_eq!(learned, Learned::OutOfBounds);

@@ -40,11 +40,7 @@ impl Davis {
 
     /// The three terms r0, r1 v, r2 v² in N/kg; they add up to [`Davis::resistance_n_per_kg`].
     pub fn terms_n_per_kg(&self, speed_mps: Real) -> [Real; 3] {
-        [
-            self.r0,
-            self.r1 * speed_mps,
-            self.r2 * speed_mps * speed_mps,
-        ]
+        [self.r0, self.r1 * speed_mps, self.r2 * speed_mps * speed_mps]
     }
 }
 

@@ -55,10 +55,7 @@ pub(crate) type Source<'a> = postcard::Deserializer<'a, postcard::de_flavors::Sl
 
 /// Takes one field. A function of its own, so that the stack holds one field at a time and not all of them.
 #[inline(never)]
-pub(crate) fn take<'de, T: Deserialize<'de>>(
-    field: &mut T,
-    source: &mut Source<'de>,
-) -> postcard::Result<()> {
+pub(crate) fn take<'de, T: Deserialize<'de>>(field: &mut T, source: &mut Source<'de>) -> postcard::Result<()> {
     *field = T::deserialize(source)?;
     Ok(())
 }
@@ -126,12 +123,7 @@ impl RunState {
     }
 
     /// Begins with a belief of this run's train, in place and without a copy of the features' buffers.
-    pub(crate) fn begin(
-        &mut self,
-        config: &LearningConfig,
-        begin: Gaussian<3>,
-        direction: Direction,
-    ) {
+    pub(crate) fn begin(&mut self, config: &LearningConfig, begin: Gaussian<3>, direction: Direction) {
         self.direction = direction;
         self.begin = begin;
         self.plausibility = Plausibility::default();
@@ -194,9 +186,8 @@ impl RunState {
     /// [`NoSnapshot`]; the run is idle then.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), NoSnapshot> {
         let mut source = postcard::Deserializer::from_bytes(bytes);
-        let complete = self.take_fields(&mut source).is_ok()
-            && source.finalize().is_ok_and(<[u8]>::is_empty)
-            && self.is_sound();
+        let complete =
+            self.take_fields(&mut source).is_ok() && source.finalize().is_ok_and(<[u8]>::is_empty) && self.is_sound();
         if !complete {
             self.reset();
             return Err(NoSnapshot);
@@ -237,11 +228,7 @@ impl RunState {
         match &self.paper {
             Some(paper) => Gaussian {
                 mean: paper.belief.mean.fixed_rows::<3>(R0).into_owned(),
-                covariance: paper
-                    .belief
-                    .covariance
-                    .fixed_view::<3, 3>(R0, R0)
-                    .into_owned(),
+                covariance: paper.belief.covariance.fixed_view::<3, 3>(R0, R0).into_owned(),
             },
             None => self.learner.davis(),
         }
@@ -249,25 +236,13 @@ impl RunState {
 
     /// The whole state: location and speed of the segment where one runs, of the readings elsewhere; the coefficients as far as they are valid.
     pub(crate) fn belief(&self) -> Gaussian<SIZE> {
-        let moving = self
-            .learner
-            .moving()
-            .unwrap_or_else(|| self.kinematics.belief());
+        let moving = self.learner.moving().unwrap_or_else(|| self.kinematics.belief());
         let davis = self.learner.davis();
         let mut belief = Gaussian::independent([0.0; SIZE], [0.0; SIZE]);
-        belief
-            .mean
-            .fixed_rows_mut::<2>(LOCATION)
-            .copy_from(&moving.mean);
+        belief.mean.fixed_rows_mut::<2>(LOCATION).copy_from(&moving.mean);
         belief.mean.fixed_rows_mut::<3>(R0).copy_from(&davis.mean);
-        belief
-            .covariance
-            .fixed_view_mut::<2, 2>(LOCATION, LOCATION)
-            .copy_from(&moving.covariance);
-        belief
-            .covariance
-            .fixed_view_mut::<3, 3>(R0, R0)
-            .copy_from(&davis.covariance);
+        belief.covariance.fixed_view_mut::<2, 2>(LOCATION, LOCATION).copy_from(&moving.covariance);
+        belief.covariance.fixed_view_mut::<3, 3>(R0, R0).copy_from(&davis.covariance);
         belief
     }
 }

@@ -55,36 +55,22 @@ impl<const N: usize> Gaussian<N> {
     /// ```
     pub fn independent(mean: [Real; N], sd: [Real; N]) -> Self {
         let sd = SVector::from(sd);
-        Self {
-            mean: SVector::from(mean),
-            covariance: SMatrix::from_diagonal(&sd.component_mul(&sd)),
-        }
+        Self { mean: SVector::from(mean), covariance: SMatrix::from_diagonal(&sd.component_mul(&sd)) }
     }
 
     /// Standard deviation of one component; 0 where the variance is not above 0.
     pub fn sd(&self, component: usize) -> Real {
-        let variance = self
-            .covariance
-            .get((component, component))
-            .copied()
-            .unwrap_or(0.0);
+        let variance = self.covariance.get((component, component)).copied().unwrap_or(0.0);
         libm::sqrt(variance.max(0.0))
     }
 
     /// Every number is finite.
     pub fn is_finite(&self) -> bool {
-        self.mean
-            .iter()
-            .chain(self.covariance.iter())
-            .all(|value| value.is_finite())
+        self.mean.iter().chain(self.covariance.iter()).all(|value| value.is_finite())
     }
 }
 
 /// The Davis coefficients in a state of the filter.
 pub fn davis<const N: usize>(state: &SVector<Real, N>) -> Davis {
-    Davis {
-        r0: state[R0],
-        r1: state[R1],
-        r2: state[R2],
-    }
+    Davis { r0: state[R0], r1: state[R1], r2: state[R2] }
 }

@@ -63,54 +63,29 @@ impl Targets {
                 .map(|limit_mps| limit_mps as f32)
                 .is_none_or(|limit_mps| limit_mps.is_finite() && limit_mps > 0.0);
         // A stop does not change what is permitted.
-        let limits = self
-            .places
-            .iter()
-            .rev()
-            .filter(|place| place.above_mps > 0.0);
+        let limits = self.places.iter().rev().filter(|place| place.above_mps > 0.0);
         // Before the first limit nothing is known.
         let below_mps = limits.map(|place| place.above_mps).next();
         let (below_mps, above_mps) = match target.limit_mps {
             None => (0.0, 0.0),
             Some(limit_mps) => (below_mps.unwrap_or(f32::INFINITY), limit_mps as f32),
         };
-        let place = Place {
-            at_m,
-            below_mps,
-            above_mps,
-        };
+        let place = Place { at_m, below_mps, above_mps };
         good && self.places.push(place).is_ok()
     }
 
     /// The first target further than `beyond_m` ahead.
-    pub(crate) fn next(
-        &self,
-        direction: Direction,
-        location_m: Real,
-        beyond_m: Real,
-    ) -> Option<Target> {
+    pub(crate) fn next(&self, direction: Direction, location_m: Real, beyond_m: Real) -> Option<Target> {
         let reached_m = (location_m + direction.sign() * beyond_m) as f32;
         let asks = |place: &&Place| match direction {
-            Direction::Up => {
-                place.at_m > reached_m && place.is_target(place.below_mps, place.above_mps)
-            }
-            Direction::Down => {
-                place.at_m < reached_m && place.is_target(place.above_mps, place.below_mps)
-            }
+            Direction::Up => place.at_m > reached_m && place.is_target(place.below_mps, place.above_mps),
+            Direction::Down => place.at_m < reached_m && place.is_target(place.above_mps, place.below_mps),
         };
         let (place, behind_mps) = match direction {
             Direction::Up => self.places.iter().find(asks).map(|p| (p, p.above_mps)),
-            Direction::Down => self
-                .places
-                .iter()
-                .rev()
-                .find(asks)
-                .map(|p| (p, p.below_mps)),
+            Direction::Down => self.places.iter().rev().find(asks).map(|p| (p, p.below_mps)),
         }?;
-        Some(Target {
-            at_m: Real::from(place.at_m),
-            limit_mps: (behind_mps > 0.0).then_some(Real::from(behind_mps)),
-        })
+        Some(Target { at_m: Real::from(place.at_m), limit_mps: (behind_mps > 0.0).then_some(Real::from(behind_mps)) })
     }
 }
 
@@ -125,17 +100,11 @@ mod tests {
     use super::*;
 
     fn limit(at_m: Real, limit_mps: Real) -> Target {
-        Target {
-            at_m,
-            limit_mps: Some(limit_mps),
-        }
+        Target { at_m, limit_mps: Some(limit_mps) }
     }
 
     fn stop(at_m: Real) -> Target {
-        Target {
-            at_m,
-            limit_mps: None,
-        }
+        Target { at_m, limit_mps: None }
     }
 
     fn line() -> Targets {
@@ -176,10 +145,7 @@ mod tests {
     fn a_limit_where_none_was_known_is_a_target_up_and_none_down() {
         let mut targets = Targets::NONE;
         assert!(targets.push(limit(500.0, 20.0)));
-        assert_eq!(
-            targets.next(Direction::Up, 0.0, 0.0),
-            Some(limit(500.0, 20.0))
-        );
+        assert_eq!(targets.next(Direction::Up, 0.0, 0.0), Some(limit(500.0, 20.0)));
         assert_eq!(targets.next(Direction::Down, 900.0, 0.0), None);
         assert_eq!(targets.next(Direction::Up, Real::NAN, 0.0), None);
     }

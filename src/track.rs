@@ -121,14 +121,8 @@ impl fmt::Display for TrackError {
             Self::TooMany { found } => {
                 write!(f, "track: at most {MAX_GRADIENTS} gradients, found {found}")
             }
-            Self::BadGradient { index } => write!(
-                f,
-                "track: gradient {index} must be finite and within 200 permille"
-            ),
-            Self::NotSorted { index } => write!(
-                f,
-                "track: gradient {index} must begin after the one before it"
-            ),
+            Self::BadGradient { index } => write!(f, "track: gradient {index} must be finite and within 200 permille"),
+            Self::NotSorted { index } => write!(f, "track: gradient {index} must begin after the one before it"),
             Self::BadCurve { index } => write!(
                 f,
                 "track: curve {index} must have a radius above 0 and an end behind its beginning, not begin before the one before it, and be one of at most {MAX_CURVES}"
@@ -161,10 +155,7 @@ impl Track {
     /// assert!((track.mean_gradient(450.0, 100.0, Direction::Down) + 0.005).abs() < 1e-15);
     /// # Ok::<(), rundown::track::TrackError>(())
     /// ```
-    pub fn try_new(
-        length_m: Real,
-        gradients: impl IntoIterator<Item = Gradient>,
-    ) -> Result<Self, TrackError> {
+    pub fn try_new(length_m: Real, gradients: impl IntoIterator<Item = Gradient>) -> Result<Self, TrackError> {
         let mut track = Self::empty();
         track.restart(length_m)?;
         for gradient in gradients {
@@ -175,12 +166,7 @@ impl Track {
 
     /// No track.
     pub(crate) const fn empty() -> Self {
-        Self {
-            length_m: 0.0,
-            pieces: Vec::new(),
-            curves: Curves::NONE,
-            targets: Targets::NONE,
-        }
+        Self { length_m: 0.0, pieces: Vec::new(), curves: Curves::NONE, targets: Targets::NONE }
     }
 
     /// Begins anew, in place.
@@ -217,9 +203,7 @@ impl Track {
             slope: gradient.permille / 1000.0,
             height_m: last.height_at_m(gradient.from_m),
         };
-        self.pieces
-            .push(piece)
-            .map_err(|_| TrackError::TooMany { found: index + 1 })
+        self.pieces.push(piece).map_err(|_| TrackError::TooMany { found: index + 1 })
     }
 
     /// The same track with these curves, sorted.
@@ -235,10 +219,7 @@ impl Track {
     /// assert!((track.mean_roeckl(550.0, 100.0, Direction::Up) - 0.0005).abs() < 1e-9);
     /// # Ok::<(), rundown::track::TrackError>(())
     /// ```
-    pub fn with_curves(
-        mut self,
-        curves: impl IntoIterator<Item = Curve>,
-    ) -> Result<Self, TrackError> {
+    pub fn with_curves(mut self, curves: impl IntoIterator<Item = Curve>) -> Result<Self, TrackError> {
         self.curves.clear();
         for curve in curves {
             self.push_curve(curve)?;
@@ -252,11 +233,7 @@ impl Track {
     /// [`TrackError::BadCurve`]; the track is as before.
     pub(crate) fn push_curve(&mut self, curve: Curve) -> Result<(), TrackError> {
         let index = self.curves.len();
-        if self.curves.push(curve) {
-            Ok(())
-        } else {
-            Err(TrackError::BadCurve { index })
-        }
+        if self.curves.push(curve) { Ok(()) } else { Err(TrackError::BadCurve { index }) }
     }
 
     /// Takes all curves out.
@@ -282,10 +259,7 @@ impl Track {
     /// assert_eq!(track.next_target(Direction::Up, 100.0, 50.0), Some(Target { at_m: 900.0, limit_mps: Some(10.0) }));
     /// # Ok::<(), rundown::track::TrackError>(())
     /// ```
-    pub fn with_targets(
-        mut self,
-        targets: impl IntoIterator<Item = Target>,
-    ) -> Result<Self, TrackError> {
+    pub fn with_targets(mut self, targets: impl IntoIterator<Item = Target>) -> Result<Self, TrackError> {
         self.targets.clear();
         for target in targets {
             self.push_target(target)?;
@@ -299,11 +273,7 @@ impl Track {
     /// [`TrackError::BadTarget`]; the track is as before.
     pub(crate) fn push_target(&mut self, target: Target) -> Result<(), TrackError> {
         let index = self.targets.len();
-        if self.targets.push(target) {
-            Ok(())
-        } else {
-            Err(TrackError::BadTarget { index })
-        }
+        if self.targets.push(target) { Ok(()) } else { Err(TrackError::BadTarget { index }) }
     }
 
     /// Takes all stops and permitted speeds out.
@@ -317,12 +287,7 @@ impl Track {
     }
 
     /// The next stop or fall of the permitted speed further than `beyond_m` ahead, with the speed permitted behind it.
-    pub fn next_target(
-        &self,
-        direction: Direction,
-        location_m: Real,
-        beyond_m: Real,
-    ) -> Option<Target> {
+    pub fn next_target(&self, direction: Direction, location_m: Real, beyond_m: Real) -> Option<Target> {
         self.targets.next(direction, location_m, beyond_m)
     }
 
@@ -366,12 +331,7 @@ impl Track {
     /// assert!((track.height_integral_m2(450.0, 100.0, Direction::Down) - 12.5).abs() < 1e-12);
     /// # Ok::<(), rundown::track::TrackError>(())
     /// ```
-    pub fn height_integral_m2(
-        &self,
-        front_m: Real,
-        train_length_m: Real,
-        direction: Direction,
-    ) -> Real {
+    pub fn height_integral_m2(&self, front_m: Real, train_length_m: Real, direction: Direction) -> Real {
         let low_m = match direction {
             Direction::Up => front_m - train_length_m,
             Direction::Down => front_m,
@@ -429,11 +389,7 @@ impl Track {
             index,
             slope: piece.slope,
             height_m: piece.height_at_m(location_m),
-            room_m: if behind_m < before_m {
-                behind_m
-            } else {
-                before_m
-            },
+            room_m: if behind_m < before_m { behind_m } else { before_m },
         }
     }
 
@@ -506,22 +462,13 @@ pub struct UnderTrain<'a> {
 impl<'a> UnderTrain<'a> {
     /// Finds front and tail. `train_length_m` above 0.
     #[inline(always)]
-    pub fn new(
-        track: &'a Track,
-        front_m: Real,
-        train_length_m: Real,
-        direction: Direction,
-    ) -> Self {
+    pub fn new(track: &'a Track, front_m: Real, train_length_m: Real, direction: Direction) -> Self {
         let front = track.search(front_m);
         let to_tail_m = match direction {
             Direction::Up => -train_length_m,
             Direction::Down => train_length_m,
         };
-        Self {
-            track,
-            front,
-            tail: track.walk(&front, to_tail_m),
-        }
+        Self { track, front, tail: track.walk(&front, to_tail_m) }
     }
 
     /// The same train, shifted along the track's locations: found by walking, without a search.
@@ -589,17 +536,8 @@ mod tests {
     #[test]
     fn height_is_the_sum_of_the_pieces() {
         let track = track();
-        for (location_m, height_m) in [
-            (-50.0, 0.0),
-            (100.0, 0.0),
-            (200.0, 0.4),
-            (305.0, 0.77),
-            (1000.0, 1.74),
-        ] {
-            assert!(
-                (track.height_m(location_m) - height_m).abs() < 1e-12,
-                "{location_m}"
-            );
+        for (location_m, height_m) in [(-50.0, 0.0), (100.0, 0.0), (200.0, 0.4), (305.0, 0.77), (1000.0, 1.74)] {
+            assert!((track.height_m(location_m) - height_m).abs() < 1e-12, "{location_m}");
         }
     }
 
@@ -615,10 +553,7 @@ mod tests {
                     .map(|location_m| each_m * track.height_m(location_m))
                     .sum();
                 let found_m2 = track.height_integral_m2(front_m, 120.0, direction);
-                assert!(
-                    (found_m2 - sum_m2).abs() < 1e-4,
-                    "{front_m}: {found_m2} {sum_m2}"
-                );
+                assert!((found_m2 - sum_m2).abs() < 1e-4, "{front_m}: {found_m2} {sum_m2}");
             }
         }
         for odd_m in [Real::NAN, Real::INFINITY, Real::NEG_INFINITY, Real::MAX] {
@@ -644,9 +579,7 @@ mod tests {
                     if shift_m > 0.0 {
                         let pair = here.rise_over_edges(shift_m * shift_m);
                         let (odd, even) = pair.unwrap_or((0.0, 0.0));
-                        for (shift_m, change_m) in
-                            [shift_m, -shift_m].map(|s| (s, here.rise_change_m(s)))
-                        {
+                        for (shift_m, change_m) in [shift_m, -shift_m].map(|s| (s, here.rise_change_m(s))) {
                             let error = shift_m * (here.rise_slope() + odd) + even - change_m;
                             assert!(error.abs() < 1e-13, "{front_m} {shift_m} {error}");
                         }
@@ -686,35 +619,12 @@ mod tests {
     #[test]
     fn refusals_name_the_entry() {
         let refused = |entries: &[(Real, Real)]| {
-            Track::try_new(
-                1.0,
-                entries
-                    .iter()
-                    .map(|&(from_m, permille)| Gradient { from_m, permille }),
-            )
-            .unwrap_err()
+            Track::try_new(1.0, entries.iter().map(|&(from_m, permille)| Gradient { from_m, permille })).unwrap_err()
         };
-        assert_eq!(
-            refused(&[(0.0, 1.0), (0.0, 2.0)]),
-            TrackError::NotSorted { index: 1 }
-        );
-        assert_eq!(
-            refused(&[(0.0, Real::NAN)]),
-            TrackError::BadGradient { index: 0 }
-        );
-        assert_eq!(
-            Track::try_new(0.0, []),
-            Err(TrackError::Length { found: 0.0 })
-        );
-        let endless = (0..).map(|i| Gradient {
-            from_m: i as Real,
-            permille: 0.0,
-        });
-        assert_eq!(
-            Track::try_new(1.0, endless),
-            Err(TrackError::TooMany {
-                found: MAX_GRADIENTS + 1
-            })
-        );
+        assert_eq!(refused(&[(0.0, 1.0), (0.0, 2.0)]), TrackError::NotSorted { index: 1 });
+        assert_eq!(refused(&[(0.0, Real::NAN)]), TrackError::BadGradient { index: 0 });
+        assert_eq!(Track::try_new(0.0, []), Err(TrackError::Length { found: 0.0 }));
+        let endless = (0..).map(|i| Gradient { from_m: i as Real, permille: 0.0 });
+        assert_eq!(Track::try_new(1.0, endless), Err(TrackError::TooMany { found: MAX_GRADIENTS + 1 }));
     }
 }

@@ -57,12 +57,9 @@ pub enum TrainError {
 impl fmt::Display for TrainError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::OutOfRange {
-                field,
-                least,
-                most,
-                found,
-            } => write!(f, "train: {field} must be {least} to {most}, found {found}"),
+            Self::OutOfRange { field, least, most, found } => {
+                write!(f, "train: {field} must be {least} to {most}, found {found}")
+            }
         }
     }
 }
@@ -98,28 +95,13 @@ impl Train {
             ("davis.r0", d.davis.r0, 1e-5, 1.0),
             ("davis.r1", d.davis.r1, 0.0, 0.1),
             ("davis.r2", d.davis.r2, 0.0, 0.01),
-            (
-                "max_tractive_effort_n",
-                d.max_tractive_effort_n,
-                LEAST_EFFORT_N_PER_KG * rotating_mass_kg,
-                1e8,
-            ),
-            (
-                "max_power_w",
-                d.max_power_w,
-                LEAST_POWER_W_PER_KG * rotating_mass_kg,
-                1e9,
-            ),
+            ("max_tractive_effort_n", d.max_tractive_effort_n, LEAST_EFFORT_N_PER_KG * rotating_mass_kg, 1e8),
+            ("max_power_w", d.max_power_w, LEAST_POWER_W_PER_KG * rotating_mass_kg, 1e9),
             ("max_brake_mps2", d.max_brake_mps2, 0.01, 10.0),
         ];
         for (field, found, least, most) in bounds {
             if !(least..=most).contains(&found) {
-                return Err(TrainError::OutOfRange {
-                    field,
-                    least,
-                    most,
-                    found,
-                });
+                return Err(TrainError::OutOfRange { field, least, most, found });
             }
         }
         Ok(Self::new(description))
@@ -128,11 +110,7 @@ impl Train {
     const fn new(description: TrainDescription) -> Self {
         // The only place where the division by γ is made.
         let gravity_n_per_kg = crate::units::GRAVITY_MPS2 / description.rotating_mass_factor;
-        Self {
-            description,
-            gravity_n_per_kg,
-            gravity_n_per_kg_m: gravity_n_per_kg / description.length_m,
-        }
+        Self { description, gravity_n_per_kg, gravity_n_per_kg_m: gravity_n_per_kg / description.length_m }
     }
 
     /// The description that was checked.
@@ -171,11 +149,7 @@ impl Train {
             mass_kg: 1.0,
             rotating_mass_factor: 1.0,
             length_m: 1.0,
-            davis: Davis {
-                r0: 1.0,
-                r1: 1.0,
-                r2: 1.0,
-            },
+            davis: Davis { r0: 1.0, r1: 1.0, r2: 1.0 },
             max_tractive_effort_n: 1.0,
             max_power_w: 1.0,
             max_brake_mps2: 1.0,
@@ -203,11 +177,7 @@ mod tests {
             mass_kg: 364e3,
             rotating_mass_factor: 1.06,
             length_m: 162.0,
-            davis: Davis {
-                r0: 7.38e-3,
-                r1: 1.6e-4,
-                r2: 2.8e-5,
-            },
+            davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
             max_tractive_effort_n: 192.92e3,
             max_power_w: 2.036e6,
             max_brake_mps2: 0.66,
@@ -226,10 +196,7 @@ mod tests {
     #[test]
     fn kilonewtons_and_kilowatts_are_not_taken_for_newtons_and_watts() {
         assert_eq!(refused(|_| ()), "nothing");
-        assert_eq!(
-            refused(|d| d.max_tractive_effort_n /= 1e3),
-            "max_tractive_effort_n"
-        );
+        assert_eq!(refused(|d| d.max_tractive_effort_n /= 1e3), "max_tractive_effort_n");
         assert_eq!(refused(|d| d.max_power_w /= 1e3), "max_power_w");
         // A heavy freight train behind a weak engine: 4000 t, 300 kN, 1.5 MW.
         let freight = |d: &mut TrainDescription| {

@@ -113,11 +113,7 @@ impl TryFrom<SpreadTable> for Spread {
 
 impl From<Spread> for SpreadTable {
     fn from(spread: Spread) -> Self {
-        Self {
-            alpha: spread.alpha,
-            beta: spread.beta,
-            kappa: spread.kappa,
-        }
+        Self { alpha: spread.alpha, beta: spread.beta, kappa: spread.kappa }
     }
 }
 
@@ -227,26 +223,19 @@ impl<const M: usize> Innovation<M> {
     pub fn log_likelihood(&self) -> Real {
         self.used()
             .map(|(value, variance)| {
-                -0.5 * (value * value / variance
-                    + libm::log(2.0 * core::f64::consts::PI * variance))
+                -0.5 * (value * value / variance + libm::log(2.0 * core::f64::consts::PI * variance))
             })
             .sum()
     }
 
     /// Squared Mahalanobis distance of the used readings: its mean is their number when the filter is consistent.
     pub fn distance_squared(&self) -> Real {
-        self.used()
-            .map(|(value, variance)| value * value / variance)
-            .sum()
+        self.used().map(|(value, variance)| value * value / variance).sum()
     }
 
     fn used(&self) -> impl Iterator<Item = (Real, Real)> + '_ {
         let is_used = |(reading, _): &(&Reading, _)| **reading == Reading::Used;
-        self.readings
-            .iter()
-            .zip(self.sequential)
-            .filter(is_used)
-            .map(|(_, pair)| pair)
+        self.readings.iter().zip(self.sequential).filter(is_used).map(|(_, pair)| pair)
     }
 }
 
@@ -374,9 +363,7 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         let Gaussian { mean, covariance } = belief;
         let mut innovation = Innovation {
             value: SVector::zeros(),
-            covariance: SMatrix::from_fn(|i, j| {
-                lower(covariance, O::COMPONENTS[i], O::COMPONENTS[j])
-            }),
+            covariance: SMatrix::from_fn(|i, j| lower(covariance, O::COMPONENTS[i], O::COMPONENTS[j])),
             readings: [Reading::Missing; M],
             sequential: [(0.0, 0.0); M],
         };
@@ -427,10 +414,7 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
 #[inline]
 fn lower<const N: usize>(matrix: &SMatrix<Real, N, N>, i: usize, j: usize) -> Real {
     // Not by an index, which may panic for all that the compiler knows; every caller stays inside.
-    matrix
-        .get((i.max(j), i.min(j)))
-        .copied()
-        .unwrap_or(Real::NAN)
+    matrix.get((i.max(j), i.min(j))).copied().unwrap_or(Real::NAN)
 }
 
 /// Writes the lower triangle into the upper one: symmetric to the last bit.

@@ -231,12 +231,8 @@ pub fn encode<'a>(
     protection: u8,
     buffer: &'a mut [u8],
 ) -> Result<&'a [u8], rundown_wire::EncodeError> {
-    let (head, rest) = buffer
-        .split_at_mut_checked(2)
-        .ok_or(rundown_wire::EncodeError)?;
+    let (head, rest) = buffer.split_at_mut_checked(2).ok_or(rundown_wire::EncodeError)?;
     head.copy_from_slice(&[VERSION, protection]);
-    let length = postcard::to_slice(uplink, rest)
-        .map_err(|_| rundown_wire::EncodeError)?
-        .len();
+    let length = postcard::to_slice(uplink, rest).map_err(|_| rundown_wire::EncodeError)?.len();
     buffer.get(..2 + length).ok_or(rundown_wire::EncodeError)
 }

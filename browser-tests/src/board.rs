@@ -95,11 +95,7 @@ impl Board {
     /// Plays on to the end of the tick whose estimate is like this.
     pub fn play_until(&mut self, mut last: impl FnMut(&Estimate) -> bool) {
         loop {
-            let message = self
-                .messages
-                .get(self.next)
-                .expect("such an estimate")
-                .clone();
+            let message = self.messages.get(self.next).expect("such an estimate").clone();
             self.next += 1;
             let line = serial::encode(&message).expect("short");
             self.write(&line);

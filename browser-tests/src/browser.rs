@@ -26,10 +26,7 @@ impl Drop for Browser {
             stream.read(&mut [0; 64])
         });
         let begin = Instant::now();
-        while asked.is_ok()
-            && begin.elapsed() < PATIENCE
-            && matches!(self.process.try_wait(), Ok(None))
-        {
+        while asked.is_ok() && begin.elapsed() < PATIENCE && matches!(self.process.try_wait(), Ok(None)) {
             std::thread::sleep(Duration::from_millis(20));
         }
         let _ = self.process.kill();
@@ -57,10 +54,7 @@ impl Scheme {
 impl Browser {
     /// Starts both.
     pub async fn start() -> Self {
-        let port = TcpListener::bind("127.0.0.1:0")
-            .and_then(|socket| socket.local_addr())
-            .expect("a free port")
-            .port();
+        let port = TcpListener::bind("127.0.0.1:0").and_then(|socket| socket.local_addr()).expect("a free port").port();
         let mut process = Command::new("chromedriver")
             .arg(format!("--port={port}"))
             .stdout(Stdio::null())
@@ -71,22 +65,14 @@ impl Browser {
         loop {
             let mut capabilities = DesiredCapabilities::chrome();
             // Root has no sandbox, and a container little shared memory.
-            for argument in [
-                "--headless=new",
-                "--no-sandbox",
-                "--disable-dev-shm-usage",
-                "--disable-gpu",
-                "--hide-scrollbars",
-            ] {
+            for argument in
+                ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--hide-scrollbars"]
+            {
                 capabilities.add_arg(argument).expect("an argument");
             }
             match WebDriver::new(format!("http://127.0.0.1:{port}"), capabilities).await {
                 Ok(driver) => {
-                    return Self {
-                        driver,
-                        process,
-                        port,
-                    };
+                    return Self { driver, process, port };
                 }
                 Err(error) if begin.elapsed() > 2 * PATIENCE => {
                     let _ = process.kill();
@@ -107,31 +93,20 @@ impl Browser {
         let tools = self.driver.cdp();
         let size = serde_json::json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
         let media = serde_json::json!({"features": [{"name": "prefers-color-scheme", "value": scheme.word()}]});
-        tools
-            .send_raw("Emulation.setDeviceMetricsOverride", size)
-            .await
-            .expect("a size");
-        tools
-            .send_raw("Emulation.setEmulatedMedia", media)
-            .await
-            .expect("a scheme");
+        tools.send_raw("Emulation.setDeviceMetricsOverride", size).await.expect("a size");
+        tools.send_raw("Emulation.setEmulatedMedia", media).await.expect("a scheme");
     }
 
     /// What a script on the page says.
     pub async fn ask<T: serde::de::DeserializeOwned>(&self, script: &str) -> T {
         let answer = self.driver.execute(script, Vec::new()).await;
         let answer = answer.unwrap_or_else(|error| panic!("{script}: {error}"));
-        answer
-            .convert()
-            .unwrap_or_else(|error| panic!("{script}: {error}"))
+        answer.convert().unwrap_or_else(|error| panic!("{script}: {error}"))
     }
 
     /// The text of an element.
     pub async fn text(&self, id: &str) -> String {
-        self.ask(&format!(
-            "return document.getElementById('{id}').textContent"
-        ))
-        .await
+        self.ask(&format!("return document.getElementById('{id}').textContent")).await
     }
 
     /// Waits until an element says so; how long it took.
@@ -142,10 +117,7 @@ impl Browser {
             if is(&text) {
                 return begin.elapsed();
             }
-            assert!(
-                begin.elapsed() < PATIENCE,
-                "#{id}: expected {what}, found `{text}`"
-            );
+            assert!(begin.elapsed() < PATIENCE, "#{id}: expected {what}, found `{text}`");
             tokio::time::sleep(Duration::from_millis(20)).await;
         }
     }

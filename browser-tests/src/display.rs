@@ -23,17 +23,9 @@ impl Display {
             .expect("rundown starts; `cargo xtask browser` builds it");
         let mut line = String::new();
         let stdout = child.stdout.as_mut().expect("piped");
-        BufReader::new(stdout)
-            .read_line(&mut line)
-            .expect("its first line");
-        let url = line
-            .split_whitespace()
-            .nth(1)
-            .unwrap_or_else(|| panic!("no address in `{line}`"));
-        Self {
-            url: url.to_owned(),
-            child,
-        }
+        BufReader::new(stdout).read_line(&mut line).expect("its first line");
+        let url = line.split_whitespace().nth(1).unwrap_or_else(|| panic!("no address in `{line}`"));
+        Self { url: url.to_owned(), child }
     }
 }
 
@@ -47,9 +39,6 @@ impl Drop for Display {
 /// `rundown` beside this test's folder.
 fn binary() -> PathBuf {
     let test = std::env::current_exe().expect("a test has a file");
-    let profile = test
-        .parent()
-        .and_then(|deps| deps.parent())
-        .expect("target/PROFILE/deps");
+    let profile = test.parent().and_then(|deps| deps.parent()).expect("target/PROFILE/deps");
     profile.join(format!("rundown{}", std::env::consts::EXE_SUFFIX))
 }

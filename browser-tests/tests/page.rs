@@ -23,8 +23,7 @@ impl Desk {
         let (train, track) = demo::described().expect("the scenario is built in");
         let write = |name: &str, text: Result<String, toml::ser::Error>| {
             let path = files.path().join(name);
-            std::fs::write(&path, text.expect("a file that a person could write"))
-                .expect("written");
+            std::fs::write(&path, text.expect("a file that a person could write")).expect("written");
             path.into_os_string().into_string().expect("UTF-8")
         };
         let train = write("train.toml", toml::to_string(&train));
@@ -41,16 +40,9 @@ impl Desk {
         browser.screen(1280, 800, Scheme::Light).await;
         browser.driver().goto(&display.url).await.expect("the page");
         browser
-            .wait("link-text", "an open link", |text| {
-                text.starts_with("receiving") || text.contains("no frame")
-            })
+            .wait("link-text", "an open link", |text| text.starts_with("receiving") || text.contains("no frame"))
             .await;
-        Self {
-            board,
-            display,
-            browser,
-            _files: files,
-        }
+        Self { board, display, browser, _files: files }
     }
 
     /// Waits for the last tick, then compares every value on the page with the frames.
@@ -60,17 +52,11 @@ impl Desk {
         let km = number(Some(estimate.location_m.value), 2, 1e-3);
         self.browser.wait("location", &km, |text| text == km).await;
         for (id, expected) in expected(said) {
-            assert_eq!(
-                self.browser.text(id).await,
-                expected,
-                "#{id} of {estimate:?}"
-            );
+            assert_eq!(self.browser.text(id).await, expected, "#{id} of {estimate:?}");
         }
         let shown: BTreeMap<String, String> =
             self.browser.ask("return {learned: document.getElementById('learned').dataset.state, old: String(document.body.classList.contains('old'))}").await;
-        let learned = said
-            .parameters
-            .map_or(Learned::NotYet, |parameters| parameters.learned);
+        let learned = said.parameters.map_or(Learned::NotYet, |parameters| parameters.learned);
         assert_eq!(shown["learned"], learned.as_str());
         assert_eq!(shown["old"], "false");
     }
@@ -78,10 +64,7 @@ impl Desk {
 
 /// As the page writes a number: a dash for none, a true minus sign.
 fn number(value: Option<f32>, digits: usize, scale: f64) -> String {
-    value.map_or_else(
-        || "–".to_owned(),
-        |value| format!("{:.digits$}", f64::from(value) * scale).replace('-', "−"),
-    )
+    value.map_or_else(|| "–".to_owned(), |value| format!("{:.digits$}", f64::from(value) * scale).replace('-', "−"))
 }
 
 /// What stands on the page, worked out from the frames by themselves.
@@ -94,10 +77,7 @@ fn expected(said: &Said) -> BTreeMap<&'static str, String> {
     let mut all = BTreeMap::from([
         ("speed", number(Some(estimate.speed_mps.value), 0, 3.6)),
         ("speed-sd", deviation(estimate.speed_mps.sd, 1, 3.6)),
-        (
-            "location-sd",
-            format!("±{} m", number(Some(estimate.location_m.sd), 0, 1.0)),
-        ),
+        ("location-sd", format!("±{} m", number(Some(estimate.location_m.sd), 0, 1.0))),
         ("r100", number(Some(r100.value), 1, 1e3)),
         ("r100-sd", deviation(r100.sd, 1, 1e3)),
         ("r0", number(Some(parameters.r0.value), 2, 1e3)),
@@ -106,26 +86,15 @@ fn expected(said: &Said) -> BTreeMap<&'static str, String> {
         ("r1-sd", deviation(parameters.r1.sd, 3, 1e3)),
         ("r2", number(Some(parameters.r2.value), 4, 1e3)),
         ("r2-sd", deviation(parameters.r2.sd, 4, 1e3)),
-        (
-            "gain",
-            number(parameters.gain.map(|gain| gain.value), 3, 1.0),
-        ),
+        ("gain", number(parameters.gain.map(|gain| gain.value), 3, 1.0)),
         ("effort", number(effort.effort_n_per_kg, 0, 1e3)),
-        (
-            "effort-most",
-            number(Some(effort.max_traction_n_per_kg), 0, 1e3),
-        ),
-        (
-            "effort-least",
-            number(Some(-effort.max_brake_n_per_kg), 0, 1e3),
-        ),
+        ("effort-most", number(Some(effort.max_traction_n_per_kg), 0, 1e3)),
+        ("effort-least", number(Some(-effort.max_brake_n_per_kg), 0, 1e3)),
         ("acceleration", number(effort.acceleration_mps2, 3, 1.0)),
         ("gradient", number(Some(effort.gradient_n_per_kg), 1, 1e3)),
     ]);
     if let Some(CoastOutcome::Arrives(arrival)) = said.coast_ahead.map(|ahead| ahead.outcome) {
-        let CoastArrival {
-            speed_mps, time_s, ..
-        } = arrival;
+        let CoastArrival { speed_mps, time_s, .. } = arrival;
         // A 90 % interval.
         let half = f64::from(speed_mps.sd) * 1.645 * 3.6;
         let speed = number(Some(speed_mps.value), 0, 3.6);
@@ -145,14 +114,7 @@ async fn values_on_the_page_are_those_of_the_frames() {
     // Each phase of a run: departure, cruise, coast, brake, standing; then the second run, where all is learned.
     let mut seen = Vec::new();
     let mut arrivals = 0;
-    for regime in [
-        Regime::Traction,
-        Regime::Cruise,
-        Regime::Coast,
-        Regime::Brake,
-        Regime::Traction,
-        Regime::Coast,
-    ] {
+    for regime in [Regime::Traction, Regime::Cruise, Regime::Coast, Regime::Brake, Regime::Traction, Regime::Coast] {
         let mut ticks = 0;
         desk.board.play_until(|estimate| {
             ticks += u32::from(estimate.regime == regime && estimate.speed_mps.value > 15.0);
@@ -160,17 +122,9 @@ async fn values_on_the_page_are_those_of_the_frames() {
         });
         desk.check_values().await;
         arrivals += usize::from(expected(&desk.board.said).contains_key("advice-speed"));
-        let word: String = desk
-            .browser
-            .ask("return document.getElementById('regime').dataset.regime")
-            .await;
+        let word: String = desk.browser.ask("return document.getElementById('regime').dataset.regime").await;
         assert_eq!(word, regime.as_str());
-        seen.push(
-            desk.board
-                .said
-                .parameters
-                .map(|parameters| parameters.learned),
-        );
+        seen.push(desk.board.said.parameters.map(|parameters| parameters.learned));
     }
     assert!(
         seen.contains(&Some(Learned::NotYet)) && seen.contains(&Some(Learned::Learned)),
@@ -187,20 +141,14 @@ async fn values_on_the_page_are_those_of_the_frames() {
     desk.browser.driver().refresh().await.expect("anew");
     desk.check_values().await;
     assert_eq!(desk.browser.ask::<Vec<String>>(row).await, past);
-    assert_eq!(
-        desk.browser
-            .ask::<usize>("return state.points.length")
-            .await,
-        points
-    );
+    assert_eq!(desk.browser.ask::<usize>("return state.points.length").await, points);
 }
 
 #[tokio::test]
 async fn without_a_description_the_page_says_what_is_missing() {
     let files = tempfile::tempdir().expect("a folder");
     let mut desk = Desk::with(1, &[], files).await;
-    desk.board
-        .play_until(|estimate| estimate.regime == Regime::Cruise);
+    desk.board.play_until(|estimate| estimate.regime == Regime::Cruise);
     desk.check_values().await;
     let strip = "return getComputedStyle(document.getElementById('gradients'), '::before').content";
     let words: String = desk.browser.ask(strip).await;
@@ -225,17 +173,8 @@ async fn a_frame_is_on_the_page_within_a_second() {
         });
         let time = last.expect("an estimate").time_s;
         let waiting = std::time::Instant::now();
-        while desk
-            .browser
-            .ask::<Option<f64>>("return state.now.estimate?.time_s ?? null")
-            .await
-            != Some(time)
-        {
-            assert!(
-                waiting.elapsed() < Duration::from_secs(1),
-                "{:?}",
-                waiting.elapsed()
-            );
+        while desk.browser.ask::<Option<f64>>("return state.now.estimate?.time_s ?? null").await != Some(time) {
+            assert!(waiting.elapsed() < Duration::from_secs(1), "{:?}", waiting.elapsed());
         }
     }
 }
@@ -243,77 +182,45 @@ async fn a_frame_is_on_the_page_within_a_second() {
 #[tokio::test]
 async fn the_page_survives_a_cut_and_noise() {
     let mut desk = Desk::new(1).await;
-    desk.board.play_until(|estimate| {
-        estimate.regime == Regime::Traction && estimate.speed_mps.value > 20.0
-    });
+    desk.board.play_until(|estimate| estimate.regime == Regime::Traction && estimate.speed_mps.value > 20.0);
     desk.check_values().await;
     let before = desk.browser.text("speed").await;
 
     desk.board.cut();
-    desk.browser
-        .wait("link-text", "a lost link", |text| {
-            text.starts_with("link lost")
-        })
-        .await;
-    assert!(
-        desk.browser
-            .ask::<bool>("return document.body.classList.contains('old')")
-            .await,
-        "old values are marked"
-    );
-    assert!(
-        desk.browser
-            .text("validity")
-            .await
-            .contains("these values are old")
-    );
-    assert_eq!(
-        desk.browser.text("speed").await,
-        before,
-        "they are still there"
-    );
+    desk.browser.wait("link-text", "a lost link", |text| text.starts_with("link lost")).await;
+    assert!(desk.browser.ask::<bool>("return document.body.classList.contains('old')").await, "old values are marked");
+    assert!(desk.browser.text("validity").await.contains("these values are old"));
+    assert_eq!(desk.browser.text("speed").await, before, "they are still there");
 
     // The display comes back by itself; frames that were sent meanwhile are lost, and the line begins with the rest of one.
     desk.board.accept();
     let lost = 1 + desk.board.lose(7);
     desk.board.noise(&[0x13, 0x55, 0xFF, 0x00, 0xA0, 0x01]);
     desk.board.noise(&[0x00]);
-    desk.board
-        .play_until(|estimate| estimate.regime == Regime::Cruise);
+    desk.board.play_until(|estimate| estimate.regime == Regime::Cruise);
     desk.check_values().await;
     assert_eq!(desk.browser.text("lost").await, lost.to_string());
     assert_eq!(desk.browser.text("damaged").await, "2");
     let reconnects: u32 = desk.browser.ask("return state.link.reconnects").await;
     assert_eq!(reconnects, 1);
-    let gaps: usize = desk
-        .browser
-        .ask("return state.points.filter(point => point[8]).length")
-        .await;
+    let gaps: usize = desk.browser.ask("return state.points.filter(point => point[8]).length").await;
     assert_eq!(gaps, 1, "no line is drawn over what was not heard");
 
     // Garbage for a while, without a zero, then with many.
     desk.board.noise(&vec![0xA5; 20_000]);
     desk.board.noise(&vec![0; 1000]);
-    desk.board
-        .play_until(|estimate| estimate.regime == Regime::Coast);
+    desk.board.play_until(|estimate| estimate.regime == Regime::Coast);
     desk.check_values().await;
 }
 
 #[tokio::test]
 async fn the_page_says_when_the_display_has_gone() {
     let mut desk = Desk::new(1).await;
-    desk.board
-        .play_until(|estimate| estimate.speed_mps.value > 5.0);
+    desk.board.play_until(|estimate| estimate.speed_mps.value > 5.0);
     desk.check_values().await;
     drop(desk.display);
-    desk.browser
-        .wait("validity", "the end", |text| text.contains("has ended"))
-        .await;
-    assert!(
-        desk.browser
-            .ask::<bool>("return document.body.classList.contains('old')")
-            .await
-    );
+    desk.browser.wait("validity", "the end", |text| text.contains("has ended")).await;
+    assert!(desk.browser.ask::<bool>("return document.body.classList.contains('old')").await);
 }
 
 /// Where every part is: nothing moves when values come.
@@ -353,68 +260,35 @@ async fn the_page_looks_right_on_every_screen() {
             browser.screen(width, height, scheme).await;
             browser.press("0").await;
             let places: BTreeMap<String, String> = browser.ask(PLACES).await;
-            let moved: Vec<_> = places
-                .iter()
-                .filter(|(name, place)| empty[&(width, height)].get(*name) != Some(*place))
-                .collect();
-            assert!(
-                moved.is_empty(),
-                "{width}x{height}: {moved:?} from {:?}",
-                empty[&(width, height)]
-            );
+            let moved: Vec<_> =
+                places.iter().filter(|(name, place)| empty[&(width, height)].get(*name) != Some(*place)).collect();
+            assert!(moved.is_empty(), "{width}x{height}: {moved:?} from {:?}", empty[&(width, height)]);
             let outside: Vec<String> = browser.ask(OUTSIDE).await;
-            assert_eq!(
-                outside,
-                Vec::<String>::new(),
-                "{width}x{height}: all is inside its place"
-            );
+            assert_eq!(outside, Vec::<String>::new(), "{width}x{height}: all is inside its place");
             for view in 0..=6 {
                 browser.press(&view.to_string()).await;
                 tokio::time::sleep(Duration::from_millis(250)).await;
                 let found: String = browser.ask("return document.body.dataset.view").await;
                 assert_eq!(found, view.to_string());
-                let png = browser
-                    .picture(&format!("{view}_{width}x{height}_{}", scheme.word()))
-                    .await;
+                let png = browser.picture(&format!("{view}_{width}x{height}_{}", scheme.word())).await;
                 // Width and height stand behind the signature and the name of the first chunk.
-                assert_eq!(
-                    png[16..24],
-                    [width.to_be_bytes(), height.to_be_bytes()].concat()
-                );
+                assert_eq!(png[16..24], [width.to_be_bytes(), height.to_be_bytes()].concat());
             }
         }
     }
     // By keys alone: n changes the colours, Tab reaches every button.
     browser.screen(1280, 800, Scheme::Light).await;
     browser.press("n").await;
-    assert_eq!(
-        browser
-            .ask::<String>("return document.documentElement.dataset.scheme")
-            .await,
-        "night"
-    );
+    assert_eq!(browser.ask::<String>("return document.documentElement.dataset.scheme").await, "night");
     let mut reached = Vec::new();
     for _ in 0..20 {
-        browser
-            .driver()
-            .action_chain()
-            .send_keys(thirtyfour::Key::Tab)
-            .perform()
-            .await
-            .expect("Tab");
+        browser.driver().action_chain().send_keys(thirtyfour::Key::Tab).perform().await.expect("Tab");
         reached.push(
-            browser
-                .ask::<String>(
-                    "return document.activeElement.dataset?.go ?? document.activeElement.id",
-                )
-                .await,
+            browser.ask::<String>("return document.activeElement.dataset?.go ?? document.activeElement.id").await,
         );
     }
     for button in ["0", "1", "2", "3", "4", "5", "6", "scheme"] {
-        assert!(
-            reached.iter().any(|id| id == button),
-            "{button} is not among {reached:?}"
-        );
+        assert!(reached.iter().any(|id| id == button), "{button} is not among {reached:?}");
     }
     // Nothing comes from elsewhere, and nothing went wrong.
     let foreign: Vec<String> = browser.ask("return performance.getEntriesByType('resource').map(r => r.name).filter(n => !n.startsWith(location.origin))").await;

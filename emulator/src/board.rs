@@ -21,9 +21,7 @@ pub enum NoImage {
     #[error("no firmware at {0}: build it with `cargo xtask firmware`")]
     Missing(PathBuf),
     /// A source is newer.
-    #[error(
-        "the firmware at {image} is older than {source_file}: build it with `cargo xtask firmware`"
-    )]
+    #[error("the firmware at {image} is older than {source_file}: build it with `cargo xtask firmware`")]
     Stale {
         /// The firmware.
         image: PathBuf,
@@ -100,9 +98,7 @@ fn modified(path: &Path) -> Option<SystemTime> {
 
 fn newest_source() -> Option<(SystemTime, PathBuf)> {
     let mut folders = vec![root().join("src")];
-    let mut files: Vec<PathBuf> = ["Cargo.toml", "Cargo.lock", "build.rs"]
-        .map(|name| root().join(name))
-        .into();
+    let mut files: Vec<PathBuf> = ["Cargo.toml", "Cargo.lock", "build.rs"].map(|name| root().join(name)).into();
     while let Some(folder) = folders.pop() {
         for entry in folder.read_dir().into_iter().flatten().flatten() {
             let path = entry.path();
@@ -113,10 +109,7 @@ fn newest_source() -> Option<(SystemTime, PathBuf)> {
             }
         }
     }
-    files
-        .into_iter()
-        .filter_map(|file| Some((modified(&file)?, file)))
-        .max()
+    files.into_iter().filter_map(|file| Some((modified(&file)?, file))).max()
 }
 
 #[cfg(test)]

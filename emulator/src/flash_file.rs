@@ -28,9 +28,7 @@ impl FlashFile {
         let mut file = File::create(path)?;
         file.write_all(&vec![0xFF; PROVOKE as usize])?;
         file.set_len(SIZE)?;
-        Ok(Self {
-            path: path.to_owned(),
-        })
+        Ok(Self { path: path.to_owned() })
     }
 
     /// The file.

@@ -45,14 +45,9 @@ impl Image {
     /// # Errors
     /// [`ImageError`] with the path.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
-        let bytes = std::fs::read(path).map_err(|source| ImageError::File {
-            path: path.to_owned(),
-            source,
-        })?;
-        let file = object::File::parse(&*bytes).map_err(|error| ImageError::Content {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        })?;
+        let bytes = std::fs::read(path).map_err(|source| ImageError::File { path: path.to_owned(), source })?;
+        let file = object::File::parse(&*bytes)
+            .map_err(|error| ImageError::Content { path: path.to_owned(), reason: error.to_string() })?;
         let (mut flash, mut ram) = (0, 0);
         for section in file.sections() {
             let SectionFlags::Elf { sh_flags, .. } = section.flags() else {
@@ -63,8 +58,7 @@ impl Image {
             }
             let variables = sh_flags.contains(object::elf::SHF_WRITE);
             // Zeroed or left as they are: nothing of them lies in flash.
-            let stored =
-                section.kind() != SectionKind::UninitializedData && section.name() != Ok(".uninit");
+            let stored = section.kind() != SectionKind::UninitializedData && section.name() != Ok(".uninit");
             flash += if stored { section.size() } else { 0 };
             ram += if variables { section.size() } else { 0 };
         }
@@ -74,20 +68,9 @@ impl Image {
             .unwrap_or_default();
         let symbols = file
             .symbols()
-            .filter_map(|symbol| {
-                Some((
-                    symbol.name().ok()?.to_owned(),
-                    symbol.address(),
-                    symbol.size(),
-                ))
-            })
+            .filter_map(|symbol| Some((symbol.name().ok()?.to_owned(), symbol.address(), symbol.size())))
             .collect();
-        Ok(Self {
-            flash,
-            ram,
-            code,
-            symbols,
-        })
+        Ok(Self { flash, ram, code, symbols })
     }
 
     /// Address of a symbol.
@@ -104,8 +87,6 @@ impl Image {
 
     /// All symbols: name, address, size.
     pub fn symbols(&self) -> impl Iterator<Item = (&str, u64, u64)> {
-        self.symbols
-            .iter()
-            .map(|(name, address, size)| (name.as_str(), *address, *size))
+        self.symbols.iter().map(|(name, address, size)| (name.as_str(), *address, *size))
     }
 }

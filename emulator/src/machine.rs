@@ -51,13 +51,7 @@ impl Settings {
     /// # Errors
     /// [`NoImage`] if it is missing or stale.
     pub fn new(board: Board) -> Result<Self, NoImage> {
-        Ok(Self {
-            board,
-            image: board.image()?,
-            sleep: Sleep::AsHost,
-            flash: None,
-            preloads: Vec::new(),
-        })
+        Ok(Self { board, image: board.image()?, sleep: Sleep::AsHost, flash: None, preloads: Vec::new() })
     }
 }
 
@@ -68,9 +62,7 @@ pub enum EmulatorError {
     #[error("{QEMU} could not be started ({0}): `cargo xtask setup` installs it")]
     NotFound(io::Error),
     /// It is too old.
-    #[error(
-        "{QEMU} is version {found}, at least {OLDEST} is needed: `cargo xtask setup` installs it"
-    )]
+    #[error("{QEMU} is version {found}, at least {OLDEST} is needed: `cargo xtask setup` installs it")]
     TooOld {
         /// Its version.
         found: String,
@@ -91,26 +83,11 @@ pub enum EmulatorError {
 /// # Errors
 /// It is missing, or too old.
 pub fn version() -> Result<String, EmulatorError> {
-    let output = Command::new(QEMU)
-        .arg("--version")
-        .output()
-        .map_err(EmulatorError::NotFound)?;
+    let output = Command::new(QEMU).arg("--version").output().map_err(EmulatorError::NotFound)?;
     let text = String::from_utf8_lossy(&output.stdout);
-    let found = text
-        .split_whitespace()
-        .skip_while(|word| *word != "version")
-        .nth(1)
-        .unwrap_or("unknown")
-        .to_owned();
-    let major = found
-        .split('.')
-        .next()
-        .and_then(|word| word.parse::<u32>().ok());
-    if major.is_some_and(|major| major >= OLDEST) {
-        Ok(found)
-    } else {
-        Err(EmulatorError::TooOld { found })
-    }
+    let found = text.split_whitespace().skip_while(|word| *word != "version").nth(1).unwrap_or("unknown").to_owned();
+    let major = found.split('.').next().and_then(|word| word.parse::<u32>().ok());
+    if major.is_some_and(|major| major >= OLDEST) { Ok(found) } else { Err(EmulatorError::TooOld { found }) }
 }
 
 /// A running emulator. Dropping it is the loss of power.
@@ -148,10 +125,7 @@ impl Emulator {
             machine.push_str(",memory-backend=psram");
             command.args([
                 "-object",
-                &format!(
-                    "memory-backend-file,id=psram,size={SIZE},share=on,mem-path={}",
-                    flash.path().display()
-                ),
+                &format!("memory-backend-file,id=psram,size={SIZE},share=on,mem-path={}", flash.path().display()),
             ]);
         }
         let folder = tempfile::tempdir()?;
@@ -169,8 +143,7 @@ impl Emulator {
             .map_err(EmulatorError::NotFound)?;
         let connected = accept(&line, &mut child).and_then(|line| {
             let control = accept(&control, &mut child)?;
-            let qmp =
-                Qmp::new(control).map_err(|error| ended(&mut child).unwrap_or(error.into()))?;
+            let qmp = Qmp::new(control).map_err(|error| ended(&mut child).unwrap_or(error.into()))?;
             Ok((line, qmp))
         });
         match connected {
@@ -194,10 +167,7 @@ impl Emulator {
     pub fn memory(&mut self, address: u64, bytes: u64) -> io::Result<Vec<u8>> {
         let folder = tempfile::tempdir()?;
         let file = folder.path().join("memory");
-        self.qmp.execute(
-            "pmemsave",
-            json!({ "val": address, "size": bytes, "filename": file.to_string_lossy() }),
-        )?;
+        self.qmp.execute("pmemsave", json!({ "val": address, "size": bytes, "filename": file.to_string_lossy() }))?;
         std::fs::read(file)
     }
 
@@ -253,10 +223,7 @@ fn hex(address: u32, bytes: &[u8]) -> io::Result<String> {
     let mut records = Vec::new();
     for (at, value) in (address..).step_by(16).zip(bytes.chunks(16)) {
         records.push(Record::ExtendedLinearAddress((at >> 16) as u16));
-        records.push(Record::Data {
-            offset: (at & 0xFFFF) as u16,
-            value: value.to_vec(),
-        });
+        records.push(Record::Data { offset: (at & 0xFFFF) as u16, value: value.to_vec() });
     }
     records.push(Record::EndOfFile);
     ihex::create_object_file_representation(&records).map_err(io::Error::other)
@@ -270,11 +237,7 @@ fn listen() -> io::Result<(TcpListener, SocketAddr)> {
 }
 
 fn client(id: &str, address: SocketAddr) -> String {
-    format!(
-        "socket,id={id},host={},port={},nodelay=on",
-        address.ip(),
-        address.port()
-    )
+    format!("socket,id={id},host={},port={},nodelay=on", address.ip(), address.port())
 }
 
 /// What it said, if it ends by itself within a moment.

@@ -11,9 +11,7 @@ pub(crate) struct Qmp {
 impl Qmp {
     /// Takes the greeting and leaves the negotiation.
     pub(crate) fn new(stream: TcpStream) -> io::Result<Self> {
-        let mut qmp = Self {
-            reader: BufReader::new(stream),
-        };
+        let mut qmp = Self { reader: BufReader::new(stream) };
         qmp.line()?;
         qmp.execute("qmp_capabilities", json!({}))?;
         Ok(qmp)
@@ -39,10 +37,7 @@ impl Qmp {
     fn line(&mut self) -> io::Result<Value> {
         let mut line = String::new();
         if self.reader.read_line(&mut line)? == 0 {
-            return Err(io::Error::new(
-                io::ErrorKind::UnexpectedEof,
-                "QEMU has closed its control channel",
-            ));
+            return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "QEMU has closed its control channel"));
         }
         serde_json::from_str(&line).map_err(io::Error::other)
     }

@@ -19,9 +19,7 @@ fn after(what: Provoke, falls: u32) -> Option<Kept> {
     let mut emulator = Emulator::start(&settings).unwrap();
     frame(&mut emulator);
     flash.provoke(what, falls > 1).unwrap();
-    let kept = wait_for(&mut emulator, &image, |kept| {
-        kept.crash_loop.resets() == falls
-    });
+    let kept = wait_for(&mut emulator, &image, |kept| kept.crash_loop.resets() == falls);
     // It is up again, or says at least that it lives.
     frame(&mut emulator);
     Some(kept)
@@ -33,9 +31,7 @@ fn a_tick_task_that_hangs_is_bitten_and_named() {
         return;
     };
     // The link task has the same priority, so it hangs too.
-    let Failure::Stalled(who) = kept.last else {
-        panic!("{kept:?}")
-    };
+    let Failure::Stalled(who) = kept.last else { panic!("{kept:?}") };
     assert!(who.tick, "{kept:?}");
     assert_eq!(kept.crash_loop.operation(), Operation::Normal);
 }
@@ -45,20 +41,9 @@ fn a_link_task_that_hangs_is_bitten_and_named() {
     let Some(kept) = after(Provoke::LinkHangs, 1) else {
         return;
     };
-    let stalled = Stalled {
-        tick: true,
-        link: true,
-    };
-    let link_only = Stalled {
-        tick: false,
-        ..stalled
-    };
-    assert!(
-        [stalled, link_only]
-            .map(Failure::Stalled)
-            .contains(&kept.last),
-        "{kept:?}"
-    );
+    let stalled = Stalled { tick: true, link: true };
+    let link_only = Stalled { tick: false, ..stalled };
+    assert!([stalled, link_only].map(Failure::Stalled).contains(&kept.last), "{kept:?}");
 }
 
 #[test]
@@ -82,15 +67,10 @@ fn a_fault_is_reported_with_its_address() {
     let Some(kept) = after(Provoke::Fault, 1) else {
         return;
     };
-    let Failure::Fault { at } = kept.last else {
-        panic!("{kept:?}")
-    };
+    let Failure::Fault { at } = kept.last else { panic!("{kept:?}") };
     let image = Image::read(&Board::Mps2.image_path()).unwrap();
     let code = image.code.0..image.code.0 + image.code.1.len() as u64;
-    assert!(
-        code.contains(&u64::from(at)),
-        "{at:#x} is not within {code:x?}"
-    );
+    assert!(code.contains(&u64::from(at)), "{at:#x} is not within {code:x?}");
 }
 
 #[test]

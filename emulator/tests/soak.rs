@@ -17,9 +17,8 @@ fn two_quiet_hours_pass_without_a_reset() {
         let image = Image::read(&settings.image).unwrap();
         let mut emulator = Emulator::start(&settings).unwrap();
         frame(&mut emulator);
-        let kept = wait_for(&mut emulator, &image, |kept| {
-            kept.crash_loop.clock_s() >= 7200 || kept.crash_loop.resets() > 0
-        });
+        let kept =
+            wait_for(&mut emulator, &image, |kept| kept.crash_loop.clock_s() >= 7200 || kept.crash_loop.resets() > 0);
         assert_eq!(kept.crash_loop.resets(), 0, "{board:?}: {kept:?}");
         assert_eq!(kept.failure, Failure::None, "{board:?}");
     }

@@ -9,11 +9,7 @@ use rundown_wire::link::isotp::{Config, Receiver, Sender};
 
 fuzz_target!(|data: &[u8]| {
     let mut script = Script(data);
-    let config = if script.byte().is_multiple_of(2) {
-        Config::CLASSIC
-    } else {
-        Config::FD
-    };
+    let config = if script.byte().is_multiple_of(2) { Config::CLASSIC } else { Config::FD };
     let mut receiver: Receiver<MAX_CHECKED> = Receiver::new(config);
     let mut sender: Sender<MAX_CHECKED> = Sender::new(config);
     let mut now_us = 0_u64;
@@ -43,9 +39,7 @@ fuzz_target!(|data: &[u8]| {
 
     let payload: Vec<u8> = data.iter().copied().chain([1]).take(MAX_CHECKED).collect();
     let mut sender: Sender<MAX_CHECKED> = Sender::new(config);
-    sender
-        .start(&payload)
-        .expect("an idle sender takes a payload of this length");
+    sender.start(&payload).expect("an idle sender takes a payload of this length");
     for _ in 0..200 {
         now_us += 1000;
         let Some(frame) = sender.next_frame(now_us).expect("answered in time") else {
@@ -55,9 +49,7 @@ fuzz_target!(|data: &[u8]| {
         let pdu = parse(&frame).expect("own frames can be read");
         let outcome = receiver.on_frame(pdu, frame.len(), now_us);
         if let Some(answer) = outcome.answer {
-            sender
-                .on_flow_control(answer, now_us)
-                .expect("a frank answer");
+            sender.on_flow_control(answer, now_us).expect("a frank answer");
         }
         if outcome.complete {
             assert_eq!(receiver.payload(), payload);

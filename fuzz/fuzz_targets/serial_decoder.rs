@@ -9,13 +9,9 @@ fuzz_target!(|data: &[u8]| {
     // Random bytes hardly ever carry a valid checksum: the first byte says how much of the rest is a message that is damaged by what follows.
     let (&head, rest) = data.split_first().unwrap_or((&0, &[]));
     let (message, damage) = rest.split_at(rest.len().min(2 * usize::from(head)));
-    let mut line = encode(message)
-        .map(|frame| frame.to_vec())
-        .unwrap_or_default();
+    let mut line = encode(message).map(|frame| frame.to_vec()).unwrap_or_default();
     for pair in damage.chunks_exact(3) {
-        if let Some(byte) =
-            line.get_mut(usize::from(u16::from_le_bytes([pair[0], pair[1]])) % MAX_MESSAGE)
-        {
+        if let Some(byte) = line.get_mut(usize::from(u16::from_le_bytes([pair[0], pair[1]])) % MAX_MESSAGE) {
             *byte ^= pair[2];
         }
     }
@@ -30,9 +26,7 @@ fuzz_target!(|data: &[u8]| {
                 assert!((1..=MAX_MESSAGE).contains(&message.len()));
                 let again = encode(message).expect("what was decoded has a valid length");
                 let mut witness: Decoder = Decoder::new();
-                let decoded = again
-                    .iter()
-                    .any(|&byte| witness.push(byte) == Ok(Some(message)));
+                let decoded = again.iter().any(|&byte| witness.push(byte) == Ok(Some(message)));
                 assert!(decoded);
             }
             Ok(None) => {}
@@ -44,8 +38,6 @@ fuzz_target!(|data: &[u8]| {
     }
     let _garbage_ends = decoder.push(0);
     let valid = encode(b"valid").expect("short");
-    let received = valid
-        .iter()
-        .filter(|&&byte| decoder.push(byte) == Ok(Some(b"valid")));
+    let received = valid.iter().filter(|&&byte| decoder.push(byte) == Ok(Some(b"valid")));
     assert_eq!(received.count(), 1);
 });

@@ -13,13 +13,7 @@ use rundown_wire::MAX_MESSAGE;
 fuzz_target!(|data: &[u8]| {
     round_trip(data);
     let (mut run, mut room) = (Box::new(RunState::idle()), Box::new(Room::EMPTY));
-    let mut task = Task::new(
-        Ok(PROVISIONING),
-        Flash::erased(4),
-        false,
-        &mut run,
-        &mut room,
-    );
+    let mut task = Task::new(Ok(PROVISIONING), Flash::erased(4), false, &mut run, &mut room);
     let mut wire = Wire::default();
     let mut conversation = Conversation::new(data);
     while let Some(step) = conversation.next_step() {

@@ -18,13 +18,7 @@ use rundown_wire::link::serial::{Decoder, encode};
 
 fuzz_target!(|data: &[u8]| {
     let (mut run, mut room) = (Box::new(RunState::idle()), Box::new(Room::EMPTY));
-    let mut application = Application::new(
-        Ok(PROVISIONING),
-        Flash::erased(4),
-        false,
-        &mut run,
-        &mut room,
-    );
+    let mut application = Application::new(Ok(PROVISIONING), Flash::erased(4), false, &mut run, &mut room);
     let mut conversation = Conversation::new(data);
     let (mut said, mut deaf) = (Vec::new(), false);
     let mut decoder: Decoder = Decoder::new();
@@ -44,9 +38,7 @@ fuzz_target!(|data: &[u8]| {
                 deaf = now;
                 Vec::new()
             }
-            Step::Message(message) => encode(&message)
-                .map(|frame| frame.to_vec())
-                .unwrap_or(message),
+            Step::Message(message) => encode(&message).map(|frame| frame.to_vec()).unwrap_or(message),
             Step::Noise(noise) => noise,
         };
         let mut send = |frame: &[u8]| {

@@ -81,22 +81,13 @@ static REQUESTS: LazyLock<Vec<Request>> = LazyLock::new(|| {
     let description = described();
     let mut requests = description.requests(PROVISIONING.train.0);
     let track_id = description.track_id();
-    requests.push(Request::Surroundings(Surroundings {
-        temperature_c: Some(-5.0),
-        day: Some(20_500.0),
-    }));
+    requests.push(Request::Surroundings(Surroundings { temperature_c: Some(-5.0), day: Some(20_500.0) }));
     for command in [
         Command::Pace(Pace::Lockstep),
-        Command::Begin {
-            direction: Direction::Up,
-            track_id,
-        },
+        Command::Begin { direction: Direction::Up, track_id },
         Command::Snapshot,
         Command::End,
-        Command::Begin {
-            direction: Direction::Down,
-            track_id,
-        },
+        Command::Begin { direction: Direction::Down, track_id },
         Command::Pace(Pace::Clock),
         Command::Status,
         Command::Forget,
@@ -104,36 +95,19 @@ static REQUESTS: LazyLock<Vec<Request>> = LazyLock::new(|| {
     ] {
         requests.push(Request::Command(command));
     }
-    requests.extend(
-        [Mode::Paper, Mode::Measured, Mode::Gated]
-            .map(|mode| Request::Setting(uplink::Setting::Mode(mode))),
-    );
+    requests
+        .extend([Mode::Paper, Mode::Measured, Mode::Gated].map(|mode| Request::Setting(uplink::Setting::Mode(mode))));
     requests
 });
 
 /// A train and a track with something of everything: every request has a pattern to bend.
 fn described() -> Description {
-    let curve = |from_m| Curve {
-        from_m,
-        to_m: from_m + 300.0,
-        radius_m: 600.0,
-    };
+    let curve = |from_m| Curve { from_m, to_m: from_m + 300.0, radius_m: 600.0 };
     let effects = [
-        Effect::CurveResistance(CurveResistance {
-            coefficient_roeckl: 0.8,
-        }),
-        Effect::TemperatureResistance(TemperatureResistance {
-            dr0_per_deg_c: -1e-4,
-            ref_c: 15.0,
-        }),
-        Effect::SeasonalDrift(SeasonalDrift {
-            dr0_over_period: 1e-3,
-            period_days: 365.0,
-            reference_day: 20_000.0,
-        }),
-        Effect::SpeedScale(SpeedScale {
-            measured_over_true: 1.01,
-        }),
+        Effect::CurveResistance(CurveResistance { coefficient_roeckl: 0.8 }),
+        Effect::TemperatureResistance(TemperatureResistance { dr0_per_deg_c: -1e-4, ref_c: 15.0 }),
+        Effect::SeasonalDrift(SeasonalDrift { dr0_over_period: 1e-3, period_days: 365.0, reference_day: 20_000.0 }),
+        Effect::SpeedScale(SpeedScale { measured_over_true: 1.01 }),
         Effect::Unknown(Unknown {
             coordinate: Coordinate::Temperature,
             table: [(-10.0, 4e-3), (20.0, 0.0)].into_iter().collect(),
@@ -228,10 +202,7 @@ impl<'a> Conversation<'a> {
         let frame = Downlink::decode(message).expect("the board's own frames are readable");
         let text = format!("{:?}", frame.body);
         let mut words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
-        assert!(
-            !words.any(|word| word == "NaN" || word == "inf"),
-            "a number that is none: {text}"
-        );
+        assert!(!words.any(|word| word == "NaN" || word == "inf"), "a number that is none: {text}");
         match frame.body {
             Body::Status(status) => {
                 let Some(announcement) = &status.announcement else {
@@ -305,10 +276,7 @@ impl<'a> Conversation<'a> {
 
     fn payload(&mut self, request: &Request) -> Vec<u8> {
         self.sequence = self.sequence.wrapping_add(1);
-        let uplink = Uplink {
-            sequence: self.sequence,
-            request: request.clone(),
-        };
+        let uplink = Uplink { sequence: self.sequence, request: request.clone() };
         let mut buffer = [0; MAX_MESSAGE];
         let message = uplink::encode(&uplink, OPEN, &mut buffer).expect("known requests are short");
         message[2..].to_vec()
@@ -328,10 +296,7 @@ impl<'a> Conversation<'a> {
     fn sign(&mut self, payload: &[u8]) -> Step {
         let bare = [&[uplink::VERSION, SECURED], payload].concat();
         let mut buffer = [0; 2 * MAX_MESSAGE];
-        let sealed = self
-            .signer
-            .as_mut()
-            .and_then(|signer| signer.seal(DATA_ID, &bare, &mut buffer).ok());
+        let sealed = self.signer.as_mut().and_then(|signer| signer.seal(DATA_ID, &bare, &mut buffer).ok());
         Step::Message(sealed.map(<[u8]>::to_vec).unwrap_or(bare))
     }
 }

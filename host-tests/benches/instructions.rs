@@ -39,11 +39,7 @@ fn main() {
     let textbook = per_step("textbook") - loop_alone;
     println!("instructions of one step, paper's model, reference track (goal: at most 500)");
     println!("  rundown   {ours:8.1}    90 steps {:9.0}", 90.0 * ours);
-    println!(
-        "  textbook  {textbook:8.1}    90 steps {:9.0}    {:.1} times ours",
-        90.0 * textbook,
-        textbook / ours
-    );
+    println!("  textbook  {textbook:8.1}    90 steps {:9.0}    {:.1} times ours", 90.0 * textbook, textbook / ours);
 }
 
 /// Instructions of the whole process.
@@ -56,9 +52,7 @@ fn counted(which: &str, steps: usize) -> i64 {
         .output()
         .expect("valgrind runs");
     let text = String::from_utf8_lossy(&output.stderr);
-    let count = text
-        .lines()
-        .find_map(|line| line.split_once("Collected :"))
-        .and_then(|(_, count)| count.trim().parse().ok());
+    let count =
+        text.lines().find_map(|line| line.split_once("Collected :")).and_then(|(_, count)| count.trim().parse().ok());
     count.unwrap_or_else(|| panic!("callgrind printed no count:\n{text}"))
 }

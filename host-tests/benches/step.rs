@@ -10,12 +10,8 @@ fn steps(criterion: &mut Criterion) {
     let drive = Drive::of_reference();
     for (name, steps) in [("one step", 1), ("run of 90 steps", RUN)] {
         let mut group = criterion.benchmark_group(name);
-        group.bench_function("rundown", |bencher| {
-            bencher.iter(|| drive.ours(black_box(steps)))
-        });
-        group.bench_function("textbook", |bencher| {
-            bencher.iter(|| drive.textbook(black_box(steps)))
-        });
+        group.bench_function("rundown", |bencher| bencher.iter(|| drive.ours(black_box(steps))));
+        group.bench_function("textbook", |bencher| bencher.iter(|| drive.textbook(black_box(steps))));
         group.finish();
     }
 }

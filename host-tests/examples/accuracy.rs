@@ -17,33 +17,12 @@ fn main() {
     let which = argument(4);
     let scales = scales(vehicles);
     let config = Config::with_mode(mode);
-    let one_second = Sensors {
-        sampling_s: 1.0,
-        ..Sensors::default()
-    };
+    let one_second = Sensors { sampling_s: 1.0, ..Sensors::default() };
     for (name, scenario) in [
         ("clean", Scenario::default()),
-        (
-            "wind",
-            Scenario {
-                wind_sd_mps: 2.0,
-                ..Scenario::default()
-            },
-        ),
-        (
-            "hilly",
-            Scenario {
-                line: sim_harness::truth::line::Line::hilly(3),
-                ..Scenario::default()
-            },
-        ),
-        (
-            "fast",
-            Scenario {
-                sensors: one_second,
-                ..Scenario::default()
-            },
-        ),
+        ("wind", Scenario { wind_sd_mps: 2.0, ..Scenario::default() }),
+        ("hilly", Scenario { line: sim_harness::truth::line::Line::hilly(3), ..Scenario::default() }),
+        ("fast", Scenario { sensors: one_second, ..Scenario::default() }),
     ] {
         if which.as_deref().is_none_or(|which| which == name) {
             judge(config, &scenario, &scales, runs, 77).print(name);

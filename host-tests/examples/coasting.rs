@@ -20,18 +20,9 @@ fn main() {
     let runs = argument(2).and_then(|a| a.parse().ok()).unwrap_or(10);
     let which = argument(3);
     let scales = scales(vehicles);
-    let wind = |wind_sd_mps| Scenario {
-        wind_sd_mps,
-        ..Scenario::default()
-    };
-    let loaded = Scenario {
-        load_sd: 0.03,
-        ..wind(2.0)
-    };
-    let hilly = Scenario {
-        line: Line::hilly(3),
-        ..wind(2.0)
-    };
+    let wind = |wind_sd_mps| Scenario { wind_sd_mps, ..Scenario::default() };
+    let loaded = Scenario { load_sd: 0.03, ..wind(2.0) };
+    let hilly = Scenario { line: Line::hilly(3), ..wind(2.0) };
     for (name, scenario) in [
         ("calm", wind(0.0)),
         ("wind 1 m/s", wind(1.0)),
@@ -64,14 +55,8 @@ fn main() {
         row("cruising", &|j| j.regime == Regime::Cruise);
         row("in traction", &|j| j.regime == Regime::Traction);
         for (from_m, to_m) in [(0.0, 2e3), (2e3, 6e3), (6e3, 12e3), (12e3, 25e3)] {
-            let ahead_m = |j: &&Judged| {
-                j.said
-                    .target
-                    .map_or(f64::NAN, |t| t.at_m - j.said.from.location_m)
-            };
-            row(&format!("{from_m} to {to_m} m"), &|j| {
-                (from_m..to_m).contains(&ahead_m(j))
-            });
+            let ahead_m = |j: &&Judged| j.said.target.map_or(f64::NAN, |t| t.at_m - j.said.from.location_m);
+            row(&format!("{from_m} to {to_m} m"), &|j| (from_m..to_m).contains(&ahead_m(j)));
         }
         let counts = fleets.iter().map(|judged| published(&config, judged));
         let [all, coasting] = counts.fold([[0; 2]; 2], |mut sum, counts| {

@@ -8,26 +8,13 @@ use sim_harness::truth::scenario::{Scenario, UnscheduledStop, simulate};
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let seed = arguments
-        .next()
-        .map_or(1, |s| s.parse().expect("the seed is a number"));
+    let seed = arguments.next().map_or(1, |s| s.parse().expect("the seed is a number"));
     let scenario = match arguments.next().as_deref().unwrap_or("case") {
         "case" => Scenario::default(),
-        "hilly" => Scenario {
-            line: Line::hilly(seed),
-            ..Scenario::default()
-        },
-        "hops" => Scenario {
-            driver: DriverKind::ShortHop,
-            final_dwell: true,
-            ..Scenario::default()
-        },
+        "hilly" => Scenario { line: Line::hilly(seed), ..Scenario::default() },
+        "hops" => Scenario { driver: DriverKind::ShortHop, final_dwell: true, ..Scenario::default() },
         "red" => Scenario {
-            unscheduled_stop: Some(UnscheduledStop {
-                at_m: 14_000.0,
-                dwell_s: 45.0,
-                share: 1.0,
-            }),
+            unscheduled_stop: Some(UnscheduledStop { at_m: 14_000.0, dwell_s: 45.0, share: 1.0 }),
             ..Scenario::default()
         },
         other => panic!("expected case, hilly, hops or red, found {other}"),

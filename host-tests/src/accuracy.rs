@@ -18,11 +18,7 @@ use sim_harness::truth::driver::Regime as TrueRegime;
 use sim_harness::truth::scenario::{Run, Scenario, fleet};
 
 /// The manufacturer's description that every simulated vehicle deviates from.
-pub const NOMINAL: Davis = Davis {
-    r0: 7.38e-3,
-    r1: 1.6e-4,
-    r2: 2.8e-5,
-};
+pub const NOMINAL: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 
 /// The scenario's line and a train as described (not as it truly is).
 pub fn description(config: Config, scenario: &Scenario) -> Description {
@@ -38,9 +34,7 @@ pub fn description(config: Config, scenario: &Scenario) -> Description {
             max_brake_mps2: 0.66,
         },
         track_length_m: scenario.line.length_m(),
-        gradients: gradients
-            .map(|&(from_m, permille)| Gradient { from_m, permille })
-            .collect(),
+        gradients: gradients.map(|&(from_m, permille)| Gradient { from_m, permille }).collect(),
         curves: Vec::new(),
         targets: Vec::new(),
         effects: Effects::NONE,
@@ -65,16 +59,10 @@ pub fn measurements(run: &Run) -> Vec<Measurement> {
 }
 
 /// Replays one run.
-pub fn replay(
-    estimator: &Estimator,
-    vehicle: &mut Vehicle,
-    run: &Run,
-) -> (Vec<Estimate>, RunSummary) {
+pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, run: &Run) -> (Vec<Estimate>, RunSummary) {
     let mut state = estimator.begin_run(vehicle, Direction::Up);
-    let estimates = measurements(run)
-        .iter()
-        .map(|measurement| estimator.step(&mut state, measurement).unwrap())
-        .collect();
+    let estimates =
+        measurements(run).iter().map(|measurement| estimator.step(&mut state, measurement).unwrap()).collect();
     let summary = estimator.end_run(&mut state, vehicle);
     (estimates, summary)
 }
@@ -172,13 +160,7 @@ pub fn scales(vehicles: usize) -> Vec<[f64; 3]> {
 }
 
 /// Vehicles: scale of r0, r1, r2 of each; runs of each.
-pub fn judge(
-    config: Config,
-    scenario: &Scenario,
-    scales: &[[f64; 3]],
-    runs: usize,
-    seed: u64,
-) -> Table {
+pub fn judge(config: Config, scenario: &Scenario, scales: &[[f64; 3]], runs: usize, seed: u64) -> Table {
     let mut table = Table::default();
     for (index, scale) in scales.iter().enumerate() {
         let runs = fleet(scenario, *scale, runs, seed + 1000 * index as u64);
@@ -189,21 +171,11 @@ pub fn judge(
 
 impl Table {
     /// Adds one vehicle by the scale of its r0, r1, r2 and its runs.
-    pub fn judge_vehicle(
-        &mut self,
-        config: Config,
-        scenario: &Scenario,
-        scale: [f64; 3],
-        fleet: &[Run],
-    ) {
+    pub fn judge_vehicle(&mut self, config: Config, scenario: &Scenario, scale: [f64; 3], fleet: &[Run]) {
         let table = self;
         let runs = fleet.len();
         let estimator = estimator(config, scenario);
-        let truth = Davis {
-            r0: NOMINAL.r0 * scale[0],
-            r1: NOMINAL.r1 * scale[1],
-            r2: NOMINAL.r2 * scale[2],
-        };
+        let truth = Davis { r0: NOMINAL.r0 * scale[0], r1: NOMINAL.r1 * scale[1], r2: NOMINAL.r2 * scale[2] };
         let mut vehicle = estimator.new_vehicle();
         for (index, run) in fleet.iter().enumerate() {
             let (estimates, summary) = replay(&estimator, &mut vehicle, run);
@@ -212,11 +184,7 @@ impl Table {
                 10 => Some(1),
                 _ => None,
             };
-            let of_run = Davis {
-                r0: run.facts.davis.r0,
-                r1: run.facts.davis.r1,
-                r2: run.facts.davis.r2,
-            };
+            let of_run = Davis { r0: run.facts.davis.r0, r1: run.facts.davis.r1, r2: run.facts.davis.r2 };
             let last = (index + 1 == runs).then_some(2);
             for slot in slot.into_iter().chain(last) {
                 table.vehicle[slot].add(&vehicle.davis(), &truth);
@@ -329,27 +297,13 @@ impl Table {
                     e.deviations()
                 )
             };
-            println!(
-                "  {name}: run 1 {}, run 10 {}, last {}",
-                cell(&errors[0]),
-                cell(&errors[1]),
-                cell(&errors[2])
-            );
+            println!("  {name}: run 1 {}, run 10 {}, last {}", cell(&errors[0]), cell(&errors[1]), cell(&errors[2]));
         };
         row("vehicle r(v) rmse", &self.vehicle);
         row("running r(v) rmse", &self.running);
-        println!(
-            "  last vehicle's mean error at 20/60/100/140 km/h: {:+.2?} %",
-            self.vehicle[2].tilt_percent()
-        );
+        println!("  last vehicle's mean error at 20/60/100/140 km/h: {:+.2?} %", self.vehicle[2].tilt_percent());
         println!("  slope at 60/100/140 km/h: {:.2?}", self.slopes());
-        println!(
-            "  regimes (accuracy, macro F1) causal, confirmed: {:.3?}",
-            self.regime_scores()
-        );
-        println!(
-            "  p90 of brake start s, coast start s, cruise km/h, power %: {:.2?}",
-            self.feature_p90()
-        );
+        println!("  regimes (accuracy, macro F1) causal, confirmed: {:.3?}", self.regime_scores());
+        println!("  p90 of brake start s, coast start s, cruise km/h, power %: {:.2?}", self.feature_p90());
     }
 }

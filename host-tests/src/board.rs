@@ -12,11 +12,8 @@ use rundown_wire::{Answer, Body, Downlink, Estimate, Health, Refusal, SnapshotPa
 use sim_harness::desk::{Description, Desk};
 
 /// The key and the train of the board.
-pub const PROVISIONING: Provisioning = Provisioning {
-    key_id: 1,
-    key: Key::new(*b"not a secret key"),
-    train: TrainId(0x2451),
-};
+pub const PROVISIONING: Provisioning =
+    Provisioning { key_id: 1, key: Key::new(*b"not a secret key"), train: TrainId(0x2451) };
 
 /// A link that keeps what it is given.
 #[derive(Debug, Default)]
@@ -69,20 +66,13 @@ pub struct Board {
 impl Board {
     /// Starts with this flash.
     pub fn start(flash: Flash) -> Self {
-        Self {
-            task: task(Ok(PROVISIONING), flash, false),
-            wire: Wire::default(),
-            desk: Desk::new(PROVISIONING),
-        }
+        Self { task: task(Ok(PROVISIONING), flash, false), wire: Wire::default(), desk: Desk::new(PROVISIONING) }
     }
 
     /// Power goes and comes: nothing stays but the flash. The desk goes on.
     pub fn restart(self) -> Self {
         let flash = self.task.release().expect("a store");
-        Self {
-            desk: self.desk,
-            ..Self::start(flash)
-        }
+        Self { desk: self.desk, ..Self::start(flash) }
     }
 
     /// Hands over a message and reads the frames that it brings.
@@ -133,8 +123,7 @@ impl Board {
     /// A whole snapshot.
     pub fn snapshot(&mut self) -> Vec<SnapshotPart> {
         loop {
-            self.ask(Request::Command(Command::Snapshot))
-                .expect("a run");
+            self.ask(Request::Command(Command::Snapshot)).expect("a run");
             if let Some(parts) = self.desk.snapshot() {
                 return parts.to_vec();
             }

@@ -24,31 +24,15 @@ const STEP_S: f64 = 0.25;
 /// The description with the limits of the scenario's line and a stop at its end.
 pub fn with_targets(config: Config, scenario: &Scenario) -> Description {
     let limits = scenario.line.limits_kmh().iter();
-    let limits = limits.map(|&(at_m, kmh)| Target {
-        at_m,
-        limit_mps: Some(KmPerHour(kmh).to_mps()),
-    });
-    let end = Target {
-        at_m: scenario.line.length_m(),
-        limit_mps: None,
-    };
-    Description {
-        targets: limits.chain([end]).collect(),
-        ..description(config, scenario)
-    }
+    let limits = limits.map(|&(at_m, kmh)| Target { at_m, limit_mps: Some(KmPerHour(kmh).to_mps()) });
+    let end = Target { at_m: scenario.line.length_m(), limit_mps: None };
+    Description { targets: limits.chain([end]).collect(), ..description(config, scenario) }
 }
 
 /// When and how fast a coasting train is at a place; `None`: it stands before.
 fn coasted(world: &World, from: &TraceStep, at_m: f64) -> Option<(f64, f64)> {
-    let mut motion = Motion {
-        location_m: from.location_m,
-        speed_mps: from.speed_mps,
-    };
-    let mut history = History {
-        time_s: from.time_s,
-        departed_s: Some(0.0),
-        braked: true,
-    };
+    let mut motion = Motion { location_m: from.location_m, speed_mps: from.speed_mps };
+    let mut history = History { time_s: from.time_s, departed_s: Some(0.0), braked: true };
     loop {
         let next = world.advance(history, motion, 0.0, STEP_S);
         if next.location_m >= at_m {
@@ -86,10 +70,7 @@ pub fn judge(
     seed: u64,
     least_kmh: f64,
 ) -> Vec<Judged> {
-    let scenario = Scenario {
-        davis_scale: scale,
-        ..scenario.clone()
-    };
+    let scenario = Scenario { davis_scale: scale, ..scenario.clone() };
     let estimator = with_targets(config, &scenario).estimator().unwrap();
     let mut vehicle = estimator.new_vehicle();
     let mut judged = Vec::new();
@@ -105,12 +86,7 @@ pub fn judge(
             let Some(target) = said.target.filter(|t| t.at_m > from.location_m) else {
                 continue;
             };
-            judged.push(Judged {
-                run: number,
-                regime: from.regime,
-                said,
-                truth: coasted(&world, from, target.at_m),
-            });
+            judged.push(Judged { run: number, regime: from.regime, said, truth: coasted(&world, from, target.at_m) });
         }
     }
     judged
@@ -194,12 +170,8 @@ impl Calibration {
     pub fn row(&self) -> String {
         let [speed, time] = self.coverage();
         let each = |sums: [f64; 2]| sums.map(|sum| sum / self.count);
-        let ([wide_kmh, wide_s], [square_kmh, square_s], [bias_kmh, bias_s], [dev_v, dev_t]) = (
-            each(self.half_width),
-            each(self.square),
-            each(self.bias),
-            each(self.deviations),
-        );
+        let ([wide_kmh, wide_s], [square_kmh, square_s], [bias_kmh, bias_s], [dev_v, dev_t]) =
+            (each(self.half_width), each(self.square), each(self.bias), each(self.deviations));
         format!(
             "{:6} {:5.1} % ±{wide_kmh:5.2} rms {:5.2} bias {bias_kmh:+5.2} km/h z {:4.2} | {:5.1} % ±{wide_s:5.2} rms {:5.2} bias {bias_s:+5.2} s z {:4.2} | wrong {:?} stands {:?}",
             self.count,

@@ -43,18 +43,11 @@ impl Fields {
 
     /// All bytes.
     pub fn bytes(&self) -> Vec<u8> {
-        self.fields
-            .iter()
-            .flat_map(|f| f.bytes.iter().copied())
-            .collect()
+        self.fields.iter().flat_map(|f| f.bytes.iter().copied()).collect()
     }
 
     fn put(&mut self, value: impl fmt::Display, bytes: Vec<u8>) {
-        self.fields.push(Field {
-            path: self.path.clone(),
-            value: value.to_string(),
-            bytes,
-        });
+        self.fields.push(Field { path: self.path.clone(), value: value.to_string(), bytes });
     }
 
     fn number(&mut self, value: u64, largest: u64) {
@@ -78,11 +71,7 @@ impl Fields {
     }
 
     /// Walks with the path longer by a name.
-    fn inside(
-        &mut self,
-        name: &str,
-        value: &(impl Serialize + ?Sized),
-    ) -> Result<String, Unforeseen> {
+    fn inside(&mut self, name: &str, value: &(impl Serialize + ?Sized)) -> Result<String, Unforeseen> {
         let before = self.path.len();
         if before > 0 && !name.starts_with('[') {
             self.path.push('.');
@@ -224,12 +213,7 @@ impl<'a> Serializer for &'a mut Fields {
     }
     fn serialize_struct(self, name: &'static str, _: usize) -> Result<Members<'a>, Unforeseen> {
         let members = Vec::new();
-        Ok(Members {
-            walk: self,
-            name,
-            members,
-            is_struct: true,
-        })
+        Ok(Members { walk: self, name, members, is_struct: true })
     }
     fn serialize_struct_variant(
         self,
@@ -240,12 +224,7 @@ impl<'a> Serializer for &'a mut Fields {
     ) -> Result<Members<'a>, Unforeseen> {
         self.variant(name, index, variant);
         let members = Vec::new();
-        Ok(Members {
-            walk: self,
-            name,
-            members,
-            is_struct: false,
-        })
+        Ok(Members { walk: self, name, members, is_struct: false })
     }
 
     fn serialize_i8(self, _: i8) -> Kind {
@@ -275,11 +254,7 @@ impl<'a> Serializer for &'a mut Fields {
     fn serialize_newtype_struct<T: Serialize + ?Sized>(self, name: &'static str, _: &T) -> Kind {
         unforeseen(name)
     }
-    fn serialize_tuple_struct(
-        self,
-        name: &'static str,
-        _: usize,
-    ) -> Result<Self::SerializeTupleStruct, Unforeseen> {
+    fn serialize_tuple_struct(self, name: &'static str, _: usize) -> Result<Self::SerializeTupleStruct, Unforeseen> {
         Err(Unforeseen(name.into()))
     }
     fn serialize_tuple_variant(
@@ -308,13 +283,7 @@ pub struct Items<'a> {
 impl<'a> Items<'a> {
     fn begin(walk: &'a mut Fields, outer: &'static str) -> Self {
         let first = walk.fields.len();
-        Self {
-            walk,
-            outer,
-            kind: "?".into(),
-            count: 0,
-            first,
-        }
+        Self { walk, outer, kind: "?".into(), count: 0, first }
     }
 
     fn item(&mut self, value: &(impl Serialize + ?Sized)) -> Result<(), Unforeseen> {
@@ -324,13 +293,7 @@ impl<'a> Items<'a> {
     }
 
     fn finish(self) -> Kind {
-        let Self {
-            walk,
-            outer,
-            kind,
-            count,
-            first,
-        } = self;
+        let Self { walk, outer, kind, count, first } = self;
         if ["u8", "u32", "f32", "f64"].contains(&kind.as_str()) {
             let items: Vec<Field> = walk.fields.drain(first..).collect();
             let bytes: Vec<u8> = items.iter().flat_map(|item| item.bytes.clone()).collect();
@@ -339,11 +302,7 @@ impl<'a> Items<'a> {
                     format!("0x{:08X}", u32::from_le_bytes(four))
                 }
                 ("u8", _) => format!("{count} bytes"),
-                _ => items
-                    .iter()
-                    .map(|item| item.value.as_str())
-                    .collect::<Vec<_>>()
-                    .join(", "),
+                _ => items.iter().map(|item| item.value.as_str()).collect::<Vec<_>>().join(", "),
             };
             walk.put(value, bytes);
         }
@@ -386,11 +345,7 @@ pub struct Members<'a> {
 }
 
 impl Members<'_> {
-    fn member(
-        &mut self,
-        key: &'static str,
-        value: &(impl Serialize + ?Sized),
-    ) -> Result<(), Unforeseen> {
+    fn member(&mut self, key: &'static str, value: &(impl Serialize + ?Sized)) -> Result<(), Unforeseen> {
         let kind = self.walk.inside(key, value)?;
         self.members.push((key, kind));
         Ok(())
@@ -407,11 +362,7 @@ impl Members<'_> {
 impl ser::SerializeStruct for Members<'_> {
     type Ok = String;
     type Error = Unforeseen;
-    fn serialize_field<T: Serialize + ?Sized>(
-        &mut self,
-        key: &'static str,
-        value: &T,
-    ) -> Result<(), Unforeseen> {
+    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Unforeseen> {
         self.member(key, value)
     }
     fn end(self) -> Kind {
@@ -422,11 +373,7 @@ impl ser::SerializeStruct for Members<'_> {
 impl ser::SerializeStructVariant for Members<'_> {
     type Ok = String;
     type Error = Unforeseen;
-    fn serialize_field<T: Serialize + ?Sized>(
-        &mut self,
-        key: &'static str,
-        value: &T,
-    ) -> Result<(), Unforeseen> {
+    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Unforeseen> {
         self.member(key, value)
     }
     fn end(self) -> Kind {

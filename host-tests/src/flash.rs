@@ -4,8 +4,7 @@
 //! [`Flash::violations`], also where the word happens to read as erased.
 
 use embedded_storage::nor_flash::{
-    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read,
-    check_write,
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -138,11 +137,7 @@ impl Flash {
     /// Bits of the whole flash that read 0 or 1 because they were programmed.
     pub fn programmed_bits(&self) -> impl Iterator<Item = usize> + '_ {
         let programmed = |word: &(usize, &Word)| *word.1 == Word::Programmed;
-        self.words
-            .iter()
-            .enumerate()
-            .filter(programmed)
-            .flat_map(|(word, _)| 64 * word..64 * (word + 1))
+        self.words.iter().enumerate().filter(programmed).flat_map(|(word, _)| 64 * word..64 * (word + 1))
     }
 
     /// Counts an operation; tells if and how it is cut.
@@ -162,11 +157,7 @@ impl Flash {
             self.violations += 1;
         }
         let old = self.values[word];
-        let value = if self.stuck_words.contains(&word) {
-            old
-        } else {
-            value
-        };
+        let value = if self.stuck_words.contains(&word) { old } else { value };
         (self.values[word], self.words[word]) = match cut {
             None => (old & value, Word::Programmed),
             Some(CutMode::NotDone) => return Err(FlashError::NoPower),
@@ -220,17 +211,12 @@ impl ReadNorFlash for Flash {
         if !self.powered {
             return Err(FlashError::NoPower);
         }
-        let (first, last) = (
-            offset as usize / WORD,
-            (offset as usize + bytes.len()).div_ceil(WORD),
-        );
+        let (first, last) = (offset as usize / WORD, (offset as usize + bytes.len()).div_ceil(WORD));
         let mut words = Vec::with_capacity((last - first) * WORD);
         for word in first..last {
             let value = match (self.words[word], self.torn_reads) {
                 (Word::Torn(_), TornReads::Fail) => return Err(FlashError::Ecc),
-                (Word::Torn(undecided), TornReads::Unstable) => {
-                    self.values[word] ^ (self.noise.next_u64() & undecided)
-                }
+                (Word::Torn(undecided), TornReads::Unstable) => self.values[word] ^ (self.noise.next_u64() & undecided),
                 _ => self.values[word],
             };
             words.extend(value.to_le_bytes());
@@ -262,10 +248,7 @@ impl NorFlash for Flash {
             return Ok(());
         }
         for (i, word) in bytes.chunks_exact(WORD).enumerate() {
-            let value = word
-                .iter()
-                .rev()
-                .fold(0, |value, byte| value << 8 | u64::from(*byte));
+            let value = word.iter().rev().fold(0, |value, byte| value << 8 | u64::from(*byte));
             self.program(offset as usize / WORD + i, value)?;
         }
         Ok(())

@@ -22,10 +22,7 @@ const KEY_ADDRESS: u32 = 0x080F_F800;
 /// How to start the firmware, or a message that says why it is not: it needs a compiler and an emulator that plain `cargo test` does not bring.
 pub fn firmware() -> Option<Settings> {
     match Settings::new(Board::L475Emulated) {
-        Ok(settings) => Some(Settings {
-            preloads: vec![(KEY_ADDRESS, PROVISIONING.to_bytes().to_vec())],
-            ..settings
-        }),
+        Ok(settings) => Some(Settings { preloads: vec![(KEY_ADDRESS, PROVISIONING.to_bytes().to_vec())], ..settings }),
         Err(missing) if std::env::var_os("RUNDOWN_EMULATOR").is_some() => panic!("{missing}"),
         Err(missing) => {
             println!("SKIPPED: {missing}");
@@ -37,10 +34,7 @@ pub fn firmware() -> Option<Settings> {
 /// The same for the test board, whose flash is a file that outlives the emulator.
 pub fn test_board(flash: &FlashFile) -> Option<Settings> {
     match Settings::new(Board::Mps2) {
-        Ok(settings) => Some(Settings {
-            flash: Some(flash.clone()),
-            ..settings
-        }),
+        Ok(settings) => Some(Settings { flash: Some(flash.clone()), ..settings }),
         Err(missing) if std::env::var_os("RUNDOWN_EMULATOR").is_some() => panic!("{missing}"),
         Err(missing) => {
             println!("SKIPPED: {missing}");
@@ -82,10 +76,7 @@ impl Link for HostBoard {
 
 /// A session with the task on the host.
 fn on_host() -> Session<impl Link<PortError = std::convert::Infallible>> {
-    let board = HostBoard {
-        task: task(Ok(PROVISIONING), Flash::erased(8), false),
-        wire: Wire::default(),
-    };
+    let board = HostBoard { task: task(Ok(PROVISIONING), Flash::erased(8), false), wire: Wire::default() };
     Session::new(board, Desk::new(PROVISIONING))
 }
 
@@ -138,13 +129,7 @@ pub fn compare(
     let mut host = on_host();
     host.prepare(description, direction, Pace::Lockstep)?;
     target.prepare(description, direction, Pace::Lockstep)?;
-    let mut same = Same {
-        ticks: log.len(),
-        frames: 0,
-        line_bytes: 0,
-        health: Health::default(),
-        messages: Vec::new(),
-    };
+    let mut same = Same { ticks: log.len(), frames: 0, line_bytes: 0, health: Health::default(), messages: Vec::new() };
     let mut check = |what: &dyn Fn() -> String, expected: Vec<Heard>, found: Vec<Heard>| {
         for heard in &found {
             same.line_bytes += serial::encode(&heard.message).map_or(0, |frame| frame.len());
@@ -168,12 +153,7 @@ pub fn compare(
                 found.message,
                 found.frame
             ),
-            None => format!(
-                "{}: {} frames of the host, {} of the firmware",
-                what(),
-                expected.len(),
-                found.len()
-            ),
+            None => format!("{}: {} frames of the host, {} of the firmware", what(), expected.len(), found.len()),
         })
     };
     for (tick, measurement) in log.iter().enumerate() {
@@ -181,11 +161,7 @@ pub fn compare(
         let what = || format!("tick {}, {} s", tick + 1, measurement.time_s);
         check(&what, expected, found)?;
     }
-    check(
-        &|| "end of the run".to_owned(),
-        host.end_run()?,
-        target.end_run()?,
-    )?;
+    check(&|| "end of the run".to_owned(), host.end_run()?, target.end_run()?)?;
     Ok(same)
 }
 

@@ -78,11 +78,7 @@ impl<const N: usize> Points<N> {
 
     /// The same points sent through f.
     pub fn through(&self, f: impl Fn(&SVector<f64, N>) -> SVector<f64, N>) -> Self {
-        Self {
-            centre: f(&self.centre),
-            plus: self.plus.each_ref().map(&f),
-            minus: self.minus.each_ref().map(&f),
-        }
+        Self { centre: f(&self.centre), plus: self.plus.each_ref().map(&f), minus: self.minus.each_ref().map(&f) }
     }
 
     /// The points with weight `w0` for the centre and `w` for the others.
@@ -169,11 +165,7 @@ pub fn step<const N: usize, const M: usize>(
         posterior.mean += gain * innovation;
         posterior.covariance -= gain * p_z * gain.transpose();
     }
-    Some(Step {
-        posterior,
-        innovation,
-        innovation_covariance: p_z,
-    })
+    Some(Step { posterior, innovation, innovation_covariance: p_z })
 }
 
 /// Eq. (4), (5) for any state whose first five components are (s, v, r0, r1, r2); `lead_mps` and `lead_m` are what the
@@ -197,14 +189,7 @@ impl<'a> Motion<'a> {
         dt_s: f64,
         evaluate: Evaluate,
     ) -> Self {
-        let mut motion = Self {
-            line,
-            effort_n_per_kg,
-            dt_s,
-            lead_mps: 0.0,
-            lead_m: 0.0,
-            origin_m: 0.0,
-        };
+        let mut motion = Self { line, effort_n_per_kg, dt_s, lead_mps: 0.0, lead_m: 0.0, origin_m: 0.0 };
         if evaluate == Evaluate::Midway {
             let half_s = 0.5 * dt_s;
             let lead_mps = half_s * motion.acceleration_mps2(x);
@@ -223,24 +208,16 @@ impl<'a> Motion<'a> {
     fn acceleration_mps2<const N: usize>(&self, x: &SVector<f64, N>) -> f64 {
         let (s, v) = (self.origin_m + x[0] + self.lead_m, x[1] + self.lead_mps);
         let train = self.line.train;
-        let mean_gradient = self
-            .line
-            .track
-            .mean_gradient(s, train.length_m(), self.line.direction);
+        let mean_gradient = self.line.track.mean_gradient(s, train.length_m(), self.line.direction);
         let gain = if N > 5 { x[5] } else { 1.0 };
-        gain * self.effort_n_per_kg
-            - x[2]
-            - x[3] * v
-            - x[4] * v * v
-            - train.gravity_n_per_kg() * mean_gradient
+        gain * self.effort_n_per_kg - x[2] - x[3] * v - x[4] * v * v - train.gravity_n_per_kg() * mean_gradient
     }
 
     /// f(x) of Eq. (3).
     pub fn advance<const N: usize>(&self, x: &SVector<f64, N>) -> SVector<f64, N> {
         let a = self.acceleration_mps2(x);
         let mut next = *x;
-        next[0] +=
-            self.line.direction.sign() * (self.dt_s * x[1] + 0.5 * self.dt_s * self.dt_s * a);
+        next[0] += self.line.direction.sign() * (self.dt_s * x[1] + 0.5 * self.dt_s * self.dt_s * a);
         next[1] += self.dt_s * a;
         next
     }

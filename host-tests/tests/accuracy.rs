@@ -27,13 +27,7 @@ fn judged(title: &str, config: Config, scenario: &Scenario, count: usize, runs: 
 
 #[test]
 fn gated_learning_follows_the_truth() {
-    let table = judged(
-        "gated, clean",
-        Config::default(),
-        &Scenario::default(),
-        10,
-        10,
-    );
+    let table = judged("gated, clean", Config::default(), &Scenario::default(), 10, 10);
     for slope in table.slopes() {
         assert!((0.82..1.06).contains(&slope), "slope {slope}");
     }
@@ -47,10 +41,7 @@ fn gated_learning_follows_the_truth() {
     let [brake_s, coast_s, cruise_kmh, power_percent] = table.feature_p90();
     // 10 s over 804 runs of another seed, 11 and 12 s over 400 each.
     assert!(brake_s < 5.0 && coast_s < 17.0, "{brake_s} {coast_s}");
-    assert!(
-        cruise_kmh < 0.7 && power_percent < 1.6,
-        "{cruise_kmh} {power_percent}"
-    );
+    assert!(cruise_kmh < 0.7 && power_percent < 1.6, "{cruise_kmh} {power_percent}");
 }
 
 /// The paper's loop computes the effort from the speed that it explains: what it estimates says nothing about the train.
@@ -65,10 +56,7 @@ fn the_papers_loop_does_not_follow_the_truth() {
 
 #[test]
 fn wind_between_runs_does_not_poison_the_vehicle() {
-    let windy = Scenario {
-        wind_sd_mps: 2.0,
-        ..Scenario::default()
-    };
+    let windy = Scenario { wind_sd_mps: 2.0, ..Scenario::default() };
     let table = judged("gated, wind 2 m/s", Config::default(), &windy, 4, 40);
     assert!(table.vehicle[2].rmse_percent() < 3.5);
     assert!(table.running[2].rmse_percent() < 2.5);
@@ -77,13 +65,7 @@ fn wind_between_runs_does_not_poison_the_vehicle() {
 
 #[test]
 fn measured_effort_and_its_gain_do_not_bend_the_resistance() {
-    let wrong_gain = Scenario {
-        sensors: Sensors {
-            effort_gain: 1.02,
-            ..Sensors::default()
-        },
-        ..Scenario::default()
-    };
+    let wrong_gain = Scenario { sensors: Sensors { effort_gain: 1.02, ..Sensors::default() }, ..Scenario::default() };
     let config = Config::with_mode(Mode::Measured);
     let table = judged("measured, effort 2 % too large", config, &wrong_gain, 6, 10);
     assert!(table.vehicle[1].rmse_percent() < 3.0);
@@ -92,13 +74,8 @@ fn measured_effort_and_its_gain_do_not_bend_the_resistance() {
 /// A recorder that cuts off whole km/h reads half of one too little; said in the configuration it costs nothing.
 #[test]
 fn truncated_speed_costs_nothing_when_configured() {
-    let truncated = Scenario {
-        sensors: Sensors {
-            speed: SpeedReading::Truncated,
-            ..Sensors::default()
-        },
-        ..Scenario::default()
-    };
+    let truncated =
+        Scenario { sensors: Sensors { speed: SpeedReading::Truncated, ..Sensors::default() }, ..Scenario::default() };
     let mut config = Config::default();
     config.sensor.rounding = Rounding::Truncated;
     let table = judged("gated, truncated", config, &truncated, 6, 10);
@@ -110,13 +87,7 @@ fn truncated_speed_costs_nothing_when_configured() {
 /// either: over these five runs the error stays near that of the first, with a bias of 1 %.
 #[test]
 fn one_second_logs_are_not_overconfident() {
-    let fast = Scenario {
-        sensors: Sensors {
-            sampling_s: 1.0,
-            ..Sensors::default()
-        },
-        ..Scenario::default()
-    };
+    let fast = Scenario { sensors: Sensors { sampling_s: 1.0, ..Sensors::default() }, ..Scenario::default() };
     let table = judged("gated, 1 s", Config::default(), &fast, 6, 5);
     assert!(table.vehicle[2].rmse_percent() < 3.5);
     assert!(table.vehicle[2].coverage() > 0.85);

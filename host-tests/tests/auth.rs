@@ -1,9 +1,7 @@
 //! Who may change the board: nobody without the key, nobody twice, nobody after a reboot with what was recorded before it.
 
 use host_tests::flash::Flash;
-use rundown::auth::{
-    Freshness, Key, Provisioning, ProvisioningError, Refusal, SealError, Signer, TRAILER, Verifier,
-};
+use rundown::auth::{Freshness, Key, Provisioning, ProvisioningError, Refusal, SealError, Signer, TRAILER, Verifier};
 use rundown::store::{AppendError, EpochError, Identity, Store};
 use rundown::train_id::TrainId;
 
@@ -12,11 +10,7 @@ const EFFECT: u16 = 3;
 type Ring = Store<Flash, 1024>;
 
 fn provisioning() -> Provisioning {
-    Provisioning {
-        key_id: 1,
-        key: Key::new(core::array::from_fn(|i| i as u8)),
-        train: TrainId::of("2451"),
-    }
+    Provisioning { key_id: 1, key: Key::new(core::array::from_fn(|i| i as u8)), train: TrainId::of("2451") }
 }
 
 fn board(epoch: u32) -> Verifier {
@@ -37,9 +31,7 @@ fn sealed(desk: &mut Signer, message: &[u8]) -> Vec<u8> {
 #[test]
 fn secured_messages_are_these_bytes() {
     let board = board(3);
-    let announced = [
-        3, 0, 0, 0, 0, 0, 0, 0, 0x08, 0xEA, 0x25, 0x41, 0xB4, 0x2C, 0x19, 0x78,
-    ];
+    let announced = [3, 0, 0, 0, 0, 0, 0, 0, 0x08, 0xEA, 0x25, 0x41, 0xB4, 0x2C, 0x19, 0x78];
     assert_eq!(board.announcement(), Some(announced));
     let mut expected = b"new track".to_vec();
     expected.extend([3, 0, 0, 0, 1, 0, 0, 0]);
@@ -59,37 +51,20 @@ fn every_forged_byte_is_refused_and_changes_nothing() {
             }
             let mut forged = good.clone();
             forged[at] = value;
-            assert_eq!(
-                board.open(TRACK, &forged),
-                Err(Refusal::WrongMac),
-                "byte {at} = {value}"
-            );
+            assert_eq!(board.open(TRACK, &forged), Err(Refusal::WrongMac), "byte {at} = {value}");
         }
     }
     for length in 0..good.len() {
         let cut = board.open(TRACK, &good[..length]);
-        let expected = if length < TRAILER {
-            Refusal::WrongLength {
-                least: TRAILER,
-                found: length,
-            }
-        } else {
-            Refusal::WrongMac
-        };
+        let expected =
+            if length < TRAILER { Refusal::WrongLength { least: TRAILER, found: length } } else { Refusal::WrongMac };
         assert_eq!(cut, Err(expected), "{length} bytes");
     }
     let longer = [good.as_slice(), &[0]].concat();
     assert_eq!(board.open(TRACK, &longer), Err(Refusal::WrongMac));
-    assert_eq!(
-        board.open(EFFECT, &good),
-        Err(Refusal::WrongMac),
-        "another kind"
-    );
+    assert_eq!(board.open(EFFECT, &good), Err(Refusal::WrongMac), "another kind");
     assert_eq!(board.freshness(), before);
-    assert_eq!(
-        board.open(TRACK, &good),
-        Ok(b"new track, 9 gradients".as_slice())
-    );
+    assert_eq!(board.open(TRACK, &good), Ok(b"new track, 9 gradients".as_slice()));
 }
 
 #[test]
@@ -99,30 +74,18 @@ fn a_message_is_accepted_once_and_never_after_a_later_one() {
     let messages = [b"one", b"two", b"six"].map(|message| sealed(&mut desk, message));
     assert_eq!(board.open(TRACK, &messages[1]), Ok(b"two".as_slice()));
     for (counter, message) in (1..).zip(&messages[..2]) {
-        let stale = Refusal::Stale {
-            last: 2,
-            found: counter,
-        };
+        let stale = Refusal::Stale { last: 2, found: counter };
         assert_eq!(board.open(TRACK, message), Err(stale));
     }
     assert_eq!(board.open(TRACK, &messages[2]), Ok(b"six".as_slice()));
-    assert_eq!(
-        board.freshness(),
-        Some(Freshness {
-            epoch: 3,
-            counter: 3
-        })
-    );
+    assert_eq!(board.freshness(), Some(Freshness { epoch: 3, counter: 3 }));
 }
 
 /// One start of a board: mounts, takes an epoch, listens.
 fn start(mut flash: Flash) -> (Verifier, Flash) {
     flash.power_up();
     let mut store = Ring::mount(flash).unwrap();
-    let identity = Identity {
-        train: provisioning().train,
-        layout: 1,
-    };
+    let identity = Identity { train: provisioning().train, layout: 1 };
     let epoch = store.advance_epoch(identity, b"parameters");
     (Verifier::new(Ok(provisioning()), epoch), store.release())
 }
@@ -143,10 +106,7 @@ fn what_was_recorded_before_a_reboot_is_refused_after_it() {
     }
     // The desk has to hear the new epoch first.
     let still_old = sealed(&mut desk, b"still old");
-    assert!(matches!(
-        board.open(TRACK, &still_old),
-        Err(Refusal::OtherEpoch { .. })
-    ));
+    assert!(matches!(board.open(TRACK, &still_old), Err(Refusal::OtherEpoch { .. })));
     desk.hear(&board.announcement().unwrap()).unwrap();
     let anew = sealed(&mut desk, b"anew");
     assert_eq!(board.open(TRACK, &anew), Ok(b"anew".as_slice()));
@@ -173,35 +133,21 @@ fn without_a_key_everything_secured_is_refused_even_by_a_key_of_erased_flash() {
     let mut board = Verifier::new(unprovisioned, Ok(1));
     let mut of_erased_key = provisioning();
     of_erased_key.key = Key::new([0xFF; 16]);
-    let announcement = Verifier::new(Ok(of_erased_key), Ok(1))
-        .announcement()
-        .unwrap();
+    let announcement = Verifier::new(Ok(of_erased_key), Ok(1)).announcement().unwrap();
     let mut forger = Signer::new(&of_erased_key, &announcement).unwrap();
     let refused = Err(Refusal::Unprovisioned(ProvisioningError::Unprovisioned));
-    assert_eq!(
-        board.open(TRACK, &sealed(&mut forger, b"mine now")),
-        refused
-    );
+    assert_eq!(board.open(TRACK, &sealed(&mut forger, b"mine now")), refused);
     assert_eq!(board.announcement(), None);
 }
 
 #[test]
 fn messages_for_another_train_or_of_another_key_are_refused() {
     let mut board = board(3);
-    let other_train = Provisioning {
-        train: TrainId::of("2452"),
-        ..provisioning()
-    };
-    let other_key = Provisioning {
-        key: Key::new([9; 16]),
-        ..provisioning()
-    };
+    let other_train = Provisioning { train: TrainId::of("2452"), ..provisioning() };
+    let other_key = Provisioning { key: Key::new([9; 16]), ..provisioning() };
     for other in [other_train, other_key] {
         let announcement = Verifier::new(Ok(other), Ok(3)).announcement().unwrap();
-        let message = sealed(
-            &mut Signer::new(&other, &announcement).unwrap(),
-            b"new track",
-        );
+        let message = sealed(&mut Signer::new(&other, &announcement).unwrap(), b"new track");
         assert_eq!(board.open(TRACK, &message), Err(Refusal::WrongMac));
         // Nor does the desk of this train believe that board.
         let refused = Signer::new(&provisioning(), &announcement).map(|_| ());
@@ -219,19 +165,11 @@ fn a_forged_announcement_does_not_make_the_desk_sign_for_a_later_epoch() {
         for bit in 0..8 {
             let mut forged = announcement;
             forged[at] ^= 1 << bit;
-            assert_eq!(
-                desk.hear(&forged),
-                Err(Refusal::WrongMac),
-                "byte {at} bit {bit}"
-            );
+            assert_eq!(desk.hear(&forged), Err(Refusal::WrongMac), "byte {at} bit {bit}");
         }
     }
     let message = sealed(&mut desk, b"");
-    assert_eq!(
-        message[..8],
-        [3, 0, 0, 0, 1, 0, 0, 0],
-        "epoch and counter of the board"
-    );
+    assert_eq!(message[..8], [3, 0, 0, 0, 1, 0, 0, 0], "epoch and counter of the board");
     // An empty message to the board and an announcement look alike but for the direction.
     let trailer: [u8; TRAILER] = message.try_into().unwrap();
     assert_eq!(desk.hear(&trailer), Err(Refusal::WrongMac));
@@ -255,9 +193,6 @@ fn an_older_announcement_does_not_set_the_desk_back() {
 fn a_buffer_too_short_is_named_and_uses_up_no_counter() {
     let mut desk = desk(&board(3));
     let (least, found) = (5 + TRAILER, 20);
-    assert_eq!(
-        desk.seal(TRACK, b"track", &mut [0; 20]),
-        Err(SealError::BufferTooShort { least, found })
-    );
+    assert_eq!(desk.seal(TRACK, b"track", &mut [0; 20]), Err(SealError::BufferTooShort { least, found }));
     assert_eq!(sealed(&mut desk, b"track")[9], 1);
 }

@@ -32,9 +32,7 @@ const RUNS: usize = 12;
 fn fleet(name: &str, scenario: &Scenario) -> Vec<Judged> {
     let of_vehicle = |(i, scale)| judge(Config::default(), scenario, scale, RUNS, 40 + i, 60.0);
     let vehicles = SCALES.into_par_iter().enumerate();
-    let judged: Vec<Judged> = vehicles
-        .flat_map_iter(|(i, scale)| of_vehicle((i as u64, scale)))
-        .collect();
+    let judged: Vec<Judged> = vehicles.flat_map_iter(|(i, scale)| of_vehicle((i as u64, scale))).collect();
     println!("{name}\n  all      {}", Calibration::of(&judged).row());
     for (name, regime) in [("coasting", Regime::Coast), ("cruising", Regime::Cruise)] {
         let row = judged.iter().filter(|one| one.regime == regime);
@@ -46,11 +44,7 @@ fn fleet(name: &str, scenario: &Scenario) -> Vec<Judged> {
 #[test]
 fn the_90_percent_interval_holds_the_truth_in_85_to_95_percent() {
     for wind_sd_mps in [1.0, 2.0] {
-        let scenario = Scenario {
-            wind_sd_mps,
-            load_sd: 0.03,
-            ..Scenario::default()
-        };
+        let scenario = Scenario { wind_sd_mps, load_sd: 0.03, ..Scenario::default() };
         let judged = fleet(&format!("wind {wind_sd_mps} m/s, load 3 %"), &scenario);
         let found = Calibration::of(&judged);
         assert!(found.count > 4000.0, "{}", found.count);
@@ -62,11 +56,7 @@ fn the_90_percent_interval_holds_the_truth_in_85_to_95_percent() {
             assert!((0.85..=0.96).contains(&coverage), "{}", coasting.row());
         }
         // It was said to arrive and stood before, or the other way round.
-        assert!(
-            found.wrong[0] + found.wrong[1] < 0.01 * found.count,
-            "{}",
-            found.row()
-        );
+        assert!(found.wrong[0] + found.wrong[1] < 0.01 * found.count, "{}", found.row());
     }
 }
 
@@ -94,14 +84,8 @@ fn advice_stands_still_while_the_train_coasts() {
     println!("published: {all:?} of all ticks, {coasting:?} while coasting");
     // Under power each place has another prediction.
     assert!(3 * coasting[0] < coasting[1], "{coasting:?}");
-    let restless = Config {
-        coast: CoastConfig {
-            coasting_point_m: 0.0,
-            arrival_s: 0.0,
-            ..CoastConfig::default()
-        },
-        ..config
-    };
+    let restless =
+        Config { coast: CoastConfig { coasting_point_m: 0.0, arrival_s: 0.0, ..CoastConfig::default() }, ..config };
     let [_, every] = published(&restless, &judged);
     // A train that stands or may stand has nothing that could move.
     assert!(20 * every[0] > 19 * every[1], "{every:?}");
@@ -129,38 +113,25 @@ fn the_board_says_it_third_and_again_each_minute() {
     let (mut said, mut frames_of_it, mut arrivals) = (None, 0, 0);
     for (tick, measurement) in (1..).zip(&log) {
         let frames = board.measure(measurement);
-        let place = frames
-            .iter()
-            .position(|f| matches!(f.body, Body::CoastAhead(_)));
+        let place = frames.iter().position(|f| matches!(f.body, Body::CoastAhead(_)));
         let Some(place) = place else {
             assert!(tick % 6 != 1, "tick {tick}: said again");
             continue;
         };
         assert_eq!(place, 2, "behind parameters and effort");
-        assert!(
-            tick % 6 != 0 && tick % 12 != 3,
-            "tick {tick}: in a long one"
-        );
+        assert!(tick % 6 != 0 && tick % 12 != 3, "tick {tick}: in a long one");
         let now = ahead(&frames);
         assert!(now != said || tick % 6 == 1, "tick {tick}: {now:?}");
         said = now;
         frames_of_it += 1;
-        if let Some(CoastAhead {
-            outcome: CoastOutcome::Arrives(arrival),
-            target,
-            ..
-        }) = now
-        {
+        if let Some(CoastAhead { outcome: CoastOutcome::Arrives(arrival), target, .. }) = now {
             arrivals += 1;
             assert!(arrival.speed_mps.value > 0.0 && arrival.speed_mps.sd > 0.0);
             assert!(arrival.time_s > measurement.time_s - 600.0 && arrival.time_sd_s > 0.0);
             assert!(target.is_some());
         }
     }
-    assert!(
-        arrivals > 20 && frames_of_it < log.len(),
-        "{arrivals} of {frames_of_it}"
-    );
+    assert!(arrivals > 20 && frames_of_it < log.len(), "{arrivals} of {frames_of_it}");
     let last = said.unwrap();
     assert_eq!(last.outcome, CoastOutcome::Unknown, "the train stands");
 }
@@ -173,23 +144,15 @@ fn a_run_that_goes_on_from_a_snapshot_says_the_same() {
         board.measure(measurement);
     }
     let parts = board.snapshot();
-    let rest: Vec<_> = log[half..]
-        .iter()
-        .map(|measurement| ahead(&board.measure(measurement)))
-        .collect();
+    let rest: Vec<_> = log[half..].iter().map(|measurement| ahead(&board.measure(measurement))).collect();
     let scenario = Scenario::default();
     let mut other = board.restart();
     other.prepare(&with_targets(Config::default(), &scenario), Direction::Up);
-    other
-        .ask(Request::Command(rundown::uplink::Command::End))
-        .unwrap();
+    other.ask(Request::Command(rundown::uplink::Command::End)).unwrap();
     for part in parts {
         other.ask(Request::Snapshot(part)).unwrap();
     }
-    let again: Vec<_> = log[half..]
-        .iter()
-        .map(|measurement| ahead(&other.measure(measurement)))
-        .collect();
+    let again: Vec<_> = log[half..].iter().map(|measurement| ahead(&other.measure(measurement))).collect();
     assert!(rest.iter().flatten().count() > 5);
     assert_eq!(again, rest);
 }
@@ -199,39 +162,21 @@ fn targets_are_taken_whole_and_in_order() {
     let scenario = Scenario::default();
     let description = with_targets(Config::default(), &scenario);
     let mut board = Board::start(Flash::erased(8));
-    let stop = |at_m| Target {
-        at_m,
-        limit_mps: None,
-    };
+    let stop = |at_m| Target { at_m, limit_mps: None };
     let part = |track_id, first, targets: &[Target]| {
-        Request::Targets(TargetPart {
-            track_id,
-            first,
-            targets: targets.iter().copied().collect(),
-        })
+        Request::Targets(TargetPart { track_id, first, targets: targets.iter().copied().collect() })
     };
     board.prepare(&description, Direction::Up);
     let id = description.track_id();
     assert_eq!(board.ask(part(id, 0, &[])), Err(Refusal::Running));
-    board
-        .ask(Request::Command(rundown::uplink::Command::End))
-        .unwrap();
+    board.ask(Request::Command(rundown::uplink::Command::End)).unwrap();
     assert_eq!(board.ask(part(id + 1, 0, &[])), Err(Refusal::OtherTrack));
     assert_eq!(board.ask(part(id, 0, &[stop(1e3)])), Ok(()));
-    assert_eq!(
-        board.ask(part(id, 2, &[stop(2e3)])),
-        Err(Refusal::OutOfOrder)
-    );
+    assert_eq!(board.ask(part(id, 2, &[stop(2e3)])), Err(Refusal::OutOfOrder));
     assert_eq!(board.ask(part(id, 1, &[stop(2e3)])), Ok(()));
-    assert_eq!(
-        board.ask(part(id, 2, &[stop(1e3)])),
-        Err(Refusal::OutOfRange)
-    );
+    assert_eq!(board.ask(part(id, 2, &[stop(1e3)])), Err(Refusal::OutOfRange));
     // Half of a description is none.
-    assert_eq!(
-        board.ask(part(id, 2, &[stop(3e3)])),
-        Err(Refusal::OutOfOrder)
-    );
+    assert_eq!(board.ask(part(id, 2, &[stop(3e3)])), Err(Refusal::OutOfOrder));
     let many: Vec<Target> = (0..MAX_TARGETS + 1).map(|i| stop(i as f64)).collect();
     let mut results = Vec::new();
     for (index, chunk) in many.chunks(24).enumerate() {
@@ -239,12 +184,6 @@ fn targets_are_taken_whole_and_in_order() {
     }
     assert_eq!(results.pop(), Some(Err(Refusal::OutOfRange)));
     assert!(results.iter().all(Result::is_ok));
-    let wild = CoastConfig {
-        horizon_m: f64::NAN,
-        ..CoastConfig::default()
-    };
-    assert_eq!(
-        board.ask(Request::Setting(Setting::Coast(wild))),
-        Err(Refusal::OutOfRange)
-    );
+    let wild = CoastConfig { horizon_m: f64::NAN, ..CoastConfig::default() };
+    assert_eq!(board.ask(Request::Setting(Setting::Coast(wild))), Err(Refusal::OutOfRange));
 }

@@ -27,9 +27,7 @@ fn running() -> (Board, Description, Vec<Measurement>) {
 
 /// Digests of the estimates: equal digests, equal states.
 fn digests(board: &mut Board, log: &[Measurement]) -> Vec<u32> {
-    log.iter()
-        .filter_map(|measurement| Some(estimate(&board.measure(measurement))?.digest))
-        .collect()
+    log.iter().filter_map(|measurement| Some(estimate(&board.measure(measurement))?.digest)).collect()
 }
 
 fn is_a_number(frame: &Downlink) -> bool {
@@ -98,10 +96,7 @@ fn a_log_out_of_order_gives_what_its_rising_part_gives() {
     }
     let mut rising: Vec<Measurement> = Vec::new();
     for measurement in &log {
-        if rising
-            .last()
-            .is_none_or(|last| measurement.time_s > last.time_s)
-        {
+        if rising.last().is_none_or(|last| measurement.time_s > last.time_s) {
             rising.push(*measurement);
         }
     }
@@ -165,10 +160,7 @@ fn the_boards_counters_wrap_without_a_gap() {
     // The sequence numbers of its frames.
     let (mut board, ..) = running();
     let (mut frames, mut last) = (0_u32, None);
-    let mut measurement = Measurement {
-        speed_mps: Some(0.0),
-        ..log[0]
-    };
+    let mut measurement = Measurement { speed_mps: Some(0.0), ..log[0] };
     while frames < 66_000 {
         for frame in board.measure(&measurement) {
             assert!(
@@ -193,14 +185,7 @@ fn unknown_versions_kinds_and_lengths_are_refused_by_cause() {
     let long = [&valid[..], &[0; 600]].concat();
     let over_long_varint = [&[uplink::VERSION, uplink::OPEN][..], &[0xFF; 12]].concat();
     let unknown = [uplink::VERSION, uplink::OPEN, 1, 0x63];
-    for message in [
-        &[][..],
-        &[1],
-        &long,
-        &over_long_varint,
-        &unknown,
-        &[1, 9, 0, 0],
-    ] {
+    for message in [&[][..], &[1], &long, &over_long_varint, &unknown, &[1, 9, 0, 0]] {
         let refused = answer(&board.say(message)).unwrap();
         assert_eq!(refused.result, Err(Refusal::Malformed), "{message:?}");
     }
@@ -217,10 +202,7 @@ fn unknown_versions_kinds_and_lengths_are_refused_by_cause() {
 fn a_run_on_another_track_is_refused_and_the_one_under_way_goes_on() {
     let (mut board, description, log) = running();
     let (mut plain, ..) = running();
-    let other = Command::Begin {
-        direction: Direction::Down,
-        track_id: description.track_id() ^ 1,
-    };
+    let other = Command::Begin { direction: Direction::Down, track_id: description.track_id() ^ 1 };
     let (before, after) = log.split_at(30);
     assert_eq!(digests(&mut board, before), digests(&mut plain, before));
     let refused = board.ask(Request::Command(other));
@@ -255,10 +237,7 @@ fn odd_floats_in_every_field_never_reach_a_frame_and_leave_the_run_usable() {
         board.ask(Request::Setting(Setting::Mode(mode))).unwrap();
         let track_id = board.status().track_id.unwrap();
         let direction = Direction::Up;
-        let begin = Command::Begin {
-            direction,
-            track_id,
-        };
+        let begin = Command::Begin { direction, track_id };
         board.ask(Request::Command(begin)).unwrap();
         for (k, sample) in log.iter().enumerate() {
             let mut spoilt = *sample;
@@ -292,23 +271,13 @@ fn odd_temperatures_and_dates_are_refused_and_the_old_ones_stay() {
     board.ask(Request::Command(Command::End)).unwrap();
     let with_effects = Description {
         effects: Effects::try_new([
-            Effect::TemperatureResistance(TemperatureResistance {
-                dr0_per_deg_c: -1e-4,
-                ref_c: 15.0,
-            }),
-            Effect::SeasonalDrift(SeasonalDrift {
-                dr0_over_period: 1e-3,
-                period_days: 365.0,
-                reference_day: 20_000.0,
-            }),
+            Effect::TemperatureResistance(TemperatureResistance { dr0_per_deg_c: -1e-4, ref_c: 15.0 }),
+            Effect::SeasonalDrift(SeasonalDrift { dr0_over_period: 1e-3, period_days: 365.0, reference_day: 20_000.0 }),
         ])
         .unwrap(),
         ..description
     };
-    let winter = Surroundings {
-        temperature_c: Some(-5.0),
-        day: Some(20_100.0),
-    };
+    let winter = Surroundings { temperature_c: Some(-5.0), day: Some(20_100.0) };
     let start = || {
         let mut board = Board::start(Flash::erased(8));
         board.prepare(&with_effects, Direction::Up);
@@ -317,24 +286,8 @@ fn odd_temperatures_and_dates_are_refused_and_the_old_ones_stay() {
     };
     let (mut plain, mut board) = (start(), start());
     for (tick, measurement) in log.iter().enumerate() {
-        let odd = [
-            f64::NAN,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            1e300,
-            -1e300,
-            1e9,
-        ][tick % 6];
-        for wrong in [
-            Surroundings {
-                temperature_c: Some(odd),
-                ..winter
-            },
-            Surroundings {
-                day: Some(odd),
-                ..winter
-            },
-        ] {
+        let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 1e9][tick % 6];
+        for wrong in [Surroundings { temperature_c: Some(odd), ..winter }, Surroundings { day: Some(odd), ..winter }] {
             let refused = board.ask(Request::Surroundings(wrong));
             assert_eq!(refused, Err(Refusal::OutOfRange), "{wrong:?}");
         }
@@ -357,10 +310,7 @@ fn a_hostile_train_or_track_leaves_the_old_one_in_force() {
         hostile.push(wrong);
     }
     for gradients in [[100.0, 50.0], [f64::NAN, 10.0], [0.0, f64::INFINITY]] {
-        let gradients = gradients.map(|from_m| Gradient {
-            from_m,
-            permille: 1.0,
-        });
+        let gradients = gradients.map(|from_m| Gradient { from_m, permille: 1.0 });
         hostile.push(Description {
             gradients: gradients.to_vec(),
             // Of a track that is not in force they would be refused, too.
@@ -369,15 +319,8 @@ fn a_hostile_train_or_track_leaves_the_old_one_in_force() {
         });
     }
     for permille in [f64::NAN, f64::INFINITY, 1e9] {
-        let gradients = vec![Gradient {
-            from_m: 0.0,
-            permille,
-        }];
-        hostile.push(Description {
-            gradients,
-            targets: Vec::new(),
-            ..description.clone()
-        });
+        let gradients = vec![Gradient { from_m: 0.0, permille }];
+        hostile.push(Description { gradients, targets: Vec::new(), ..description.clone() });
     }
     for wrong in hostile {
         let mut refusals = Vec::new();
@@ -390,10 +333,7 @@ fn a_hostile_train_or_track_leaves_the_old_one_in_force() {
     // And the board still runs with the old one.
     let direction = Direction::Up;
     let track_id = description.track_id();
-    let begin = Command::Begin {
-        direction,
-        track_id,
-    };
+    let begin = Command::Begin { direction, track_id };
     board.ask(Request::Command(begin)).unwrap();
     assert!(estimate(&board.measure(&log[0])).is_some());
 }
@@ -419,11 +359,7 @@ fn a_train_described_with_too_little_resistance_is_published_within_bounds() {
                     continue;
                 }
                 out_of_bounds += 1;
-                for (said, nominal) in [
-                    (said.r0, davis.r0),
-                    (said.r1, davis.r1),
-                    (said.r2, davis.r2),
-                ] {
+                for (said, nominal) in [(said.r0, davis.r0), (said.r1, davis.r1), (said.r2, davis.r2)] {
                     let share = f64::from(said.value) / nominal;
                     assert!((0.4999..=2.0001).contains(&share), "{share}");
                 }
@@ -431,8 +367,5 @@ fn a_train_described_with_too_little_resistance_is_published_within_bounds() {
         }
         board.ask(Request::Command(Command::End)).unwrap();
     }
-    assert!(
-        out_of_bounds > 0,
-        "2.4 times the described resistance was never seen"
-    );
+    assert!(out_of_bounds > 0, "2.4 times the described resistance was never seen");
 }

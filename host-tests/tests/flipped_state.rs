@@ -38,9 +38,7 @@ fn has_numbers(estimate: &Estimate) -> bool {
     let belief = &estimate.belief;
     let states = (0..SIZE).flat_map(|i| [belief.mean[i], belief.sd(i)]);
     let others = [estimate.effort_n_per_kg, estimate.acceleration_mps2];
-    let mut all = states
-        .chain(others.into_iter().flatten())
-        .chain([estimate.gradient_n_per_kg]);
+    let mut all = states.chain(others.into_iter().flatten()).chain([estimate.gradient_n_per_kg]);
     // As they are sent.
     all.all(|number: Real| (number as f32).is_finite())
 }
@@ -86,10 +84,8 @@ fn a_flipped_bit_of_the_state_gives_no_panic_and_hardly_ever_a_wrong_speed() {
         let mut buffer = vec![0; MAX_SNAPSHOT];
         let state = run.snapshot(&mut buffer).unwrap().to_vec();
         let log = &log[at..at + AFTER];
-        let expected: Vec<Estimate> = log
-            .iter()
-            .map(|measurement| estimator.step(&mut run, measurement).unwrap())
-            .collect();
+        let expected: Vec<Estimate> =
+            log.iter().map(|measurement| estimator.step(&mut run, measurement).unwrap()).collect();
         assert_eq!(fate(&estimator, &state, log, &expected), Fate::Same);
         let fates: Vec<Fate> = (0..8 * state.len())
             .into_par_iter()
@@ -103,14 +99,7 @@ fn a_flipped_bit_of_the_state_gives_no_panic_and_hardly_ever_a_wrong_speed() {
             let found = fates.iter().filter(|fate| **fate == wanted).count();
             100.0 * found as f64 / fates.len() as f64
         };
-        for fate in [
-            Fate::Refused,
-            Fate::Same,
-            Fate::Near,
-            Fate::Flagged,
-            Fate::Wrong,
-            Fate::NoNumber,
-        ] {
+        for fate in [Fate::Refused, Fate::Same, Fate::Near, Fate::Flagged, Fate::Wrong, Fate::NoNumber] {
             println!("{mode:?}: {fate:?} {:.3} %", share(fate));
         }
         assert!(share(Fate::NoNumber) < 0.1, "{mode:?}");

@@ -12,12 +12,7 @@ use sim_harness::truth::plan::Headings;
 /// Runs of a set: fewer than an analyst has, so that the test is quick.
 const RUNS: usize = 24;
 
-fn investigated(
-    kinds: &[&'static str],
-    effort: bool,
-    dirty: bool,
-    seed: u64,
-) -> (Score, Investigation) {
+fn investigated(kinds: &[&'static str], effort: bool, dirty: bool, seed: u64) -> (Score, Investigation) {
     let (_, score, found) = of_size(Size::Clear, RUNS, kinds, effort, dirty, seed);
     (score, found)
 }
@@ -30,14 +25,7 @@ fn of_size(
     dirty: bool,
     seed: u64,
 ) -> (Set, Score, Investigation) {
-    let set = Set::draw(Ask {
-        kinds: kinds.to_vec(),
-        size,
-        effort,
-        dirty,
-        runs,
-        seed,
-    });
+    let set = Set::draw(Ask { kinds: kinds.to_vec(), size, effort, dirty, runs, seed });
     let folder = tempfile::tempdir().unwrap();
     let found = blind(&set, folder.path()).unwrap().unwrap();
     assert!(!folder.path().join("truth").exists());
@@ -110,11 +98,9 @@ const MANY: usize = 67;
 
 #[test]
 fn medium_and_faint_effects_are_found_in_many_runs() {
-    for (size, kind, seed) in [
-        (Size::Medium, "mass_error", 31),
-        (Size::Faint, "seasonal_drift", 32),
-        (Size::Faint, "gradient_error", 33),
-    ] {
+    for (size, kind, seed) in
+        [(Size::Medium, "mass_error", 31), (Size::Faint, "seasonal_drift", 32), (Size::Faint, "gradient_error", 33)]
+    {
         let (_, score, _) = of_size(size, MANY, &[kind], true, false, seed);
         assert!(score.exact, "{score:?}");
         assert!(score.size_errors[0] < 0.25, "{score:?}");
@@ -133,15 +119,9 @@ fn a_warm_up_has_its_time_constant_and_limits_that_hold_it() {
     let [Hidden::WarmUp { tau_s, .. }] = set.scenario.effects[..] else {
         panic!("{:?}", set.scenario.effects);
     };
-    assert!(
-        (warm_up.tau_s / tau_s - 1.0).abs() < 0.2,
-        "{warm_up:?}, truth {tau_s}"
-    );
+    assert!((warm_up.tau_s / tau_s - 1.0).abs() < 0.2, "{warm_up:?}, truth {tau_s}");
     let (low, high) = limits(&found, "tau_s");
-    assert!(
-        low < tau_s && tau_s < high && high < 4.0 * low,
-        "{low} {tau_s} {high}"
-    );
+    assert!(low < tau_s && tau_s < high && high < 4.0 * low, "{low} {tau_s} {high}");
 }
 
 #[test]
@@ -155,32 +135,19 @@ fn slippery_days_are_found_with_their_runs() {
         panic!("{:?}", set.scenario.effects);
     };
     let (low, high) = limits(&found, "below_kmh");
-    assert!(
-        low < below_kmh && below_kmh < high,
-        "{low} {below_kmh} {high}"
-    );
+    assert!(low < below_kmh && below_kmh < high, "{low} {below_kmh} {high}");
 }
 
 /// Without an effort column a constant in some runs is no wind of single runs.
 #[test]
 fn a_dragging_brake_is_told_from_winds_without_an_effort_column() {
-    let (_, score, found) = of_size(
-        Size::Clear,
-        MANY,
-        &["dragging_brake"],
-        false,
-        false,
-        517_636_083,
-    );
+    let (_, score, found) = of_size(Size::Clear, MANY, &["dragging_brake"], false, false, 517_636_083);
     assert!(score.exact, "{score:?}");
     assert!(score.size_errors[0] < 0.15, "{score:?}");
     let dragging = found.named[0].runs.len();
     assert!((8..=27).contains(&dragging), "{dragging} runs");
     let told = notes(&found, MANY);
-    assert!(
-        told.iter().any(|note| note.contains("coasting alone")),
-        "{told:?}"
-    );
+    assert!(told.iter().any(|note| note.contains("coasting alone")), "{told:?}");
 }
 
 /// In one direction a tunnel and a wrong gradient differ by the speeds of the runs alone: both names are told, with what would separate them, or the right one.
@@ -191,24 +158,14 @@ fn a_tunnel_in_one_direction_is_named_or_shared() {
         assert_eq!(set.scenario.headings, Headings::Up);
         assert!(score.shared, "{score:?}");
         let named = &found.named[0];
-        assert_eq!(
-            named.ambiguous_with.is_empty(),
-            named.would_separate.is_empty()
-        );
+        assert_eq!(named.ambiguous_with.is_empty(), named.would_separate.is_empty());
     }
 }
 
 /// One of the runs has a worn wheel, and its odometer gives the locations, too: only the other runs tell.
 #[test]
 fn a_worn_wheel_of_one_run_is_found_by_the_ways_of_the_others() {
-    let set = Set::draw(Ask {
-        kinds: Vec::new(),
-        size: Size::Clear,
-        effort: true,
-        dirty: false,
-        runs: RUNS,
-        seed: 1,
-    });
+    let set = Set::draw(Ask { kinds: Vec::new(), size: Size::Clear, effort: true, dirty: false, runs: RUNS, seed: 1 });
     let folder = tempfile::tempdir().unwrap();
     set.write(folder.path()).unwrap();
     let mut read = ReadSet::of(folder.path()).unwrap();

@@ -55,19 +55,9 @@ fn transfer<const N: usize>(
 }
 
 fn configs() -> Vec<Config> {
-    let formats = [
-        Format::Classic,
-        Format::Fd {
-            bit_rate_switch: false,
-        },
-    ];
+    let formats = [Format::Classic, Format::Fd { bit_rate_switch: false }];
     let config = |format| {
-        [0, 1, 2, 8].map(|block_size| Config {
-            format,
-            block_size,
-            separation: SeparationTime(0),
-            ..Config::CLASSIC
-        })
+        [0, 1, 2, 8].map(|block_size| Config { format, block_size, separation: SeparationTime(0), ..Config::CLASSIC })
     };
     formats.into_iter().flat_map(config).collect()
 }
@@ -138,28 +128,20 @@ fn a_lost_doubled_or_overtaken_frame_never_gives_another_payload() {
                 for fault in ["lost", "doubled", "overtaken"] {
                     let (mut sender, mut receiver) = ends(config);
                     let mut held = None;
-                    let received = transfer(
-                        &mut sender,
-                        &mut receiver,
-                        &payload,
-                        |index, frame| match fault {
-                            _ if index != hit => {
-                                [Some(frame), held.take()].into_iter().flatten().collect()
-                            }
-                            "lost" => vec![],
-                            "doubled" => vec![frame.clone(), frame],
-                            _ => {
-                                held = Some(frame);
-                                vec![]
-                            }
-                        },
-                    );
+                    let received = transfer(&mut sender, &mut receiver, &payload, |index, frame| match fault {
+                        _ if index != hit => [Some(frame), held.take()].into_iter().flatten().collect(),
+                        "lost" => vec![],
+                        "doubled" => vec![frame.clone(), frame],
+                        _ => {
+                            held = Some(frame);
+                            vec![]
+                        }
+                    });
                     let what = format!("{length} bytes, frame {hit} {fault}, {config:?}");
                     assert!(received.iter().all(|got| *got == payload), "{what}");
                     // Nothing is left that would spoil what follows.
                     let (mut sender, next) = (ends(config).0, random(2, length));
-                    let received =
-                        transfer(&mut sender, &mut receiver, &next, |_, frame| vec![frame]);
+                    let received = transfer(&mut sender, &mut receiver, &next, |_, frame| vec![frame]);
                     assert_eq!(received, [next], "after {what}");
                 }
             }
@@ -174,10 +156,7 @@ fn ends(config: Config) -> (Sender<MAX_CHECKED>, Receiver<MAX_CHECKED>) {
 /// The sequence number comes round after 16 frames, so that ISO-TP alone joins the begin of one payload to the end of another. The checksum does not.
 #[test]
 fn sixteen_lost_frames_are_found_by_the_checksum_only() {
-    let config = Config {
-        block_size: 0,
-        ..Config::CLASSIC
-    };
+    let config = Config { block_size: 0, ..Config::CLASSIC };
     let (here, mut wire) = pipe::bus();
     let mut link = CanLink::host(here, config);
     let mut board_to_host: Vec<CanFrame> = Vec::new();
@@ -229,10 +208,7 @@ fn a_busy_link_refuses_and_a_silent_one_gives_up() {
     let mut host = CanLink::host(here, Config::CLASSIC);
     host.send(&[1; 50], 0).unwrap();
     assert!(matches!(host.send(&[2; 50], 1), Err(LinkError::Busy)));
-    assert!(matches!(
-        host.send(&[], 1),
-        Err(LinkError::Length { found: 0 })
-    ));
+    assert!(matches!(host.send(&[], 1), Err(LinkError::Length { found: 0 })));
     assert!(host.receive(1_000_000).unwrap().is_none());
     assert_eq!(host.counters().timeout, 1);
     assert!(!host.is_sending());
@@ -257,11 +233,7 @@ fn a_controller_that_is_full_loses_nothing() {
         type Error = pipe::BusError;
         fn transmit(&mut self, frame: &CanFrame) -> nb::Result<Option<CanFrame>, Self::Error> {
             self.1 += 1;
-            if self.1.is_multiple_of(3) {
-                self.0.transmit(frame)
-            } else {
-                Err(nb::Error::WouldBlock)
-            }
+            if self.1.is_multiple_of(3) { self.0.transmit(frame) } else { Err(nb::Error::WouldBlock) }
         }
         fn receive(&mut self) -> nb::Result<CanFrame, Self::Error> {
             self.0.receive()
@@ -361,10 +333,7 @@ fn over_a_bad_slcan_line_come_only_messages_that_were_sent_and_afterwards_all() 
             assert!(!host.is_sending(), "seed {seed}, message {i}");
         }
         let (out, _) = host.controller_mut().port_mut().tallies();
-        assert!(
-            out.bit_flips + out.drop + out.reorder > 0,
-            "seed {seed}: {out:?}"
-        );
+        assert!(out.bit_flips + out.drop + out.reorder > 0, "seed {seed}: {out:?}");
         all += received;
     }
     assert!(all > 20 * 150, "{all} of 4000 arrived");

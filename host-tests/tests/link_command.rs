@@ -87,14 +87,11 @@ fn the_temperature_of_a_log_reaches_the_board_as_it_reaches_a_replay() {
     std::fs::write(path("run.csv"), with_temperatures(&log)).unwrap();
     std::fs::write(path("key.bin"), PROVISIONING.to_bytes()).unwrap();
     let train = std::fs::read_to_string(reference.join("train.toml")).unwrap();
-    let effect =
-        "[[effect]]\nname = \"temperature_resistance\"\ndr0_per_degC = -1e-4\nref_c = 15.0\n";
+    let effect = "[[effect]]\nname = \"temperature_resistance\"\ndr0_per_degC = -1e-4\nref_c = 15.0\n";
     std::fs::write(path("train.toml"), format!("{train}\n{effect}")).unwrap();
     let track = reference.join("track.toml");
 
-    let mut arguments: Vec<OsString> = ["rundown", "link", "--to", &board()]
-        .map(OsString::from)
-        .into();
+    let mut arguments: Vec<OsString> = ["rundown", "link", "--to", &board()].map(OsString::from).into();
     for (name, value) in [
         ("--key", path("key.bin")),
         ("--train", path("train.toml")),
@@ -107,21 +104,15 @@ fn the_temperature_of_a_log_reaches_the_board_as_it_reaches_a_replay() {
     assert_eq!(commands::run(arguments), ExitCode::SUCCESS);
 
     let recorded = read(std::fs::File::open(path("record.csv")).unwrap()).unwrap();
-    let heard = recorded
-        .iter()
-        .filter(|recorded| recorded.way == Way::Received);
+    let heard = recorded.iter().filter(|recorded| recorded.way == Way::Received);
     let found: Vec<u32> = heard
-        .filter_map(
-            |recorded| match Downlink::decode(&recorded.message).unwrap().body {
-                Body::Estimate(estimate) => Some(estimate.digest),
-                _ => None,
-            },
-        )
+        .filter_map(|recorded| match Downlink::decode(&recorded.message).unwrap().body {
+            Body::Estimate(estimate) => Some(estimate.digest),
+            _ => None,
+        })
         .collect();
-    let effects = Effects::try_new([Effect::TemperatureResistance(TemperatureResistance {
-        dr0_per_deg_c: -1e-4,
-        ref_c: 15.0,
-    })]);
+    let effects =
+        Effects::try_new([Effect::TemperatureResistance(TemperatureResistance { dr0_per_deg_c: -1e-4, ref_c: 15.0 })]);
     let run = path("run.csv");
     let train = path("train.toml");
     let expected = digests_of_a_replay(&train, &track, &run, effects.unwrap());

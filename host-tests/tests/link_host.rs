@@ -60,9 +60,8 @@ fn a_board_behind_tcp_is_reached_over_serial_and_both_kinds_of_can_and_recorded(
         let clock = Clock::new();
         let mut file = Vec::new();
         let mut link = Recorder::new(address.open().unwrap(), &mut file).unwrap();
-        let messages: Vec<Vec<u8>> = [1, 7, 100, MAX_MESSAGE]
-            .map(|length| (0..length).map(|i| (i * i) as u8).collect())
-            .into();
+        let messages: Vec<Vec<u8>> =
+            [1, 7, 100, MAX_MESSAGE].map(|length| (0..length).map(|i| (i * i) as u8).collect()).into();
         for message in &messages {
             link.send(message, clock.now_us()).unwrap();
             let back = wait_for(&mut link, clock);
@@ -83,9 +82,7 @@ fn a_board_behind_tcp_is_reached_over_serial_and_both_kinds_of_can_and_recorded(
 #[test]
 fn a_closed_connection_is_an_error_and_no_endless_silence() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address: Address = format!("tcp:{}", listener.local_addr().unwrap())
-        .parse()
-        .unwrap();
+    let address: Address = format!("tcp:{}", listener.local_addr().unwrap()).parse().unwrap();
     let mut link = address.open().unwrap();
     drop(listener.accept().unwrap());
     let clock = Clock::new();
@@ -96,10 +93,7 @@ fn a_closed_connection_is_an_error_and_no_endless_silence() {
         }
     };
     assert!(matches!(error, Err(LinkError::Port(_))), "{error:?}");
-    assert!(matches!(
-        link.receive(clock.now_us()),
-        Err(LinkError::Port(_))
-    ));
+    assert!(matches!(link.receive(clock.now_us()), Err(LinkError::Port(_))));
 }
 
 #[test]
@@ -118,30 +112,17 @@ fn the_injector_spoils_messages_above_the_checksum_in_both_directions() {
             at_host.extend(host.receive(now_us).unwrap());
             at_board.extend(board.receive(now_us).unwrap());
         }
-        assert_eq!(
-            board.counters().checksum,
-            0,
-            "below the injector all is well"
-        );
+        assert_eq!(board.counters().checksum, 0, "below the injector all is well");
         let (out, back) = host.tallies();
         assert_eq!((out.units, back.units), (200, 200));
         (at_board, at_host)
     };
-    let clean: Vec<Message> = (0..200)
-        .map(|turn| Message::from_slice(&[turn; 30]).unwrap())
-        .collect();
+    let clean: Vec<Message> = (0..200).map(|turn| Message::from_slice(&[turn; 30]).unwrap()).collect();
     assert_eq!(transfer(Rates::default()), (clean.clone(), clean.clone()));
     let (at_board, at_host) = transfer(Rates::all(0.05));
     for received in [at_board, at_host] {
-        let unspoilt = received
-            .iter()
-            .filter(|message| clean.contains(message))
-            .count();
-        assert!(
-            (120..200).contains(&unspoilt),
-            "{unspoilt} of {}",
-            received.len()
-        );
+        let unspoilt = received.iter().filter(|message| clean.contains(message)).count();
+        assert!((120..200).contains(&unspoilt), "{unspoilt} of {}", received.len());
         assert!(unspoilt < received.len(), "some are spoilt");
     }
 }

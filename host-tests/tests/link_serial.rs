@@ -57,9 +57,7 @@ fn of_each_frame() -> Vec<Vec<u8>> {
         .filter(|(name, _)| !name.starts_with('#'))
         .map(|(_, bytes)| {
             let bytes = bytes.split_whitespace();
-            bytes
-                .map(|byte| u8::from_str_radix(byte, 16).unwrap())
-                .collect()
+            bytes.map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect()
         })
         .collect()
 }
@@ -91,14 +89,10 @@ fn no_single_or_double_flip_is_taken_for_a_message() {
         bytes.extend([0]);
         for first in 0..8 * length {
             flip(&mut bytes, first);
-            only_the_message(&message, &bytes, || {
-                format!("bit {first} of {message:02x?}")
-            });
+            only_the_message(&message, &bytes, || format!("bit {first} of {message:02x?}"));
             for second in first + 1..8 * length {
                 flip(&mut bytes, second);
-                only_the_message(&message, &bytes, || {
-                    format!("bits {first} and {second} of {message:02x?}")
-                });
+                only_the_message(&message, &bytes, || format!("bits {first} and {second} of {message:02x?}"));
                 flip(&mut bytes, second);
             }
             flip(&mut bytes, first);
@@ -108,15 +102,8 @@ fn no_single_or_double_flip_is_taken_for_a_message() {
 
 #[test]
 fn a_flip_costs_one_message_or_two_when_it_joins_them() {
-    let (one, two, three) = (
-        random(5, 30, true),
-        random(6, 30, true),
-        random(7, 30, true),
-    );
-    let line: Vec<u8> = [&one, &two, &three]
-        .into_iter()
-        .flat_map(|message| encode(message).unwrap())
-        .collect();
+    let (one, two, three) = (random(5, 30, true), random(6, 30, true), random(7, 30, true));
+    let line: Vec<u8> = [&one, &two, &three].into_iter().flat_map(|message| encode(message).unwrap()).collect();
     let first = encode(&one).unwrap().len();
     for bit in 0..8 * (first - 1) {
         let mut line = line.clone();
@@ -128,11 +115,7 @@ fn a_flip_costs_one_message_or_two_when_it_joins_them() {
     for bit in 8 * (first - 1)..8 * first {
         let mut line = line.clone();
         flip(&mut line, bit);
-        assert_eq!(
-            decode(&line).0,
-            std::slice::from_ref(&three),
-            "delimiter, bit {bit}"
-        );
+        assert_eq!(decode(&line).0, std::slice::from_ref(&three), "delimiter, bit {bit}");
     }
 }
 
@@ -146,11 +129,8 @@ fn no_burst_of_up_to_32_bits_is_taken_for_a_message() {
             for first in 0..=all - length {
                 // All patterns of short bursts, some of the long ones; a burst begins and ends with a flip.
                 let inner = length - 2;
-                let patterns: Vec<u32> = if inner <= 4 {
-                    (0..1 << inner).collect()
-                } else {
-                    (0..4).map(|_| rng.next_u32()).collect()
-                };
+                let patterns: Vec<u32> =
+                    if inner <= 4 { (0..1 << inner).collect() } else { (0..4).map(|_| rng.next_u32()).collect() };
                 for pattern in patterns {
                     let mut bytes = clean.clone();
                     flip(&mut bytes, first);
@@ -177,15 +157,8 @@ fn messages_of_every_length_come_back() {
             let bytes = encode(&message).unwrap();
             assert!(bytes.len() <= MAX_SERIAL);
             let (end, body) = bytes.split_last().unwrap();
-            assert!(
-                *end == 0 && !body.contains(&0),
-                "{length} bytes, seed {seed}"
-            );
-            assert_eq!(
-                decode(&bytes),
-                (vec![message], vec![]),
-                "{length} bytes, seed {seed}"
-            );
+            assert!(*end == 0 && !body.contains(&0), "{length} bytes, seed {seed}");
+            assert_eq!(decode(&bytes), (vec![message], vec![]), "{length} bytes, seed {seed}");
         }
         // The worst and the best case of COBS.
         for byte in [0, 1] {
@@ -228,10 +201,7 @@ fn every_cause_has_its_own_count() {
             _ => counters.checksum + counters.coding,
         };
         assert_eq!(counted, 1, "{error}: {counters:?}");
-        let only = Counters {
-            received: 1,
-            ..Counters::ZERO
-        };
+        let only = Counters { received: 1, ..Counters::ZERO };
         let all = counters.checksum + counters.coding + counters.too_long + counters.too_short;
         assert_eq!((counters.received, all), (only.received, 1));
     }
@@ -255,52 +225,27 @@ fn the_buffer_of_the_decoder_bounds_the_message() {
 
 #[test]
 fn nothing_between_two_delimiters_is_no_error() {
-    let line = [
-        &[0; 5],
-        &encode(b"a").unwrap()[..],
-        &[0; 3],
-        &encode(b"b").unwrap()[..],
-    ]
-    .concat();
+    let line = [&[0; 5], &encode(b"a").unwrap()[..], &[0; 3], &encode(b"b").unwrap()[..]].concat();
     assert_eq!(decode(&line), (vec![b"a".to_vec(), b"b".to_vec()], vec![]));
     assert_eq!(crc32c(&[]), 0, "why an empty message does not exist");
-    assert_eq!(
-        decode(&[1, 1, 1, 1, 1, 0]).1,
-        [DecodeError::Checksum(ChecksumError::TooShort { found: 4 })]
-    );
+    assert_eq!(decode(&[1, 1, 1, 1, 1, 0]).1, [DecodeError::Checksum(ChecksumError::TooShort { found: 4 })]);
 }
 
 #[test]
 fn truncated_messages_cost_at_most_the_one_they_run_into() {
-    let (one, two, three) = (
-        random(1, 60, true),
-        random(2, 60, true),
-        random(3, 60, true),
-    );
+    let (one, two, three) = (random(1, 60, true), random(2, 60, true), random(3, 60, true));
     let first = encode(&one).unwrap();
     let rest = [encode(&two).unwrap(), encode(&three).unwrap()].concat();
     for length in 0..first.len() {
         // Cut anywhere, also just before the delimiter: what is left is glued to the second.
         let (messages, errors) = decode(&[&first[..length], &rest].concat());
-        let expected = if length == 0 {
-            vec![two.clone(), three.clone()]
-        } else {
-            vec![three.clone()]
-        };
+        let expected = if length == 0 { vec![two.clone(), three.clone()] } else { vec![three.clone()] };
         assert_eq!(messages, expected, "first {length} bytes");
-        assert_eq!(
-            errors.len(),
-            usize::from(length > 0),
-            "first {length} bytes"
-        );
+        assert_eq!(errors.len(), usize::from(length > 0), "first {length} bytes");
         // The end is missing, the delimiter is not.
         if length > 0 && length < first.len() - 1 {
             let (messages, errors) = decode(&[&first[..length], &[0], &rest].concat());
-            assert_eq!(
-                (messages.len(), errors.len()),
-                (2, 1),
-                "first {length} bytes"
-            );
+            assert_eq!((messages.len(), errors.len()), (2, 1), "first {length} bytes");
         }
     }
 }
@@ -312,52 +257,26 @@ fn over_a_bad_wire_come_only_messages_that_were_sent_and_afterwards_all() {
         let (here, there) = pipe::bytes();
         let bad = FaultyPort::new(here, seed, Rates::all(0.05), || now_us.get());
         let (mut sender, mut receiver) = (SerialLink::new(bad), SerialLink::new(there));
-        let sent: Vec<Vec<u8>> = (0..500)
-            .map(|i| random(seed * 1000 + i, 1 + i as usize % 90, true))
-            .collect();
+        let sent: Vec<Vec<u8>> = (0..500).map(|i| random(seed * 1000 + i, 1 + i as usize % 90, true)).collect();
         let mut received = Vec::new();
         for message in &sent {
             now_us.set(now_us.get() + 10_000);
             sender.send(message, now_us.get()).unwrap();
-            received.extend(
-                receiver
-                    .receive(now_us.get())
-                    .unwrap()
-                    .map(|message| message.to_vec()),
-            );
+            received.extend(receiver.receive(now_us.get()).unwrap().map(|message| message.to_vec()));
         }
         for _ in 0..1000 {
             now_us.set(now_us.get() + 10_000);
             assert!(sender.receive(now_us.get()).unwrap().is_none());
-            received.extend(
-                receiver
-                    .receive(now_us.get())
-                    .unwrap()
-                    .map(|message| message.to_vec()),
-            );
+            received.extend(receiver.receive(now_us.get()).unwrap().map(|message| message.to_vec()));
         }
         for message in &received {
-            assert!(
-                sent.contains(message),
-                "seed {seed}: {message:02x?} was never sent"
-            );
+            assert!(sent.contains(message), "seed {seed}: {message:02x?} was never sent");
         }
         // Six faults of 5 % hit the bytes of a message or its neighbour's.
-        assert!(
-            received.len() > 250,
-            "seed {seed}: {} of 500",
-            received.len()
-        );
-        assert!(
-            received.len() < 600,
-            "seed {seed}: {} of 500",
-            received.len()
-        );
+        assert!(received.len() > 250, "seed {seed}: {} of 500", received.len());
+        assert!(received.len() < 600, "seed {seed}: {} of 500", received.len());
         let counters = receiver.counters();
-        assert!(
-            counters.checksum + counters.coding > 20,
-            "seed {seed}: {counters:?}"
-        );
+        assert!(counters.checksum + counters.coding > 20, "seed {seed}: {counters:?}");
     }
 }
 
@@ -393,10 +312,7 @@ fn a_full_port_costs_the_cut_message_only() {
         }
     }
     for room in 0..25 {
-        let ring = Ring {
-            taken: vec![],
-            room,
-        };
+        let ring = Ring { taken: vec![], room };
         let mut link = SerialLink::new(ring);
         // 20 bytes are 26 on the line.
         assert!(matches!(link.send(&[1; 20], 0), Err(LinkError::Full)));

@@ -57,13 +57,7 @@ fn rows<T: for<'a> Deserialize<'a>>(path: &Path) -> Vec<T> {
 
 fn index(folder: &Path) -> HashMap<String, IndexRow> {
     let rows = rows(&folder.join("index.csv")).into_iter();
-    let name = |row: &IndexRow| {
-        Path::new(&row.file)
-            .file_stem()
-            .unwrap()
-            .to_string_lossy()
-            .into_owned()
-    };
+    let name = |row: &IndexRow| Path::new(&row.file).file_stem().unwrap().to_string_lossy().into_owned();
     rows.map(|row: IndexRow| (name(&row), row)).collect()
 }
 
@@ -73,10 +67,7 @@ fn centre_line(folder: &Path) -> CentreLine {
         latitude_deg: row.latitude_deg,
         longitude_deg: row.longitude_deg,
     };
-    let points: Vec<CentreLinePoint> = rows(&folder.join("kolkata_line.csv"))
-        .into_iter()
-        .map(point)
-        .collect();
+    let points: Vec<CentreLinePoint> = rows(&folder.join("kolkata_line.csv")).into_iter().map(point).collect();
     CentreLine::new(&points).unwrap()
 }
 
@@ -99,12 +90,7 @@ fn every_row_of_every_recorded_run_is_read() {
         let log = RunLog::read(&file.path, BadRows::Refuse).unwrap();
         assert!(log.warnings.is_empty(), "{}: {:?}", file.name, log.warnings);
         assert!(log.other_columns.is_empty());
-        assert_eq!(
-            log.samples.len(),
-            index[&file.name].samples,
-            "{}",
-            file.name
-        );
+        assert_eq!(log.samples.len(), index[&file.name].samples, "{}", file.name);
     }
 }
 
@@ -120,14 +106,8 @@ fn coordinates_are_matched_where_the_recording_says() {
         let mut state = MatchState::default();
         let mut last_s = 0.0;
         for sample in &log.samples {
-            let found = line.locate(
-                &mut state,
-                sample.time_s,
-                sample.latitude_deg,
-                sample.longitude_deg,
-            );
-            let found = found
-                .unwrap_or_else(|reason| panic!("{} line {}: {reason:?}", file.name, sample.line));
+            let found = line.locate(&mut state, sample.time_s, sample.latitude_deg, sample.longitude_deg);
+            let found = found.unwrap_or_else(|reason| panic!("{} line {}: {reason:?}", file.name, sample.line));
             let location_m = sample.location_m.unwrap();
             let gap_s = sample.time_s - std::mem::replace(&mut last_s, sample.time_s);
             // Before its departure stop the recording says 0.0.
@@ -139,10 +119,7 @@ fn coordinates_are_matched_where_the_recording_says() {
     errors_m.sort_by(f64::total_cmp);
     let median_m = errors_m[errors_m.len() / 2];
     let max_m = errors_m[errors_m.len() - 1];
-    println!(
-        "{} fixes: median {median_m:.3} m, largest {max_m:.3} m",
-        errors_m.len()
-    );
+    println!("{} fixes: median {median_m:.3} m, largest {max_m:.3} m", errors_m.len());
     assert!(errors_m.len() > 25_000);
     assert!(median_m < MATCH_MEDIAN_M, "median {median_m} m");
     assert!(max_m < MATCH_MAX_M, "largest {max_m} m");
@@ -158,11 +135,7 @@ fn runs_without_a_location_column_get_location_and_direction_from_coordinates() 
         let recording = Recording::new(&file, &log, Some(&line), DirectionChoice::Auto).unwrap();
         assert!(recording.warnings.is_empty(), "{:?}", recording.warnings);
         // On this line "down" leads away from the terminus at 0 m: there locations grow.
-        let expected = if index[&file.name].direction == "down" {
-            Direction::Up
-        } else {
-            Direction::Down
-        };
+        let expected = if index[&file.name].direction == "down" { Direction::Up } else { Direction::Down };
         assert_eq!(recording.direction, expected, "{}", file.name);
     }
 }
@@ -185,12 +158,7 @@ fn every_recorded_run_is_replayed_to_its_last_row() {
             }
             assert!(run.vehicle_after.is_finite(), "{}", run.name);
             for estimate in &run.estimates {
-                assert!(
-                    estimate.belief.is_finite(),
-                    "{} at {} s",
-                    run.name,
-                    estimate.time_s
-                );
+                assert!(estimate.belief.is_finite(), "{} at {} s", run.name, estimate.time_s);
             }
         }
     }
@@ -198,14 +166,7 @@ fn every_recorded_run_is_replayed_to_its_last_row() {
 
 #[test]
 fn a_log_of_one_row_and_a_log_without_readings_are_replayed() {
-    let track = Track::try_new(
-        1000.0,
-        [Gradient {
-            from_m: 0.0,
-            permille: 1.0,
-        }],
-    )
-    .unwrap();
+    let track = Track::try_new(1000.0, [Gradient { from_m: 0.0, permille: 1.0 }]).unwrap();
     let estimator = Estimator::try_new(Config::default(), train(), track).unwrap();
     for rows in ["0,0,0\n", "0,,\n10,,\n20,,\n"] {
         let text = format!("time_s,location_m,speed_kmh\n{rows}");

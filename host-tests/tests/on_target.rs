@@ -25,19 +25,10 @@ fn simulated(what: &str, mode: Mode, scenario: &Scenario, seed: u64) {
     described(what, &settings, &description, scenario, seed);
 }
 
-fn described(
-    what: &str,
-    settings: &Settings,
-    description: &Description,
-    scenario: &Scenario,
-    seed: u64,
-) {
+fn described(what: &str, settings: &Settings, description: &Description, scenario: &Scenario, seed: u64) {
     let log = measurements(&simulate(scenario, seed));
     let same = compare(settings, description, Direction::Up, &log);
-    say(
-        what,
-        &same.unwrap_or_else(|error| panic!("{what}, seed {seed}: {error}")),
-    );
+    say(what, &same.unwrap_or_else(|error| panic!("{what}, seed {seed}: {error}")));
 }
 
 fn say(what: &str, same: &Same) {
@@ -45,11 +36,7 @@ fn say(what: &str, same: &Same) {
         "{what}: {} ticks, {} frames and {} bytes the same; stack {} B, longest call {} us",
         same.ticks, same.frames, same.line_bytes, same.health.stack_bytes, same.health.longest_us
     );
-    assert!(
-        same.frames > 3 * same.ticks,
-        "{what}: {} frames",
-        same.frames
-    );
+    assert!(same.frames > 3 * same.ticks, "{what}: {} frames", same.frames);
 }
 
 #[test]
@@ -60,11 +47,7 @@ fn a_run_of_the_case_study() {
 #[test]
 fn a_run_towards_targets() {
     let Some(settings) = firmware() else { return };
-    let scenario = Scenario {
-        line: Line::hilly(8),
-        wind_sd_mps: 2.0,
-        ..Scenario::default()
-    };
+    let scenario = Scenario { line: Line::hilly(8), wind_sd_mps: 2.0, ..Scenario::default() };
     let description = with_targets(Config::default(), &scenario);
     described("targets", &settings, &description, &scenario, 8);
 }
@@ -81,11 +64,7 @@ fn the_measured_mode() {
 
 #[test]
 fn a_hilly_line_with_wind() {
-    let scenario = Scenario {
-        line: Line::hilly(8),
-        wind_sd_mps: 2.0,
-        ..Scenario::default()
-    };
+    let scenario = Scenario { line: Line::hilly(8), wind_sd_mps: 2.0, ..Scenario::default() };
     simulated("hills and wind", Mode::Gated, &scenario, 6);
 }
 
@@ -93,29 +72,14 @@ fn a_hilly_line_with_wind() {
 fn a_model_with_effects() {
     let Some(settings) = firmware() else { return };
     let scenario = Scenario::default();
-    let curve = |from_m| Curve {
-        from_m,
-        to_m: from_m + 300.0,
-        radius_m: 600.0,
-    };
+    let curve = |from_m| Curve { from_m, to_m: from_m + 300.0, radius_m: 600.0 };
     let effects = [
-        Effect::TunnelDrag(TunnelDrag {
-            from_m: 8e3,
-            to_m: 14e3,
-            k: 1e-5,
-        }),
-        Effect::CurveResistance(CurveResistance {
-            coefficient_roeckl: 0.8,
-        }),
+        Effect::TunnelDrag(TunnelDrag { from_m: 8e3, to_m: 14e3, k: 1e-5 }),
+        Effect::CurveResistance(CurveResistance { coefficient_roeckl: 0.8 }),
         Effect::SteadyWind(SteadyWind { wind_mps: 2.0 }),
         Effect::MassError(MassError { relative: 0.1 }),
-        Effect::WarmUp(WarmUp {
-            amplitude: 3e-3,
-            tau_s: 300.0,
-        }),
-        Effect::SpeedScale(SpeedScale {
-            measured_over_true: 1.01,
-        }),
+        Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s: 300.0 }),
+        Effect::SpeedScale(SpeedScale { measured_over_true: 1.01 }),
         Effect::Unknown(Unknown {
             coordinate: Coordinate::Speed,
             table: [(10.0, 0.0), (38.0, 1e-3)].into_iter().collect(),
@@ -126,29 +90,17 @@ fn a_model_with_effects() {
         effects: Effects::try_new(effects).unwrap(),
         ..with_targets(Config::default(), &scenario)
     };
-    described(
-        "seven effects and targets",
-        &settings,
-        &description,
-        &scenario,
-        3,
-    );
+    described("seven effects and targets", &settings, &description, &scenario, 3);
 }
 
 #[test]
 fn a_run_with_dropouts() {
     let sensors = Sensors {
         dropout_probability: 0.2,
-        bursts: Some(Bursts {
-            probability: 0.03,
-            samples: [3, 12],
-        }),
+        bursts: Some(Bursts { probability: 0.03, samples: [3, 12] }),
         ..Sensors::default()
     };
-    let scenario = Scenario {
-        sensors,
-        ..Scenario::default()
-    };
+    let scenario = Scenario { sensors, ..Scenario::default() };
     simulated("dropouts", Mode::Gated, &scenario, 7);
 }
 
@@ -163,10 +115,7 @@ fn a_recorded_run() {
     }
     let (track, _) = TrackFile::read(&folder.join("track_kolkata.toml")).unwrap();
     let (_, train) = TrainFile::read(&here.join("../data/reference/train.toml")).unwrap();
-    let file = RunSet::find(&[folder.join("runs")])
-        .unwrap()
-        .files
-        .remove(0);
+    let file = RunSet::find(&[folder.join("runs")]).unwrap().files.remove(0);
     let log = RunLog::read(&file.path, BadRows::Refuse).unwrap();
     let recording = Recording::new(&file, &log, None, DirectionChoice::Auto).unwrap();
     let rows = recording.rows.iter().map(|row| row.measurement);

@@ -44,9 +44,7 @@ fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
 
     let mut emulator = Emulator::start(&settings).unwrap();
     let mut session = on_target(&mut emulator).unwrap();
-    session
-        .prepare(&description, Direction::Up, Pace::Lockstep)
-        .unwrap();
+    session.prepare(&description, Direction::Up, Pace::Lockstep).unwrap();
     for measurement in &log {
         session.measure(measurement).unwrap();
     }
@@ -56,18 +54,14 @@ fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
 
     // The board writes two records at each start: cut it before, within and after.
     let mut before = None;
-    for cut_us in [
-        0, 300, 1000, 3000, 10_000, 20_000, 30_000, 50_000, 80_000, 200_000,
-    ] {
+    for cut_us in [0, 300, 1000, 3000, 10_000, 20_000, 30_000, 50_000, 80_000, 200_000] {
         let emulator = Emulator::start(&settings).unwrap();
         sleep(Duration::from_micros(cut_us));
         drop(emulator);
 
         let mut emulator = Emulator::start(&settings).unwrap();
         let mut session = on_target(&mut emulator).unwrap();
-        session
-            .prepare(&description, Direction::Up, Pace::Lockstep)
-            .unwrap();
+        session.prepare(&description, Direction::Up, Pace::Lockstep).unwrap();
         let now = status(&session.greet().unwrap());
         assert!(
             matches!(now.memory, Memory::Restored | Memory::RestoredOlder),
@@ -78,9 +72,7 @@ fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
         let after = summary(&session.end_run().unwrap());
         assert_eq!(after.vehicle_davis, learned.vehicle_davis, "{cut_us} us");
         // What was signed for an earlier start is of no use now.
-        let epoch = now
-            .announcement
-            .map(|announcement| announcement[..4].to_vec());
+        let epoch = now.announcement.map(|announcement| announcement[..4].to_vec());
         assert!(epoch > before, "{before:?} {epoch:?}");
         before = epoch;
     }
@@ -104,9 +96,7 @@ fn a_run_goes_on_after_a_brown_out() {
 
     let mut emulator = Emulator::start(&settings).unwrap();
     let mut session = on_target(&mut emulator).unwrap();
-    session
-        .prepare(&description, Direction::Up, Pace::Lockstep)
-        .unwrap();
+    session.prepare(&description, Direction::Up, Pace::Lockstep).unwrap();
     for measurement in before {
         session.measure(measurement).unwrap();
         estimator.step(&mut run, measurement).unwrap();
@@ -114,14 +104,8 @@ fn a_run_goes_on_after_a_brown_out() {
     // What is on its way is of an earlier tick; the one after it is of now.
     let parts = loop {
         let what = "a snapshot";
-        session
-            .ask(Request::Command(Command::Snapshot), what)
-            .unwrap();
-        if let Some(parts) = session
-            .desk()
-            .snapshot()
-            .filter(|parts| parts[0].tick == 100)
-        {
+        session.ask(Request::Command(Command::Snapshot), what).unwrap();
+        if let Some(parts) = session.desk().snapshot().filter(|parts| parts[0].tick == 100) {
             break parts.to_vec();
         }
     };
@@ -136,9 +120,7 @@ fn a_run_goes_on_after_a_brown_out() {
     let pace = Request::Command(Command::Pace(Pace::Lockstep));
     session.ask(pace, "the pace").unwrap();
     for part in parts {
-        session
-            .ask(Request::Snapshot(part), "a part of the snapshot")
-            .unwrap();
+        session.ask(Request::Snapshot(part), "a part of the snapshot").unwrap();
     }
     for measurement in after {
         let frames = session.measure(measurement).unwrap();
@@ -146,11 +128,6 @@ fn a_run_goes_on_after_a_brown_out() {
         let Some(Body::Estimate(found)) = frames.last().map(|heard| &heard.frame.body) else {
             panic!("no estimate at {} s", measurement.time_s);
         };
-        assert_eq!(
-            found.digest,
-            digest::of_estimate(&expected),
-            "at {} s",
-            measurement.time_s
-        );
+        assert_eq!(found.digest, digest::of_estimate(&expected), "at {} s", measurement.time_s);
     }
 }

@@ -12,11 +12,7 @@ use rundown::train::{Train, TrainDescription};
 use rundown::ukf::{Process, Spread};
 
 /// Section 4.1, per rotating mass.
-const DAVIS: Davis = Davis {
-    r0: 7.38e-3,
-    r1: 1.6e-4,
-    r2: 2.8e-5,
-};
+const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 
 fn near(found: f64, expected: f64, tolerance: f64) -> bool {
     (found - expected).abs() <= tolerance
@@ -26,10 +22,7 @@ fn near(found: f64, expected: f64, tolerance: f64) -> bool {
 fn weights_of_the_central_point_are_near_1_7_million() {
     let (w0_mean, w0_covariance, w) = Spread::PAPER.weights(SIZE);
     assert!(near(w0_mean, -1_666_665.67, 0.01), "{w0_mean}");
-    assert!(
-        near(w0_covariance - w0_mean, 3.0 - 1e-6, 1e-6),
-        "{w0_covariance}"
-    );
+    assert!(near(w0_covariance - w0_mean, 3.0 - 1e-6, 1e-6), "{w0_covariance}");
     assert!(near(w, 166_666.67, 0.01), "{w}");
     assert!(near(Spread::PAPER.reach(SIZE), 3e-6, 1e-20));
 }
@@ -71,11 +64,7 @@ fn regime_thresholds_are_those_of_section_3_2() {
         (0.0251, -0.06, Regime::Traction),
         (-0.0251, -0.06, Regime::Brake),
     ] {
-        assert_eq!(
-            rule.recognise(effort, acceleration),
-            regime,
-            "{effort} {acceleration}"
-        );
+        assert_eq!(rule.recognise(effort, acceleration), regime, "{effort} {acceleration}");
     }
 }
 
@@ -83,9 +72,7 @@ fn regime_thresholds_are_those_of_section_3_2() {
 fn at_140_kmh_air_takes_three_quarters_of_the_resistance() {
     let v = 140.0 / 3.6;
     let r = DAVIS.resistance_n_per_kg(v);
-    let percent = DAVIS
-        .terms_n_per_kg(v)
-        .map(|term| (100.0 * term / r).round());
+    let percent = DAVIS.terms_n_per_kg(v).map(|term| (100.0 * term / r).round());
     assert_eq!(percent, [13.0, 11.0, 76.0]);
 }
 
@@ -111,11 +98,7 @@ fn lost_mps(v0: f64, davis: &Davis, sub_steps: u32, evaluate: Evaluate) -> f64 {
     })
     .unwrap();
     let flat = Track::try_new(10_000.0, []).unwrap();
-    let line = Line {
-        train: &train,
-        track: &flat,
-        direction: Direction::Up,
-    };
+    let line = Line { train: &train, track: &flat, direction: Direction::Up };
     let mut x = SVector::from([0.0, v0, davis.r0, davis.r1, davis.r2]);
     for _ in 0..sub_steps {
         let motion = Motion::new(&line, &x, 0.0, 10.0 / f64::from(sub_steps), evaluate);
@@ -144,11 +127,7 @@ fn truly_lost_mps(v0: f64) -> f64 {
 fn bias_percent(v0: f64, sub_steps: u32, evaluate: Evaluate) -> f64 {
     let truth = truly_lost_mps(v0);
     let lost = |scale: f64| {
-        let davis = Davis {
-            r0: scale * DAVIS.r0,
-            r1: scale * DAVIS.r1,
-            r2: scale * DAVIS.r2,
-        };
+        let davis = Davis { r0: scale * DAVIS.r0, r1: scale * DAVIS.r1, r2: scale * DAVIS.r2 };
         lost_mps(v0, &davis, sub_steps, evaluate)
     };
     let (mut low, mut high) = (0.5, 2.0);

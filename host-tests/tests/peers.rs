@@ -67,18 +67,13 @@ fn python() -> Result<PathBuf, String> {
     let candidates = [own.join("peers/bin/python"), PathBuf::from("python3")];
     let mut causes = Vec::new();
     for python in candidates {
-        let tried = Command::new(&python)
-            .args(["-c", "import can, isotp, serial"])
-            .output();
+        let tried = Command::new(&python).args(["-c", "import can, isotp, serial"]).output();
         match tried {
             Ok(output) if output.status.success() => return Ok(python),
             Ok(output) => causes.push(format!(
                 "{}: {}",
                 python.display(),
-                String::from_utf8_lossy(&output.stderr)
-                    .lines()
-                    .last()
-                    .unwrap_or("no message")
+                String::from_utf8_lossy(&output.stderr).lines().last().unwrap_or("no message")
             )),
             Err(error) => causes.push(format!("{}: {error}", python.display())),
         }
@@ -164,11 +159,7 @@ fn talk(
     let counters = link.counters();
     let watch = link.controller_mut();
     assert_eq!(watch.controller.damaged(), 0);
-    Some((
-        counters,
-        [watch.answers_sent, watch.answers_received],
-        watch.shortest_gap_us,
-    ))
+    Some((counters, [watch.answers_sent, watch.answers_received], watch.shortest_gap_us))
 }
 
 /// Flow control frames that the messages of the peer need: one for each first frame, one after each whole block but the last frame.
@@ -187,23 +178,13 @@ fn answers(single: usize, first: usize, consecutive: usize, block_size: usize) -
 /// What the script did besides the echoes: a wrong checksum, 600 bytes, one more echo.
 fn check_counts(counters: Counters) {
     let echoes = SIZES.len() as u32 + 1;
-    let expected = Counters {
-        sent: echoes,
-        received: echoes,
-        checksum: 1,
-        too_long: 1,
-        ..Counters::ZERO
-    };
+    let expected = Counters { sent: echoes, received: echoes, checksum: 1, too_long: 1, ..Counters::ZERO };
     assert_eq!(counters, expected);
 }
 
 #[test]
 fn classic_frames_with_small_blocks_and_separation_times() {
-    let config = Config {
-        block_size: 2,
-        separation: SeparationTime(1),
-        ..Config::CLASSIC
-    };
+    let config = Config { block_size: 2, separation: SeparationTime(1), ..Config::CLASSIC };
     let Some((counters, [sent, received], gap_us)) = talk("classic", config, 3, 2) else {
         return;
     };
@@ -211,18 +192,12 @@ fn classic_frames_with_small_blocks_and_separation_times() {
     // Of the two others, the wrong checksum has 22 bytes, and the refusal is a flow control, too.
     assert_eq!(sent, answers(7, 6, 7, 2) + 2 + 1, "blocks of two");
     assert_eq!(received, answers(7, 6, 7, 3), "blocks of three");
-    assert!(
-        gap_us >= 2_000,
-        "{gap_us} us between frames, 2 ms were asked for"
-    );
+    assert!(gap_us >= 2_000, "{gap_us} us between frames, 2 ms were asked for");
 }
 
 #[test]
 fn classic_frames_without_blocks() {
-    let config = Config {
-        block_size: 0,
-        ..Config::CLASSIC
-    };
+    let config = Config { block_size: 0, ..Config::CLASSIC };
     let Some((counters, [sent, received], _)) = talk("classic", config, 0, 0) else {
         return;
     };
@@ -233,10 +208,7 @@ fn classic_frames_without_blocks() {
 
 #[test]
 fn fd_frames_with_small_blocks() {
-    let config = Config {
-        block_size: 2,
-        ..Config::FD
-    };
+    let config = Config { block_size: 2, ..Config::FD };
     let Some((counters, [sent, received], _)) = talk("fd", config, 1, 0) else {
         return;
     };

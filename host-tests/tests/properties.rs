@@ -22,11 +22,7 @@ fn train() -> Train {
         mass_kg: 364e3,
         rotating_mass_factor: 1.06,
         length_m: 162.0,
-        davis: Davis {
-            r0: 7.38e-3,
-            r1: 1.6e-4,
-            r2: 2.8e-5,
-        },
+        davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
         max_tractive_effort_n: 192_920.0,
         max_power_w: 2_036_377.8,
         max_brake_mps2: 0.66,
@@ -61,8 +57,7 @@ fn symmetric_and_positive<const N: usize>(p: &SMatrix<f64, N, N>) -> bool {
     // Scaled to ones on the diagonal first: the units of s and r2 are ten decades apart.
     let sd = SVector::<f64, N>::from_fn(|i, _| p[(i, i)].sqrt());
     let correlation = SMatrix::<f64, N, N>::from_fn(|i, j| p[(i, j)] / (sd[i] * sd[j]));
-    *p == p.transpose()
-        && host_tests::textbook::cholesky(&(correlation + SMatrix::identity() * 1e-9)).is_some()
+    *p == p.transpose() && host_tests::textbook::cholesky(&(correlation + SMatrix::identity() * 1e-9)).is_some()
 }
 
 /// A linear motion without constants: x' = T x + b (g·x + noise).
@@ -118,21 +113,12 @@ fn measurement_step() -> impl Strategy<Value = (f64, Measurement)> {
         8 => 0.5..20.0,
         1 => prop::sample::select(vec![0.0, -5.0, f64::NAN, f64::INFINITY, 1e-9, 1e-300, 599.0, 700.0, 1e6, 1e300]),
     ];
-    (
-        dt,
-        hostile(0.0..21_000.0),
-        hostile(0.0..60.0),
-        hostile(-1.0..1.0),
-    )
-        .prop_map(|(dt_s, location_m, speed_mps, effort_n_per_kg)| {
-            let measurement = Measurement {
-                time_s: 0.0,
-                location_m,
-                speed_mps,
-                effort_n_per_kg,
-            };
+    (dt, hostile(0.0..21_000.0), hostile(0.0..60.0), hostile(-1.0..1.0)).prop_map(
+        |(dt_s, location_m, speed_mps, effort_n_per_kg)| {
+            let measurement = Measurement { time_s: 0.0, location_m, speed_mps, effort_n_per_kg };
             (dt_s, measurement)
-        })
+        },
+    )
 }
 
 proptest! {

@@ -42,10 +42,7 @@ fn replayed(spread: Spread) -> Vec<Estimate> {
         speed_mps: Some(number(row, "speed_kmh") / 3.6),
         effort_n_per_kg: None,
     };
-    rows("run01.csv")
-        .iter()
-        .map(|row| estimator.step(&mut run, &measurement(row)).unwrap())
-        .collect()
+    rows("run01.csv").iter().map(|row| estimator.step(&mut run, &measurement(row)).unwrap()).collect()
 }
 
 /// As `max`, but NaN wins: no comparison with a limit accepts it.
@@ -70,16 +67,9 @@ fn distance(estimates: &[Estimate], reference: &[Row]) -> Distance {
             reference.iter().map(of_row).fold(0.0, f64::max)
         })
         .collect();
-    let mut worst = Distance {
-        state: 0.0,
-        state_in_sd: 0.0,
-        covariance: 0.0,
-        innovation: 0.0,
-    };
+    let mut worst = Distance { state: 0.0, state_in_sd: 0.0, covariance: 0.0, innovation: 0.0 };
     for (estimate, row) in estimates.iter().zip(reference) {
-        let variance: Vec<f64> = (0..SIZE)
-            .map(|i| number(row, &format!("P_{i}{i}")))
-            .collect();
+        let variance: Vec<f64> = (0..SIZE).map(|i| number(row, &format!("P_{i}{i}"))).collect();
         for i in 0..SIZE {
             let error = (estimate.belief.mean[i] - number(row, &format!("x_{i}"))).abs();
             worst.state = worst_of(worst.state, error / largest[i]);
@@ -111,20 +101,11 @@ fn distance(estimates: &[Estimate], reference: &[Row]) -> Distance {
 
 fn regimes_are_equal(estimates: &[Estimate], reference: &[Row]) {
     for (estimate, row) in estimates.iter().zip(reference) {
-        assert_eq!(
-            estimate.regime.as_str(),
-            row["regime"],
-            "at {} s",
-            row["time_s"]
-        );
+        assert_eq!(estimate.regime.as_str(), row["regime"], "at {} s", row["time_s"]);
         assert_ne!(estimate.regime, Regime::Standstill);
         let effort = estimate.effort_n_per_kg.unwrap() - number(row, "u_k");
         let acceleration = estimate.acceleration_mps2.unwrap() - number(row, "a_k");
-        assert!(
-            effort.abs() < 1e-7 && acceleration.abs() < 1e-7,
-            "at {} s",
-            row["time_s"]
-        );
+        assert!(effort.abs() < 1e-7 && acceleration.abs() < 1e-7, "at {} s", row["time_s"]);
     }
 }
 

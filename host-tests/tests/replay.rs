@@ -30,19 +30,14 @@ const COLUMNS: [(&str, f64); 10] = [
 ];
 
 fn data(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../data")
-        .join(path)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data").join(path)
 }
 
 /// One row: replay of a run by a new vehicle.
 fn row(name: &str, estimator: &Estimator, measurements: &[Measurement]) -> (String, Vec<f64>) {
     let mut vehicle = estimator.new_vehicle();
     let mut run = estimator.begin_run(&vehicle, Direction::Up);
-    let ticks = measurements
-        .iter()
-        .filter(|measurement| estimator.step(&mut run, measurement).is_ok())
-        .count();
+    let ticks = measurements.iter().filter(|measurement| estimator.step(&mut run, measurement).is_ok()).count();
     let summary = estimator.end_run(&mut run, &mut vehicle);
     let features = &summary.features;
     let time_s: f64 = features.regime_time_s.iter().sum();
@@ -55,9 +50,7 @@ fn row(name: &str, estimator: &Estimator, measurements: &[Measurement]) -> (Stri
         resistance(&summary.run_davis, 100.0).1,
         summary.learned_s,
         features.regime_time_s[Regime::Coast as usize] / time_s,
-        features
-            .cruise_speed_median_mps
-            .map_or(missing, |v| 3.6 * v),
+        features.cruise_speed_median_mps.map_or(missing, |v| 3.6 * v),
         brake.map_or(missing, |brake| brake.start_time_s),
         brake.map_or(missing, |brake| brake.start_location_m),
         features.power_w_per_kg.mean,
@@ -82,36 +75,19 @@ fn rows() -> Vec<(String, Vec<f64>)> {
             }
         })
         .collect();
-    for (name, mode) in [
-        ("reference paper", Mode::Paper),
-        ("reference gated", Mode::Gated),
-    ] {
+    for (name, mode) in [("reference paper", Mode::Paper), ("reference gated", Mode::Gated)] {
         let estimator = Estimator::try_new(Config::with_mode(mode), train, track.clone()).unwrap();
         rows.push(row(name, &estimator, &reference));
     }
-    let fast = Sensors {
-        sampling_s: 1.0,
-        ..Sensors::default()
-    };
-    let dropouts = Sensors {
-        dropout_probability: 0.1,
-        ..Sensors::default()
-    };
+    let fast = Sensors { sampling_s: 1.0, ..Sensors::default() };
+    let dropouts = Sensors { dropout_probability: 0.1, ..Sensors::default() };
     for (name, mode, sensors) in [
         ("simulated gated 10 s", Mode::Gated, Sensors::default()),
         ("simulated gated 1 s", Mode::Gated, fast),
         ("simulated gated dropouts", Mode::Gated, dropouts),
-        (
-            "simulated measured 10 s",
-            Mode::Measured,
-            Sensors::default(),
-        ),
+        ("simulated measured 10 s", Mode::Measured, Sensors::default()),
     ] {
-        let scenario = Scenario {
-            sensors,
-            davis_scale: [0.9, 1.1, 0.95],
-            ..Scenario::default()
-        };
+        let scenario = Scenario { sensors, davis_scale: [0.9, 1.1, 0.95], ..Scenario::default() };
         let run = simulate(&scenario, 2024);
         let estimator = estimator(Config::with_mode(mode), &scenario);
         rows.push(row(name, &estimator, &measurements(&run)));
@@ -134,8 +110,7 @@ fn replays_give_the_accepted_answers() {
         println!("wrote data/golden/replay.csv");
         return;
     }
-    let golden =
-        std::fs::read_to_string(&path).expect("data/golden/replay.csv: run once with BLESS=1");
+    let golden = std::fs::read_to_string(&path).expect("data/golden/replay.csv: run once with BLESS=1");
     assert_eq!(golden.lines().count(), rows.len() + 1);
     let names = COLUMNS.iter().map(|(name, _)| *name);
     let header: Vec<&str> = std::iter::once("run").chain(names).collect();
@@ -147,10 +122,7 @@ fn replays_give_the_accepted_answers() {
         for ((cell, value), (column, tolerance)) in cells.zip(values).zip(COLUMNS) {
             let accepted: f64 = cell.parse().unwrap();
             let moved = (accepted - value).abs();
-            assert!(
-                moved <= tolerance + 1e-8,
-                "{name}: {column} was {accepted}, is {value}"
-            );
+            assert!(moved <= tolerance + 1e-8, "{name}: {column} was {accepted}, is {value}");
         }
     }
 }

@@ -26,17 +26,11 @@ fn clean() -> (Estimator, Run, Vec<Measurement>) {
 fn replay(estimator: &Estimator, log: &[Measurement]) -> (Vec<Estimate>, RunSummary) {
     let mut vehicle = estimator.new_vehicle();
     let mut run = estimator.begin_run(&vehicle, Direction::Up);
-    let estimates: Vec<Estimate> = log
-        .iter()
-        .filter_map(|measurement| estimator.step(&mut run, measurement).ok())
-        .collect();
+    let estimates: Vec<Estimate> =
+        log.iter().filter_map(|measurement| estimator.step(&mut run, measurement).ok()).collect();
     for estimate in &estimates {
         assert!(estimate.belief.is_finite(), "at {} s", estimate.time_s);
-        assert!(
-            estimate.belief.mean[SPEED] >= 0.0,
-            "at {} s",
-            estimate.time_s
-        );
+        assert!(estimate.belief.mean[SPEED] >= 0.0, "at {} s", estimate.time_s);
     }
     let summary = estimator.end_run(&mut run, &mut vehicle);
     (estimates, summary)
@@ -47,33 +41,21 @@ fn in_final_coast(run: &Run, share: f64) -> usize {
     let coast_s = run.facts.final_coast.unwrap().time_s;
     let brake_s = run.facts.final_brake.time_s;
     let at_s = coast_s + share * (brake_s - coast_s);
-    run.samples
-        .iter()
-        .position(|sample| sample.time_s >= at_s)
-        .unwrap()
+    run.samples.iter().position(|sample| sample.time_s >= at_s).unwrap()
 }
 
 /// r and its covariance are the same to the last bit, and nothing is said to be learned.
 fn assert_frozen(estimates: &[Estimate]) {
     for estimate in estimates {
         assert!(!estimate.learning, "at {} s", estimate.time_s);
-        assert_eq!(
-            davis_bits(estimate),
-            davis_bits(&estimates[0]),
-            "at {} s",
-            estimate.time_s
-        );
+        assert_eq!(davis_bits(estimate), davis_bits(&estimates[0]), "at {} s", estimate.time_s);
     }
 }
 
 fn davis_bits(estimate: &Estimate) -> Vec<u64> {
     let belief = &estimate.belief;
     (2..5)
-        .flat_map(|i| {
-            (i..5)
-                .map(move |j| belief.covariance[(i, j)])
-                .chain([belief.mean[i]])
-        })
+        .flat_map(|i| (i..5).map(move |j| belief.covariance[(i, j)]).chain([belief.mean[i]]))
         .map(f64::to_bits)
         .collect()
 }
@@ -125,10 +107,7 @@ fn ten_minutes_without_location_freeze_the_resistance_and_widen_the_location() {
     let (estimates, _) = replay(&estimator, &log);
     // Held at once, invalid after a minute, valid with the first fixes after
     assert_eq!(estimates[k].validity, Validity::Held(Cause::NoLocation));
-    assert_eq!(
-        estimates[k + 7].validity,
-        Validity::Invalid(Cause::NoLocation)
-    );
+    assert_eq!(estimates[k + 7].validity, Validity::Invalid(Cause::NoLocation));
     assert!((end..end + 3).any(|i| estimates[i].validity == Validity::Valid));
     // The standard deviation of the location rises until then; r stands still once the longest gap has passed
     let sd = |i: usize| estimates[i].belief.sd(LOCATION);
@@ -147,10 +126,7 @@ fn minutes_without_speed_are_bridged_by_the_true_time() {
     }
     let (estimates, summary) = replay(&estimator, &log);
     assert_eq!(estimates[k].validity, Validity::Held(Cause::NoSpeed));
-    assert_eq!(
-        estimates[k + 11].validity,
-        Validity::Invalid(Cause::NoSpeed)
-    );
+    assert_eq!(estimates[k + 11].validity, Validity::Invalid(Cause::NoSpeed));
     assert_eq!(estimates[k + 12].validity, Validity::Valid);
     let (r, sd) = resistance(&summary.run_davis, 100.0);
     let truth = run.facts.davis.resistance_n_per_kg(100.0 / 3.6);
@@ -175,24 +151,14 @@ fn repeated_and_backward_times_change_nothing_but_their_counter() {
         }
     }
     assert_eq!(found, expected);
-    assert_eq!(
-        estimator
-            .end_run(&mut run, &mut vehicle)
-            .counters
-            .time_not_increasing,
-        2
-    );
+    assert_eq!(estimator.end_run(&mut run, &mut vehicle).counters.time_not_increasing, 2);
 }
 
 #[test]
 fn a_stuck_speed_is_found_while_the_train_brakes() {
     let (estimator, run, mut log) = clean();
     // Given a train that brakes, when its speed reading stays what it was
-    let k = run
-        .samples
-        .iter()
-        .position(|sample| sample.time_s >= run.facts.final_brake.time_s)
-        .unwrap();
+    let k = run.samples.iter().position(|sample| sample.time_s >= run.facts.final_brake.time_s).unwrap();
     let stuck = log[k - 1].speed_mps;
     for measurement in &mut log[k..] {
         measurement.speed_mps = stuck;
@@ -222,11 +188,7 @@ fn a_steady_speed_is_not_a_stuck_one() {
         })
         .collect();
     let (estimates, _) = replay(&estimator, &log);
-    assert!(
-        estimates
-            .iter()
-            .all(|estimate| estimate.validity == Validity::Valid)
-    );
+    assert!(estimates.iter().all(|estimate| estimate.validity == Validity::Valid));
 }
 
 #[test]
@@ -242,14 +204,8 @@ fn a_stuck_location_is_named_and_the_speed_is_used() {
     let error_m = estimates[k + 9].belief.mean[LOCATION] - run.truth[k + 9].location_m;
     assert!(error_m.abs() < 150.0, "{error_m}");
     // Named with the second sample, invalid after a minute, and r stands still once the longest gap of a segment has passed
-    assert_eq!(
-        estimates[k + 1].validity,
-        Validity::Held(Cause::StuckLocation)
-    );
-    assert_eq!(
-        estimates[k + 9].validity,
-        Validity::Invalid(Cause::StuckLocation)
-    );
+    assert_eq!(estimates[k + 1].validity, Validity::Held(Cause::StuckLocation));
+    assert_eq!(estimates[k + 9].validity, Validity::Invalid(Cause::StuckLocation));
     assert_frozen(&estimates[k + 5..k + 10]);
 }
 
@@ -288,16 +244,8 @@ fn eight_hours_of_standstill_change_nothing() {
     }
     let (estimates, _) = replay(&estimator, &log);
     let first = davis_bits(&estimates[at + 1]);
-    assert!(
-        estimates[at + 1..]
-            .iter()
-            .all(|estimate| davis_bits(estimate) == first)
-    );
-    assert!(
-        estimates[at + 1..]
-            .iter()
-            .all(|estimate| estimate.regime == Regime::Standstill)
-    );
+    assert!(estimates[at + 1..].iter().all(|estimate| davis_bits(estimate) == first));
+    assert!(estimates[at + 1..].iter().all(|estimate| estimate.regime == Regime::Standstill));
     assert!(estimates.last().unwrap().belief.sd(LOCATION) <= 40.0);
 }
 
@@ -319,11 +267,7 @@ fn spikes(change_kmh: f64) -> impl Iterator<Item = (usize, Run, Vec<Estimate>, [
 #[test]
 fn a_slip_of_30_kmh_is_dropped() {
     for (seed, (k, run, estimates, [without, with])) in spikes(30.0).enumerate() {
-        assert_eq!(
-            estimates[k].validity,
-            Validity::Held(Cause::SpeedJump),
-            "seed {seed}"
-        );
+        assert_eq!(estimates[k].validity, Validity::Held(Cause::SpeedJump), "seed {seed}");
         assert_eq!(estimates[k + 1].validity, Validity::Valid, "seed {seed}");
         let error_mps = estimates[k].belief.mean[SPEED] - run.truth[k].speed_mps;
         assert!(error_mps.abs() < 0.3, "seed {seed}: {error_mps} m/s");
@@ -353,20 +297,14 @@ fn a_slide_of_30_kmh_ends_the_segment_and_is_over_with_the_fourth_sample() {
 fn unreadable_fields_are_dropped_and_the_others_used() {
     let (estimator, run, mut log) = clean();
     let k = in_final_coast(&run, 0.5);
-    for (i, wild) in [f64::NAN, f64::INFINITY, -5.0, 1e300, f64::NEG_INFINITY]
-        .into_iter()
-        .enumerate()
-    {
+    for (i, wild) in [f64::NAN, f64::INFINITY, -5.0, 1e300, f64::NEG_INFINITY].into_iter().enumerate() {
         log[k + 2 * i].speed_mps = Some(wild);
         log[k + 2 * i + 1].location_m = Some(if wild == -5.0 { 1e9 } else { wild });
     }
     let (estimates, summary) = replay(&estimator, &log);
     assert_eq!(summary.counters.of(Cause::SpeedOutOfRange), 5);
     assert!(summary.counters.of(Cause::LocationOutOfRange) >= 4);
-    assert_eq!(
-        estimates[k].validity,
-        Validity::Held(Cause::SpeedOutOfRange)
-    );
+    assert_eq!(estimates[k].validity, Validity::Held(Cause::SpeedOutOfRange));
     assert_eq!(estimates[k + 12].validity, Validity::Valid);
 }
 
@@ -384,10 +322,7 @@ fn a_location_off_the_track_is_named_and_freezes_the_resistance() {
     for estimate in &estimates[k..k + 6] {
         assert_eq!(estimate.validity, Validity::Held(Cause::LocationOutOfRange));
     }
-    assert_eq!(
-        estimates[k + 11].validity,
-        Validity::Invalid(Cause::LocationOutOfRange)
-    );
+    assert_eq!(estimates[k + 11].validity, Validity::Invalid(Cause::LocationOutOfRange));
     assert_frozen(&estimates[k + 4..k + 12]);
     let error_m = estimates[k + 11].belief.mean[LOCATION] - run.truth[k + 11].location_m;
     assert!(error_m.abs() < 60.0, "{error_m}");
@@ -410,13 +345,8 @@ fn a_pause_of_eleven_minutes_begins_anew_and_keeps_what_was_learned() {
 #[test]
 fn random_loss_of_samples_costs_precision_and_no_truth() {
     for share in [0.1, 0.3, 0.5] {
-        let scenario = Scenario {
-            sensors: Sensors {
-                dropout_probability: share,
-                ..Sensors::default()
-            },
-            ..Scenario::default()
-        };
+        let scenario =
+            Scenario { sensors: Sensors { dropout_probability: share, ..Sensors::default() }, ..Scenario::default() };
         for seed in 0..10 {
             let run = simulate(&scenario, seed);
             let estimator = estimator(Config::default(), &scenario);
@@ -432,25 +362,10 @@ fn random_loss_of_samples_costs_precision_and_no_truth() {
 fn clean_logs_raise_no_alarm() {
     for (name, sensors) in [
         ("10 s", Sensors::default()),
-        (
-            "1 s",
-            Sensors {
-                sampling_s: 1.0,
-                ..Sensors::default()
-            },
-        ),
-        (
-            "worn wheel",
-            Sensors {
-                speed_gain: 1.013,
-                ..Sensors::default()
-            },
-        ),
+        ("1 s", Sensors { sampling_s: 1.0, ..Sensors::default() }),
+        ("worn wheel", Sensors { speed_gain: 1.013, ..Sensors::default() }),
     ] {
-        let scenario = Scenario {
-            sensors,
-            ..Scenario::default()
-        };
+        let scenario = Scenario { sensors, ..Scenario::default() };
         for seed in 0..20 {
             let run = simulate(&scenario, seed);
             let estimator = estimator(Config::default(), &scenario);
@@ -480,10 +395,7 @@ fn a_hostile_configuration_is_refused_whole() {
 #[test]
 fn a_train_going_down_a_mirrored_line_learns_the_same() {
     // Given a run up a line, and the same run down the line mirrored
-    let scenario = Scenario {
-        line: sim_harness::truth::line::Line::hilly(7),
-        ..Scenario::default()
-    };
+    let scenario = Scenario { line: sim_harness::truth::line::Line::hilly(7), ..Scenario::default() };
     let run = simulate(&scenario, SEED);
     let up = estimator(Config::default(), &scenario);
     let (_, expected) = replay(&up, &measurements(&run));
@@ -494,16 +406,10 @@ fn a_train_going_down_a_mirrored_line_learns_the_same() {
     let mut mirrored: Vec<Gradient> = gradients
         .iter()
         .zip(ends_m)
-        .map(|(&(_, permille), end_m)| Gradient {
-            from_m: length_m - end_m,
-            permille: -permille,
-        })
+        .map(|(&(_, permille), end_m)| Gradient { from_m: length_m - end_m, permille: -permille })
         .collect();
     mirrored.reverse();
-    mirrored.push(Gradient {
-        from_m: length_m - gradients[0].0,
-        permille: 0.0,
-    });
+    mirrored.push(Gradient { from_m: length_m - gradients[0].0, permille: 0.0 });
     let track = Track::try_new(length_m, mirrored).unwrap();
     let down = Estimator::try_new(Config::default(), *up.train(), track).unwrap();
     let mut vehicle = down.new_vehicle();
@@ -527,10 +433,7 @@ fn a_train_going_down_a_mirrored_line_learns_the_same() {
 fn a_location_that_wanders_over_a_minute_does_not_bend_the_resistance() {
     // Given a receiver whose error of 10 m s.d. keeps its sign for about 60 s, as multipath and satellite geometry do
     let wandering = Scenario {
-        sensors: Sensors {
-            location_walk: Some(LocationWalk::of(10.0)),
-            ..Sensors::default()
-        },
+        sensors: Sensors { location_walk: Some(LocationWalk::of(10.0)), ..Sensors::default() },
         ..Scenario::default()
     };
     let estimator = estimator(Config::default(), &wandering);
@@ -538,15 +441,9 @@ fn a_location_that_wanders_over_a_minute_does_not_bend_the_resistance() {
         let run = simulate(&wandering, seed);
         let (estimates, found) = replay(&estimator, &measurements(&run));
         // The same run with the white part of the noise only
-        let (_, white) = replay(
-            &estimator,
-            &measurements(&simulate(&Scenario::default(), seed)),
-        );
+        let (_, white) = replay(&estimator, &measurements(&simulate(&Scenario::default(), seed)));
         // Then no reading is doubted, and r is that of the white log and of the truth
-        assert!(
-            estimates.iter().all(|e| e.validity == Validity::Valid),
-            "seed {seed}"
-        );
+        assert!(estimates.iter().all(|e| e.validity == Validity::Valid), "seed {seed}");
         for kmh in [60.0, 100.0, 140.0] {
             let (r, sd) = resistance(&found.run_davis, kmh);
             let moved = (r - resistance(&white.run_davis, kmh).0) / sd;
@@ -567,11 +464,7 @@ fn misjudged_share(run: &Run, summary: &RunSummary) -> f64 {
     let times_s = summary.features.regime_time_s;
     let total_s: f64 = times_s.iter().sum();
     let moved = Regime::ALL.into_iter().map(|found| {
-        let truly = run
-            .truth
-            .iter()
-            .filter(|at| at.regime as usize == found as usize)
-            .count();
+        let truly = run.truth.iter().filter(|at| at.regime as usize == found as usize).count();
         (times_s[found as usize] / total_s - truly as f64 / run.truth.len() as f64).abs()
     });
     0.5 * moved.sum::<f64>()
@@ -581,10 +474,7 @@ fn misjudged_share(run: &Run, summary: &RunSummary) -> f64 {
 fn samples_5_to_15_s_apart_say_the_same_as_regular_ones() {
     // Given one recorder, read every 10 s, and the same one read whenever the bus delivers: 5 to 15 s apart
     let each_second = Scenario {
-        sensors: Sensors {
-            sampling_s: 1.0,
-            ..Sensors::default()
-        },
+        sensors: Sensors { sampling_s: 1.0, ..Sensors::default() },
         final_dwell: true,
         ..Scenario::default()
     };
@@ -603,19 +493,12 @@ fn samples_5_to_15_s_apart_say_the_same_as_regular_ones() {
             jittered.push(measurement);
             next += rng.random_range(5..=15);
         }
-        let gaps = || {
-            jittered
-                .windows(2)
-                .map(|pair| pair[1].time_s - pair[0].time_s)
-        };
+        let gaps = || jittered.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
         assert!(gaps().any(|gap_s| gap_s < 6.0) && gaps().any(|gap_s| gap_s > 14.0));
         let (_, expected) = replay(&estimator, &regular);
         let (estimates, found) = replay(&estimator, &jittered);
         // Then every sample is believed, and train and driver are the same. Other samples have other rounding errors: hence the tolerances.
-        assert!(
-            estimates.iter().all(|e| e.validity == Validity::Valid),
-            "seed {seed}"
-        );
+        assert!(estimates.iter().all(|e| e.validity == Validity::Valid), "seed {seed}");
         let DavisTruth { r0, r1, r2 } = run.facts.davis;
         regular_errors.add(&expected.run_davis, &Davis { r0, r1, r2 });
         jittered_errors.add(&found.run_davis, &Davis { r0, r1, r2 });
@@ -637,15 +520,11 @@ fn samples_5_to_15_s_apart_say_the_same_as_regular_ones() {
     assert!(ninety < 5.0 && all < 15.0, "{brake_errors_s:?} s");
     let [regular, jittered] = [&regular_errors, &jittered_errors].map(Errors::rmse_percent);
     println!("rms error of r(v): regular {regular:.2} %, jittered {jittered:.2} %");
-    let [regular_share, jittered_share] =
-        [regular_misjudged, jittered_misjudged].map(|sum| sum / 20.0);
+    let [regular_share, jittered_share] = [regular_misjudged, jittered_misjudged].map(|sum| sum / 20.0);
     println!("time in the wrong regime: regular {regular_share:.4}, jittered {jittered_share:.4}");
     // The recogniser's evidence is whole ticks of together 10 s at least: here 10 to 20 s, so a change of regime is placed less well.
     assert!(jittered_share < regular_share + 0.03);
-    assert!(
-        jittered < 1.2 * regular + 0.1,
-        "{jittered} % against {regular} %"
-    );
+    assert!(jittered < 1.2 * regular + 0.1, "{jittered} % against {regular} %");
 }
 
 /// From the middle of a segment on, `bend` makes location and speed contradict each other for 80 s.
@@ -673,26 +552,17 @@ fn frozen_while_readings_contradict(cause: Cause, bend: impl Fn(&mut Measurement
         // Then this is named while it lasts, and from there on r and its covariance do not move by a bit
         let contradicts = |i: &usize| estimates[*i].validity == Validity::Invalid(cause);
         let validities: Vec<_> = estimates[k..k + 8].iter().map(|e| e.validity).collect();
-        let named = (k..k + 8)
-            .find(contradicts)
-            .unwrap_or_else(|| panic!("seed {seed}: {validities:?}"));
+        let named = (k..k + 8).find(contradicts).unwrap_or_else(|| panic!("seed {seed}: {validities:?}"));
         assert!(named < k + 4, "seed {seed}: {validities:?}");
         for i in named..k + 8 {
             assert!(contradicts(&i), "seed {seed}: {validities:?}");
             assert!(!estimates[i].learning, "seed {seed}, sample {i}");
-            assert_eq!(
-                davis_bits(&estimates[i]),
-                davis_bits(&estimates[named]),
-                "seed {seed}, sample {i}"
-            );
+            assert_eq!(davis_bits(&estimates[i]), davis_bits(&estimates[named]), "seed {seed}, sample {i}");
         }
         // and nothing that was read since the contradiction began has reached them: the end of a segment does not count
         let frozen = davis_bits(&estimates[k + 7]);
         let reached_before = |e: &Estimate| davis_bits(e) == frozen;
-        assert!(
-            untouched[k - 1..=k + 1].iter().any(reached_before),
-            "seed {seed}"
-        );
+        assert!(untouched[k - 1..=k + 1].iter().any(reached_before), "seed {seed}");
     }
     assert!(judged >= 5, "{judged} of 20 runs had such a segment");
 }

@@ -26,11 +26,7 @@ fn a_restored_run_goes_on_bit_by_bit() {
             assert_eq!(found, expected, "{mode:?}, tick {tick}");
         }
         let mut same = vehicle;
-        assert_eq!(
-            estimator.end_run(&mut restored, &mut same),
-            estimator.end_run(&mut run, &mut vehicle),
-            "{mode:?}"
-        );
+        assert_eq!(estimator.end_run(&mut restored, &mut same), estimator.end_run(&mut run, &mut vehicle), "{mode:?}");
     }
 }
 
@@ -64,12 +60,6 @@ fn the_longest_snapshot_fits() {
             largest = largest.max(run.snapshot(&mut buffer).unwrap().len());
         }
     }
-    println!(
-        "largest snapshot: {largest} bytes of {MAX_SNAPSHOT}; a run in memory: {} bytes",
-        size_of::<RunState>()
-    );
-    assert!(
-        largest > MAX_SNAPSHOT / 3,
-        "the run fills its buffers: {largest}"
-    );
+    println!("largest snapshot: {largest} bytes of {MAX_SNAPSHOT}; a run in memory: {} bytes", size_of::<RunState>());
+    assert!(largest > MAX_SNAPSHOT / 3, "the run fills its buffers: {largest}");
 }

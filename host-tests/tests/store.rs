@@ -17,25 +17,18 @@ const PAGES: usize = 4;
 type Ring = Store<Flash, SLOT>;
 
 fn identity() -> Identity {
-    Identity {
-        train: TrainId::of("2451"),
-        layout: LAYOUT,
-    }
+    Identity { train: TrainId::of("2451"), layout: LAYOUT }
 }
 
 /// The payload of a store: its number, repeated over a length of its own.
 fn payload(number: u32) -> Vec<u8> {
     let length = 4 + (number as usize * 389) % (Ring::CAPACITY - 4);
     let bytes = number.to_le_bytes();
-    (0..length)
-        .map(|i| bytes[i % 4].wrapping_add((i / 4) as u8))
-        .collect()
+    (0..length).map(|i| bytes[i % 4].wrapping_add((i / 4) as u8)).collect()
 }
 
 fn newest(store: &mut Ring) -> Option<Vec<u8>> {
-    let restored = store
-        .newest(identity())
-        .unwrap_or_else(|refused| panic!("{refused}"));
+    let restored = store.newest(identity()).unwrap_or_else(|refused| panic!("{refused}"));
     restored.map(|restored| restored.payload.to_vec())
 }
 
@@ -48,9 +41,7 @@ fn boot(mut flash: Flash) -> Ring {
 /// 70 more payloads are stored and read, with a boot after each tenth; nothing is programmed twice.
 fn takes_further_stores(mut store: Ring, context: &str) {
     for number in 1000..1070 {
-        store
-            .append(identity(), &payload(number))
-            .unwrap_or_else(|error| panic!("{context}: {error}"));
+        store.append(identity(), &payload(number)).unwrap_or_else(|error| panic!("{context}: {error}"));
         if number % 10 == 9 {
             store = boot(store.release());
         }
@@ -79,8 +70,7 @@ fn a_cut_before_any_operation_leaves_the_old_or_the_new_payload_and_a_store_that
             for operation in 0..operations {
                 let seed = 1000 * u64::from(stores) + operation;
                 let torn_reads = TORN_READS[seed as usize % 3];
-                let context =
-                    format!("store {stores}, cut {mode:?} before {operation}, {torn_reads:?}");
+                let context = format!("store {stores}, cut {mode:?} before {operation}, {torn_reads:?}");
                 let mut cut = before.clone();
                 cut.flash_mut().torn_reads = torn_reads;
                 cut.flash_mut().cut_before(operation, mode, seed);
@@ -92,10 +82,9 @@ fn a_cut_before_any_operation_leaves_the_old_or_the_new_payload_and_a_store_that
                         let found = found.map(|restored| restored.payload.to_vec());
                         assert!(found == old || found.as_ref() == Some(&new), "{context}");
                     }
-                    Err(refused) => assert!(
-                        old.is_none() && matches!(refused, Refused::Damaged { .. }),
-                        "{context}: {refused}"
-                    ),
+                    Err(refused) => {
+                        assert!(old.is_none() && matches!(refused, Refused::Damaged { .. }), "{context}: {refused}")
+                    }
                 }
                 takes_further_stores(cut, &context);
                 *count += 1;
@@ -112,8 +101,7 @@ fn after_many_cuts_the_payload_is_the_last_acknowledged_one_or_a_later_one() {
     for seed in 0..400 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut flash = Flash::erased(PAGES);
-        flash.torn_reads =
-            [TornReads::Stable, TornReads::Unstable, TornReads::Fail][seed as usize % 3];
+        flash.torn_reads = [TornReads::Stable, TornReads::Unstable, TornReads::Fail][seed as usize % 3];
         let (mut acknowledged, mut attempted) = (0, 0);
         for boot_number in 0..40 {
             flash.power_up();
@@ -123,10 +111,7 @@ fn after_many_cuts_the_payload_is_the_last_acknowledged_one_or_a_later_one() {
             match store.newest(identity()) {
                 Ok(Some(restored)) => {
                     let among = |number| payload(number) == restored.payload;
-                    assert!(
-                        (acknowledged.max(1)..=attempted).any(among),
-                        "seed {seed}, boot {boot_number}"
-                    );
+                    assert!((acknowledged.max(1)..=attempted).any(among), "seed {seed}, boot {boot_number}");
                 }
                 Ok(None) | Err(Refused::Damaged { .. }) => {
                     assert_eq!(acknowledged, 0, "seed {seed}, boot {boot_number}");
@@ -164,11 +149,7 @@ fn each_flipped_bit_gives_the_newest_payload_or_the_one_before_with_its_cause() 
         let mut store = Ring::mount(rotten).unwrap();
         let restored = store.newest(identity()).unwrap().unwrap();
         let hit = of_newest.contains(&bit);
-        assert_eq!(
-            restored.payload,
-            short(if hit { 5 } else { 6 }),
-            "bit {bit}"
-        );
+        assert_eq!(restored.payload, short(if hit { 5 } else { 6 }), "bit {bit}");
         assert_eq!(restored.fallen_back, hit, "bit {bit}");
         bits += 1;
     }
@@ -182,15 +163,9 @@ fn rot_after_the_mount_falls_back_too() {
     store.append(identity(), b"new").unwrap();
     store.flash_mut().flip(8 * SLOT + 8 * 24);
     let restored = store.newest(identity()).unwrap().unwrap();
-    assert_eq!(
-        (restored.payload, restored.fallen_back),
-        (b"old".as_slice(), true)
-    );
+    assert_eq!((restored.payload, restored.fallen_back), (b"old".as_slice(), true));
     store.flash_mut().flip(8 * 24);
-    assert!(matches!(
-        store.newest(identity()),
-        Err(Refused::Damaged { .. })
-    ));
+    assert!(matches!(store.newest(identity()), Err(Refused::Damaged { .. })));
 }
 
 #[test]
@@ -199,32 +174,17 @@ fn blank_and_zeroed_flash_other_trains_and_older_layouts_are_told_apart() {
     assert_eq!(blank.newest(identity()), Ok(None));
 
     let mut zeroed = Ring::mount(Flash::filled(PAGES, 0)).unwrap();
-    assert_eq!(
-        zeroed.newest(identity()),
-        Err(Refused::Damaged { slots: 8 })
-    );
+    assert_eq!(zeroed.newest(identity()), Err(Refused::Damaged { slots: 8 }));
     assert_eq!(zeroed.counters().damaged_slots, 8);
     takes_further_stores(zeroed, "zeroed");
 
     let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();
     store.append(identity(), b"mine").unwrap();
-    let expected = Identity {
-        train: TrainId::of("2452"),
-        ..identity()
-    };
+    let expected = Identity { train: TrainId::of("2452"), ..identity() };
     let found = identity();
-    assert_eq!(
-        store.newest(expected),
-        Err(Refused::OtherTrain { expected, found })
-    );
-    let expected = Identity {
-        layout: LAYOUT + 1,
-        ..identity()
-    };
-    assert_eq!(
-        store.newest(expected),
-        Err(Refused::OtherLayout { expected, found })
-    );
+    assert_eq!(store.newest(expected), Err(Refused::OtherTrain { expected, found }));
+    let expected = Identity { layout: LAYOUT + 1, ..identity() };
+    assert_eq!(store.newest(expected), Err(Refused::OtherLayout { expected, found }));
 
     let few = Ring::mount(Flash::erased(3)).map(|_| ());
     assert_eq!(few, Err(TooFewPages { least: 4, found: 3 }));
@@ -240,10 +200,7 @@ fn payloads_from_empty_to_the_whole_slot_are_stored_and_longer_ones_named() {
         assert_eq!(newest(&mut store), Some(payload));
     }
     let (most, found) = (Ring::CAPACITY, Ring::CAPACITY + 1);
-    assert_eq!(
-        store.append(identity(), &vec![0; found]),
-        Err(AppendError::TooLong { most, found })
-    );
+    assert_eq!(store.append(identity(), &vec![0; found]), Err(AppendError::TooLong { most, found }));
 }
 
 /// The emulator's flash: acknowledges and forgets.
@@ -264,10 +221,7 @@ fn flash_that_swallows_writes_is_named_and_counted() {
     let mut reads_zero = Flash::filled(PAGES, 0);
     reads_zero.swallows = true;
     let mut store = Ring::mount(reads_zero).unwrap();
-    assert_eq!(
-        store.append(identity(), b"lost"),
-        Err(AppendError::NotErased { page: 1 })
-    );
+    assert_eq!(store.append(identity(), b"lost"), Err(AppendError::NotErased { page: 1 }));
     assert_eq!(store.counters().not_erased, 2);
     assert_eq!(store.counters().stored, 0);
 }
@@ -293,10 +247,7 @@ fn the_newest_payload_stays_when_every_other_page_is_worn_out() {
     store.append(identity(), b"newest").unwrap();
     store.flash_mut().stuck_words = (0..PAGES).map(|page| page * PAGE / WORD).collect();
     for _ in 0..20 {
-        assert!(matches!(
-            store.append(identity(), b"fails"),
-            Err(AppendError::NotWritten { .. })
-        ));
+        assert!(matches!(store.append(identity(), b"fails"), Err(AppendError::NotWritten { .. })));
         assert_eq!(newest(&mut store), Some(b"newest".to_vec()));
         let mut after_boot = boot(store.flash().clone());
         assert_eq!(newest(&mut after_boot), Some(b"newest".to_vec()));
@@ -336,9 +287,7 @@ fn record_by_hand(sequence: u32, epoch: u32, payload: &[u8]) -> Vec<u8> {
 #[test]
 fn the_sequence_wraps_without_a_gap() {
     let mut flash = Flash::erased(PAGES);
-    flash
-        .write(0, &record_by_hand(u32::MAX - 8, 0, b"by hand"))
-        .unwrap();
+    flash.write(0, &record_by_hand(u32::MAX - 8, 0, b"by hand")).unwrap();
     let mut store = Ring::mount(flash).unwrap();
     assert_eq!(newest(&mut store), Some(b"by hand".to_vec()));
     let mut wrapped = false;
@@ -377,18 +326,14 @@ fn an_epoch_is_never_granted_twice() {
             flash = store.release();
             match epoch {
                 Ok(epoch) => {
-                    assert!(
-                        epoch > last,
-                        "seed {seed}, boot {boot_number}: {epoch} after {last}"
-                    );
+                    assert!(epoch > last, "seed {seed}, boot {boot_number}: {epoch} after {last}");
                     last = epoch;
                     granted += 1;
                     flash.flip(random.random_range(0..8 * PAGES * PAGE));
                 }
-                Err(error) => assert!(
-                    matches!(error, EpochError::NotStored(_)),
-                    "seed {seed}, boot {boot_number}: {error}"
-                ),
+                Err(error) => {
+                    assert!(matches!(error, EpochError::NotStored(_)), "seed {seed}, boot {boot_number}: {error}")
+                }
             }
         }
         assert!(granted > 20, "seed {seed}: {granted}");
@@ -399,10 +344,7 @@ fn an_epoch_is_never_granted_twice() {
 fn an_epoch_outlives_a_change_of_layout_and_train_and_fails_closed_when_lost_or_used_up() {
     let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();
     assert_eq!(store.advance_epoch(identity(), b""), Ok(1));
-    let other = Identity {
-        train: TrainId::of("2452"),
-        layout: LAYOUT + 1,
-    };
+    let other = Identity { train: TrainId::of("2452"), layout: LAYOUT + 1 };
     let mut store = boot(store.release());
     assert_eq!(store.advance_epoch(other, b""), Ok(2));
 
@@ -415,23 +357,14 @@ fn an_epoch_outlives_a_change_of_layout_and_train_and_fails_closed_when_lost_or_
     }
     let mut store = boot(store.release());
     assert_eq!(newest(&mut store), Some(payload(19)));
-    assert!(matches!(
-        store.advance_epoch(identity(), b""),
-        Err(EpochError::Lost { .. })
-    ));
+    assert!(matches!(store.advance_epoch(identity(), b""), Err(EpochError::Lost { .. })));
 
     let mut flash = Flash::erased(PAGES);
     flash.write(0, &record_by_hand(1, u32::MAX, b"")).unwrap();
     let mut store = Ring::mount(flash).unwrap();
-    assert_eq!(
-        store.advance_epoch(identity(), b""),
-        Err(EpochError::Exhausted)
-    );
+    assert_eq!(store.advance_epoch(identity(), b""), Err(EpochError::Exhausted));
     let mut store = boot(store.release());
-    assert_eq!(
-        store.advance_epoch(identity(), b""),
-        Err(EpochError::Exhausted)
-    );
+    assert_eq!(store.advance_epoch(identity(), b""), Err(EpochError::Exhausted));
 }
 
 /// 100 stops and 3 boots a day. Endurance of the STM32L4 family's flash by its data sheet: 10 000 erases a page.
@@ -449,11 +382,7 @@ fn wear_of_a_year_is_even_and_its_size_is_known() {
                     store.append(identity(), &[stop; 100]).unwrap();
                 }
                 let restored = store.newest(identity()).unwrap().unwrap();
-                assert_eq!(
-                    restored.payload[0],
-                    if boot == 0 { 33 } else { 32 },
-                    "day {day}"
-                );
+                assert_eq!(restored.payload[0], if boot == 0 { 33 } else { 32 }, "day {day}");
                 flash = store.release();
             }
         }
@@ -464,19 +393,11 @@ fn wear_of_a_year_is_even_and_its_size_is_known() {
         // A day: 3 boots of 2 records, 100 stops, 2 records a page, and 2 pages left half empty by a boot.
         let erases: u64 = flash.erases.iter().sum();
         assert_eq!(erases, 365 * 54, "{pages} pages");
-        println!(
-            "{pages:5} {:4} {most:25} {:17.1}",
-            pages * PAGE / 1024,
-            ENDURANCE / most as f64
-        );
+        println!("{pages:5} {:4} {most:25} {:17.1}", pages * PAGE / 1024, ENDURANCE / most as f64);
     }
 }
 
-const DAVIS: Davis = Davis {
-    r0: 7.38e-3,
-    r1: 1.6e-4,
-    r2: 2.8e-5,
-};
+const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 
 fn learned() -> (Vehicle, Persisted) {
     let config = MemoryConfig::default();
@@ -487,26 +408,15 @@ fn learned() -> (Vehicle, Persisted) {
     end.covariance *= 0.2;
     vehicle.learn(&config, &begin, &end);
     let effects = [
-        Effect::WarmUp(WarmUp {
-            amplitude: 3e-3,
-            tau_s: 300.0,
-        }),
+        Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s: 300.0 }),
         Effect::Unknown(Unknown {
             coordinate: Coordinate::Speed,
             table: [(10.0, 0.0), (40.0, 1e-3)].into_iter().collect(),
         }),
-        Effect::TunnelDrag(TunnelDrag {
-            from_m: 4e3,
-            to_m: 9e3,
-            k: 1e-5,
-        }),
+        Effect::TunnelDrag(TunnelDrag { from_m: 4e3, to_m: 9e3, k: 1e-5 }),
     ];
     let mut persisted = Persisted::new(&vehicle, &Effects::try_new(effects).unwrap());
-    persisted.lifetime = Lifetime {
-        resets: 3,
-        runs: 70_000,
-        stops: 1_000_000,
-    };
+    persisted.lifetime = Lifetime { resets: 3, runs: 70_000, stops: 1_000_000 };
     (vehicle, persisted)
 }
 
@@ -539,26 +449,14 @@ fn what_cannot_be_believed_is_not_restored_and_the_cause_is_named() {
         persisted.save(&mut store, train).unwrap();
         Persisted::load(&mut store, train, davis).unwrap_err()
     };
-    let heavier = Davis {
-        r0: 6.0 * DAVIS.r0,
-        ..DAVIS
-    };
-    assert!(matches!(
-        stored(|_| {}, &heavier),
-        NotRestored::Vehicle(Implausible::Coefficient { name: "r0", .. })
-    ));
+    let heavier = Davis { r0: 6.0 * DAVIS.r0, ..DAVIS };
+    assert!(matches!(stored(|_| {}, &heavier), NotRestored::Vehicle(Implausible::Coefficient { name: "r0", .. })));
     assert_eq!(
         stored(|p| p.vehicle.hypotheses[1].covariance[0] = f64::NAN, &DAVIS),
         NotRestored::Vehicle(Implausible::NotFinite)
     );
-    assert_eq!(
-        stored(|p| p.effects[0].values[1] = f64::INFINITY, &DAVIS),
-        NotRestored::Effect { kind: 17 }
-    );
-    assert_eq!(
-        stored(|p| p.effects[1].kind = 20, &DAVIS),
-        NotRestored::Effect { kind: 20 }
-    );
+    assert_eq!(stored(|p| p.effects[0].values[1] = f64::INFINITY, &DAVIS), NotRestored::Effect { kind: 17 });
+    assert_eq!(stored(|p| p.effects[1].kind = 20, &DAVIS), NotRestored::Effect { kind: 20 });
 
     let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();
     // What the first boot stores: its epoch, nothing learned yet.
@@ -566,16 +464,10 @@ fn what_cannot_be_believed_is_not_restored_and_the_cause_is_named() {
     assert_eq!(Persisted::load(&mut store, train, &DAVIS), Ok(None));
     for not_a_payload in [&[1, 2, 3][..], &[0xFF; 990]] {
         store.append(identity(), not_a_payload).unwrap();
-        assert_eq!(
-            Persisted::load(&mut store, train, &DAVIS),
-            Err(NotRestored::NotDecoded)
-        );
+        assert_eq!(Persisted::load(&mut store, train, &DAVIS), Err(NotRestored::NotDecoded));
     }
     let other = Persisted::load(&mut store, TrainId::of("2452"), &DAVIS);
-    assert!(matches!(
-        other,
-        Err(NotRestored::Refused(Refused::OtherTrain { .. }))
-    ));
+    assert!(matches!(other, Err(NotRestored::Refused(Refused::OtherTrain { .. }))));
 }
 
 /// The mock itself: without these the tests above would prove little.

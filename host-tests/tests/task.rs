@@ -48,10 +48,7 @@ fn every_tick_says_what_the_estimator_says() {
         assert_eq!(found.location_m.value, expected.belief.mean[0] as f32);
         assert_eq!(found.regime, expected.regime);
         // The estimate closes the tick.
-        assert!(matches!(
-            frames.last().map(|frame| &frame.body),
-            Some(Body::Estimate(_))
-        ));
+        assert!(matches!(frames.last().map(|frame| &frame.body), Some(Body::Estimate(_))));
     }
     let message = board.desk.secured(Request::Command(Command::End)).unwrap();
     let found = summary(&board.say(&message)).expect("a summary");
@@ -82,9 +79,7 @@ fn by_the_clock_the_newest_measurement_counts() {
     let (description, log) = described();
     let mut board = board();
     board.prepare(&description, Direction::Up);
-    board
-        .ask(Request::Command(Command::Pace(Pace::Clock)))
-        .unwrap();
+    board.ask(Request::Command(Command::Pace(Pace::Clock))).unwrap();
     assert!(board.measure(&log[0]).is_empty());
     assert!(board.measure(&log[1]).is_empty());
     let frames = board.tick();
@@ -140,10 +135,7 @@ fn a_wrong_key_changes_nothing() {
     // And not a second time, whether it comes at once or later.
     assert!(board.say(&valid).is_empty());
     assert_eq!(board.status().duplicate, 1);
-    assert_eq!(
-        answer(&board.say(&valid)).unwrap().result,
-        Err(Refusal::Stale)
-    );
+    assert_eq!(answer(&board.say(&valid)).unwrap().result, Err(Refusal::Stale));
 }
 
 #[test]
@@ -151,27 +143,17 @@ fn a_recorded_message_is_refused_after_a_restart() {
     let (description, _) = described();
     let mut board = board();
     board.status();
-    let recorded = board
-        .desk
-        .prepare(&description, Direction::Up, Pace::Lockstep)
-        .unwrap();
+    let recorded = board.desk.prepare(&description, Direction::Up, Pace::Lockstep).unwrap();
     let mut board = board.restart();
     for message in recorded {
-        assert_eq!(
-            answer(&board.say(&message)).unwrap().result,
-            Err(Refusal::Stale)
-        );
+        assert_eq!(answer(&board.say(&message)).unwrap().result, Err(Refusal::Stale));
     }
     assert_eq!(board.status().train_id, None);
 }
 
 #[test]
 fn a_board_without_a_key_refuses_and_says_so() {
-    let task = task(
-        Provisioning::from_bytes(&[0xFF; 64]),
-        Flash::erased(8),
-        false,
-    );
+    let task = task(Provisioning::from_bytes(&[0xFF; 64]), Flash::erased(8), false);
     let mut board = Board { task, ..board() };
     assert_eq!(board.status().announcement, None);
     let mut desk = Desk::new(PROVISIONING);
@@ -184,53 +166,32 @@ fn settings_are_refused_whole() {
     let mut board = board();
     board.prepare(&description, Direction::Up);
     let setup = board.status().setup;
-    assert_eq!(
-        board.ask(Request::Setting(Setting::Mode(Mode::Paper))),
-        Err(Refusal::Running)
-    );
+    assert_eq!(board.ask(Request::Setting(Setting::Mode(Mode::Paper))), Err(Refusal::Running));
     board.ask(Request::Command(Command::End)).unwrap();
     let mut sensor = description.config.sensor;
     sensor.location_sd_m = f64::NAN;
-    assert_eq!(
-        board.ask(Request::Setting(Setting::Sensor(sensor))),
-        Err(Refusal::OutOfRange)
-    );
+    assert_eq!(board.ask(Request::Setting(Setting::Sensor(sensor))), Err(Refusal::OutOfRange));
     let mut train = description.train;
     train.mass_kg = 0.0;
-    let wrong = Description {
-        train,
-        ..description.clone()
-    };
+    let wrong = Description { train, ..description.clone() };
     let mut refusals = vec![];
     for request in wrong.requests(PROVISIONING.train.0) {
         refusals.extend(board.ask(request).err());
     }
     assert_eq!(refusals, [Refusal::OutOfRange]);
     assert_eq!(
-        board.ask(
-            description
-                .requests(1)
-                .into_iter()
-                .find(|request| matches!(request, Request::Train(_)))
-                .unwrap()
-        ),
+        board.ask(description.requests(1).into_iter().find(|request| matches!(request, Request::Train(_))).unwrap()),
         Err(Refusal::OtherTrain)
     );
     assert_eq!(board.status().setup, setup);
-    assert_eq!(
-        answer(&board.measure(&log[0])).unwrap().result,
-        Err(Refusal::NotRunning)
-    );
+    assert_eq!(answer(&board.measure(&log[0])).unwrap().result, Err(Refusal::NotRunning));
 }
 
 #[test]
 fn a_track_comes_whole_or_not_at_all() {
     let (mut description, _) = described();
     description.gradients = (0..100)
-        .map(|i| rundown::track::Gradient {
-            from_m: 100.0 * f64::from(i),
-            permille: f64::from(i % 7),
-        })
+        .map(|i| rundown::track::Gradient { from_m: 100.0 * f64::from(i), permille: f64::from(i % 7) })
         .collect();
     let mut board = board();
     board.status();
@@ -268,10 +229,7 @@ fn what_was_learned_survives_the_power() {
     let message = board.desk.secured(Request::Command(Command::End)).unwrap();
     let after = summary(&board.say(&message)).unwrap();
     assert_eq!(after.vehicle_davis, learned.vehicle_davis);
-    assert_ne!(
-        after.vehicle_davis[2].value,
-        description.train.davis.r2 as f32
-    );
+    assert_ne!(after.vehicle_davis[2].value, description.train.davis.r2 as f32);
     assert_eq!(after.run, 1, "two samples at standstill say nothing");
 }
 
@@ -290,19 +248,13 @@ fn a_brown_out_in_the_middle_of_a_run_loses_nothing() {
             for request in description.requests(PROVISIONING.train.0) {
                 broken.ask(request).unwrap();
             }
-            broken
-                .ask(Request::Command(Command::Pace(Pace::Lockstep)))
-                .unwrap();
+            broken.ask(Request::Command(Command::Pace(Pace::Lockstep))).unwrap();
             for part in snapshot {
                 broken.ask(Request::Snapshot(part)).unwrap();
             }
         }
         let expected = estimate(&whole.measure(measurement));
-        assert_eq!(
-            estimate(&broken.measure(measurement)),
-            expected,
-            "tick {tick}"
-        );
+        assert_eq!(estimate(&broken.measure(measurement)), expected, "tick {tick}");
     }
     let end = |board: &mut Board| {
         let message = board.desk.secured(Request::Command(Command::End)).unwrap();
@@ -333,18 +285,10 @@ fn a_snapshot_of_another_setup_is_refused() {
     for part in rest {
         board.ask(Request::Snapshot(part.clone())).unwrap();
     }
-    assert_eq!(
-        board.ask(Request::Snapshot(last.clone())),
-        Err(Refusal::Snapshot)
-    );
+    assert_eq!(board.ask(Request::Snapshot(last.clone())), Err(Refusal::Snapshot));
     assert!(!board.status().running);
-    board
-        .ask(Request::Setting(Setting::Mode(Mode::Measured)))
-        .unwrap();
-    assert_eq!(
-        board.ask(Request::Snapshot(parts[0].clone())),
-        Err(Refusal::Snapshot)
-    );
+    board.ask(Request::Setting(Setting::Mode(Mode::Measured))).unwrap();
+    assert_eq!(board.ask(Request::Snapshot(parts[0].clone())), Err(Refusal::Snapshot));
 }
 
 #[test]
@@ -383,14 +327,8 @@ fn a_reader_that_is_gone_does_not_stop_the_board() {
     let frames = board.measure(&log[40]);
     let estimator = description.estimator().unwrap();
     let mut run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
-    let expected = log[..=40]
-        .iter()
-        .map(|measurement| estimator.step(&mut run, measurement).unwrap())
-        .last();
-    assert_eq!(
-        estimate(&frames).unwrap().digest,
-        digest::of_estimate(&expected.unwrap())
-    );
+    let expected = log[..=40].iter().map(|measurement| estimator.step(&mut run, measurement).unwrap()).last();
+    assert_eq!(estimate(&frames).unwrap().digest, digest::of_estimate(&expected.unwrap()));
     assert!(board.status().not_sent > 80);
 }
 
@@ -403,11 +341,7 @@ fn a_crash_loop_leaves_a_heartbeat() {
     let mut board = Board { task, ..first };
     let frames = board.tick();
     assert!(matches!(frames[0].body, Body::Status(_)));
-    for message in board
-        .desk
-        .prepare(&description, Direction::Up, Pace::Clock)
-        .unwrap()
-    {
+    for message in board.desk.prepare(&description, Direction::Up, Pace::Clock).unwrap() {
         assert!(answer(&board.say(&message)).unwrap().result.is_err());
     }
     assert!(!board.status().running);
@@ -415,14 +349,8 @@ fn a_crash_loop_leaves_a_heartbeat() {
 
 fn effects() -> Effects {
     Effects::try_new([
-        Effect::TunnelDrag(TunnelDrag {
-            from_m: 8e3,
-            to_m: 14e3,
-            k: 1e-5,
-        }),
-        Effect::CurveResistance(CurveResistance {
-            coefficient_roeckl: 1.0,
-        }),
+        Effect::TunnelDrag(TunnelDrag { from_m: 8e3, to_m: 14e3, k: 1e-5 }),
+        Effect::CurveResistance(CurveResistance { coefficient_roeckl: 1.0 }),
         Effect::Unknown(Unknown {
             coordinate: Coordinate::Temperature,
             table: [(-10.0, 4e-3), (20.0, 0.0)].into_iter().collect(),
@@ -433,11 +361,7 @@ fn effects() -> Effects {
 
 fn with_effects() -> (Description, Vec<Measurement>) {
     let (description, log) = described();
-    let curve = |from_m| Curve {
-        from_m,
-        to_m: from_m + 300.0,
-        radius_m: 600.0,
-    };
+    let curve = |from_m| Curve { from_m, to_m: from_m + 300.0, radius_m: 600.0 };
     let description = Description {
         curves: (0..20).map(|i| curve(1000.0 * f64::from(i))).collect(),
         effects: effects(),
@@ -456,34 +380,23 @@ fn published(frames: &[Downlink]) -> Option<rundown_wire::Effects> {
 #[test]
 fn effects_act_on_the_board_as_on_the_desk_and_survive_the_power() {
     let (description, log) = with_effects();
-    let cold = Surroundings {
-        temperature_c: Some(-4.0),
-        day: None,
-    };
+    let cold = Surroundings { temperature_c: Some(-4.0), day: None };
     let mut board = board();
     board.prepare(&description, Direction::Up);
     board.ask(Request::Surroundings(cold)).unwrap();
     let with = board.status().setup;
     let estimator = description.estimator().unwrap();
     let vehicle = estimator.new_vehicle();
-    let bare = Description {
-        effects: Effects::NONE,
-        ..description.clone()
-    };
+    let bare = Description { effects: Effects::NONE, ..description.clone() };
     let bare_estimator = bare.estimator().unwrap();
-    let (mut run, mut bare_run) = (
-        estimator.begin_run(&vehicle, Direction::Up),
-        bare_estimator.begin_run(&vehicle, Direction::Up),
-    );
+    let (mut run, mut bare_run) =
+        (estimator.begin_run(&vehicle, Direction::Up), bare_estimator.begin_run(&vehicle, Direction::Up));
     estimator.tell(&mut run, cold);
     let (mut same, mut seen) = (true, None);
     for measurement in &log {
         let frames = board.measure(measurement);
         let expected = estimator.step(&mut run, measurement).unwrap();
-        assert_eq!(
-            estimate(&frames).unwrap().digest,
-            digest::of_estimate(&expected)
-        );
+        assert_eq!(estimate(&frames).unwrap().digest, digest::of_estimate(&expected));
         let without = bare_estimator.step(&mut bare_run, measurement).unwrap();
         same &= digest::of_estimate(&without) == digest::of_estimate(&expected);
         seen = seen.or(published(&frames));
@@ -497,19 +410,10 @@ fn effects_act_on_the_board_as_on_the_desk_and_survive_the_power() {
     assert_eq!(board.status().setup, with);
     board.ask(Request::Command(Command::End)).unwrap();
     // Taken out, they stay out.
-    let clear = board
-        .desk
-        .secured(Request::Command(Command::ClearEffects))
-        .unwrap();
-    assert_eq!(
-        published(&board.say(&clear)),
-        Some(rundown_wire::Effects::default())
-    );
+    let clear = board.desk.secured(Request::Command(Command::ClearEffects)).unwrap();
+    assert_eq!(published(&board.say(&clear)), Some(rundown_wire::Effects::default()));
     assert_ne!(board.status().setup, with);
-    let begin = Command::Begin {
-        direction: Direction::Up,
-        track_id: bare.track_id(),
-    };
+    let begin = Command::Begin { direction: Direction::Up, track_id: bare.track_id() };
     board.ask(Request::Command(begin)).unwrap();
     let mut board = board.restart();
     board.prepare(&bare, Direction::Up);
@@ -522,15 +426,8 @@ fn wrong_effects_change_nothing() {
     let mut board = board();
     board.prepare(&description, Direction::Up);
     let setup = board.status().setup;
-    let good = Effect::WarmUp(WarmUp {
-        amplitude: 3e-3,
-        tau_s: 300.0,
-    })
-    .to_frame();
-    let under_way = [
-        Request::Effect(good.clone()),
-        Request::Command(Command::ClearEffects),
-    ];
+    let good = Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s: 300.0 }).to_frame();
+    let under_way = [Request::Effect(good.clone()), Request::Command(Command::ClearEffects)];
     for request in under_way {
         assert_eq!(board.ask(request), Err(Refusal::Running));
     }
@@ -541,11 +438,8 @@ fn wrong_effects_change_nothing() {
         change(&mut wrong);
         wrong
     };
-    let point = |values: [f64; 4]| rundown_wire::Effect {
-        kind: 19,
-        section_m: None,
-        values: values.into_iter().collect(),
-    };
+    let point =
+        |values: [f64; 4]| rundown_wire::Effect { kind: 19, section_m: None, values: values.into_iter().collect() };
     for (wrong, refusal) in [
         (change(|e| e.kind = 0), Refusal::UnknownEffect),
         (change(|e| e.kind = 20), Refusal::UnknownEffect),
@@ -557,43 +451,26 @@ fn wrong_effects_change_nothing() {
             }),
             Refusal::OutOfRange,
         ),
-        (
-            change(|e| e.section_m = Some([0.0, 1.0])),
-            Refusal::OutOfRange,
-        ),
+        (change(|e| e.section_m = Some([0.0, 1.0])), Refusal::OutOfRange),
         (point([3.0, 3.0, 30.0, 0.0]), Refusal::OutOfOrder),
         (point([1.0, 2.0, 30.0, 0.0]), Refusal::OutOfOrder),
         (point([3.0, 2.0, 20.0, 0.0]), Refusal::OutOfRange),
         (point([5.0, 2.0, 30.0, 0.0]), Refusal::OutOfRange),
         (point([3.0, 0.5, 30.0, 0.0]), Refusal::OutOfRange),
     ] {
-        assert_eq!(
-            board.ask(Request::Effect(wrong.clone())),
-            Err(refusal),
-            "{wrong:?}"
-        );
+        assert_eq!(board.ask(Request::Effect(wrong.clone())), Err(refusal), "{wrong:?}");
     }
     assert_eq!(board.status().setup, setup);
     for _ in 0..5 {
         board.ask(Request::Effect(good.clone())).unwrap();
     }
-    assert_eq!(
-        board.ask(Request::Effect(good)),
-        Err(Refusal::OutOfRange),
-        "a ninth one"
-    );
+    assert_eq!(board.ask(Request::Effect(good)), Err(Refusal::OutOfRange), "a ninth one");
 
     let part = |track_id, first, radius_m| {
         Request::Curves(CurvePart {
             track_id,
             first,
-            curves: [Curve {
-                from_m: 25e3,
-                to_m: 26e3,
-                radius_m,
-            }]
-            .into_iter()
-            .collect(),
+            curves: [Curve { from_m: 25e3, to_m: 26e3, radius_m }].into_iter().collect(),
         })
     };
     let id = description.track_id();

@@ -17,11 +17,7 @@ use rundown::train::{Train, TrainDescription};
 use rundown::ukf::{Observation, Pair, Process, Spread, Ukf};
 
 const LENGTH_M: f64 = 60_000.0;
-const DAVIS: Davis = Davis {
-    r0: 7.38e-3,
-    r1: 1.6e-4,
-    r2: 2.8e-5,
-};
+const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 
 fn train() -> Train {
     Train::try_new(TrainDescription {
@@ -38,10 +34,8 @@ fn train() -> Train {
 
 /// A new gradient each 130 m, up and down by up to 25 permille.
 fn track() -> Track {
-    let gradients = (0..460_u32).map(|i| Gradient {
-        from_m: 130.0 * f64::from(i),
-        permille: 25.0 * (f64::from(i) * 1.7).sin(),
-    });
+    let gradients =
+        (0..460_u32).map(|i| Gradient { from_m: 130.0 * f64::from(i), permille: 25.0 * (f64::from(i) * 1.7).sin() });
     Track::try_new(LENGTH_M, gradients).unwrap()
 }
 
@@ -62,11 +56,7 @@ struct Case {
     sd: [f64; SIZE],
 }
 
-const WIDE: Shape = Shape {
-    alpha: 1.0,
-    beta: 2.0,
-    kappa: -2.0,
-};
+const WIDE: Shape = Shape { alpha: 1.0, beta: 2.0, kappa: -2.0 };
 /// Uncertain enough to make speed, resistance and gradient curve within the points.
 const UNCERTAIN: [f64; SIZE] = [20.0, 0.5, 1e-3, 3e-5, 4e-6];
 const CASE: Case = Case {
@@ -120,16 +110,12 @@ fn witness_step<const N: usize>(
     z: [Option<f64>; 2],
     variance: [f64; 2],
 ) -> (Gaussian<N>, [f64; 2]) {
-    let read = |component: usize| Read {
-        component,
-        value: z[component].unwrap_or(f64::NAN),
-        variance: variance[component],
-    };
+    let read =
+        |component: usize| Read { component, value: z[component].unwrap_or(f64::NAN), variance: variance[component] };
     let reuse = case.reuse_points;
     match z {
         [Some(_), Some(_)] => {
-            let step =
-                textbook::step(case.shape, belief, f, q, reuse, &[read(0), read(1)]).unwrap();
+            let step = textbook::step(case.shape, belief, f, q, reuse, &[read(0), read(1)]).unwrap();
             (step.posterior, step.innovation.into())
         }
         [None, None] => {
@@ -149,22 +135,12 @@ fn witness_step<const N: usize>(
 /// Both filters over 90 steps.
 fn compare<const N: usize>(case: &Case, begin: Gaussian<N>) -> Difference {
     let (train, track) = (train(), track());
-    let line = Line {
-        train: &train,
-        track: &track,
-        direction: case.direction,
-    };
+    let line = Line { train: &train, track: &track, direction: case.direction };
     let Shape { alpha, beta, kappa } = case.shape;
-    let ukf = Ukf {
-        spread: Spread::try_new(alpha, beta, kappa).unwrap(),
-        gate: [None; 2],
-        reuse_points: case.reuse_points,
-    };
+    let ukf =
+        Ukf { spread: Spread::try_new(alpha, beta, kappa).unwrap(), gate: [None; 2], reuse_points: case.reuse_points };
     let variance = [16.0, 1.0 / (3.6 * 3.6)];
-    let observation = LocationAndSpeed {
-        location_variance: variance[0],
-        speed_variance: variance[1],
-    };
+    let observation = LocationAndSpeed { location_variance: variance[0], speed_variance: variance[1] };
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
     let mut truth = begin.mean;
     let (mut ours, mut theirs) = (begin, begin);
@@ -175,32 +151,24 @@ fn compare<const N: usize>(case: &Case, begin: Gaussian<N>) -> Difference {
         let effort = [0.15, 0.05, 0.0, -0.1][k / 5 % 4];
         truth = textbook::Motion::new(line, &truth, effort, dt_s, case.evaluate).advance(&truth);
         truth[SPEED] = truth[SPEED].max(5.0);
-        let noisy = |x: f64, sd: f64, rng: &mut rand_chacha::ChaCha8Rng| {
-            Some(x + sd * rng.random_range(-1.7..1.7))
-        };
-        let mut z = [
-            noisy(truth[LOCATION], 4.0, &mut rng),
-            noisy(truth[SPEED], 0.28, &mut rng),
-        ];
+        let noisy = |x: f64, sd: f64, rng: &mut rand_chacha::ChaCha8Rng| Some(x + sd * rng.random_range(-1.7..1.7));
+        let mut z = [noisy(truth[LOCATION], 4.0, &mut rng), noisy(truth[SPEED], 0.28, &mut rng)];
         if case.gaps {
             z[0] = z[0].filter(|_| k % 3 != 0);
             z[1] = z[1].filter(|_| k % 4 != 0);
         }
-        let motion =
-            Motion::new(&line, &ours.mean, effort, dt_s, case.evaluate).with_noise(case.noise_mps2);
+        let motion = Motion::new(&line, &ours.mean, effort, dt_s, case.evaluate).with_noise(case.noise_mps2);
         if case.each_step_anew {
             theirs = ours;
         }
         let found = ukf.step(&mut ours, &motion, &observation, &z).unwrap();
         // Whole metres: taking them off and putting them back costs no digit.
         let origin_m = theirs.mean[LOCATION].round();
-        let motion = textbook::Motion::new(line, &theirs.mean, effort, dt_s, case.evaluate)
-            .seen_from(origin_m);
+        let motion = textbook::Motion::new(line, &theirs.mean, effort, dt_s, case.evaluate).seen_from(origin_m);
         let q = motion.noise(case.noise_mps2);
         theirs.mean[LOCATION] -= origin_m;
         let z = [z[0].map(|m| m - origin_m), z[1]];
-        let (next, innovation) =
-            witness_step(case, &theirs, |x| motion.advance(x), &q, z, variance);
+        let (next, innovation) = witness_step(case, &theirs, |x| motion.advance(x), &q, z, variance);
         theirs = next;
         theirs.mean[LOCATION] += origin_m;
         difference.add(&ours, &theirs);
@@ -223,10 +191,7 @@ fn begin(case: &Case) -> Gaussian<SIZE> {
 fn agrees(case: &Case, tolerance_sd: f64) {
     let difference = compare(case, begin(case));
     println!("{difference:?} {case:?}");
-    assert!(
-        difference.largest() < tolerance_sd,
-        "{difference:?} {case:?}"
-    );
+    assert!(difference.largest() < tolerance_sd, "{difference:?} {case:?}");
 }
 
 /// Every combination of Q, direction, midway evaluation and missing readings; points redrawn and, with Q = 0, reused.
@@ -278,10 +243,7 @@ fn alpha_beta_and_kappa_enter_as_printed() {
 /// compared with 50 digits, by `reference.rs`.
 #[test]
 fn points_of_table_1_agree_as_far_as_the_witness_reaches() {
-    let shape = Shape {
-        alpha: 1e-3,
-        ..WIDE
-    };
+    let shape = Shape { alpha: 1e-3, ..WIDE };
     for case in combinations(shape) {
         agrees(&case, 1e-5);
     }
@@ -291,28 +253,9 @@ fn points_of_table_1_agree_as_far_as_the_witness_reaches() {
 #[test]
 fn table_1_agrees_as_far_as_the_witness_reaches() {
     let sd = [1.0, 0.0005, 1e-6, 1e-8, 1e-9];
-    agrees(
-        &Case {
-            sd,
-            reuse_points: true,
-            ..CASE
-        },
-        1e-9,
-    );
-    let shape = Shape {
-        alpha: 1e-3,
-        ..WIDE
-    };
-    agrees(
-        &Case {
-            sd,
-            shape,
-            reuse_points: true,
-            each_step_anew: true,
-            ..CASE
-        },
-        1e-3,
-    );
+    agrees(&Case { sd, reuse_points: true, ..CASE }, 1e-9);
+    let shape = Shape { alpha: 1e-3, ..WIDE };
+    agrees(&Case { sd, shape, reuse_points: true, each_step_anew: true, ..CASE }, 1e-3);
 }
 
 #[test]
@@ -344,14 +287,8 @@ impl Process<3, 3> for Pendulum {
 
     fn pair(&self, x: &SVector<f64, 3>, column: &Column<3, 3>, c: f64) -> Pair {
         let root = (c * column.d).sqrt();
-        let (ahead, behind) = (
-            self.drive(&(x + column.l * root)),
-            self.drive(&(x - column.l * root)),
-        );
-        Pair {
-            odd: (ahead - behind) / (2.0 * root),
-            even: (ahead + behind - 2.0 * self.drive(x)) / (2.0 * c),
-        }
+        let (ahead, behind) = (self.drive(&(x + column.l * root)), self.drive(&(x - column.l * root)));
+        Pair { odd: (ahead - behind) / (2.0 * root), even: (ahead + behind - 2.0 * self.drive(x)) / (2.0 * c) }
     }
 
     fn carry(&self, x: &SVector<f64, 3>, a: f64) -> SVector<f64, 3> {
@@ -381,27 +318,16 @@ fn a_motion_without_constants_is_filtered_as_printed() {
         let pendulum = Pendulum { dt_s: 0.1, q };
         let b = pendulum.carry(&SVector::zeros(), 1.0);
         let q = b * b.transpose() * q;
-        let case = Case {
-            reuse_points,
-            ..CASE
-        };
-        let ukf = Ukf::<3, 2> {
-            spread: Spread::WIDE,
-            gate: [None; 2],
-            reuse_points,
-        };
+        let case = Case { reuse_points, ..CASE };
+        let ukf = Ukf::<3, 2> { spread: Spread::WIDE, gate: [None; 2], reuse_points };
         let mut truth = SVector::from([0.8, 0.0, 1.0]);
         let begin = Gaussian::independent([0.7, 0.2, 1.2], [0.1, 0.2, 0.2]);
         let (mut ours, mut theirs) = (begin, begin);
         let mut difference = Difference::default();
         for k in 0..60 {
             truth = pendulum.advance(&truth);
-            let z = [
-                (k % 5 != 0).then_some(truth[0]),
-                (k % 3 != 0).then_some(truth[1]),
-            ];
-            ukf.step(&mut ours, &pendulum, &RateAndAngle, &[z[1], z[0]])
-                .unwrap();
+            let z = [(k % 5 != 0).then_some(truth[0]), (k % 3 != 0).then_some(truth[1])];
+            ukf.step(&mut ours, &pendulum, &RateAndAngle, &[z[1], z[0]]).unwrap();
             let f = |x: &SVector<f64, 3>| pendulum.advance(x);
             theirs = witness_step(&case, &theirs, f, &q, z, [0.01, 0.04]).0;
             difference.add(&ours, &theirs);
@@ -414,10 +340,7 @@ fn a_motion_without_constants_is_filtered_as_printed() {
 /// The witness itself: weights of Eq. (9) for Table 1, and points that give back what they were drawn from.
 #[test]
 fn the_witness_has_the_weights_of_the_paper() {
-    let shape = Shape {
-        alpha: 1e-3,
-        ..WIDE
-    };
+    let shape = Shape { alpha: 1e-3, ..WIDE };
     let (lambda, w0_mean, w0_covariance, w) = textbook::weights(shape, SIZE);
     assert!((lambda + 4.999_997).abs() < 1e-12);
     assert!((w0_mean + 1_666_665.67).abs() < 0.01 && (w - 166_666.67).abs() < 0.01);

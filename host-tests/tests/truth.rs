@@ -72,162 +72,62 @@ fn motion_effects() -> Vec<(Effect, Effect, Law)> {
     let g = GRAVITY_MPS2 / GAMMA;
     let wind = |v: f64, w: f64| DAVIS[2] * ((v + w) * (v + w).abs() - v * v);
     let bump = |x: f64| {
-        if x.abs() < 1.0 {
-            0.5 + 0.5 * (std::f64::consts::PI * x).cos()
-        } else {
-            0.0
-        }
+        if x.abs() < 1.0 { 0.5 + 0.5 * (std::f64::consts::PI * x).cos() } else { 0.0 }
     };
-    let tunnel = |k| TunnelDrag {
-        from_m: 9_000.0,
-        to_m: 11_000.0,
-        k,
-    };
-    let gradient = |delta_permille| GradientError {
-        from_m: 15_000.0,
-        to_m: 15_800.0,
-        delta_permille,
-    };
-    let davis = |s: f64| DavisError {
-        dr0: 1e-3 * s,
-        dr1: 5e-5 * s,
-        dr2: -4e-6 * s,
-    };
-    let temperature = |dr0_per_deg_c| TemperatureResistance {
-        dr0_per_deg_c,
-        ref_c: 15.0,
-    };
-    let drag = |drag_n_per_kg| DraggingBrake {
-        drag_n_per_kg,
-        runs: all(),
-    };
-    let warm = |amplitude| WarmUp {
-        amplitude,
-        tau_s: 240.0,
-    };
-    let speed = |drag_n_per_kg| SpeedBump {
-        at_kmh: 100.0,
-        half_width_kmh: 20.0,
-        drag_n_per_kg,
-    };
-    let place = |drag_n_per_kg| LocationBump {
-        from_m: 12_000.0,
-        to_m: 14_000.0,
-        drag_n_per_kg,
-    };
-    let periodic = |amplitude| PeriodicDrag {
-        amplitude,
-        period_s: 300.0,
-    };
-    let frost = |drag_n_per_kg| Frost {
-        below_c: 30.0,
-        drag_n_per_kg,
-    };
-    let step = |drag_n_per_kg| DayStep {
-        from_share: 0.3,
-        drag_n_per_kg,
-    };
+    let tunnel = |k| TunnelDrag { from_m: 9_000.0, to_m: 11_000.0, k };
+    let gradient = |delta_permille| GradientError { from_m: 15_000.0, to_m: 15_800.0, delta_permille };
+    let davis = |s: f64| DavisError { dr0: 1e-3 * s, dr1: 5e-5 * s, dr2: -4e-6 * s };
+    let temperature = |dr0_per_deg_c| TemperatureResistance { dr0_per_deg_c, ref_c: 15.0 };
+    let drag = |drag_n_per_kg| DraggingBrake { drag_n_per_kg, runs: all() };
+    let warm = |amplitude| WarmUp { amplitude, tau_s: 240.0 };
+    let speed = |drag_n_per_kg| SpeedBump { at_kmh: 100.0, half_width_kmh: 20.0, drag_n_per_kg };
+    let place = |drag_n_per_kg| LocationBump { from_m: 12_000.0, to_m: 14_000.0, drag_n_per_kg };
+    let periodic = |amplitude| PeriodicDrag { amplitude, period_s: 300.0 };
+    let frost = |drag_n_per_kg| Frost { below_c: 30.0, drag_n_per_kg };
+    let step = |drag_n_per_kg| DayStep { from_share: 0.3, drag_n_per_kg };
     let boxed = |law: fn(&At) -> f64| -> Law { Box::new(law) };
     vec![
+        (tunnel(1.5e-5), tunnel(0.0), boxed(|at| 1.5e-5 * at.v * at.v * at.share(9_000.0, 11_000.0))),
         (
-            tunnel(1.5e-5),
-            tunnel(0.0),
-            boxed(|at| 1.5e-5 * at.v * at.v * at.share(9_000.0, 11_000.0)),
-        ),
-        (
-            CurveResistance {
-                coefficient_roeckl: 1.2,
-            },
-            CurveResistance {
-                coefficient_roeckl: 0.0,
-            },
+            CurveResistance { coefficient_roeckl: 1.2 },
+            CurveResistance { coefficient_roeckl: 0.0 },
             Box::new(move |at| {
                 let line = Line::flat_corridor();
                 // All its curves are wider than 300 m.
-                let of = |c: &sim_harness::truth::line::Curve| {
-                    at.share(c.from_m, c.to_m) * 0.65 / (c.radius_m - 55.0)
-                };
+                let of = |c: &sim_harness::truth::line::Curve| at.share(c.from_m, c.to_m) * 0.65 / (c.radius_m - 55.0);
                 1.2 * g * line.curves().iter().map(of).sum::<f64>()
             }),
         ),
-        (
-            gradient(3.0),
-            gradient(0.0),
-            Box::new(move |at| at.sign * g * 3e-3 * at.share(15_000.0, 15_800.0)),
-        ),
-        (
-            SteadyWind { wind_mps: 5.0 },
-            SteadyWind { wind_mps: 0.0 },
-            Box::new(move |at| wind(at.v, 5.0 * at.sign)),
-        ),
-        (
-            RunWind { sd_mps: 3.0 },
-            RunWind { sd_mps: 0.0 },
-            Box::new(move |at| wind(at.v, at.facts.headwind_mps)),
-        ),
+        (gradient(3.0), gradient(0.0), Box::new(move |at| at.sign * g * 3e-3 * at.share(15_000.0, 15_800.0))),
+        (SteadyWind { wind_mps: 5.0 }, SteadyWind { wind_mps: 0.0 }, Box::new(move |at| wind(at.v, 5.0 * at.sign))),
+        (RunWind { sd_mps: 3.0 }, RunWind { sd_mps: 0.0 }, Box::new(move |at| wind(at.v, at.facts.headwind_mps))),
         (
             MassError { relative: 0.08 },
             MassError { relative: 0.0 },
             boxed(|at| (at.u - DAVIS[2] * at.v * at.v) * (1.0 - 1.0 / 1.08)),
         ),
+        (drag(0.01), drag(0.0), boxed(|at| if at.braked { 0.01 } else { 0.0 })),
+        (temperature(-2e-4), temperature(0.0), boxed(|at| -2e-4 * (at.temperature_c - 15.0))),
         (
-            drag(0.01),
-            drag(0.0),
-            boxed(|at| if at.braked { 0.01 } else { 0.0 }),
-        ),
-        (
-            temperature(-2e-4),
-            temperature(0.0),
-            boxed(|at| -2e-4 * (at.temperature_c - 15.0)),
-        ),
-        (
-            SeasonalDrift {
-                dr0_over_period: 6e-3,
-            },
-            SeasonalDrift {
-                dr0_over_period: 0.0,
-            },
+            SeasonalDrift { dr0_over_period: 6e-3 },
+            SeasonalDrift { dr0_over_period: 0.0 },
             boxed(|at| 6e-3 * at.facts.plan.season),
         ),
         (
-            TrainLengthError {
-                true_length_m: 260.0,
-            },
-            TrainLengthError {
-                true_length_m: LENGTH_M,
-            },
+            TrainLengthError { true_length_m: 260.0 },
+            TrainLengthError { true_length_m: LENGTH_M },
             Box::new(move |at| {
                 let line = Line::flat_corridor();
                 let [low, high] = at.train_m;
-                let longer = if at.sign > 0.0 {
-                    [high - 260.0, high]
-                } else {
-                    [low, low + 260.0]
-                };
+                let longer = if at.sign > 0.0 { [high - 260.0, high] } else { [low, low + 260.0] };
                 let mean = |under| mean_permille(line.gradients_permille(), under) / 1000.0;
                 at.sign * g * (mean(longer) - mean(at.train_m))
             }),
         ),
-        (
-            warm(5e-3),
-            warm(0.0),
-            boxed(|at| 5e-3 * (-at.since_departure_s / 240.0).exp()),
-        ),
-        (
-            davis(1.0),
-            davis(0.0),
-            boxed(|at| 1e-3 + 5e-5 * at.v - 4e-6 * at.v * at.v),
-        ),
-        (
-            CubicDrag { k: 2e-7 },
-            CubicDrag { k: 0.0 },
-            boxed(|at| 2e-7 * at.v.powi(3)),
-        ),
-        (
-            speed(6e-3),
-            speed(0.0),
-            Box::new(move |at| 6e-3 * bump((3.6 * at.v - 100.0) / 20.0)),
-        ),
+        (warm(5e-3), warm(0.0), boxed(|at| 5e-3 * (-at.since_departure_s / 240.0).exp())),
+        (davis(1.0), davis(0.0), boxed(|at| 1e-3 + 5e-5 * at.v - 4e-6 * at.v * at.v)),
+        (CubicDrag { k: 2e-7 }, CubicDrag { k: 0.0 }, boxed(|at| 2e-7 * at.v.powi(3))),
+        (speed(6e-3), speed(0.0), Box::new(move |at| 6e-3 * bump((3.6 * at.v - 100.0) / 20.0))),
         (
             place(6e-3),
             place(0.0),
@@ -241,22 +141,8 @@ fn motion_effects() -> Vec<(Effect, Effect, Law)> {
             periodic(0.0),
             boxed(|at| 4e-3 * (at.since_departure_s * 2.0 * std::f64::consts::PI / 300.0).sin()),
         ),
-        (
-            frost(4e-3),
-            frost(0.0),
-            boxed(|at| 4e-3 * ((30.0 - at.temperature_c) / 2.0).clamp(0.0, 1.0)),
-        ),
-        (
-            step(4e-3),
-            step(0.0),
-            boxed(|at| {
-                if at.facts.plan.season >= 0.3 {
-                    4e-3
-                } else {
-                    0.0
-                }
-            }),
-        ),
+        (frost(4e-3), frost(0.0), boxed(|at| 4e-3 * ((30.0 - at.temperature_c) / 2.0).clamp(0.0, 1.0))),
+        (step(4e-3), step(0.0), boxed(|at| if at.facts.plan.season >= 0.3 { 4e-3 } else { 0.0 })),
     ]
 }
 
@@ -264,56 +150,27 @@ fn motion_effects() -> Vec<(Effect, Effect, Law)> {
 fn other_effects() -> Vec<(Effect, Effect)> {
     use Effect::*;
     let all = || Affected::Share(1.0);
-    let section = |factor| PowerLimitSection {
-        from_m: 0.0,
-        to_m: 4_000.0,
-        factor,
-        runs: all(),
-    };
-    let slip = |factor| LowAdhesion {
-        factor,
-        below_kmh: 35.0,
-        runs: all(),
-    };
-    let fade = |fade_at_140| BrakeFade {
-        fade_at_140,
-        from_kmh: 60.0,
-    };
+    let section = |factor| PowerLimitSection { from_m: 0.0, to_m: 4_000.0, factor, runs: all() };
+    let slip = |factor| LowAdhesion { factor, below_kmh: 35.0, runs: all() };
+    let fade = |fade_at_140| BrakeFade { fade_at_140, from_kmh: 60.0 };
     vec![
         (section(0.7), section(1.0)),
-        (
-            TractionScale { factor: 0.85 },
-            TractionScale { factor: 1.0 },
-        ),
+        (TractionScale { factor: 0.85 }, TractionScale { factor: 1.0 }),
         (slip(0.5), slip(1.0)),
         (fade(0.35), fade(0.0)),
-        (
-            SpeedScale {
-                measured_over_true: 1.03,
-            },
-            SpeedScale {
-                measured_over_true: 1.0,
-            },
-        ),
+        (SpeedScale { measured_over_true: 1.03 }, SpeedScale { measured_over_true: 1.0 }),
         (LocationLag { lag_s: 3.0 }, LocationLag { lag_s: 0.0 }),
     ]
 }
 
 fn every_effect() -> Vec<(Effect, Effect)> {
-    let moving = motion_effects()
-        .into_iter()
-        .map(|(clear, zero, _)| (clear, zero));
+    let moving = motion_effects().into_iter().map(|(clear, zero, _)| (clear, zero));
     moving.chain(other_effects()).collect()
 }
 
 /// All brakes are tried after the departure, so that what begins with a brake shows.
 fn scenario(effects: &[Effect], headings: Headings) -> Scenario {
-    Scenario {
-        effects: effects.to_vec(),
-        headings,
-        brake_test_share: 1.0,
-        ..Scenario::default()
-    }
+    Scenario { effects: effects.to_vec(), headings, brake_test_share: 1.0, ..Scenario::default() }
 }
 
 /// The middle one of three runs.
@@ -336,10 +193,7 @@ fn every_effect_takes_what_its_law_says() {
             let worst = errors.iter().copied().fold(0.0, f64::max);
             // A step across the edge of a gradient or section sees both sides of a kink.
             let kinks = errors.iter().filter(|e| **e > 1e-5).count();
-            let context = format!(
-                "{} {headings:?}: {worst:e} of {largest:e} N/kg, {kinks} kinks",
-                effect.name()
-            );
+            let context = format!("{} {headings:?}: {worst:e} of {largest:e} N/kg, {kinks} kinks", effect.name());
             assert!(worst < 2e-4 && 200 * kinks < errors.len(), "{context}");
             assert!(largest > 5e-4, "{context}");
         }
@@ -361,11 +215,7 @@ fn account(scenario: &Scenario, trace: &[TraceStep], facts: &Facts, law: &Law) -
         let dt = to.time_s - from.time_s;
         let v = (from.speed_mps + to.speed_mps) / 2.0;
         let front_m = (from.location_m + to.location_m) / 2.0;
-        let train_m = if up {
-            [front_m - LENGTH_M, front_m]
-        } else {
-            [front_m, front_m + LENGTH_M]
-        };
+        let train_m = if up { [front_m - LENGTH_M, front_m] } else { [front_m, front_m + LENGTH_M] };
         let at = At {
             v,
             train_m,
@@ -438,10 +288,7 @@ fn caps_of_traction_hold_and_are_reached() {
     assert!((beyond - most(&[], &outside).0).abs() < 1e-3, "{beyond}");
     // A lever at a share of the maximum gives that share of the smaller one.
     let scaled = most(std::slice::from_ref(scale), &|_| true).0;
-    assert!(
-        (scaled - 0.85 * most(&[], &|_| true).0).abs() < 1e-3,
-        "{scaled}"
-    );
+    assert!((scaled - 0.85 * most(&[], &|_| true).0).abs() < 1e-3, "{scaled}");
     let slipping = most(std::slice::from_ref(slip), &slow).1;
     assert!((slipping - 0.5).abs() < 1e-9, "{slipping}");
 }
@@ -465,31 +312,18 @@ fn a_fading_brake_gives_less_than_it_reports() {
 
 #[test]
 fn a_wrong_wheel_misleads_the_driver_and_a_late_receiver_the_log() {
-    let exact = Sensors {
-        speed: SpeedReading::Exact,
-        location_noise_m: 0.0,
-        sampling_s: 1.0,
-        ..Sensors::default()
-    };
+    let exact = Sensors { speed: SpeedReading::Exact, location_noise_m: 0.0, sampling_s: 1.0, ..Sensors::default() };
     let others = other_effects();
     let run = |effects: &[Effect], seed: u64| {
-        let scenario = Scenario {
-            sensors: exact.clone(),
-            ..scenario(effects, Headings::Up)
-        };
+        let scenario = Scenario { sensors: exact.clone(), ..scenario(effects, Headings::Up) };
         simulate_planned(&scenario, &planned(&scenario, seed)).unwrap()
     };
-    let fastest = |run: &sim_harness::truth::scenario::Run| {
-        run.truth.iter().map(|t| t.speed_mps).fold(0.0, f64::max)
-    };
+    let fastest = |run: &sim_harness::truth::scenario::Run| run.truth.iter().map(|t| t.speed_mps).fold(0.0, f64::max);
     for seed in 0..5 {
         let (right, wrong) = (run(&[], seed), run(&[others[4].0.clone()], seed));
         for (sample, truth) in wrong.samples.iter().zip(&wrong.truth) {
             let shown = sample.speed_kmh.unwrap();
-            assert!(
-                (shown - 3.6 * truth.speed_mps * 1.03).abs() < 1e-9,
-                "seed {seed}"
-            );
+            assert!((shown - 3.6 * truth.speed_mps * 1.03).abs() < 1e-9, "seed {seed}");
         }
         let slower = fastest(&right) / fastest(&wrong);
         assert!((slower - 1.03).abs() < 0.006, "seed {seed}: {slower}");
@@ -497,10 +331,7 @@ fn a_wrong_wheel_misleads_the_driver_and_a_late_receiver_the_log() {
         let late = run(&[others[5].0.clone()], seed);
         for (index, sample) in late.samples.iter().enumerate().skip(3) {
             let then = late.truth[index - 3].location_m;
-            assert!(
-                (sample.location_m.unwrap() - then).abs() < 1e-9,
-                "seed {seed}"
-            );
+            assert!((sample.location_m.unwrap() - then).abs() < 1e-9, "seed {seed}");
         }
     }
 }
@@ -508,27 +339,16 @@ fn a_wrong_wheel_misleads_the_driver_and_a_late_receiver_the_log() {
 #[test]
 fn wind_of_the_runs_has_its_size_and_some_runs_are_some() {
     let scenario = scenario(
-        &[
-            Effect::RunWind { sd_mps: 3.0 },
-            Effect::DraggingBrake {
-                drag_n_per_kg: 0.01,
-                runs: Affected::Share(0.25),
-            },
-        ],
+        &[Effect::RunWind { sd_mps: 3.0 }, Effect::DraggingBrake { drag_n_per_kg: 0.01, runs: Affected::Share(0.25) }],
         Headings::Both,
     );
     let plans = plan(&scenario, 200, 4);
     assert_eq!(plans.iter().filter(|p| p.acting[1]).count(), 50);
-    let worlds = plans
-        .iter()
-        .map(|plan| sim_harness::truth::world::World::new(&scenario, plan, 1.0, 0.0));
+    let worlds = plans.iter().map(|plan| sim_harness::truth::world::World::new(&scenario, plan, 1.0, 0.0));
     let winds: Vec<f64> = worlds.map(|world| world.headwind_mps).collect();
     let mean = winds.iter().sum::<f64>() / 200.0;
     let sd = (winds.iter().map(|w| w * w).sum::<f64>() / 200.0).sqrt();
-    assert!(
-        (sd - 3.0).abs() < 0.5 && mean.abs() < 0.7,
-        "{mean} ± {sd} m/s"
-    );
+    assert!((sd - 3.0).abs() < 0.5 && mean.abs() < 0.7, "{mean} ± {sd} m/s");
 }
 
 /// Work at the wheels = kinetic + potential energy + losses, with every effect alone and all at once, in both directions, on hills.
@@ -566,13 +386,9 @@ fn energy_is_kept_under_every_effect() {
                 losses += (pair[0].resistance_n_per_kg + pair[1].resistance_n_per_kg) / 2.0 * ds;
             }
             let kinetic = trace[end].speed_mps.powi(2) / 2.0;
-            let potential =
-                GRAVITY_MPS2 / train.gamma * (height_m(way_m(&trace[end])) - height_m(0.0));
+            let potential = GRAVITY_MPS2 / train.gamma * (height_m(way_m(&trace[end])) - height_m(0.0));
             let gap = (work - kinetic - potential - losses).abs() / traction;
-            assert!(
-                gap < 1e-3,
-                "{names:?} {headings:?}: {gap:e} of the traction"
-            );
+            assert!(gap < 1e-3, "{names:?} {headings:?}: {gap:e} of the traction");
         }
     }
 }
@@ -584,25 +400,15 @@ fn drivers_stop_within_two_metres_under_every_effect_and_a_finer_step_changes_li
             for seed in 0..3 {
                 let coarse = scenario(std::slice::from_ref(&effect), headings);
                 let (_, facts) = driven(&coarse, seed);
-                let platform_m = if headings == Headings::Up {
-                    32_103.0
-                } else {
-                    0.0
-                };
+                let platform_m = if headings == Headings::Up { 32_103.0 } else { 0.0 };
                 let off_m = facts.stop.location_m - platform_m;
                 let context = format!("{} {headings:?} seed {seed}", effect.name());
                 assert!(off_m.abs() < 2.0, "{context}: {off_m} m");
-                let fine = Scenario {
-                    step_s: 0.025,
-                    ..coarse
-                };
+                let fine = Scenario { step_s: 0.025, ..coarse };
                 let (_, finer) = driven(&fine, seed);
                 let moved_m = (finer.stop.location_m - facts.stop.location_m).abs();
                 let moved_s = (finer.stop.time_s - facts.stop.time_s).abs();
-                assert!(
-                    moved_m < 0.1 && moved_s < 2.0,
-                    "{context}: {moved_m} m, {moved_s} s"
-                );
+                assert!(moved_m < 0.1 && moved_s < 2.0, "{context}: {moved_m} m, {moved_s} s");
             }
         }
     }
@@ -660,11 +466,7 @@ fn a_data_set_is_read_back_and_replayed() {
         let log = RunLog::read(&file.path, BadRows::Refuse).unwrap();
         assert!(log.other_columns.is_empty() && log.warnings.is_empty());
         assert!(log.samples.iter().all(|s| s.effort_n_per_kg.is_some()));
-        assert!(
-            log.samples
-                .iter()
-                .all(|s| s.ambient_temperature_c.is_some())
-        );
+        assert!(log.samples.iter().all(|s| s.ambient_temperature_c.is_some()));
         let up = facts[index].plan.heading == Heading::Up;
         assert_eq!(file.direction == Some(rundown::track::Direction::Up), up);
         recordings.push(Recording::new(file, &log, None, DirectionChoice::Auto).unwrap());
@@ -676,16 +478,10 @@ fn a_data_set_is_read_back_and_replayed() {
         let at = |r: [f64; 3], v: f64| r[0] + v * (r[1] + v * r[2]);
         for kmh in [60.0, 100.0, 140.0] {
             let found = at([learned[0], learned[1], learned[2]], kmh / 3.6) / at(DAVIS, kmh / 3.6);
-            assert!(
-                (found - 1.1).abs() < 0.03,
-                "{mode:?} at {kmh} km/h: {found}"
-            );
+            assert!((found - 1.1).abs() < 0.03, "{mode:?} at {kmh} km/h: {found}");
         }
     }
-    let rows = csv::Reader::from_path(out.path().join("truth/run001.csv"))
-        .unwrap()
-        .into_records()
-        .count();
+    let rows = csv::Reader::from_path(out.path().join("truth/run001.csv")).unwrap().into_records().count();
     assert_eq!(rows, recordings[0].rows.len());
 }
 
@@ -698,19 +494,11 @@ fn the_scenario_of_two_clouds_has_them() {
         let (trace, facts, _) = drive_planned(&simulation.scenario, &plan).unwrap();
         let mass_kg = facts.train.rotating_mass_kg();
         let most = |near: bool| {
-            let there = |p: &&[TraceStep]| {
-                (p[0].location_m < 4_000.0) == near && p[1].regime == Regime::Traction
-            };
+            let there = |p: &&[TraceStep]| (p[0].location_m < 4_000.0) == near && p[1].regime == Regime::Traction;
             let powers = trace.windows(2).filter(there);
-            powers
-                .map(|p| p[1].effort_n_per_kg * p[0].speed_mps * mass_kg / MAX_POWER_W)
-                .fold(0.0, f64::max)
+            powers.map(|p| p[1].effort_n_per_kg * p[0].speed_mps * mass_kg / MAX_POWER_W).fold(0.0, f64::max)
         };
         let (near, beyond) = (most(true), most(false));
-        assert!(
-            near < 0.98 && beyond > 1.0,
-            "run {}: {near} {beyond}",
-            plan.number
-        );
+        assert!(near < 0.98 && beyond > 1.0, "run {}: {near} {beyond}", plan.number);
     }
 }

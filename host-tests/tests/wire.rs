@@ -17,8 +17,8 @@ use rundown::track::Direction;
 use rundown::uplink::{OPEN, Pace, Request, SECURED, VERSION as UPLINK_VERSION};
 use rundown_wire::link::{checksum::CHECKSUM_BYTES, serial};
 use rundown_wire::{
-    Cause, CoastArrival, CoastOutcome, DecodeError, Downlink, FILE_TAIL, Failure, Learned,
-    MAX_MESSAGE, Memory, Refusal, Regime, ResetCause, Stalled, VERSION, Validity, Value, decode,
+    Cause, CoastArrival, CoastOutcome, DecodeError, Downlink, FILE_TAIL, Failure, Learned, MAX_MESSAGE, Memory,
+    Refusal, Regime, ResetCause, Stalled, VERSION, Validity, Value, decode,
 };
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeMap;
@@ -41,10 +41,7 @@ fn hex(bytes: &[u8]) -> String {
 }
 
 fn unhex(words: &str) -> Vec<u8> {
-    words
-        .split_whitespace()
-        .map(|word| u8::from_str_radix(word, 16).expect("two digits"))
-        .collect()
+    words.split_whitespace().map(|word| u8::from_str_radix(word, 16).expect("two digits")).collect()
 }
 
 /// An uplink message without version, protection and trailer.
@@ -58,11 +55,7 @@ fn shown(frame: &Frame) -> String {
     let message = frame.message();
     let mut rows: Vec<(String, Vec<u8>)> = vec![("version".into(), vec![message[0]])];
     if let Frame::Up(protection, _) = frame {
-        let word = if *protection == OPEN {
-            "open"
-        } else {
-            "secured"
-        };
+        let word = if *protection == OPEN { "open" } else { "secured" };
         rows.push((format!("protection {word}"), vec![*protection]));
     }
     for field in frame.fields().fields {
@@ -70,11 +63,7 @@ fn shown(frame: &Frame) -> String {
     }
     if let Frame::Up(SECURED, _) = frame {
         let trailer = &message[message.len() - TRAILER..];
-        for (name, part) in [
-            ("epoch", &trailer[..4]),
-            ("counter", &trailer[4..8]),
-            ("MAC", &trailer[8..]),
-        ] {
+        for (name, part) in [("epoch", &trailer[..4]), ("counter", &trailer[4..8]), ("MAC", &trailer[8..])] {
             rows.push((name.into(), part.to_vec()));
         }
     }
@@ -91,17 +80,13 @@ fn shown(frame: &Frame) -> String {
 
 /// The bytes of an example in the document.
 fn bytes_of(text: &str) -> Vec<u8> {
-    text.lines()
-        .flat_map(|line| unhex(line.split("  ").next().unwrap_or("")))
-        .collect()
+    text.lines().flat_map(|line| unhex(line.split("  ").next().unwrap_or(""))).collect()
 }
 
 /// Begin and end of what stands between a marker's fence and the closing one.
 fn block(document: &str, name: &str) -> std::ops::Range<usize> {
     let marker = format!("<!-- example: {name} -->\n```text\n");
-    let at = document
-        .find(&marker)
-        .unwrap_or_else(|| panic!("WIRE.md has no example of {name}"));
+    let at = document.find(&marker).unwrap_or_else(|| panic!("WIRE.md has no example of {name}"));
     let begin = at + marker.len();
     begin..begin + document[begin..].find("```").expect("a closing fence")
 }
@@ -143,15 +128,10 @@ fn the_rules_in_the_document_give_the_bytes() {
 
 /// The rows of the table under a heading, cut into cells.
 fn table(document: &str, heading: &str) -> Option<Vec<Vec<String>>> {
-    let mut lines = document
-        .lines()
-        .skip_while(|line| *line != format!("#### {heading}"));
+    let mut lines = document.lines().skip_while(|line| *line != format!("#### {heading}"));
     lines.next()?;
-    let rows = lines
-        .take_while(|line| !line.starts_with('#'))
-        .filter(|line| line.starts_with("| "))
-        .skip(1)
-        .map(|line| {
+    let rows =
+        lines.take_while(|line| !line.starts_with('#')).filter(|line| line.starts_with("| ")).skip(1).map(|line| {
             let cells = line.trim_matches('|').split('|');
             cells.map(|cell| cell.trim().replace('`', "")).collect()
         });
@@ -170,10 +150,8 @@ fn the_field_tables_are_those_of_the_code() {
     for (name, fields) in &shapes {
         let heading = name.strip_suffix("Table").unwrap_or(name);
         let rows = table(&document, heading).unwrap_or_else(|| panic!("no table of {heading}"));
-        let found: Vec<(&str, &str)> = rows
-            .iter()
-            .map(|row| (row[0].as_str(), row[1].split(" up to ").next().unwrap()))
-            .collect();
+        let found: Vec<(&str, &str)> =
+            rows.iter().map(|row| (row[0].as_str(), row[1].split(" up to ").next().unwrap())).collect();
         let kind = |kind: &str| kind.replace("SpreadTable", "Spread");
         let fields: Vec<(&str, String)> = fields.iter().map(|(f, k)| (*f, kind(k))).collect();
         let expected: Vec<(&str, &str)> = fields.iter().map(|(f, k)| (*f, k.as_str())).collect();
@@ -193,10 +171,7 @@ fn enum_table<T: Serialize + DeserializeOwned>(values: &[T]) {
         expected.push((number.to_string(), word));
     }
     let rows = table(&document, name).unwrap_or_else(|| panic!("no table of {name}"));
-    let found: Vec<(String, String)> = rows
-        .iter()
-        .map(|row| (row[0].clone(), row[1].clone()))
-        .collect();
+    let found: Vec<(String, String)> = rows.iter().map(|row| (row[0].clone(), row[1].clone())).collect();
     assert_eq!(found, expected, "{name}");
     for number in values.len()..=usize::from(u8::MAX) {
         let mut message = vec![VERSION];
@@ -214,19 +189,11 @@ fn the_numbers_of_the_enums_are_those_of_the_code() {
     enum_table(&Regime::ALL);
     enum_table(&Cause::ALL);
     enum_table(&Refusal::ALL);
-    enum_table(&[
-        Validity::Valid,
-        Validity::Held(Cause::NoSpeed),
-        Validity::Invalid(Cause::NoSpeed),
-    ]);
+    enum_table(&[Validity::Valid, Validity::Held(Cause::NoSpeed), Validity::Invalid(Cause::NoSpeed)]);
     enum_table(&[
         CoastOutcome::Unknown,
         CoastOutcome::NoTarget,
-        CoastOutcome::Arrives(CoastArrival {
-            speed_mps: Value::default(),
-            time_s: 0.0,
-            time_sd_s: 0.0,
-        }),
+        CoastOutcome::Arrives(CoastArrival { speed_mps: Value::default(), time_s: 0.0, time_sd_s: 0.0 }),
         CoastOutcome::MayStop,
         CoastOutcome::Stops(Value::default()),
     ]);
@@ -239,19 +206,10 @@ fn the_numbers_of_the_enums_are_those_of_the_code() {
         Memory::Implausible,
         Memory::ReadOnly,
     ]);
-    enum_table(&[
-        ResetCause::PowerOn,
-        ResetCause::Pin,
-        ResetCause::Software,
-        ResetCause::Watchdog,
-        ResetCause::Other,
-    ]);
+    enum_table(&[ResetCause::PowerOn, ResetCause::Pin, ResetCause::Software, ResetCause::Watchdog, ResetCause::Other]);
     enum_table(&[
         Failure::None,
-        Failure::Panic {
-            line: 1,
-            file: [0; FILE_TAIL],
-        },
+        Failure::Panic { line: 1, file: [0; FILE_TAIL] },
         Failure::Fault { at: 1 },
         Failure::StackOverflow,
         Failure::Stalled(Stalled::default()),
@@ -263,9 +221,7 @@ fn the_numbers_of_the_enums_are_those_of_the_code() {
     enum_table(&[Direction::Up, Direction::Down]);
     enum_table(&[Pace::Clock, Pace::Lockstep]);
     enum_table(&examples::COMMANDS);
-    enum_table(&rundown::uplink::Setting::all(
-        &rundown::config::Config::default(),
-    ));
+    enum_table(&rundown::uplink::Setting::all(&rundown::config::Config::default()));
 
     let mut requests: Vec<Request> = Vec::new();
     let mut bodies = Vec::new();
@@ -302,9 +258,7 @@ fn the_largest_sizes_are_those_of_the_document() {
         // Every other value of these frames is shorter, or as long.
         assert_eq!(frame.fields().could_grow, [""; 0], "{name}");
         let line = on_the_line(length);
-        let tried = (1..=u8::MAX)
-            .map(|byte| serial::encode(&vec![byte; length]).unwrap().len())
-            .max();
+        let tried = (1..=u8::MAX).map(|byte| serial::encode(&vec![byte; length]).unwrap().len()).max();
         assert_eq!(tried, Some(line), "{name}");
         assert!(serial::encode(&frame.message()).unwrap().len() <= line);
         rows += &format!("| {name} | {length} | {line} |\n");
@@ -332,19 +286,12 @@ fn frames_of_version_1_are_read_and_written_as_ever() {
         .collect();
     for (name, frame) in all() {
         let Some(bytes) = golden.get(name.as_str()) else {
-            panic!(
-                "append to data/golden/wire_v1.txt:\n{name}: {}",
-                hex(&frame.message())
-            );
+            panic!("append to data/golden/wire_v1.txt:\n{name}: {}", hex(&frame.message()));
         };
         assert_eq!(frame.read(bytes), Some(frame.clone()), "{name}");
         assert_eq!(hex(&frame.message()), hex(bytes), "{name}");
     }
-    assert_eq!(
-        golden.len(),
-        all().len(),
-        "a released frame is no longer there"
-    );
+    assert_eq!(golden.len(), all().len(), "a released frame is no longer there");
 }
 
 #[test]
@@ -469,10 +416,7 @@ fn the_board_names_what_it_does_not_know() {
         answer(&frames).unwrap().result.unwrap_err()
     };
     let status = [UPLINK_VERSION, OPEN, 21, 5, 3];
-    assert_eq!(
-        open(&[UPLINK_VERSION + 1, OPEN, 21, 5, 3]),
-        Refusal::Version
-    );
+    assert_eq!(open(&[UPLINK_VERSION + 1, OPEN, 21, 5, 3]), Refusal::Version);
     assert_eq!(open(&[UPLINK_VERSION, 2, 21, 5, 3]), Refusal::Malformed);
     assert_eq!(open(&[UPLINK_VERSION, OPEN, 21, 10]), Refusal::Malformed);
     assert_eq!(open(&[&status[..], &[0]].concat()), Refusal::Malformed);

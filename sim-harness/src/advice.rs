@@ -71,11 +71,7 @@ pub fn advice(config: &Config, track_length_m: f64, runs: &[ReplayedRun]) -> Vec
 
 /// `run01, run02, run03 and 4 more runs`
 fn names(runs: &[&ReplayedRun]) -> String {
-    let first: Vec<&str> = runs
-        .iter()
-        .take(NAMED)
-        .map(|run| run.name.as_str())
-        .collect();
+    let first: Vec<&str> = runs.iter().take(NAMED).map(|run| run.name.as_str()).collect();
     let text = first.join(", ");
     match runs.len().saturating_sub(NAMED) {
         0 => text,

@@ -66,18 +66,16 @@ mod tests {
 
     #[test]
     fn refusals_name_line_and_column() {
-        assert!(message("mode = \"gatd\"\n").starts_with(
-            "c.toml:1:8: unknown variant `gatd`, expected one of `paper`, `gated`, `measured`"
-        ));
+        assert!(
+            message("mode = \"gatd\"\n")
+                .starts_with("c.toml:1:8: unknown variant `gatd`, expected one of `paper`, `gated`, `measured`")
+        );
         assert!(
             message("[sensor]\nlocation_sd = 3\n")
                 .starts_with("c.toml:2:1: unknown field `location_sd`, expected one of")
         );
         let found = message("\n[sensor]\nlocation_sd_m = -3\n");
-        assert_eq!(
-            found,
-            "c.toml:3:17: configuration: sensor.location_sd_m must be 0.01 to 10000, found -3"
-        );
+        assert_eq!(found, "c.toml:3:17: configuration: sensor.location_sd_m must be 0.01 to 10000, found -3");
         let found = message("[features]\nbridge_samples = 2\npower_window_kmh = [130, 50]\n");
         assert!(found.starts_with("c.toml:1:1: configuration: "), "{found}");
     }

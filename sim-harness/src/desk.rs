@@ -12,8 +12,8 @@ use rundown::task::DATA_ID;
 use rundown::track::{Curve, Direction, Gradient, Target, Track};
 use rundown::train::{Train, TrainDescription};
 use rundown::uplink::{
-    self, CURVES, Command, CurvePart, GRADIENTS, Pace, Request, SECURED, Setting, TARGETS,
-    TargetPart, TrackPart, TrainFrame, Uplink,
+    self, CURVES, Command, CurvePart, GRADIENTS, Pace, Request, SECURED, Setting, TARGETS, TargetPart, TrackPart,
+    TrainFrame, Uplink,
 };
 use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
 use std::fmt;
@@ -40,10 +40,7 @@ pub struct Description {
 impl Description {
     /// Of the files that `replay` takes, without their effects: a board has the same in all runs, so the caller says which.
     pub fn new(train: &Train, track: &TrackFile, config: Config) -> Self {
-        let gradients = track.gradient.iter().map(|entry| Gradient {
-            from_m: entry.from_m,
-            permille: entry.permille,
-        });
+        let gradients = track.gradient.iter().map(|entry| Gradient { from_m: entry.from_m, permille: entry.permille });
         Self {
             train: *train.description(),
             track_length_m: track.length_m,
@@ -80,14 +77,8 @@ impl Description {
 
     /// The requests that describe it to the board of this train.
     pub fn requests(&self, train_id: u64) -> Vec<Request> {
-        let mut requests: Vec<Request> = Setting::all(&self.config)
-            .into_iter()
-            .map(Request::Setting)
-            .collect();
-        requests.push(Request::Train(TrainFrame {
-            id: train_id,
-            description: self.train,
-        }));
+        let mut requests: Vec<Request> = Setting::all(&self.config).into_iter().map(Request::Setting).collect();
+        requests.push(Request::Train(TrainFrame { id: train_id, description: self.train }));
         let total = u16::try_from(self.gradients.len()).unwrap_or(u16::MAX);
         let mut parts: Vec<&[Gradient]> = self.gradients.chunks(GRADIENTS).collect();
         if parts.is_empty() {
@@ -175,12 +166,7 @@ pub struct Desk {
 impl Desk {
     /// `provisioning` is the record that the board was given.
     pub fn new(provisioning: Provisioning) -> Self {
-        Self {
-            provisioning,
-            signer: None,
-            sequence: 0,
-            snapshot: Vec::new(),
-        }
+        Self { provisioning, signer: None, sequence: 0, snapshot: Vec::new() }
     }
 
     /// Takes from a frame of the board what the next messages need: the freshness, and the pieces of a snapshot.
@@ -193,8 +179,7 @@ impl Desk {
                 if let Some(announcement) = &status.announcement {
                     match &mut self.signer {
                         Some(signer) => signer.hear(announcement),
-                        None => Signer::new(&self.provisioning, announcement)
-                            .map(|signer| self.signer = Some(signer)),
+                        None => Signer::new(&self.provisioning, announcement).map(|signer| self.signer = Some(signer)),
                     }
                     .map_err(DeskError::WrongKey)?;
                 }
@@ -232,9 +217,7 @@ impl Desk {
         let mut bare = [0; MAX_MESSAGE];
         let mut sealed = [0; MAX_MESSAGE];
         let bare = uplink::encode(&uplink, SECURED, &mut bare)?;
-        let sealed = signer
-            .seal(DATA_ID, bare, &mut sealed)
-            .map_err(DeskError::Seal)?;
+        let sealed = signer.seal(DATA_ID, bare, &mut sealed).map_err(DeskError::Seal)?;
         Ok(sealed.to_vec())
     }
 
@@ -260,21 +243,12 @@ impl Desk {
     ) -> Result<Vec<Vec<u8>>, DeskError> {
         let mut requests = description.requests(self.provisioning.train.0);
         requests.push(Request::Command(Command::Pace(pace)));
-        requests.push(Request::Command(Command::Begin {
-            direction,
-            track_id: description.track_id(),
-        }));
-        requests
-            .into_iter()
-            .map(|request| self.secured(request))
-            .collect()
+        requests.push(Request::Command(Command::Begin { direction, track_id: description.track_id() }));
+        requests.into_iter().map(|request| self.secured(request)).collect()
     }
 
     fn uplink(&mut self, request: Request) -> Uplink {
         self.sequence = self.sequence.wrapping_add(1);
-        Uplink {
-            sequence: self.sequence,
-            request,
-        }
+        Uplink { sequence: self.sequence, request }
     }
 }

@@ -34,8 +34,7 @@ impl EffectEntry {
 
     fn acts_in(&self, run: &str) -> bool {
         let Some(runs) = &self.runs else { return true };
-        runs.iter()
-            .any(|name| name == run || name.strip_suffix(".csv") == Some(run))
+        runs.iter().any(|name| name == run || name.strip_suffix(".csv") == Some(run))
     }
 }
 
@@ -49,11 +48,7 @@ pub(crate) fn check<T>(file: &TomlFile<T>, entries: &[EffectEntry]) -> Result<()
             Ok(()) => continue,
             Err(error) => (parameter(&error), error),
         };
-        let steps = [
-            Step::Name("effect"),
-            Step::Index(index),
-            Step::Name(field.0),
-        ];
+        let steps = [Step::Name("effect"), Step::Index(index), Step::Name(field.0)];
         return Err(file.refuse(&steps, field.1.to_string()));
     }
     Ok(())
@@ -85,11 +80,7 @@ fn parameter(error: &EffectError) -> &'static str {
 /// assert_eq!((of(Some("run02"))?, of(Some("run03"))?, of(None)?), (1, 2, 1));
 /// # Ok::<(), rundown::effects::EffectError>(())
 /// ```
-pub fn effects(
-    track: &[EffectEntry],
-    train: &[EffectEntry],
-    run: Option<&str>,
-) -> Result<Effects, EffectError> {
+pub fn effects(track: &[EffectEntry], train: &[EffectEntry], run: Option<&str>) -> Result<Effects, EffectError> {
     let acts = |entry: &&EffectEntry| match run {
         Some(run) => entry.acts_in(run),
         None => entry.runs.is_none(),
@@ -109,10 +100,7 @@ pub fn effects(
 /// ```
 pub fn day_of(departure_utc: &str) -> Option<f64> {
     let text = departure_utc.trim().trim_end_matches('Z').replace(' ', "T");
-    let at = text
-        .parse::<DateTime>()
-        .or_else(|_| text.parse::<Date>().map(Date::into))
-        .ok()?;
+    let at = text.parse::<DateTime>().or_else(|_| text.parse::<Date>().map(Date::into)).ok()?;
     let epoch = jiff::civil::date(1970, 1, 1).at(0, 0, 0, 0);
     let seconds = at.duration_since(epoch).as_secs_f64();
     Some(seconds / 86_400.0)
@@ -139,17 +127,10 @@ mod tests {
              [[effect]]\nname = \"unknown\"\ncoordinate = \"speed\"\ntable = [[0, 0.5], [30, 0.25]]\n"
         );
         let (file, _) = TrackFile::parse("track.toml".as_ref(), &text).unwrap();
-        let tunnel = TunnelDrag {
-            from_m: 4000.0,
-            to_m: 9000.0,
-            k: 1.1e-5,
-        };
+        let tunnel = TunnelDrag { from_m: 4000.0, to_m: 9000.0, k: 1.1e-5 };
         assert_eq!(file.effect[0].effect, Effect::TunnelDrag(tunnel));
         assert_eq!(file.effect[0].runs, Some(vec!["run03".to_owned()]));
-        let grease = TemperatureResistance {
-            dr0_per_deg_c: -1e-4,
-            ref_c: 15.0,
-        };
+        let grease = TemperatureResistance { dr0_per_deg_c: -1e-4, ref_c: 15.0 };
         assert_eq!(file.effect[1].effect, Effect::TemperatureResistance(grease));
         assert_eq!(file.effect[2].effect.name(), "unknown");
         let written = toml::to_string(&file).unwrap();
@@ -169,21 +150,12 @@ mod tests {
         );
         for (table, says) in [
             ("name = \"tunnel\"\n", "unknown variant `tunnel`"),
-            (
-                "name = \"warm_up\"\namplitude = 0.003\n",
-                "missing field `tau_s`",
-            ),
-            (
-                "name = \"steady_wind\"\nwind_mps = 2\nsigma = 1\n",
-                "unknown field `sigma`",
-            ),
+            ("name = \"warm_up\"\namplitude = 0.003\n", "missing field `tau_s`"),
+            ("name = \"steady_wind\"\nwind_mps = 2\nsigma = 1\n", "unknown field `sigma`"),
             ("wind_mps = 2\n", "missing field `name`"),
         ] {
             let found = refused(table);
-            assert!(
-                found.starts_with("track.toml:3:") && found.contains(says),
-                "{found}"
-            );
+            assert!(found.starts_with("track.toml:3:") && found.contains(says), "{found}");
         }
     }
 

@@ -80,8 +80,7 @@ pub fn write(effects: &Effects) -> Result<Vec<u8>, TooLong> {
     let mut file = Vec::new();
     for (sequence, request) in (1..).zip(requests) {
         let mut buffer = [0; MAX_MESSAGE];
-        let message = uplink::encode(&Uplink { sequence, request }, OPEN, &mut buffer)
-            .map_err(TooLong::Message)?;
+        let message = uplink::encode(&Uplink { sequence, request }, OPEN, &mut buffer).map_err(TooLong::Message)?;
         file.extend_from_slice(&serial::encode(message).map_err(TooLong::Frame)?);
     }
     Ok(file)
@@ -108,18 +107,14 @@ pub fn read(file: &[u8]) -> Result<Effects, EffectFrameError> {
         };
         match uplink.map(|uplink| uplink.request) {
             Some(Request::Command(Command::ClearEffects)) => effects = Effects::NONE,
-            Some(Request::Effect(effect)) => effects
-                .take(&effect)
-                .map_err(|reason| EffectFrameError::Refused { message, reason })?,
+            Some(Request::Effect(effect)) => {
+                effects.take(&effect).map_err(|reason| EffectFrameError::Refused { message, reason })?
+            }
             _ => return Err(EffectFrameError::NoEffect { message }),
         }
         message += 1;
     }
-    if whole {
-        Ok(effects)
-    } else {
-        Err(EffectFrameError::CutOff { message })
-    }
+    if whole { Ok(effects) } else { Err(EffectFrameError::CutOff { message }) }
 }
 
 #[cfg(test)]
@@ -128,16 +123,9 @@ mod tests {
     use rundown::effects::{Coordinate, TunnelDrag, Unknown};
 
     fn effects() -> Effects {
-        let tunnel = TunnelDrag {
-            from_m: 100.0,
-            to_m: 900.0,
-            k: 1e-5,
-        };
+        let tunnel = TunnelDrag { from_m: 100.0, to_m: 900.0, k: 1e-5 };
         let table = [(0.0, 0.0), (20.0, 0.01), (40.0, 0.03)];
-        let unknown = Unknown {
-            coordinate: Coordinate::Speed,
-            table: table.into_iter().collect(),
-        };
+        let unknown = Unknown { coordinate: Coordinate::Speed, table: table.into_iter().collect() };
         Effects::try_new([Effect::TunnelDrag(tunnel), Effect::Unknown(unknown)]).unwrap()
     }
 

@@ -37,9 +37,7 @@ pub enum LearnedTrainError {
     #[error(transparent)]
     Train(#[from] TomlError),
     /// The replay was made with another train.
-    #[error(
-        "the replay is one of the train `{found}`, expected that of the train file, `{expected}`"
-    )]
+    #[error("the replay is one of the train `{found}`, expected that of the train file, `{expected}`")]
     OtherTrain {
         /// Name in the train file.
         expected: String,
@@ -47,9 +45,7 @@ pub enum LearnedTrainError {
         found: String,
     },
     /// Each run began anew, so that nothing was gathered.
-    #[error(
-        "the replay was made with --no-carry: expected one in which the vehicle is carried from run to run"
-    )]
+    #[error("the replay was made with --no-carry: expected one in which the vehicle is carried from run to run")]
     NotCarried,
     /// Not one unit.
     #[error("expected one of the units {found:?} to be named, found {named:?}")]
@@ -126,17 +122,10 @@ struct Features {
 ///
 /// # Errors
 /// [`LearnedTrainError`].
-pub fn read(
-    folder: &Path,
-    train: &Path,
-    unit: Option<&str>,
-) -> Result<LearnedTrain, LearnedTrainError> {
+pub fn read(folder: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTrain, LearnedTrainError> {
     let (described, _) = TrainFile::read(train)?;
     let path = folder.join("replay.json");
-    let failed = |reason: String| LearnedTrainError::Replay {
-        path: path.clone(),
-        reason,
-    };
+    let failed = |reason: String| LearnedTrainError::Replay { path: path.clone(), reason };
     let text = std::fs::read_to_string(&path).map_err(|error| failed(error.to_string()))?;
     learn(described, &text, unit, failed)
 }
@@ -149,10 +138,7 @@ fn learn(
 ) -> Result<LearnedTrain, LearnedTrainError> {
     let results: Results = serde_json::from_str(text).map_err(|error| failed(error.to_string()))?;
     if results.train != described.name {
-        return Err(LearnedTrainError::OtherTrain {
-            expected: described.name,
-            found: results.train,
-        });
+        return Err(LearnedTrainError::OtherTrain { expected: described.name, found: results.train });
     }
     if !results.carried {
         return Err(LearnedTrainError::NotCarried);
@@ -164,17 +150,10 @@ fn learn(
         (None, [only]) => only.clone(),
         (Some(named), _) if units.iter().any(|unit| unit == named) => named.to_owned(),
         _ => {
-            return Err(LearnedTrainError::Unit {
-                named: unit.map(str::to_owned),
-                found: units,
-            });
+            return Err(LearnedTrainError::Unit { named: unit.map(str::to_owned), found: units });
         }
     };
-    let runs: Vec<&Run> = results
-        .runs
-        .iter()
-        .filter(|run| run.unit == chosen)
-        .collect();
+    let runs: Vec<&Run> = results.runs.iter().filter(|run| run.unit == chosen).collect();
     let Some(last) = runs.last() else {
         return Err(failed("no run".to_owned()));
     };
@@ -186,16 +165,10 @@ fn learn(
         (runs >= LEAST_RUNS).then(|| (rotating_mass_kg * median(values), Source::Learned { runs }))
     };
     let described_as = |value: f64| (value, Source::Described);
-    let (max_tractive_effort_n, effort) = seen(|f| f.max_effort_mean_n_per_kg)
-        .unwrap_or(described_as(described.max_tractive_effort_n));
-    let (max_power_w, power) =
-        seen(|f| f.power_max_w_per_kg).unwrap_or(described_as(described.max_power_w));
-    let train = TrainFile {
-        davis: DavisTable { r0, r1, r2 },
-        max_tractive_effort_n,
-        max_power_w,
-        ..described
-    };
+    let (max_tractive_effort_n, effort) =
+        seen(|f| f.max_effort_mean_n_per_kg).unwrap_or(described_as(described.max_tractive_effort_n));
+    let (max_power_w, power) = seen(|f| f.power_max_w_per_kg).unwrap_or(described_as(described.max_power_w));
+    let train = TrainFile { davis: DavisTable { r0, r1, r2 }, max_tractive_effort_n, max_power_w, ..described };
     train.train().map_err(LearnedTrainError::NoTrain)?;
     Ok(LearnedTrain {
         train,
@@ -210,11 +183,7 @@ fn learn(
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
-    if values.len() % 2 == 1 {
-        values[middle]
-    } else {
-        0.5 * (values[middle - 1] + values[middle])
-    }
+    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
 }
 
 #[cfg(test)]
@@ -234,23 +203,13 @@ mod tests {
 
     fn learned(runs: &[String], unit: Option<&str>) -> Result<LearnedTrain, LearnedTrainError> {
         let (train, _) = TrainFile::parse("t.toml".as_ref(), TRAIN).unwrap();
-        let text = format!(
-            "{{\"train\":\"unit\",\"carried\":true,\"runs\":[{}]}}",
-            runs.join(",")
-        );
-        learn(train, &text, unit, |reason| LearnedTrainError::Replay {
-            path: "replay.json".into(),
-            reason,
-        })
+        let text = format!("{{\"train\":\"unit\",\"carried\":true,\"runs\":[{}]}}", runs.join(","));
+        learn(train, &text, unit, |reason| LearnedTrainError::Replay { path: "replay.json".into(), reason })
     }
 
     #[test]
     fn the_last_run_has_the_resistance_and_the_median_run_the_limits() {
-        let runs = [
-            run("7", 0.0070, "0.4", "5.0"),
-            run("7", 0.0071, "0.6", "null"),
-            run("7", 0.0072, "0.5", "5.2"),
-        ];
+        let runs = [run("7", 0.0070, "0.4", "5.0"), run("7", 0.0071, "0.6", "null"), run("7", 0.0072, "0.5", "5.2")];
         let found = learned(&runs, None).unwrap();
         assert_eq!(found.train.davis.r0, 0.0072);
         assert_eq!((found.runs, found.davis_sd[0]), (3, 1e-4));
@@ -263,15 +222,9 @@ mod tests {
 
     #[test]
     fn a_unit_is_asked_for_where_there_are_several() {
-        let runs = [
-            run("7", 0.0070, "null", "null"),
-            run("8", 0.0080, "null", "null"),
-        ];
+        let runs = [run("7", 0.0070, "null", "null"), run("8", 0.0080, "null", "null")];
         let error = learned(&runs, None).unwrap_err().to_string();
-        assert_eq!(
-            error,
-            "expected one of the units [\"7\", \"8\"] to be named, found None"
-        );
+        assert_eq!(error, "expected one of the units [\"7\", \"8\"] to be named, found None");
         assert_eq!(learned(&runs, Some("8")).unwrap().train.davis.r0, 0.0080);
         assert!(learned(&runs, Some("9")).is_err());
         assert!(learned(&[], None).is_err());
@@ -280,9 +233,6 @@ mod tests {
     #[test]
     fn what_no_train_has_is_refused() {
         let error = learned(&[run("7", -0.1, "null", "null")], None).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "what was learned is no train: train: davis.r0 must be 0.00001 to 1, found -0.1"
-        );
+        assert_eq!(error.to_string(), "what was learned is no train: train: davis.r0 must be 0.00001 to 1, found -0.1");
     }
 }

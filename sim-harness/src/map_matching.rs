@@ -95,10 +95,7 @@ impl CentreLine {
     /// # Ok::<(), sim_harness::map_matching::NoMatch>(())
     /// ```
     pub fn new(points: &[CentreLinePoint]) -> Option<Self> {
-        let segments: Vec<Segment> = points
-            .windows(2)
-            .map(|pair| Segment::new(pair[0], pair[1]))
-            .collect();
+        let segments: Vec<Segment> = points.windows(2).map(|pair| Segment::new(pair[0], pair[1])).collect();
         (!segments.is_empty()).then_some(Self { segments })
     }
 
@@ -116,8 +113,7 @@ impl CentreLine {
         let (Some(latitude_deg), Some(longitude_deg)) = (latitude_deg, longitude_deg) else {
             return Err(NoMatch::NotSent);
         };
-        let on_earth =
-            (-90.0..=90.0).contains(&latitude_deg) && (-180.0..=180.0).contains(&longitude_deg);
+        let on_earth = (-90.0..=90.0).contains(&latitude_deg) && (-180.0..=180.0).contains(&longitude_deg);
         if !on_earth {
             return Err(NoMatch::OutOfRange);
         }
@@ -137,12 +133,8 @@ impl CentreLine {
             return 0..self.segments.len();
         };
         let reach_m = MAX_SPEED_MPS * (time_s - last_s).abs() + MATCH_ERROR_M;
-        let begin = self
-            .segments
-            .partition_point(|segment| segment.to_at_m < last_m - reach_m);
-        let end = self
-            .segments
-            .partition_point(|segment| segment.from.at_m <= last_m + reach_m);
+        let begin = self.segments.partition_point(|segment| segment.to_at_m < last_m - reach_m);
+        let end = self.segments.partition_point(|segment| segment.from.at_m <= last_m + reach_m);
         // Beyond an end of the line the end is what can be reached.
         let begin = begin.min(self.segments.len() - 1);
         begin..end.max(begin + 1)
@@ -157,9 +149,7 @@ impl CentreLine {
 
 impl Segment {
     fn new(from: CentreLinePoint, to: CentreLinePoint) -> Self {
-        let (sin, cos) = (0.5 * (from.latitude_deg + to.latitude_deg))
-            .to_radians()
-            .sin_cos();
+        let (sin, cos) = (0.5 * (from.latitude_deg + to.latitude_deg)).to_radians().sin_cos();
         let flattened = 1.0 - ECCENTRICITY_SQUARED * sin * sin;
         let meridian_m = SEMI_MAJOR_M * (1.0 - ECCENTRICITY_SQUARED) / flattened.powf(1.5);
         let parallel_m = SEMI_MAJOR_M / flattened.sqrt() * cos;
@@ -168,28 +158,16 @@ impl Segment {
             from,
             to_at_m: to.at_m,
             scale,
-            along: (
-                (to.latitude_deg - from.latitude_deg) * scale.0,
-                (to.longitude_deg - from.longitude_deg) * scale.1,
-            ),
+            along: ((to.latitude_deg - from.latitude_deg) * scale.0, (to.longitude_deg - from.longitude_deg) * scale.1),
         }
     }
 
-    fn project(
-        &self,
-        latitude_deg: f64,
-        longitude_deg: f64,
-        (is_first, is_last): (bool, bool),
-    ) -> Match {
+    fn project(&self, latitude_deg: f64, longitude_deg: f64, (is_first, is_last): (bool, bool)) -> Match {
         let north = (latitude_deg - self.from.latitude_deg) * self.scale.0;
         let east = (longitude_deg - self.from.longitude_deg) * self.scale.1;
         let squared = self.along.0 * self.along.0 + self.along.1 * self.along.1;
         // Two points at one place make a segment without direction; its beginning stands for it.
-        let share = if squared > 0.0 {
-            (north * self.along.0 + east * self.along.1) / squared
-        } else {
-            0.0
-        };
+        let share = if squared > 0.0 { (north * self.along.0 + east * self.along.1) / squared } else { 0.0 };
         let beyond = MAX_DISTANCE_M / squared.sqrt().max(1.0);
         let least = if is_first { -beyond } else { 0.0 };
         let most = if is_last { 1.0 + beyond } else { 1.0 };
@@ -207,22 +185,13 @@ mod tests {
 
     /// A plane of metres around 51° north, 5° east.
     fn at(at_m: f64, north_m: f64, east_m: f64) -> CentreLinePoint {
-        CentreLinePoint {
-            at_m,
-            latitude_deg: 51.0 + north_m / 111_257.0,
-            longitude_deg: 5.0 + east_m / 70_197.0,
-        }
+        CentreLinePoint { at_m, latitude_deg: 51.0 + north_m / 111_257.0, longitude_deg: 5.0 + east_m / 70_197.0 }
     }
 
     /// 1 km north, 50 m east, 1 km back south: two legs 50 m apart.
     fn hairpin() -> CentreLine {
-        CentreLine::new(&[
-            at(0.0, 0.0, 0.0),
-            at(1000.0, 1000.0, 0.0),
-            at(1050.0, 1000.0, 50.0),
-            at(2050.0, 0.0, 50.0),
-        ])
-        .unwrap()
+        CentreLine::new(&[at(0.0, 0.0, 0.0), at(1000.0, 1000.0, 0.0), at(1050.0, 1000.0, 50.0), at(2050.0, 0.0, 50.0)])
+            .unwrap()
     }
 
     fn locate(
@@ -233,12 +202,7 @@ mod tests {
         east_m: f64,
     ) -> Result<Match, NoMatch> {
         let fix = at(0.0, north_m, east_m);
-        line.locate(
-            state,
-            time_s,
-            Some(fix.latitude_deg),
-            Some(fix.longitude_deg),
-        )
+        line.locate(state, time_s, Some(fix.latitude_deg), Some(fix.longitude_deg))
     }
 
     #[test]
@@ -268,10 +232,7 @@ mod tests {
         let line = hairpin();
         let found = locate(&line, &mut MatchState::default(), 0.0, -60.0, 10.0).unwrap();
         assert!((found.location_m + 60.0).abs() < 0.1, "{found:?}");
-        assert_eq!(
-            locate(&line, &mut MatchState::default(), 0.0, -260.0, 10.0),
-            Err(NoMatch::OffTheLine)
-        );
+        assert_eq!(locate(&line, &mut MatchState::default(), 0.0, -260.0, 10.0), Err(NoMatch::OffTheLine));
     }
 
     #[test]
@@ -279,18 +240,9 @@ mod tests {
         let line = hairpin();
         let mut state = MatchState::default();
         locate(&line, &mut state, 0.0, 100.0, 0.0).unwrap();
-        assert_eq!(
-            line.locate(&mut state, 1.0, None, Some(5.0)),
-            Err(NoMatch::NotSent)
-        );
-        assert_eq!(
-            line.locate(&mut state, 1.0, Some(f64::NAN), Some(5.0)),
-            Err(NoMatch::OutOfRange)
-        );
-        assert_eq!(
-            line.locate(&mut state, 1.0, Some(0.0), Some(0.0)),
-            Err(NoMatch::OffTheLine)
-        );
+        assert_eq!(line.locate(&mut state, 1.0, None, Some(5.0)), Err(NoMatch::NotSent));
+        assert_eq!(line.locate(&mut state, 1.0, Some(f64::NAN), Some(5.0)), Err(NoMatch::OutOfRange));
+        assert_eq!(line.locate(&mut state, 1.0, Some(0.0), Some(0.0)), Err(NoMatch::OffTheLine));
         let found = locate(&line, &mut state, 2.0, 120.0, 1.0).unwrap();
         assert!((found.location_m - 120.0).abs() < 0.1);
     }
@@ -302,8 +254,7 @@ mod tests {
 
     #[test]
     fn two_points_at_one_place_do_no_harm() {
-        let line = CentreLine::new(&[at(0.0, 0.0, 0.0), at(5.0, 0.0, 0.0), at(105.0, 100.0, 0.0)])
-            .unwrap();
+        let line = CentreLine::new(&[at(0.0, 0.0, 0.0), at(5.0, 0.0, 0.0), at(105.0, 100.0, 0.0)]).unwrap();
         let found = locate(&line, &mut MatchState::default(), 0.0, 50.0, 0.0).unwrap();
         assert!((found.location_m - 55.0).abs() < 0.1, "{found:?}");
     }

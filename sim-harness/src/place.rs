@@ -19,18 +19,12 @@ impl Place {
         let line = before.matches('\n').count() + 1;
         let begin_of_line = before.rfind('\n').map_or(0, |at| at + 1);
         let column = before[begin_of_line..].chars().count() + 1;
-        Self {
-            file: file.into(),
-            at: Some((line, column)),
-        }
+        Self { file: file.into(), at: Some((line, column)) }
     }
 
     /// The file as a whole.
     pub fn of_file(file: impl Into<PathBuf>) -> Self {
-        Self {
-            file: file.into(),
-            at: None,
-        }
+        Self { file: file.into(), at: None }
     }
 }
 

@@ -92,22 +92,13 @@ impl Recording {
         for complaint in log.bad_rows.iter() {
             warn(format!("{complaint}; the row was left out"));
         }
-        log.warnings
-            .iter()
-            .for_each(|complaint| warn(complaint.to_string()));
+        log.warnings.iter().for_each(|complaint| warn(complaint.to_string()));
         let read = log.samples.iter().any(|sample| sample.location_m.is_some());
-        let fixes = log
-            .samples
-            .iter()
-            .any(|sample| sample.latitude_deg.is_some());
+        let fixes = log.samples.iter().any(|sample| sample.latitude_deg.is_some());
         let locations = match line {
-            Some(line) if !log.has_location_column || (fixes && !read) => {
-                matched(line, &log.samples, &mut warn)
-            }
+            Some(line) if !log.has_location_column || (fixes && !read) => matched(line, &log.samples, &mut warn),
             None if !log.has_location_column => {
-                return Err(RecordingError::NoCentreLine {
-                    path: file.path.clone(),
-                });
+                return Err(RecordingError::NoCentreLine { path: file.path.clone() });
             }
             _ => log.samples.iter().map(|sample| sample.location_m).collect(),
         };
@@ -129,20 +120,14 @@ impl Recording {
 
     /// What is known of the surroundings before the first row.
     pub fn surroundings(&self) -> Surroundings {
-        Surroundings {
-            temperature_c: None,
-            day: self.day,
-        }
+        Surroundings { temperature_c: None, day: self.day }
     }
 }
 
 impl Row {
     /// Takes this row's temperature into what is known of the surroundings. An empty field, or one that a board refuses: as it was.
     pub fn update(&self, surroundings: &mut Surroundings) {
-        let now = Surroundings {
-            temperature_c: self.temperature_c.or(surroundings.temperature_c),
-            ..*surroundings
-        };
+        let now = Surroundings { temperature_c: self.temperature_c.or(surroundings.temperature_c), ..*surroundings };
         if now.are_plausible() {
             *surroundings = now;
         }
@@ -153,54 +138,32 @@ fn row((sample, location_m): (&Sample, Option<f64>)) -> Row {
     let measurement = Measurement {
         time_s: sample.time_s,
         location_m,
-        speed_mps: sample
-            .speed_kmh
-            .map(|speed_kmh| KmPerHour(speed_kmh).to_mps()),
+        speed_mps: sample.speed_kmh.map(|speed_kmh| KmPerHour(speed_kmh).to_mps()),
         effort_n_per_kg: sample.effort_n_per_kg,
     };
-    Row {
-        line: sample.line,
-        measurement,
-        temperature_c: sample.ambient_temperature_c,
-    }
+    Row { line: sample.line, measurement, temperature_c: sample.ambient_temperature_c }
 }
 
 /// Locations of all fixes. Those that gave none are counted by reason: there may be thousands in one tunnel.
-fn matched(
-    line: &CentreLine,
-    samples: &[Sample],
-    warn: &mut impl FnMut(String),
-) -> Vec<Option<f64>> {
+fn matched(line: &CentreLine, samples: &[Sample], warn: &mut impl FnMut(String)) -> Vec<Option<f64>> {
     let mut state = MatchState::default();
     let mut lost: Vec<(NoMatch, u64)> = Vec::new();
     let locations = samples
         .iter()
-        .map(|sample| {
-            match line.locate(
-                &mut state,
-                sample.time_s,
-                sample.latitude_deg,
-                sample.longitude_deg,
-            ) {
-                Ok(found) => Some(found.location_m),
-                Err(reason) => {
-                    lost.push((reason, sample.line));
-                    None
-                }
+        .map(|sample| match line.locate(&mut state, sample.time_s, sample.latitude_deg, sample.longitude_deg) {
+            Ok(found) => Some(found.location_m),
+            Err(reason) => {
+                lost.push((reason, sample.line));
+                None
             }
         })
         .collect();
     for reason in NoMatch::ALL {
-        let mut lines = lost
-            .iter()
-            .filter(|(lost, _)| *lost == reason)
-            .map(|(_, line)| line);
+        let mut lines = lost.iter().filter(|(lost, _)| *lost == reason).map(|(_, line)| line);
         if let Some(first) = lines.next() {
             let count = 1 + lines.count();
             let (all, word) = (samples.len(), reason.as_str());
-            warn(format!(
-                "line {first}: {count} of {all} fixes gave no location ({word}), the first one here"
-            ));
+            warn(format!("line {first}: {count} of {all} fixes gave no location ({word}), the first one here"));
         }
     }
     locations
@@ -236,10 +199,7 @@ fn direction(
         (None, Some(travelled_m)) if travelled_m < 0.0 => Direction::Down,
         (None, Some(_)) => Direction::Up,
         (None, None) => {
-            warn(
-                "no location from which to tell the direction; taken as up (see --direction)"
-                    .to_owned(),
-            );
+            warn("no location from which to tell the direction; taken as up (see --direction)".to_owned());
             Direction::Up
         }
     }
@@ -247,12 +207,7 @@ fn direction(
 
 /// Median of the last locations minus median of the first ones, m; none without two of them.
 fn travelled_m(locations: &[Option<f64>]) -> Option<f64> {
-    let known: Vec<f64> = locations
-        .iter()
-        .flatten()
-        .copied()
-        .filter(|location| location.is_finite())
-        .collect();
+    let known: Vec<f64> = locations.iter().flatten().copied().filter(|location| location.is_finite()).collect();
     let deciding = DECIDING.min(known.len() / 2);
     if deciding == 0 {
         return None;
@@ -291,12 +246,7 @@ mod tests {
 
     #[test]
     fn speeds_are_turned_into_metres_per_second_and_missing_ones_stay_missing() {
-        let run = recording(
-            "time_s,location_m,speed_kmh\n0,5,36\n1,,\n2,8,7\n",
-            None,
-            None,
-        )
-        .unwrap();
+        let run = recording("time_s,location_m,speed_kmh\n0,5,36\n1,,\n2,8,7\n", None, None).unwrap();
         assert_eq!(run.rows[0].measurement.speed_mps, Some(10.0));
         assert_eq!(run.rows[1].measurement.location_m, None);
         assert_eq!(run.rows[1].measurement.speed_mps, None);
@@ -306,11 +256,9 @@ mod tests {
 
     #[test]
     fn direction_is_found_in_spite_of_one_wild_location() {
-        let text = "time_s,location_m,speed_kmh\n0,9000,0\n1,8990,0\n2,8980,0\n3,8970,0\n4,NaN,0\n5,8900,0\n6,99999,0\n";
-        assert_eq!(
-            recording(text, None, None).unwrap().direction,
-            Direction::Down
-        );
+        let text =
+            "time_s,location_m,speed_kmh\n0,9000,0\n1,8990,0\n2,8980,0\n3,8970,0\n4,NaN,0\n5,8900,0\n6,99999,0\n";
+        assert_eq!(recording(text, None, None).unwrap().direction, Direction::Down);
     }
 
     #[test]
@@ -318,27 +266,17 @@ mod tests {
         let text = "time_s,location_m,speed_kmh\n0,0,0\n10,900,0\n";
         let run = recording(text, None, Some(Direction::Down)).unwrap();
         assert_eq!(run.direction, Direction::Down);
-        assert_eq!(
-            run.warnings,
-            ["run.csv: the direction is stated as down, but the locations grow by 900 m"]
-        );
+        assert_eq!(run.warnings, ["run.csv: the direction is stated as down, but the locations grow by 900 m"]);
     }
 
     #[test]
     fn coordinates_are_matched_and_lost_fixes_are_counted() {
-        let point = |at_m, latitude_deg| CentreLinePoint {
-            at_m,
-            latitude_deg,
-            longitude_deg: 5.0,
-        };
+        let point = |at_m, latitude_deg| CentreLinePoint { at_m, latitude_deg, longitude_deg: 5.0 };
         let line = CentreLine::new(&[point(0.0, 51.0), point(11_126.0, 51.1)]).unwrap();
-        let text = "time_s,speed_kmh,latitude_deg,longitude_deg\n0,0,51.05,5\n1,0,,\n2,0,51.04,5\n3,0,,5\n4,0,51.03,7\n";
+        let text =
+            "time_s,speed_kmh,latitude_deg,longitude_deg\n0,0,51.05,5\n1,0,,\n2,0,51.04,5\n3,0,,5\n4,0,51.03,7\n";
         let run = recording(text, Some(&line), None).unwrap();
-        let found: Vec<_> = run
-            .rows
-            .iter()
-            .map(|row| row.measurement.location_m.map(f64::round))
-            .collect();
+        let found: Vec<_> = run.rows.iter().map(|row| row.measurement.location_m.map(f64::round)).collect();
         assert_eq!(found, [Some(5563.0), None, Some(4450.0), None, None]);
         assert_eq!(run.direction, Direction::Down);
         assert_eq!(
@@ -348,12 +286,8 @@ mod tests {
                 "run.csv: line 6: 1 of 5 fixes gave no location (off_the_line), the first one here",
             ]
         );
-        assert!(matches!(
-            recording(text, None, None),
-            Err(RecordingError::NoCentreLine { .. })
-        ));
-        let empty =
-            "time_s,location_m,speed_kmh,latitude_deg,longitude_deg\n0,,0,51.05,5\n1,,0,51.04,5\n";
+        assert!(matches!(recording(text, None, None), Err(RecordingError::NoCentreLine { .. })));
+        let empty = "time_s,location_m,speed_kmh,latitude_deg,longitude_deg\n0,,0,51.05,5\n1,,0,51.04,5\n";
         let run = recording(empty, Some(&line), None).unwrap();
         let first_m = run.rows[0].measurement.location_m.map(f64::round);
         assert_eq!(first_m, Some(5563.0));

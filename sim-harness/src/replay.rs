@@ -80,12 +80,7 @@ pub struct ReplayedRun {
 }
 
 /// Replays one run; what it says about the train goes into `vehicle`.
-pub fn replay(
-    estimator: &Estimator,
-    vehicle: &mut Vehicle,
-    recording: &Recording,
-    tick: Tick,
-) -> ReplayedRun {
+pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recording, tick: Tick) -> ReplayedRun {
     let vehicle_before = vehicle.davis();
     let mut run = estimator.begin_run(vehicle, recording.direction);
     let mut measurements = Vec::new();
@@ -105,11 +100,7 @@ pub fn replay(
                 measurements.push(row.measurement);
                 estimates.push(estimate);
             }
-            Err(reason) => dropped.push(Dropped {
-                line: row.line,
-                time_s: row.measurement.time_s,
-                reason,
-            }),
+            Err(reason) => dropped.push(Dropped { line: row.line, time_s: row.measurement.time_s, reason }),
         }
     }
     let summary = estimator.end_run(&mut run, vehicle);
@@ -132,15 +123,9 @@ pub fn replay(
 }
 
 fn confirmed(estimates: &[Estimate]) -> Vec<Regime> {
-    let later = estimates
-        .iter()
-        .skip(1)
-        .map(|next| next.confirmed)
-        .chain([None]);
+    let later = estimates.iter().skip(1).map(|next| next.confirmed).chain([None]);
     let regimes = estimates.iter().zip(later);
-    regimes
-        .map(|(estimate, later)| later.unwrap_or(estimate.regime))
-        .collect()
+    regimes.map(|(estimate, later)| later.unwrap_or(estimate.regime)).collect()
 }
 
 /// Replays runs, each unit's vehicle carried from run to run in order. Units go side by side. `done` is called once a run.
@@ -222,8 +207,7 @@ fn steps(rows: &[Row], tick: Tick) -> Vec<&Row> {
         return Vec::new();
     };
     // A row on the edge belongs to the period it ends, whatever the last bit of its time says.
-    let period =
-        |row: &Row| ((row.measurement.time_s - first.measurement.time_s) / seconds - 1e-6).ceil();
+    let period = |row: &Row| ((row.measurement.time_s - first.measurement.time_s) / seconds - 1e-6).ceil();
     let mut steps = Vec::new();
     let mut newest = first;
     // Rows behind the newest one follow it, so that it is they which the estimator drops.
@@ -251,20 +235,14 @@ mod tests {
     fn rows(times_s: &[f64]) -> Vec<Row> {
         let row = |(index, time_s): (usize, &f64)| Row {
             line: index as u64 + 2,
-            measurement: Measurement {
-                time_s: *time_s,
-                ..Measurement::default()
-            },
+            measurement: Measurement { time_s: *time_s, ..Measurement::default() },
             temperature_c: None,
         };
         times_s.iter().enumerate().map(row).collect()
     }
 
     fn times_s(rows: &[Row], tick: Tick) -> Vec<f64> {
-        steps(rows, tick)
-            .iter()
-            .map(|row| row.measurement.time_s)
-            .collect()
+        steps(rows, tick).iter().map(|row| row.measurement.time_s).collect()
     }
 
     const TEN: Tick = Tick::Period { seconds: 10.0 };
@@ -278,24 +256,12 @@ mod tests {
     #[test]
     fn a_period_ends_with_its_newest_row() {
         let each_second: Vec<f64> = (0..=35).map(f64::from).collect();
-        assert_eq!(
-            times_s(&rows(&each_second), TEN),
-            [0.0, 10.0, 20.0, 30.0, 35.0]
-        );
-        assert_eq!(
-            times_s(&rows(&[100.0, 104.0, 109.0, 111.0, 135.0]), TEN),
-            [100.0, 109.0, 111.0, 135.0]
-        );
+        assert_eq!(times_s(&rows(&each_second), TEN), [0.0, 10.0, 20.0, 30.0, 35.0]);
+        assert_eq!(times_s(&rows(&[100.0, 104.0, 109.0, 111.0, 135.0]), TEN), [100.0, 109.0, 111.0, 135.0]);
         let tenths: Vec<f64> = (0..=301).map(|index| f64::from(index) * 0.1).collect();
-        let found: Vec<f64> = times_s(&rows(&tenths), TEN)
-            .iter()
-            .map(|t| (t * 10.0).round() / 10.0)
-            .collect();
+        let found: Vec<f64> = times_s(&rows(&tenths), TEN).iter().map(|t| (t * 10.0).round() / 10.0).collect();
         assert_eq!(found, [0.0, 10.0, 20.0, 30.0, 30.1]);
-        assert_eq!(
-            times_s(&rows(&[0.0, 5.0, 3.0, 12.0]), TEN),
-            [0.0, 5.0, 3.0, 12.0]
-        );
+        assert_eq!(times_s(&rows(&[0.0, 5.0, 3.0, 12.0]), TEN), [0.0, 5.0, 3.0, 12.0]);
         assert!(times_s(&[], TEN).is_empty());
         assert_eq!(times_s(&rows(&[3.0]), TEN), [3.0]);
     }

@@ -109,11 +109,7 @@ impl RunSet {
             set.files.push(RunFile::new(path, row));
         }
         for folder in arguments.iter().filter(|argument| argument.is_dir()) {
-            set.notes.extend(
-                indexes
-                    .get(folder)
-                    .and_then(|index| set.missing(folder, index)),
-            );
+            set.notes.extend(indexes.get(folder).and_then(|index| set.missing(folder, index)));
         }
         set.order();
         tell_apart(&mut set.files);
@@ -128,23 +124,13 @@ impl RunSet {
         names.sort_unstable();
         let (count, names) = (names.len(), names.join(", "));
         let place = folder.join(INDEX);
-        (count > 0).then(|| {
-            format!(
-                "{}: {count} of its runs are not in this folder: {names}",
-                place.display()
-            )
-        })
+        (count > 0).then(|| format!("{}: {count} of its runs are not in this folder: {names}", place.display()))
     }
 
     fn order(&mut self) {
-        let indexed = self
-            .files
-            .iter()
-            .filter(|file| file.departure_utc.is_some())
-            .count();
+        let indexed = self.files.iter().filter(|file| file.departure_utc.is_some()).count();
         if indexed == self.files.len() {
-            self.files
-                .sort_by(|a, b| a.departure_utc.cmp(&b.departure_utc));
+            self.files.sort_by(|a, b| a.departure_utc.cmp(&b.departure_utc));
         } else if indexed > 0 {
             let all = self.files.len();
             let note = format!(
@@ -157,11 +143,7 @@ impl RunSet {
 
 impl RunFile {
     fn new(path: PathBuf, row: Option<&IndexRow>) -> Self {
-        let name = path
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let departure = row.map(|row| row.departure_utc.clone());
         Self {
             path,
@@ -178,17 +160,12 @@ fn direction(text: &str) -> Result<Option<Direction>, String> {
         "" => Ok(None),
         "up" => Ok(Some(Direction::Up)),
         "down" => Ok(Some(Direction::Down)),
-        other => Err(format!(
-            "expected a direction `up` or `down`, found {other:?}"
-        )),
+        other => Err(format!("expected a direction `up` or `down`, found {other:?}")),
     }
 }
 
 fn file_name(path: &Path) -> String {
-    path.file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned()
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn is_table(path: &Path) -> bool {
@@ -204,25 +181,18 @@ fn log_folder(path: &Path) -> PathBuf {
 
 /// The logs of a folder in the order of their names.
 fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, RunSetError> {
-    let error = |source| RunSetError::Io {
-        path: folder.to_owned(),
-        source,
-    };
+    let error = |source| RunSetError::Io { path: folder.to_owned(), source };
     let mut logs = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(error)? {
         let path = entry.map_err(error)?.path();
-        let is_csv = path
-            .extension()
-            .is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+        let is_csv = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
         if is_csv && path.is_file() && !is_table(&path) {
             logs.push(path);
         }
     }
     logs.sort();
     if logs.is_empty() {
-        return Err(RunSetError::NoLogs {
-            path: folder.to_owned(),
-        });
+        return Err(RunSetError::NoLogs { path: folder.to_owned() });
     }
     Ok(logs)
 }
@@ -232,27 +202,20 @@ fn read_index(path: &Path) -> Result<HashMap<String, IndexRow>, RunSetError> {
     match std::fs::read(path) {
         Ok(bytes) => parse_index(path, &bytes),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(HashMap::new()),
-        Err(source) => Err(RunSetError::Io {
-            path: path.to_owned(),
-            source,
-        }),
+        Err(source) => Err(RunSetError::Io { path: path.to_owned(), source }),
     }
 }
 
 fn parse_index(path: &Path, bytes: &[u8]) -> Result<HashMap<String, IndexRow>, RunSetError> {
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(bytes);
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes);
     let mut rows = HashMap::new();
     let refused = |error: csv::Error| index_error(path, error.position(), error.to_string());
     let header = reader.headers().map_err(refused)?.clone();
     for record in reader.records() {
         let record = record.map_err(refused)?;
         let row: IndexRow = record.deserialize(Some(&header)).map_err(refused)?;
-        direction(&row.direction).map_err(|message| {
-            index_error(path, record.position(), format!("{}: {message}", row.file))
-        })?;
+        direction(&row.direction)
+            .map_err(|message| index_error(path, record.position(), format!("{}: {message}", row.file)))?;
         // Only the name counts: an index may lie beside its logs and still name their folder.
         rows.insert(file_name(Path::new(&row.file)), row);
     }
@@ -261,13 +224,7 @@ fn parse_index(path: &Path, bytes: &[u8]) -> Result<HashMap<String, IndexRow>, R
 
 fn index_error(path: &Path, position: Option<&csv::Position>, message: String) -> RunSetError {
     let at = position.map(|position| (position.line() as usize, 1));
-    RunSetError::Index {
-        place: Place {
-            file: path.to_owned(),
-            at,
-        },
-        message,
-    }
+    RunSetError::Index { place: Place { file: path.to_owned(), at }, message }
 }
 
 /// Runs of one name get their folder's name before it, and a number when that is not enough: no output overwrites another.
@@ -311,13 +268,7 @@ mod tests {
 
     #[test]
     fn a_folder_is_its_logs_in_the_order_of_names() {
-        let folder = folder(&[
-            ("b.csv", ""),
-            ("a.csv", ""),
-            ("index.csv", ""),
-            ("x.txt", ""),
-            ("sub/c.csv", ""),
-        ]);
+        let folder = folder(&[("b.csv", ""), ("a.csv", ""), ("index.csv", ""), ("x.txt", ""), ("sub/c.csv", "")]);
         let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
         assert_eq!(names(&set), ["a", "b"]);
     }
@@ -353,8 +304,7 @@ mod tests {
     fn a_run_that_is_not_in_the_index_keeps_the_given_order_and_is_told() {
         let index = "file,departure_utc\na.csv,2025-02-01T08:00\n";
         let folder = folder(&[("a.csv", ""), ("b.csv", ""), ("runs.csv", index)]);
-        let set =
-            RunSet::find(&[folder.path().join("b.csv"), folder.path().join("a.csv")]).unwrap();
+        let set = RunSet::find(&[folder.path().join("b.csv"), folder.path().join("a.csv")]).unwrap();
         assert_eq!(names(&set), ["b", "a"]);
         assert_eq!(set.notes.len(), 1);
     }
@@ -375,43 +325,25 @@ mod tests {
     fn a_wrong_index_is_refused_with_its_place() {
         let index = "file,direction\nb.csv,up\na.csv,upp\n";
         let folder_a = folder(&[("a.csv", ""), ("runs.csv", index)]);
-        let error = RunSet::find(&[folder_a.path().to_owned()])
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.contains(
-                "runs.csv:3:1: a.csv: expected a direction `up` or `down`, found \"upp\""
-            ),
-            "{error}"
-        );
+        let error = RunSet::find(&[folder_a.path().to_owned()]).unwrap_err().to_string();
+        assert!(error.contains("runs.csv:3:1: a.csv: expected a direction `up` or `down`, found \"upp\""), "{error}");
         let folder_b = folder(&[("a.csv", ""), ("runs.csv", "name\na\n")]);
-        let error = RunSet::find(&[folder_b.path().to_owned()])
-            .unwrap_err()
-            .to_string();
+        let error = RunSet::find(&[folder_b.path().to_owned()]).unwrap_err().to_string();
         assert!(error.contains("missing field `file`"), "{error}");
     }
 
     #[test]
     fn runs_of_one_name_are_told_apart() {
         let folder = folder(&[("x/run.csv", ""), ("y/run.csv", "")]);
-        let set = RunSet::find(&[
-            folder.path().join("x"),
-            folder.path().join("y"),
-            folder.path().join("y/run.csv"),
-        ])
-        .unwrap();
+        let set =
+            RunSet::find(&[folder.path().join("x"), folder.path().join("y"), folder.path().join("y/run.csv")]).unwrap();
         assert_eq!(names(&set), ["x_run", "y_run", "y_run_2"]);
     }
 
     #[test]
     fn a_folder_without_logs_is_refused() {
         let folder = folder(&[("runs.csv", "file\n")]);
-        let error = RunSet::find(&[folder.path().to_owned()])
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.ends_with("expected run logs (*.csv) in this folder, found none"),
-            "{error}"
-        );
+        let error = RunSet::find(&[folder.path().to_owned()]).unwrap_err().to_string();
+        assert!(error.ends_with("expected run logs (*.csv) in this folder, found none"), "{error}");
     }
 }

@@ -89,11 +89,7 @@ where
 {
     /// Over this link, with the words of this desk.
     pub fn new(link: L, desk: Desk) -> Self {
-        Self {
-            link,
-            clock: Clock::new(),
-            desk,
-        }
+        Self { link, clock: Clock::new(), desk }
     }
 
     /// What the desk has heard.
@@ -111,19 +107,13 @@ where
     /// # Errors
     /// The link fails, or the frame cannot be read.
     pub fn listen(&mut self) -> Result<Option<Heard>, SessionError> {
-        let message = self
-            .link
-            .receive(self.clock.now_us())
-            .map_err(|error| SessionError::Link(error.to_string()))?;
+        let message = self.link.receive(self.clock.now_us()).map_err(|error| SessionError::Link(error.to_string()))?;
         let Some(message) = message else {
             return Ok(None);
         };
         let frame = Downlink::decode(&message).map_err(SessionError::Decode)?;
         self.desk.hear(&frame)?;
-        Ok(Some(Heard {
-            message: message.to_vec(),
-            frame,
-        }))
+        Ok(Some(Heard { message: message.to_vec(), frame }))
     }
 
     /// Sends a message.
@@ -159,21 +149,14 @@ where
                 return Ok(heard);
             }
         }
-        Err(SessionError::Silent {
-            to,
-            after: PATIENCE,
-        })
+        Err(SessionError::Silent { to, after: PATIENCE })
     }
 
     /// Asks something that changes the board.
     ///
     /// # Errors
     /// It is refused, or not answered.
-    pub fn ask(
-        &mut self,
-        request: Request,
-        what: &'static str,
-    ) -> Result<Vec<Heard>, SessionError> {
+    pub fn ask(&mut self, request: Request, what: &'static str) -> Result<Vec<Heard>, SessionError> {
         let message = self.desk.secured(request)?;
         let heard = self.exchange(&message, what)?;
         match heard.last().map(|last| &last.frame.body) {
@@ -232,10 +215,7 @@ where
                 }
             }
             if begin.elapsed() > PATIENCE {
-                return Err(SessionError::Silent {
-                    to: "the question for its status",
-                    after: PATIENCE,
-                });
+                return Err(SessionError::Silent { to: "the question for its status", after: PATIENCE });
             }
         }
     }

@@ -68,8 +68,7 @@ impl FromStr for Traction {
     /// assert_eq!("1500V".parse(), Ok(Traction::Electrical { volts: 1500, millihertz: 0 }));
     /// ```
     fn from_str(text: &str) -> Result<Self, String> {
-        let expected =
-            || format!("expected diesel, battery, hydrogen, 1500V or 15000V16.7Hz, found `{text}`");
+        let expected = || format!("expected diesel, battery, hydrogen, 1500V or 15000V16.7Hz, found `{text}`");
         match text {
             "battery" => return Ok(Self::Battery),
             "diesel" => return Ok(Self::Diesel),
@@ -142,10 +141,7 @@ pub fn traction_curve(train: &TrainFile, max_speed_kmh: f64) -> Vec<(f64, f64)> 
         speeds_kmh.extend(rounds.take_while(|kmh| *kmh < max_speed_kmh));
     }
     speeds_kmh.push(max_speed_kmh);
-    speeds_kmh
-        .into_iter()
-        .map(|kmh| (kmh, force_n(kmh)))
-        .collect()
+    speeds_kmh.into_iter().map(|kmh| (kmh, force_n(kmh))).collect()
 }
 
 /// What a reader of the file must know and the schema does not say.
@@ -163,32 +159,24 @@ pub fn write(writer: impl io::Write, train: &TrainFile, identity: &Identity) -> 
     let features = [
         ("trainLength", format!("{:.0}", train.length_m)),
         ("trainMaxSpeed", identity.max_speed_kmh.to_string()),
-        (
-            "trainWeight",
-            format!("{:.0}", stated_mass_kg(train) / 1000.0),
-        ),
+        ("trainWeight", format!("{:.0}", stated_mass_kg(train) / 1000.0)),
         ("rolloutCoefficientA", decimal(a)),
         ("rolloutCoefficientB", decimal(b)),
         ("rolloutCoefficientC", decimal(c)),
         ("rotatingMassFactor", decimal(train.rotating_mass_factor)),
     ];
-    let features = features
-        .each_ref()
-        .map(|(name, value)| (*name, value.as_str()));
+    let features = features.each_ref().map(|(name, value)| (*name, value.as_str()));
     let curve = traction_curve(train, f64::from(identity.max_speed_kmh));
     xml.create_element("TrainCharacteristics")
         .with_attribute(("TC_ID", identity.id.as_str()))
         .with_attribute(("TC_VersionMajor", identity.version.as_str()))
         .write_inner_content(|xml| {
-            xml.create_element("TC_RU_ID")
-                .write_text_content(BytesText::new(&identity.company))?;
-            xml.create_element("TC_Features")
-                .with_attributes(features)
-                .write_inner_content(|xml| {
-                    xml.create_element("TractionForceCurve")
-                        .write_inner_content(|xml| write_curve(xml, &curve, identity.traction))?;
-                    Ok(())
-                })?;
+            xml.create_element("TC_RU_ID").write_text_content(BytesText::new(&identity.company))?;
+            xml.create_element("TC_Features").with_attributes(features).write_inner_content(|xml| {
+                xml.create_element("TractionForceCurve")
+                    .write_inner_content(|xml| write_curve(xml, &curve, identity.traction))?;
+                Ok(())
+            })?;
             Ok(())
         })?;
     let mut inner = xml.into_inner();
@@ -196,33 +184,28 @@ pub fn write(writer: impl io::Write, train: &TrainFile, identity: &Identity) -> 
     inner.flush()
 }
 
-fn write_curve(
-    xml: &mut Writer<impl io::Write>,
-    curve: &[(f64, f64)],
-    traction: Traction,
-) -> io::Result<()> {
+fn write_curve(xml: &mut Writer<impl io::Write>, curve: &[(f64, f64)], traction: Traction) -> io::Result<()> {
     for (kmh, force_n) in curve {
         xml.create_element("TractionForceCurveDataPoint")
             .with_attribute(("speed", format!("{kmh:.1}").as_str()))
             .with_attribute(("tractionForce", format!("{force_n:.0}").as_str()))
             .write_empty()?;
     }
-    xml.create_element("TFC_TractionType")
-        .write_inner_content(|xml| {
-            match traction {
-                Traction::Battery => xml.create_element("Battery").write_empty()?,
-                Traction::Diesel => xml.create_element("Diesel").write_empty()?,
-                Traction::Hydrogen => xml.create_element("Hydrogen").write_empty()?,
-                Traction::Electrical { volts, millihertz } => {
-                    let hertz = f64::from(millihertz) / 1000.0;
-                    xml.create_element("Electrical")
-                        .with_attribute(("voltageValue", volts.to_string().as_str()))
-                        .with_attribute(("frequency", decimal(hertz).as_str()))
-                        .write_empty()?
-                }
-            };
-            Ok(())
-        })?;
+    xml.create_element("TFC_TractionType").write_inner_content(|xml| {
+        match traction {
+            Traction::Battery => xml.create_element("Battery").write_empty()?,
+            Traction::Diesel => xml.create_element("Diesel").write_empty()?,
+            Traction::Hydrogen => xml.create_element("Hydrogen").write_empty()?,
+            Traction::Electrical { volts, millihertz } => {
+                let hertz = f64::from(millihertz) / 1000.0;
+                xml.create_element("Electrical")
+                    .with_attribute(("voltageValue", volts.to_string().as_str()))
+                    .with_attribute(("frequency", decimal(hertz).as_str()))
+                    .write_empty()?
+            }
+        };
+        Ok(())
+    })?;
     Ok(())
 }
 
@@ -233,11 +216,7 @@ fn decimal(value: f64) -> String {
     }
     let digits = 6 - value.abs().log10().floor() as i32;
     let text = format!("{value:.*}", digits.max(0) as usize);
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 #[cfg(test)]
@@ -254,11 +233,7 @@ mod tests {
             max_tractive_effort_n: 192_920.0,
             max_power_w: 2_036_377.8,
             max_brake_mps2: 0.66,
-            davis: DavisTable {
-                r0: 7.1e-3,
-                r1: 1.5e-4,
-                r2: 2.7e-5,
-            },
+            davis: DavisTable { r0: 7.1e-3, r1: 1.5e-4, r2: 2.7e-5 },
             effect: Vec::new(),
         }
     }
@@ -318,15 +293,7 @@ mod tests {
         for wrong in ["84", "008a", "00844", "00 4"] {
             assert!(company(wrong).is_err(), "{wrong}");
         }
-        for wrong in [
-            "steam",
-            "0V",
-            "V",
-            "1500",
-            "1500Vdc",
-            "1500V-1Hz",
-            "1500VNaNHz",
-        ] {
+        for wrong in ["steam", "0V", "V", "1500", "1500Vdc", "1500V-1Hz", "1500VNaNHz"] {
             assert!(wrong.parse::<Traction>().is_err(), "{wrong}");
         }
     }

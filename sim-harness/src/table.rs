@@ -42,11 +42,7 @@ impl From<usize> for Cell {
 
 impl From<f64> for Cell {
     fn from(number: f64) -> Self {
-        if number.is_finite() {
-            Self::Number(number)
-        } else {
-            Self::Missing
-        }
+        if number.is_finite() { Self::Number(number) } else { Self::Missing }
     }
 }
 
@@ -103,10 +99,7 @@ pub fn write_csv(writer: impl Write, records: &[Record]) -> io::Result<()> {
 
 /// A record as a JSON object, its names in their order.
 pub fn to_json(record: &Record) -> Value {
-    let object: Map<String, Value> = record
-        .iter()
-        .map(|(name, cell)| (name.clone(), cell.to_value()))
-        .collect();
+    let object: Map<String, Value> = record.iter().map(|(name, cell)| (name.clone(), cell.to_value())).collect();
     Value::Object(object)
 }
 
@@ -124,23 +117,14 @@ mod tests {
         ];
         let mut bytes = Vec::new();
         write_csv(&mut bytes, std::slice::from_ref(&record)).unwrap();
-        assert_eq!(
-            String::from_utf8(bytes).unwrap(),
-            "run,count,mean,sd\n\"a,b\",3,,1.0000000000000001e-1\n"
-        );
-        assert_eq!(
-            to_json(&record).to_string(),
-            r#"{"run":"a,b","count":3,"mean":null,"sd":0.1}"#
-        );
+        assert_eq!(String::from_utf8(bytes).unwrap(), "run,count,mean,sd\n\"a,b\",3,,1.0000000000000001e-1\n");
+        assert_eq!(to_json(&record).to_string(), r#"{"run":"a,b","count":3,"mean":null,"sd":0.1}"#);
     }
 
     #[test]
     fn seventeen_digits_give_the_bits_back() {
         for number in [0.1, 1.0 / 3.0, 6.02e23, -1e-300, 0.0, f64::MAX] {
-            assert_eq!(
-                digits_17(number).parse::<f64>().unwrap().to_bits(),
-                number.to_bits()
-            );
+            assert_eq!(digits_17(number).parse::<f64>().unwrap().to_bits(), number.to_bits());
         }
     }
 }

@@ -56,10 +56,7 @@ impl<T: DeserializeOwned> TomlFile<T> {
     /// # Errors
     /// [`TomlError`] when it cannot be read, is no TOML, or holds a field that is unknown, missing or of another type.
     pub fn read(path: &Path) -> Result<Self, TomlError> {
-        let text = std::fs::read_to_string(path).map_err(|source| TomlError::Io {
-            path: path.to_owned(),
-            source,
-        })?;
+        let text = std::fs::read_to_string(path).map_err(|source| TomlError::Io { path: path.to_owned(), source })?;
         Self::parse(path, &text)
     }
 
@@ -70,11 +67,7 @@ impl<T: DeserializeOwned> TomlFile<T> {
     pub fn parse(path: &Path, text: &str) -> Result<Self, TomlError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         match toml::from_str(text) {
-            Ok(values) => Ok(Self {
-                values,
-                path: path.to_owned(),
-                text: text.to_owned(),
-            }),
+            Ok(values) => Ok(Self { values, path: path.to_owned(), text: text.to_owned() }),
             Err(error) => {
                 let place = match error.span() {
                     Some(span) => Place::of_byte(path, text, span.start),
@@ -96,10 +89,7 @@ impl<T> TomlFile<T> {
             Some(byte) => Place::of_byte(&self.path, &self.text, byte),
             None => Place::of_file(&self.path),
         };
-        TomlError::Refused {
-            place,
-            message: message.into(),
-        }
+        TomlError::Refused { place, message: message.into() }
     }
 
     /// As [`TomlFile::refuse`], the way given as in `davis.r0`.
@@ -123,10 +113,7 @@ impl<T> TomlFile<T> {
     }
 }
 
-fn child<'a, 'i>(
-    value: &'a Spanned<DeValue<'i>>,
-    step: &Step<'_>,
-) -> Option<&'a Spanned<DeValue<'i>>> {
+fn child<'a, 'i>(value: &'a Spanned<DeValue<'i>>, step: &Step<'_>) -> Option<&'a Spanned<DeValue<'i>>> {
     match (value.get_ref(), step) {
         (DeValue::Table(table), Step::Name(name)) => table.get(*name),
         (DeValue::Array(array), Step::Index(index)) => array.get(*index),
@@ -169,14 +156,8 @@ mod tests {
             message("mass_kg = 1.0\nmas = 2\n"),
             "x.toml:2:1: unknown field `mas`, expected `mass_kg` or `entry`"
         );
-        assert_eq!(
-            message("# nothing\n"),
-            "x.toml:1:1: missing field `mass_kg`"
-        );
-        assert_eq!(
-            message("mass_kg = \"heavy\"\n"),
-            "x.toml:1:11: invalid type: string \"heavy\", expected f64"
-        );
+        assert_eq!(message("# nothing\n"), "x.toml:1:1: missing field `mass_kg`");
+        assert_eq!(message("mass_kg = \"heavy\"\n"), "x.toml:1:11: invalid type: string \"heavy\", expected f64");
         assert!(message("mass_kg = = 1").starts_with("x.toml:1:11: "));
     }
 
@@ -190,28 +171,14 @@ mod tests {
         let file = parse("mass_kg = 1\n\n[[entry]]\nat_m = 5\n[[entry]]\nat_m =  4\n").unwrap();
         assert_eq!(file.values.entry.len(), 2);
         let steps = [Step::Name("entry"), Step::Index(1), Step::Name("at_m")];
-        assert_eq!(
-            file.refuse(&steps, "not sorted").to_string(),
-            "x.toml:6:9: not sorted"
-        );
-        assert_eq!(
-            file.refuse_dotted("mass_kg", "light").to_string(),
-            "x.toml:1:11: light"
-        );
-        assert_eq!(
-            file.refuse_dotted("davis.r0", "small").to_string(),
-            "x.toml: small"
-        );
+        assert_eq!(file.refuse(&steps, "not sorted").to_string(), "x.toml:6:9: not sorted");
+        assert_eq!(file.refuse_dotted("mass_kg", "light").to_string(), "x.toml:1:11: light");
+        assert_eq!(file.refuse_dotted("davis.r0", "small").to_string(), "x.toml: small");
     }
 
     #[test]
     fn a_file_that_is_not_there_is_named() {
         let error = TomlFile::<Values>::read("no/such.toml".as_ref()).unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .starts_with("no/such.toml: cannot be read: "),
-            "{error}"
-        );
+        assert!(error.to_string().starts_with("no/such.toml: cannot be read: "), "{error}");
     }
 }

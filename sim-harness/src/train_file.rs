@@ -129,9 +129,6 @@ mod tests {
                 .starts_with("train.toml:4:1: unknown field `lenght_m`, expected one of `name`")
         );
         assert!(error("[davis]", "[davies]").starts_with("train.toml:8:2: unknown field `davies`"));
-        assert_eq!(
-            error("r2 = 2.8e-5\n", ""),
-            "train.toml:8:1: missing field `r2`"
-        );
+        assert_eq!(error("r2 = 2.8e-5\n", ""), "train.toml:8:1: missing field `r2`");
     }
 }

@@ -85,11 +85,7 @@ mod tests {
                 speed_mps: Some(speed * (25.0 + 5.0 * (t / 50.0).cos())),
                 effort_n_per_kg: Some(effort * 0.3 * (t / 50.0).sin()),
             };
-            Row {
-                line: 2 + u64::from(i),
-                measurement,
-                temperature_c: None,
-            }
+            Row { line: 2 + u64::from(i), measurement, temperature_c: None }
         };
         (0..60).map(row).collect()
     }
@@ -107,8 +103,7 @@ mod tests {
 
     #[test]
     fn another_unit_is_named() {
-        let of =
-            |rows: Vec<Row>, unit: &str| assert!(words(&rows).contains(unit), "{}", words(&rows));
+        let of = |rows: Vec<Row>, unit: &str| assert!(words(&rows).contains(unit), "{}", words(&rows));
         of(rows(1.0, 1.0, 1.0 / 3.6, 1.0), "3.600 times");
         of(rows(1.0, 1.0, 1.0 / 3.6, 1.0), "m/s");
         of(rows(1.0, 1.0, 0.6214, 1.0), "miles");

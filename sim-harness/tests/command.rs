@@ -40,11 +40,7 @@ impl Folder {
         command.current_dir(self.0.path()).arg("replay");
         command.arg("--train").arg(reference().join("train.toml"));
         command.arg("--track").arg(track);
-        command
-            .args(["--out", "out"])
-            .args(arguments)
-            .output()
-            .unwrap()
+        command.args(["--out", "out"]).args(arguments).output().unwrap()
     }
 }
 
@@ -72,16 +68,8 @@ fn a_replay_writes_every_file_and_one_row_a_sample() {
     assert_eq!(stderr(&output), "");
     assert_eq!(folder.read("out/run01.estimates.csv").lines().count(), 117);
     assert_eq!(folder.read("out/features.csv").lines().count(), 2);
-    assert!(
-        folder
-            .read("out/parameters.csv")
-            .starts_with("run,r0,r1,r2,sd_r0,sd_r1,sd_r2,run_r0,")
-    );
-    assert!(
-        folder
-            .read("out/switching_points.csv")
-            .starts_with("run,time_s,location_m,speed_mps,from,to\n")
-    );
+    assert!(folder.read("out/parameters.csv").starts_with("run,r0,r1,r2,sd_r0,sd_r1,sd_r2,run_r0,"));
+    assert!(folder.read("out/switching_points.csv").starts_with("run,time_s,location_m,speed_mps,from,to\n"));
     assert!(folder.read("out/report.html").contains("<svg"));
     let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
     assert_eq!(json["runs"][0]["steps"], 116);
@@ -93,10 +81,7 @@ fn the_same_logs_give_the_same_bytes() {
     for mode in ["paper", "gated"] {
         let mut bytes = Vec::new();
         for _ in 0..2 {
-            assert_eq!(
-                code(&folder.replay(&["--mode", mode, "a.csv", "b.csv"])),
-                Some(0)
-            );
+            assert_eq!(code(&folder.replay(&["--mode", mode, "a.csv", "b.csv"])), Some(0));
             bytes.push((
                 folder.read("out/b.estimates.csv"),
                 folder.read("out/parameters.csv"),
@@ -120,18 +105,11 @@ fn coast_ahead_has_a_row_a_tick_where_the_track_has_limits() {
         )
     );
     let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
-    assert_eq!(
-        rows.len(),
-        folder.read("out/run.estimates.csv").lines().count() - 1
-    );
+    assert_eq!(rows.len(), folder.read("out/run.estimates.csv").lines().count() - 1);
     let arrives: Vec<&Vec<&str>> = rows.iter().filter(|row| row[3] == "arrives").collect();
     assert!(arrives.len() > 30, "{}", arrives.len());
     // The limit of 40 km/h before the platform.
-    assert!(
-        arrives
-            .iter()
-            .any(|row| row[4].parse::<f64>().unwrap() == 31_853.0)
-    );
+    assert!(arrives.iter().any(|row| row[4].parse::<f64>().unwrap() == 31_853.0));
     let published = rows.iter().filter(|row| row[12] == "1").count();
     assert!(0 < published && published < rows.len());
     let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
@@ -150,10 +128,7 @@ fn coast_ahead_has_a_row_a_tick_where_the_track_has_limits() {
         }
     }
     let folder = Folder::new().with("run.csv", RUN).with("bare.toml", &bare);
-    assert_eq!(
-        code(&folder.replay_on(&folder.path("bare.toml"), &["run.csv"])),
-        Some(0)
-    );
+    assert_eq!(code(&folder.replay_on(&folder.path("bare.toml"), &["run.csv"])), Some(0));
     assert!(!folder.path("out/run.coast_ahead.csv").exists());
 }
 
@@ -163,13 +138,7 @@ fn the_vehicle_is_carried_unless_asked_not_to() {
     let vehicles = |arguments: &[&str]| -> Vec<String> {
         assert_eq!(code(&folder.replay(arguments)), Some(0));
         let parameters = folder.read("out/parameters.csv");
-        let vehicle = |line: &str| {
-            line.split(',')
-                .skip(1)
-                .take(6)
-                .collect::<Vec<_>>()
-                .join(",")
-        };
+        let vehicle = |line: &str| line.split(',').skip(1).take(6).collect::<Vec<_>>().join(",");
         parameters.lines().skip(1).map(vehicle).collect()
     };
     let carried = vehicles(&["--mode", "paper", "a.csv", "b.csv"]);
@@ -181,9 +150,7 @@ fn the_vehicle_is_carried_unless_asked_not_to() {
 
 #[test]
 fn json_is_all_that_stands_on_stdout() {
-    let folder = Folder::new()
-        .with("logs/run01.csv", RUN)
-        .with("logs/bad.csv", "time_s,location_m,speed_kmh\n0,x,1\n");
+    let folder = Folder::new().with("logs/run01.csv", RUN).with("logs/bad.csv", "time_s,location_m,speed_kmh\n0,x,1\n");
     let output = folder.replay(&["--json", "--mode", "paper", "logs"]);
     assert_eq!(code(&output), Some(1));
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -201,14 +168,8 @@ fn a_bad_row_names_file_line_and_column_and_stops_only_its_run() {
     let output = folder.replay(&["bad.csv", "good.csv", "nowhere.csv"]);
     assert_eq!(code(&output), Some(1));
     let stderr = stderr(&output);
-    assert!(
-        stderr.starts_with("error: bad.csv: line 3: expected 3 fields as in the header, found 4\n"),
-        "{stderr}"
-    );
-    assert!(
-        stderr.contains("error: nowhere.csv: cannot be read"),
-        "{stderr}"
-    );
+    assert!(stderr.starts_with("error: bad.csv: line 3: expected 3 fields as in the header, found 4\n"), "{stderr}");
+    assert!(stderr.contains("error: nowhere.csv: cannot be read"), "{stderr}");
     assert!(folder.path("out/good.estimates.csv").exists());
     assert!(!folder.path("out/bad.estimates.csv").exists());
 
@@ -222,10 +183,7 @@ fn a_row_back_in_time_is_warned_of_and_counted() {
     let folder = Folder::new().with("run.csv", &format!("{RUN}5.0,20,10\n"));
     let output = folder.replay(&["run.csv"]);
     assert_eq!(code(&output), Some(0));
-    assert_eq!(
-        stderr(&output),
-        "warning: run.csv: line 118, column 1 (time_s): expected a time after 1150, found 5\n"
-    );
+    assert_eq!(stderr(&output), "warning: run.csv: line 118, column 1 (time_s): expected a time after 1150, found 5\n");
     let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
     assert_eq!(json["runs"][0]["counters"]["time_not_increasing"], 1);
     assert_eq!(json["runs"][0]["dropped"][0]["line"], 118);
@@ -234,16 +192,12 @@ fn a_row_back_in_time_is_warned_of_and_counted() {
 
 #[test]
 fn what_spoils_a_whole_replay_is_said_aloud() {
-    let folder = Folder::new()
-        .with("run.csv", RUN)
-        .with("short.toml", "name = \"km for m\"\nlength_m = 32\n");
+    let folder = Folder::new().with("run.csv", RUN).with("short.toml", "name = \"km for m\"\nlength_m = 32\n");
     let notes = |output: &Output| {
         assert_eq!(code(output), Some(0), "{}", stderr(output));
         let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
         let of_json = json["notes"].as_array().unwrap().iter();
-        let of_json: String = of_json
-            .map(|note| format!("note: {}\n", note.as_str().unwrap()))
-            .collect();
+        let of_json: String = of_json.map(|note| format!("note: {}\n", note.as_str().unwrap())).collect();
         assert_eq!(of_json, stderr(output));
         of_json
     };
@@ -268,8 +222,7 @@ fn a_log_without_any_speed_is_named_and_one_that_cannot_be_read_is_no_reason_for
         .with("run.csv", "time_s,location_m,speed_kmh\n0,0,\n10,5,\n")
         .with("bad.csv", "time_s,location_m,speed_kmh\n0,0,x\n");
     let found = stderr(&folder.replay(&["run.csv"]));
-    let expected =
-        "note: run: no speed_kmh in any row, without which nothing is known of the train\n";
+    let expected = "note: run: no speed_kmh in any row, without which nothing is known of the train\n";
     assert!(found.starts_with(expected), "{found}");
     let found = stderr(&folder.replay(&["bad.csv"]));
     assert!(found.starts_with("error: bad.csv: line 2"), "{found}");
@@ -281,10 +234,7 @@ fn a_log_without_any_speed_is_named_and_one_that_cannot_be_read_is_no_reason_for
 fn the_tables_of_the_reference_come_out_of_the_command() {
     let alpha_1 = reference().join("alpha_1.toml");
     let alpha_1 = alpha_1.to_str().unwrap();
-    for (arguments, name) in [
-        (["--mode", "paper"], "A_run01.csv"),
-        (["--config", alpha_1], "D_run01.csv"),
-    ] {
+    for (arguments, name) in [(["--mode", "paper"], "A_run01.csv"), (["--config", alpha_1], "D_run01.csv")] {
         let folder = Folder::new().with("run.csv", RUN);
         let output = folder.replay(&[arguments[0], arguments[1], "run.csv"]);
         assert_eq!(code(&output), Some(0), "{}", stderr(&output));
@@ -321,10 +271,7 @@ fn columns(text: &str) -> HashMap<String, Vec<String>> {
     let mut columns: HashMap<String, Vec<String>> = HashMap::new();
     for line in lines {
         for (name, field) in names.iter().zip(line) {
-            columns
-                .entry(name.clone())
-                .or_default()
-                .push(field.to_owned());
+            columns.entry(name.clone()).or_default().push(field.to_owned());
         }
     }
     columns
@@ -335,32 +282,22 @@ fn a_tick_takes_the_newest_sample_of_each_period() {
     let folder = Folder::new().with("run.csv", RUN);
     assert_eq!(code(&folder.replay(&["--tick", "20", "run.csv"])), Some(0));
     let estimates = folder.read("out/run.estimates.csv");
-    let times: Vec<&str> = estimates
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').next().unwrap())
-        .collect();
+    let times: Vec<&str> = estimates.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
     assert_eq!(times.len(), 59);
     assert_eq!(times[1], "2.0000000000000000e1");
 }
 
 #[test]
 fn refused_descriptions_have_their_own_exit_code() {
-    let folder = Folder::new()
-        .with("run.csv", RUN)
-        .with("c.toml", "[sensor]\nlocation_sd_m = -1\n");
+    let folder = Folder::new().with("run.csv", RUN).with("c.toml", "[sensor]\nlocation_sd_m = -1\n");
     let output = folder.replay(&["--config", "c.toml", "run.csv"]);
     assert_eq!(code(&output), Some(3));
     assert!(
-        stderr(&output)
-            .starts_with("error: c.toml:2:17: configuration: sensor.location_sd_m must be"),
+        stderr(&output).starts_with("error: c.toml:2:17: configuration: sensor.location_sd_m must be"),
         "{}",
         stderr(&output)
     );
-    assert_eq!(
-        code(&folder.replay(&["--mode", "none", "run.csv"])),
-        Some(2)
-    );
+    assert_eq!(code(&folder.replay(&["--mode", "none", "run.csv"])), Some(2));
     for tick in ["0", "601", "inf", "x"] {
         assert_eq!(code(&folder.replay(&["--tick", tick, "run.csv"])), Some(2));
     }
@@ -368,61 +305,32 @@ fn refused_descriptions_have_their_own_exit_code() {
 
 #[test]
 fn an_output_that_cannot_be_written_has_its_own_exit_code() {
-    let folder = Folder::new()
-        .with("run.csv", RUN)
-        .with("out", "a file where the folder should be");
+    let folder = Folder::new().with("run.csv", RUN).with("out", "a file where the folder should be");
     let output = folder.replay(&["run.csv"]);
     assert_eq!(code(&output), Some(4));
-    assert!(
-        stderr(&output).ends_with("choose another folder with --out\n"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).ends_with("choose another folder with --out\n"), "{}", stderr(&output));
 }
 
 #[test]
 fn help_and_completions_are_there() {
-    let run = |arguments: &[&str]| {
-        Command::new(env!("CARGO_BIN_EXE_rundown"))
-            .args(arguments)
-            .output()
-            .unwrap()
-    };
+    let run = |arguments: &[&str]| Command::new(env!("CARGO_BIN_EXE_rundown")).args(arguments).output().unwrap();
     let help = stdout(&run(&["replay", "--help"]));
-    for word in [
-        "Examples:",
-        "Exit codes:",
-        "--skip-bad-rows",
-        "parameters.csv",
-    ] {
+    for word in ["Examples:", "Exit codes:", "--skip-bad-rows", "parameters.csv"] {
         assert!(help.contains(word), "{word}");
     }
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        assert!(
-            stdout(&run(&["completions", shell])).contains("rundown"),
-            "{shell}"
-        );
+        assert!(stdout(&run(&["completions", shell])).contains("rundown"), "{shell}");
     }
 }
 
 #[test]
 fn the_demo_says_what_it_saw_and_where_the_report_lies() {
     let folder = Folder::new();
-    let output = Command::new(env!("CARGO_BIN_EXE_rundown"))
-        .current_dir(folder.0.path())
-        .arg("demo")
-        .output()
-        .unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_rundown")).current_dir(folder.0.path()).arg("demo").output().unwrap();
     assert_eq!(code(&output), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
-    for word in [
-        "67 simulated runs",
-        "final coast",
-        "final brake",
-        "at 60 km/h",
-        "at 140 km/h",
-        "out/demo/report.html",
-    ] {
+    for word in ["67 simulated runs", "final coast", "final brake", "at 60 km/h", "at 140 km/h", "out/demo/report.html"]
+    {
         assert!(text.contains(word), "{word} in {text}");
     }
     assert!(folder.path("out/demo/report.html").exists());

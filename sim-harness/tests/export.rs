@@ -11,9 +11,7 @@ use std::process::Output;
 const RUN: &str = include_str!("../../data/reference/run01.csv");
 
 fn reference(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../data/reference")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference").join(name)
 }
 
 fn stderr(output: &Output) -> String {
@@ -35,22 +33,10 @@ fn replayed(more: &[&str]) -> tempfile::TempDir {
     folder
 }
 
-const EXPORT: [&str; 8] = [
-    "export",
-    "--sfera",
-    "out",
-    "--company",
-    "0084",
-    "--traction=1500V",
-    "--max-speed",
-    "140",
-];
+const EXPORT: [&str; 8] = ["export", "--sfera", "out", "--company", "0084", "--traction=1500V", "--max-speed", "140"];
 
 fn exported(folder: &Path, more: &[&str]) -> Output {
-    rundown(
-        folder,
-        &[&EXPORT[..], &["--train", "train.toml"], more].concat(),
-    )
+    rundown(folder, &[&EXPORT[..], &["--train", "train.toml"], more].concat())
 }
 
 /// Names and attributes of all elements, in their order.
@@ -88,10 +74,7 @@ fn what_was_learned_goes_out_and_comes_back() {
     let output = exported(at, &[]);
     assert!(output.status.success(), "{}", stderr(&output));
     let said = String::from_utf8(output.stdout).unwrap();
-    assert!(
-        said.contains("largest effort") && said.contains("3 runs"),
-        "{said}"
-    );
+    assert!(said.contains("largest effort") && said.contains("3 runs"), "{said}");
 
     // The vehicle after the last run, in the results and in the train file.
     let parameters = std::fs::read_to_string(at.join("out/parameters.csv")).unwrap();
@@ -108,10 +91,7 @@ fn what_was_learned_goes_out_and_comes_back() {
     let train: toml::Table = train.parse().unwrap();
     let davis = |name: &str| train["davis"][name].as_float().unwrap();
     assert_eq!([davis("r0"), davis("r1"), davis("r2")], last[..]);
-    assert!(
-        (last[0] / 7.38e-3 - 1.0).abs() > 1e-3,
-        "it has learned: {last:?}"
-    );
+    assert!((last[0] / 7.38e-3 - 1.0).abs() > 1e-3, "it has learned: {last:?}");
 
     // The document states the same per stated rotating mass.
     let xml = std::fs::read_to_string(at.join("learned/sfera.xml")).unwrap();
@@ -122,21 +102,10 @@ fn what_was_learned_goes_out_and_comes_back() {
     let rotating_mass_kg = 1000.0 * value("trainWeight") * value("rotatingMassFactor");
     for (name, learned) in ["A", "B", "C"].iter().zip(&last) {
         let stated = value(&format!("rolloutCoefficient{name}")) / rotating_mass_kg;
-        assert!(
-            (stated / learned - 1.0).abs() < 1e-6,
-            "{name}: {stated} {learned}"
-        );
+        assert!((stated / learned - 1.0).abs() < 1e-6, "{name}: {stated} {learned}");
     }
     let names: Vec<&str> = elements.iter().map(|(name, _)| name.as_str()).collect();
-    assert_eq!(
-        names[..4],
-        [
-            "TrainCharacteristics",
-            "TC_RU_ID",
-            "TC_Features",
-            "TractionForceCurve"
-        ]
-    );
+    assert_eq!(names[..4], ["TrainCharacteristics", "TC_RU_ID", "TC_Features", "TractionForceCurve"]);
     assert_eq!(names[names.len() - 2..], ["TFC_TractionType", "Electrical"]);
     let points: Vec<(f64, f64)> = elements
         .iter()
@@ -146,23 +115,11 @@ fn what_was_learned_goes_out_and_comes_back() {
             (value("speed"), value("tractionForce"))
         })
         .collect();
-    assert!(
-        points.is_sorted_by(|a, b| a.0 < b.0 && a.1 >= b.1),
-        "{points:?}"
-    );
+    assert!(points.is_sorted_by(|a, b| a.0 < b.0 && a.1 >= b.1), "{points:?}");
     assert_eq!(points.last().unwrap().0, 140.0);
 
     // A replay begins with it.
-    let again = [
-        "replay",
-        "--train",
-        "learned/train.toml",
-        "--track",
-        "track.toml",
-        "--out",
-        "again",
-        "logs/a.csv",
-    ];
+    let again = ["replay", "--train", "learned/train.toml", "--track", "track.toml", "--out", "again", "logs/a.csv"];
     let output = rundown(at, &again);
     assert!(output.status.success(), "{}", stderr(&output));
     let estimates = std::fs::read_to_string(at.join("again/a.estimates.csv")).unwrap();
@@ -175,11 +132,7 @@ fn what_has_learned_nothing_together_is_refused() {
     let folder = replayed(&["--no-carry"]);
     let output = exported(folder.path(), &[]);
     assert_eq!(output.status.code(), Some(3));
-    assert!(
-        stderr(&output).contains("--no-carry"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("--no-carry"), "{}", stderr(&output));
 }
 
 #[test]
@@ -191,19 +144,11 @@ fn another_train_another_unit_and_no_replay_are_refused() {
     std::fs::write(at.join("other.toml"), other).unwrap();
     let output = rundown(at, &[&EXPORT[..], &["--train", "other.toml"]].concat());
     assert_eq!(output.status.code(), Some(3));
-    assert!(
-        stderr(&output).contains("expected that of the train file"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("expected that of the train file"), "{}", stderr(&output));
     assert_eq!(exported(at, &["--unit", "nobody"]).status.code(), Some(3));
     std::fs::remove_file(at.join("out/replay.json")).unwrap();
     let output = exported(at, &[]);
     assert_eq!(output.status.code(), Some(3));
-    assert!(
-        stderr(&output).contains("replay.json"),
-        "{}",
-        stderr(&output)
-    );
+    assert!(stderr(&output).contains("replay.json"), "{}", stderr(&output));
     assert!(!at.join("learned").exists());
 }

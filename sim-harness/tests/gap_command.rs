@@ -32,23 +32,15 @@ k = 1.2e-5
 
 fn told(output: &Output) -> (Option<i32>, String, String) {
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
-    (
-        output.status.code(),
-        text(&output.stdout),
-        text(&output.stderr),
-    )
+    (output.status.code(), text(&output.stdout), text(&output.stderr))
 }
 
 /// A folder with `set`: so many runs with an effort column.
 fn simulated(runs: usize, effect: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let scenario =
-        format!("name = \"set\"\nruns = {runs}\nseed = 3\n[effort]\ncolumn = true\n{effect}");
+    let scenario = format!("name = \"set\"\nruns = {runs}\nseed = 3\n[effort]\ncolumn = true\n{effect}");
     std::fs::write(folder.path().join("s.toml"), scenario).unwrap();
-    done(
-        folder.path(),
-        &["simulate", "--scenario", "s.toml", "--out", "set"],
-    );
+    done(folder.path(), &["simulate", "--scenario", "s.toml", "--out", "set"]);
     folder
 }
 
@@ -156,10 +148,7 @@ fn without_effort_and_coasting_no_resistance_is_judged_and_no_map_drawn() {
     }
     let (code, screen, words) = gap(folder.path(), &["--runs", "cruising"]);
     assert_eq!(code, Some(0), "{words}");
-    assert!(
-        screen.contains(NO_ROWS) && !screen.contains("p-value"),
-        "{screen}"
-    );
+    assert!(screen.contains(NO_ROWS) && !screen.contains("p-value"), "{screen}");
     let json: Value = serde_json::from_str(&read(folder.path(), "gap.json")).unwrap();
     assert_eq!(caveats(&json)[0], NO_ROWS);
     assert!(json["p_value"].is_null() && json["gap"]["p_value_after"].is_null());
@@ -194,12 +183,7 @@ fn a_repair_that_makes_things_worse_is_told_everywhere() {
             described_effects: 0,
             rotating_mass_kg: train.rotating_mass_kg(),
         };
-        let page = page(&Page {
-            answer,
-            found,
-            believed,
-            runs: &runs,
-        });
+        let page = page(&Page { answer, found, believed, runs: &runs });
         (answer.json(), story(&answer), page)
     };
     let (json, screen, html) = told(&found);
@@ -212,13 +196,7 @@ fn a_repair_that_makes_things_worse_is_told_everywhere() {
     assert!(screen.contains("worse than before") && html.contains("Worse than before"));
     // Nine effects are more than a board takes: there is no frame, so there is no file.
     let (mut file, (train, _)) = (file, TrainFile::read(&set.join("train.toml")).unwrap());
-    file.effect = vec![
-        EffectEntry {
-            effect: Effect::SteadyWind(SteadyWind { wind_mps: 1.0 }),
-            runs: None,
-        };
-        9
-    ];
+    file.effect = vec![EffectEntry { effect: Effect::SteadyWind(SteadyWind { wind_mps: 1.0 }), runs: None }; 9];
     let texts = [("gap.json", screen), ("report.html", html)];
     let error = Files::render(&found, &(train, file), texts).unwrap_err();
     assert!(error.to_string().starts_with("effect.frame: "), "{error}");
@@ -255,32 +233,15 @@ fn a_copy_of_a_run_and_a_log_that_is_none_are_left_out_and_told() {
     std::fs::write(runs.join("none.csv"), "no log at all\n").unwrap();
     let output = rundown(
         folder.path(),
-        &[
-            "gap",
-            "--train",
-            "set/train.toml",
-            "--track",
-            "set/track.toml",
-            "--runs",
-            "set/runs",
-            "--out",
-            "gap",
-        ],
+        &["gap", "--train", "set/train.toml", "--track", "set/track.toml", "--runs", "set/runs", "--out", "gap"],
     );
     let (code, screen, notes) = told(&output);
     assert_eq!(code, Some(1), "{notes}");
     assert!(notes.contains("samples of another run"), "{notes}");
-    assert!(
-        screen.contains("2 of 10 logs could not be used"),
-        "{screen}"
-    );
+    assert!(screen.contains("2 of 10 logs could not be used"), "{screen}");
     let json: Value =
-        serde_json::from_str(&std::fs::read_to_string(folder.path().join("gap/gap.json")).unwrap())
-            .unwrap();
-    assert_eq!(
-        (json["runs"].as_u64(), json["runs_left_out"].as_u64()),
-        (Some(8), Some(2))
-    );
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join("gap/gap.json")).unwrap()).unwrap();
+    assert_eq!((json["runs"].as_u64(), json["runs_left_out"].as_u64()), (Some(8), Some(2)));
 }
 
 /// The logs of a set, each line changed.

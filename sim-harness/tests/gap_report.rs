@@ -24,24 +24,12 @@ k = 1.2e-5
 fn investigated(effect: &str) -> (Value, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    let effort = if effect.contains("[effort]") {
-        ""
-    } else {
-        EFFORT
-    };
+    let effort = if effect.contains("[effort]") { "" } else { EFFORT };
     let scenario = format!("{SCENARIO}{effort}{effect}");
     std::fs::write(path.join("s.toml"), scenario).unwrap();
     done(path, &["simulate", "--scenario", "s.toml", "--out", "set"]);
     let model = ["--train", "set/train.toml", "--track", "set/track.toml"];
-    let gap = [
-        "gap",
-        "--runs",
-        "set/runs",
-        "--out",
-        "out",
-        "--hold-out",
-        "6",
-    ];
+    let gap = ["gap", "--runs", "set/runs", "--out", "out", "--hold-out", "6"];
     done(path, &[gap.as_slice(), &model].concat());
     let read = |name: &str| std::fs::read_to_string(path.join("out").join(name)).unwrap();
     let json = serde_json::from_str(&read("gap.json")).unwrap();
@@ -50,9 +38,7 @@ fn investigated(effect: &str) -> (Value, String) {
 
 fn stands_alone(page: &str) {
     assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
-    for outside in [
-        "http:", "https:", "src=", "href=", "<script", "<link", "@import", "url(",
-    ] {
+    for outside in ["http:", "https:", "src=", "href=", "<script", "<link", "@import", "url("] {
         assert!(!page.contains(outside), "{outside}");
     }
     assert!(!page.contains("NaN") && !page.contains("could not be drawn"));
@@ -80,25 +66,15 @@ fn the_page_tells_the_tunnel_and_what_it_takes_away() {
     };
     let ends = numbers(&json["gap"]["removed_share_95"]);
     let removed = json["gap"]["removed_share"].as_f64().unwrap();
-    assert!(
-        ends[0] <= removed && removed <= ends[1] && ends[0] > 0.3,
-        "{json}"
-    );
-    let interval = format!(
-        "95\u{a0}% interval {:.0} to {:.0}",
-        100.0 * ends[0],
-        100.0 * ends[1]
-    );
+    assert!(ends[0] <= removed && removed <= ends[1] && ends[0] > 0.3, "{json}");
+    let interval = format!("95\u{a0}% interval {:.0} to {:.0}", 100.0 * ends[0], 100.0 * ends[1]);
     assert!(page.contains(&interval), "{interval}");
     let before = json["gap"]["p_value_before"].as_f64().unwrap();
     let after = json["gap"]["p_value_after"].as_f64().unwrap();
     assert!(before < 0.05 && after > 0.05, "{json}");
     let rivals = json["effects"][0]["rivals"].as_array().unwrap();
     assert!(rivals.len() > 3, "{json}");
-    let worse: Vec<f64> = rivals
-        .iter()
-        .map(|r| r["worse"].as_f64().unwrap())
-        .collect();
+    let worse: Vec<f64> = rivals.iter().map(|r| r["worse"].as_f64().unwrap()).collect();
     assert!(worse.is_sorted() && worse[0] > 0.0, "{json}");
     assert!(page.contains("<h3>Rivals</h3>") && page.contains("davis error"));
     assert!(page.contains("The law of the tunnel drag over the data"));
@@ -109,14 +85,8 @@ fn the_page_tells_the_tunnel_and_what_it_takes_away() {
         let mean = |name: &str| json[name]["mean"].as_f64().unwrap();
         assert!(mean("error_before") < 0.0 && of("runs") == 6.0, "{json}");
         assert!(of("after") < of("before"), "{json}");
-        assert!(
-            mean("error_after").abs() < 0.5 * mean("error_before").abs(),
-            "{json}"
-        );
-        assert!(
-            page.contains(&format!("<td>{:.2}</td>", of("before"))),
-            "{json}"
-        );
+        assert!(mean("error_after").abs() < 0.5 * mean("error_before").abs(), "{json}");
+        assert!(page.contains(&format!("<td>{:.2}</td>", of("before"))), "{json}");
     }
 }
 
@@ -139,10 +109,7 @@ fn without_an_effort_column_energy_is_not_told() {
     let (json, page) = investigated("[line]\nname = \"hilly\"\n[effort]\ncolumn = false\n");
     let why = json["energy"]["why_not"].as_str().unwrap();
     assert!(why.starts_with("cannot be measured") && page.contains(why));
-    assert!(
-        json["running_time"]["windows"].as_u64().unwrap() > 0,
-        "{json}"
-    );
+    assert!(json["running_time"]["windows"].as_u64().unwrap() > 0, "{json}");
 }
 
 #[test]

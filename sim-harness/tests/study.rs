@@ -22,16 +22,9 @@ impl Folder {
     }
 
     fn rundown(&self, arguments: &[&str]) -> Output {
-        let output = Command::new(env!("CARGO_BIN_EXE_rundown"))
-            .current_dir(self.0.path())
-            .args(arguments)
-            .output()
-            .unwrap();
-        assert!(
-            output.stderr.is_empty(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_rundown")).current_dir(self.0.path()).args(arguments).output().unwrap();
+        assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
         output
     }
 
@@ -46,10 +39,7 @@ impl Folder {
         let mut reader = csv::Reader::from_path(self.path(name)).unwrap();
         Table {
             header: reader.headers().unwrap().iter().map(String::from).collect(),
-            rows: reader
-                .records()
-                .map(|row| row.unwrap().iter().map(String::from).collect())
-                .collect(),
+            rows: reader.records().map(|row| row.unwrap().iter().map(String::from).collect()).collect(),
         }
     }
 }
@@ -67,28 +57,20 @@ impl Table {
     }
 
     fn numbers(&self, name: &str) -> Vec<f64> {
-        let there = self
-            .column(name)
-            .into_iter()
-            .filter(|text| !text.is_empty());
+        let there = self.column(name).into_iter().filter(|text| !text.is_empty());
         there.map(|text| text.parse().unwrap()).collect()
     }
 
     fn rows_of(&self, column: &str, value: &str) -> Self {
         let keep: Vec<bool> = self.column(column).iter().map(|v| *v == value).collect();
         let rows = self.rows.iter().zip(keep).filter(|(_, keep)| *keep);
-        Self {
-            header: self.header.clone(),
-            rows: rows.map(|(row, _)| row.clone()).collect(),
-        }
+        Self { header: self.header.clone(), rows: rows.map(|(row, _)| row.clone()).collect() }
     }
 }
 
 fn names(folder: &Path) -> BTreeSet<String> {
     let entries = std::fs::read_dir(folder).unwrap();
-    entries
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect()
+    entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
 }
 
 #[test]
@@ -138,10 +120,7 @@ fn the_numbers_are_those_of_the_runs() {
     let profiles = folder.table("out/fig2_speed_profiles.csv");
     let drawn: BTreeSet<&str> = profiles.column("run").into_iter().collect();
     assert_eq!(drawn, runs.column("run").into_iter().collect());
-    let top = profiles
-        .numbers("speed_kmh")
-        .into_iter()
-        .fold(0.0, f64::max);
+    let top = profiles.numbers("speed_kmh").into_iter().fold(0.0, f64::max);
     let top_of_runs = runs.numbers("top_kmh").into_iter().fold(0.0, f64::max);
     assert!((top - top_of_runs).abs() < 1e-6);
 
@@ -149,18 +128,12 @@ fn the_numbers_are_those_of_the_runs() {
     let samples: f64 = runs.numbers("rows").iter().sum();
     let davis = folder.table("out/fig4_davis_paper.csv");
     for name in ["r0", "r1", "r2"] {
-        let counted: f64 = davis
-            .rows_of("quantity", name)
-            .numbers("count")
-            .iter()
-            .sum();
+        let counted: f64 = davis.rows_of("quantity", name).numbers("count").iter().sum();
         assert_eq!(counted, samples, "{name}");
     }
 
     // Fig. 7: a final coast of each run lies in the bin that counts it.
-    let style = folder
-        .table("out/fig7_style_gated.csv")
-        .rows_of("quantity", "final_coast_min");
+    let style = folder.table("out/fig7_style_gated.csv").rows_of("quantity", "final_coast_min");
     let coasts = runs.numbers("gated_final_coast_s");
     let (from, to) = (style.numbers("from"), style.numbers("to"));
     for (index, count) in style.numbers("count").into_iter().enumerate() {
@@ -176,27 +149,18 @@ fn the_numbers_are_those_of_the_runs() {
     let samples = brake.rows_of("kind", "sample");
     let speeds = samples.numbers("speed_kmh");
     let rates = samples.numbers("brake_rate_mps2");
-    let within = speeds
-        .iter()
-        .zip(&rates)
-        .filter(|(v, _)| **v > 40.0 && **v <= 60.0);
+    let within = speeds.iter().zip(&rates).filter(|(v, _)| **v > 40.0 && **v <= 60.0);
     let within: Vec<f64> = within.map(|(_, rate)| *rate).collect();
     let mean = within.iter().sum::<f64>() / within.len() as f64;
     assert!((mean - step).abs() < 1e-9, "{mean} {step}");
 
-    let true_step = brake
-        .rows_of("kind", "true_step")
-        .rows_of("run", "60_to_40");
+    let true_step = brake.rows_of("kind", "true_step").rows_of("run", "60_to_40");
     let true_rate = true_step.numbers("brake_rate_mps2")[0];
     assert!((true_rate - step).abs() < 0.1, "{true_rate} {step}");
 
     // Fig. 9: one cross a run, its largest power between 50 and 90 km/h.
     let power = folder.table("out/fig9_power_gated.csv");
-    for (run, largest) in runs
-        .column("run")
-        .iter()
-        .zip(runs.numbers("gated_max_power_50_90_kw"))
-    {
+    for (run, largest) in runs.column("run").iter().zip(runs.numbers("gated_max_power_50_90_kw")) {
         let cross = power.rows_of("run", run).rows_of("largest_50_90", "yes");
         assert_eq!(cross.numbers("power_kw"), [largest], "{run}");
     }
@@ -235,22 +199,9 @@ fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
 #[test]
 fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
     let folder = Folder::new();
-    folder.rundown(&[
-        "study",
-        "--count",
-        "3",
-        "--out",
-        "simulated",
-        "--keep-runs",
-        "runs.parquet",
-    ]);
+    folder.rundown(&["study", "--count", "3", "--out", "simulated", "--keep-runs", "runs.parquet"]);
     let recorded = |runs: &str, out: &str| {
-        let files = [
-            "--train",
-            "simulated/train.toml",
-            "--track",
-            "simulated/track.toml",
-        ];
+        let files = ["--train", "simulated/train.toml", "--track", "simulated/track.toml"];
         let mut arguments = vec!["study", "--runs", runs, "--out", out];
         arguments.extend(files);
         folder.rundown(&arguments);
@@ -272,26 +223,13 @@ fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
     let simulated = folder.table("simulated/runs.csv");
     for table in [recorded("runs.parquet", "parquet"), recorded("logs", "csv")] {
         assert_eq!(table.column("run"), simulated.column("run"));
-        for name in [
-            "paper_r0",
-            "gated_r2",
-            "gated_final_coast_s",
-            "paper_power_kw",
-        ] {
+        for name in ["paper_r0", "gated_r2", "gated_final_coast_s", "paper_power_kw"] {
             assert_eq!(table.column(name), simulated.column(name), "{name}");
         }
-        assert!(
-            table.numbers("true_r0").is_empty(),
-            "no truth is known of recorded runs"
-        );
+        assert!(table.numbers("true_r0").is_empty(), "no truth is known of recorded runs");
     }
     let claims = folder.table("csv/claims.csv");
-    assert!(
-        claims
-            .column("truth")
-            .iter()
-            .all(|text| !text.contains("km/h"))
-    );
+    assert!(claims.column("truth").iter().all(|text| !text.contains("km/h")));
 }
 
 #[test]
@@ -309,11 +247,7 @@ fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
             .output();
         let output = output.unwrap();
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        (
-            output.status.code(),
-            text(&output.stdout),
-            text(&output.stderr),
-        )
+        (output.status.code(), text(&output.stdout), text(&output.stderr))
     };
 
     // The whole data set, and its logs alone.
@@ -330,17 +264,11 @@ fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
             assert_eq!(pairs.len(), 3, "{name}");
             for (read, known) in pairs {
                 // Written with seven digits behind the point.
-                assert!(
-                    (read - known).abs() <= 1e-5 * known.abs() + 1e-9,
-                    "{name}: {read} {known}"
-                );
+                assert!((read - known).abs() <= 1e-5 * known.abs() + 1e-9, "{name}: {read} {known}");
             }
         }
         let claims = folder.table(&format!("{out}/claims.csv"));
-        assert_eq!(
-            claims.column("truth"),
-            folder.table("direct/claims.csv").column("truth")
-        );
+        assert_eq!(claims.column("truth"), folder.table("direct/claims.csv").column("truth"));
     }
 
     // One truth is missing, one is of other times: they are named, and the third is shown.
@@ -351,10 +279,7 @@ fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
     let (code, said, error) = study("set", "c");
     assert_eq!(code, Some(1));
     assert!(said.contains("1 run; its truth is known"), "{said}");
-    assert!(
-        error.contains("run001.csv: cannot be read as truth"),
-        "{error}"
-    );
+    assert!(error.contains("run001.csv: cannot be read as truth"), "{error}");
     assert!(error.contains("expected the truth at 20 s"), "{error}");
 
     std::fs::write(folder.path("set/truth/truth.json"), "{}").unwrap();
@@ -378,11 +303,7 @@ fn a_table_of_runs_is_the_same_as_csv_and_as_parquet() {
     let csv = folder.table("out/runs.csv");
     let bytes = std::fs::File::open(folder.path("out/runs.parquet")).unwrap();
     let reader = parquet::file::serialized_reader::SerializedFileReader::new(bytes).unwrap();
-    let rows: Vec<Row> = reader
-        .get_row_iter(None)
-        .unwrap()
-        .map(Result::unwrap)
-        .collect();
+    let rows: Vec<Row> = reader.get_row_iter(None).unwrap().map(Result::unwrap).collect();
     assert_eq!(rows.len(), csv.rows.len());
     for (fields, row) in csv.rows.iter().zip(&rows) {
         let columns: Vec<(&String, &Field)> = row.get_column_iter().collect();
@@ -404,17 +325,7 @@ fn a_table_of_runs_is_the_same_as_csv_and_as_parquet() {
 #[test]
 fn the_truth_is_followed_by_the_gated_mode_and_not_by_the_paper() {
     let folder = Folder::new();
-    let arguments = [
-        "study",
-        "--truth-slope",
-        "--vehicles",
-        "8",
-        "--vehicle-runs",
-        "3",
-        "--json",
-        "--out",
-        "out",
-    ];
+    let arguments = ["study", "--truth-slope", "--vehicles", "8", "--vehicle-runs", "3", "--json", "--out", "out"];
     let output = folder.rundown(&arguments);
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     let answers = json["answers"].as_array().unwrap();
@@ -429,9 +340,7 @@ fn the_truth_is_followed_by_the_gated_mode_and_not_by_the_paper() {
     }
     // More runs cannot be known less well.
     let bound = |mode: &str, runs: u64| {
-        let found = answers
-            .iter()
-            .find(|a| a["mode"] == mode && a["runs"] == runs);
+        let found = answers.iter().find(|a| a["mode"] == mode && a["runs"] == runs);
         found.unwrap()["bound_percent"].as_f64().unwrap()
     };
     assert!(bound("gated", 3) < bound("gated", 1));
@@ -447,18 +356,10 @@ fn arguments_that_do_not_go_together_are_refused() {
     let folder = Folder::new();
     let code = |arguments: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
-        let output = command
-            .current_dir(folder.0.path())
-            .arg("study")
-            .args(arguments)
-            .output();
+        let output = command.current_dir(folder.0.path()).arg("study").args(arguments).output();
         output.unwrap().status.code()
     };
-    assert_eq!(
-        code(&["--runs", "logs"]),
-        Some(2),
-        "without train and track"
-    );
+    assert_eq!(code(&["--runs", "logs"]), Some(2), "without train and track");
     assert_eq!(code(&["--truth-slope", "--count", "3"]), Some(2));
     assert_eq!(code(&["--truth-slope", "--vehicles", "2"]), Some(2));
     std::fs::write(folder.path("t.toml"), "name = 1\n").unwrap();

@@ -40,15 +40,7 @@ fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
     let reference = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference");
     let of_reference = |name: &str| reference.join(name).display().to_string();
     let (train, track) = (of_reference("train.toml"), of_reference("track.toml"));
-    let replay = [
-        "replay",
-        "--config",
-        "a/config.toml",
-        "--train",
-        &train,
-        "--track",
-        &track,
-    ];
+    let replay = ["replay", "--config", "a/config.toml", "--train", &train, "--track", &track];
     let mut arguments = replay.to_vec();
     arguments.extend(["--out", "replayed", "run.csv"]);
     done(path, &arguments);
@@ -61,10 +53,6 @@ fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
     let again = few.map(|word| if word == "a" { "b" } else { word });
     done(path, &again);
     for name in ["config.toml", "tune.json", "report.html", "tune_plane.svg"] {
-        assert_eq!(
-            read(&format!("a/{name}")),
-            read(&format!("b/{name}")),
-            "{name}"
-        );
+        assert_eq!(read(&format!("a/{name}")), read(&format!("b/{name}")), "{name}");
     }
 }

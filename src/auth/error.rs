@@ -77,16 +77,10 @@ impl fmt::Display for SealError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::BufferTooShort { least, found } => {
-                write!(
-                    f,
-                    "auth: buffer of at least {least} bytes expected, found {found}"
-                )
+                write!(f, "auth: buffer of at least {least} bytes expected, found {found}")
             }
             Self::CounterExhausted => {
-                write!(
-                    f,
-                    "auth: all counters of this epoch are used, restart the board"
-                )
+                write!(f, "auth: all counters of this epoch are used, restart the board")
             }
         }
     }

@@ -50,16 +50,8 @@ impl Trailer {
     }
 
     /// Compared in constant time.
-    pub fn is_of(
-        &self,
-        provisioning: &Provisioning,
-        direction: Direction,
-        data_id: u16,
-        message: &[u8],
-    ) -> bool {
-        started(provisioning, direction, data_id, self.freshness, message)
-            .verify_truncated_left(&self.mac)
-            .is_ok()
+    pub fn is_of(&self, provisioning: &Provisioning, direction: Direction, data_id: u16, message: &[u8]) -> bool {
+        started(provisioning, direction, data_id, self.freshness, message).verify_truncated_left(&self.mac).is_ok()
     }
 
     pub fn to_bytes(&self) -> [u8; TRAILER] {
@@ -73,10 +65,7 @@ impl Trailer {
         let epoch = u32::from_le_bytes(take(&mut bytes)?);
         let counter = u32::from_le_bytes(take(&mut bytes)?);
         let mac = take(&mut bytes)?;
-        bytes.is_empty().then_some(Self {
-            freshness: Freshness { epoch, counter },
-            mac,
-        })
+        bytes.is_empty().then_some(Self { freshness: Freshness { epoch, counter }, mac })
     }
 }
 

@@ -85,10 +85,7 @@ impl fmt::Display for ProvisioningError {
             }
             Self::Damaged => write!(f, "provisioning: CRC does not fit"),
             Self::OtherVersion { expected, found } => {
-                write!(
-                    f,
-                    "provisioning: version {expected} expected, found {found}"
-                )
+                write!(f, "provisioning: version {expected} expected, found {found}")
             }
             Self::TrivialKey => write!(f, "provisioning: all bytes of the key are equal"),
             Self::Unreadable => write!(f, "provisioning: flash could not be read"),
@@ -138,18 +135,11 @@ impl Provisioning {
         let key: [u8; 16] = take(&mut bytes)?;
         let train = TrainId(u64::from_le_bytes(take(&mut bytes)?));
         Some(if version != VERSION {
-            Err(ProvisioningError::OtherVersion {
-                expected: VERSION,
-                found: version,
-            })
+            Err(ProvisioningError::OtherVersion { expected: VERSION, found: version })
         } else if key.iter().all(|byte| Some(byte) == key.first()) {
             Err(ProvisioningError::TrivialKey)
         } else {
-            Ok(Self {
-                key_id,
-                key: Key(key),
-                train,
-            })
+            Ok(Self { key_id, key: Key(key), train })
         })
     }
 
@@ -163,16 +153,10 @@ impl Provisioning {
             .chain(self.key.0)
             .chain(self.train.0.to_le_bytes());
         let mut covered = [0xFF; CRC_AT];
-        covered
-            .iter_mut()
-            .zip(fields)
-            .for_each(|(byte, field)| *byte = field);
+        covered.iter_mut().zip(fields).for_each(|(byte, field)| *byte = field);
         let whole = covered.into_iter().chain(crc32c(&covered).to_le_bytes());
         let mut record = [0xFF; SIZE];
-        record
-            .iter_mut()
-            .zip(whole)
-            .for_each(|(byte, of_whole)| *byte = of_whole);
+        record.iter_mut().zip(whole).for_each(|(byte, of_whole)| *byte = of_whole);
         record
     }
 }
@@ -211,19 +195,10 @@ mod tests {
 
     #[test]
     fn zeroed_flash_trivial_keys_and_other_versions_are_named() {
-        assert_eq!(
-            Provisioning::from_bytes(&[0; SIZE]),
-            Err(ProvisioningError::WrongMagic { found: [0; 4] })
-        );
+        assert_eq!(Provisioning::from_bytes(&[0; SIZE]), Err(ProvisioningError::WrongMagic { found: [0; 4] }));
         for byte in [0x00, 0xFF] {
-            let trivial = Provisioning {
-                key: Key::new([byte; 16]),
-                ..RECORD
-            };
-            assert_eq!(
-                Provisioning::from_bytes(&trivial.to_bytes()),
-                Err(ProvisioningError::TrivialKey)
-            );
+            let trivial = Provisioning { key: Key::new([byte; 16]), ..RECORD };
+            assert_eq!(Provisioning::from_bytes(&trivial.to_bytes()), Err(ProvisioningError::TrivialKey));
         }
         let mut other = RECORD.to_bytes();
         other[4] = 2;
@@ -231,10 +206,7 @@ mod tests {
         other[60..].copy_from_slice(&crc.to_le_bytes());
         let refused = Provisioning::from_bytes(&other);
         let (expected, found) = (1, 2);
-        assert_eq!(
-            refused,
-            Err(ProvisioningError::OtherVersion { expected, found })
-        );
+        assert_eq!(refused, Err(ProvisioningError::OtherVersion { expected, found }));
     }
 
     #[test]

@@ -20,13 +20,7 @@ impl Signer {
     /// # Errors
     /// [`Refusal::WrongMac`]: the announcement is not of this board.
     pub fn new(provisioning: &Provisioning, announcement: &[u8; TRAILER]) -> Result<Self, Refusal> {
-        let mut signer = Self {
-            provisioning: *provisioning,
-            last: Freshness {
-                epoch: 0,
-                counter: 0,
-            },
-        };
+        let mut signer = Self { provisioning: *provisioning, last: Freshness { epoch: 0, counter: 0 } };
         signer.hear(announcement)?;
         Ok(signer)
     }
@@ -48,30 +42,13 @@ impl Signer {
     ///
     /// # Errors
     /// [`SealError`]; no counter is used up.
-    pub fn seal<'a>(
-        &mut self,
-        data_id: u16,
-        message: &[u8],
-        buffer: &'a mut [u8],
-    ) -> Result<&'a [u8], SealError> {
+    pub fn seal<'a>(&mut self, data_id: u16, message: &[u8], buffer: &'a mut [u8]) -> Result<&'a [u8], SealError> {
         let least = message.len() + TRAILER;
-        let too_short = SealError::BufferTooShort {
-            least,
-            found: buffer.len(),
-        };
+        let too_short = SealError::BufferTooShort { least, found: buffer.len() };
         let mut space = buffer.get_mut(..least).ok_or(too_short)?;
         let counter = self.last.counter.checked_add(1);
-        let freshness = Freshness {
-            counter: counter.ok_or(SealError::CounterExhausted)?,
-            ..self.last
-        };
-        let trailer = Trailer::sign(
-            &self.provisioning,
-            Direction::ToBoard,
-            data_id,
-            freshness,
-            message,
-        );
+        let freshness = Freshness { counter: counter.ok_or(SealError::CounterExhausted)?, ..self.last };
+        let trailer = Trailer::sign(&self.provisioning, Direction::ToBoard, data_id, freshness, message);
         put(&mut space, message).ok_or(too_short)?;
         put(&mut space, &trailer.to_bytes()).ok_or(too_short)?;
         self.last = freshness;

@@ -37,9 +37,7 @@ unsafe extern "C" fn hard_fault() -> ! {
 extern "C" fn fault(frame: *const ExceptionFrame) -> ! {
     let failure = if painted_stack::holds(frame.cast()) {
         // SAFETY: the processor has put its frame there, within the stack; the words that were just pushed lie at its other end.
-        Failure::Fault {
-            at: unsafe { (*frame).pc() },
-        }
+        Failure::Fault { at: unsafe { (*frame).pc() } }
     } else {
         Failure::StackOverflow
     };
@@ -50,8 +48,6 @@ extern "C" fn fault(frame: *const ExceptionFrame) -> ! {
 // SAFETY: touches the kept RAM only, in the way of `kept_ram`, and does not return. An interrupt that nobody bound; its number takes the place of the address.
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
-    kept_ram::write_down(Failure::Fault {
-        at: number.unsigned_abs().into(),
-    });
+    kept_ram::write_down(Failure::Fault { at: number.unsigned_abs().into() });
     SCB::sys_reset()
 }

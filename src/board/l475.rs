@@ -42,16 +42,11 @@ pub struct Board {
 pub fn start(mut core: cortex_m::Peripherals) -> Option<Board> {
     let chip = Peripherals::take()?;
     let cause = reset_cause(&chip.RCC);
-    let clock = clock::start(&mut clock_tree::Tree {
-        rcc: &chip.RCC,
-        flash: &chip.FLASH,
-    });
+    let clock = clock::start(&mut clock_tree::Tree { rcc: &chip.RCC, flash: &chip.FLASH });
     stopwatch::start(&mut core.SYST, clock.hz());
     let port = SerialPort::start(&chip.RCC, &chip.GPIOB, chip.USART1, clock.hz());
     // Stop the watchdog while the debugger has halted the core.
-    chip.DBGMCU
-        .apb1fzr1()
-        .modify(|_, w| w.dbg_iwdg_stop().set_bit());
+    chip.DBGMCU.apb1fzr1().modify(|_, w| w.dbg_iwdg_stop().set_bit());
     let watchdog = DogTimer::start(chip.IWDG);
     Some(Board {
         port,

@@ -30,10 +30,7 @@ mod mps2;
 pub use mps2::{Board, DogTimer, Flash, SerialPort, device, flash_errors, provoke, start};
 
 /// Speed of the serial line, bit/s.
-#[cfg_attr(
-    feature = "mps2",
-    expect(dead_code, reason = "the emulated port takes any")
-)]
+#[cfg_attr(feature = "mps2", expect(dead_code, reason = "the emulated port takes any"))]
 pub const BAUD: u32 = 115_200;
 
 /// Where a test build can be told to fail.

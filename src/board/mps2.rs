@@ -34,10 +34,7 @@ pub fn start(mut core: cortex_m::Peripherals) -> Option<Board> {
     // The line has an interrupt for each direction; RTIC sets up the one that it knows.
     // SAFETY: the priority of `line`, before any interrupt is enabled.
     unsafe {
-        core.NVIC.set_priority(
-            Interrupt::USART1_TX,
-            rtic::export::cortex_logical2hw(3, device::NVIC_PRIO_BITS),
-        );
+        core.NVIC.set_priority(Interrupt::USART1_TX, rtic::export::cortex_logical2hw(3, device::NVIC_PRIO_BITS));
         NVIC::unmask(Interrupt::USART1_TX);
     }
     Some(Board {

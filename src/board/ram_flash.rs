@@ -2,8 +2,7 @@
 //! on the mps2-an386 a file holds it over the loss of power, on the B-L475E-IOT01A it is lost.
 
 use embedded_storage::nor_flash::{
-    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read,
-    check_write,
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 
 const PAGE: u32 = 2048;

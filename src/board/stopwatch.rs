@@ -36,20 +36,15 @@ pub struct Stopwatch {
 impl Stopwatch {
     /// Now.
     pub fn start() -> Self {
-        Self {
-            count: SYST::get_current(),
-        }
+        Self { count: SYST::get_current() }
     }
 
     /// Ends it; the longest is remembered. Right if fewer than a period of the timer have passed.
     pub fn stop(self) {
         let now = SYST::get_current();
         // The timer counts down.
-        let counts = if self.count >= now {
-            self.count - now
-        } else {
-            self.count + (PERIOD.load(Ordering::Relaxed) - now)
-        };
+        let counts =
+            if self.count >= now { self.count - now } else { self.count + (PERIOD.load(Ordering::Relaxed) - now) };
         LONGEST.fetch_max(counts, Ordering::Relaxed);
     }
 }

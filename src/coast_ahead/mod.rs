@@ -44,12 +44,7 @@ pub struct CoastConfig {
 
 impl Default for CoastConfig {
     fn default() -> Self {
-        Self {
-            horizon_m: 25e3,
-            wind_change_mps: 0.3,
-            coasting_point_m: 150.0,
-            arrival_s: 3.0,
-        }
+        Self { horizon_m: 25e3, wind_change_mps: 0.3, coasting_point_m: 150.0, arrival_s: 3.0 }
     }
 }
 

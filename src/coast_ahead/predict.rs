@@ -31,17 +31,9 @@ pub(crate) fn predict(
     let finite = estimate.belief.is_finite();
     // NaN is no message.
     let mean = |component| {
-        if finite {
-            estimate.belief.mean[component]
-        } else {
-            0.0
-        }
+        if finite { estimate.belief.mean[component] } else { 0.0 }
     };
-    let from = Point {
-        time_s: estimate.time_s,
-        location_m: mean(LOCATION),
-        speed_mps: mean(SPEED),
-    };
+    let from = Point { time_s: estimate.time_s, location_m: mean(LOCATION), speed_mps: mean(SPEED) };
     let sign = line.direction.sign();
     let ahead_m = |target: &Target| sign * (target.at_m - from.location_m);
     let target = line
@@ -55,25 +47,9 @@ pub(crate) fn predict(
     let outcome = match &target {
         _ if !known => Outcome::Unknown,
         None => Outcome::NoTarget,
-        Some(target) => coast(
-            config,
-            line,
-            acting,
-            noise,
-            estimate,
-            &from,
-            ahead_m(target),
-        ),
+        Some(target) => coast(config, line, acting, noise, estimate, &from, ahead_m(target)),
     };
-    CoastAhead {
-        from,
-        target,
-        outcome: if outcome.is_finite() {
-            outcome
-        } else {
-            Outcome::Unknown
-        },
-    }
+    CoastAhead { from, target, outcome: if outcome.is_finite() { outcome } else { Outcome::Unknown } }
 }
 
 #[inline(never)]
@@ -101,38 +77,19 @@ fn coast(
     for _ in 0..steps as u32 {
         if let Err(Stands { after_m }) = way.advance(step_m) {
             // v² is nearly straight over the way, and its deviation is that of where the step began.
-            let sd = here.sd_of(
-                here.energy(&way.by_energy),
-                &way.by_energy,
-                estimate,
-                way.noise_energy,
-            );
+            let sd = here.sd_of(here.energy(&way.by_energy), &way.by_energy, estimate, way.noise_energy);
             let sd_m = Real::from(0.5 * sd / way.braking_n_per_kg().max(davis.r0 as f32));
             let location_m = way.location_m + sign * Real::from(after_m);
             let left_m = ahead_m - sign * (location_m - from.location_m);
             // NaN goes on and is found to be none.
-            return if left_m < NINETY_PERCENT * sd_m {
-                Outcome::MayStop
-            } else {
-                Outcome::Stops { location_m, sd_m }
-            };
+            return if left_m < NINETY_PERCENT * sd_m { Outcome::MayStop } else { Outcome::Stops { location_m, sd_m } };
         }
     }
-    let sd = here.sd_of(
-        here.energy(&way.by_energy),
-        &way.by_energy,
-        estimate,
-        way.noise_energy,
-    );
+    let sd = here.sd_of(here.energy(&way.by_energy), &way.by_energy, estimate, way.noise_energy);
     if Real::from(way.energy) < NINETY_PERCENT * Real::from(sd) {
         return Outcome::MayStop;
     }
-    let time_sd = here.sd_of(
-        here.time(&way.by_time),
-        &way.by_time,
-        estimate,
-        way.noise_time,
-    );
+    let time_sd = here.sd_of(here.time(&way.by_time), &way.by_time, estimate, way.noise_time);
     let level = davis.resistance_n_per_kg(from.speed_mps) as f32;
     Outcome::Arrives(Arrival {
         speed_mps: Real::from(way.speed_mps),
@@ -191,15 +148,11 @@ impl Outcome {
     fn is_finite(&self) -> bool {
         match self {
             Self::Unknown | Self::NoTarget | Self::MayStop => true,
-            Self::Arrives(arrival) => [
-                arrival.speed_mps,
-                arrival.speed_sd_mps,
-                arrival.time_s,
-                arrival.time_sd_s,
-                arrival.speed_per_m,
-            ]
-            .iter()
-            .all(|value| value.is_finite()),
+            Self::Arrives(arrival) => {
+                [arrival.speed_mps, arrival.speed_sd_mps, arrival.time_s, arrival.time_sd_s, arrival.speed_per_m]
+                    .iter()
+                    .all(|value| value.is_finite())
+            }
             Self::Stops { location_m, sd_m } => location_m.is_finite() && sd_m.is_finite(),
         }
     }
@@ -216,11 +169,7 @@ mod tests {
     use crate::track::{Direction, Gradient, Track};
     use crate::train::{Train, TrainDescription};
 
-    const DAVIS: Davis = Davis {
-        r0: 7.38e-3,
-        r1: 1.6e-4,
-        r2: 2.8e-5,
-    };
+    const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
     const END_M: Real = 30e3;
 
     fn train() -> Train {
@@ -238,10 +187,7 @@ mod tests {
 
     /// Hills of up to 8 permille that change every 700 m, with a stop at both ends.
     fn hills() -> Track {
-        let gradient = |i: u32| Gradient {
-            from_m: 700.0 * Real::from(i),
-            permille: Real::from(i * 7 % 17) - 8.0,
-        };
+        let gradient = |i: u32| Gradient { from_m: 700.0 * Real::from(i), permille: Real::from(i * 7 % 17) - 8.0 };
         Track::try_new(END_M, (0..43).map(gradient)).unwrap()
     }
 
@@ -250,12 +196,7 @@ mod tests {
     }
 
     fn with_stop(track: Track, at_m: Real) -> Track {
-        track
-            .with_targets([Target {
-                at_m,
-                limit_mps: None,
-            }])
-            .unwrap()
+        track.with_targets([Target { at_m, limit_mps: None }]).unwrap()
     }
 
     fn estimate(location_m: Real, speed_mps: Real, davis: Davis, sd: [Real; SIZE]) -> Estimate {
@@ -275,27 +216,15 @@ mod tests {
         }
     }
 
-    fn ahead(
-        track: &Track,
-        effects: &Effects,
-        direction: Direction,
-        estimate: &Estimate,
-    ) -> CoastAhead {
-        let line = Line {
-            train: &train(),
-            track,
-            direction,
-        };
+    fn ahead(track: &Track, effects: &Effects, direction: Direction, estimate: &Estimate) -> CoastAhead {
+        let line = Line { train: &train(), track, direction };
         let acting = Acting::new(effects, Journey::default());
         predict(&calm(), &line, &acting, 0.0, estimate)
     }
 
     /// A wind that stays as it is.
     fn calm() -> CoastConfig {
-        CoastConfig {
-            wind_change_mps: 0.0,
-            ..CoastConfig::default()
-        }
+        CoastConfig { wind_change_mps: 0.0, ..CoastConfig::default() }
     }
 
     fn arrival(track: &Track, direction: Direction, estimate: &Estimate) -> Arrival {
@@ -308,23 +237,12 @@ mod tests {
     #[test]
     fn against_air_alone_it_is_the_closed_form() {
         let track = with_stop(flat(), 12e3);
-        let air = Davis {
-            r0: 0.0,
-            r1: 0.0,
-            r2: 2.8e-5,
-        };
-        let found = arrival(
-            &track,
-            Direction::Up,
-            &estimate(2e3, 38.0, air, [0.0; SIZE]),
-        );
+        let air = Davis { r0: 0.0, r1: 0.0, r2: 2.8e-5 };
+        let found = arrival(&track, Direction::Up, &estimate(2e3, 38.0, air, [0.0; SIZE]));
         let share = libm::exp(2.8e-5 * 10e3);
         assert!((found.speed_mps - 38.0 / share).abs() < 2e-3, "{found:?}");
         let took_s = (share - 1.0) / (2.8e-5 * 38.0);
-        assert!(
-            (found.time_s - 1000.0 - took_s).abs() < 0.02,
-            "{found:?} {took_s}"
-        );
+        assert!((found.time_s - 1000.0 - took_s).abs() < 0.02, "{found:?} {took_s}");
     }
 
     #[test]
@@ -344,11 +262,7 @@ mod tests {
                     // Steps of 50 ms by the midpoint rule, over time.
                     let (mut s, mut v, mut t) = (begin_m, speed_mps, 1000.0);
                     let a = |s, v| {
-                        let line = Line {
-                            train: &train,
-                            track: &track,
-                            direction,
-                        };
+                        let line = Line { train: &train, track: &track, direction };
                         -DAVIS.resistance_n_per_kg(v) - line.gradient_n_per_kg(s)
                     };
                     let mut left_m = ahead_m;
@@ -396,17 +310,11 @@ mod tests {
                 let mut sd = [0.0; SIZE];
                 sd[component] = step[component];
                 let found = arrival(&track, direction, &estimate(begin_m, 36.0, DAVIS, sd));
-                for (sd, expected) in [
-                    (found.speed_sd_mps, by(|a| a.speed_mps)),
-                    (found.time_sd_s, by(|a| a.time_s)),
-                ] {
+                for (sd, expected) in [(found.speed_sd_mps, by(|a| a.speed_mps)), (found.time_sd_s, by(|a| a.time_s))] {
                     // A place a few metres on lies on another mean gradient.
                     let least = if component == LOCATION { 0.85 } else { 0.97 };
                     let share = sd / expected;
-                    assert!(
-                        (least..1.0 / least).contains(&share),
-                        "{direction:?} {component}: {sd} {expected}"
-                    );
+                    assert!((least..1.0 / least).contains(&share), "{direction:?} {component}: {sd} {expected}");
                 }
             }
         }
@@ -415,52 +323,29 @@ mod tests {
     #[test]
     fn noise_alone_gives_the_variances_of_an_integrated_random_walk() {
         let track = with_stop(flat(), 12e3);
-        let line = Line {
-            train: &train(),
-            track: &track,
-            direction: Direction::Up,
-        };
+        let line = Line { train: &train(), track: &track, direction: Direction::Up };
         let effects = Effects::NONE;
         let acting = Acting::new(&effects, Journey::default());
-        let light = Davis {
-            r0: 1e-9,
-            r1: 0.0,
-            r2: 0.0,
-        };
+        let light = Davis { r0: 1e-9, r1: 0.0, r2: 0.0 };
         let estimate = estimate(2e3, 40.0, light, [0.0; SIZE]);
         let q = 2.5e-6;
-        let Outcome::Arrives(found) =
-            predict(&CoastConfig::default(), &line, &acting, q, &estimate).outcome
-        else {
+        let Outcome::Arrives(found) = predict(&CoastConfig::default(), &line, &acting, q, &estimate).outcome else {
             panic!("no arrival");
         };
         // 250 s at 40 m/s: sd of v is sqrt(q t), of the place sqrt(q t³/3), of the time that over v.
         let t: Real = 250.0;
-        assert!(
-            (found.speed_sd_mps / libm::sqrt(q * t) - 1.0).abs() < 1e-3,
-            "{found:?}"
-        );
+        assert!((found.speed_sd_mps / libm::sqrt(q * t) - 1.0).abs() < 1e-3, "{found:?}");
         let time_sd_s = libm::sqrt(q * t * t * t / 3.0) / 40.0;
-        assert!(
-            (found.time_sd_s / time_sd_s - 1.0).abs() < 0.01,
-            "{found:?} {time_sd_s}"
-        );
+        assert!((found.time_sd_s / time_sd_s - 1.0).abs() < 0.01, "{found:?} {time_sd_s}");
     }
 
     #[test]
     fn another_wind_ahead_is_as_uncertain_as_the_linear_term_that_it_adds() {
         let (track, train) = (with_stop(hills(), 15e3), train());
-        let line = Line {
-            train: &train,
-            track: &track,
-            direction: Direction::Up,
-        };
+        let line = Line { train: &train, track: &track, direction: Direction::Up };
         let effects = Effects::NONE;
         let acting = Acting::new(&effects, Journey::default());
-        let config = CoastConfig {
-            wind_change_mps: 0.5,
-            ..CoastConfig::default()
-        };
+        let config = CoastConfig { wind_change_mps: 0.5, ..CoastConfig::default() };
         let state = estimate(6e3, 36.0, DAVIS, [0.0; SIZE]);
         let Outcome::Arrives(found) = predict(&config, &line, &acting, 0.0, &state).outcome else {
             panic!("no arrival");
@@ -476,11 +361,7 @@ mod tests {
     #[test]
     fn a_tunnel_on_the_way_slows_the_train() {
         let track = with_stop(flat(), 12e3);
-        let tunnel = Effect::TunnelDrag(TunnelDrag {
-            from_m: 4e3,
-            to_m: 8e3,
-            k: 1e-5,
-        });
+        let tunnel = Effect::TunnelDrag(TunnelDrag { from_m: 4e3, to_m: 8e3, k: 1e-5 });
         let effects = Effects::try_new([tunnel]).unwrap();
         let state = estimate(2e3, 38.0, DAVIS, [0.0; SIZE]);
         let free = arrival(&track, Direction::Up, &state).speed_mps;
@@ -489,11 +370,7 @@ mod tests {
         };
         // 4 km of 1e-5 v²: v² falls by the share exp(-2 k l) there.
         let expected = free * libm::exp(-1e-5 * 4e3);
-        assert!(
-            (found.speed_mps - expected).abs() < 0.2,
-            "{} {expected}",
-            found.speed_mps
-        );
+        assert!((found.speed_mps - expected).abs() < 0.2, "{} {expected}", found.speed_mps);
     }
 
     #[test]
@@ -506,28 +383,17 @@ mod tests {
         let Outcome::Stops { location_m, sd_m } = outcome(1e3, 1e-4) else {
             panic!("{:?}", outcome(1e3, 1e-4));
         };
-        assert!(
-            (12e3..16e3).contains(&location_m) && sd_m > 10.0,
-            "{location_m} {sd_m}"
-        );
+        assert!((12e3..16e3).contains(&location_m) && sd_m > 10.0, "{location_m} {sd_m}");
         let reach_m = location_m - 1e3;
-        assert!(matches!(
-            outcome(20e3 - reach_m + 300.0, 1e-3),
-            Outcome::MayStop
-        ));
-        assert!(matches!(
-            outcome(20e3 - reach_m - 300.0, 1e-3),
-            Outcome::MayStop
-        ));
+        assert!(matches!(outcome(20e3 - reach_m + 300.0, 1e-3), Outcome::MayStop));
+        assert!(matches!(outcome(20e3 - reach_m - 300.0, 1e-3), Outcome::MayStop));
         assert!(matches!(outcome(16e3, 1e-4), Outcome::Arrives(_)));
     }
 
     #[test]
     fn without_a_target_or_a_state_there_is_no_prediction() {
         let track = with_stop(flat(), 20e3);
-        let none = |track: &Track, state: &Estimate| {
-            ahead(track, &Effects::NONE, Direction::Up, state).outcome
-        };
+        let none = |track: &Track, state: &Estimate| ahead(track, &Effects::NONE, Direction::Up, state).outcome;
         let good = estimate(10e3, 38.0, DAVIS, [10.0, 0.1, 1e-4, 1e-6, 1e-7]);
         assert!(matches!(none(&track, &good), Outcome::Arrives(_)));
         assert_eq!(none(&flat(), &good), Outcome::NoTarget);
@@ -549,16 +415,7 @@ mod tests {
 
     #[test]
     fn odd_numbers_give_no_panic_and_no_nan() {
-        let odd = [
-            Real::NAN,
-            Real::INFINITY,
-            Real::NEG_INFINITY,
-            Real::MAX,
-            -1e300,
-            1e-300,
-            0.0,
-            -0.0,
-        ];
+        let odd = [Real::NAN, Real::INFINITY, Real::NEG_INFINITY, Real::MAX, -1e300, 1e-300, 0.0, -0.0];
         let track = with_stop(hills(), 20e3);
         for direction in [Direction::Up, Direction::Down] {
             for value in odd {

@@ -33,9 +33,8 @@ impl Steady {
     /// assert!(steady.is_news(&config, &arrives(25.4)), "200 m");
     /// ```
     pub fn is_news(&mut self, config: &CoastConfig, found: &CoastAhead) -> bool {
-        let same = self.said.is_some_and(|said| {
-            said.target == found.target && same(config, &said.outcome, &found.outcome)
-        });
+        let same =
+            self.said.is_some_and(|said| said.target == found.target && same(config, &said.outcome, &found.outcome));
         if !same {
             self.said = Some(*found);
         }
@@ -53,18 +52,11 @@ fn same(config: &CoastConfig, said: &Outcome, found: &Outcome) -> bool {
         (Outcome::Arrives(said), Outcome::Arrives(found)) => {
             let faster_mps = (found.speed_mps - said.speed_mps).abs();
             let moved_m = faster_mps / found.speed_per_m.max(LEAST_SPEED_PER_M);
-            moved_m <= config.coasting_point_m
-                && (found.time_s - said.time_s).abs() <= config.arrival_s
+            moved_m <= config.coasting_point_m && (found.time_s - said.time_s).abs() <= config.arrival_s
         }
-        (
-            Outcome::Stops {
-                location_m: said_m, ..
-            },
-            Outcome::Stops {
-                location_m: found_m,
-                ..
-            },
-        ) => (found_m - said_m).abs() <= config.coasting_point_m,
+        (Outcome::Stops { location_m: said_m, .. }, Outcome::Stops { location_m: found_m, .. }) => {
+            (found_m - said_m).abs() <= config.coasting_point_m
+        }
         (Outcome::Unknown, Outcome::Unknown)
         | (Outcome::NoTarget, Outcome::NoTarget)
         | (Outcome::MayStop, Outcome::MayStop) => true,

@@ -126,9 +126,7 @@ impl<'a> Way<'a> {
                 location_m: midway_m,
                 speed_mps: Real::from(midway_mps),
             };
-            let extra = self
-                .acting
-                .extra_n_per_kg(self.line, self.davis, &midway, 0.0);
+            let extra = self.acting.extra_n_per_kg(self.line, self.davis, &midway, 0.0);
             self.extra_n_per_kg = extra as f32;
         }
         let end_m = self.location_m + way_m;
@@ -176,8 +174,7 @@ impl<'a> Way<'a> {
 
 fn height_m2(line: &Line<'_>, location_m: Real) -> Real {
     let length_m = line.train.length_m();
-    line.track
-        .height_integral_m2(location_m, length_m, line.direction)
+    line.track.height_integral_m2(location_m, length_m, line.direction)
 }
 
 /// The speed of a v² that has fallen from `before` over `way_m`.
@@ -186,7 +183,5 @@ fn speed(before: f32, energy: f32, way_m: f32) -> Result<f32, Stands> {
         return Ok(libm::sqrtf(energy));
     }
     // Also where it is NaN; what is made of it is not finite then.
-    Err(Stands {
-        after_m: way_m * (before - STANDS_M2_PER_S2) / (before - energy),
-    })
+    Err(Stands { after_m: way_m * (before - STANDS_M2_PER_S2) / (before - energy) })
 }

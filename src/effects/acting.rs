@@ -31,9 +31,8 @@ pub struct Surroundings {
 impl Surroundings {
     /// Whether a train can meet them: -60 to 80 °C, a date within a million days of the origin. No number is neither.
     pub fn are_plausible(&self) -> bool {
-        let within = |value: Option<Real>, low: Real, high: Real| {
-            value.is_none_or(|value| (low..=high).contains(&value))
-        };
+        let within =
+            |value: Option<Real>, low: Real, high: Real| value.is_none_or(|value| (low..=high).contains(&value));
         within(self.temperature_c, -60.0, 80.0) && within(self.day, -1e6, 1e6)
     }
 }
@@ -54,18 +53,12 @@ impl Journey {
         departure_s: None,
         departed: false,
         braked: false,
-        surroundings: Surroundings {
-            temperature_c: None,
-            day: None,
-        },
+        surroundings: Surroundings { temperature_c: None, day: None },
     };
 
     /// A new run in the same surroundings.
     pub(crate) fn begin(&mut self) {
-        *self = Self {
-            surroundings: self.surroundings,
-            ..Self::default()
-        };
+        *self = Self { surroundings: self.surroundings, ..Self::default() };
     }
 
     /// A measurement, before it is worked with.
@@ -85,9 +78,7 @@ impl Journey {
     }
 
     fn since_departure_s(&self, time_s: Real) -> Real {
-        self.departure_s
-            .filter(|_| self.departed)
-            .map_or(0.0, |departure_s| (time_s - departure_s).max(0.0))
+        self.departure_s.filter(|_| self.departed).map_or(0.0, |departure_s| (time_s - departure_s).max(0.0))
     }
 }
 
@@ -110,13 +101,7 @@ impl<'a> Acting<'a> {
     }
 
     /// Extra resistance at a point, N/kg, under this effort per believed γ m; exactly 0 without effects.
-    pub fn extra_n_per_kg(
-        &self,
-        line: &Line<'_>,
-        davis: &Davis,
-        at: &Point,
-        effort_n_per_kg: Real,
-    ) -> Real {
+    pub fn extra_n_per_kg(&self, line: &Line<'_>, davis: &Davis, at: &Point, effort_n_per_kg: Real) -> Real {
         if self.effects.is_empty() {
             return 0.0;
         }
@@ -133,13 +118,7 @@ impl<'a> Acting<'a> {
     }
 
     /// Its mean over an interval at no effort, by Simpson's rule.
-    pub fn extra_over_n_per_kg(
-        &self,
-        line: &Line<'_>,
-        davis: &Davis,
-        from: &Point,
-        to: &Point,
-    ) -> Real {
+    pub fn extra_over_n_per_kg(&self, line: &Line<'_>, davis: &Davis, from: &Point, to: &Point) -> Real {
         if self.effects.is_empty() {
             return 0.0;
         }

@@ -48,9 +48,6 @@ impl BrakeFade {
 
     /// The limits at a speed.
     pub fn limit(&self, limits: &Limits, speed_mps: Real) -> Limits {
-        Limits {
-            brake_n_per_kg: limits.brake_n_per_kg * self.factor(speed_mps),
-            ..*limits
-        }
+        Limits { brake_n_per_kg: limits.brake_n_per_kg * self.factor(speed_mps), ..*limits }
     }
 }

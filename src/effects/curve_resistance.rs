@@ -28,13 +28,7 @@ impl CurveResistance {
     pub const NAME: &'static str = "curve_resistance";
 
     pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(
-            Self::NAME,
-            "coefficient_roeckl",
-            self.coefficient_roeckl,
-            -10.0,
-            10.0,
-        )
+        within(Self::NAME, "coefficient_roeckl", self.coefficient_roeckl, -10.0, 10.0)
     }
 
     /// Extra resistance in N/kg. `gravity_n_per_kg` is g / γ; `mean_roeckl` the mean of [`roeckl`] under the train,
@@ -64,9 +58,5 @@ const LEAST_RADIUS_M: Real = 50.0;
 /// assert!((roeckl(280.0) - 0.002).abs() < 1e-15);
 /// ```
 pub fn roeckl(radius_m: Real) -> Real {
-    if radius_m >= 300.0 {
-        0.650 / (radius_m - 55.0)
-    } else {
-        0.500 / (radius_m.max(LEAST_RADIUS_M) - 30.0)
-    }
+    if radius_m >= 300.0 { 0.650 / (radius_m - 55.0) } else { 0.500 / (radius_m.max(LEAST_RADIUS_M) - 30.0) }
 }

@@ -51,24 +51,12 @@ pub enum EffectError {
 impl fmt::Display for EffectError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::OutOfRange {
-                effect,
-                parameter,
-                least,
-                most,
-                found,
-            } => write!(
-                f,
-                "effect {effect}: {parameter} must be {least} to {most}, found {found}"
-            ),
-            Self::Section {
-                effect,
-                from_m,
-                to_m,
-            } => write!(
-                f,
-                "effect {effect}: to_m must be beyond from_m = {from_m}, found {to_m}"
-            ),
+            Self::OutOfRange { effect, parameter, least, most, found } => {
+                write!(f, "effect {effect}: {parameter} must be {least} to {most}, found {found}")
+            }
+            Self::Section { effect, from_m, to_m } => {
+                write!(f, "effect {effect}: to_m must be beyond from_m = {from_m}, found {to_m}")
+            }
             Self::Point { index } => write!(
                 f,
                 "effect unknown: point {index} of the table must be finite, within 1 N/kg and behind the one before it"
@@ -95,11 +83,5 @@ pub(super) fn within(
     if (least..=most).contains(&found) {
         return Ok(());
     }
-    Err(EffectError::OutOfRange {
-        effect,
-        parameter,
-        least,
-        most,
-        found,
-    })
+    Err(EffectError::OutOfRange { effect, parameter, least, most, found })
 }

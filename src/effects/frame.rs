@@ -59,11 +59,9 @@ impl Effect {
             _ => 1,
         };
         (0..points).map(|index| match self {
-            Self::Unknown(unknown) => wire::Effect {
-                kind: self.kind(),
-                section_m: None,
-                values: listed(point(unknown, index)),
-            },
+            Self::Unknown(unknown) => {
+                wire::Effect { kind: self.kind(), section_m: None, values: listed(point(unknown, index)) }
+            }
             _ => self.to_frame(),
         })
     }
@@ -84,71 +82,41 @@ impl Effect {
         let effect = match frame.kind {
             1 => {
                 let [from_m, to_m] = section(frame)?;
-                Self::TunnelDrag(TunnelDrag {
-                    from_m,
-                    to_m,
-                    k: one()?,
-                })
+                Self::TunnelDrag(TunnelDrag { from_m, to_m, k: one()? })
             }
-            2 => Self::CurveResistance(CurveResistance {
-                coefficient_roeckl: one()?,
-            }),
+            2 => Self::CurveResistance(CurveResistance { coefficient_roeckl: one()? }),
             3 => {
                 let [from_m, to_m] = section(frame)?;
-                Self::GradientError(GradientError {
-                    from_m,
-                    to_m,
-                    delta_permille: one()?,
-                })
+                Self::GradientError(GradientError { from_m, to_m, delta_permille: one()? })
             }
             4 => Self::SteadyWind(SteadyWind { wind_mps: one()? }),
             5 => Self::RunWind(RunWind { sd_mps: one()? }),
             6 => Self::MassError(MassError { relative: one()? }),
-            7 => Self::DraggingBrake(DraggingBrake {
-                drag_n_per_kg: one()?,
-            }),
+            7 => Self::DraggingBrake(DraggingBrake { drag_n_per_kg: one()? }),
             8 => {
                 let [from_m, to_m] = section(frame)?;
-                Self::PowerLimitSection(PowerLimitSection {
-                    from_m,
-                    to_m,
-                    factor: one()?,
-                })
+                Self::PowerLimitSection(PowerLimitSection { from_m, to_m, factor: one()? })
             }
             9 => Self::TractionScale(TractionScale { factor: one()? }),
             10 => {
                 let [factor, below_kmh] = values(frame)?;
                 Self::LowAdhesion(LowAdhesion { factor, below_kmh })
             }
-            11 => Self::SpeedScale(SpeedScale {
-                measured_over_true: one()?,
-            }),
+            11 => Self::SpeedScale(SpeedScale { measured_over_true: one()? }),
             12 => Self::LocationLag(LocationLag { lag_s: one()? }),
             13 => {
                 let [dr0_per_deg_c, ref_c] = values(frame)?;
-                Self::TemperatureResistance(TemperatureResistance {
-                    dr0_per_deg_c,
-                    ref_c,
-                })
+                Self::TemperatureResistance(TemperatureResistance { dr0_per_deg_c, ref_c })
             }
             14 => {
                 let [dr0_over_period, period_days, reference_day] = values(frame)?;
-                Self::SeasonalDrift(SeasonalDrift {
-                    dr0_over_period,
-                    period_days,
-                    reference_day,
-                })
+                Self::SeasonalDrift(SeasonalDrift { dr0_over_period, period_days, reference_day })
             }
             15 => {
                 let [fade_at_140, from_kmh] = values(frame)?;
-                Self::BrakeFade(BrakeFade {
-                    fade_at_140,
-                    from_kmh,
-                })
+                Self::BrakeFade(BrakeFade { fade_at_140, from_kmh })
             }
-            16 => Self::TrainLengthError(TrainLengthError {
-                true_length_m: one()?,
-            }),
+            16 => Self::TrainLengthError(TrainLengthError { true_length_m: one()? }),
             17 => {
                 let [amplitude, tau_s] = values(frame)?;
                 Self::WarmUp(WarmUp { amplitude, tau_s })
@@ -171,28 +139,19 @@ impl Effect {
 pub(crate) const UNKNOWN: u8 = 19;
 
 /// A point of a table: coordinate, where, N/kg, and its number.
-pub(super) fn point_of(
-    frame: &wire::Effect,
-) -> Result<(Coordinate, usize, (f32, f32)), FrameError> {
+pub(super) fn point_of(frame: &wire::Effect) -> Result<(Coordinate, usize, (f32, f32)), FrameError> {
     let [coordinate, index, at, n_per_kg] = values(frame)?;
     let number = |value: Real| (0..MAX_POINTS).find(|index| *index as Real == value);
     let coordinate = number(coordinate).and_then(|number| Coordinate::ALL.get(number).copied());
     match (coordinate, number(index), frame.section_m) {
-        (Some(coordinate), Some(index), None) => {
-            Ok((coordinate, index, (at as f32, n_per_kg as f32)))
-        }
+        (Some(coordinate), Some(index), None) => Ok((coordinate, index, (at as f32, n_per_kg as f32))),
         _ => Err(FrameError::Shape),
     }
 }
 
 fn point(unknown: &Unknown, index: usize) -> [Real; 4] {
     let (at, n_per_kg) = unknown.table.get(index).copied().unwrap_or_default();
-    [
-        Real::from(unknown.coordinate as u8),
-        index as Real,
-        Real::from(at),
-        Real::from(n_per_kg),
-    ]
+    [Real::from(unknown.coordinate as u8), index as Real, Real::from(at), Real::from(n_per_kg)]
 }
 
 fn summary(unknown: &Unknown) -> [Real; 4] {
@@ -206,11 +165,7 @@ fn summary(unknown: &Unknown) -> [Real; 4] {
 }
 
 fn values<const N: usize>(frame: &wire::Effect) -> Result<[Real; N], FrameError> {
-    frame
-        .values
-        .as_slice()
-        .try_into()
-        .map_err(|_| FrameError::Shape)
+    frame.values.as_slice().try_into().map_err(|_| FrameError::Shape)
 }
 
 fn section(frame: &wire::Effect) -> Result<[Real; 2], FrameError> {

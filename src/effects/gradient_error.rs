@@ -30,13 +30,7 @@ impl GradientError {
 
     pub(super) fn check(&self) -> Result<(), EffectError> {
         section::check(Self::NAME, self.from_m, self.to_m)?;
-        within(
-            Self::NAME,
-            "delta_permille",
-            self.delta_permille,
-            -50.0,
-            50.0,
-        )
+        within(Self::NAME, "delta_permille", self.delta_permille, -50.0, 50.0)
     }
 
     /// Extra resistance in N/kg. `gravity_n_per_kg` is g / γ, `direction_sign` +1 for up.
@@ -48,12 +42,7 @@ impl GradientError {
     /// assert!((dip.resistance_n_per_kg(9.25, 1.0, 1.0) + 0.0185).abs() < 1e-15);
     /// assert!((dip.resistance_n_per_kg(9.25, 1.0, -1.0) - 0.0185).abs() < 1e-15);
     /// ```
-    pub fn resistance_n_per_kg(
-        &self,
-        gravity_n_per_kg: Real,
-        share_inside: Real,
-        direction_sign: Real,
-    ) -> Real {
+    pub fn resistance_n_per_kg(&self, gravity_n_per_kg: Real, share_inside: Real, direction_sign: Real) -> Real {
         direction_sign * gravity_n_per_kg * (self.delta_permille / 1000.0) * share_inside
     }
 }

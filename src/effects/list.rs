@@ -52,13 +52,9 @@ impl Effects {
         effect.check()?;
         let table = |effect: &Effect| matches!(effect, Effect::Unknown(_));
         if table(&effect) && self.list.iter().any(table) {
-            return Err(EffectError::Twice {
-                effect: effect.name(),
-            });
+            return Err(EffectError::Twice { effect: effect.name() });
         }
-        self.list
-            .push(effect)
-            .map_err(|_| EffectError::TooMany { most: MAX_EFFECTS })
+        self.list.push(effect).map_err(|_| EffectError::TooMany { most: MAX_EFFECTS })
     }
 
     /// Takes an effect from a frame: appends it, or one point of the table of an unknown effect.
@@ -109,9 +105,7 @@ impl Effects {
 
     /// The frame in which the board publishes them.
     pub fn to_frame(&self) -> wire::Effects {
-        wire::Effects {
-            effects: listed(self.iter().map(Effect::to_frame)),
-        }
+        wire::Effects { effects: listed(self.iter().map(Effect::to_frame)) }
     }
 
     /// Takes all effects out.
@@ -136,9 +130,7 @@ impl Effects {
 
     /// Extra resistance of all effects together, N/kg; see [`Effect::resistance_n_per_kg`].
     pub fn resistance_n_per_kg(&self, line: &Line<'_>, davis: &Davis, moment: &Moment) -> Real {
-        self.iter()
-            .map(|effect| effect.resistance_n_per_kg(line, davis, moment))
-            .sum()
+        self.iter().map(|effect| effect.resistance_n_per_kg(line, davis, moment)).sum()
     }
 
     /// Applied effort, per believed γ m, that a resultant (acceleration and all resistances, those of the effects at no effort included) asks for.
@@ -151,9 +143,7 @@ impl Effects {
 
     /// The limits of a train with all effects.
     pub fn limits(&self, train: &Train, location_m: Real, speed_mps: Real) -> Limits {
-        self.iter().fold(Limits::of(train), |limits, effect| {
-            effect.limit(&limits, location_m, speed_mps)
-        })
+        self.iter().fold(Limits::of(train), |limits, effect| effect.limit(&limits, location_m, speed_mps))
     }
 
     /// Location and speed as they are, from the readings; see [`Effect::correct`]. The speed is put right before a late location is carried on by it.
@@ -176,16 +166,12 @@ impl Effects {
 
     /// The speed as it is, from its reading.
     pub fn true_speed_mps(&self, reading_mps: Real) -> Real {
-        self.iter().fold(reading_mps, |speed_mps, effect| {
-            effect.correct(1.0, 0.0, speed_mps).1
-        })
+        self.iter().fold(reading_mps, |speed_mps, effect| effect.correct(1.0, 0.0, speed_mps).1)
     }
 
     /// The location as it is, from its reading and the speed as it is.
     pub fn true_location_m(&self, direction_sign: Real, reading_m: Real, speed_mps: Real) -> Real {
-        self.iter().fold(reading_m, |location_m, effect| {
-            effect.correct(direction_sign, location_m, speed_mps).0
-        })
+        self.iter().fold(reading_m, |location_m, effect| effect.correct(direction_sign, location_m, speed_mps).0)
     }
 
     /// Standard deviation of the wind from run to run, where an effect states it, m/s: it takes the place of the memory's setting.

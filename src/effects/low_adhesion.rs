@@ -44,9 +44,6 @@ impl LowAdhesion {
     /// ```
     pub fn limit(&self, limits: &Limits, speed_mps: Real) -> Limits {
         let slow = speed_mps < KmPerHour(self.below_kmh).to_mps();
-        Limits {
-            effort_n_per_kg: limits.effort_n_per_kg * if slow { self.factor } else { 1.0 },
-            ..*limits
-        }
+        Limits { effort_n_per_kg: limits.effort_n_per_kg * if slow { self.factor } else { 1.0 }, ..*limits }
     }
 }

@@ -81,11 +81,7 @@ use serde::{Deserialize, Serialize};
 
 /// A named effect with its parameters.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "alloc",
-    derive(Serialize, Deserialize),
-    serde(tag = "name", rename_all = "snake_case")
-)]
+#[cfg_attr(feature = "alloc", derive(Serialize, Deserialize), serde(tag = "name", rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Effect {
     /// 1: more air resistance in a tunnel.
@@ -256,33 +252,22 @@ impl Effect {
             share_inside(from_m, to_m, moment.location_m, length_m, line.direction)
         };
         match self {
-            Self::TunnelDrag(effect) => {
-                effect.resistance_n_per_kg(speed_mps, share(effect.from_m, effect.to_m))
-            }
+            Self::TunnelDrag(effect) => effect.resistance_n_per_kg(speed_mps, share(effect.from_m, effect.to_m)),
             Self::CurveResistance(effect) => {
                 let length_m = line.train.length_m();
-                let mean = line
-                    .track
-                    .mean_roeckl(moment.location_m, length_m, line.direction);
+                let mean = line.track.mean_roeckl(moment.location_m, length_m, line.direction);
                 effect.resistance_n_per_kg(gravity_n_per_kg, mean)
             }
-            Self::GradientError(effect) => effect.resistance_n_per_kg(
-                gravity_n_per_kg,
-                share(effect.from_m, effect.to_m),
-                sign,
-            ),
-            Self::SteadyWind(effect) => effect.resistance_n_per_kg(davis.r2, speed_mps, sign),
-            Self::MassError(effect) => {
-                effect.resistance_n_per_kg(davis.r2, speed_mps, moment.effort_n_per_kg)
+            Self::GradientError(effect) => {
+                effect.resistance_n_per_kg(gravity_n_per_kg, share(effect.from_m, effect.to_m), sign)
             }
+            Self::SteadyWind(effect) => effect.resistance_n_per_kg(davis.r2, speed_mps, sign),
+            Self::MassError(effect) => effect.resistance_n_per_kg(davis.r2, speed_mps, moment.effort_n_per_kg),
             Self::DraggingBrake(effect) => effect.resistance_n_per_kg(moment.braked),
             Self::TemperatureResistance(effect) => effect.resistance_n_per_kg(moment.temperature_c),
             Self::SeasonalDrift(effect) => effect.resistance_n_per_kg(moment.day),
             Self::TrainLengthError(effect) => {
-                let mean = |length_m| {
-                    line.track
-                        .mean_gradient(moment.location_m, length_m, line.direction)
-                };
+                let mean = |length_m| line.track.mean_gradient(moment.location_m, length_m, line.direction);
                 let believed = mean(line.train.length_m());
                 effect.resistance_n_per_kg(gravity_n_per_kg, mean(effect.true_length_m), believed)
             }

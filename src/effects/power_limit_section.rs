@@ -45,9 +45,6 @@ impl PowerLimitSection {
     /// ```
     pub fn limit(&self, limits: &Limits, location_m: Real) -> Limits {
         let inside = (self.from_m..self.to_m).contains(&location_m);
-        Limits {
-            power_w_per_kg: limits.power_w_per_kg * if inside { self.factor } else { 1.0 },
-            ..*limits
-        }
+        Limits { power_w_per_kg: limits.power_w_per_kg * if inside { self.factor } else { 1.0 }, ..*limits }
     }
 }

@@ -30,13 +30,7 @@ impl SeasonalDrift {
     pub const NAME: &'static str = "seasonal_drift";
 
     pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(
-            Self::NAME,
-            "dr0_over_period",
-            self.dr0_over_period,
-            -0.1,
-            0.1,
-        )?;
+        within(Self::NAME, "dr0_over_period", self.dr0_over_period, -0.1, 0.1)?;
         within(Self::NAME, "period_days", self.period_days, 0.01, 1e5)?;
         within(Self::NAME, "reference_day", self.reference_day, -1e6, 1e6)
     }
@@ -52,9 +46,7 @@ impl SeasonalDrift {
     /// assert_eq!(wear.resistance_n_per_kg(None), 0.0);
     /// ```
     pub fn resistance_n_per_kg(&self, day: Option<Real>) -> Real {
-        day.map_or(0.0, |day| {
-            self.dr0_over_period * ((day - self.reference_day) / self.period_days).clamp(0.0, 1.0)
-        })
+        day.map_or(0.0, |day| self.dr0_over_period * ((day - self.reference_day) / self.period_days).clamp(0.0, 1.0))
     }
 }
 

@@ -17,13 +17,7 @@ const FAR_M: Real = 1e7;
 /// assert_eq!(share_inside(1000.0, 2000.0, 1040.0, 160.0, Direction::Up), 0.25);
 /// assert_eq!(share_inside(1000.0, 2000.0, 1960.0, 160.0, Direction::Down), 0.25);
 /// ```
-pub fn share_inside(
-    from_m: Real,
-    to_m: Real,
-    front_m: Real,
-    train_length_m: Real,
-    direction: Direction,
-) -> Real {
+pub fn share_inside(from_m: Real, to_m: Real, front_m: Real, train_length_m: Real, direction: Direction) -> Real {
     let (rear_m, ahead_m) = match direction {
         Direction::Up => (front_m - train_length_m, front_m),
         Direction::Down => (front_m, front_m + train_length_m),
@@ -37,13 +31,5 @@ pub fn share_inside(
 pub(super) fn check(effect: &'static str, from_m: Real, to_m: Real) -> Result<(), EffectError> {
     within(effect, "from_m", from_m, -FAR_M, FAR_M)?;
     within(effect, "to_m", to_m, -FAR_M, FAR_M)?;
-    if to_m > from_m {
-        Ok(())
-    } else {
-        Err(EffectError::Section {
-            effect,
-            from_m,
-            to_m,
-        })
-    }
+    if to_m > from_m { Ok(()) } else { Err(EffectError::Section { effect, from_m, to_m }) }
 }

@@ -24,13 +24,7 @@ impl SpeedScale {
     pub const NAME: &'static str = "speed_scale";
 
     pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(
-            Self::NAME,
-            "measured_over_true",
-            self.measured_over_true,
-            0.8,
-            1.25,
-        )
+        within(Self::NAME, "measured_over_true", self.measured_over_true, 0.8, 1.25)
     }
 
     /// The speed as it is, m/s.

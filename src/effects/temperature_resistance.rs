@@ -41,8 +41,6 @@ impl TemperatureResistance {
     /// assert_eq!(grease.resistance_n_per_kg(None), 0.0);
     /// ```
     pub fn resistance_n_per_kg(&self, temperature_c: Option<Real>) -> Real {
-        temperature_c.map_or(0.0, |temperature_c| {
-            self.dr0_per_deg_c * (temperature_c - self.ref_c)
-        })
+        temperature_c.map_or(0.0, |temperature_c| self.dr0_per_deg_c * (temperature_c - self.ref_c))
     }
 }

@@ -10,64 +10,24 @@ use std::vec::Vec;
 /// One of each.
 fn one_of_each() -> Vec<Effect> {
     std::vec![
-        Effect::TunnelDrag(TunnelDrag {
-            from_m: 1e3,
-            to_m: 2e3,
-            k: 1e-5
-        }),
-        Effect::CurveResistance(CurveResistance {
-            coefficient_roeckl: 1.0
-        }),
-        Effect::GradientError(GradientError {
-            from_m: 1e3,
-            to_m: 2e3,
-            delta_permille: 1.0
-        }),
+        Effect::TunnelDrag(TunnelDrag { from_m: 1e3, to_m: 2e3, k: 1e-5 }),
+        Effect::CurveResistance(CurveResistance { coefficient_roeckl: 1.0 }),
+        Effect::GradientError(GradientError { from_m: 1e3, to_m: 2e3, delta_permille: 1.0 }),
         Effect::SteadyWind(SteadyWind { wind_mps: 2.0 }),
         Effect::RunWind(RunWind { sd_mps: 2.0 }),
         Effect::MassError(MassError { relative: 0.1 }),
-        Effect::DraggingBrake(DraggingBrake {
-            drag_n_per_kg: 0.01
-        }),
-        Effect::PowerLimitSection(PowerLimitSection {
-            from_m: 1e3,
-            to_m: 2e3,
-            factor: 0.6
-        }),
+        Effect::DraggingBrake(DraggingBrake { drag_n_per_kg: 0.01 }),
+        Effect::PowerLimitSection(PowerLimitSection { from_m: 1e3, to_m: 2e3, factor: 0.6 }),
         Effect::TractionScale(TractionScale { factor: 0.9 }),
-        Effect::LowAdhesion(LowAdhesion {
-            factor: 0.5,
-            below_kmh: 40.0
-        }),
-        Effect::SpeedScale(SpeedScale {
-            measured_over_true: 1.01
-        }),
+        Effect::LowAdhesion(LowAdhesion { factor: 0.5, below_kmh: 40.0 }),
+        Effect::SpeedScale(SpeedScale { measured_over_true: 1.01 }),
         Effect::LocationLag(LocationLag { lag_s: 2.0 }),
-        Effect::TemperatureResistance(TemperatureResistance {
-            dr0_per_deg_c: -1e-4,
-            ref_c: 15.0
-        }),
-        Effect::SeasonalDrift(SeasonalDrift {
-            dr0_over_period: 1e-3,
-            period_days: 100.0,
-            reference_day: 0.0
-        }),
-        Effect::BrakeFade(BrakeFade {
-            fade_at_140: 0.3,
-            from_kmh: 80.0
-        }),
-        Effect::TrainLengthError(TrainLengthError {
-            true_length_m: 200.0
-        }),
-        Effect::WarmUp(WarmUp {
-            amplitude: 3e-3,
-            tau_s: 300.0
-        }),
-        Effect::DavisError(DavisError {
-            dr0: 1e-3,
-            dr1: 1e-5,
-            dr2: 1e-6
-        }),
+        Effect::TemperatureResistance(TemperatureResistance { dr0_per_deg_c: -1e-4, ref_c: 15.0 }),
+        Effect::SeasonalDrift(SeasonalDrift { dr0_over_period: 1e-3, period_days: 100.0, reference_day: 0.0 }),
+        Effect::BrakeFade(BrakeFade { fade_at_140: 0.3, from_kmh: 80.0 }),
+        Effect::TrainLengthError(TrainLengthError { true_length_m: 200.0 }),
+        Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s: 300.0 }),
+        Effect::DavisError(DavisError { dr0: 1e-3, dr1: 1e-5, dr2: 1e-6 }),
         Effect::Unknown(Unknown {
             coordinate: Coordinate::Speed,
             table: [(0.0, 1e-3), (30.0, 2e-3)].into_iter().collect(),
@@ -80,11 +40,7 @@ fn train() -> Train {
         mass_kg: 364e3,
         rotating_mass_factor: 1.06,
         length_m: 160.0,
-        davis: Davis {
-            r0: 7.38e-3,
-            r1: 1.6e-4,
-            r2: 2.8e-5,
-        },
+        davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
         max_tractive_effort_n: 192.92e3,
         max_power_w: 2.036e6,
         max_brake_mps2: 0.66,
@@ -105,22 +61,10 @@ fn kinds_are_one_to_nineteen_and_names_differ() {
 #[test]
 fn each_acts_in_one_way_only() {
     let train = train();
-    let gradients =
-        [(0.0, 0.0), (1450.0, 8.0)].map(|(from_m, permille)| Gradient { from_m, permille });
-    let curves = [Curve {
-        from_m: 1.2e3,
-        to_m: 1.6e3,
-        radius_m: 500.0,
-    }];
-    let track = Track::try_new(5e3, gradients)
-        .unwrap()
-        .with_curves(curves)
-        .unwrap();
-    let line = Line {
-        train: &train,
-        track: &track,
-        direction: Direction::Up,
-    };
+    let gradients = [(0.0, 0.0), (1450.0, 8.0)].map(|(from_m, permille)| Gradient { from_m, permille });
+    let curves = [Curve { from_m: 1.2e3, to_m: 1.6e3, radius_m: 500.0 }];
+    let track = Track::try_new(5e3, gradients).unwrap().with_curves(curves).unwrap();
+    let line = Line { train: &train, track: &track, direction: Direction::Up };
     let moment = Moment {
         location_m: 1500.0,
         speed_mps: 25.0,
@@ -133,18 +77,11 @@ fn each_acts_in_one_way_only() {
     let believed = Limits::of(&train);
     for effect in one_of_each() {
         let resists = effect.resistance_n_per_kg(&line, &train.davis(), &moment) != 0.0;
-        let limits = [5.0, 35.0]
-            .iter()
-            .any(|speed_mps| effect.limit(&believed, 1500.0, *speed_mps) != believed);
+        let limits = [5.0, 35.0].iter().any(|speed_mps| effect.limit(&believed, 1500.0, *speed_mps) != believed);
         let corrects = effect.correct(1.0, 1500.0, 25.0) != (1500.0, 25.0);
         let spreads = matches!(effect, Effect::RunWind(_));
         let ways = [resists, limits, corrects, spreads];
-        assert_eq!(
-            ways.iter().filter(|acts| **acts).count(),
-            1,
-            "{}: {ways:?}",
-            effect.name()
-        );
+        assert_eq!(ways.iter().filter(|acts| **acts).count(), 1, "{}: {ways:?}", effect.name());
     }
 }
 
@@ -153,26 +90,13 @@ fn directions_turn_gradient_and_wind_and_nothing_else() {
     let train = train();
     let track = Track::try_new(5e3, []).unwrap();
     let extra = |effect: &Effect, direction, location_m| {
-        let line = Line {
-            train: &train,
-            track: &track,
-            direction,
-        };
-        let moment = Moment {
-            location_m,
-            speed_mps: 25.0,
-            ..Moment::default()
-        };
+        let line = Line { train: &train, track: &track, direction };
+        let moment = Moment { location_m, speed_mps: 25.0, ..Moment::default() };
         effect.resistance_n_per_kg(&line, &train.davis(), &moment)
     };
     let all = one_of_each();
     // The train covers the same metres both ways: 40 of its 160 m are inside.
-    let both = |index: usize| {
-        (
-            extra(&all[index], Direction::Up, 1040.0),
-            extra(&all[index], Direction::Down, 880.0),
-        )
-    };
+    let both = |index: usize| (extra(&all[index], Direction::Up, 1040.0), extra(&all[index], Direction::Down, 880.0));
     let (tunnel_up, tunnel_down) = both(0);
     assert_eq!(tunnel_up, 0.25 * 1e-5 * 625.0);
     assert_eq!(tunnel_up, tunnel_down);
@@ -204,14 +128,8 @@ fn a_list_takes_eight_good_effects_and_one_table() {
     for effect in one_of_each().into_iter().take(MAX_EFFECTS) {
         effects.push(effect).unwrap();
     }
-    let one_more = Effect::WarmUp(WarmUp {
-        amplitude: 1e-3,
-        tau_s: 60.0,
-    });
-    assert_eq!(
-        effects.push(one_more),
-        Err(EffectError::TooMany { most: 8 })
-    );
+    let one_more = Effect::WarmUp(WarmUp { amplitude: 1e-3, tau_s: 60.0 });
+    assert_eq!(effects.push(one_more), Err(EffectError::TooMany { most: 8 }));
     let table = one_of_each().pop().unwrap();
     let twice = Effects::try_new([table.clone(), table]);
     assert_eq!(twice, Err(EffectError::Twice { effect: "unknown" }));
@@ -221,38 +139,18 @@ fn a_list_takes_eight_good_effects_and_one_table() {
 fn wrong_parameters_are_named() {
     let message = |effect: Effect| effect.check().unwrap_err();
     assert_eq!(
-        message(Effect::TunnelDrag(TunnelDrag {
-            from_m: 5.0,
-            to_m: 5.0,
-            k: 1e-5
-        })),
-        EffectError::Section {
-            effect: "tunnel_drag",
-            from_m: 5.0,
-            to_m: 5.0
-        }
+        message(Effect::TunnelDrag(TunnelDrag { from_m: 5.0, to_m: 5.0, k: 1e-5 })),
+        EffectError::Section { effect: "tunnel_drag", from_m: 5.0, to_m: 5.0 }
     );
     assert!(matches!(
-        message(Effect::WarmUp(WarmUp {
-            amplitude: Real::NAN,
-            tau_s: 60.0
-        })),
-        EffectError::OutOfRange {
-            parameter: "amplitude",
-            ..
-        }
+        message(Effect::WarmUp(WarmUp { amplitude: Real::NAN, tau_s: 60.0 })),
+        EffectError::OutOfRange { parameter: "amplitude", .. }
     ));
     let table = |points: &[(f32, f32)]| {
-        message(Effect::Unknown(Unknown {
-            coordinate: Coordinate::Time,
-            table: points.iter().copied().collect(),
-        }))
+        message(Effect::Unknown(Unknown { coordinate: Coordinate::Time, table: points.iter().copied().collect() }))
     };
     assert_eq!(table(&[]), EffectError::NoPoints);
-    assert_eq!(
-        table(&[(0.0, 0.0), (0.0, 1e-3)]),
-        EffectError::Point { index: 1 }
-    );
+    assert_eq!(table(&[(0.0, 0.0), (0.0, 1e-3)]), EffectError::Point { index: 1 });
     assert_eq!(table(&[(f32::NAN, 0.0)]), EffectError::Point { index: 0 });
     assert_eq!(table(&[(0.0, 2.0)]), EffectError::Point { index: 0 });
 }

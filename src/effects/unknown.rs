@@ -35,13 +35,7 @@ pub enum Coordinate {
 
 impl Coordinate {
     /// All, in the order of their numbers on the wire.
-    pub const ALL: [Self; 5] = [
-        Self::Location,
-        Self::Speed,
-        Self::Time,
-        Self::Temperature,
-        Self::Day,
-    ];
+    pub const ALL: [Self; 5] = [Self::Location, Self::Speed, Self::Time, Self::Temperature, Self::Day];
 
     /// Its value at a moment, if it is known.
     pub const fn at(self, moment: &Moment) -> Option<Real> {
@@ -100,9 +94,7 @@ impl Unknown {
     /// assert!((at(50.0) - 1e-3).abs() < 1e-9);
     /// ```
     pub fn resistance_n_per_kg(&self, moment: &Moment) -> Real {
-        self.coordinate
-            .at(moment)
-            .map_or(0.0, |at| self.interpolate(at))
+        self.coordinate.at(moment).map_or(0.0, |at| self.interpolate(at))
     }
 
     fn interpolate(&self, at: Real) -> Real {

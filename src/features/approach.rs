@@ -19,8 +19,7 @@ pub(super) fn final_phases<'a>(
     line_speed_mps: Real,
 ) -> (Option<Phase>, Option<Phase>) {
     let backwards = |from: usize| (0..from).rev().filter_map(|i| Some((i, at(i)?)));
-    let Some((stop, end)) = backwards(points).find(|(_, point)| point.to == Regime::Standstill)
-    else {
+    let Some((stop, end)) = backwards(points).find(|(_, point)| point.to == Regime::Standstill) else {
         return (None, None);
     };
     let mut brake = None;
@@ -66,31 +65,16 @@ mod tests {
         let mut points = std::vec::Vec::new();
         for (k, &(to, kmh)) in rows.iter().enumerate() {
             let time_s = 100.0 * k as Real;
-            points.push(SwitchingPoint {
-                time_s,
-                location_m: 0.0,
-                speed_mps: kmh / 3.6,
-                from,
-                to,
-            });
+            points.push(SwitchingPoint { time_s, location_m: 0.0, speed_mps: kmh / 3.6, from, to });
             from = to;
         }
         let (coast, brake) = final_phases(points.len(), |i| points.get(i), 70.0 / 3.6);
-        (
-            coast.map(|phase| phase.start_time_s),
-            brake.map(|phase| phase.start_time_s),
-        )
+        (coast.map(|phase| phase.start_time_s), brake.map(|phase| phase.start_time_s))
     }
 
     #[test]
     fn coast_then_brake_then_stop() {
-        let rows = [
-            (Traction, 0.0),
-            (Cruise, 140.0),
-            (Coast, 140.0),
-            (Brake, 80.0),
-            (Standstill, 0.0),
-        ];
+        let rows = [(Traction, 0.0), (Cruise, 140.0), (Coast, 140.0), (Brake, 80.0), (Standstill, 0.0)];
         assert_eq!(starts(&rows), (Some(200.0), Some(300.0)));
         assert_eq!(starts(&rows[..4]), (None, None));
     }
@@ -110,60 +94,29 @@ mod tests {
             (Standstill, 0.0),
         ];
         assert_eq!(starts(&rows), (Some(100.0), Some(200.0)));
-        let from_below = [
-            (Traction, 0.0),
-            (Coast, 140.0),
-            (Brake, 65.0),
-            (Coast, 40.0),
-            (Brake, 38.0),
-            (Standstill, 0.0),
-        ];
+        let from_below =
+            [(Traction, 0.0), (Coast, 140.0), (Brake, 65.0), (Coast, 40.0), (Brake, 38.0), (Standstill, 0.0)];
         assert_eq!(starts(&from_below), (Some(100.0), Some(200.0)));
     }
 
     #[test]
     fn a_brake_at_line_speed_is_not_final() {
-        let rows = [
-            (Traction, 0.0),
-            (Coast, 140.0),
-            (Brake, 120.0),
-            (Coast, 110.0),
-            (Brake, 80.0),
-            (Standstill, 0.0),
-        ];
+        let rows = [(Traction, 0.0), (Coast, 140.0), (Brake, 120.0), (Coast, 110.0), (Brake, 80.0), (Standstill, 0.0)];
         assert_eq!(starts(&rows), (Some(300.0), Some(400.0)));
     }
 
     #[test]
     fn a_brake_out_of_traction_has_no_final_coast() {
-        let rows = [
-            (Traction, 0.0),
-            (Coast, 140.0),
-            (Traction, 90.0),
-            (Brake, 130.0),
-            (Standstill, 0.0),
-        ];
+        let rows = [(Traction, 0.0), (Coast, 140.0), (Traction, 90.0), (Brake, 130.0), (Standstill, 0.0)];
         assert_eq!(starts(&rows), (None, Some(300.0)));
-        let held = [
-            (Traction, 0.0),
-            (Coast, 140.0),
-            (Cruise, 80.0),
-            (Brake, 80.0),
-            (Standstill, 0.0),
-        ];
+        let held = [(Traction, 0.0), (Coast, 140.0), (Cruise, 80.0), (Brake, 80.0), (Standstill, 0.0)];
         assert_eq!(starts(&held), (Some(100.0), Some(300.0)));
     }
 
     #[test]
     fn an_earlier_stop_is_another_run_section() {
-        let rows = [
-            (Coast, 140.0),
-            (Brake, 80.0),
-            (Standstill, 0.0),
-            (Traction, 0.0),
-            (Brake, 60.0),
-            (Standstill, 0.0),
-        ];
+        let rows =
+            [(Coast, 140.0), (Brake, 80.0), (Standstill, 0.0), (Traction, 0.0), (Brake, 60.0), (Standstill, 0.0)];
         assert_eq!(starts(&rows), (None, Some(400.0)));
     }
 }

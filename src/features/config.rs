@@ -82,10 +82,7 @@ impl FeatureConfig {
         }
         let [a, b, c, d] = self.brake_steps_kmh;
         if !(a.is_finite() && a > b && b > c && c > d && d > 0.0) {
-            return Err(FeatureConfigError::StepsNotFalling {
-                field: "brake_steps_kmh",
-                found: self.brake_steps_kmh,
-            });
+            return Err(FeatureConfigError::StepsNotFalling { field: "brake_steps_kmh", found: self.brake_steps_kmh });
         }
         for (field, found, most) in [
             ("bridge_samples", Real::from(self.bridge_samples), 10.0),
@@ -107,22 +104,12 @@ impl FeatureConfig {
     }
 }
 
-fn within(
-    field: &'static str,
-    found: Real,
-    least: Real,
-    most: Real,
-) -> Result<(), FeatureConfigError> {
+fn within(field: &'static str, found: Real, least: Real, most: Real) -> Result<(), FeatureConfigError> {
     // NaN is in no range.
     if (least..=most).contains(&found) {
         Ok(())
     } else {
-        Err(FeatureConfigError::OutOfRange {
-            field,
-            least,
-            most,
-            found,
-        })
+        Err(FeatureConfigError::OutOfRange { field, least, most, found })
     }
 }
 
@@ -160,30 +147,13 @@ pub enum FeatureConfigError {
 impl fmt::Display for FeatureConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Window {
-                field,
-                found: [lower, upper],
-            } => {
-                write!(
-                    f,
-                    "{field} must be two speeds, the smaller first, found {lower}, {upper}"
-                )
+            Self::Window { field, found: [lower, upper] } => {
+                write!(f, "{field} must be two speeds, the smaller first, found {lower}, {upper}")
             }
-            Self::StepsNotFalling {
-                field,
-                found: [a, b, c, d],
-            } => {
-                write!(
-                    f,
-                    "{field} must be falling and above 0, found {a}, {b}, {c}, {d}"
-                )
+            Self::StepsNotFalling { field, found: [a, b, c, d] } => {
+                write!(f, "{field} must be falling and above 0, found {a}, {b}, {c}, {d}")
             }
-            Self::OutOfRange {
-                field,
-                least,
-                most,
-                found,
-            } => {
+            Self::OutOfRange { field, least, most, found } => {
                 write!(f, "{field} must be {least} to {most}, found {found}")
             }
         }
@@ -198,39 +168,12 @@ mod tests {
 
     #[test]
     fn a_refusal_names_the_field() {
-        let steps = FeatureConfig {
-            brake_steps_kmh: [130.0, 80.0, 80.0, 40.0],
-            ..Default::default()
-        };
-        assert!(matches!(
-            steps.check(),
-            Err(FeatureConfigError::StepsNotFalling {
-                field: "brake_steps_kmh",
-                ..
-            })
-        ));
-        let window = FeatureConfig {
-            window_s: Real::NAN,
-            ..Default::default()
-        };
-        assert!(matches!(
-            window.check(),
-            Err(FeatureConfigError::OutOfRange {
-                field: "window_s",
-                ..
-            })
-        ));
-        let nan = FeatureConfig {
-            power_window_kmh: [50.0, Real::NAN],
-            ..Default::default()
-        };
-        assert!(matches!(
-            nan.check(),
-            Err(FeatureConfigError::Window {
-                field: "power_window_kmh",
-                ..
-            })
-        ));
+        let steps = FeatureConfig { brake_steps_kmh: [130.0, 80.0, 80.0, 40.0], ..Default::default() };
+        assert!(matches!(steps.check(), Err(FeatureConfigError::StepsNotFalling { field: "brake_steps_kmh", .. })));
+        let window = FeatureConfig { window_s: Real::NAN, ..Default::default() };
+        assert!(matches!(window.check(), Err(FeatureConfigError::OutOfRange { field: "window_s", .. })));
+        let nan = FeatureConfig { power_window_kmh: [50.0, Real::NAN], ..Default::default() };
+        assert!(matches!(nan.check(), Err(FeatureConfigError::Window { field: "power_window_kmh", .. })));
     }
 
     #[test]

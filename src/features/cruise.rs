@@ -32,9 +32,7 @@ impl HeldSpeeds {
 
     /// A tuple of counts, as it was written; not all of them on the stack.
     pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        self.time_ms
-            .iter_mut()
-            .try_for_each(|time_ms| take(time_ms, source))
+        self.time_ms.iter_mut().try_for_each(|time_ms| take(time_ms, source))
     }
 
     pub(super) fn clear(&mut self) {
@@ -49,20 +47,10 @@ impl HeldSpeeds {
         let (low, high) = (a.min(b), a.max(b));
         let (first, last) = (low as usize, high as usize);
         let dt_ms = dt_s * 1000.0;
-        for (i, time_ms) in self
-            .time_ms
-            .iter_mut()
-            .enumerate()
-            .take(last + 1)
-            .skip(first)
-        {
+        for (i, time_ms) in self.time_ms.iter_mut().enumerate().take(last + 1).skip(first) {
             let left = low.max(i as Real);
             let right = high.min(i as Real + 1.0);
-            let share = if high - low > 1e-6 {
-                (right - left) / (high - low)
-            } else {
-                1.0
-            };
+            let share = if high - low > 1e-6 { (right - left) / (high - low) } else { 1.0 };
             // A cast of a float saturates.
             *time_ms = time_ms.saturating_add((dt_ms * share + 0.5) as u32);
             if share == 1.0 {
@@ -84,12 +72,7 @@ impl HeldSpeeds {
         while 10 * band < total {
             band -= u64::from(*self.time_ms.get(top)?);
             let lowest = top.checked_sub(width);
-            band += u64::from(
-                lowest
-                    .and_then(|i| self.time_ms.get(i))
-                    .copied()
-                    .unwrap_or(0),
-            );
+            band += u64::from(lowest.and_then(|i| self.time_ms.get(i)).copied().unwrap_or(0));
             top = top.checked_sub(1)?;
         }
         // The band may have caught the level with its lower end only: put its upper end on the fastest speed in it.
@@ -126,11 +109,7 @@ impl HeldSpeeds {
             let change = centre_mps(i as Real) - mean;
             squares += change * change * Real::from(*time_ms) / total;
         }
-        let statistic = Statistic {
-            count: (total / 1000.0) as u32,
-            mean,
-            sd: libm::sqrt(squares),
-        };
+        let statistic = Statistic { count: (total / 1000.0) as u32, mean, sd: libm::sqrt(squares) };
         Some((median?, statistic))
     }
 }
@@ -148,9 +127,7 @@ mod tests {
         for &(from_kmh, to_kmh, dt_s) in held {
             speeds.add(from_kmh / 3.6, to_kmh / 3.6, dt_s);
         }
-        speeds
-            .cruise_speed(10.0)
-            .map(|(median_mps, _)| median_mps * 3.6)
+        speeds.cruise_speed(10.0).map(|(median_mps, _)| median_mps * 3.6)
     }
 
     #[test]
@@ -172,12 +149,7 @@ mod tests {
 
     #[test]
     fn cycles_about_a_speed_have_it_as_median() {
-        let cycles = [
-            (133.0, 139.0, 40.0),
-            (139.0, 133.0, 100.0),
-            (133.0, 139.0, 40.0),
-            (139.0, 133.0, 100.0),
-        ];
+        let cycles = [(133.0, 139.0, 40.0), (139.0, 133.0, 100.0), (133.0, 139.0, 40.0), (139.0, 133.0, 100.0)];
         assert!((median_kmh(&cycles).unwrap() - 136.0).abs() < 0.1);
         let mut speeds = HeldSpeeds::ZEROED;
         speeds.add(133.0 / 3.6, 139.0 / 3.6, 120.0);

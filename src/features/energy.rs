@@ -17,10 +17,7 @@ impl Energy {
     /// Adds one interval. The coefficients are those of the later tick at both ends.
     pub(super) fn add(&mut self, before: &Observation, after: &Observation, interval: &Interval) {
         let work = interval.work_j_per_kg;
-        let pulls = matches!(
-            after.regime,
-            Regime::Traction | Regime::Cruise | Regime::Brake
-        );
+        let pulls = matches!(after.regime, Regime::Traction | Regime::Cruise | Regime::Brake);
         if work > 0.0 && pulls {
             self.traction_j_per_kg += work;
         }
@@ -35,7 +32,6 @@ impl Energy {
         self.r0_j_per_kg += r0 * before_m + s0 * after_m;
         self.r1_j_per_kg += r1 * before_m + s1 * after_m;
         self.r2_j_per_kg += r2 * before_m + s2 * after_m;
-        self.gradient_j_per_kg +=
-            before.gradient_n_per_kg * before_m + after.gradient_n_per_kg * after_m;
+        self.gradient_j_per_kg += before.gradient_n_per_kg * before_m + after.gradient_n_per_kg * after_m;
     }
 }

@@ -169,11 +169,8 @@ impl FeatureExtractor {
     /// As [`FeatureExtractor::features`], in the place of others: they take 2.6 kB, which the board does not have on its stack.
     pub fn features_in(&self, config: &FeatureConfig, features: &mut Features) {
         let line_speed_mps = config.approach_share * self.arrival_top_speed_mps;
-        (features.final_coast, features.final_brake) = final_phases(
-            self.recent.len(),
-            |i| self.recent.get(i).map(|(_, point)| point),
-            line_speed_mps,
-        );
+        (features.final_coast, features.final_brake) =
+            final_phases(self.recent.len(), |i| self.recent.get(i).map(|(_, point)| point), line_speed_mps);
         let recent = self.recent.iter().map(|(_, point)| point);
         features.switching_points.clear();
         features.switching_points_lost = self.lost;
@@ -182,10 +179,7 @@ impl FeatureExtractor {
                 features.switching_points_lost = features.switching_points_lost.saturating_add(1);
             }
         }
-        let cruise = self
-            .phases
-            .held_speeds()
-            .cruise_speed(config.cruise_band_kmh);
+        let cruise = self.phases.held_speeds().cruise_speed(config.cruise_band_kmh);
         features.cruise_speed_mps = cruise.map(|(_, statistic)| statistic).unwrap_or_default();
         features.cruise_speed_median_mps = cruise.map(|(median_mps, _)| median_mps);
         features.power_w_per_kg = self.power.statistic();
@@ -211,10 +205,7 @@ impl FeatureExtractor {
             Some(rate) if stops && rate < 0.0 => (before.speed_mps / -rate).min(tick.dt_s),
             _ => 0.0,
         };
-        for (regime, dt_s) in [
-            (before.regime, moving_s),
-            (tick.regime, tick.dt_s - moving_s),
-        ] {
+        for (regime, dt_s) in [(before.regime, moving_s), (tick.regime, tick.dt_s - moving_s)] {
             if let Some(time_s) = self.regime_time_s.get_mut(regime as usize) {
                 *time_s += dt_s;
             }
@@ -238,10 +229,7 @@ impl FeatureExtractor {
             let mean_mps = steady.mean_mps();
             let inside = FeatureConfig::contains(config.effort_window_kmh, mean_mps, mean_mps);
             if inside && steady.after_mps > steady.before_mps {
-                effort.add(
-                    mean_mps - KmPerHour(lower_kmh).to_mps(),
-                    steady.effort_n_per_kg(),
-                );
+                effort.add(mean_mps - KmPerHour(lower_kmh).to_mps(), steady.effort_n_per_kg());
             }
         });
         let Some(stretch) = self.stretches.push(config.window_s, interval) else {
@@ -250,8 +238,7 @@ impl FeatureExtractor {
         let (power, max_power) = (&mut self.power, &mut self.max_power_w_per_kg);
         let hindsight = &mut self.power_hindsight;
         self.steady_power.push(bridge, &stretch, |steady| {
-            let inside =
-                |window| FeatureConfig::contains(window, steady.before_mps, steady.after_mps);
+            let inside = |window| FeatureConfig::contains(window, steady.before_mps, steady.after_mps);
             let power_w_per_kg = steady.power_w_per_kg();
             if inside(config.power_window_kmh) {
                 power.add(power_w_per_kg, steady.dt_s);
@@ -264,11 +251,8 @@ impl FeatureExtractor {
         let rates = &mut self.brake_rates;
         self.steady_brake.push(bridge, &stretch, |steady| {
             let mean_mps = steady.mean_mps();
-            let step = config
-                .brake_steps_kmh
-                .iter()
-                .filter(|edge_kmh| mean_mps <= KmPerHour(**edge_kmh).to_mps())
-                .count();
+            let step =
+                config.brake_steps_kmh.iter().filter(|edge_kmh| mean_mps <= KmPerHour(**edge_kmh).to_mps()).count();
             let moves = steady.after_mps > KmPerHour(config.stop_speed_kmh).to_mps();
             if let Some(rate) = rates.get_mut(step).filter(|_| moves) {
                 rate.add(-steady.acceleration_mps2(), steady.dt_s);
@@ -278,9 +262,8 @@ impl FeatureExtractor {
 
     fn add_boundaries(&mut self, config: &FeatureConfig, end_s: Real, interval: &Interval) {
         for boundary in &self.phases.push(config, end_s, interval) {
-            let same = |(old, _): &(Boundary, SwitchingPoint)| {
-                (old.time_s, old.from) == (boundary.time_s, boundary.from)
-            };
+            let same =
+                |(old, _): &(Boundary, SwitchingPoint)| (old.time_s, old.from) == (boundary.time_s, boundary.from);
             if self.recent.back().is_some_and(same) {
                 self.recent.pop_back();
             }
@@ -325,11 +308,7 @@ mod tests {
     use crate::resistance::Davis;
     use Regime::{Brake, Coast, Cruise, Standstill, Traction};
 
-    const NO_RESISTANCE: Davis = Davis {
-        r0: 0.0,
-        r1: 0.0,
-        r2: 0.0,
-    };
+    const NO_RESISTANCE: Davis = Davis { r0: 0.0, r1: 0.0, r2: 0.0 };
 
     /// Ticks of 10 s on a flat track without resistance: speed in km/h, regime.
     fn run_of(rows: &[(Real, Regime)], davis: Davis) -> FeatureExtractor {
@@ -342,12 +321,9 @@ mod tests {
             let tick = Observation {
                 time_s: before.map_or(0.0, |last| last.time_s + 10.0),
                 dt_s: before.map_or(0.0, |_| 10.0),
-                location_m: before
-                    .map_or(0.0, |last| last.location_m + 5.0 * (speed_mps + last_mps)),
+                location_m: before.map_or(0.0, |last| last.location_m + 5.0 * (speed_mps + last_mps)),
                 speed_mps,
-                effort_n_per_kg: Some(
-                    rate + davis.resistance_n_per_kg(0.5 * (speed_mps + last_mps)),
-                ),
+                effort_n_per_kg: Some(rate + davis.resistance_n_per_kg(0.5 * (speed_mps + last_mps))),
                 acceleration_mps2: Some(rate),
                 gradient_n_per_kg: 0.0,
                 davis,
@@ -369,10 +345,7 @@ mod tests {
 
     #[test]
     fn nothing_seen_says_so() {
-        assert_eq!(
-            FeatureExtractor::new().features(&FeatureConfig::default()),
-            Features::default()
-        );
+        assert_eq!(FeatureExtractor::new().features(&FeatureConfig::default()), Features::default());
         let stands = features_of(&[(0.0, Standstill); 4]);
         assert_eq!(stands.regime_time_s, [30.0, 0.0, 0.0, 0.0, 0.0]);
         assert_eq!(stands.final_brake, None);
@@ -387,14 +360,8 @@ mod tests {
         let features = features_of(&rows);
         let half_squares = |a: Real, b: Real| (b * b - a * a) / (3.6 * 3.6) / 20.0;
         assert_eq!(features.power_w_per_kg.count, 4);
-        assert!(near(
-            features.power_w_per_kg.mean,
-            half_squares(50.0, 120.0) / 4.0
-        ));
-        assert!(near(
-            features.max_power_w_per_kg.unwrap(),
-            half_squares(60.0, 90.0)
-        ));
+        assert!(near(features.power_w_per_kg.mean, half_squares(50.0, 120.0) / 4.0));
+        assert!(near(features.max_power_w_per_kg.unwrap(), half_squares(60.0, 90.0)));
     }
 
     #[test]
@@ -417,14 +384,8 @@ mod tests {
     #[test]
     fn effort_line_of_two_intervals() {
         // Mean speeds 12 and 24 km/h; the first interval and the one about 36 km/h are out.
-        let rows = [
-            (0.0, Standstill),
-            (6.0, Traction),
-            (18.0, Traction),
-            (30.0, Traction),
-            (40.0, Traction),
-            (40.0, Coast),
-        ];
+        let rows =
+            [(0.0, Standstill), (6.0, Traction), (18.0, Traction), (30.0, Traction), (40.0, Traction), (40.0, Coast)];
         let line = features_of(&rows).max_effort.unwrap();
         assert_eq!(line.effort.count, 2);
         assert!(near(line.effort.mean, 12.0 / 36.0));
@@ -454,26 +415,14 @@ mod tests {
         assert_eq!(steps.map(|step| step.count), [1, 3, 2, 2, 2]);
         let kmh_in_10_s: std::vec::Vec<_> = steps.iter().map(|step| step.mean * 36.0).collect();
         let expected = [4.0, 52.0 / 3.0, 9.0, 10.0, 16.0];
-        assert!(
-            kmh_in_10_s
-                .iter()
-                .zip(expected)
-                .all(|(found, expected)| near(*found, expected)),
-            "{kmh_in_10_s:?}"
-        );
+        assert!(kmh_in_10_s.iter().zip(expected).all(|(found, expected)| near(*found, expected)), "{kmh_in_10_s:?}");
     }
 
     #[test]
     fn final_phases_begin_between_ticks() {
         // Braked at 0.4 m/s² (14.4 km/h in 10 s), begun 4 s before the end of its first interval; stands within its last.
-        let mut rows = std::vec![
-            (100.0, Cruise),
-            (100.0, Cruise),
-            (100.0, Coast),
-            (100.0, Coast),
-            (100.0, Coast),
-            (100.0, Coast)
-        ];
+        let mut rows =
+            std::vec![(100.0, Cruise), (100.0, Cruise), (100.0, Coast), (100.0, Coast), (100.0, Coast), (100.0, Coast)];
         rows.extend((0..7).map(|k| (100.0 - 5.76 - 14.4 * Real::from(k), Brake)));
         rows.extend([(0.0, Standstill), (0.0, Standstill)]);
         // 100 - 5.76 - 86.4 = 7.84 km/h are gone after 5.44 s.
@@ -486,98 +435,40 @@ mod tests {
 
     #[test]
     fn time_is_divided_where_the_train_stops() {
-        let rows = [
-            (36.0, Coast),
-            (27.0, Brake),
-            (18.0, Brake),
-            (9.0, Brake),
-            (0.0, Standstill),
-            (0.0, Standstill),
-        ];
+        let rows = [(36.0, Coast), (27.0, Brake), (18.0, Brake), (9.0, Brake), (0.0, Standstill), (0.0, Standstill)];
         // At 0.25 m/s² it needs all of the 10 s.
-        assert_eq!(
-            features_of(&rows).regime_time_s,
-            [10.0, 0.0, 0.0, 0.0, 40.0]
-        );
-        let sooner = [
-            (36.0, Coast),
-            (27.0, Brake),
-            (18.0, Brake),
-            (0.0, Standstill),
-        ];
-        assert_eq!(
-            features_of(&sooner).regime_time_s,
-            [0.0, 0.0, 0.0, 0.0, 30.0]
-        );
-        let soonest = [
-            (36.0, Coast),
-            (22.5, Brake),
-            (4.5, Brake),
-            (0.0, Standstill),
-        ];
+        assert_eq!(features_of(&rows).regime_time_s, [10.0, 0.0, 0.0, 0.0, 40.0]);
+        let sooner = [(36.0, Coast), (27.0, Brake), (18.0, Brake), (0.0, Standstill)];
+        assert_eq!(features_of(&sooner).regime_time_s, [0.0, 0.0, 0.0, 0.0, 30.0]);
+        let soonest = [(36.0, Coast), (22.5, Brake), (4.5, Brake), (0.0, Standstill)];
         let times = features_of(&soonest).regime_time_s;
         assert!(near(times[Brake as usize], 22.5) && near(times[Standstill as usize], 7.5));
     }
 
     #[test]
     fn energies_add_up_to_the_change_of_speed() {
-        let davis = Davis {
-            r0: 0.01,
-            r1: 0.0,
-            r2: 0.0,
-        };
-        let rows = [
-            (0.0, Standstill),
-            (18.0, Traction),
-            (36.0, Traction),
-            (36.0, Cruise),
-            (18.0, Brake),
-            (0.0, Standstill),
-        ];
-        let energy = run_of(&rows, davis)
-            .features(&FeatureConfig::default())
-            .energy;
+        let davis = Davis { r0: 0.01, r1: 0.0, r2: 0.0 };
+        let rows =
+            [(0.0, Standstill), (18.0, Traction), (36.0, Traction), (36.0, Cruise), (18.0, Brake), (0.0, Standstill)];
+        let energy = run_of(&rows, davis).features(&FeatureConfig::default()).energy;
         // 25 + 75 + 100 + 75 + 25 m against 0.01 N/kg; 50 J/kg of kinetic energy gained and taken out again.
         assert!(near(energy.r0_j_per_kg, 3.0));
         assert!(near(energy.traction_j_per_kg, 50.0 + 2.0));
         assert!(near(energy.brake_j_per_kg, 50.0 - 1.0));
-        assert_eq!(
-            (
-                energy.r1_j_per_kg,
-                energy.r2_j_per_kg,
-                energy.gradient_j_per_kg
-            ),
-            (0.0, 0.0, 0.0)
-        );
+        assert_eq!((energy.r1_j_per_kg, energy.r2_j_per_kg, energy.gradient_j_per_kg), (0.0, 0.0, 0.0));
     }
 
     #[test]
     fn a_dropout_adds_time_only() {
-        let mut extractor = run_of(
-            &[(100.0, Coast), (99.0, Coast), (98.0, Coast)],
-            NO_RESISTANCE,
-        );
+        let mut extractor = run_of(&[(100.0, Coast), (99.0, Coast), (98.0, Coast)], NO_RESISTANCE);
         let config = FeatureConfig::default();
         let energy = extractor.features(&config).energy;
         let last = extractor.before.unwrap();
         for k in 1..=60 {
             let time_s = last.time_s + 10.0 * Real::from(k);
-            extractor.observe(
-                &config,
-                &Observation {
-                    time_s,
-                    effort_n_per_kg: None,
-                    acceleration_mps2: None,
-                    ..last
-                },
-            );
+            extractor.observe(&config, &Observation { time_s, effort_n_per_kg: None, acceleration_mps2: None, ..last });
         }
-        let after = Observation {
-            time_s: last.time_s + 610.0,
-            effort_n_per_kg: Some(0.0),
-            speed_mps: 20.0,
-            ..last
-        };
+        let after = Observation { time_s: last.time_s + 610.0, effort_n_per_kg: Some(0.0), speed_mps: 20.0, ..last };
         extractor.observe(&config, &after);
         let features = extractor.features(&config);
         assert_eq!(features.regime_time_s[Coast as usize], 20.0 + 610.0);
@@ -590,13 +481,7 @@ mod tests {
     fn more_switching_points_than_fit_are_counted_and_the_final_brake_is_still_found() {
         let mut rows = std::vec::Vec::new();
         for _ in 0..40 {
-            rows.extend([
-                (0.0, Standstill),
-                (20.0, Traction),
-                (40.0, Traction),
-                (20.0, Brake),
-                (5.0, Brake),
-            ]);
+            rows.extend([(0.0, Standstill), (20.0, Traction), (40.0, Traction), (20.0, Brake), (5.0, Brake)]);
         }
         rows.push((0.0, Standstill));
         let features = features_of(&rows);

@@ -23,20 +23,12 @@ pub(super) struct Hindsight {
 
 impl Hindsight {
     /// No interval.
-    pub(super) const ZEROED: Self = Self {
-        time_s: 0.0,
-        moments: [0.0; 3],
-        taken_j_per_kg: 0.0,
-    };
+    pub(super) const ZEROED: Self = Self { time_s: 0.0, moments: [0.0; 3], taken_j_per_kg: 0.0 };
 
     pub(super) fn add(&mut self, davis: &Davis, speed_mps: Real, dt_s: Real) {
         let run_m = speed_mps * dt_s;
         self.time_s += dt_s;
-        for (moment, power) in self
-            .moments
-            .iter_mut()
-            .zip([1.0, speed_mps, speed_mps * speed_mps])
-        {
+        for (moment, power) in self.moments.iter_mut().zip([1.0, speed_mps, speed_mps * speed_mps]) {
             *moment += run_m * power;
         }
         self.taken_j_per_kg += run_m * davis.resistance_n_per_kg(speed_mps);
@@ -59,16 +51,8 @@ mod tests {
 
     #[test]
     fn power_follows_what_was_learned_later() {
-        let before = Davis {
-            r0: 0.01,
-            r1: 0.0,
-            r2: 0.0,
-        };
-        let after = Davis {
-            r0: 0.012,
-            r1: 1e-4,
-            r2: 0.0,
-        };
+        let before = Davis { r0: 0.01, r1: 0.0, r2: 0.0 };
+        let after = Davis { r0: 0.012, r1: 1e-4, r2: 0.0 };
         let mut hindsight = Hindsight::default();
         assert_eq!(hindsight.correction_w_per_kg(&after), 0.0);
         hindsight.add(&before, 20.0, 10.0);

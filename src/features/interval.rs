@@ -84,10 +84,7 @@ pub(super) struct Stretches {
 
 impl Stretches {
     /// Zeros; to be interrupted.
-    pub(super) const ZEROED: Self = Self {
-        open: Some(Interval::ZEROED),
-        time_s: [0.0; 5],
-    };
+    pub(super) const ZEROED: Self = Self { open: Some(Interval::ZEROED), time_s: [0.0; 5] };
 
     /// The stretch that this interval completes. `least_s` of 0 gives every interval back.
     pub(super) fn push(&mut self, least_s: Real, interval: &Interval) -> Option<Interval> {
@@ -130,14 +127,7 @@ mod tests {
     use super::*;
 
     fn second(before_mps: Real, regime: Regime) -> Interval {
-        Interval {
-            before_mps,
-            after_mps: before_mps + 0.5,
-            dt_s: 1.0,
-            impulse_mps: 0.5,
-            work_j_per_kg: 1.0,
-            regime,
-        }
+        Interval { before_mps, after_mps: before_mps + 0.5, dt_s: 1.0, impulse_mps: 0.5, work_j_per_kg: 1.0, regime }
     }
 
     #[test]
@@ -150,15 +140,9 @@ mod tests {
             made = stretches.push(4.0, &second(10.0 + 0.5 * k as Real, regime));
         }
         let made = made.unwrap();
-        assert_eq!(
-            (made.before_mps, made.after_mps, made.dt_s),
-            (10.0, 11.5, 3.0)
-        );
+        assert_eq!((made.before_mps, made.after_mps, made.dt_s), (10.0, 11.5, 3.0));
         assert_eq!((made.effort_n_per_kg(), made.power_w_per_kg()), (0.5, 1.0));
         assert_eq!(made.regime, Regime::Traction);
-        assert_eq!(
-            stretches.push(0.0, &second(1.0, Regime::Coast)),
-            Some(second(1.0, Regime::Coast))
-        );
+        assert_eq!(stretches.push(0.0, &second(1.0, Regime::Coast)), Some(second(1.0, Regime::Coast)));
     }
 }

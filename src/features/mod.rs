@@ -72,11 +72,7 @@ impl Observation {
         effort_n_per_kg: None,
         acceleration_mps2: None,
         gradient_n_per_kg: 0.0,
-        davis: Davis {
-            r0: 0.0,
-            r1: 0.0,
-            r2: 0.0,
-        },
+        davis: Davis { r0: 0.0, r1: 0.0, r2: 0.0 },
         regime: Regime::Standstill,
     };
 }
@@ -94,11 +90,7 @@ pub struct Statistic {
 
 impl Statistic {
     /// No value.
-    pub const NONE: Self = Self {
-        count: 0,
-        mean: 0.0,
-        sd: 0.0,
-    };
+    pub const NONE: Self = Self { count: 0, mean: 0.0, sd: 0.0 };
 }
 
 /// Effort as a straight line over speed, fitted between the configured speeds.

@@ -56,11 +56,7 @@ pub(super) struct Course {
 
 impl Course {
     /// Zeros; to be cleared.
-    pub(super) const ZEROED: Self = Self {
-        knots: Deque::new(),
-        head: None,
-        last_good: Some(Observation::ZEROED),
-    };
+    pub(super) const ZEROED: Self = Self { knots: Deque::new(), head: None, last_good: Some(Observation::ZEROED) };
 
     pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
         self.knots.clear();
@@ -96,16 +92,8 @@ impl Course {
             };
             impulse_mps = head.impulse_mps + moved_mps;
         }
-        let head = Knot {
-            time_s: tick.time_s,
-            impulse_mps,
-            speed_mps: tick.speed_mps,
-            location_m: tick.location_m,
-        };
-        let spaced = self
-            .knots
-            .back()
-            .is_none_or(|last| head.time_s - last.time_s >= config.window_s / 6.0);
+        let head = Knot { time_s: tick.time_s, impulse_mps, speed_mps: tick.speed_mps, location_m: tick.location_m };
+        let spaced = self.knots.back().is_none_or(|last| head.time_s - last.time_s >= config.window_s / 6.0);
         if spaced {
             if self.knots.is_full() {
                 self.knots.pop_front();
@@ -120,11 +108,9 @@ impl Course {
     /// Knot `i` in order of time, the present last.
     fn knot(&self, i: usize) -> Option<&Knot> {
         match self.knots.get(i) {
-            None if i == self.knots.len() => self.head.as_ref().filter(|head| {
-                self.knots
-                    .back()
-                    .is_none_or(|last| last.time_s < head.time_s)
-            }),
+            None if i == self.knots.len() => {
+                self.head.as_ref().filter(|head| self.knots.back().is_none_or(|last| last.time_s < head.time_s))
+            }
             knot => knot,
         }
     }
@@ -153,8 +139,7 @@ impl Course {
     /// Last knot not later than this, 0.3 of its interval after it still counts (a clock is not exact).
     fn back_to(&self, time_s: Real) -> Option<Knot> {
         let later = self.first(|i, knot| {
-            self.interval_s(i, knot)
-                .is_some_and(|interval_s| knot.time_s - 0.3 * interval_s > time_s)
+            self.interval_s(i, knot).is_some_and(|interval_s| knot.time_s - 0.3 * interval_s > time_s)
         });
         self.knot(later.checked_sub(1)?).copied()
     }
@@ -187,11 +172,7 @@ impl Course {
         let before = after.checked_sub(1).and_then(|i| self.knot(i));
         let before = before.unwrap_or(knot);
         let interval_s = knot.time_s - before.time_s;
-        let share = if interval_s > 0.0 {
-            ((time_s - before.time_s) / interval_s).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
+        let share = if interval_s > 0.0 { ((time_s - before.time_s) / interval_s).clamp(0.0, 1.0) } else { 0.0 };
         let mix = |a: Real, b: Real| a + share * (b - a);
         Some(Knot {
             time_s,
@@ -242,24 +223,13 @@ impl Course {
             return None;
         }
         let time_s = last.time_s + (last.speed_mps / rate_mps2).clamp(0.0, interval_s.max(0.0));
-        Some(Knot {
-            time_s,
-            speed_mps: 0.0,
-            ..end
-        })
+        Some(Knot { time_s, speed_mps: 0.0, ..end })
     }
 
-    fn crossing(
-        &self,
-        config: &FeatureConfig,
-        boundary: &Boundary,
-        after_s: Real,
-        before_s: Real,
-    ) -> Option<Knot> {
+    fn crossing(&self, config: &FeatureConfig, boundary: &Boundary, after_s: Real, before_s: Real) -> Option<Knot> {
         let mut middle_s = boundary.time_s;
         for _ in 0..2 {
-            let (knot, moved) =
-                self.crossing_near(config, boundary, middle_s, after_s, before_s)?;
+            let (knot, moved) = self.crossing_near(config, boundary, middle_s, after_s, before_s)?;
             if moved == 0.0 {
                 return Some(knot);
             }
@@ -320,11 +290,7 @@ impl Course {
         let backward = t1.speed_mps - slope(&t1, &end) * (span_s - from_t0_s);
         let speed_mps = (0.5 * (forward + backward)).max(0.0);
         let length_m = 0.5 * (t0.speed_mps + speed_mps) * from_t0_s;
-        let sign = if t1.location_m < t0.location_m {
-            -1.0
-        } else {
-            1.0
-        };
+        let sign = if t1.location_m < t0.location_m { -1.0 } else { 1.0 };
         let knot = Knot {
             time_s: t0.time_s + from_t0_s,
             impulse_mps: t0.impulse_mps,
@@ -355,9 +321,5 @@ fn level(config: &FeatureConfig, regime: Regime, from: &Knot, to: &Knot) -> Opti
 
 fn slope(from: &Knot, to: &Knot) -> Real {
     let dt_s = to.time_s - from.time_s;
-    if dt_s > 0.0 {
-        (to.speed_mps - from.speed_mps) / dt_s
-    } else {
-        0.0
-    }
+    if dt_s > 0.0 { (to.speed_mps - from.speed_mps) / dt_s } else { 0.0 }
 }

@@ -107,12 +107,7 @@ impl Phases {
     pub(super) const ZEROED: Self = Self {
         phase: Some(Segment::ZEROED),
         pending: Deque::new(),
-        last: Some(Boundary {
-            time_s: 0.0,
-            first_sample_s: 0.0,
-            from: Regime::Standstill,
-            to: Regime::Standstill,
-        }),
+        last: Some(Boundary { time_s: 0.0, first_sample_s: 0.0, from: Regime::Standstill, to: Regime::Standstill }),
         held_speeds: HeldSpeeds::ZEROED,
     };
 
@@ -153,12 +148,7 @@ impl Phases {
     }
 
     /// Takes the interval that ends at `end_s`. A boundary with the same `time_s` and `from` as one given before takes its place.
-    pub(super) fn push(
-        &mut self,
-        config: &FeatureConfig,
-        end_s: Real,
-        interval: &Interval,
-    ) -> Boundaries {
+    pub(super) fn push(&mut self, config: &FeatureConfig, end_s: Real, interval: &Interval) -> Boundaries {
         let mut known = Boundaries::new();
         let mut sample = Segment::new(end_s, interval);
         if self.is_turn_of_power(config, interval) {
@@ -197,10 +187,7 @@ impl Phases {
                 continue;
             };
             let regime = phase.regime;
-            let back = self
-                .pending
-                .iter()
-                .position(|segment| segment.regime == regime);
+            let back = self.pending.iter().position(|segment| segment.regime == regime);
             let gap = self.pending.iter().take(back.unwrap_or(MAX_PENDING));
             if !bridgeable(config, regime, gap) {
                 self.close(config, known);
@@ -220,8 +207,7 @@ impl Phases {
     fn extend(&mut self, next: &Segment) {
         if let Some(phase) = &mut self.phase {
             if phase.regime == Regime::Cruise {
-                self.held_speeds
-                    .add(next.start_mps, next.end_mps, next.dt_s);
+                self.held_speeds.add(next.start_mps, next.end_mps, next.dt_s);
             }
             phase.append(next);
         }
@@ -233,8 +219,7 @@ impl Phases {
             return;
         };
         if next.regime == Regime::Cruise {
-            self.held_speeds
-                .add(next.start_mps, next.end_mps, next.dt_s);
+            self.held_speeds.add(next.start_mps, next.end_mps, next.dt_s);
         }
         let Some(over) = self.phase.replace(next) else {
             return;
@@ -249,15 +234,10 @@ impl Phases {
             _ => false,
         };
         if cycle && over.holds(config) {
-            self.held_speeds
-                .add(over.start_mps, over.end_mps, over.dt_s);
+            self.held_speeds.add(over.start_mps, over.end_mps, over.dt_s);
         }
-        let mut boundary = Boundary {
-            time_s: over.end_s,
-            first_sample_s: next.first_sample_s,
-            from: over.regime,
-            to: next.regime,
-        };
+        let mut boundary =
+            Boundary { time_s: over.end_s, first_sample_s: next.first_sample_s, from: over.regime, to: next.regime };
         let one_sample = over.samples == 1 || over.dt_s <= config.window_s;
         if let Some(last) = self.last
             && over.regime == Regime::Cruise
@@ -273,11 +253,7 @@ impl Phases {
     }
 }
 
-fn bridgeable<'a>(
-    config: &FeatureConfig,
-    regime: Regime,
-    gap: impl Iterator<Item = &'a Segment>,
-) -> bool {
+fn bridgeable<'a>(config: &FeatureConfig, regime: Regime, gap: impl Iterator<Item = &'a Segment>) -> bool {
     let (mut samples, mut dt_s, mut moved_mps) = (0, 0.0, 0.0);
     for segment in gap {
         if regime == Regime::Standstill || segment.regime == Regime::Standstill {
@@ -287,8 +263,7 @@ fn bridgeable<'a>(
         dt_s += segment.dt_s;
         moved_mps += segment.impulse_mps.abs();
     }
-    let short = samples <= config.bridge_samples
-        || dt_s <= Real::from(config.bridge_samples) * config.window_s;
+    let short = samples <= config.bridge_samples || dt_s <= Real::from(config.bridge_samples) * config.window_s;
     short && (regime != Regime::Coast || moved_mps <= KmPerHour(config.bridge_speed_kmh).to_mps())
 }
 
@@ -327,20 +302,14 @@ mod tests {
         let two = [Coast, Coast, Cruise, Cruise, Coast, Brake, Brake, Brake];
         assert_eq!(boundaries(&two, -0.3), [(50.0, Coast, Brake)]);
         let three = [Coast, Coast, Cruise, Cruise, Cruise, Coast, Coast, Coast];
-        assert_eq!(
-            boundaries(&three, -0.3),
-            [(20.0, Coast, Cruise), (50.0, Cruise, Coast)]
-        );
+        assert_eq!(boundaries(&three, -0.3), [(20.0, Coast, Cruise), (50.0, Cruise, Coast)]);
     }
 
     #[test]
     fn a_strong_brake_splits_a_coast_and_a_weak_one_does_not() {
         let rows = [Coast, Coast, Brake, Coast, Coast, Coast];
         assert_eq!(boundaries(&rows, -0.04), []);
-        assert_eq!(
-            boundaries(&rows, -0.3),
-            [(20.0, Coast, Brake), (30.0, Brake, Coast)]
-        );
+        assert_eq!(boundaries(&rows, -0.3), [(20.0, Coast, Brake), (30.0, Brake, Coast)]);
     }
 
     /// Coasting at the end of each interval says nothing of the seconds between: power for 4 s moves the speed by 1.8 km/h.
@@ -376,11 +345,7 @@ mod tests {
     #[test]
     fn a_standstill_is_never_bridged() {
         let rows = [Brake, Standstill, Brake, Brake, Standstill];
-        let expected = [
-            (10.0, Brake, Standstill),
-            (20.0, Standstill, Brake),
-            (40.0, Brake, Standstill),
-        ];
+        let expected = [(10.0, Brake, Standstill), (20.0, Standstill, Brake), (40.0, Brake, Standstill)];
         assert_eq!(boundaries(&rows, -0.3), expected);
     }
 
@@ -389,23 +354,12 @@ mod tests {
         let rows = [Coast, Coast, Cruise, Brake, Brake, Brake];
         assert_eq!(boundaries(&rows, -0.3), [(20.0, Coast, Brake)]);
         let two = [Traction, Traction, Cruise, Cruise, Coast, Coast, Coast];
-        assert_eq!(
-            boundaries(&two, -0.3),
-            [(20.0, Traction, Cruise), (40.0, Cruise, Coast)]
-        );
+        assert_eq!(boundaries(&two, -0.3), [(20.0, Traction, Cruise), (40.0, Cruise, Coast)]);
     }
 
     #[test]
     fn a_flicker_longer_than_the_memory_closes_the_phase() {
-        let rows: std::vec::Vec<_> = (0..60)
-            .map(|k| {
-                if k == 0 {
-                    Traction
-                } else {
-                    [Coast, Cruise][k % 2]
-                }
-            })
-            .collect();
+        let rows: std::vec::Vec<_> = (0..60).map(|k| if k == 0 { Traction } else { [Coast, Cruise][k % 2] }).collect();
         assert!(!boundaries(&rows, 0.0).is_empty());
     }
 }

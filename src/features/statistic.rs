@@ -17,12 +17,7 @@ pub(super) struct Spread {
 
 impl Spread {
     /// No value.
-    pub(super) const ZEROED: Self = Self {
-        count: 0,
-        weight: 0.0,
-        mean: 0.0,
-        squares: 0.0,
-    };
+    pub(super) const ZEROED: Self = Self { count: 0, weight: 0.0, mean: 0.0, squares: 0.0 };
 
     /// Adds a value; a weight that is not above 0 adds nothing.
     pub(super) fn add(&mut self, value: Real, weight: Real) {
@@ -38,16 +33,8 @@ impl Spread {
     /// Standard deviation with n - 1 in the denominator.
     pub(super) fn statistic(&self) -> Statistic {
         let n = Real::from(self.count);
-        let sd = if self.count < 2 {
-            0.0
-        } else {
-            libm::sqrt((self.squares / self.weight * n / (n - 1.0)).max(0.0))
-        };
-        Statistic {
-            count: self.count,
-            mean: self.mean,
-            sd,
-        }
+        let sd = if self.count < 2 { 0.0 } else { libm::sqrt((self.squares / self.weight * n / (n - 1.0)).max(0.0)) };
+        Statistic { count: self.count, mean: self.mean, sd }
     }
 }
 
@@ -64,14 +51,7 @@ pub(super) struct LineFit {
 
 impl LineFit {
     /// No point.
-    pub(super) const ZEROED: Self = Self {
-        count: 0,
-        x: 0.0,
-        y: 0.0,
-        xx: 0.0,
-        xy: 0.0,
-        yy: 0.0,
-    };
+    pub(super) const ZEROED: Self = Self { count: 0, x: 0.0, y: 0.0, xx: 0.0, xy: 0.0, yy: 0.0 };
 
     /// Adds a point.
     pub(super) fn add(&mut self, x: Real, y: Real) {
@@ -93,28 +73,12 @@ impl LineFit {
         let determinant = n * self.xx - self.x * self.x;
         // One x only: what is left of the difference is rounding.
         let sloped = determinant > 1e-9 * n * self.xx;
-        let slope = if sloped {
-            (n * self.xy - self.x * self.y) / determinant
-        } else {
-            0.0
-        };
+        let slope = if sloped { (n * self.xy - self.x * self.y) / determinant } else { 0.0 };
         let at_lower = mean - slope * self.x / n;
         let free = n - if sloped { 2.0 } else { 1.0 };
         let rest = (self.yy - at_lower * self.y - slope * self.xy).max(0.0);
-        let sd = if free > 0.0 {
-            libm::sqrt(rest / free)
-        } else {
-            0.0
-        };
-        Some(EffortLine {
-            effort: Statistic {
-                count: self.count,
-                mean,
-                sd,
-            },
-            at_lower_n_per_kg: at_lower,
-            slope,
-        })
+        let sd = if free > 0.0 { libm::sqrt(rest / free) } else { 0.0 };
+        Some(EffortLine { effort: Statistic { count: self.count, mean, sd }, at_lower_n_per_kg: at_lower, slope })
     }
 }
 
@@ -131,14 +95,7 @@ mod tests {
             repeated.add(value, 1.0);
         }
         assert_eq!(weighted.statistic().mean, 2.0);
-        assert_eq!(
-            repeated.statistic(),
-            Statistic {
-                count: 3,
-                mean: 2.0,
-                sd: libm::sqrt(3.0)
-            }
-        );
+        assert_eq!(repeated.statistic(), Statistic { count: 3, mean: 2.0, sd: libm::sqrt(3.0) });
         weighted.add(Real::NAN, 0.0);
         assert_eq!(weighted.statistic().count, 2);
     }
@@ -149,10 +106,7 @@ mod tests {
         assert_eq!(fit.line(), None);
         fit.add(2.0, 5.0);
         let one = fit.line().unwrap();
-        assert_eq!(
-            (one.at_lower_n_per_kg, one.slope, one.effort.sd),
-            (5.0, 0.0, 0.0)
-        );
+        assert_eq!((one.at_lower_n_per_kg, one.slope, one.effort.sd), (5.0, 0.0, 0.0));
         fit.add(0.0, 1.0);
         fit.add(4.0, 9.0);
         let line = fit.line().unwrap();

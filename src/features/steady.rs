@@ -26,11 +26,7 @@ pub(super) struct Steady {
 
 impl Steady {
     /// Zeros; to be begun.
-    pub(super) const ZEROED: Self = Self {
-        regime: Regime::Standstill,
-        inside: false,
-        held: Vec::new(),
-    };
+    pub(super) const ZEROED: Self = Self { regime: Regime::Standstill, inside: false, held: Vec::new() };
 
     pub(super) fn begin(&mut self, regime: Regime) {
         self.regime = regime;
@@ -45,12 +41,7 @@ impl Steady {
     }
 
     /// Gives those intervals to `accept` that `next` shows to be steady.
-    pub(super) fn push(
-        &mut self,
-        bridge_samples: u32,
-        next: &Interval,
-        mut accept: impl FnMut(&Interval),
-    ) {
+    pub(super) fn push(&mut self, bridge_samples: u32, next: &Interval, mut accept: impl FnMut(&Interval)) {
         if next.regime == self.regime {
             self.held.iter().for_each(&mut accept);
             self.held.clear();
@@ -59,10 +50,7 @@ impl Steady {
             self.inside = true;
             return;
         }
-        let like_before = self
-            .held
-            .first()
-            .is_some_and(|held| next.effort_n_per_kg() / held.effort_n_per_kg() >= 0.5);
+        let like_before = self.held.first().is_some_and(|held| next.effort_n_per_kg() / held.effort_n_per_kg() >= 0.5);
         let bridged = next.regime == Regime::Cruise
             && like_before
             && self.held.len() <= bridge_samples as usize
@@ -111,56 +99,24 @@ mod tests {
 
     #[test]
     fn first_and_last_interval_are_left_out() {
-        let rows = [
-            (Coast, 0.0),
-            (Traction, 0.2),
-            (Traction, 0.4),
-            (Traction, 0.5),
-            (Traction, 0.1),
-            (Coast, 0.0),
-        ];
+        let rows = [(Coast, 0.0), (Traction, 0.2), (Traction, 0.4), (Traction, 0.5), (Traction, 0.1), (Coast, 0.0)];
         assert_eq!(accepted(Traction, &rows), [0.4, 0.5]);
     }
 
     #[test]
     fn a_small_reading_inside_stays_and_a_pause_does_not() {
-        let small = [
-            (Traction, 0.2),
-            (Traction, 0.21),
-            (Cruise, 0.15),
-            (Traction, 0.22),
-            (Traction, 0.2),
-        ];
+        let small = [(Traction, 0.2), (Traction, 0.21), (Cruise, 0.15), (Traction, 0.22), (Traction, 0.2)];
         assert_eq!(accepted(Traction, &small), [0.21, 0.15, 0.22]);
-        let pause = [
-            (Traction, 0.2),
-            (Traction, 0.21),
-            (Cruise, 0.05),
-            (Traction, 0.22),
-            (Traction, 0.2),
-            (Traction, 0.2),
-        ];
+        let pause =
+            [(Traction, 0.2), (Traction, 0.21), (Cruise, 0.05), (Traction, 0.22), (Traction, 0.2), (Traction, 0.2)];
         assert_eq!(accepted(Traction, &pause), [0.2]);
-        let hold = [
-            (Traction, 0.2),
-            (Traction, 0.21),
-            (Cruise, 0.15),
-            (Cruise, 0.15),
-            (Cruise, 0.15),
-            (Traction, 0.2),
-        ];
+        let hold = [(Traction, 0.2), (Traction, 0.21), (Cruise, 0.15), (Cruise, 0.15), (Cruise, 0.15), (Traction, 0.2)];
         assert!(accepted(Traction, &hold).is_empty());
     }
 
     #[test]
     fn the_interval_before_the_stop_is_kept() {
-        let rows = [
-            (Coast, 0.0),
-            (Brake, -0.1),
-            (Brake, -0.5),
-            (Brake, -0.6),
-            (Standstill, -0.2),
-        ];
+        let rows = [(Coast, 0.0), (Brake, -0.1), (Brake, -0.5), (Brake, -0.6), (Standstill, -0.2)];
         assert_eq!(accepted(Brake, &rows), [-0.5, -0.6]);
     }
 }

@@ -7,11 +7,7 @@ use crate::regime::{PaperRule, Regime};
 use crate::resistance::Davis;
 use std::vec::Vec;
 
-const DAVIS: Davis = Davis {
-    r0: 7.38e-3,
-    r1: 1.6e-4,
-    r2: 2.8e-5,
-};
+const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 const STEP_S: Real = 0.1;
 
 /// What the driver does.
@@ -57,11 +53,7 @@ fn drive(driver: &Driver) -> (Vec<(Real, Real, Real)>, Truth) {
     let mut cruised = Vec::new();
     loop {
         course.push((t, s, v));
-        let r = if v > 0.0 {
-            DAVIS.resistance_n_per_kg(v)
-        } else {
-            0.0
-        } + gradient(s);
+        let r = if v > 0.0 { DAVIS.resistance_n_per_kg(v) } else { 0.0 } + gradient(s);
         let full = (driver.power_w_per_kg / v.max(0.1)).min(0.5);
         let brake = -driver.brake_mps2 * if v < 80.0 / 3.6 { 1.15 } else { 1.0 };
         let hold = |at: Real| (r + 0.2 * (at - v)).clamp(-0.3, full);
@@ -76,25 +68,11 @@ fn drive(driver: &Driver) -> (Vec<(Real, Real, Real)>, Truth) {
                 if powering || leg_s == 0.0 {
                     off_s = t;
                 }
-                powering = if powering {
-                    off < driver.cycle_kmh
-                } else {
-                    off < -driver.cycle_kmh
-                };
-                (
-                    if powering { full } else { 0.0 },
-                    leg_s > driver.cruise_s && !powering,
-                )
+                powering = if powering { off < driver.cycle_kmh } else { off < -driver.cycle_kmh };
+                (if powering { full } else { 0.0 }, leg_s > driver.cruise_s && !powering)
             }
             5 => (0.0, leg_s > driver.coast_s),
-            6 => (
-                brake,
-                if driver.zone_s > 0.0 {
-                    v <= zone
-                } else {
-                    v <= 0.0
-                },
-            ),
+            6 => (brake, if driver.zone_s > 0.0 { v <= zone } else { v <= 0.0 }),
             7 => (hold(zone), leg_s > driver.zone_s),
             8 => (brake, v <= 0.0),
             _ => (0.0, leg_s > 60.0),
@@ -118,22 +96,14 @@ fn drive(driver: &Driver) -> (Vec<(Real, Real, Real)>, Truth) {
         }
         // Effort builds up over the ramp; it is released at once.
         let most = 0.5 / driver.ramp_s * STEP_S;
-        u = if target == 0.0 {
-            0.0
-        } else {
-            u + (target - u).clamp(-most, most)
-        };
+        u = if target == 0.0 { 0.0 } else { u + (target - u).clamp(-most, most) };
         if leg == 3 && v > 50.0 / 3.6 && v < 130.0 / 3.6 {
             work += u * v * STEP_S;
             work_s += STEP_S;
         }
         let moving = v > 0.0 || u > 0.0;
         let a = if moving { u - r } else { 0.0 };
-        let next = if leg == 0 || leg == 9 {
-            0.0
-        } else {
-            (v + a * STEP_S).max(0.0)
-        };
+        let next = if leg == 0 || leg == 9 { 0.0 } else { (v + a * STEP_S).max(0.0) };
         s += 0.5 * (v + next) * STEP_S;
         v = next;
         t += STEP_S;
@@ -157,12 +127,8 @@ fn features(
     let mut extractor = FeatureExtractor::new();
     let every = libm::round(dt_s / STEP_S) as usize;
     let skip = libm::round(phase_s / STEP_S) as usize;
-    let rows: Vec<_> = course
-        .iter()
-        .skip(skip)
-        .step_by(every)
-        .map(|&(t, s, v)| (t, s, libm::round(v * 3.6) / 3.6))
-        .collect();
+    let rows: Vec<_> =
+        course.iter().skip(skip).step_by(every).map(|&(t, s, v)| (t, s, libm::round(v * 3.6) / 3.6)).collect();
     let between = |a: &(Real, Real, Real), b: &(Real, Real, Real)| {
         let rate = (b.2 - a.2) / (b.0 - a.0);
         let mid = 0.5 * (a.2 + b.2);
@@ -173,9 +139,7 @@ fn features(
     for (k, row) in rows.iter().enumerate() {
         let before = rows[k.saturating_sub(1)];
         let back = (libm::round(10.0 / dt_s) as usize).max(1);
-        let seen = (k > 0)
-            .then(|| between(&before, row))
-            .filter(|_| !dropped(row.0));
+        let seen = (k > 0).then(|| between(&before, row)).filter(|_| !dropped(row.0));
         // Recognised from the last 10 s.
         let (effort, rate) = between(&rows[k.saturating_sub(back)], row);
         let regime = if row.2 == 0.0 {
@@ -207,10 +171,7 @@ struct Dice(u64);
 
 impl Dice {
     fn roll(&mut self, low: Real, high: Real) -> Real {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         low + (high - low) * ((self.0 >> 11) as Real / (1u64 << 53) as Real)
     }
 }
@@ -223,11 +184,7 @@ fn some_driver(dice: &mut Dice) -> Driver {
         coast_s: dice.roll(120.0, 500.0),
         brake_mps2: dice.roll(0.2, 0.45),
         ramp_s: dice.roll(1.0, 6.0),
-        zone_s: if dice.roll(0.0, 1.0) < 0.5 {
-            dice.roll(10.0, 60.0)
-        } else {
-            0.0
-        },
+        zone_s: if dice.roll(0.0, 1.0) < 0.5 { dice.roll(10.0, 60.0) } else { 0.0 },
         power_w_per_kg: dice.roll(4.5, 5.5),
     }
 }
@@ -269,63 +226,32 @@ fn errors(dt_s: Real, runs: u64, believed: Davis, dropped: impl Fn(Real) -> bool
         let miss = 1e3;
         let row = [
             brake.map_or(miss, |brake| brake.start_time_s - truth.brake_s),
-            found
-                .final_coast
-                .map_or(miss, |coast| coast.start_time_s - truth.coast_s),
-            brake.map_or(miss, |brake| {
-                brake.start_time_s + brake.duration_s - truth.stop_s
-            }),
+            found.final_coast.map_or(miss, |coast| coast.start_time_s - truth.coast_s),
+            brake.map_or(miss, |brake| brake.start_time_s + brake.duration_s - truth.stop_s),
             brake.map_or(miss, |brake| brake.start_location_m - truth.brake_m),
-            brake.map_or(miss, |brake| {
-                (brake.start_speed_mps - truth.brake_mps) * 3.6
-            }),
+            brake.map_or(miss, |brake| (brake.start_speed_mps - truth.brake_mps) * 3.6),
             100.0 * (found.power_w_per_kg.mean / truth.power_w_per_kg - 1.0),
-            found
-                .cruise_speed_median_mps
-                .map_or(miss, |v| (v - truth.cruise_mps) * 3.6),
-            found
-                .max_power_w_per_kg
-                .map_or(miss, |p| 100.0 * (p / driver.power_w_per_kg - 1.0)),
+            found.cruise_speed_median_mps.map_or(miss, |v| (v - truth.cruise_mps) * 3.6),
+            found.max_power_w_per_kg.map_or(miss, |p| 100.0 * (p / driver.power_w_per_kg - 1.0)),
         ];
         if std::env::var("ROWS").is_ok()
-            && (row[0].abs() > 5.0
-                || row[1].abs() > 17.0
-                || row[5].abs() > 1.5
-                || row[6].abs() > 0.5)
+            && (row[0].abs() > 5.0 || row[1].abs() > 17.0 || row[5].abs() > 1.5 || row[6].abs() > 0.5)
         {
             std::println!("seed {seed} {driver:?}\n   {truth:?}\n   {row:.2?}");
             if row[0].abs() > 20.0 || row[1].abs() > 30.0 {
                 for p in &found.switching_points {
-                    std::println!(
-                        "     {:8.1} {:6.1} km/h {} -> {}",
-                        p.time_s,
-                        p.speed_mps * 3.6,
-                        p.from,
-                        p.to
-                    );
+                    std::println!("     {:8.1} {:6.1} km/h {} -> {}", p.time_s, p.speed_mps * 3.6, p.from, p.to);
                 }
             }
         }
         errors.rows.push(row);
     }
-    for (column, name) in [
-        "brake s",
-        "coast s",
-        "stop s",
-        "brake m",
-        "brake km/h",
-        "power %",
-        "cruise km/h",
-        "max power %",
-    ]
-    .into_iter()
-    .enumerate()
+    for (column, name) in
+        ["brake s", "coast s", "stop s", "brake m", "brake km/h", "power %", "cruise km/h", "max power %"]
+            .into_iter()
+            .enumerate()
     {
-        let (p50, p90, p98) = (
-            errors.p(column, 0.5),
-            errors.p(column, 0.9),
-            errors.p(column, 0.98),
-        );
+        let (p50, p90, p98) = (errors.p(column, 0.5), errors.p(column, 0.9), errors.p(column, 0.98));
         std::println!(
             "dt {dt_s}: {name:12} mean {:7.2}  |.| 50 % {p50:6.2} 90 % {p90:6.2} 98 % {p98:6.2}",
             errors.mean(column)
@@ -346,11 +272,7 @@ fn ten_second_logs_meet_the_goals() {
 #[test]
 fn a_resistance_wrong_by_a_tenth_still_gives_the_switching_points() {
     for factor in [0.9, 1.1] {
-        let believed = Davis {
-            r0: DAVIS.r0 * factor,
-            r1: DAVIS.r1 * factor,
-            r2: DAVIS.r2 * factor,
-        };
+        let believed = Davis { r0: DAVIS.r0 * factor, r1: DAVIS.r1 * factor, r2: DAVIS.r2 * factor };
         let errors = errors(10.0, 200, believed, |_| false);
         assert!(errors.p(0, 0.9) < 5.0);
         assert!(errors.p(1, 0.9) < 17.0);
@@ -360,26 +282,14 @@ fn a_resistance_wrong_by_a_tenth_still_gives_the_switching_points() {
 
 #[test]
 fn readings_that_are_no_readings_do_not_panic() {
-    let odd = [
-        Real::NAN,
-        Real::INFINITY,
-        -1e300,
-        -1.0,
-        0.0,
-        1e-9,
-        1.0,
-        50.0,
-        1e300,
-    ];
+    let odd = [Real::NAN, Real::INFINITY, -1e300, -1.0, 0.0, 1e-9, 1.0, 50.0, 1e300];
     let config = FeatureConfig::default();
     let mut dice = Dice(7);
     let mut extractor = FeatureExtractor::new();
     for _ in 0..50_000 {
         let mut pick = || {
             let sane = dice.roll(-1.0, 40.0);
-            odd.get(dice.roll(0.0, 30.0) as usize)
-                .copied()
-                .unwrap_or(sane)
+            odd.get(dice.roll(0.0, 30.0) as usize).copied().unwrap_or(sane)
         };
         let tick = Observation {
             time_s: pick(),

@@ -21,15 +21,8 @@ use stm32l4 as _;
 
 const STEPS: u32 = 60;
 const DT_S: f64 = 10.0;
-const OBSERVATION: LocationAndSpeed = LocationAndSpeed {
-    location_variance: 16.0,
-    speed_variance: 1.0 / (3.6 * 3.6),
-};
-const FILTER: Ukf<SIZE, 2> = Ukf {
-    spread: Spread::PAPER,
-    gate: [None; 2],
-    reuse_points: true,
-};
+const OBSERVATION: LocationAndSpeed = LocationAndSpeed { location_variance: 16.0, speed_variance: 1.0 / (3.6 * 3.6) };
+const FILTER: Ukf<SIZE, 2> = Ukf { spread: Spread::PAPER, gate: [None; 2], reuse_points: true };
 
 /// What is measured. Of its own, so that its code and its stack can be told from the rest.
 #[inline(never)]
@@ -39,13 +32,7 @@ fn filter_step(
     effort_n_per_kg: f64,
     readings: &[Option<f64>; 2],
 ) -> bool {
-    let motion = Motion::new(
-        line,
-        &belief.mean,
-        effort_n_per_kg,
-        DT_S,
-        Evaluate::Beginning,
-    );
+    let motion = Motion::new(line, &belief.mean, effort_n_per_kg, DT_S, Evaluate::Beginning);
     FILTER.step(belief, &motion, &OBSERVATION, readings).is_ok()
 }
 
@@ -77,30 +64,16 @@ fn longest() -> Option<u32> {
         mass_kg: 364e3,
         rotating_mass_factor: 1.06,
         length_m: 162.0,
-        davis: Davis {
-            r0: 7.38e-3,
-            r1: 1.6e-4,
-            r2: 2.8e-5,
-        },
+        davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
         max_tractive_effort_n: 192_920.0,
         max_power_w: 2_036_377.8,
         max_brake_mps2: 0.66,
     })
     .ok()?;
-    let gradients = (0..32_u32).map(|i| Gradient {
-        from_m: 1000.0 * f64::from(i),
-        permille: f64::from(i % 5) - 2.0,
-    });
+    let gradients = (0..32_u32).map(|i| Gradient { from_m: 1000.0 * f64::from(i), permille: f64::from(i % 5) - 2.0 });
     let track = Track::try_new(32e3, gradients).ok()?;
-    let line = Line {
-        train: &train,
-        track: &track,
-        direction: Direction::Up,
-    };
-    let mut belief = Gaussian::independent(
-        [100.0, 38.0, 7.38e-3, 1.6e-4, 2.8e-5],
-        [1.0, 0.0005, 1e-6, 1e-8, 1e-9],
-    );
+    let line = Line { train: &train, track: &track, direction: Direction::Up };
+    let mut belief = Gaussian::independent([100.0, 38.0, 7.38e-3, 1.6e-4, 2.8e-5], [1.0, 0.0005, 1e-6, 1e-8, 1e-9]);
     let mut longest = 0;
     for step in 1..=STEPS {
         let time_s = DT_S * f64::from(step);

@@ -67,10 +67,7 @@ impl fmt::Display for Implausible {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotFinite => write!(f, "stored vehicle: a number is not finite"),
-            Self::Weights { sum } => write!(
-                f,
-                "stored vehicle: weights above 0 with sum 1 expected, found sum {sum}"
-            ),
+            Self::Weights { sum } => write!(f, "stored vehicle: weights above 0 with sum 1 expected, found sum {sum}"),
             Self::Covariance { hypothesis, cause } => {
                 write!(f, "stored vehicle: hypothesis {hypothesis}: {cause}")
             }
@@ -88,11 +85,7 @@ impl VehicleRecord {
     /// Zeros; of no vehicle.
     pub(crate) const ZEROED: Self = Self {
         nominal: [0.0; 3],
-        hypotheses: [HypothesisRecord {
-            weight: 0.0,
-            mean: [0.0; 3],
-            covariance: [0.0; 6],
-        }; SCALES.len()],
+        hypotheses: [HypothesisRecord { weight: 0.0, mean: [0.0; 3], covariance: [0.0; 6] }; SCALES.len()],
         runs: 0,
     };
 }
@@ -136,10 +129,7 @@ impl Vehicle {
             hypotheses: record.hypotheses.map(|stored| Hypothesis {
                 scale: 0.0,
                 weight: stored.weight,
-                vehicle: Gaussian {
-                    mean: Vector3::from(stored.mean),
-                    covariance: symmetric(&stored.covariance),
-                },
+                vehicle: Gaussian { mean: Vector3::from(stored.mean), covariance: symmetric(&stored.covariance) },
             }),
             runs: record.runs,
         };
@@ -190,11 +180,7 @@ mod tests {
     use super::super::MemoryConfig;
     use super::*;
 
-    const DAVIS: Davis = Davis {
-        r0: 7.38e-3,
-        r1: 1.6e-4,
-        r2: 2.8e-5,
-    };
+    const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 
     fn learned() -> Vehicle {
         let config = MemoryConfig::default();
@@ -227,30 +213,12 @@ mod tests {
             change(&mut record);
             Vehicle::from_record(&record, &DAVIS).unwrap_err()
         };
-        assert_eq!(
-            refused(|r| r.hypotheses[2].mean[1] = Real::NAN),
-            Implausible::NotFinite
-        );
-        assert_eq!(
-            refused(|r| r.nominal[0] = Real::INFINITY),
-            Implausible::NotFinite
-        );
-        assert_eq!(
-            refused(|r| r.nominal[1] = Real::NAN),
-            Implausible::NotFinite
-        );
-        assert_eq!(
-            refused(|r| r.hypotheses[3].covariance[4] = Real::INFINITY),
-            Implausible::NotFinite
-        );
-        assert!(matches!(
-            refused(|r| r.hypotheses[0].weight += 0.1),
-            Implausible::Weights { .. }
-        ));
-        assert!(matches!(
-            refused(|r| r.hypotheses[1].weight = -r.hypotheses[1].weight),
-            Implausible::Weights { .. }
-        ));
+        assert_eq!(refused(|r| r.hypotheses[2].mean[1] = Real::NAN), Implausible::NotFinite);
+        assert_eq!(refused(|r| r.nominal[0] = Real::INFINITY), Implausible::NotFinite);
+        assert_eq!(refused(|r| r.nominal[1] = Real::NAN), Implausible::NotFinite);
+        assert_eq!(refused(|r| r.hypotheses[3].covariance[4] = Real::INFINITY), Implausible::NotFinite);
+        assert!(matches!(refused(|r| r.hypotheses[0].weight += 0.1), Implausible::Weights { .. }));
+        assert!(matches!(refused(|r| r.hypotheses[1].weight = -r.hypotheses[1].weight), Implausible::Weights { .. }));
         assert!(matches!(
             refused(|r| r.hypotheses[1].covariance[5] = 0.0),
             Implausible::Covariance { hypothesis: 1, cause } if cause.row == 2

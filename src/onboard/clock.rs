@@ -104,11 +104,7 @@ mod tests {
 
     impl Mock {
         fn new(dead: Option<Late>) -> Self {
-            Self {
-                dead,
-                running_from_pll: false,
-                wait_states: false,
-            }
+            Self { dead, running_from_pll: false, wait_states: false }
         }
     }
 

@@ -61,11 +61,7 @@ impl CrashLoop {
 
     /// What is in force.
     pub fn operation(&self) -> Operation {
-        if self.gave_up {
-            Operation::HeartbeatOnly
-        } else {
-            Operation::Normal
-        }
+        if self.gave_up { Operation::HeartbeatOnly } else { Operation::Normal }
     }
 
     /// Resets since power-on.

@@ -43,48 +43,21 @@ pub struct Boot {
 impl Kept {
     /// Reads the words that survived a reset. `None` if they were not written by this layout, or not whole.
     pub fn from_words(words: &[u32; WORDS]) -> Option<Self> {
-        let [
-            magic,
-            clock_s,
-            at_0,
-            at_1,
-            at_2,
-            resets,
-            gave_up,
-            failures @ ..,
-            checksum,
-        ] = *words;
+        let [magic, clock_s, at_0, at_1, at_2, resets, gave_up, failures @ .., checksum] = *words;
         if magic != MAGIC || checksum != check(words) {
             return None;
         }
         let (failure, last) = failures.split_at(FAILURE_WORDS);
-        let crash_loop = CrashLoop {
-            clock_s,
-            at_s: [at_0, at_1, at_2],
-            resets,
-            gave_up: gave_up != 0,
-        };
-        Some(Self {
-            crash_loop,
-            failure: from_words(failure)?,
-            last: from_words(last)?,
-        })
+        let crash_loop = CrashLoop { clock_s, at_s: [at_0, at_1, at_2], resets, gave_up: gave_up != 0 };
+        Some(Self { crash_loop, failure: from_words(failure)?, last: from_words(last)? })
     }
 
     /// The words to keep.
     pub fn to_words(&self) -> [u32; WORDS] {
-        let CrashLoop {
-            clock_s,
-            at_s: [at_0, at_1, at_2],
-            resets,
-            gave_up,
-        } = self.crash_loop;
+        let CrashLoop { clock_s, at_s: [at_0, at_1, at_2], resets, gave_up } = self.crash_loop;
         let mut words = [0; WORDS];
         let head = [MAGIC, clock_s, at_0, at_1, at_2, resets, u32::from(gave_up)];
-        let body = head
-            .into_iter()
-            .chain(to_words(&self.failure))
-            .chain(to_words(&self.last));
+        let body = head.into_iter().chain(to_words(&self.failure)).chain(to_words(&self.last));
         for (to, word) in words.iter_mut().zip(body) {
             *to = word;
         }
@@ -103,10 +76,9 @@ impl Kept {
         let mut kept = found.unwrap_or_default();
         let cause = match (found.map(|kept| kept.failure), register) {
             (None, _) => ResetCause::PowerOn,
-            (
-                Some(Failure::Panic { .. } | Failure::Fault { .. } | Failure::StackOverflow),
-                PowerOn | Watchdog,
-            ) => ResetCause::Software,
+            (Some(Failure::Panic { .. } | Failure::Fault { .. } | Failure::StackOverflow), PowerOn | Watchdog) => {
+                ResetCause::Software
+            }
             (Some(Failure::Stalled(_)), PowerOn) => Watchdog,
             (Some(_), register) => register,
         };
@@ -153,12 +125,7 @@ fn to_words(failure: &Failure) -> [u32; FAILURE_WORDS] {
         Failure::StackOverflow => (4, 0, [0; FILE_TAIL]),
     };
     let mut words = [0; FAILURE_WORDS];
-    let file = file.chunks(4).map(|bytes| {
-        bytes
-            .iter()
-            .rev()
-            .fold(0, |word, byte| word << 8 | u32::from(*byte))
-    });
+    let file = file.chunks(4).map(|bytes| bytes.iter().rev().fold(0, |word, byte| word << 8 | u32::from(*byte)));
     for (to, word) in words.iter_mut().zip([kind, value].into_iter().chain(file)) {
         *to = word;
     }
@@ -177,25 +144,16 @@ fn from_words(words: &[u32]) -> Option<Failure> {
             for (to, byte) in tail.iter_mut().zip(all) {
                 *to = byte;
             }
-            Some(Failure::Panic {
-                line: *value,
-                file: tail,
-            })
+            Some(Failure::Panic { line: *value, file: tail })
         }
         2 => Some(Failure::Fault { at: *value }),
-        3 => Some(Failure::Stalled(Stalled {
-            tick: value & 1 != 0,
-            link: value & 2 != 0,
-        })),
+        3 => Some(Failure::Stalled(Stalled { tick: value & 1 != 0, link: value & 2 != 0 })),
         4 => Some(Failure::StackOverflow),
         _ => None,
     }
 }
 
-const _: () = assert!(
-    WORDS == 7 + 2 * FAILURE_WORDS + 1,
-    "head, failures, checksum"
-);
+const _: () = assert!(WORDS == 7 + 2 * FAILURE_WORDS + 1, "head, failures, checksum");
 const _: () = assert!(MOST_RESETS == 3, "the layout has three times");
 
 #[cfg(test)]
@@ -206,19 +164,12 @@ mod tests {
         let mut crash_loop = CrashLoop::default();
         crash_loop.second();
         crash_loop.reset();
-        Kept {
-            crash_loop,
-            failure: Failure::panic("src/ukf.rs", 77),
-            last: Failure::StackOverflow,
-        }
+        Kept { crash_loop, failure: Failure::panic("src/ukf.rs", 77), last: Failure::StackOverflow }
     }
 
     #[test]
     fn every_failure_comes_back() {
-        let stalled = Stalled {
-            tick: false,
-            link: true,
-        };
+        let stalled = Stalled { tick: false, link: true };
         for failure in [
             Failure::None,
             Failure::panic("a", 1),
@@ -227,10 +178,7 @@ mod tests {
             Failure::Stalled(stalled),
             Failure::StackOverflow,
         ] {
-            let kept = Kept {
-                failure,
-                ..example()
-            };
+            let kept = Kept { failure, ..example() };
             assert_eq!(Kept::from_words(&kept.to_words()), Some(kept));
         }
     }
@@ -268,10 +216,7 @@ mod tests {
     fn a_power_cut_forgets_all() {
         let (_, boot) = Kept::boot(None, ResetCause::Watchdog);
         assert_eq!(boot, Boot::default());
-        let quiet = Kept {
-            failure: Failure::None,
-            ..example()
-        };
+        let quiet = Kept { failure: Failure::None, ..example() };
         let (_, boot) = Kept::boot(Some(quiet), ResetCause::PowerOn);
         assert_eq!(boot, Boot::default());
     }

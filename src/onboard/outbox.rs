@@ -19,11 +19,7 @@ pub struct TooLong {
 
 impl core::fmt::Display for TooLong {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(
-            f,
-            "frame of {} bytes, the outbox holds {}",
-            self.found, self.capacity
-        )
+        write!(f, "frame of {} bytes, the outbox holds {}", self.found, self.capacity)
     }
 }
 
@@ -55,12 +51,7 @@ pub struct Outbox<const N: usize> {
 impl<const N: usize> Outbox<N> {
     /// An empty one.
     pub const fn new() -> Self {
-        Self {
-            bytes: Deque::new(),
-            inside: false,
-            owed: false,
-            dropped: 0,
-        }
+        Self { bytes: Deque::new(), inside: false, owed: false, dropped: 0 }
     }
 
     /// Takes a whole frame, at the cost of the oldest ones if there is no room.
@@ -69,10 +60,7 @@ impl<const N: usize> Outbox<N> {
     /// [`TooLong`]: it would not fit into an empty outbox. Nothing changes.
     pub fn push(&mut self, frame: &[u8]) -> Result<(), TooLong> {
         if frame.len() > N {
-            return Err(TooLong {
-                found: frame.len(),
-                capacity: N,
-            });
+            return Err(TooLong { found: frame.len(), capacity: N });
         }
         while N - self.bytes.len() < frame.len() {
             self.drop_oldest();
@@ -97,11 +85,7 @@ impl<const N: usize> Outbox<N> {
 
     /// The byte that [`Self::pop`] would give.
     pub fn front(&self) -> Option<u8> {
-        if self.owed {
-            Some(DELIMITER)
-        } else {
-            self.bytes.front().copied()
-        }
+        if self.owed { Some(DELIMITER) } else { self.bytes.front().copied() }
     }
 
     /// Nothing waits.
@@ -168,13 +152,7 @@ mod tests {
     fn a_frame_that_never_fits_changes_nothing() {
         let mut outbox = Outbox::<4>::new();
         outbox.push(&[1, 0]).unwrap();
-        assert_eq!(
-            outbox.push(&[1, 2, 3, 4, 0]),
-            Err(TooLong {
-                found: 5,
-                capacity: 4
-            })
-        );
+        assert_eq!(outbox.push(&[1, 2, 3, 4, 0]), Err(TooLong { found: 5, capacity: 4 }));
         assert_eq!(drain(&mut outbox), [1, 0]);
     }
 

@@ -170,30 +170,19 @@ mod tests {
             ]),
             ..Mock::default()
         };
-        let (mut queue, mut outbox, errors) =
-            (Queue::<u8, 8>::new(), Outbox::<8>::new(), LineErrors::new());
+        let (mut queue, mut outbox, errors) = (Queue::<u8, 8>::new(), Outbox::<8>::new(), LineErrors::new());
         let (mut ring, mut bytes) = queue.split();
         assert!(serve(&mut port, &mut ring, &mut outbox, &errors));
         let arrived: Vec<u8> = core::iter::from_fn(|| bytes.dequeue()).collect();
         assert_eq!(arrived, [1, 2, 3]);
-        let expected = LineCounts {
-            overrun: 1,
-            framing: 1,
-            noise: 1,
-            other: 1,
-            ring_full: 0,
-        };
+        let expected = LineCounts { overrun: 1, framing: 1, noise: 1, other: 1, ring_full: 0 };
         assert_eq!(errors.counts(), expected);
     }
 
     #[test]
     fn a_line_of_nothing_but_errors_ends_the_interrupt_too() {
-        let mut port = Mock {
-            line: std::iter::repeat_n(Err(ErrorKind::Overrun), 1000).collect(),
-            ..Mock::default()
-        };
-        let (mut queue, mut outbox, errors) =
-            (Queue::<u8, 8>::new(), Outbox::<8>::new(), LineErrors::new());
+        let mut port = Mock { line: std::iter::repeat_n(Err(ErrorKind::Overrun), 1000).collect(), ..Mock::default() };
+        let (mut queue, mut outbox, errors) = (Queue::<u8, 8>::new(), Outbox::<8>::new(), LineErrors::new());
         let (mut ring, _) = queue.split();
         assert!(!serve(&mut port, &mut ring, &mut outbox, &errors));
         assert_eq!(errors.counts().overrun as usize, MOST_PER_CALL);
@@ -201,12 +190,8 @@ mod tests {
 
     #[test]
     fn a_full_ring_drops_the_newest_and_counts() {
-        let mut port = Mock {
-            line: (0..10).map(Ok).collect(),
-            ..Mock::default()
-        };
-        let (mut queue, mut outbox, errors) =
-            (Queue::<u8, 5>::new(), Outbox::<8>::new(), LineErrors::new());
+        let mut port = Mock { line: (0..10).map(Ok).collect(), ..Mock::default() };
+        let (mut queue, mut outbox, errors) = (Queue::<u8, 5>::new(), Outbox::<8>::new(), LineErrors::new());
         let (mut ring, mut bytes) = queue.split();
         serve(&mut port, &mut ring, &mut outbox, &errors);
         let arrived: Vec<u8> = core::iter::from_fn(|| bytes.dequeue()).collect();
@@ -217,8 +202,7 @@ mod tests {
     #[test]
     fn the_outbox_is_sent_byte_by_byte_and_the_interrupt_is_switched_off_at_the_end() {
         let mut port = Mock::default();
-        let (mut queue, mut outbox, errors) =
-            (Queue::<u8, 8>::new(), Outbox::<8>::new(), LineErrors::new());
+        let (mut queue, mut outbox, errors) = (Queue::<u8, 8>::new(), Outbox::<8>::new(), LineErrors::new());
         let (mut ring, _) = queue.split();
         outbox.push(&[1, 2, 0]).unwrap();
         for sent in 0..3 {

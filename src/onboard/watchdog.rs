@@ -41,10 +41,7 @@ impl FeedRule {
     /// Who stands still.
     pub fn ask(&mut self, now: Beats) -> Result<(), Stalled> {
         // Unequal, not greater: the counters wrap.
-        let stalled = Stalled {
-            tick: now.tick == self.at_last_feed.tick,
-            link: now.link == self.at_last_feed.link,
-        };
+        let stalled = Stalled { tick: now.tick == self.at_last_feed.tick, link: now.link == self.at_last_feed.link };
         if stalled == Stalled::default() {
             self.at_last_feed = now;
             Ok(())
@@ -62,10 +59,7 @@ mod tests {
     fn each_feed_needs_both_to_advance_again() {
         let mut rule = FeedRule::default();
         assert_eq!(rule.ask(Beats { tick: 1, link: 3 }), Ok(()));
-        let both = Stalled {
-            tick: true,
-            link: true,
-        };
+        let both = Stalled { tick: true, link: true };
         assert_eq!(rule.ask(Beats { tick: 1, link: 3 }), Err(both));
         assert_eq!(rule.ask(Beats { tick: 2, link: 4 }), Ok(()));
     }
@@ -74,17 +68,8 @@ mod tests {
     fn a_task_that_runs_wild_does_not_feed_for_the_other() {
         let mut rule = FeedRule::default();
         for beat in 1..1000 {
-            let stalled = rule.ask(Beats {
-                tick: beat,
-                link: 0,
-            });
-            assert_eq!(
-                stalled,
-                Err(Stalled {
-                    tick: false,
-                    link: true
-                })
-            );
+            let stalled = rule.ask(Beats { tick: beat, link: 0 });
+            assert_eq!(stalled, Err(Stalled { tick: false, link: true }));
         }
     }
 
@@ -98,10 +83,7 @@ mod tests {
     #[test]
     fn wrapped_counters_still_advance() {
         let mut rule = FeedRule::default();
-        let last = Beats {
-            tick: u32::MAX,
-            link: u32::MAX,
-        };
+        let last = Beats { tick: u32::MAX, link: u32::MAX };
         assert_eq!(rule.ask(last), Ok(()));
         assert_eq!(rule.ask(Beats { tick: 0, link: 0 }), Ok(()));
     }

@@ -20,10 +20,7 @@ pub struct PaperRule {
 
 impl Default for PaperRule {
     fn default() -> Self {
-        Self {
-            coast_n_per_kg: 0.025,
-            cruise_mps2: 0.06,
-        }
+        Self { coast_n_per_kg: 0.025, cruise_mps2: 0.06 }
     }
 }
 

@@ -62,21 +62,11 @@ impl RecogniserConfig {
     pub(crate) fn check(&self) -> Result<(), ConfigError> {
         between("recogniser.interval_s", self.interval_s, 1.0, 60.0)?;
         between("recogniser.traction_share", self.traction_share, 0.05, 2.0)?;
-        between(
-            "recogniser.traction_share_sd",
-            self.traction_share_sd,
-            0.01,
-            2.0,
-        )?;
+        between("recogniser.traction_share_sd", self.traction_share_sd, 0.01, 2.0)?;
         between("recogniser.brake_mps2", self.brake_mps2, 0.01, 3.0)?;
         between("recogniser.brake_sd_mps2", self.brake_sd_mps2, 0.01, 3.0)?;
         between("recogniser.cruise_sd_mps2", self.cruise_sd_mps2, 1e-4, 1.0)?;
-        between(
-            "recogniser.coast_sd_n_per_kg",
-            self.coast_sd_n_per_kg,
-            1e-5,
-            1.0,
-        )
+        between("recogniser.coast_sd_n_per_kg", self.coast_sd_n_per_kg, 1e-5, 1.0)
     }
 }
 
@@ -116,17 +106,13 @@ pub struct Recogniser {
 
 impl Recogniser {
     /// Zeros; no distribution before it is begun.
-    pub(crate) const ZEROED: Self = Self {
-        probability: [0.0; 5],
-    };
+    pub(crate) const ZEROED: Self = Self { probability: [0.0; 5] };
 }
 
 impl Default for Recogniser {
     /// Before the first interval nothing is known of a moving train.
     fn default() -> Self {
-        Self {
-            probability: [0.0, 0.3, 0.3, 0.2, 0.2],
-        }
+        Self { probability: [0.0, 0.3, 0.3, 0.2, 0.2] }
     }
 }
 
@@ -144,9 +130,7 @@ pub struct Recognised {
 impl Recogniser {
     /// The train stands.
     pub fn standing() -> Self {
-        Self {
-            probability: [1.0, 0.0, 0.0, 0.0, 0.0],
-        }
+        Self { probability: [1.0, 0.0, 0.0, 0.0, 0.0] }
     }
 
     /// The most probable regime.
@@ -163,10 +147,7 @@ impl Recogniser {
 
     /// Probability of one regime.
     pub fn of(&self, regime: Regime) -> Real {
-        self.probability
-            .get(regime as usize)
-            .copied()
-            .unwrap_or(0.0)
+        self.probability.get(regime as usize).copied().unwrap_or(0.0)
     }
 
     /// One interval of a moving train. Standstill is possible at its beginning, not at its end.
@@ -185,13 +166,8 @@ impl Recogniser {
                 if j == Regime::Standstill as usize {
                     continue;
                 }
-                let probability = if i == j {
-                    1.0 - share * (1.0 - transition)
-                } else {
-                    share * transition
-                };
-                let density =
-                    Foreseen::between(from, to, i == j).density(evidence.acceleration_mps2, noise);
+                let probability = if i == j { 1.0 - share * (1.0 - transition) } else { share * transition };
+                let density = Foreseen::between(from, to, i == j).density(evidence.acceleration_mps2, noise);
                 let joint = own * probability * density;
                 *now += joint;
                 *before += joint;
@@ -205,19 +181,11 @@ impl Recogniser {
         let foreseen_at_all = sum > Real::MIN_POSITIVE;
         if !foreseen_at_all {
             let unknown = Self::default();
-            return Recognised {
-                now: unknown,
-                before: *self,
-                coasted: 0.0,
-            };
+            return Recognised { now: unknown, before: *self, coasted: 0.0 };
         }
         Recognised {
-            now: Self {
-                probability: now.map(|p| p / sum),
-            },
-            before: Self {
-                probability: before.map(|p| p / sum),
-            },
+            now: Self { probability: now.map(|p| p / sum) },
+            before: Self { probability: before.map(|p| p / sum) },
             coasted: coasted / sum,
         }
     }
@@ -236,31 +204,15 @@ fn foreseen(config: &RecogniserConfig, evidence: &Evidence) -> [Foreseen; COUNT]
     let resistance = evidence.resistance_n_per_kg;
     let square = |x: Real| x * x;
     let of_resistance = square(evidence.resistance_sd_n_per_kg);
-    let standstill = Foreseen {
-        mean: 0.0,
-        variance: 1e-4,
-        open: 0.0,
-    };
+    let standstill = Foreseen { mean: 0.0, variance: 1e-4, open: 0.0 };
     let traction = Foreseen {
         mean: config.traction_share * evidence.max_effort_n_per_kg - resistance,
         variance: square(config.traction_share_sd * evidence.max_effort_n_per_kg),
         open: 1.0,
     };
-    let cruise = Foreseen {
-        mean: 0.0,
-        variance: square(config.cruise_sd_mps2),
-        open: 0.0,
-    };
-    let coast = Foreseen {
-        mean: -resistance,
-        variance: of_resistance + square(config.coast_sd_n_per_kg),
-        open: 0.0,
-    };
-    let brake = Foreseen {
-        mean: -config.brake_mps2,
-        variance: square(config.brake_sd_mps2),
-        open: -1.0,
-    };
+    let cruise = Foreseen { mean: 0.0, variance: square(config.cruise_sd_mps2), open: 0.0 };
+    let coast = Foreseen { mean: -resistance, variance: of_resistance + square(config.coast_sd_n_per_kg), open: 0.0 };
+    let brake = Foreseen { mean: -config.brake_mps2, variance: square(config.brake_sd_mps2), open: -1.0 };
     [standstill, traction, cruise, coast, brake]
 }
 

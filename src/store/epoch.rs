@@ -14,15 +14,12 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
     /// # Errors
     /// [`EpochError`]: there is no epoch for this boot; storing payloads goes on.
     pub fn advance_epoch(&mut self, identity: Identity, payload: &[u8]) -> Result<u32, EpochError> {
-        let last = self.epoch.ok_or(EpochError::Lost {
-            damaged_slots: self.counters.damaged_slots,
-        })?;
+        let last = self.epoch.ok_or(EpochError::Lost { damaged_slots: self.counters.damaged_slots })?;
         let next = last.checked_add(1).ok_or(EpochError::Exhausted)?;
         // Taken even if storing fails: it may have reached the flash, and is never given out.
         self.epoch = Some(next);
         for _ in 0..2 {
-            self.append(identity, payload)
-                .map_err(EpochError::NotStored)?;
+            self.append(identity, payload).map_err(EpochError::NotStored)?;
         }
         Ok(next)
     }

@@ -53,23 +53,14 @@ impl fmt::Display for AppendError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TooLong { most, found } => {
-                write!(
-                    f,
-                    "store: payload of at most {most} bytes expected, found {found}"
-                )
+                write!(f, "store: payload of at most {most} bytes expected, found {found}")
             }
             Self::Driver(kind) => write!(f, "store: flash driver reported {kind:?}"),
             Self::NotErased { page } => {
-                write!(
-                    f,
-                    "store: page {page} was erased but does not read as erased"
-                )
+                write!(f, "store: page {page} was erased but does not read as erased")
             }
             Self::NotWritten { page, slot } => {
-                write!(
-                    f,
-                    "store: slot {slot} of page {page} does not read as written"
-                )
+                write!(f, "store: slot {slot} of page {page} does not read as written")
             }
         }
     }
@@ -136,10 +127,7 @@ impl fmt::Display for EpochError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Lost { damaged_slots } => {
-                write!(
-                    f,
-                    "epoch: none of the stored ones is left, {damaged_slots} damaged slots"
-                )
+                write!(f, "epoch: none of the stored ones is left, {damaged_slots} damaged slots")
             }
             Self::Exhausted => write!(f, "epoch: all are used"),
             Self::NotStored(error) => write!(f, "epoch: not stored: {error}"),

@@ -150,10 +150,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
     pub fn mount(flash: F) -> Result<Self, TooFewPages> {
         let pages = u32::try_from(flash.capacity() / F::ERASE_SIZE).unwrap_or(u32::MAX);
         if pages < LEAST_PAGES {
-            return Err(TooFewPages {
-                least: LEAST_PAGES,
-                found: pages,
-            });
+            return Err(TooFewPages { least: LEAST_PAGES, found: pages });
         }
         let mut store = Self {
             flash,
@@ -193,11 +190,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
         if found.layout != expected.layout {
             return Err(Refused::OtherLayout { expected, found });
         }
-        Ok(Some(Restored {
-            payload,
-            sequence,
-            fallen_back: self.fallen_back || newest.is_none(),
-        }))
+        Ok(Some(Restored { payload, sequence, fallen_back: self.fallen_back || newest.is_none() }))
     }
 
     /// Stores a payload and reads it back. Returns its number. Takes a page erase when a new page begins, on every other attempt at worst.
@@ -209,8 +202,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
             .ok()
             .filter(|length| usize::from(*length) <= Self::CAPACITY)
             .ok_or(Self::too_long(payload))?;
-        self.attempt(identity, payload, length)
-            .or_else(|_| self.attempt(identity, payload, length))
+        self.attempt(identity, payload, length).or_else(|_| self.attempt(identity, payload, length))
     }
 
     /// What happened so far.
@@ -233,23 +225,11 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
         self.flash
     }
 
-    fn attempt(
-        &mut self,
-        identity: Identity,
-        payload: &[u8],
-        length: u16,
-    ) -> Result<u32, AppendError> {
+    fn attempt(&mut self, identity: Identity, payload: &[u8], length: u16) -> Result<u32, AppendError> {
         // Each attempt has its own number: one that seemed to fail may turn out whole after the next boot.
         self.sequence = self.sequence.wrapping_add(1);
-        let header = Header {
-            identity,
-            sequence: self.sequence,
-            epoch: self.epoch.unwrap_or(0),
-            length,
-        };
-        let written = self
-            .place()
-            .and_then(|place| self.write(place, &header, payload).map(|()| place));
+        let header = Header { identity, sequence: self.sequence, epoch: self.epoch.unwrap_or(0), length };
+        let written = self.place().and_then(|place| self.write(place, &header, payload).map(|()| place));
         match written {
             Ok(place) => {
                 self.previous = self.newest;
@@ -263,9 +243,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
                 let counter = match error {
                     AppendError::NotErased { .. } => &mut self.counters.not_erased,
                     AppendError::NotWritten { .. } => &mut self.counters.not_written,
-                    AppendError::Driver(_) | AppendError::TooLong { .. } => {
-                        &mut self.counters.driver_errors
-                    }
+                    AppendError::Driver(_) | AppendError::TooLong { .. } => &mut self.counters.driver_errors,
                 };
                 *counter = counter.saturating_add(1);
                 Err(error)
@@ -282,14 +260,10 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
         self.last_page = page;
         let start = page * F::ERASE_SIZE as u32;
         self.counters.erased = self.counters.erased.saturating_add(1);
-        self.flash
-            .erase(start, start + F::ERASE_SIZE as u32)
-            .map_err(|error| AppendError::Driver(error.kind()))?;
+        self.flash.erase(start, start + F::ERASE_SIZE as u32).map_err(|error| AppendError::Driver(error.kind()))?;
         let mut piece = [0; PIECE];
         for offset in (start..start + F::ERASE_SIZE as u32).step_by(PIECE) {
-            self.flash
-                .read(offset, &mut piece)
-                .map_err(|error| AppendError::Driver(error.kind()))?;
+            self.flash.read(offset, &mut piece).map_err(|error| AppendError::Driver(error.kind()))?;
             if piece.iter().any(|byte| *byte != ERASED) {
                 return Err(AppendError::NotErased { page });
             }
@@ -304,19 +278,12 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
             .and_then(|length| self.buffer.get(..length.next_multiple_of(F::WRITE_SIZE)))
             .ok_or(Self::too_long(payload))?;
         let start = self.offset(place);
-        self.flash
-            .write(start, bytes)
-            .map_err(|error| AppendError::Driver(error.kind()))?;
+        self.flash.write(start, bytes).map_err(|error| AppendError::Driver(error.kind()))?;
         let mut piece = [0; PIECE];
         for (written, offset) in self.buffer.chunks(PIECE).zip((start..).step_by(PIECE)) {
-            self.flash
-                .read(offset, &mut piece)
-                .map_err(|error| AppendError::Driver(error.kind()))?;
+            self.flash.read(offset, &mut piece).map_err(|error| AppendError::Driver(error.kind()))?;
             if piece != *written {
-                return Err(AppendError::NotWritten {
-                    page: place.page,
-                    slot: place.slot,
-                });
+                return Err(AppendError::NotWritten { page: place.page, slot: place.slot });
             }
         }
         self.open = self.after(place);
@@ -367,8 +334,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
 
     /// Keeps a record that was found if it is one of the two newest.
     fn take_up(&mut self, found: Kept) {
-        let later =
-            |than: &Option<Kept>| than.is_none_or(|kept| found.header.is_later_than(&kept.header));
+        let later = |than: &Option<Kept>| than.is_none_or(|kept| found.header.is_later_than(&kept.header));
         if later(&self.newest) {
             self.previous = self.newest;
             self.newest = Some(found);
@@ -381,10 +347,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
     fn is_followed_by_damage(&mut self, place: Place) -> bool {
         let in_page = self.after(place).map(|next| self.read(next));
         let next = match in_page {
-            Some(Slot::Erased) | None => self.read(Place {
-                page: self.page_after(place.page),
-                slot: 0,
-            }),
+            Some(Slot::Erased) | None => self.read(Place { page: self.page_after(place.page), slot: 0 }),
             Some(held) => held,
         };
         matches!(next, Slot::Damaged)
@@ -417,10 +380,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
     }
 
     fn too_long(payload: &[u8]) -> AppendError {
-        AppendError::TooLong {
-            most: Self::CAPACITY,
-            found: payload.len(),
-        }
+        AppendError::TooLong { most: Self::CAPACITY, found: payload.len() }
     }
 
     fn offset(&self, place: Place) -> u32 {

@@ -82,10 +82,7 @@ impl fmt::Display for NotRestored {
             Self::NotDecoded => write!(f, "store: payload is not of layout {LAYOUT}"),
             Self::Vehicle(cause) => cause.fmt(f),
             Self::Effect { kind } => {
-                write!(
-                    f,
-                    "stored effect {kind}: no effect of this model, or a parameter out of range"
-                )
+                write!(f, "stored effect {kind}: no effect of this model, or a parameter out of range")
             }
         }
     }
@@ -95,25 +92,13 @@ impl core::error::Error for NotRestored {}
 
 impl Persisted {
     /// Largest number of bytes it is stored in: 8 a number, 5 a count.
-    pub const MAX_SIZE: usize = 8 * 3
-        + 4 * 8 * 10
-        + 5
-        + 3 * 5
-        + 1
-        + MAX_EFFECTS * (1 + 1 + 2 * 8 + 1 + 4 * 8)
-        + 1
-        + 1
-        + 1
-        + MAX_POINTS * 2 * 4;
+    pub const MAX_SIZE: usize =
+        8 * 3 + 4 * 8 * 10 + 5 + 3 * 5 + 1 + MAX_EFFECTS * (1 + 1 + 2 * 8 + 1 + 4 * 8) + 1 + 1 + 1 + MAX_POINTS * 2 * 4;
 
     /// Zeros.
     pub(crate) const ZEROED: Self = Self {
         vehicle: VehicleRecord::ZEROED,
-        lifetime: Lifetime {
-            resets: 0,
-            runs: 0,
-            stops: 0,
-        },
+        lifetime: Lifetime { resets: 0, runs: 0, stops: 0 },
         effects: Vec::new(),
         table: None,
     };
@@ -143,9 +128,7 @@ impl Persisted {
             }
         }
         if let Some(table) = &self.table {
-            effects
-                .push(Effect::Unknown(table.clone()))
-                .map_err(|_| NotRestored::Effect { kind: UNKNOWN })?;
+            effects.push(Effect::Unknown(table.clone())).map_err(|_| NotRestored::Effect { kind: UNKNOWN })?;
         }
         Ok(())
     }
@@ -166,12 +149,7 @@ impl Persisted {
         };
         let mut effects = Effects::NONE;
         let vehicle = persisted.vehicle_and_effects(manufacturer, &mut effects)?;
-        Ok(Some(Loaded {
-            vehicle,
-            effects,
-            persisted,
-            fallen_back,
-        }))
+        Ok(Some(Loaded { vehicle, effects, persisted, fallen_back }))
     }
 
     /// The first half of [`Persisted::load`], in the place of another: whether a newer record may be lost.
@@ -181,19 +159,14 @@ impl Persisted {
         store: &mut Store<F, SLOT>,
         train: TrainId,
     ) -> Result<Option<bool>, NotRestored> {
-        let restored = store
-            .newest(identity(train))
-            .map_err(NotRestored::Refused)?;
+        let restored = store.newest(identity(train)).map_err(NotRestored::Refused)?;
         // The first boot stores its epoch with nothing.
         let Some(restored) = restored.filter(|restored| !restored.payload.is_empty()) else {
             return Ok(None);
         };
         let mut source = postcard::Deserializer::from_bytes(restored.payload);
-        let complete =
-            self.take_fields(&mut source).is_ok() && source.finalize().is_ok_and(<[u8]>::is_empty);
-        complete
-            .then_some(Some(restored.fallen_back))
-            .ok_or(NotRestored::NotDecoded)
+        let complete = self.take_fields(&mut source).is_ok() && source.finalize().is_ok_and(<[u8]>::is_empty);
+        complete.then_some(Some(restored.fallen_back)).ok_or(NotRestored::NotDecoded)
     }
 
     /// The second half: the vehicle and, in the place of others, the effects, if all of them are believed.
@@ -203,8 +176,7 @@ impl Persisted {
         manufacturer: &Davis,
         effects: &mut Effects,
     ) -> Result<Vehicle, NotRestored> {
-        let vehicle =
-            Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
+        let vehicle = Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
         self.effects_in(effects)?;
         Ok(vehicle)
     }
@@ -249,19 +221,14 @@ impl Persisted {
 
     /// Cannot fail as long as [`Persisted::MAX_SIZE`] is right.
     fn encode<'a>(&self, buffer: &'a mut [u8; Self::MAX_SIZE]) -> Result<&'a [u8], AppendError> {
-        let bytes = postcard::to_slice(self, buffer).map_err(|_| AppendError::TooLong {
-            most: Self::MAX_SIZE,
-            found: Self::MAX_SIZE + 1,
-        })?;
+        let bytes = postcard::to_slice(self, buffer)
+            .map_err(|_| AppendError::TooLong { most: Self::MAX_SIZE, found: Self::MAX_SIZE + 1 })?;
         Ok(bytes)
     }
 }
 
 fn identity(train: TrainId) -> Identity {
-    Identity {
-        train,
-        layout: LAYOUT,
-    }
+    Identity { train, layout: LAYOUT }
 }
 
 #[cfg(test)]
@@ -272,24 +239,13 @@ mod tests {
 
     #[test]
     fn largest_size_is_the_one_stated() {
-        let davis = Davis {
-            r0: 7.38e-3,
-            r1: 1.6e-4,
-            r2: 2.8e-5,
-        };
+        let davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
         let vehicle = Vehicle::new(&MemoryConfig::default(), davis);
         let mut full = Persisted::new(&vehicle, &Effects::NONE);
         full.vehicle.runs = u32::MAX;
-        full.lifetime = Lifetime {
-            resets: u32::MAX,
-            runs: u32::MAX,
-            stops: u32::MAX,
-        };
-        let effect = StoredEffect {
-            kind: u8::MAX,
-            section_m: Some([f64::MAX; 2]),
-            values: [f64::MAX; 4].into_iter().collect(),
-        };
+        full.lifetime = Lifetime { resets: u32::MAX, runs: u32::MAX, stops: u32::MAX };
+        let effect =
+            StoredEffect { kind: u8::MAX, section_m: Some([f64::MAX; 2]), values: [f64::MAX; 4].into_iter().collect() };
         full.effects = core::iter::repeat_n(effect, MAX_EFFECTS).collect();
         full.table = Some(Unknown {
             coordinate: Coordinate::Day,

@@ -87,12 +87,7 @@ pub(super) fn decode(slot: &[u8]) -> Option<(Header, &[u8])> {
     if crc32c(slot.get(..HEADER + payload.len())?) != crc {
         return None;
     }
-    let header = Header {
-        identity: Identity { train, layout },
-        sequence,
-        epoch,
-        length,
-    };
+    let header = Header { identity: Identity { train, layout }, sequence, epoch, length };
     Some((header, payload))
 }
 
@@ -101,10 +96,7 @@ mod tests {
     use super::*;
 
     const HEADER_OF_THREE: Header = Header {
-        identity: Identity {
-            train: TrainId(0x0807_0605_0403_0201),
-            layout: 2,
-        },
+        identity: Identity { train: TrainId(0x0807_0605_0403_0201), layout: 2 },
         sequence: 0x0D0C_0B0A,
         epoch: 5,
         length: 3,
@@ -114,10 +106,8 @@ mod tests {
     fn record_is_these_bytes() {
         let mut slot = [0; 32];
         assert_eq!(encode(&mut slot, &HEADER_OF_THREE, b"abc"), Some(31));
-        let before_crc = [
-            b'R', b'D', b's', b't', 2, 0, 3, 0, 10, 11, 12, 13, 5, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8,
-            b'a', b'b', b'c',
-        ];
+        let before_crc =
+            [b'R', b'D', b's', b't', 2, 0, 3, 0, 10, 11, 12, 13, 5, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, b'a', b'b', b'c'];
         assert_eq!(slot[..27], before_crc);
         assert_eq!(slot[31], ERASED);
         assert_eq!(decode(&slot), Some((HEADER_OF_THREE, b"abc".as_slice())));
@@ -142,10 +132,7 @@ mod tests {
 
     #[test]
     fn later_goes_over_the_wrap() {
-        let at = |sequence| Header {
-            sequence,
-            ..HEADER_OF_THREE
-        };
+        let at = |sequence| Header { sequence, ..HEADER_OF_THREE };
         assert!(at(1).is_later_than(&at(0)));
         assert!(at(2).is_later_than(&at(u32::MAX)));
         assert!(!at(u32::MAX).is_later_than(&at(2)));

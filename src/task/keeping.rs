@@ -107,11 +107,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
                 if !self.effects_told {
                     core::mem::swap(self.estimator.effects_mut(), self.kept_effects);
                 }
-                if fallen_back {
-                    Memory::RestoredOlder
-                } else {
-                    Memory::Restored
-                }
+                if fallen_back { Memory::RestoredOlder } else { Memory::Restored }
             }
             Ok(None) => Memory::Empty,
             Err(NotRestored::Refused(Refused::Damaged { .. })) => Memory::Empty,
@@ -136,10 +132,8 @@ impl<'a, F: NorFlash> Task<'a, F> {
     }
 
     pub(super) fn write(&mut self) {
-        let persisted = Persisted {
-            lifetime: self.lifetime,
-            ..Persisted::new(&self.vehicle, self.estimator.effects())
-        };
+        let persisted =
+            Persisted { lifetime: self.lifetime, ..Persisted::new(&self.vehicle, self.estimator.effects()) };
         let written = match (&mut self.store, self.verifier.train()) {
             (Some(store), Some(train)) => persisted.save(store, train).is_ok(),
             _ => false,
@@ -156,10 +150,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
 
 /// The epoch of this start, stored with what was stored before.
 fn next_epoch<F: NorFlash>(store: &mut Store<F, SLOT>, train: TrainId) -> Result<u32, EpochError> {
-    let identity = Identity {
-        train,
-        layout: LAYOUT,
-    };
+    let identity = Identity { train, layout: LAYOUT };
     // Of another train or layout: it is of no use, and the epoch stands in the header of every record.
     let mut payload: Vec<u8, SLOT> = Vec::new();
     if let Ok(Some(restored)) = store.newest(identity) {

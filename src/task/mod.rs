@@ -218,11 +218,7 @@ impl<F: NorFlash> Task<'_, F> {
         }
     }
 
-    fn measurement(
-        &mut self,
-        measurement: &Measurement,
-        port: &mut impl Port,
-    ) -> Result<(), Refusal> {
+    fn measurement(&mut self, measurement: &Measurement, port: &mut impl Port) -> Result<(), Refusal> {
         if !self.described() {
             return Err(Refusal::NotDescribed);
         }
@@ -268,9 +264,7 @@ impl<F: NorFlash> Task<'_, F> {
     // Of its own: what the estimator takes on the stack is given back before the frames are made.
     #[inline(never)]
     fn estimate(&mut self, measurement: &Measurement) -> Result<Estimate, Refusal> {
-        self.estimator
-            .step(self.run, measurement)
-            .map_err(|_| Refusal::TimeNotIncreasing)
+        self.estimator.step(self.run, measurement).map_err(|_| Refusal::TimeNotIncreasing)
     }
 
     fn count_missed(&mut self, sequence: u16) {

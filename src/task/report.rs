@@ -40,11 +40,7 @@ impl<F: NorFlash> Task<'_, F> {
     fn send_parameters(&mut self, estimate: &Estimate, port: &mut impl Port) {
         let davis = Gaussian {
             mean: estimate.belief.mean.fixed_rows::<3>(R0).into_owned(),
-            covariance: estimate
-                .belief
-                .covariance
-                .fixed_view::<3, 3>(R0, R0)
-                .into_owned(),
+            covariance: estimate.belief.covariance.fixed_view::<3, 3>(R0, R0).into_owned(),
         };
         let nominal = self.estimator.train().davis();
         let (published, learned) = self.published.judge(&nominal, self.initial_sd, &davis);
@@ -85,10 +81,7 @@ impl<F: NorFlash> Task<'_, F> {
         let features = &mut self.summary.features;
         self.run.features().features_in(config, features);
         // The last ones: the places of older points are known.
-        let first = features
-            .switching_points
-            .len()
-            .saturating_sub(SWITCHING_POINTS);
+        let first = features.switching_points.len().saturating_sub(SWITCHING_POINTS);
         self.send_features_frame(port);
         self.send_switching_points(first, port);
     }
@@ -146,17 +139,11 @@ impl<F: NorFlash> Task<'_, F> {
 
     #[inline(never)]
     pub(super) fn send(&mut self, body: Body, port: &mut impl Port) {
-        let frame = Downlink {
-            sequence: self.sequence,
-            tick: self.tick,
-            body,
-        };
+        let frame = Downlink { sequence: self.sequence, tick: self.tick, body };
         // A frame that finds no room is a gap in the sequence for the other side.
         self.sequence = self.sequence.wrapping_add(1);
         let mut buffer = [0; MAX_MESSAGE];
-        let sent = frame
-            .encode(&mut buffer)
-            .is_ok_and(|message| port.send(message));
+        let sent = frame.encode(&mut buffer).is_ok_and(|message| port.send(message));
         if !sent {
             self.not_sent = self.not_sent.saturating_add(1);
         }

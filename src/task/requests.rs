@@ -13,25 +13,17 @@ use crate::state::SPEED;
 use crate::track::Direction;
 use crate::train::Train;
 use crate::units::KmPerHour;
-use crate::uplink::{
-    Command, CurvePart, Pace, Request, Setting, TargetPart, TrackPart, TrainFrame,
-};
+use crate::uplink::{Command, CurvePart, Pace, Request, Setting, TargetPart, TrackPart, TrainFrame};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Body, Effect, Refusal};
 use serde::ser::{Serialize, SerializeSeq, Serializer};
 
 impl<F: NorFlash> Task<'_, F> {
     #[inline(never)]
-    pub(super) fn carry_out(
-        &mut self,
-        request: &Request,
-        port: &mut impl Port,
-    ) -> Result<(), Refusal> {
+    pub(super) fn carry_out(&mut self, request: &Request, port: &mut impl Port) -> Result<(), Refusal> {
         match request {
             Request::Command(command) => self.command(*command, port),
-            Request::Surroundings(surroundings) if !surroundings.are_plausible() => {
-                Err(Refusal::OutOfRange)
-            }
+            Request::Surroundings(surroundings) if !surroundings.are_plausible() => Err(Refusal::OutOfRange),
             Request::Surroundings(surroundings) => {
                 self.estimator.tell(self.run, *surroundings);
                 Ok(())
@@ -51,10 +43,7 @@ impl<F: NorFlash> Task<'_, F> {
 
     fn command(&mut self, command: Command, port: &mut impl Port) -> Result<(), Refusal> {
         match command {
-            Command::Begin {
-                direction,
-                track_id,
-            } => {
+            Command::Begin { direction, track_id } => {
                 if !self.described() {
                     return Err(Refusal::NotDescribed);
                 }
@@ -98,8 +87,7 @@ impl<F: NorFlash> Task<'_, F> {
             self.write();
         }
         self.judge_by_description();
-        self.estimator
-            .begin_run_in(self.run, &self.vehicle, direction);
+        self.estimator.begin_run_in(self.run, &self.vehicle, direction);
         self.running = true;
         // So that a run gives the same frames whatever was before it.
         self.tick = 0;
@@ -121,8 +109,7 @@ impl<F: NorFlash> Task<'_, F> {
     /// Ends the run: its summary goes out, what it taught into the vehicle and the flash.
     #[inline(never)]
     pub(super) fn end(&mut self, port: &mut impl Port) {
-        self.estimator
-            .end_run_in(self.run, &mut self.vehicle, self.summary);
+        self.estimator.end_run_in(self.run, &mut self.vehicle, self.summary);
         self.running = false;
         self.newest = None;
         self.keep();
@@ -144,11 +131,7 @@ impl<F: NorFlash> Task<'_, F> {
 
     #[inline(never)]
     fn take_train(&mut self, frame: &TrainFrame) -> Result<(), Refusal> {
-        if self
-            .verifier
-            .train()
-            .is_some_and(|train| train.0 != frame.id)
-        {
+        if self.verifier.train().is_some_and(|train| train.0 != frame.id) {
             return Err(Refusal::OtherTrain);
         }
         let train = Train::try_new(frame.description).map_err(|_| Refusal::OutOfRange)?;
@@ -166,9 +149,7 @@ impl<F: NorFlash> Task<'_, F> {
     /// Parts come in order; the old track stays in force until the last one is there.
     fn take_track(&mut self, part: &TrackPart) -> Result<(), Refusal> {
         if part.first == 0 {
-            self.incoming
-                .restart(part.length_m)
-                .map_err(|_| Refusal::OutOfRange)?;
+            self.incoming.restart(part.length_m).map_err(|_| Refusal::OutOfRange)?;
             self.incoming_id = part.id;
         }
         let there = usize::from(part.first);
@@ -179,9 +160,7 @@ impl<F: NorFlash> Task<'_, F> {
             return Err(Refusal::OutOfOrder);
         }
         for gradient in &part.gradients {
-            self.incoming
-                .push(*gradient)
-                .map_err(|_| Refusal::OutOfRange)?;
+            self.incoming.push(*gradient).map_err(|_| Refusal::OutOfRange)?;
         }
         if self.incoming.entries() > usize::from(part.total) {
             return Err(Refusal::OutOfOrder);
@@ -228,8 +207,7 @@ impl<F: NorFlash> Task<'_, F> {
         }
         let taken = if track.targets() == usize::from(part.first) {
             let mut targets = part.targets.iter();
-            targets
-                .try_for_each(|target| track.push_target(*target).map_err(|_| Refusal::OutOfRange))
+            targets.try_for_each(|target| track.push_target(*target).map_err(|_| Refusal::OutOfRange))
         } else {
             Err(Refusal::OutOfOrder)
         };
@@ -243,14 +221,11 @@ impl<F: NorFlash> Task<'_, F> {
 
     #[inline(never)]
     fn take_effect(&mut self, effect: &Effect, port: &mut impl Port) -> Result<(), Refusal> {
-        self.estimator
-            .effects_mut()
-            .take(effect)
-            .map_err(|error| match error {
-                FrameError::UnknownKind => Refusal::UnknownEffect,
-                FrameError::OutOfOrder => Refusal::OutOfOrder,
-                _ => Refusal::OutOfRange,
-            })?;
+        self.estimator.effects_mut().take(effect).map_err(|error| match error {
+            FrameError::UnknownKind => Refusal::UnknownEffect,
+            FrameError::OutOfOrder => Refusal::OutOfOrder,
+            _ => Refusal::OutOfRange,
+        })?;
         self.effects_changed(port);
         Ok(())
     }
@@ -267,9 +242,7 @@ impl<F: NorFlash> Task<'_, F> {
     fn set(&mut self, setting: &Setting) -> Result<(), Refusal> {
         let mut config = *self.estimator.config();
         setting.apply(&mut config);
-        self.estimator
-            .set_config(config)
-            .map_err(|_| Refusal::OutOfRange)
+        self.estimator.set_config(config).map_err(|_| Refusal::OutOfRange)
     }
 
     fn take_setting(&mut self, setting: &Setting) -> Result<(), Refusal> {

@@ -38,15 +38,7 @@ pub(super) struct SnapshotBuffer<'a> {
 
 impl<'a> SnapshotBuffer<'a> {
     pub(super) fn new(bytes: &'a mut [u8; MAX_SNAPSHOT]) -> Self {
-        Self {
-            bytes,
-            tick: 0,
-            setup: 0,
-            crc: 0,
-            length: 0,
-            next: 0,
-            outwards: false,
-        }
+        Self { bytes, tick: 0, setup: 0, crc: 0, length: 0, next: 0, outwards: false }
     }
 
     fn part(&mut self) -> Option<SnapshotPart> {
@@ -134,11 +126,7 @@ impl<F: NorFlash> Task<'_, F> {
         if !same || end > buffer.length {
             return Err(Refusal::OutOfOrder);
         }
-        buffer
-            .bytes
-            .get_mut(buffer.next..end)
-            .ok_or(Refusal::Snapshot)?
-            .copy_from_slice(&part.bytes);
+        buffer.bytes.get_mut(buffer.next..end).ok_or(Refusal::Snapshot)?.copy_from_slice(&part.bytes);
         buffer.next = end;
         if end < buffer.length {
             return Ok(());
@@ -147,8 +135,7 @@ impl<F: NorFlash> Task<'_, F> {
         if digest::of_bytes(whole) != buffer.crc {
             return Err(Refusal::Snapshot);
         }
-        let (around, run) =
-            postcard::take_from_bytes::<Around>(whole).map_err(|_| Refusal::Snapshot)?;
+        let (around, run) = postcard::take_from_bytes::<Around>(whole).map_err(|_| Refusal::Snapshot)?;
         self.run.restore(run).map_err(|_| Refusal::Snapshot)?;
         self.judge_by_description();
         self.running = true;

@@ -27,9 +27,6 @@ fn main() -> std::io::Result<()> {
         }
     }
     let tally = reader.tally();
-    eprintln!(
-        "{} frames, {} lost, {} damaged",
-        tally.frames, tally.lost, tally.damaged
-    );
+    eprintln!("{} frames, {} lost, {} damaged", tally.frames, tally.lost, tally.damaged);
     Ok(())
 }

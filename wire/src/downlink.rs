@@ -189,17 +189,9 @@ impl Parameters {
         let terms = [self.r0, self.r1, self.r2];
         let [of_01, of_02, of_12] = self.correlation.map(f64::from);
         let [a, b, c] = [0, 1, 2].map(|i| h[i] * f64::from(terms[i].sd));
-        let variance =
-            a * a + b * b + c * c + 2.0 * (of_01 * a * b + of_02 * a * c + of_12 * b * c);
-        let value: f64 = h
-            .iter()
-            .zip(&terms)
-            .map(|(h, term)| h * f64::from(term.value))
-            .sum();
-        Value {
-            value: value as f32,
-            sd: libm::sqrt(variance.max(0.0)) as f32,
-        }
+        let variance = a * a + b * b + c * c + 2.0 * (of_01 * a * b + of_02 * a * c + of_12 * b * c);
+        let value: f64 = h.iter().zip(&terms).map(|(h, term)| h * f64::from(term.value)).sum();
+        Value { value: value as f32, sd: libm::sqrt(variance.max(0.0)) as f32 }
     }
 }
 

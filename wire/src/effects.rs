@@ -26,50 +26,16 @@ const KINDS: [EffectKind; 19] = [
     kind("dragging_brake", &[("drag", "N/kg")]),
     kind("power_limit_section", &[("share of the power", "")]),
     kind("traction_scale", &[("share of effort and power", "")]),
-    kind(
-        "low_adhesion",
-        &[("share of the effort", ""), ("below", "km/h")],
-    ),
+    kind("low_adhesion", &[("share of the effort", ""), ("below", "km/h")]),
     kind("speed_scale", &[("measured over true speed", "")]),
     kind("location_lag", &[("age of the location", "s")]),
-    kind(
-        "temperature_resistance",
-        &[("r0", "N/kg per °C"), ("from", "°C")],
-    ),
-    kind(
-        "seasonal_drift",
-        &[
-            ("r0 over the period", "N/kg"),
-            ("period", "days"),
-            ("from day", ""),
-        ],
-    ),
-    kind(
-        "brake_fade",
-        &[("share lost at 140 km/h", ""), ("from", "km/h")],
-    ),
+    kind("temperature_resistance", &[("r0", "N/kg per °C"), ("from", "°C")]),
+    kind("seasonal_drift", &[("r0 over the period", "N/kg"), ("period", "days"), ("from day", "")]),
+    kind("brake_fade", &[("share lost at 140 km/h", ""), ("from", "km/h")]),
     kind("train_length_error", &[("true length", "m")]),
-    kind(
-        "warm_up",
-        &[("at the departure", "N/kg"), ("time constant", "s")],
-    ),
-    kind(
-        "davis_error",
-        &[
-            ("r0", "N/kg"),
-            ("r1", "N/kg per m/s"),
-            ("r2", "N/kg per (m/s)²"),
-        ],
-    ),
-    kind(
-        "unknown",
-        &[
-            ("over", "coordinate"),
-            ("points", ""),
-            ("least", "N/kg"),
-            ("most", "N/kg"),
-        ],
-    ),
+    kind("warm_up", &[("at the departure", "N/kg"), ("time constant", "s")]),
+    kind("davis_error", &[("r0", "N/kg"), ("r1", "N/kg per m/s"), ("r2", "N/kg per (m/s)²")]),
+    kind("unknown", &[("over", "coordinate"), ("points", ""), ("least", "N/kg"), ("most", "N/kg")]),
 ];
 
 impl Effect {

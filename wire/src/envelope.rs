@@ -53,10 +53,7 @@ pub struct EncodeError;
 
 impl fmt::Display for EncodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "message: the buffer is too short, {MAX_MESSAGE} bytes hold any"
-        )
+        write!(f, "message: the buffer is too short, {MAX_MESSAGE} bytes hold any")
     }
 }
 
@@ -69,9 +66,7 @@ impl core::error::Error for EncodeError {}
 pub fn encode<'a, T: Serialize>(value: &T, buffer: &'a mut [u8]) -> Result<&'a [u8], EncodeError> {
     let (version, rest) = buffer.split_first_mut().ok_or(EncodeError)?;
     *version = VERSION;
-    let length = postcard::to_slice(value, rest)
-        .map_err(|_| EncodeError)?
-        .len();
+    let length = postcard::to_slice(value, rest).map_err(|_| EncodeError)?.len();
     buffer.get(..=length).ok_or(EncodeError)
 }
 

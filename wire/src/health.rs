@@ -95,9 +95,7 @@ impl Failure {
         let Self::Panic { file, .. } = self else {
             return "";
         };
-        core::str::from_utf8(file)
-            .unwrap_or("")
-            .trim_end_matches('\0')
+        core::str::from_utf8(file).unwrap_or("").trim_end_matches('\0')
     }
 }
 

@@ -174,11 +174,8 @@ impl Sequence {
             // A count begins with number 0, and early; the very frame that came last begins nothing.
             let begins = number == 0 || (tick < newest_tick && number < WINDOW);
             let was_missed = behind < self.span;
-            let anew = if was_missed {
-                taken || (came && number == 0 && behind > 0)
-            } else {
-                begins || tick > newest_tick
-            };
+            let anew =
+                if was_missed { taken || (came && number == 0 && behind > 0) } else { begins || tick > newest_tick };
             return if anew {
                 (self.begin(place, Order::Anew), false)
             } else if came {
@@ -190,10 +187,7 @@ impl Sequence {
         }
         // Half of all numbers lie ahead; a tick that goes back says that they do not.
         if tick >= newest_tick && ahead <= u16::MAX / 2 {
-            return (
-                self.go_on(place, ahead, Order::After { lost: ahead - 1 }),
-                false,
-            );
+            return (self.go_on(place, ahead, Order::After { lost: ahead - 1 }), false);
         }
         (self.begin(place, Order::Anew), false)
     }
@@ -236,23 +230,15 @@ mod tests {
     use heapless::Vec;
 
     fn message(sequence: u16, tick: u32) -> crate::link::Message {
-        let body = Body::Answer(Answer {
-            to: 1,
-            result: Ok(()),
-        });
+        let body = Body::Answer(Answer { to: 1, result: Ok(()) });
         let mut buffer = [0; 32];
-        let frame = Downlink {
-            sequence,
-            tick,
-            body,
-        };
+        let frame = Downlink { sequence, tick, body };
         Vec::from_slice(frame.encode(&mut buffer).unwrap()).unwrap()
     }
 
     fn orders<const N: usize>(places: [Place; N]) -> ([Order; N], Tally) {
         let mut reader = Reader::new();
-        let orders =
-            places.map(|(sequence, tick)| reader.message(&message(sequence, tick)).unwrap().order);
+        let orders = places.map(|(sequence, tick)| reader.message(&message(sequence, tick)).unwrap().order);
         (orders, *reader.tally())
     }
 
@@ -261,10 +247,7 @@ mod tests {
         let (found, tally) = orders([(5, 1), (6, 1), (9, 2), (7, 1), (8, 2), (10, 3)]);
         let lost = Order::After { lost: 2 };
         let late = Order::Late;
-        assert_eq!(
-            found,
-            [Order::Next, Order::Next, lost, late, late, Order::Next]
-        );
+        assert_eq!(found, [Order::Next, Order::Next, lost, late, late, Order::Next]);
         assert_eq!((tally.lost, tally.out_of_order), (0, 2));
     }
 
@@ -285,15 +268,7 @@ mod tests {
     #[test]
     fn a_run_that_begins_is_no_loss() {
         // The description of train and track, then `begin`; a long run, then the next one, whose first two frames are lost.
-        let (found, tally) = orders([
-            (14, 0),
-            (15, 0),
-            (0, 0),
-            (1, 1),
-            (40_000, 9000),
-            (2, 1),
-            (3, 1),
-        ]);
+        let (found, tally) = orders([(14, 0), (15, 0), (0, 0), (1, 1), (40_000, 9000), (2, 1), (3, 1)]);
         assert_eq!(found[2], Order::Anew);
         assert_eq!(found[4], Order::Anew, "more than half of all numbers ahead");
         assert_eq!(found[5], Order::Anew);

@@ -22,13 +22,7 @@ pub enum Regime {
 
 impl Regime {
     /// All regimes, in the order of their frames and of arrays indexed by `as usize`.
-    pub const ALL: [Self; 5] = [
-        Self::Standstill,
-        Self::Traction,
-        Self::Cruise,
-        Self::Coast,
-        Self::Brake,
-    ];
+    pub const ALL: [Self; 5] = [Self::Standstill, Self::Traction, Self::Cruise, Self::Coast, Self::Brake];
 
     /// The word used in every output.
     pub const fn as_str(self) -> &'static str {

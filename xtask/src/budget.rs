@@ -20,68 +20,21 @@ struct Limit {
 }
 
 /// Code, constants and first values of variables.
-const FLASH: Limit = Limit {
-    what: "flash: code, constants, first values",
-    unit: "B",
-    most: 162_000,
-    goal: 96 << 10,
-};
+const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 162_000, goal: 96 << 10 };
 /// SRAM1 of the reference board.
-const RAM: Limit = Limit {
-    what: "RAM: variables",
-    unit: "B",
-    most: 96 << 10,
-    goal: 96 << 10,
-};
+const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 96 << 10, goal: 96 << 10 };
 /// A quarter of SRAM2.
-const STACK: Limit = Limit {
-    what: "stack: most, from the code",
-    unit: "B",
-    most: 8 << 10,
-    goal: 8 << 10,
-};
-const PAINTED: Limit = Limit {
-    what: "stack: deepest in a run, painted",
-    ..STACK
-};
+const STACK: Limit = Limit { what: "stack: most, from the code", unit: "B", most: 8 << 10, goal: 8 << 10 };
+const PAINTED: Limit = Limit { what: "stack: deepest in a run, painted", ..STACK };
 /// One call of the application: 2.4 ms at 80 MHz and one instruction a cycle.
-const CALL: Limit = Limit {
-    what: "longest call of the application",
-    unit: "instructions",
-    most: 440_000,
-    goal: 150_000,
-};
+const CALL: Limit =
+    Limit { what: "longest call of the application", unit: "instructions", most: 440_000, goal: 150_000 };
 /// A step of the paper's model, f64 in software: 11 sigma points, two readings.
-const FILTER_CALL: Limit = Limit {
-    what: "filter step alone",
-    unit: "instructions",
-    most: 32_000,
-    goal: 32_000,
-};
-const FILTER_STACK: Limit = Limit {
-    what: "filter step alone: stack",
-    unit: "B",
-    most: 1250,
-    goal: 1 << 10,
-};
-const FILTER_CODE: Limit = Limit {
-    what: "filter step alone: code",
-    unit: "B",
-    most: 10_700,
-    goal: 10_000,
-};
-const PANICS: Limit = Limit {
-    what: "places that may panic",
-    unit: "",
-    most: 0,
-    goal: 0,
-};
-const ALLOCATORS: Limit = Limit {
-    what: "allocator symbols",
-    unit: "",
-    most: 0,
-    goal: 0,
-};
+const FILTER_CALL: Limit = Limit { what: "filter step alone", unit: "instructions", most: 32_000, goal: 32_000 };
+const FILTER_STACK: Limit = Limit { what: "filter step alone: stack", unit: "B", most: 1250, goal: 1 << 10 };
+const FILTER_CODE: Limit = Limit { what: "filter step alone: code", unit: "B", most: 10_700, goal: 10_000 };
+const PANICS: Limit = Limit { what: "places that may panic", unit: "", most: 0, goal: 0 };
+const ALLOCATORS: Limit = Limit { what: "allocator symbols", unit: "", most: 0, goal: 0 };
 
 /// Where the stack of the firmware goes.
 pub fn stack() -> Result<(), String> {
@@ -128,10 +81,7 @@ pub fn budget() -> Result<(), String> {
         } else {
             ""
         };
-        println!(
-            "{:<38} {found:>9} {:>9} {:>9} {}{verdict}",
-            limit.what, limit.most, limit.goal, limit.unit
-        );
+        println!("{:<38} {found:>9} {:>9} {:>9} {}{verdict}", limit.what, limit.most, limit.goal, limit.unit);
     }
     for caller in panics.iter().chain(&allocators) {
         println!("  {caller}");
@@ -161,21 +111,14 @@ struct Run {
 /// Plays the reference run to the firmware and to the host; what the firmware says of itself is in the last line.
 fn measure() -> Result<Run, String> {
     let mut emulate = crate::emulate_command("data/reference/run01.csv", crate::REFERENCE, None);
-    let output = emulate
-        .current_dir(root())
-        .stderr(Stdio::inherit())
-        .output()
-        .map_err(|error| error.to_string())?;
+    let output = emulate.current_dir(root()).stderr(Stdio::inherit()).output().map_err(|error| error.to_string())?;
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     if !output.status.success() {
         return Err(format!("the run in the emulator failed: {said}"));
     }
     let value = |name: &str| {
-        let word = said
-            .split_whitespace()
-            .find_map(|word| word.strip_prefix(name));
-        word.and_then(|word| word.parse::<u64>().ok())
-            .ok_or_else(|| format!("expected {name} in: {said}"))
+        let word = said.split_whitespace().find_map(|word| word.strip_prefix(name));
+        word.and_then(|word| word.parse::<u64>().ok()).ok_or_else(|| format!("expected {name} in: {said}"))
     };
     Ok(Run {
         stack_bytes: value("stack_bytes=")?,

@@ -15,8 +15,7 @@ pub fn firmware(board: Board) -> Result<(), String> {
     let built = root().join(format!("{FOLDER}/{TARGET}/firmware/firmware"));
     let image = board.image_path();
     // A copy, not a move: cargo would build again. Copying also says when it was last found to be up to date.
-    std::fs::copy(&built, &image)
-        .map_err(|error| format!("{} -> {}: {error}", built.display(), image.display()))?;
+    std::fs::copy(&built, &image).map_err(|error| format!("{} -> {}: {error}", built.display(), image.display()))?;
     println!("{}", image.display());
     Ok(())
 }
@@ -48,8 +47,7 @@ fn command(board: Board, word: &str) -> Result<Command, String> {
 }
 
 fn of_program(word: &str, program: &str, feature: Option<&str>) -> Result<Command, String> {
-    let toolchain = Toolchain::find()
-        .ok_or_else(|| format!("no compiler for {TARGET}: run `cargo xtask setup`"))?;
+    let toolchain = Toolchain::find().ok_or_else(|| format!("no compiler for {TARGET}: run `cargo xtask setup`"))?;
     let mut cargo = toolchain.cargo(word);
     cargo.args(["--profile", "firmware", "-p", "rundown", "--bin", program]);
     cargo.args(["--target-dir", FOLDER]);

@@ -27,9 +27,7 @@ const FLAGS: [&str; 8] = [
 
 /// Each target for so many seconds; what breaks one is left in `fuzz/artifacts`.
 pub fn fuzz(seconds: &str) -> Result<(), String> {
-    let seconds: u32 = seconds
-        .parse()
-        .map_err(|_| format!("expected a number of seconds, found `{seconds}`"))?;
+    let seconds: u32 = seconds.parse().map_err(|_| format!("expected a number of seconds, found `{seconds}`"))?;
     // Zero would be for ever.
     if seconds == 0 {
         return Err("expected at least one second, found 0".into());
@@ -67,23 +65,16 @@ fn run_together(programs: &Path, targets: &[&str], seconds: u32) -> Result<(), S
     for (target, mut child) in running {
         let ended = child.wait();
         if !ended.is_ok_and(|status| status.success()) {
-            failed.push(format!(
-                "{target} failed; the input that breaks it lies in fuzz/artifacts/{target}"
-            ));
+            failed.push(format!("{target} failed; the input that breaks it lies in fuzz/artifacts/{target}"));
         }
     }
-    if failed.is_empty() {
-        Ok(())
-    } else {
-        Err(failed.join("\n"))
-    }
+    if failed.is_empty() { Ok(()) } else { Err(failed.join("\n")) }
 }
 
 fn start(programs: &Path, target: &str, seconds: u32) -> Result<Child, String> {
     for folder in ["corpus", "artifacts"] {
         let folder = root().join("fuzz").join(folder).join(target);
-        std::fs::create_dir_all(&folder)
-            .map_err(|error| format!("{}: {error}", folder.display()))?;
+        std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
     let mut command = Command::new(programs.join(target));
     // All lengths from the start: by default a short run of a slow target stays with inputs of a few bytes.
@@ -92,10 +83,7 @@ fn start(programs: &Path, target: &str, seconds: u32) -> Result<Child, String> {
     command.arg(format!("-artifact_prefix=fuzz/artifacts/{target}/"));
     command.arg(format!("fuzz/corpus/{target}"));
     println!("$ {}", shown(&command));
-    command
-        .current_dir(root())
-        .spawn()
-        .map_err(|error| format!("{target} could not be started: {error}"))
+    command.current_dir(root()).spawn().map_err(|error| format!("{target} could not be started: {error}"))
 }
 
 #[cfg(test)]
@@ -117,10 +105,7 @@ mod tests {
 
     #[test]
     fn a_time_that_is_none_is_named() {
-        assert_eq!(
-            fuzz("soon"),
-            Err("expected a number of seconds, found `soon`".into())
-        );
+        assert_eq!(fuzz("soon"), Err("expected a number of seconds, found `soon`".into()));
         assert!(fuzz("0").is_err());
     }
 }

@@ -72,9 +72,7 @@ fn main() -> ExitCode {
 }
 
 fn emulate(arguments: &[&str]) -> Result<(), String> {
-    let (run_log, rest) = arguments
-        .split_first()
-        .ok_or("expected RUN.csv [T.toml K.toml] [FRAMES.bin]")?;
+    let (run_log, rest) = arguments.split_first().ok_or("expected RUN.csv [T.toml K.toml] [FRAMES.bin]")?;
     let (described, frames) = match rest {
         [] => (REFERENCE, None),
         [frames] => (REFERENCE, Some(*frames)),
@@ -108,9 +106,7 @@ fn all(task: fn(Board) -> Result<(), String>) -> Result<(), String> {
 fn with_board(name: &str, task: fn(Board) -> Result<(), String>) -> Result<(), String> {
     match Board::named(name) {
         Some(board) => task(board),
-        None => Err(format!(
-            "no board `{name}`: there are l475, l475-emulated and mps2"
-        )),
+        None => Err(format!("no board `{name}`: there are l475, l475-emulated and mps2")),
     }
 }
 
@@ -121,8 +117,7 @@ fn test() -> Result<(), String> {
     let peers = setup::peers();
     // With these the tests with the emulator and with the peers of the CAN link must run.
     let mut test = cargo();
-    test.args(["test", "--workspace", "--no-fail-fast"])
-        .env("RUNDOWN_EMULATOR", "required");
+    test.args(["test", "--workspace", "--no-fail-fast"]).env("RUNDOWN_EMULATOR", "required");
     match peers {
         Ok(()) => {
             test.env("RUNDOWN_PEERS", "required");

@@ -27,16 +27,12 @@ pub fn run_firmware(board: Board, key: Option<&str>) -> Result<(), String> {
     }
     setup::setup()?;
     firmware::firmware(board)?;
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, PORT))
-        .map_err(|error| format!("port {PORT}: {error}"))?;
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, PORT)).map_err(|error| format!("port {PORT}: {error}"))?;
     println!(
         "serial line at 127.0.0.1:{PORT}, for one program that talks and any number that listen; the firmware starts with the first; Ctrl-C ends it"
     );
     let first = listener.accept().map_err(|error| error.to_string())?.0;
-    let settings = Settings {
-        preloads,
-        ..Settings::new(board).map_err(|error| error.to_string())?
-    };
+    let settings = Settings { preloads, ..Settings::new(board).map_err(|error| error.to_string())? };
     let mut emulator = Emulator::start(&settings).map_err(|error| error.to_string())?;
     share(emulator.line(), first, listener).map_err(|error| error.to_string())
 }
@@ -69,10 +65,7 @@ fn join(other: TcpStream, line: &TcpStream, others: &Others) -> io::Result<()> {
     println!("{} connected", other.peer_addr()?);
     other.set_write_timeout(Some(TAKES))?;
     let (mut from, mut to) = (other.try_clone()?, line.try_clone()?);
-    others
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .push(other);
+    others.lock().unwrap_or_else(PoisonError::into_inner).push(other);
     // Ends when the program hangs up.
     thread::spawn(move || forward(&mut from, |bytes| to.write_all(bytes)));
     Ok(())
@@ -101,9 +94,7 @@ mod tests {
     }
 
     fn heard(program: &mut TcpStream, bytes: usize) -> Vec<u8> {
-        program
-            .set_read_timeout(Some(Duration::from_secs(10)))
-            .unwrap();
+        program.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
         let mut heard = vec![0; bytes];
         program.read_exact(&mut heard).unwrap();
         heard

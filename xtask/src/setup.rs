@@ -49,11 +49,7 @@ fn toolchain() -> Result<Toolchain, String> {
 /// Whether rustup brought the target. Its failure is no error: there is another way.
 fn add_target() -> bool {
     let mut command = Command::new("rustup");
-    command
-        .args(["target", "add", TARGET])
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
+    command.args(["target", "add", TARGET]).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     println!("$ rustup target add {TARGET}");
     let Ok(mut child) = command.spawn() else {
         return false;
@@ -79,8 +75,8 @@ fn qemu() -> Result<String, String> {
     println!("{missing}");
     if has_apt() {
         // Debian 12 has 7.2, its backports have 10.
-        let old = ask("sh", &["-c", ". /etc/os-release; echo $VERSION_CODENAME"])
-            .is_some_and(|name| name == "bookworm");
+        let old =
+            ask("sh", &["-c", ". /etc/os-release; echo $VERSION_CODENAME"]).is_some_and(|name| name == "bookworm");
         if old {
             add_backports()?;
         }
@@ -93,13 +89,14 @@ fn qemu() -> Result<String, String> {
         apt(&words)?;
     }
     emulator::version().map_err(|error| {
-        format!("{error}\nor by hand: QEMU 10 or newer with qemu-system-arm on the path (https://www.qemu.org/download)")
+        format!(
+            "{error}\nor by hand: QEMU 10 or newer with qemu-system-arm on the path (https://www.qemu.org/download)"
+        )
     })
 }
 
 fn add_backports() -> Result<(), String> {
-    let known =
-        ask("apt-cache", &["policy"]).is_some_and(|text| text.contains("bookworm-backports"));
+    let known = ask("apt-cache", &["policy"]).is_some_and(|text| text.contains("bookworm-backports"));
     if known {
         return Ok(());
     }
@@ -113,9 +110,7 @@ fn add_backports() -> Result<(), String> {
         .spawn()
         .map_err(|error| format!("`tee {BACKPORTS}` could not be started: {error}"))?;
     if let Some(mut stdin) = child.stdin.take() {
-        stdin
-            .write_all(text.as_bytes())
-            .map_err(|error| format!("{BACKPORTS}: {error}"))?;
+        stdin.write_all(text.as_bytes()).map_err(|error| format!("{BACKPORTS}: {error}"))?;
     }
     match child.wait() {
         Ok(status) if status.success() => Ok(()),
@@ -128,9 +123,7 @@ fn has_apt() -> bool {
 }
 
 fn apt(words: &[&str]) -> Result<(), String> {
-    run(as_root("apt-get")
-        .args(words)
-        .env("DEBIAN_FRONTEND", "noninteractive"))
+    run(as_root("apt-get").args(words).env("DEBIAN_FRONTEND", "noninteractive"))
 }
 
 /// The program as root: by sudo, which is shown and asks, unless this is root.
@@ -146,22 +139,11 @@ fn as_root(program: &str) -> Command {
 
 /// The browser that the page is looked at with, and its driver, of the same version.
 pub fn browser() -> Result<(), String> {
-    let versions = || {
-        Some((
-            ask("chromium", &["--version"])?,
-            ask("chromedriver", &["--version"])?,
-        ))
-    };
+    let versions = || Some((ask("chromium", &["--version"])?, ask("chromedriver", &["--version"])?));
     if versions().is_none() && has_apt() {
         println!("the page is tested in Chromium, which is missing; taking Debian's");
         apt(&["update"])?;
-        apt(&[
-            "install",
-            "-y",
-            "--no-install-recommends",
-            "chromium",
-            "chromium-driver",
-        ])?;
+        apt(&["install", "-y", "--no-install-recommends", "chromium", "chromium-driver"])?;
     }
     let (browser, driver) = versions().ok_or(
         "no browser: the page is tested in Chromium. On Debian: `apt-get install --no-install-recommends chromium chromium-driver`;\n\

@@ -27,25 +27,16 @@ pub fn run(command: &mut Command) -> Result<(), String> {
 
 /// What a command prints, if it succeeds. Says nothing itself.
 pub fn ask(program: &str, arguments: &[&str]) -> Option<String> {
-    let output = Command::new(program)
-        .args(arguments)
-        .stdin(Stdio::null())
-        .output()
-        .ok()?;
+    let output = Command::new(program).args(arguments).stdin(Stdio::null()).output().ok()?;
     let text = String::from_utf8_lossy(&output.stdout).trim().to_owned();
     output.status.success().then_some(text)
 }
 
 /// The command as a person would type it.
 pub fn shown(command: &Command) -> String {
-    let program = Path::new(command.get_program())
-        .file_name()
-        .unwrap_or(command.get_program());
+    let program = Path::new(command.get_program()).file_name().unwrap_or(command.get_program());
     let words = std::iter::once(program).chain(command.get_args());
-    words
-        .map(|word| word.to_string_lossy())
-        .collect::<Vec<_>>()
-        .join(" ")
+    words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
@@ -55,19 +46,13 @@ mod tests {
     #[test]
     fn commands_are_shown_as_typed() {
         let mut command = Command::new("/usr/bin/cargo");
-        assert_eq!(
-            shown(command.args(["test", "--workspace"])),
-            "cargo test --workspace"
-        );
+        assert_eq!(shown(command.args(["test", "--workspace"])), "cargo test --workspace");
     }
 
     #[test]
     fn a_command_that_cannot_be_started_is_named() {
         let error = run(&mut Command::new("no-such-command")).unwrap_err();
-        assert!(
-            error.starts_with("`no-such-command` could not be started: "),
-            "{error}"
-        );
+        assert!(error.starts_with("`no-such-command` could not be started: "), "{error}");
     }
 
     #[test]

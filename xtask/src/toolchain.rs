@@ -32,9 +32,7 @@ impl Toolchain {
     pub fn shown(&self) -> String {
         match self {
             Self::Active => format!("active Rust with {TARGET}"),
-            Self::Debian { .. } => {
-                "Debian's Rust (rustc-web), core built from rust-web-src".to_owned()
-            }
+            Self::Debian { .. } => "Debian's Rust (rustc-web), core built from rust-web-src".to_owned(),
         }
     }
 
@@ -79,10 +77,7 @@ fn debian() -> Option<Toolchain> {
     let source = Path::new(&sysroot).join("lib/rustlib/src/rust/library/core");
     // Debian 12's own 1.63 does not know the edition.
     let found = source.is_dir() && minor(&version).is_some_and(|minor| minor >= 95);
-    found
-        .then(linker)
-        .flatten()
-        .map(|linker| Toolchain::Debian { linker })
+    found.then(linker).flatten().map(|linker| Toolchain::Debian { linker })
 }
 
 /// The second number of `rustc 1.96.0 (...)`.
@@ -118,13 +113,8 @@ mod tests {
 
     #[test]
     fn debians_cargo_is_told_to_build_core() {
-        let debian = Toolchain::Debian {
-            linker: PathBuf::from("/lld"),
-        };
+        let debian = Toolchain::Debian { linker: PathBuf::from("/lld") };
         let line = crate::shell::shown(&debian.cargo("build"));
-        assert_eq!(
-            line,
-            format!("cargo build -Z build-std=core --target {TARGET}")
-        );
+        assert_eq!(line, format!("cargo build -Z build-std=core --target {TARGET}"));
     }
 }

@@ -27,10 +27,7 @@ pub fn frame(emulator: &mut Emulator) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut byte = [1];
     while byte != [0] {
-        emulator
-            .line()
-            .read_exact(&mut byte)
-            .expect("a frame within 10 s");
+        emulator.line().read_exact(&mut byte).expect("a frame within 10 s");
         bytes.extend(byte);
     }
     bytes

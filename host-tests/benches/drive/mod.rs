@@ -16,10 +16,7 @@ use std::path::Path;
 /// Steps of one run.
 pub const RUN: usize = 90;
 const DT_S: f64 = 10.0;
-const OBSERVATION: LocationAndSpeed = LocationAndSpeed {
-    location_variance: 16.0,
-    speed_variance: 1.0 / (3.6 * 3.6),
-};
+const OBSERVATION: LocationAndSpeed = LocationAndSpeed { location_variance: 16.0, speed_variance: 1.0 / (3.6 * 3.6) };
 
 /// Everything that is set once.
 pub struct Drive {
@@ -44,13 +41,7 @@ impl Drive {
         let number = |cell: &str| cell.parse().unwrap_or(0.0);
         let steps: Vec<(f64, f64, f64)> = lines
             .map(|line| line.split(',').collect::<Vec<_>>())
-            .map(|cells| {
-                (
-                    number(cells[u]),
-                    number(cells[z_s]),
-                    number(cells[z_kmh]) / 3.6,
-                )
-            })
+            .map(|cells| (number(cells[u]), number(cells[z_s]), number(cells[z_kmh]) / 3.6))
             .collect();
         let davis = train.davis();
         Self {
@@ -65,20 +56,12 @@ impl Drive {
     }
 
     fn line(&self) -> Line<'_> {
-        Line {
-            train: &self.train,
-            track: &self.track,
-            direction: Direction::Up,
-        }
+        Line { train: &self.train, track: &self.track, direction: Direction::Up }
     }
 
     /// `steps` steps of `one`; a new run begins after each `RUN`.
     #[inline(always)]
-    fn run(
-        &self,
-        steps: usize,
-        one: impl Fn(&mut Gaussian<SIZE>, f64, f64, f64),
-    ) -> Gaussian<SIZE> {
+    fn run(&self, steps: usize, one: impl Fn(&mut Gaussian<SIZE>, f64, f64, f64)) -> Gaussian<SIZE> {
         let mut belief = self.begin;
         for i in 0..steps {
             if i % RUN == 0 {
@@ -93,11 +76,7 @@ impl Drive {
     /// Steps of `rundown::ukf`.
     pub fn ours(&self, steps: usize) -> Gaussian<SIZE> {
         let line = self.line();
-        let ukf = Ukf {
-            spread: black_box(Spread::PAPER),
-            gate: [None; 2],
-            reuse_points: true,
-        };
+        let ukf = Ukf { spread: black_box(Spread::PAPER), gate: [None; 2], reuse_points: true };
         self.run(steps, |belief, effort, location_m, speed_mps| {
             let motion = Motion::new(&line, &belief.mean, effort, DT_S, Evaluate::Beginning);
             let z = [Some(location_m), Some(speed_mps)];
@@ -107,31 +86,13 @@ impl Drive {
 
     /// Steps of the textbook form.
     pub fn textbook(&self, steps: usize) -> Gaussian<SIZE> {
-        let shape = black_box(Shape {
-            alpha: 1e-3,
-            beta: 2.0,
-            kappa: -2.0,
-        });
+        let shape = black_box(Shape { alpha: 1e-3, beta: 2.0, kappa: -2.0 });
         self.run(steps, |belief, effort, location_m, speed_mps| {
-            let motion =
-                textbook::Motion::new(self.line(), &belief.mean, effort, DT_S, Evaluate::Beginning);
-            let read = |component, value, variance| Read {
-                component,
-                value,
-                variance,
-            };
-            let readings = [
-                read(0, location_m, OBSERVATION.location_variance),
-                read(1, speed_mps, OBSERVATION.speed_variance),
-            ];
-            let step = textbook::step(
-                shape,
-                belief,
-                |x| motion.advance(x),
-                &SMatrix::zeros(),
-                true,
-                &readings,
-            );
+            let motion = textbook::Motion::new(self.line(), &belief.mean, effort, DT_S, Evaluate::Beginning);
+            let read = |component, value, variance| Read { component, value, variance };
+            let readings =
+                [read(0, location_m, OBSERVATION.location_variance), read(1, speed_mps, OBSERVATION.speed_variance)];
+            let step = textbook::step(shape, belief, |x| motion.advance(x), &SMatrix::zeros(), true, &readings);
             *belief = black_box(step).expect("positive definite").posterior;
         })
     }

@@ -41,10 +41,7 @@ fn the_frames_of_a_tick_come_in_this_order() {
             expected.splice(2..2, MINUTE);
         }
         let mut found = names(&frames);
-        let parts = found
-            .iter()
-            .filter(|name| **name == "snapshot_part")
-            .count();
+        let parts = found.iter().filter(|name| **name == "snapshot_part").count();
         all_parts += parts;
         // From the third tick on until it is out, which is before the next one.
         let begun = tick >= 3 && parts > 0;
@@ -66,17 +63,7 @@ fn the_end_of_a_run_comes_in_this_order() {
     let end = board.desk.secured(Request::Command(Command::End)).unwrap();
     let mut found = names(&board.say(&end));
     found.dedup();
-    assert_eq!(
-        found,
-        [
-            "features",
-            "switching_points",
-            "run_summary",
-            "status",
-            "health",
-            "answer"
-        ]
-    );
+    assert_eq!(found, ["features", "switching_points", "run_summary", "status", "health", "answer"]);
     // The same bytes once more: no answer at all.
     assert_eq!(board.say(&end), []);
 }
@@ -101,10 +88,7 @@ fn a_long_stop_ends_the_run_with_the_estimate_and_the_next_one_begins_at_zero() 
     };
     assert_eq!(before.body.as_str(), "health");
     assert!(matches!(estimate.body, Body::Estimate(_)));
-    assert_eq!(
-        (estimate.sequence, estimate.tick),
-        (before.sequence + 1, before.tick)
-    );
+    assert_eq!((estimate.sequence, estimate.tick), (before.sequence + 1, before.tick));
     standing.time_s += 10.0;
     let next = board.measure(&standing);
     assert_eq!((next[0].sequence, next[0].tick), (0, 1));

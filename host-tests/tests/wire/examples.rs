@@ -12,8 +12,8 @@ use rundown::task::DATA_ID;
 use rundown::track::{Curve, Direction, Gradient, Target};
 use rundown::train::TrainDescription;
 use rundown::uplink::{
-    self, CURVES, Command, CurvePart, GRADIENTS, OPEN, Pace, Request, SECURED, Setting, TARGETS,
-    TargetPart, TrackPart, TrainFrame, Uplink,
+    self, CURVES, Command, CurvePart, GRADIENTS, OPEN, Pace, Request, SECURED, Setting, TARGETS, TargetPart, TrackPart,
+    TrainFrame, Uplink,
 };
 use rundown_wire::link::Counters;
 use rundown_wire::*;
@@ -56,9 +56,7 @@ impl Frame {
     pub fn read(&self, message: &[u8]) -> Option<Self> {
         match (self, message) {
             (Self::Down(_), _) => Downlink::decode(message).ok().map(Self::Down),
-            (Self::Up(..), [uplink::VERSION, OPEN, payload @ ..]) => {
-                Some(Self::Up(OPEN, uplink::decode(payload)?))
-            }
+            (Self::Up(..), [uplink::VERSION, OPEN, payload @ ..]) => Some(Self::Up(OPEN, uplink::decode(payload)?)),
             (Self::Up(..), [uplink::VERSION, SECURED, ..]) => {
                 let opened = verifier().open(DATA_ID, message).ok()?;
                 Some(Self::Up(SECURED, uplink::decode(opened.get(2..)?)?))
@@ -77,19 +75,12 @@ impl Frame {
 }
 
 fn down(name: &str, body: Body) -> (String, Frame) {
-    let frame = Downlink {
-        sequence: 7,
-        tick: 300,
-        body,
-    };
+    let frame = Downlink { sequence: 7, tick: 300, body };
     (format!("down {name}"), Frame::Down(frame))
 }
 
 fn up(name: &str, protection: u8, request: Request) -> (String, Frame) {
-    let frame = Uplink {
-        sequence: 21,
-        request,
-    };
+    let frame = Uplink { sequence: 21, request };
     (format!("up {name}"), Frame::Up(protection, frame))
 }
 
@@ -110,22 +101,11 @@ fn counted<const N: usize>() -> [u32; N] {
 }
 
 fn snapshot_part() -> SnapshotPart {
-    SnapshotPart {
-        tick: 288,
-        setup: 0x1234_5678,
-        crc: 0x9ABC_DEF0,
-        total: 9000,
-        first: 8960,
-        bytes: (0..40).collect(),
-    }
+    SnapshotPart { tick: 288, setup: 0x1234_5678, crc: 0x9ABC_DEF0, total: 9000, first: 8960, bytes: (0..40).collect() }
 }
 
 fn effect() -> Effect {
-    Effect {
-        kind: 1,
-        section_m: Some([1200.0, 3400.0]),
-        values: [1.25e-5].into_iter().collect(),
-    }
+    Effect { kind: 1, section_m: Some([1200.0, 3400.0]), values: [1.25e-5].into_iter().collect() }
 }
 
 pub fn features() -> Features {
@@ -211,9 +191,7 @@ fn downlink() -> Vec<(String, Frame)> {
             .into_iter()
             .collect(),
         }),
-        Body::Effects(Effects {
-            effects: [effect()].into_iter().collect(),
-        }),
+        Body::Effects(Effects { effects: [effect()].into_iter().collect() }),
         Body::Status(Status {
             announcement: verifier().announcement(),
             train_id: Some(0x2451),
@@ -232,60 +210,32 @@ fn downlink() -> Vec<(String, Frame)> {
         }),
         Body::RunSummary(RunSummary {
             run: 12,
-            run_davis: [
-                value(0.0072, 0.0005),
-                value(0.00015, 0.00003),
-                value(0.000027, 0.000001),
-            ],
-            vehicle_davis: [
-                value(0.0073, 0.0003),
-                value(0.00016, 0.00002),
-                value(0.0000275, 0.0000005),
-            ],
+            run_davis: [value(0.0072, 0.0005), value(0.00015, 0.00003), value(0.000027, 0.000001)],
+            vehicle_davis: [value(0.0073, 0.0003), value(0.00016, 0.00002), value(0.0000275, 0.0000005)],
             wind_sd_mps: 1.5,
             gain: value(1.0, 0.03),
             learned_s: 640.0,
         }),
         Body::SnapshotPart(snapshot_part()),
-        Body::Answer(Answer {
-            to: 21,
-            result: Err(Refusal::UnknownEffect),
-        }),
+        Body::Answer(Answer { to: 21, result: Err(Refusal::UnknownEffect) }),
         Body::Health(Health {
             uptime_s: 3600,
             reset_cause: ResetCause::Watchdog,
-            failure: Failure::Stalled(Stalled {
-                tick: true,
-                link: false,
-            }),
+            failure: Failure::Stalled(Stalled { tick: true, link: false }),
             resets: 1,
             slow_clock: false,
             stack_bytes: 14_000,
             longest_us: 95_000,
             flash_errors: 0,
-            line: LineCounts {
-                overrun: 1,
-                framing: 2,
-                noise: 3,
-                other: 4,
-                ring_full: 5,
-            },
-            messages: Counters {
-                sent: 1500,
-                received: 400,
-                checksum: 2,
-                ..Counters::ZERO
-            },
+            line: LineCounts { overrun: 1, framing: 2, noise: 3, other: 4, ring_full: 5 },
+            messages: Counters { sent: 1500, received: 400, checksum: 2, ..Counters::ZERO },
             not_sent: 6,
         }),
         Body::CoastAhead(CoastAhead {
             from_time_s: 3000.0,
             from_location_m: 24_345.5,
             from_speed_mps: 38.5,
-            target: Some(CoastTarget {
-                at_m: 31_683.0,
-                limit_mps: Some(11.0),
-            }),
+            target: Some(CoastTarget { at_m: 31_683.0, limit_mps: Some(11.0) }),
             outcome: CoastOutcome::Arrives(CoastArrival {
                 speed_mps: value(24.25, 0.5),
                 time_s: 3239.5,
@@ -293,10 +243,7 @@ fn downlink() -> Vec<(String, Frame)> {
             }),
         }),
     ];
-    bodies
-        .into_iter()
-        .map(|body| down(body.as_str(), body))
-        .collect()
+    bodies.into_iter().map(|body| down(body.as_str(), body)).collect()
 }
 
 /// The uplink frames, in the order of their numbers; of settings and commands each one.
@@ -321,11 +268,7 @@ fn uplink() -> Vec<(String, Frame)> {
                     mass_kg: 364e3,
                     rotating_mass_factor: 1.06,
                     length_m: 162.0,
-                    davis: Davis {
-                        r0: 7.38e-3,
-                        r1: 1.6e-4,
-                        r2: 2.8e-5,
-                    },
+                    davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
                     max_tractive_effort_n: 192.92e3,
                     max_power_w: 2.036e6,
                     max_brake_mps2: 0.66,
@@ -350,38 +293,22 @@ fn uplink() -> Vec<(String, Frame)> {
     // Tuning may move a default; the bytes of an example stay.
     let mut config = Config::default();
     config.learning.acceleration_noise_mps2 = 0.001;
-    config.coast = CoastConfig {
-        horizon_m: 25e3,
-        wind_change_mps: 0.3,
-        coasting_point_m: 150.0,
-        arrival_s: 3.0,
-    };
+    config.coast = CoastConfig { horizon_m: 25e3, wind_change_mps: 0.3, coasting_point_m: 150.0, arrival_s: 3.0 };
     for setting in Setting::all(&config) {
         let request = Request::Setting(setting);
         frames.push(up(&format!("setting {}", word(&request)), SECURED, request));
     }
     frames.push(up("effect", SECURED, Request::Effect(effect())));
     for command in COMMANDS {
-        let protection = if command == Command::Status {
-            OPEN
-        } else {
-            SECURED
-        };
+        let protection = if command == Command::Status { OPEN } else { SECURED };
         let request = Request::Command(command);
-        frames.push(up(
-            &format!("command {}", word(&request)),
-            protection,
-            request,
-        ));
+        frames.push(up(&format!("command {}", word(&request)), protection, request));
     }
     frames.push(up("snapshot", SECURED, Request::Snapshot(snapshot_part())));
     frames.push(up(
         "surroundings",
         SECURED,
-        Request::Surroundings(Surroundings {
-            temperature_c: Some(-7.5),
-            day: Some(20_513.5),
-        }),
+        Request::Surroundings(Surroundings { temperature_c: Some(-7.5), day: Some(20_513.5) }),
     ));
     frames.push(up(
         "curves",
@@ -390,11 +317,7 @@ fn uplink() -> Vec<(String, Frame)> {
             track_id: 70_000,
             first: 0,
             curves: [(1000.0, 1400.0, 500.0)]
-                .map(|(from_m, to_m, radius_m)| Curve {
-                    from_m,
-                    to_m,
-                    radius_m,
-                })
+                .map(|(from_m, to_m, radius_m)| Curve { from_m, to_m, radius_m })
                 .into_iter()
                 .collect(),
         }),
@@ -416,10 +339,7 @@ fn uplink() -> Vec<(String, Frame)> {
 
 /// All commands.
 pub const COMMANDS: [Command; 7] = [
-    Command::Begin {
-        direction: Direction::Down,
-        track_id: 70_000,
-    },
+    Command::Begin { direction: Direction::Down, track_id: 70_000 },
     Command::End,
     Command::Pace(Pace::Lockstep),
     Command::Status,
@@ -446,20 +366,11 @@ fn full<T: Clone, const N: usize>(item: &T) -> heapless::Vec<T, N> {
 }
 
 fn largest_snapshot_part() -> SnapshotPart {
-    SnapshotPart {
-        tick: u32::MAX,
-        total: u16::MAX,
-        first: u16::MAX,
-        bytes: full(&0),
-        ..snapshot_part()
-    }
+    SnapshotPart { tick: u32::MAX, total: u16::MAX, first: u16::MAX, bytes: full(&0), ..snapshot_part() }
 }
 
 fn largest_effect() -> Effect {
-    Effect {
-        values: full(&0.0),
-        ..effect()
-    }
+    Effect { values: full(&0.0), ..effect() }
 }
 
 /// The largest value of each body: of the example, with every list full and every number at its largest.
@@ -469,26 +380,19 @@ fn largest_body(body: Body) -> Body {
         Body::Estimate(_) | Body::Parameters(_) | Body::Effort(_) | Body::CoastAhead(_) => body,
         Body::Features(mut features) => {
             let most = |statistic: &mut Statistic| statistic.count = MOST;
-            features
-                .max_effort
-                .iter_mut()
-                .for_each(|line| most(&mut line.effort_n_per_kg));
+            features.max_effort.iter_mut().for_each(|line| most(&mut line.effort_n_per_kg));
             features.brake_rate_mps2.iter_mut().for_each(most);
             most(&mut features.power_w_per_kg);
             most(&mut features.cruise_speed_mps);
             Body::Features(features)
         }
-        Body::SwitchingPoints(SwitchingPoints { points, .. }) => {
-            Body::SwitchingPoints(SwitchingPoints {
-                first: u16::MAX,
-                total: u16::MAX,
-                lost: MOST,
-                points: full(&points[0]),
-            })
-        }
-        Body::Effects(_) => Body::Effects(Effects {
-            effects: full(&largest_effect()),
+        Body::SwitchingPoints(SwitchingPoints { points, .. }) => Body::SwitchingPoints(SwitchingPoints {
+            first: u16::MAX,
+            total: u16::MAX,
+            lost: MOST,
+            points: full(&points[0]),
         }),
+        Body::Effects(_) => Body::Effects(Effects { effects: full(&largest_effect()) }),
         Body::Status(status) => Body::Status(Status {
             train_id: Some(u64::MAX),
             track_id: Some(MOST),
@@ -502,32 +406,17 @@ fn largest_body(body: Body) -> Body {
             records: [MOST; 2],
             ..status
         }),
-        Body::RunSummary(summary) => Body::RunSummary(RunSummary {
-            run: MOST,
-            ..summary
-        }),
+        Body::RunSummary(summary) => Body::RunSummary(RunSummary { run: MOST, ..summary }),
         Body::SnapshotPart(_) => Body::SnapshotPart(largest_snapshot_part()),
-        Body::Answer(answer) => Body::Answer(Answer {
-            to: u16::MAX,
-            ..answer
-        }),
+        Body::Answer(answer) => Body::Answer(Answer { to: u16::MAX, ..answer }),
         Body::Health(health) => Body::Health(Health {
             uptime_s: MOST,
-            failure: Failure::Panic {
-                line: MOST,
-                file: [0; FILE_TAIL],
-            },
+            failure: Failure::Panic { line: MOST, file: [0; FILE_TAIL] },
             resets: MOST,
             stack_bytes: MOST,
             longest_us: MOST,
             flash_errors: MOST,
-            line: LineCounts {
-                overrun: MOST,
-                framing: MOST,
-                noise: MOST,
-                other: MOST,
-                ring_full: MOST,
-            },
+            line: LineCounts { overrun: MOST, framing: MOST, noise: MOST, other: MOST, ring_full: MOST },
             messages: Counters {
                 sent: MOST,
                 received: MOST,
@@ -550,19 +439,12 @@ fn largest_body(body: Body) -> Body {
 pub fn largest() -> Vec<(String, Frame)> {
     let widen = |(name, frame)| match frame {
         Frame::Down(Downlink { body, .. }) => {
-            let frame = Downlink {
-                sequence: u16::MAX,
-                tick: u32::MAX,
-                body: largest_body(body),
-            };
+            let frame = Downlink { sequence: u16::MAX, tick: u32::MAX, body: largest_body(body) };
             (name, Frame::Down(frame))
         }
         Frame::Up(_, Uplink { request, .. }) => {
             let request = match request {
-                Request::Train(train) => Request::Train(TrainFrame {
-                    id: u64::MAX,
-                    ..train
-                }),
+                Request::Train(train) => Request::Train(TrainFrame { id: u64::MAX, ..train }),
                 Request::Track(part) => Request::Track(TrackPart {
                     id: u32::MAX,
                     total: u16::MAX,
@@ -572,10 +454,7 @@ pub fn largest() -> Vec<(String, Frame)> {
                 }),
                 Request::Effect(_) => Request::Effect(largest_effect()),
                 Request::Command(Command::Begin { direction, .. }) => {
-                    Request::Command(Command::Begin {
-                        direction,
-                        track_id: u32::MAX,
-                    })
+                    Request::Command(Command::Begin { direction, track_id: u32::MAX })
                 }
                 Request::Snapshot(_) => Request::Snapshot(largest_snapshot_part()),
                 Request::Curves(part) => Request::Curves(CurvePart {

@@ -31,11 +31,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let study = of_case_study(SEED, &arguments.out)?;
     let simulation = case_study().map_err(Failure::refused)?;
     let described = description::of(&simulation).map_err(Failure::refused)?;
-    screen::print(&table(
-        &study,
-        &simulation.scenario,
-        &described.train.davis(),
-    ));
+    screen::print(&table(&study, &simulation.scenario, &described.train.davis()));
     let report = arguments.out.join("report.html");
     screen::print(&format!("\nreport: {}\n", report.display()));
     hidden_effect(&arguments.out)
@@ -56,11 +52,7 @@ fn hidden_effect(out: &Path) -> Result<ExitCode, Failure> {
 
 fn table(study: &Study, scenario: &Scenario, stated: &Davis) -> String {
     let of_vehicle = scenario.train.davis.scaled(scenario.davis_scale);
-    let truth = Davis {
-        r0: of_vehicle.r0,
-        r1: of_vehicle.r1,
-        r2: of_vehicle.r2,
-    };
+    let truth = Davis { r0: of_vehicle.r0, r1: of_vehicle.r1, r2: of_vehicle.r2 };
     let gathered = &study.gathered;
     let mean = |moments: &[crate::study::moments::Moments; 3]| {
         let [r0, r1, r2] = moments.map(|m| m.mean().unwrap_or(f64::NAN));
@@ -87,9 +79,7 @@ fn table(study: &Study, scenario: &Scenario, stated: &Davis) -> String {
             of(stated),
             of(&truth),
             of(&paper),
-            gated.map_or_else(String::new, |(_, davis)| screen::resistance(
-                davis, speed_kmh
-            ))
+            gated.map_or_else(String::new, |(_, davis)| screen::resistance(davis, speed_kmh))
         );
     }
     text += "\nslope of estimated on true deviation, 60/100/140 km/h, after one run (1 follows the truth, 0 does not see it)\n";
@@ -98,11 +88,7 @@ fn table(study: &Study, scenario: &Scenario, stated: &Davis) -> String {
         text += &format!("  {:17} {a:.2} / {b:.2} / {c:.2}\n", answer.mode);
     }
     let seconds = |m: &crate::study::moments::Moments| {
-        format!(
-            "{:.0} \u{b1} {:.0} s",
-            m.mean().unwrap_or(f64::NAN),
-            m.sd().unwrap_or(f64::NAN)
-        )
+        format!("{:.0} \u{b1} {:.0} s", m.mean().unwrap_or(f64::NAN), m.sd().unwrap_or(f64::NAN))
     };
     text += &format!(
         "\nfinal coast         {} (true {})\nfinal brake         {} (true {})\n",

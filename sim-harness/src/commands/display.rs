@@ -89,12 +89,7 @@ pub struct Arguments {
     #[arg(long, value_name = "K.toml")]
     track: Option<PathBuf>,
     /// Port of the page on this computer; 0 takes a free one
-    #[arg(
-        long,
-        value_name = "PORT",
-        default_value_t = 8475,
-        conflicts_with = "view"
-    )]
+    #[arg(long, value_name = "PORT", default_value_t = 8475, conflicts_with = "view")]
     http: u16,
     /// One line a frame instead of the page
     #[arg(long, group = "view")]
@@ -120,38 +115,23 @@ fn speed(word: &str) -> Result<f64, String> {
 impl Arguments {
     fn source(&self) -> Result<Source, Failure> {
         let board = |address: String| -> Result<Source, Failure> {
-            let address: Address = address.parse().map_err(|error| Failure {
-                message: format!("{error}"),
-                code: super::WRONG_ARGUMENTS,
-            })?;
-            Ok(Source::Board {
-                address,
-                listen_only: self.listen_only,
-            })
+            let address: Address = address
+                .parse()
+                .map_err(|error| Failure { message: format!("{error}"), code: super::WRONG_ARGUMENTS })?;
+            Ok(Source::Board { address, listen_only: self.listen_only })
         };
         if let Some(port) = &self.port {
             let rate = port.parse::<PortAddress>().is_ok();
-            return board(if rate {
-                port.clone()
-            } else {
-                format!("{port}@115200")
-            });
+            return board(if rate { port.clone() } else { format!("{port}@115200") });
         }
         if let Some(server) = &self.tcp {
             return board(format!("tcp:{server}"));
         }
         if let Some(interface) = &self.can {
-            return board(if interface.contains(':') {
-                interface.clone()
-            } else {
-                format!("can:{interface}")
-            });
+            return board(if interface.contains(':') { interface.clone() } else { format!("can:{interface}") });
         }
         Ok(match &self.file {
-            Some(path) => Source::File {
-                path: path.clone(),
-                follow: self.follow,
-            },
+            Some(path) => Source::File { path: path.clone(), follow: self.follow },
             None if self.demo => Source::Demo,
             None => Source::Stdin,
         })
@@ -178,8 +158,7 @@ impl Arguments {
         let mut log = match &self.record {
             None => None,
             Some(path) => {
-                let at =
-                    |error: io::Error| Failure::not_written(format!("{}: {error}", path.display()));
+                let at = |error: io::Error| Failure::not_written(format!("{}: {error}", path.display()));
                 Some(Log::new(File::create(path).map_err(at)?).map_err(at)?)
             }
         };
@@ -195,10 +174,7 @@ impl Arguments {
             };
             // A reader that has had enough (`| head`) ends the display, as it ends other tools.
             let mut stdout = io::stdout().lock();
-            if writeln!(stdout, "{line}")
-                .and_then(|()| stdout.flush())
-                .is_err()
-            {
+            if writeln!(stdout, "{line}").and_then(|()| stdout.flush()).is_err() {
                 std::process::exit(0);
             }
         }))
@@ -215,12 +191,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         None if arguments.demo => Some(DEMO_SPEED),
         speed => Some(speed.unwrap_or(1.0)),
     };
-    let hub = Arc::new(Hub::new(
-        source.to_string(),
-        speed.unwrap_or(1.0),
-        setup,
-        arguments.on_message()?,
-    ));
+    let hub = Arc::new(Hub::new(source.to_string(), speed.unwrap_or(1.0), setup, arguments.on_message()?));
     let tried_again = source.is_tried_again();
     let open = source.open().map_err(Failure::refused)?;
     if lines {

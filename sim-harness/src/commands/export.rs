@@ -61,12 +61,8 @@ pub struct Arguments {
 
 /// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let learned = learned_train::read(
-        &arguments.replay,
-        &arguments.train,
-        arguments.unit.as_deref(),
-    )
-    .map_err(Failure::refused)?;
+    let learned = learned_train::read(&arguments.replay, &arguments.train, arguments.unit.as_deref())
+        .map_err(Failure::refused)?;
     let train = &learned.train;
     let identity = Identity {
         company: arguments.company.clone(),
@@ -76,8 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         max_speed_kmh: arguments.max_speed,
     };
     let toml = toml::to_string(train).map_err(Failure::not_written)?;
-    std::fs::create_dir_all(&arguments.out)
-        .map_err(|source| not_written(&arguments.out, source))?;
+    std::fs::create_dir_all(&arguments.out).map_err(|source| not_written(&arguments.out, source))?;
     let path = arguments.out.join("sfera.xml");
     File::create(&path)
         .and_then(|file| sfera::write(BufWriter::new(file), train, &identity))
@@ -88,9 +83,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         .map_err(|source| not_written(&path, source))?;
     screen::print(&summary(&learned, &arguments.out));
     if !train.effect.is_empty() {
-        screen::note(
-            "the train has named effects, which sfera.xml cannot hold; train.toml has them",
-        );
+        screen::note("the train has named effects, which sfera.xml cannot hold; train.toml has them");
     }
     Ok(ExitCode::SUCCESS)
 }

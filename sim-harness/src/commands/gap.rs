@@ -123,10 +123,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
     let (read, notes) = load::with_recordings(&set, &track, arguments.direction);
     let (runs, recordings): (Vec<Run>, Vec<Recording>) = read.into_iter().unzip();
-    set.notes
-        .iter()
-        .chain(&notes)
-        .for_each(|text| screen::note(text));
+    set.notes.iter().chain(&notes).for_each(|text| screen::note(text));
     few_enough(arguments.hold_out, runs.len())?;
     let believed = Believed::new(&core_train, &core_track);
     let surroundings = load::surroundings(&track);
@@ -153,24 +150,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     tell("the estimator's innovations with both models");
     let repaired = repaired(&found, &train, &track);
     let held_out: Vec<&Recording> = found.held_out.iter().map(|i| &recordings[*i]).collect();
-    let estimator = Estimator::try_new(Config::default(), core_train, core_track.clone())
-        .map_err(Failure::refused)?;
+    let estimator = Estimator::try_new(Config::default(), core_train, core_track.clone()).map_err(Failure::refused)?;
     let effects = |(train, track): (&TrainFile, &TrackFile), run: &str| {
         // The lists were checked when they were read; one that is too long is left out, as a board would.
         effect_file::effects(&track.effect, &train.effect, Some(run)).unwrap_or(Effects::NONE)
     };
-    let innovations = innovations(
-        &estimator,
-        &held_out,
-        |_| Effects::NONE,
-        |run| effects((&repaired.0, &repaired.1), run),
-    );
+    let innovations =
+        innovations(&estimator, &held_out, |_| Effects::NONE, |run| effects((&repaired.0, &repaired.1), run));
     bar.finish_and_clear();
-    let dataset: Vec<String> = arguments
-        .runs
-        .iter()
-        .map(|p| p.display().to_string())
-        .collect();
+    let dataset: Vec<String> = arguments.runs.iter().map(|p| p.display().to_string()).collect();
     let about_track = load::about_track(&track, &runs);
     let answer = Answer {
         about_track: &about_track,
@@ -184,20 +172,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         rotating_mass_kg: believed.train().rotating_mass_kg(),
     };
     let json = format!("{:#}\n", answer.json());
-    let page = report::page(&report::Page {
-        answer,
-        found: &found,
-        believed,
-        runs: &runs,
-    });
+    let page = report::page(&report::Page { answer, found: &found, believed, runs: &runs });
     let texts = [("gap.json", json.clone()), ("report.html", page)];
     let files = Files::render(&found, &repaired, texts).map_err(Failure::not_written)?;
     files.write(&arguments.out).map_err(Failure::not_written)?;
-    let done = if answer.left_out == 0 {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(super::SOME_RUNS_FAILED)
-    };
+    let done = if answer.left_out == 0 { ExitCode::SUCCESS } else { ExitCode::from(super::SOME_RUNS_FAILED) };
     if arguments.json {
         screen::print(&json);
         return Ok(done);

@@ -85,10 +85,7 @@ enum Effort {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if !(0.0..=1.0).contains(&arguments.dirty) {
         return Err(Failure {
-            message: format!(
-                "--dirty: expected a share of 0 to 1, found {}",
-                arguments.dirty
-            ),
+            message: format!("--dirty: expected a share of 0 to 1, found {}", arguments.dirty),
             code: super::WRONG_ARGUMENTS,
         });
     }
@@ -132,13 +129,8 @@ fn asks(arguments: &Arguments) -> Vec<Ask> {
         Some(Effort::With) => &[true],
         Some(Effort::Without) => &[false],
     };
-    let sizes = if arguments.size.is_empty() {
-        &Size::ALL[..]
-    } else {
-        &arguments.size
-    };
-    let chosen =
-        |kind: &&str| arguments.kind.is_empty() || arguments.kind.iter().any(|k| k == kind);
+    let sizes = if arguments.size.is_empty() { &Size::ALL[..] } else { &arguments.size };
+    let chosen = |kind: &&str| arguments.kind.is_empty() || arguments.kind.iter().any(|k| k == kind);
     let kinds: Vec<&'static str> = KINDS.into_iter().filter(|kind| chosen(kind)).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(arguments.seed);
     let mut asks = Vec::new();
@@ -178,11 +170,8 @@ fn asks(arguments: &Arguments) -> Vec<Ask> {
 
 fn one(ask: Ask, kept: Option<&Path>) -> Result<Done, BenchError> {
     let set = Set::draw(ask);
-    let failed = |e: std::io::Error| BenchError {
-        seed: set.ask.seed,
-        kinds: set.ask.kinds.join(" + "),
-        reason: e.to_string(),
-    };
+    let failed =
+        |e: std::io::Error| BenchError { seed: set.ask.seed, kinds: set.ask.kinds.join(" + "), reason: e.to_string() };
     let folder = tempfile::tempdir().map_err(failed)?;
     let folder = kept.unwrap_or(folder.path());
     std::fs::create_dir_all(folder).map_err(failed)?;
@@ -227,11 +216,7 @@ fn line(done: &Done) -> String {
     let removed = score.removed.map_or("-".to_owned(), |r| format!("{r:.2}"));
     let mut text = format!(
         "{word} {:<24} {:<6} {} {} seed {:<10} {:<44} p {:.3} removed {removed} {:.3?} size error {:.2?} place {:.2?} intervals {:?}{}  found {}",
-        if ask.kinds.is_empty() {
-            "nothing".to_owned()
-        } else {
-            ask.kinds.join("+")
-        },
+        if ask.kinds.is_empty() { "nothing".to_owned() } else { ask.kinds.join("+") },
         format!("{:?}", ask.size).to_lowercase(),
         if ask.effort { "effort   " } else { "no effort" },
         if ask.dirty { "dirty" } else { "clean" },

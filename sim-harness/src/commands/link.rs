@@ -84,38 +84,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     };
     let effects = match &arguments.effects {
         Some(path) => read_effects(path)?,
-        None => effect_file::effects(&track.effect, &train_file.effect, None)
-            .map_err(Failure::refused)?,
+        None => effect_file::effects(&track.effect, &train_file.effect, None).map_err(Failure::refused)?,
     };
-    let description = Description {
-        effects,
-        ..Description::new(&train, &track, config)
-    };
+    let description = Description { effects, ..Description::new(&train, &track, config) };
     let recordings = recordings(arguments, &track)?;
     let desk = Desk::new(read_key(&arguments.key)?);
-    let link = arguments
-        .to
-        .open()
-        .map_err(|error| Failure::board(format!("{}: {error}", arguments.to)))?;
+    let link = arguments.to.open().map_err(|error| Failure::board(format!("{}: {error}", arguments.to)))?;
     match &arguments.record {
-        None => play(
-            arguments,
-            Session::new(link, desk),
-            &description,
-            &recordings,
-        )?,
+        None => play(arguments, Session::new(link, desk), &description, &recordings)?,
         Some(path) => {
-            let at = |error: std::io::Error| {
-                Failure::not_written(format!("{}: {error}", path.display()))
-            };
+            let at = |error: std::io::Error| Failure::not_written(format!("{}: {error}", path.display()));
             let file = BufWriter::new(File::create(path).map_err(at)?);
             let mut recorder = Recorder::new(link, file).map_err(at)?;
-            let played = play(
-                arguments,
-                Session::new(&mut recorder, desk),
-                &description,
-                &recordings,
-            );
+            let played = play(arguments, Session::new(&mut recorder, desk), &description, &recordings);
             recorder.finish().map_err(at)?;
             played?;
         }
@@ -128,9 +109,7 @@ pub(super) fn read_key(path: &Path) -> Result<Provisioning, Failure> {
     let at = |error: String| Failure::refused(format!("{}: {error}", path.display()));
     let bytes = std::fs::read(path).map_err(|error| at(error.to_string()))?;
     let found = bytes.len();
-    let record: [u8; SIZE] = bytes
-        .try_into()
-        .map_err(|_| at(format!("expected {SIZE} bytes, found {found}")))?;
+    let record: [u8; SIZE] = bytes.try_into().map_err(|_| at(format!("expected {SIZE} bytes, found {found}")))?;
     Provisioning::from_bytes(&record).map_err(|error| at(error.to_string()))
 }
 
@@ -162,28 +141,16 @@ where
     L::PortError: std::fmt::Display,
 {
     let board = |error: SessionError| Failure::board(error.to_string());
-    let ticks: usize = recordings
-        .iter()
-        .map(|recording| recording.rows.len())
-        .sum();
+    let ticks: usize = recordings.iter().map(|recording| recording.rows.len()).sum();
     let bar = screen::progress(ticks);
     // What the board had from an earlier session is not known.
     let mut told = None;
     for recording in recordings {
-        let pace = if arguments.real_time {
-            Pace::Clock
-        } else {
-            Pace::Lockstep
-        };
-        session
-            .prepare(description, recording.direction, pace)
-            .map_err(board)?;
+        let pace = if arguments.real_time { Pace::Clock } else { Pace::Lockstep };
+        session.prepare(description, recording.direction, pace).map_err(board)?;
         let mut said = Said::default();
         let begin = Instant::now();
-        let first_s = recording
-            .rows
-            .first()
-            .map_or(0.0, |row| row.measurement.time_s);
+        let first_s = recording.rows.first().map_or(0.0, |row| row.measurement.time_s);
         let mut surroundings = recording.surroundings();
         for row in &recording.rows {
             if arguments.real_time {
@@ -239,19 +206,11 @@ impl Said {
     }
 
     fn line(&self, name: &str) -> String {
-        let Self {
-            frames,
-            estimates,
-            refused,
-            ..
-        } = self;
+        let Self { frames, estimates, refused, .. } = self;
         let learned = match &self.summary {
             Some(summary) => {
                 let [r0, r1, r2] = summary.run_davis.map(|term| term.value);
-                format!(
-                    "r = {r0:.3e} + {r1:.3e} v + {r2:.3e} v2 N/kg, learned over {:.0} s",
-                    summary.learned_s
-                )
+                format!("r = {r0:.3e} + {r1:.3e} v + {r2:.3e} v2 N/kg, learned over {:.0} s", summary.learned_s)
             }
             None => "no summary".to_owned(),
         };

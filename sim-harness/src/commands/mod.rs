@@ -91,24 +91,15 @@ struct Failure {
 
 impl Failure {
     fn refused(error: impl std::fmt::Display) -> Self {
-        Self {
-            message: error.to_string(),
-            code: DESCRIPTION_REFUSED,
-        }
+        Self { message: error.to_string(), code: DESCRIPTION_REFUSED }
     }
 
     fn board(error: impl std::fmt::Display) -> Self {
-        Self {
-            message: error.to_string(),
-            code: BOARD,
-        }
+        Self { message: error.to_string(), code: BOARD }
     }
 
     fn not_written(error: impl std::fmt::Display) -> Self {
-        Self {
-            message: error.to_string(),
-            code: NOT_WRITTEN,
-        }
+        Self { message: error.to_string(), code: NOT_WRITTEN }
     }
 }
 
@@ -132,12 +123,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Completions { shell } => {
-            clap_complete::generate(
-                shell,
-                &mut Arguments::command(),
-                "rundown",
-                &mut std::io::stdout(),
-            );
+            clap_complete::generate(shell, &mut Arguments::command(), "rundown", &mut std::io::stdout());
             Ok(ExitCode::SUCCESS)
         }
     };

@@ -34,18 +34,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let at = |error: String| Failure::not_written(format!("{}: {error}", arguments.out.display()));
     let mut key = [0; 16];
     getrandom::fill(&mut key).map_err(|error| at(format!("no random numbers: {error}")))?;
-    let provisioning = Provisioning {
-        key_id: arguments.key_id,
-        key: Key::new(key),
-        train: TrainId::of(&arguments.train_id),
-    };
+    let provisioning =
+        Provisioning { key_id: arguments.key_id, key: Key::new(key), train: TrainId::of(&arguments.train_id) };
     let mut file = std::fs::OpenOptions::new()
         .write(true)
         .create_new(true)
         .open(&arguments.out)
         .map_err(|error| at(error.to_string()))?;
-    std::io::Write::write_all(&mut file, &provisioning.to_bytes())
-        .map_err(|error| at(error.to_string()))?;
+    std::io::Write::write_all(&mut file, &provisioning.to_bytes()).map_err(|error| at(error.to_string()))?;
     screen::print(&format!(
         "key {} of train {} ({}): {}\n",
         arguments.key_id,

@@ -42,12 +42,6 @@ impl Recorded {
         let (track_file, track) = TrackFile::read(track).map_err(Failure::refused)?;
         let line = CentreLine::new(&track_file.centre_line);
         let source = Source::recorded(&self.runs, line, screen::note).map_err(Failure::refused)?;
-        Ok(Some(Opened {
-            train_file,
-            train,
-            track_file,
-            track,
-            source,
-        }))
+        Ok(Some(Opened { train_file, train, track_file, track, source }))
     }
 }

@@ -141,10 +141,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let results = replay(arguments, &setup)?;
     screen::warnings(&results.runs);
     results.notes.iter().for_each(|text| screen::note(text));
-    results
-        .failed
-        .iter()
-        .for_each(|failed| screen::error(&failed.error));
+    results.failed.iter().for_each(|failed| screen::error(&failed.error));
     if results.runs.is_empty() {
         let message = match results.failed.len() {
             0 => "expected at least one run log, found none; nothing was written".to_owned(),
@@ -163,11 +160,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         let report = report.display();
         screen::print(&format!("\nruns: {runs}, mode: {mode}, report: {report}\n"));
     }
-    Ok(if results.failed.is_empty() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(SOME_RUNS_FAILED)
-    })
+    Ok(if results.failed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
 }
 
 fn setup(arguments: &Arguments) -> Result<Setup, Failure> {
@@ -180,33 +173,17 @@ fn setup(arguments: &Arguments) -> Result<Setup, Failure> {
     if let Some(mode) = arguments.mode {
         config.mode = mode.into();
     }
-    let effects =
-        effect_file::effects(&track.effect, &train.effect, None).map_err(Failure::refused)?;
-    let estimator = Estimator::try_new(config, core_train, core_track)
-        .map_err(Failure::refused)?
-        .with_effects(effects);
-    Ok(Setup {
-        config,
-        train,
-        core_train,
-        track,
-        estimator,
-    })
+    let effects = effect_file::effects(&track.effect, &train.effect, None).map_err(Failure::refused)?;
+    let estimator = Estimator::try_new(config, core_train, core_track).map_err(Failure::refused)?.with_effects(effects);
+    Ok(Setup { config, train, core_train, track, estimator })
 }
 
 fn replay(arguments: &Arguments, setup: &Setup) -> Result<Results, Failure> {
     let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
     let line = CentreLine::new(&setup.track.centre_line);
-    let bad_rows = if arguments.skip_bad_rows {
-        BadRows::LeaveOut
-    } else {
-        BadRows::Refuse
-    };
-    let read: Vec<Result<Recording, Failed>> = set
-        .files
-        .par_iter()
-        .map(|file| read(file, bad_rows, line.as_ref(), arguments.direction))
-        .collect();
+    let bad_rows = if arguments.skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse };
+    let read: Vec<Result<Recording, Failed>> =
+        set.files.par_iter().map(|file| read(file, bad_rows, line.as_ref(), arguments.direction)).collect();
     let (mut recordings, mut failed) = (Vec::new(), Vec::new());
     for result in read {
         match result {
@@ -214,9 +191,7 @@ fn replay(arguments: &Arguments, setup: &Setup) -> Result<Results, Failure> {
             Err(failure) => failed.push(failure),
         }
     }
-    let tick = arguments
-        .tick
-        .map_or(Tick::EverySample, |seconds| Tick::Period { seconds });
+    let tick = arguments.tick.map_or(Tick::EverySample, |seconds| Tick::Period { seconds });
     let bar = screen::progress(recordings.len());
     let done = || bar.inc(1);
     let own = own_estimators(setup, &recordings)?;
@@ -229,28 +204,15 @@ fn replay(arguments: &Arguments, setup: &Setup) -> Result<Results, Failure> {
     bar.finish_and_clear();
     let mut notes = set.notes;
     notes.extend(advice(&setup.config, setup.track.length_m, &runs));
-    Ok(Results {
-        runs,
-        failed,
-        notes,
-        carried: !arguments.no_carry,
-        tick,
-    })
+    Ok(Results { runs, failed, notes, carried: !arguments.no_carry, tick })
 }
 
 /// The estimators of the runs in which not the same effects act as in all.
-fn own_estimators(
-    setup: &Setup,
-    recordings: &[Recording],
-) -> Result<HashMap<String, Estimator>, Failure> {
+fn own_estimators(setup: &Setup, recordings: &[Recording]) -> Result<HashMap<String, Estimator>, Failure> {
     let mut own = HashMap::new();
     for recording in recordings {
-        let effects = effect_file::effects(
-            &setup.track.effect,
-            &setup.train.effect,
-            Some(&recording.name),
-        )
-        .map_err(Failure::refused)?;
+        let effects = effect_file::effects(&setup.track.effect, &setup.train.effect, Some(&recording.name))
+            .map_err(Failure::refused)?;
         if effects != *setup.estimator.effects() {
             let estimator = setup.estimator.clone().with_effects(effects);
             own.insert(recording.name.clone(), estimator);
@@ -265,10 +227,7 @@ fn read(
     line: Option<&CentreLine>,
     direction: DirectionChoice,
 ) -> Result<Recording, Failed> {
-    let failed = |error: String| Failed {
-        file: file.path.clone(),
-        error,
-    };
+    let failed = |error: String| Failed { file: file.path.clone(), error };
     let log = RunLog::read(&file.path, bad_rows).map_err(|error| failed(error.to_string()))?;
     Recording::new(file, &log, line, direction).map_err(|error| failed(error.to_string()))
 }
@@ -288,8 +247,7 @@ pub(super) fn write(folder: &Path, setup: &Setup, results: &Results) -> Result<V
     write_tables(folder, &results.runs, &setup.config, &json).map_err(Failure::not_written)?;
     let path = folder.join("report.html");
     let report = report(setup, results);
-    write_report(&path, &report)
-        .map_err(|source| Failure::not_written(output::WriteError { path, source }))?;
+    write_report(&path, &report).map_err(|source| Failure::not_written(output::WriteError { path, source }))?;
     Ok(json)
 }
 

@@ -20,9 +20,7 @@ const RUNS_PRINTED: usize = 20;
 pub(super) fn print(text: &str) {
     let mut stdout = io::stdout().lock();
     // The only other failures are those of a full disk behind a redirection; what counts is in the files.
-    let _ = stdout
-        .write_all(text.as_bytes())
-        .and_then(|()| stdout.flush());
+    let _ = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
 }
 
 /// An error, on stderr; one that lists several rows has a line for each.
@@ -45,10 +43,7 @@ pub(super) fn warnings(runs: &[ReplayedRun]) {
         }
         let more = run.warnings.len().saturating_sub(WARNINGS_PRINTED);
         if more > 0 {
-            eprintln!(
-                "warning: {}: {more} more warnings, all in replay.json",
-                run.path.display()
-            );
+            eprintln!("warning: {}: {more} more warnings, all in replay.json", run.path.display());
         }
     }
 }
@@ -80,29 +75,14 @@ pub(super) fn waiting() -> ProgressBar {
 
 /// One line a run: rows, steps, time in each regime, resistance at 100 km/h of the vehicle after it.
 pub(super) fn run_table(runs: &[ReplayedRun]) -> String {
-    let width = runs
-        .iter()
-        .take(RUNS_PRINTED)
-        .map(|run| run.name.chars().count())
-        .max()
-        .unwrap_or(0)
-        .max(3);
-    let mut text = format!(
-        "{:width$}  {:>6} {:>6} {:>8}",
-        "run", "rows", "steps", "dropped"
-    );
+    let width = runs.iter().take(RUNS_PRINTED).map(|run| run.name.chars().count()).max().unwrap_or(0).max(3);
+    let mut text = format!("{:width$}  {:>6} {:>6} {:>8}", "run", "rows", "steps", "dropped");
     for regime in Regime::ALL {
         text += &format!(" {:>10}", regime.as_str());
     }
     text += "   r(100 km/h) of the vehicle\n";
     for run in runs.iter().take(RUNS_PRINTED) {
-        text += &format!(
-            "{:width$}  {:>6} {:>6} {:>8}",
-            run.name,
-            run.rows,
-            run.estimates.len(),
-            run.dropped.len()
-        );
+        text += &format!("{:width$}  {:>6} {:>6} {:>8}", run.name, run.rows, run.estimates.len(), run.dropped.len());
         for share in shares(run) {
             text += &format!(" {:>8.1} %", 100.0 * share);
         }
@@ -139,10 +119,7 @@ fn resistance_n_per_kg(davis: &Gaussian<3>, speed_kmh: f64) -> (f64, f64) {
             variance += a * davis.covariance[(row, column)] * b;
         }
     }
-    (
-        Davis { r0, r1, r2 }.resistance_n_per_kg(speed_mps),
-        variance.max(0.0).sqrt(),
-    )
+    (Davis { r0, r1, r2 }.resistance_n_per_kg(speed_mps), variance.max(0.0).sqrt())
 }
 
 #[cfg(test)]

@@ -147,10 +147,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         });
     }
     if arguments.json {
-        let claims: Vec<_> = claims::records(&study.claims)
-            .iter()
-            .map(crate::table::to_json)
-            .collect();
+        let claims: Vec<_> = claims::records(&study.claims).iter().map(crate::table::to_json).collect();
         let json = json!({
             "runs": study.gathered.paper.runs,
             "runs_with_truth": study.gathered.truth.runs,
@@ -181,13 +178,7 @@ fn described(arguments: &Arguments) -> Result<Described, Failure> {
         let count = arguments.count.unwrap_or(simulation.runs);
         return simulated(simulation, seed, count);
     };
-    let Opened {
-        train_file,
-        train,
-        track_file,
-        track,
-        source,
-    } = opened;
+    let Opened { train_file, train, track_file, track, source } = opened;
     Ok(Described {
         train_name: train_file.name,
         track_name: track_file.name,
@@ -232,10 +223,7 @@ fn study(
     let estimators = Estimators::try_new(config, train, &track).map_err(Failure::refused)?;
     write::folder(out).map_err(Failure::not_written)?;
     if let Some((train, track)) = &described.files {
-        for (name, text) in [
-            ("train.toml", toml::to_string(train)),
-            ("track.toml", toml::to_string(track)),
-        ] {
+        for (name, text) in [("train.toml", toml::to_string(train)), ("track.toml", toml::to_string(track))] {
             let text = text.map_err(Failure::not_written)?;
             write::text(&out.join(name), &text).map_err(Failure::not_written)?;
         }
@@ -266,12 +254,7 @@ fn study(
         kept.close().map_err(Failure::not_written)?;
     }
 
-    let few: Vec<_> = gathered
-        .drawn
-        .iter()
-        .take(SENSITIVITY_RUNS)
-        .map(|run| run.recording.clone())
-        .collect();
+    let few: Vec<_> = gathered.drawn.iter().take(SENSITIVITY_RUNS).map(|run| run.recording.clone()).collect();
     let trials = Trials {
         sensitivity: sensitivity(&config, train, &track, &few).map_err(Failure::refused)?,
         noise: trials::noise(&config, train, &track, &few).map_err(Failure::refused)?,
@@ -280,12 +263,7 @@ fn study(
     };
     let claims = claims::claims(&gathered, &train, &trials);
     // What the slope is does not depend on the runs of this study: it is asked of simulated vehicles on the paper's line.
-    let plan = Plan {
-        simulation: calm().map_err(Failure::refused)?,
-        vehicles: FEW_VEHICLES,
-        runs: 1,
-        seed,
-    };
+    let plan = Plan { simulation: calm().map_err(Failure::refused)?, vehicles: FEW_VEHICLES, runs: 1, seed };
     let looks = self_test::look(&plan, config, || ()).map_err(Failure::refused)?;
     let of_plan = description::of(&plan.simulation).map_err(Failure::refused)?;
     let stated = of_plan.train.davis();
@@ -309,11 +287,7 @@ fn study(
         .and_then(|()| write::records(&out.join("slope.csv"), &self_test::records(&answers)))
         .and_then(|()| write::text(&out.join("report.html"), &text));
     written.map_err(Failure::not_written)?;
-    Ok(Study {
-        gathered,
-        claims,
-        answers,
-    })
+    Ok(Study { gathered, claims, answers })
 }
 
 fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
@@ -347,10 +321,7 @@ pub(super) fn table(study: &Study) -> String {
             Verdict::NoData => "-",
         };
         text += &format!("{:4} {:4} {}\n", claim.place, mark, claim.statement);
-        text += &format!(
-            "          paper's mode: {}; gated: {}; truth: {}\n",
-            claim.paper, claim.gated, claim.truth
-        );
+        text += &format!("          paper's mode: {}; gated: {}; truth: {}\n", claim.paper, claim.gated, claim.truth);
     }
     text += "\nDoes the estimate follow the truth? Simulated vehicles with 0.7 to 1.3 of the described resistance:\n";
     text += &self_test::table(&study.answers);
@@ -365,18 +336,14 @@ fn truth_slope(arguments: &Arguments, config: Config) -> Result<ExitCode, Failur
         seed: arguments.seed.unwrap_or(SEED),
     };
     let bar = screen::progress(plan.vehicles * plan.runs);
-    let looks: Vec<Look> =
-        self_test::look(&plan, config, || bar.inc(1)).map_err(Failure::refused)?;
+    let looks: Vec<Look> = self_test::look(&plan, config, || bar.inc(1)).map_err(Failure::refused)?;
     bar.finish_and_clear();
     let of_plan = description::of(&plan.simulation).map_err(Failure::refused)?;
     let stated = of_plan.train.davis();
     let answers = self_test::answers(&plan, &looks, &stated);
     let out = &arguments.out;
     let stages = plan.stages();
-    let pictures: Vec<Picture> = stages
-        .iter()
-        .map(|runs| slope::slope(&looks, *runs, &stated))
-        .collect();
+    let pictures: Vec<Picture> = stages.iter().map(|runs| slope::slope(&looks, *runs, &stated)).collect();
     let json = json!({ "vehicles": plan.vehicles, "runs": plan.runs, "seed": plan.seed, "answers": answers });
     let json = format!("{json:#}\n");
     let written = write::folder(out)

@@ -70,16 +70,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let bar = screen::progress(arguments.evaluations as usize + EVALUATIONS);
     let step = || bar.inc(1);
     let found = search(&bench, u64::from(arguments.evaluations), step).map_err(Failure::refused)?;
-    let pictures = [
-        profiles(&bench, &found.place, &table1, step),
-        plane(&bench, &found.place, step),
-    ];
+    let pictures = [profiles(&bench, &found.place, &table1, step), plane(&bench, &found.place, step)];
     bar.finish_and_clear();
     let no_filter = || Failure::refused("Table 1 is no filter on these runs");
     let score1 = bench.score(&table1).ok_or_else(no_filter)?;
     let score = bench.score(&found.place).ok_or_else(no_filter)?;
-    let sensitivity =
-        sensitivity(&base, bench.train, &bench.track, &bench.runs).map_err(Failure::refused)?;
+    let sensitivity = sensitivity(&base, bench.train, &bench.track, &bench.runs).map_err(Failure::refused)?;
     let tuned = config(&base, &found.place).map_err(Failure::refused)?;
     tuned.check().map_err(Failure::refused)?;
     let slopes = [Config::default(), tuned].map(|config| paper_slope(config, arguments.seed));
@@ -165,53 +161,31 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure
         });
     }
     let words = format!("{} {words} runs", runs.len());
-    let bench = Bench {
-        base,
-        train,
-        track,
-        runs,
-    };
+    let bench = Bench { base, train, track, runs };
     Ok((bench, words))
 }
 
 /// Slope of the paper's mode with a configuration, after one run.
 fn paper_slope(config: Config, seed: u64) -> Result<Answer, Failure> {
-    let plan = Plan {
-        simulation: calm().map_err(Failure::refused)?,
-        vehicles: VEHICLES,
-        runs: 1,
-        seed,
-    };
+    let plan = Plan { simulation: calm().map_err(Failure::refused)?, vehicles: VEHICLES, runs: 1, seed };
     let looks = slope::look(&plan, config, || ()).map_err(Failure::refused)?;
     let described = description::of(&plan.simulation).map_err(Failure::refused)?;
     let stated = described.train.davis();
     let answers = slope::answers(&plan, &looks, &stated).into_iter();
     let word = crate::output::json::mode_word(Mode::Paper);
     let mut of_paper = answers.filter(|answer| answer.mode == word);
-    of_paper
-        .next()
-        .ok_or_else(|| Failure::refused("the self-test has no answer for the paper's mode"))
+    of_paper.next().ok_or_else(|| Failure::refused("the self-test has no answer for the paper's mode"))
 }
 
 fn named(place: &crate::tune::parameters::Place) -> serde_json::Value {
     let values = values(place);
     let pairs = PARAMETERS.iter().zip(values);
-    pairs
-        .map(|(parameter, value)| (parameter.name.to_owned(), json!(value)))
-        .collect::<serde_json::Map<_, _>>()
-        .into()
+    pairs.map(|(parameter, value)| (parameter.name.to_owned(), json!(value))).collect::<serde_json::Map<_, _>>().into()
 }
 
-fn table(
-    source: &str,
-    table1: &crate::tune::parameters::Place,
-    found: &Found,
-    likelihoods: [f64; 2],
-) -> String {
-    let mut text = format!(
-        "{source}, {} configurations\n\n{:22} {:>12} {:>12}\n",
-        found.evaluations, "", "Table 1", "optimum"
-    );
+fn table(source: &str, table1: &crate::tune::parameters::Place, found: &Found, likelihoods: [f64; 2]) -> String {
+    let mut text =
+        format!("{source}, {} configurations\n\n{:22} {:>12} {:>12}\n", found.evaluations, "", "Table 1", "optimum");
     let (before, after) = (values(table1), values(&found.place));
     for (index, parameter) in PARAMETERS.iter().enumerate() {
         text += &format!(
@@ -222,9 +196,6 @@ fn table(
             parameter.unit
         );
     }
-    text += &format!(
-        "{:22} {:>12.3} {:>12.3}\n\n",
-        "log-likelihood/sample", likelihoods[0], likelihoods[1]
-    );
+    text += &format!("{:22} {:>12.3} {:>12.3}\n\n", "log-likelihood/sample", likelihoods[0], likelihoods[1]);
     text
 }

@@ -28,11 +28,8 @@ pub const RUNS: usize = 6;
 /// The same ones every time.
 const SEED: u64 = 1;
 /// Not a secret: this board exists in this process only.
-const PROVISIONING: Provisioning = Provisioning {
-    key_id: 1,
-    key: Key::new(*b"not a secret key"),
-    train: TrainId(0x2451),
-};
+const PROVISIONING: Provisioning =
+    Provisioning { key_id: 1, key: Key::new(*b"not a secret key"), train: TrainId(0x2451) };
 
 /// Train and track of the runs, as described.
 ///
@@ -57,39 +54,19 @@ pub fn play(say: impl FnMut(&[u8])) -> Result<(), String> {
 /// As [`play`].
 pub fn play_runs(runs: usize, mut say: impl FnMut(&[u8])) -> Result<(), String> {
     let simulation = case_study().map_err(|error| error.to_string())?;
-    let train = simulation
-        .train
-        .train()
-        .map_err(|error| error.to_string())?;
-    let description = Description {
-        effects: effects()?,
-        ..Description::new(&train, &simulation.track, Config::default())
-    };
+    let train = simulation.train.train().map_err(|error| error.to_string())?;
+    let description =
+        Description { effects: effects()?, ..Description::new(&train, &simulation.track, Config::default()) };
     let (mut run, mut room) = (Box::new(RunState::idle()), Box::new(Room::EMPTY));
-    let task = Task::new(
-        Ok(PROVISIONING),
-        RamFlash::default(),
-        false,
-        &mut run,
-        &mut room,
-    );
-    let board = Board {
-        task,
-        wire: Wire::default(),
-    };
+    let task = Task::new(Ok(PROVISIONING), RamFlash::default(), false, &mut run, &mut room);
+    let board = Board { task, wire: Wire::default() };
     let mut session = Session::new(board, Desk::new(PROVISIONING));
     let mut tell = |heard: &[Heard]| heard.iter().for_each(|heard| say(&heard.message));
     for index in 0..runs {
         let case = fleet_run(&simulation, SEED, index).map_err(|error| error.to_string())?;
-        let Recording {
-            direction, rows, ..
-        } = case.recording;
+        let Recording { direction, rows, .. } = case.recording;
         let said = |error: crate::session::SessionError| error.to_string();
-        tell(
-            &session
-                .prepare(&description, direction, Pace::Lockstep)
-                .map_err(said)?,
-        );
+        tell(&session.prepare(&description, direction, Pace::Lockstep).map_err(said)?);
         for row in &rows {
             tell(&session.measure(&row.measurement).map_err(said)?);
         }
@@ -99,16 +76,9 @@ pub fn play_runs(runs: usize, mut say: impl FnMut(&[u8])) -> Result<(), String> 
 }
 
 fn effects() -> Result<Effects, String> {
-    let section = PowerLimitSection {
-        from_m: 0.0,
-        to_m: 4000.0,
-        factor: 0.95,
-    };
-    Effects::try_new([
-        Effect::PowerLimitSection(section),
-        Effect::TractionScale(TractionScale { factor: 1.3 }),
-    ])
-    .map_err(|error| error.to_string())
+    let section = PowerLimitSection { from_m: 0.0, to_m: 4000.0, factor: 0.95 };
+    Effects::try_new([Effect::PowerLimitSection(section), Effect::TractionScale(TractionScale { factor: 1.3 })])
+        .map_err(|error| error.to_string())
 }
 
 /// What the task says.
@@ -170,9 +140,7 @@ impl Default for RamFlash {
 impl RamFlash {
     fn at(&mut self, offset: u32, length: usize) -> Result<&mut [u8], NorFlashErrorKind> {
         let from = offset as usize;
-        self.0
-            .get_mut(from..from.saturating_add(length))
-            .ok_or(NorFlashErrorKind::OutOfBounds)
+        self.0.get_mut(from..from.saturating_add(length)).ok_or(NorFlashErrorKind::OutOfBounds)
     }
 }
 

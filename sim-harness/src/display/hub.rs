@@ -176,11 +176,7 @@ impl Hub {
 
     fn view_of<'a>(&self, inner: &'a Inner) -> View<'a> {
         let age_s = inner.heard.map(|heard| heard.elapsed().as_secs_f64());
-        let dt_s = inner
-            .state
-            .now
-            .estimate
-            .map(|estimate| f64::from(estimate.dt_s));
+        let dt_s = inner.state.now.estimate.map(|estimate| f64::from(estimate.dt_s));
         let tick_s = dt_s.filter(|dt_s| *dt_s > 0.0).unwrap_or(TICK_S) / self.speed;
         let longest_s = (SILENT_TICKS * tick_s).max(LEAST_SILENCE_S);
         let mut tally = *inner.reader.tally();

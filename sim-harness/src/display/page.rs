@@ -42,11 +42,7 @@ struct Asset {
 
 macro_rules! asset {
     ($path:literal, $kind:literal, $file:literal) => {
-        Asset {
-            path: $path,
-            kind: $kind,
-            text: include_str!(concat!("../../assets/", $file)),
-        }
+        Asset { path: $path, kind: $kind, text: include_str!(concat!("../../assets/", $file)) }
     };
 }
 
@@ -87,28 +83,11 @@ struct Cursor {
 
 impl Cursor {
     fn update<'a>(&mut self, view: View<'a>) -> Update<'a> {
-        let View {
-            state,
-            link,
-            described,
-            version,
-            ..
-        } = view;
+        let View { state, link, described, version, .. } = view;
         let anew = self.epoch != Some(state.epoch);
-        let from = if anew {
-            0
-        } else {
-            self.points
-                .min(state.points.len())
-                .saturating_sub(UNSETTLED)
-        };
+        let from = if anew { 0 } else { self.points.min(state.points.len()).saturating_sub(UNSETTLED) };
         let more_runs = self.ended != Some(state.ended);
-        *self = Self {
-            version,
-            epoch: Some(state.epoch),
-            points: state.points.len(),
-            ended: Some(state.ended),
-        };
+        *self = Self { version, epoch: Some(state.epoch), points: state.points.len(), ended: Some(state.ended) };
         Update {
             epoch: state.epoch,
             from,
@@ -137,12 +116,7 @@ impl Page {
     /// The port is taken.
     pub fn bind(port: u16, hub: Arc<Hub>) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
-        Ok(Self {
-            address: listener.local_addr()?,
-            listener,
-            hub,
-            connections: AtomicUsize::new(0),
-        })
+        Ok(Self { address: listener.local_addr()?, listener, hub, connections: AtomicUsize::new(0) })
     }
 
     /// Where it is.
@@ -178,9 +152,7 @@ impl Page {
         browser.set_nodelay(true)?;
         let (status, kind, text) = match read_request(&mut browser)? {
             None => ("400 Bad Request", "text/plain", Cow::from("no request")),
-            Some(request) if !self.is_ours(&request) => {
-                ("403 Forbidden", "text/plain", "another host's name".into())
-            }
+            Some(request) if !self.is_ours(&request) => ("403 Forbidden", "text/plain", "another host's name".into()),
             Some(request) => match request.path.as_str() {
                 "/events" => return tell(&self.hub, browser),
                 "/setup" => ("200 OK", JSON, self.setup()?.into()),
@@ -201,9 +173,7 @@ impl Page {
     }
 
     fn state(&self) -> io::Result<String> {
-        Ok(self
-            .hub
-            .view(|view| serde_json::to_string(&Cursor::default().update(view)))?)
+        Ok(self.hub.view(|view| serde_json::to_string(&Cursor::default().update(view)))?)
     }
 
     fn setup(&self) -> io::Result<String> {
@@ -234,15 +204,11 @@ fn read_request(browser: &mut impl Read) -> io::Result<Option<Request>> {
         let mut request = httparse::Request::new(&mut headers);
         match request.parse(&head) {
             Ok(httparse::Status::Complete(_)) if request.method == Some("GET") => {
-                let host = request
-                    .headers
-                    .iter()
-                    .find(|h| h.name.eq_ignore_ascii_case("host"));
+                let host = request.headers.iter().find(|h| h.name.eq_ignore_ascii_case("host"));
                 let path = request.path.unwrap_or_default();
                 return Ok(Some(Request {
                     path: path.split('?').next().unwrap_or_default().to_owned(),
-                    host: host
-                        .map_or_else(String::new, |h| String::from_utf8_lossy(h.value).into()),
+                    host: host.map_or_else(String::new, |h| String::from_utf8_lossy(h.value).into()),
                 }));
             }
             Ok(httparse::Status::Partial) if read > 0 && head.len() < LONGEST_REQUEST => {}
@@ -257,9 +223,7 @@ fn tell(hub: &Hub, mut browser: impl Write) -> io::Result<()> {
     )?;
     let mut cursor = Cursor::default();
     loop {
-        let json = hub.wait(cursor.version, LONGEST_PAUSE, |view| {
-            serde_json::to_string(&cursor.update(view))
-        })?;
+        let json = hub.wait(cursor.version, LONGEST_PAUSE, |view| serde_json::to_string(&cursor.update(view)))?;
         // Fails when the browser has gone, which ends it.
         browser.write_all(format!("data: {json}\n\n").as_bytes())?;
         std::thread::sleep(LEAST_PAUSE);

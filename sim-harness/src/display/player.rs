@@ -23,12 +23,7 @@ pub struct Player<'a> {
 impl<'a> Player<'a> {
     /// At so many times the speed of the recording; none: at once.
     pub fn new(hub: &'a Hub, speed: Option<f64>) -> Self {
-        Self {
-            hub,
-            speed,
-            tick: Vec::new(),
-            last: None,
-        }
+        Self { hub, speed, tick: Vec::new(), last: None }
     }
 
     /// The next message.
@@ -38,11 +33,7 @@ impl<'a> Player<'a> {
             return;
         };
         self.tick.push(message.to_vec());
-        if let Ok(Downlink {
-            body: Body::Estimate(estimate),
-            ..
-        }) = Downlink::decode(message)
-        {
+        if let Ok(Downlink { body: Body::Estimate(estimate), .. }) = Downlink::decode(message) {
             let due = self.last.map_or_else(Instant::now, |(last_s, at)| {
                 let pause_s = (estimate.time_s - last_s).clamp(0.0, LONGEST_S) / speed;
                 at + Duration::try_from_secs_f64(pause_s).unwrap_or_default()

@@ -24,9 +24,6 @@ impl Setup {
 
     /// What is missing here from there.
     pub fn or(self, other: &Self) -> Self {
-        Self {
-            train: self.train.or_else(|| other.train.clone()),
-            track: self.track.or_else(|| other.track.clone()),
-        }
+        Self { train: self.train.or_else(|| other.train.clone()), track: self.track.or_else(|| other.track.clone()) }
     }
 }

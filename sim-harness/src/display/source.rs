@@ -80,19 +80,12 @@ impl Source {
     /// # Errors
     /// The file cannot be opened.
     pub fn open(self) -> io::Result<Open> {
-        let named = |path: &PathBuf, error: io::Error| {
-            io::Error::new(error.kind(), format!("{}: {error}", path.display()))
-        };
+        let named =
+            |path: &PathBuf, error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
         Ok(match self {
-            Self::Board {
-                address,
-                listen_only,
-            } => Open::Board(address, listen_only),
+            Self::Board { address, listen_only } => Open::Board(address, listen_only),
             Self::File { path, follow: true } => Open::Growing(path),
-            Self::File {
-                path,
-                follow: false,
-            } => {
+            Self::File { path, follow: false } => {
                 let file = File::open(&path).map_err(|error| named(&path, error))?;
                 Open::Recording(Box::new(file))
             }
@@ -145,11 +138,7 @@ impl Open {
 fn board(address: &Address, listen_only: bool, hub: &Hub) -> ! {
     let mut pause = FIRST_PAUSE;
     loop {
-        let opened = if listen_only {
-            address.listen()
-        } else {
-            address.open()
-        };
+        let opened = if listen_only { address.listen() } else { address.open() };
         let error = match opened {
             Ok(mut link) => {
                 hub.connection(Connection::Open);
@@ -189,26 +178,13 @@ fn listen(link: &mut impl Link<PortError = io::Error>, hub: &Hub) -> (String, bo
 
 /// Messages that arrived and were not taken.
 fn dropped(counters: &Counters) -> u32 {
-    let Counters {
-        checksum,
-        coding,
-        too_long,
-        too_short,
-        sequence,
-        timeout,
-        ..
-    } = *counters;
-    [checksum, coding, too_long, too_short, sequence, timeout]
-        .into_iter()
-        .fold(0, u32::saturating_add)
+    let Counters { checksum, coding, too_long, too_short, sequence, timeout, .. } = *counters;
+    [checksum, coding, too_long, too_short, sequence, timeout].into_iter().fold(0, u32::saturating_add)
 }
 
 fn recording(mut reader: impl Read, hub: &Hub, player: &mut Player<'_>) -> io::Result<()> {
     let mut head = Vec::new();
-    reader
-        .by_ref()
-        .take(TEXT.len() as u64)
-        .read_to_end(&mut head)?;
+    reader.by_ref().take(TEXT.len() as u64).read_to_end(&mut head)?;
     let is_text = head == TEXT;
     let reader = BufReader::new(io::Cursor::new(head).chain(reader));
     if is_text {
@@ -248,19 +224,12 @@ fn lines(mut reader: impl BufRead, hub: &Hub, player: &mut Player<'_>) -> io::Re
     reader.skip_until(b'\n')?;
     loop {
         line.clear();
-        if reader
-            .by_ref()
-            .take(LONGEST_LINE)
-            .read_until(b'\n', &mut line)?
-            == 0
-        {
+        if reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line)? == 0 {
             return Ok(());
         }
         match recorded_line(&line) {
             Ok(None) => {}
-            Ok(Some(recorded)) if recorded.way == Way::Received => {
-                player.message(&recorded.message)
-            }
+            Ok(Some(recorded)) if recorded.way == Way::Received => player.message(&recorded.message),
             Ok(Some(recorded)) => hub.told(&recorded.message),
             Err(_) => hub.damaged(1),
         }

@@ -5,8 +5,8 @@
 //! A value that has not come is `None`, never a zero. With a new run the values of the old one are gone; its speed over location and what it has taught stay.
 
 use rundown_wire::{
-    Body, CoastAhead, Effect, Effort, Estimate, Features, Health, Order, Parameters, Received,
-    Regime, RunSummary, Status, SwitchingPoint, Validity,
+    Body, CoastAhead, Effect, Effort, Estimate, Features, Health, Order, Parameters, Received, Regime, RunSummary,
+    Status, SwitchingPoint, Validity,
 };
 use serde::Serialize;
 
@@ -108,10 +108,7 @@ impl NamedEffect {
         let labels = labels.iter().copied().chain(std::iter::repeat(("", "")));
         let value = |(&value, (label, unit))| EffectValue { label, value, unit };
         Self {
-            name: meaning.map_or_else(
-                || format!("effect {}", effect.kind),
-                |meaning| meaning.name.to_owned(),
-            ),
+            name: meaning.map_or_else(|| format!("effect {}", effect.kind), |meaning| meaning.name.to_owned()),
             section_m: effect.section_m,
             values: effect.values.iter().zip(labels).map(value).collect(),
         }
@@ -218,10 +215,9 @@ impl State {
             gap: last_s.is_some_and(|last_s| estimate.time_s - last_s > longest_s),
         };
         if let [.., one, two] = &self.points[..]
-            && [one, two, &point].iter().all(|of| {
-                of.regime == Regime::Standstill
-                    && (of.location_m - point.location_m).abs() < STANDING_M
-            })
+            && [one, two, &point]
+                .iter()
+                .all(|of| of.regime == Regime::Standstill && (of.location_m - point.location_m).abs() < STANDING_M)
         {
             // Same place: only the newest of a stop is kept beside its first.
             self.points.pop();
@@ -234,21 +230,9 @@ impl State {
     }
 
     fn begin_run(&mut self) {
-        let Now {
-            parameters,
-            effects,
-            status,
-            health,
-            ..
-        } = std::mem::take(&mut self.now);
+        let Now { parameters, effects, status, health, .. } = std::mem::take(&mut self.now);
         // These are not of the run alone.
-        self.now = Now {
-            parameters,
-            effects,
-            status,
-            health,
-            ..Now::default()
-        };
+        self.now = Now { parameters, effects, status, health, ..Now::default() };
         if !self.points.is_empty() {
             self.previous = std::mem::take(&mut self.points);
         }

@@ -74,15 +74,10 @@ const fn colour(regime: Regime) -> Color {
 /// Draws everything. Missing values are dashes of the same place.
 pub fn draw(frame: &mut Frame<'_>, view: &View<'_>) {
     let narrow = frame.area().width < NARROW;
-    let [head, charts, tables, foot] = Layout::vertical([
-        Constraint::Length(4),
-        Constraint::Min(8),
-        Constraint::Length(9),
-        Constraint::Length(1),
-    ])
-    .areas(frame.area());
-    let [speed, beside] =
-        Layout::horizontal([Constraint::Percentage(55), Constraint::Percentage(45)]).areas(charts);
+    let [head, charts, tables, foot] =
+        Layout::vertical([Constraint::Length(4), Constraint::Min(8), Constraint::Length(9), Constraint::Length(1)])
+            .areas(frame.area());
+    let [speed, beside] = Layout::horizontal([Constraint::Percentage(55), Constraint::Percentage(45)]).areas(charts);
     // As wide as their longest lines.
     let [parameters, limits, brake, right] = Layout::horizontal([
         Constraint::Length(30),
@@ -121,13 +116,7 @@ fn header<'a>(view: &View<'_>) -> Paragraph<'a> {
     );
     let place = estimate.map_or_else(
         || "   -   km".to_owned(),
-        |e| {
-            format!(
-                "{:.3} km \u{b1}{:.0} m",
-                e.location_m.value / 1000.0,
-                e.location_m.sd
-            )
-        },
+        |e| format!("{:.3} km \u{b1}{:.0} m", e.location_m.value / 1000.0, e.location_m.sd),
     );
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let regime = estimate.map_or(Span::raw(" no run yet "), |e| {
@@ -139,11 +128,7 @@ fn header<'a>(view: &View<'_>) -> Paragraph<'a> {
         Validity::Held(cause) => format!("held: {}", cause.as_str()).yellow(),
         Validity::Invalid(cause) => format!("invalid: {}", cause.as_str()).light_red(),
     });
-    let old = if view.link.silent {
-        " OLD VALUES ".black().on_yellow()
-    } else {
-        Span::raw("")
-    };
+    let old = if view.link.silent { " OLD VALUES ".black().on_yellow() } else { Span::raw("") };
     let line = Line::from(vec![
         Span::styled(format!(" {speed}   "), bold),
         regime,
@@ -169,12 +154,7 @@ fn curves(points: &[Point], step_m: f64) -> [Curve; 5] {
         if to.gap {
             continue;
         }
-        let place = |point: &Point| {
-            (
-                f64::from(point.location_m) / 1000.0,
-                f64::from(point.speed_mps * KMH),
-            )
-        };
+        let place = |point: &Point| (f64::from(point.location_m) / 1000.0, f64::from(point.speed_mps * KMH));
         let ((x0, y0), (x1, y1)) = (place(from), place(to));
         let dots = ((x1 - x0).abs() * 1000.0 / step_m).ceil().clamp(1.0, DOTS);
         let curve = &mut curves[to.regime as usize];
@@ -188,47 +168,25 @@ fn curves(points: &[Point], step_m: f64) -> [Curve; 5] {
 
 fn axis<'a>(title: &'a str, [from, to]: [f64; 2], decimals: usize) -> Axis<'a> {
     let labels = (0..=4).map(|n| format!("{:.decimals$}", from + (to - from) * f64::from(n) / 4.0));
-    Axis::default()
-        .title(title)
-        .bounds([from, to])
-        .labels(labels)
-        .style(Style::new().gray())
+    Axis::default().title(title).bounds([from, to]).labels(labels).style(Style::new().gray())
 }
 
 fn draw_speed(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Setup) {
-    let x = state
-        .points
-        .iter()
-        .map(|point| f64::from(point.location_m) / 1000.0);
-    let (low, high) = x.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-        (low.min(x), high.max(x))
-    });
+    let x = state.points.iter().map(|point| f64::from(point.location_m) / 1000.0);
+    let (low, high) = x.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     // In steps of 5 km, so that the scale stays for a while; a location that is a little below its step is noise.
-    let seen = if low <= high {
-        [
-            (low / 5.0 + 0.02).floor() * 5.0,
-            ((high / 5.0).floor() + 1.0) * 5.0,
-        ]
-    } else {
-        [0.0, 5.0]
-    };
-    let bounds = setup
-        .track
-        .as_ref()
-        .map_or(seen, |track| [0.0, track.length_m / 1000.0]);
+    let seen =
+        if low <= high { [(low / 5.0 + 0.02).floor() * 5.0, ((high / 5.0).floor() + 1.0) * 5.0] } else { [0.0, 5.0] };
+    let bounds = setup.track.as_ref().map_or(seen, |track| [0.0, track.length_m / 1000.0]);
     let curves = curves(&state.points, (bounds[1] - bounds[0]) * 1000.0 / DOTS);
-    let sets = Regime::ALL
-        .iter()
-        .zip(&curves)
-        .filter(|(_, curve)| !curve.is_empty())
-        .map(|(regime, curve)| {
-            Dataset::default()
-                .name(regime.as_str())
-                .marker(Marker::Braille)
-                .graph_type(GraphType::Scatter)
-                .style(Style::new().fg(colour(*regime)))
-                .data(curve)
-        });
+    let sets = Regime::ALL.iter().zip(&curves).filter(|(_, curve)| !curve.is_empty()).map(|(regime, curve)| {
+        Dataset::default()
+            .name(regime.as_str())
+            .marker(Marker::Braille)
+            .graph_type(GraphType::Scatter)
+            .style(Style::new().fg(colour(*regime)))
+            .data(curve)
+    });
     let chart = Chart::new(sets.collect())
         .block(Block::bordered().title(" speed over location "))
         .legend_position(Some(LegendPosition::Bottom))
@@ -239,9 +197,7 @@ fn draw_speed(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Setup) {
 
 fn draw_resistance(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Setup) {
     let speeds = || (0..=60).map(|n| f64::from(n) * 160.0 / 60.0);
-    let manufacturer: Curve = speeds()
-        .filter_map(|kmh| Some((kmh, 1000.0 * setup.manufacturer(kmh / 3.6)?)))
-        .collect();
+    let manufacturer: Curve = speeds().filter_map(|kmh| Some((kmh, 1000.0 * setup.manufacturer(kmh / 3.6)?))).collect();
     let mut mean = Curve::new();
     let mut band = Curve::new();
     if let Some(parameters) = &state.now.parameters {
@@ -252,17 +208,9 @@ fn draw_resistance(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Set
             band.extend([(kmh, value - 1.96 * sd), (kmh, value + 1.96 * sd)]);
         }
     }
-    let most = band
-        .iter()
-        .chain(&manufacturer)
-        .map(|(_, r)| *r)
-        .fold(40.0, f64::max);
+    let most = band.iter().chain(&manufacturer).map(|(_, r)| *r).fold(40.0, f64::max);
     let set = |name: &'static str, colour, kind| {
-        Dataset::default()
-            .name(name)
-            .marker(Marker::Braille)
-            .graph_type(kind)
-            .style(Style::new().fg(colour))
+        Dataset::default().name(name).marker(Marker::Braille).graph_type(kind).style(Style::new().fg(colour))
     };
     let mut sets = vec![
         set("95 %", Color::DarkGray, GraphType::Scatter).data(&band),
@@ -281,9 +229,7 @@ fn draw_resistance(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Set
 }
 
 fn learned(state: &State) -> &'static str {
-    state.now.parameters.map_or("no value yet", |parameters| {
-        learned_words(parameters.learned)
-    })
+    state.now.parameters.map_or("no value yet", |parameters| learned_words(parameters.learned))
 }
 
 fn of_parameters<'a>(state: &State) -> Paragraph<'a> {
@@ -322,48 +268,18 @@ fn of_limits<'a>(state: &State) -> Paragraph<'a> {
     let effort = state.now.effort.as_ref();
     let features = state.now.features.as_ref();
     let row = |name: &str, value: Option<f32>, decimals: usize, unit: &str| {
-        Line::from(value.map_or_else(
-            || format!("{name:14} -"),
-            |value| format!("{name:14} {value:>8.decimals$} {unit}"),
-        ))
+        Line::from(
+            value.map_or_else(|| format!("{name:14} -"), |value| format!("{name:14} {value:>8.decimals$} {unit}")),
+        )
     };
     let lines = vec![
         row("effort", effort.and_then(|e| e.effort_n_per_kg), 4, "N/kg"),
-        row(
-            "most traction",
-            effort.map(|e| e.max_traction_n_per_kg),
-            4,
-            "N/kg",
-        ),
-        row(
-            "most brake",
-            effort.map(|e| -e.max_brake_n_per_kg),
-            4,
-            "N/kg",
-        ),
+        row("most traction", effort.map(|e| e.max_traction_n_per_kg), 4, "N/kg"),
+        row("most brake", effort.map(|e| -e.max_brake_n_per_kg), 4, "N/kg"),
         row("gradient", effort.map(|e| e.gradient_n_per_kg), 4, "N/kg"),
-        row(
-            "max power",
-            features.and_then(|f| f.max_power_w_per_kg),
-            2,
-            "W/kg",
-        ),
-        row(
-            "mean power",
-            features
-                .filter(|f| f.power_w_per_kg.count > 0)
-                .map(|f| f.power_w_per_kg.mean),
-            2,
-            "W/kg",
-        ),
-        row(
-            "cruise speed",
-            features
-                .and_then(|f| f.cruise_speed_median_mps)
-                .map(|v| v * KMH),
-            1,
-            "km/h",
-        ),
+        row("max power", features.and_then(|f| f.max_power_w_per_kg), 2, "W/kg"),
+        row("mean power", features.filter(|f| f.power_w_per_kg.count > 0).map(|f| f.power_w_per_kg.mean), 2, "W/kg"),
+        row("cruise speed", features.and_then(|f| f.cruise_speed_median_mps).map(|v| v * KMH), 1, "km/h"),
     ];
     titled(" effort and limits ", lines)
 }
@@ -378,19 +294,14 @@ fn of_brake<'a>(state: &State) -> Paragraph<'a> {
             _ => format!("{step:7} -"),
         })
     };
-    let rates =
-        (0..BRAKE_STEPS.len()).map(|n| features.and_then(|f| f.brake_rate_mps2.get(n).copied()));
+    let rates = (0..BRAKE_STEPS.len()).map(|n| features.and_then(|f| f.brake_rate_mps2.get(n).copied()));
     let lines = BRAKE_STEPS.iter().copied().zip(rates).map(rate).collect();
     titled(" brake, m/s2 ", lines)
 }
 
 fn of_past<'a>(state: &State) -> Paragraph<'a> {
-    let seconds = |phase: Option<&Phase>| {
-        phase.map_or_else(
-            || "   -".to_owned(),
-            |phase| format!("{:4.0}", phase.duration_s),
-        )
-    };
+    let seconds =
+        |phase: Option<&Phase>| phase.map_or_else(|| "   -".to_owned(), |phase| format!("{:4.0}", phase.duration_s));
     let mut lines = vec![Line::from(" run  coast s  brake s  learned s").gray()];
     for run in state.past.iter().rev().take(6) {
         let features = run.features.as_ref();
@@ -414,9 +325,7 @@ fn of_link<'a>(view: &View<'_>) -> Paragraph<'a> {
         Connection::Lost(error) => format!("lost: {error}").light_red(),
         Connection::Ended => "end of the recording".into(),
     };
-    let age = link
-        .age_s
-        .map_or_else(|| "-".to_owned(), |age| format!("{age:.0} s ago"));
+    let age = link.age_s.map_or_else(|| "-".to_owned(), |age| format!("{age:.0} s ago"));
     let counts = format!(
         "  {age}  {} frames, {} lost, {} damaged, {} out of order, {} unknown, {} reconnects; {}",
         link.tally.frames,

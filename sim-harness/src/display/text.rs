@@ -3,8 +3,8 @@
 //! In: a frame. Out: words and numbers for a person, or JSON with the field names of `WIRE.md` in SI units.
 
 use rundown_wire::{
-    Body, CoastAhead, CoastArrival, CoastOutcome, Effect, Effects, Effort, Estimate, Features,
-    Learned, Order, Parameters, Phase, Received, RunSummary, Value,
+    Body, CoastAhead, CoastArrival, CoastOutcome, Effect, Effects, Effort, Estimate, Features, Learned, Order,
+    Parameters, Phase, Received, RunSummary, Value,
 };
 use serde::Serialize;
 use std::fmt::Write;
@@ -37,11 +37,7 @@ pub fn json(received: &Received) -> String {
         Order::After { lost } => lost,
         _ => 0,
     };
-    let line = JsonLine {
-        order: word(received.order),
-        lost,
-        frame: &received.frame,
-    };
+    let line = JsonLine { order: word(received.order), lost, frame: &received.frame };
     // Nothing in a frame that JSON does not have: NaN is written as null.
     serde_json::to_string(&line).unwrap_or_default()
 }
@@ -64,13 +60,7 @@ pub fn line(received: &Received) -> String {
         Order::After { lost } => format!("({lost} lost) "),
         order => format!("({}) ", word(order)),
     };
-    format!(
-        "{:>5} {:>6}  {:16} {mark}{}",
-        frame.sequence,
-        frame.tick,
-        frame.body.as_str(),
-        said(&frame.body)
-    )
+    format!("{:>5} {:>6}  {:16} {mark}{}", frame.sequence, frame.tick, frame.body.as_str(), said(&frame.body))
 }
 
 fn said(body: &Body) -> String {
@@ -95,29 +85,16 @@ fn said(body: &Body) -> String {
         Body::Status(status) => format!(
             "run {}, train {}, track {}, {} readings not used, {} requests refused, {} frames not sent",
             if status.running { "under way" } else { "none" },
-            status
-                .train_id
-                .map_or_else(|| "unknown".to_owned(), |id| format!("{id:x}")),
-            status
-                .track_id
-                .map_or_else(|| "unknown".to_owned(), |id| format!("{id:08x}")),
-            status
-                .causes
-                .iter()
-                .fold(0_u32, |sum, count| sum.saturating_add(*count)),
-            status
-                .refusals
-                .iter()
-                .fold(0_u32, |sum, count| sum.saturating_add(*count)),
+            status.train_id.map_or_else(|| "unknown".to_owned(), |id| format!("{id:x}")),
+            status.track_id.map_or_else(|| "unknown".to_owned(), |id| format!("{id:08x}")),
+            status.causes.iter().fold(0_u32, |sum, count| sum.saturating_add(*count)),
+            status.refusals.iter().fold(0_u32, |sum, count| sum.saturating_add(*count)),
             status.not_sent
         ),
         Body::RunSummary(summary) => of_summary(summary),
-        Body::SnapshotPart(part) => format!(
-            "bytes {} to {} of {}",
-            part.first,
-            usize::from(part.first) + part.bytes.len(),
-            part.total
-        ),
+        Body::SnapshotPart(part) => {
+            format!("bytes {} to {} of {}", part.first, usize::from(part.first) + part.bytes.len(), part.total)
+        }
         Body::Answer(answer) => match answer.result {
             Ok(()) => format!("to {}: taken", answer.to),
             Err(refusal) => format!("to {}: refused, {}", answer.to, refusal.as_str()),
@@ -136,14 +113,7 @@ fn said(body: &Body) -> String {
 }
 
 fn of_estimate(estimate: &Estimate) -> String {
-    let Estimate {
-        time_s,
-        location_m,
-        speed_mps,
-        regime,
-        validity,
-        ..
-    } = estimate;
+    let Estimate { time_s, location_m, speed_mps, regime, validity, .. } = estimate;
     let mut text = format!(
         "{time_s:.1} s  {:.3} km \u{b1}{:.0} m  {:.1} \u{b1}{:.1} km/h  {regime}  {}",
         location_m.value / 1000.0,
@@ -173,8 +143,7 @@ pub const fn learned_words(learned: Learned) -> &'static str {
 
 fn of_parameters(parameters: &Parameters) -> String {
     let at = parameters.at(100.0 / KMH);
-    let term =
-        |name: &str, value: Value| format!("{name} {:.3e} \u{b1}{:.1e}", value.value, value.sd);
+    let term = |name: &str, value: Value| format!("{name} {:.3e} \u{b1}{:.1e}", value.value, value.sd);
     format!(
         "r(100 km/h) {:.5} \u{b1}{:.5} N/kg, {}; {}, {}, {}",
         at.value,
@@ -187,9 +156,7 @@ fn of_parameters(parameters: &Parameters) -> String {
 }
 
 fn of_effort(effort: &Effort) -> String {
-    let known = |value: Option<f32>| {
-        value.map_or_else(|| "unknown".to_owned(), |value| format!("{value:+.4}"))
-    };
+    let known = |value: Option<f32>| value.map_or_else(|| "unknown".to_owned(), |value| format!("{value:+.4}"));
     format!(
         "{} N/kg within -{:.3} to {:.3}; acceleration {} m/s2, gradient {:+.4} N/kg",
         known(effort.effort_n_per_kg),
@@ -213,11 +180,7 @@ pub fn of_coast_ahead(ahead: &CoastAhead, now_s: Option<f64>) -> String {
         }
     });
     match ahead.outcome {
-        CoastOutcome::Arrives(CoastArrival {
-            speed_mps,
-            time_s,
-            time_sd_s,
-        }) => {
+        CoastOutcome::Arrives(CoastArrival { speed_mps, time_s, time_sd_s }) => {
             let time = match now_s {
                 None => format!("at {time_s:.0} s"),
                 Some(now_s) => {
@@ -259,23 +222,13 @@ fn of_phase(phase: &Option<Phase>) -> String {
 }
 
 fn of_features(features: &Features) -> String {
-    let power = features
-        .max_power_w_per_kg
-        .map_or_else(|| "none".to_owned(), |power| format!("{power:.2} W/kg"));
-    let cruise = features.cruise_speed_median_mps.map_or_else(
-        || "none".to_owned(),
-        |speed| format!("{:.1} km/h", speed * KMH),
-    );
+    let power = features.max_power_w_per_kg.map_or_else(|| "none".to_owned(), |power| format!("{power:.2} W/kg"));
+    let cruise =
+        features.cruise_speed_median_mps.map_or_else(|| "none".to_owned(), |speed| format!("{:.1} km/h", speed * KMH));
     let rates: Vec<String> = features
         .brake_rate_mps2
         .iter()
-        .map(|rate| {
-            if rate.count == 0 {
-                "-".to_owned()
-            } else {
-                format!("{:.2}", rate.mean)
-            }
-        })
+        .map(|rate| if rate.count == 0 { "-".to_owned() } else { format!("{:.2}", rate.mean) })
         .collect();
     format!(
         "max power {power}, cruise {cruise}, brake {} m/s2, final coast {}, final brake {}",
@@ -287,25 +240,15 @@ fn of_features(features: &Features) -> String {
 
 fn of_effects(effects: &Effects) -> String {
     let one = |effect: &Effect| {
-        let name = effect
-            .meaning()
-            .map_or("unknown kind", |meaning| meaning.name);
-        let place = effect.section_m.map_or_else(String::new, |[from, to]| {
-            format!(" {:.3}-{:.3} km", from / 1000.0, to / 1000.0)
-        });
-        let values: Vec<String> = effect
-            .values
-            .iter()
-            .map(|value| format!("{value}"))
-            .collect();
+        let name = effect.meaning().map_or("unknown kind", |meaning| meaning.name);
+        let place = effect
+            .section_m
+            .map_or_else(String::new, |[from, to]| format!(" {:.3}-{:.3} km", from / 1000.0, to / 1000.0));
+        let values: Vec<String> = effect.values.iter().map(|value| format!("{value}")).collect();
         format!("{name}{place} {}", values.join(" "))
     };
     let all: Vec<String> = effects.effects.iter().map(one).collect();
-    if all.is_empty() {
-        "none".to_owned()
-    } else {
-        all.join("; ")
-    }
+    if all.is_empty() { "none".to_owned() } else { all.join("; ") }
 }
 
 fn of_summary(summary: &RunSummary) -> String {

@@ -24,16 +24,13 @@ impl Told {
             Request::Train(frame) => self.setup.train = Some(train(&frame.description)),
             Request::Track(part) => {
                 if part.first == 0 {
-                    self.setup.track = Some(TrackFile {
-                        name: NAME.to_owned(),
-                        length_m: part.length_m,
-                        ..TrackFile::default()
-                    });
+                    self.setup.track =
+                        Some(TrackFile { name: NAME.to_owned(), length_m: part.length_m, ..TrackFile::default() });
                 }
-                let gradients = part.gradients.iter().map(|gradient| GradientEntry {
-                    from_m: gradient.from_m,
-                    permille: gradient.permille,
-                });
+                let gradients = part
+                    .gradients
+                    .iter()
+                    .map(|gradient| GradientEntry { from_m: gradient.from_m, permille: gradient.permille });
                 self.setup.track.as_mut()?.gradient.extend(gradients);
             }
             Request::Targets(part) => {
@@ -44,15 +41,13 @@ impl Told {
                 }
                 for target in &part.targets {
                     match target.limit_mps {
-                        Some(limit_mps) => track.speed_limit.push(SpeedLimit {
-                            from_m: target.at_m,
-                            kmh: 3.6 * limit_mps,
-                        }),
+                        Some(limit_mps) => {
+                            track.speed_limit.push(SpeedLimit { from_m: target.at_m, kmh: 3.6 * limit_mps })
+                        }
                         // A board knows no names.
-                        None => track.stop.push(Stop {
-                            at_m: target.at_m,
-                            name: format!("stop {}", track.stop.len() + 1),
-                        }),
+                        None => {
+                            track.stop.push(Stop { at_m: target.at_m, name: format!("stop {}", track.stop.len() + 1) })
+                        }
                     }
                 }
             }
@@ -82,11 +77,7 @@ fn train(description: &TrainDescription) -> TrainFile {
         max_tractive_effort_n: description.max_tractive_effort_n,
         max_power_w: description.max_power_w,
         max_brake_mps2: description.max_brake_mps2,
-        davis: DavisTable {
-            r0: davis.r0,
-            r1: davis.r1,
-            r2: davis.r2,
-        },
+        davis: DavisTable { r0: davis.r0, r1: davis.r1, r2: davis.r2 },
         effect: Vec::new(),
     }
 }

@@ -63,8 +63,7 @@ impl Search<'_> {
         for (column, beta) in self.white(term).iter().zip(beta) {
             explained += base.beside(column) * *beta;
         }
-        let gains =
-            base.residual.component_mul(&explained) - 0.5 * explained.component_mul(&explained);
+        let gains = base.residual.component_mul(&explained) - 0.5 * explained.component_mul(&explained);
         let sum = |wanted: &dyn Fn(usize) -> bool| -> f64 {
             let gains = gains.iter().enumerate();
             gains.filter(|(i, _)| wanted(*i)).map(|(_, g)| g).sum()
@@ -114,11 +113,7 @@ mod tests {
     fn without_an_effort_a_load_that_seems_nearer_to_none_may_be_a_held_speed() {
         let (train, track) = (train(), track());
         let weak = |direction, location_m, extra| {
-            let line = Line {
-                train: &train,
-                track: &track,
-                direction,
-            };
+            let line = Line { train: &train, track: &track, direction };
             let row = Row::coasting(direction, location_m, 30.0);
             is_weak(&Term::Bump([0.0, 9_000.0]), &row, extra, &line)
         };
@@ -131,11 +126,7 @@ mod tests {
     #[test]
     fn with_an_effort_braking_is_weak_and_for_a_length_a_held_speed_too() {
         let (train, track) = (train(), track());
-        let line = Line {
-            train: &train,
-            track: &track,
-            direction: Direction::Up,
-        };
+        let line = Line { train: &train, track: &track, direction: Direction::Up };
         let weak = |term: &Term, effort: f64, gained_mps: f64| {
             let mut row = Row::coasting(Direction::Up, 2_000.0, 30.0);
             row.effort_n_per_kg = effort;

@@ -98,18 +98,11 @@ impl Findings {
 
     /// What the data have already that could tell rivals apart.
     pub fn have(&self) -> Have {
-        Have {
-            effort: self.measured,
-            both_directions: both_directions(&self.rows),
-        }
+        Have { effort: self.measured, both_directions: both_directions(&self.rows) }
     }
 
     /// What the columns of terms were made from.
-    pub fn context<'a>(
-        &self,
-        believed: Believed<'a>,
-        surroundings: &'a Surroundings,
-    ) -> Context<'a> {
+    pub fn context<'a>(&self, believed: Believed<'a>, surroundings: &'a Surroundings) -> Context<'a> {
         Context {
             believed,
             curves: &surroundings.curves,
@@ -133,35 +126,22 @@ pub fn analyse(
     let days = || runs.iter().filter_map(|run| run.day);
     let first_day = days().fold(f64::INFINITY, f64::min).min(1e6);
     let period_days = (days().fold(0.0, f64::max) - first_day).max(0.0);
-    let temperatures = || {
-        runs.iter()
-            .flat_map(|run| run.samples.iter().filter_map(|s| s.temperature_c))
-    };
+    let temperatures = || runs.iter().flat_map(|run| run.samples.iter().filter_map(|s| s.temperature_c));
     let temperature_c = temperatures().sum::<f64>() / temperatures().count().max(1) as f64;
-    let context = Context {
-        believed,
-        curves: &surroundings.curves,
-        temperature_c,
-        first_day,
-        period_days,
-    };
+    let context = Context { believed, curves: &surroundings.curves, temperature_c, first_day, period_days };
     if measured {
         readings.effort = effort_reading(&context, runs, &readings);
         story(&format!("effort column read as {:?}", readings.effort));
     }
-    let cut: Vec<Vec<Interval>> = runs
-        .iter()
-        .enumerate()
-        .map(|(i, run)| intervals(i, run, believed.line(run.direction), &readings))
-        .collect();
+    let cut: Vec<Vec<Interval>> =
+        runs.iter().enumerate().map(|(i, run)| intervals(i, run, believed.line(run.direction), &readings)).collect();
     let rounds = if measured { 1 } else { UNCERTAIN.len() };
     let mut model: Vec<Term> = Vec::new();
     let mut beta: Vec<f64> = Vec::new();
     let mut last: Option<(Vec<Row>, Calibrated)> = None;
     for uncertain in UNCERTAIN.iter().take(rounds) {
         let known = last.as_ref().filter(|(rows, _)| rows.len() >= FEW_ROWS);
-        let recognised =
-            Recognised::new(runs, &readings, known.map(|(_, found)| found), *uncertain);
+        let recognised = Recognised::new(runs, &readings, known.map(|(_, found)| found), *uncertain);
         let rows = rows(&context, runs, &cut, measured, (&model, &beta), recognised);
         if rows.len() < 30 {
             break;
@@ -173,11 +153,7 @@ pub fn analyse(
         }
         let search = Search::new(&context, &rows, &calibrated, measured);
         // So few rows would fit anything; limits can be judged nevertheless.
-        model = if rows.len() < FEW_ROWS {
-            Vec::new()
-        } else {
-            search.select()
-        };
+        model = if rows.len() < FEW_ROWS { Vec::new() } else { search.select() };
         let base = search.base(&model)?;
         beta = expanded(&model, base.beta.as_slice());
         last = Some((rows, calibrated));
@@ -196,24 +172,12 @@ pub fn analyse(
     } else {
         return None;
     };
-    let (pulls, traction) = traction_of(
-        &context,
-        runs,
-        &cut,
-        measured,
-        &readings,
-        (&model, &beta),
-        &calibrated,
-    );
+    let (pulls, traction) = traction_of(&context, runs, &cut, measured, &readings, (&model, &beta), &calibrated);
     Some(Findings {
         kinematics,
         readings,
         measured,
-        moving: cut
-            .iter()
-            .flatten()
-            .filter(|i| i.mean_speed_mps() > SLOWEST_MPS)
-            .count(),
+        moving: cut.iter().flatten().filter(|i| i.mean_speed_mps() > SLOWEST_MPS).count(),
         terms,
         limits: limits(&pulls, &traction),
         pulls,
@@ -242,11 +206,7 @@ pub fn apply(
         .enumerate()
         .map(|(i, run)| intervals(i, run, believed.line(run.direction), &findings.readings))
         .collect();
-    let model: Vec<Term> = findings
-        .terms
-        .iter()
-        .map(|fitted| fitted.term.clone())
-        .collect();
+    let model: Vec<Term> = findings.terms.iter().map(|fitted| fitted.term.clone()).collect();
     let beta: Vec<f64> = findings
         .terms
         .iter()
@@ -256,22 +216,11 @@ pub fn apply(
         })
         .collect();
     let model = (model.as_slice(), beta.as_slice());
-    let recognised = Recognised::new(
-        runs,
-        &findings.readings,
-        Some(&findings.calibrated),
-        UNCERTAIN[UNCERTAIN.len() - 1],
-    );
+    let recognised =
+        Recognised::new(runs, &findings.readings, Some(&findings.calibrated), UNCERTAIN[UNCERTAIN.len() - 1]);
     let rows = rows(&context, runs, &cut, findings.measured, model, recognised);
-    let (pulls, _) = traction_of(
-        &context,
-        runs,
-        &cut,
-        findings.measured,
-        &findings.readings,
-        model,
-        &findings.calibrated,
-    );
+    let (pulls, _) =
+        traction_of(&context, runs, &cut, findings.measured, &findings.readings, model, &findings.calibrated);
     (rows, pulls)
 }
 

@@ -32,8 +32,7 @@ pub struct Answer<'a> {
 }
 
 /// Energy cannot be told without an effort column.
-pub const NO_ENERGY: &str =
-    "cannot be measured: the logs have no effort column, or no held-out run that pulls";
+pub const NO_ENERGY: &str = "cannot be measured: the logs have no effort column, or no held-out run that pulls";
 const J_PER_KWH: f64 = 3.6e6;
 
 impl Answer<'_> {
@@ -112,9 +111,7 @@ impl Answer<'_> {
             let mut json = one.json();
             let rivals = self.rivals.get(i).map_or(&[][..], Vec::as_slice);
             let each = rivals.iter();
-            json["rivals"] = each
-                .map(|r| json!({ "name": r.name, "worse": r.worse }))
-                .collect();
+            json["rivals"] = each.map(|r| json!({ "name": r.name, "worse": r.worse })).collect();
             json
         };
         self.found.named.iter().enumerate().map(one).collect()

@@ -43,13 +43,7 @@ const ROWS_A_KNOT: usize = 20;
 impl Calibrated {
     /// The whitening of these rows.
     pub fn whitening(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
-        whitening(
-            &self.noise,
-            &self.own,
-            &self.spread,
-            rows,
-            &own_columns(context, rows),
-        )
+        whitening(&self.noise, &self.own, &self.spread, rows, &own_columns(context, rows))
     }
 }
 
@@ -61,13 +55,7 @@ pub fn own_columns(context: &Context<'_>, rows: &[Row]) -> [Vec<f64>; 3] {
 }
 
 /// The whitening under a noise, by what each run has for itself.
-pub fn whitening(
-    noise: &Noise,
-    own: &Own,
-    spread: &[f64],
-    rows: &[Row],
-    columns: &[Vec<f64>; 3],
-) -> Whitening {
+pub fn whitening(noise: &Noise, own: &Own, spread: &[f64], rows: &[Row], columns: &[Vec<f64>; 3]) -> Whitening {
     let intervals: Vec<&Interval> = rows.iter().map(|row| &row.interval).collect();
     let [constant, wind, mass] = columns;
     Whitening::new(&intervals, noise, spread).with_own(&[
@@ -84,41 +72,25 @@ pub fn knots(values: impl Iterator<Item = f64>, count: usize) -> Vec<f64> {
     if sorted.is_empty() {
         return Vec::new();
     }
-    let mut knots: Vec<f64> = (0..count)
-        .map(|i| sorted[i * (sorted.len() - 1) / (count - 1).max(1)])
-        .collect();
+    let mut knots: Vec<f64> = (0..count).map(|i| sorted[i * (sorted.len() - 1) / (count - 1).max(1)]).collect();
     knots.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
     knots
 }
 
 /// Finds the noise of these rows. `measured`: the effort is measured, so its gain may differ from run to run.
 /// `wind` allows a wind of its own to each run. Also the log-likelihood reached.
-pub fn calibrate(
-    context: &Context<'_>,
-    rows: &[Row],
-    measured: bool,
-    wind: bool,
-    model: &[Term],
-) -> (Calibrated, f64) {
+pub fn calibrate(context: &Context<'_>, rows: &[Row], measured: bool, wind: bool, model: &[Term]) -> (Calibrated, f64) {
     let columns = own_columns(context, rows);
     let flexible = flexible(context, rows, model);
     let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
     let mut found = Calibrated {
-        noise: Noise {
-            reading_mps: 0.08,
-            acceleration_mps2: 0.003,
-            change_share: if measured { 0.3 } else { 0.0 },
-        },
+        noise: Noise { reading_mps: 0.08, acceleration_mps2: 0.003, change_share: if measured { 0.3 } else { 0.0 } },
         own: Own::default(),
         spread: vec![1.0; rows.len()],
     };
     // The flexible model is taken out once a round, under the noise found so far; what is left, widened for what it took, is judged.
     let left = |found: &Calibrated| {
-        left_of(
-            &y,
-            &flexible,
-            &whitening(&found.noise, &found.own, &found.spread, rows, &columns),
-        )
+        left_of(&y, &flexible, &whitening(&found.noise, &found.own, &found.spread, rows, &columns))
     };
     let freedom = freedom(rows, &flexible);
     let few = freedom > FEW;
@@ -217,18 +189,12 @@ fn restricted(y: &[f64], flexible: &[Vec<f64>], whitening: &Whitening) -> f64 {
 }
 
 /// What a flexible model leaves: as it is, and whitened.
-fn left_of(
-    y: &[f64],
-    flexible: &[Vec<f64>],
-    whitening: &Whitening,
-) -> Option<(Vec<f64>, DVector<f64>)> {
+fn left_of(y: &[f64], flexible: &[Vec<f64>], whitening: &Whitening) -> Option<(Vec<f64>, DVector<f64>)> {
     let white: Vec<_> = flexible.iter().map(|c| whitening.whiten(c)).collect();
     let base = Base::new(&whitening.whiten(y), &white, whitening.runs())?;
     let mut left = y.to_vec();
     for (column, beta) in flexible.iter().zip(base.beta.iter()) {
-        left.iter_mut()
-            .zip(column)
-            .for_each(|(e, c)| *e -= beta * c);
+        left.iter_mut().zip(column).for_each(|(e, c)| *e -= beta * c);
     }
     Some((left, base.residual))
 }
@@ -239,12 +205,7 @@ fn freedom(rows: &[Row], flexible: &[Vec<f64>]) -> f64 {
 }
 
 /// What a model flexible enough for any effect leaves of the residuals, and the factor on its squares.
-pub fn left(
-    context: &Context<'_>,
-    rows: &[Row],
-    calibrated: &Calibrated,
-    model: &[Term],
-) -> Option<(Vec<f64>, f64)> {
+pub fn left(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, model: &[Term]) -> Option<(Vec<f64>, f64)> {
     let flexible = flexible(context, rows, model);
     let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
     let (left, _) = left_of(&y, &flexible, &calibrated.whitening(context, rows))?;
@@ -260,39 +221,17 @@ fn flexible(context: &Context<'_>, rows: &[Row], model: &[Term]) -> Vec<Vec<f64>
     let speed = knots(rows.iter().filter_map(of(Coordinate::Speed)), 6);
     let mut columns = Term::Smooth(Coordinate::Location, location).columns(context, rows);
     // One knot left out: the sum of all is the constant, which the location has.
-    columns.extend(
-        Term::Smooth(Coordinate::Time, time)
-            .columns(context, rows)
-            .into_iter()
-            .skip(1),
-    );
-    columns.extend(
-        Term::Smooth(Coordinate::Speed, speed)
-            .columns(context, rows)
-            .into_iter()
-            .skip(1),
-    );
+    columns.extend(Term::Smooth(Coordinate::Time, time).columns(context, rows).into_iter().skip(1));
+    columns.extend(Term::Smooth(Coordinate::Speed, speed).columns(context, rows).into_iter().skip(1));
     columns.extend(Term::Mass.columns(context, rows));
     if both_directions(rows) {
-        let signed: Vec<Vec<f64>> = columns
-            .iter()
-            .map(|c| {
-                c.iter()
-                    .zip(rows)
-                    .map(|(v, row)| v * row.direction.sign())
-                    .collect()
-            })
-            .collect();
+        let signed: Vec<Vec<f64>> =
+            columns.iter().map(|c| c.iter().zip(rows).map(|(v, row)| v * row.direction.sign()).collect()).collect();
         columns.extend(signed);
     }
     for which in [Coordinate::Temperature, Coordinate::Day] {
         let at = knots(rows.iter().filter_map(of(which)), 4);
-        columns.extend(
-            Term::Smooth(which, at)
-                .columns(context, rows)
-                .into_iter()
-                .skip(1),
-        );
+        columns.extend(Term::Smooth(which, at).columns(context, rows).into_iter().skip(1));
     }
     for term in model {
         columns.extend(term.columns(context, rows));
@@ -317,10 +256,7 @@ mod tests {
     /// What is found in 40 runs of which each coasts for six intervals, at any place and speed, in a wind of its own.
     fn found(wind_sd_mps: f64, seed: u64) -> Calibrated {
         let train = train();
-        let level = Gradient {
-            from_m: 0.0,
-            permille: 0.0,
-        };
+        let level = Gradient { from_m: 0.0, permille: 0.0 };
         let track = Track::try_new(60_000.0, [level]).unwrap();
         let context = Context {
             believed: Believed::new(&train, &track),
@@ -339,11 +275,7 @@ mod tests {
             let temperature_c = rng.random_range(0.0..20.0);
             for _ in 0..6 {
                 let location_m = rng.random_range(0.0..60_000.0);
-                let mut row = Row::coasting(
-                    directions[run % 2],
-                    location_m,
-                    rng.random_range(15.0..40.0),
-                );
+                let mut row = Row::coasting(directions[run % 2], location_m, rng.random_range(15.0..40.0));
                 row.interval.run = run;
                 row.interval.day = Some(run as f64);
                 row.interval.temperature_c = Some(temperature_c);
@@ -365,11 +297,7 @@ mod tests {
         let found: Vec<Calibrated> = (0..6).map(|seed| found(1.5, seed)).collect();
         let mean = found.iter().map(|found| found.own.wind_mps).sum::<f64>() / 6.0;
         assert!((mean - 1.5).abs() < 0.3, "{mean}");
-        let reading = found
-            .iter()
-            .map(|found| found.noise.reading_mps)
-            .sum::<f64>()
-            / 6.0;
+        let reading = found.iter().map(|found| found.noise.reading_mps).sum::<f64>() / 6.0;
         assert!((reading / READING_MPS - 1.0).abs() < 0.2, "{reading}");
     }
 

@@ -79,8 +79,7 @@ struct Told {
 impl Told {
     fn new(line: &Line<'_>, interval: &Interval, extra: [f64; 2], recognised: &Recognised) -> Self {
         // Beyond that it would be power that drivers apply at the same place, taken for a gradient, and found there ever more.
-        let [extra, beyond_places] =
-            extra.map(|e| e.clamp(-MOST_EXTRA_N_PER_KG, MOST_EXTRA_N_PER_KG));
+        let [extra, beyond_places] = extra.map(|e| e.clamp(-MOST_EXTRA_N_PER_KG, MOST_EXTRA_N_PER_KG));
         let load = believed_load(line, interval) + extra;
         let effort = interval.acceleration_mps2() + load;
         let speed = interval.mean_speed_mps();
@@ -98,8 +97,7 @@ impl Told {
         };
         // Not heavier tails: one interval of power between two of coasting must cost more than to change twice.
         let coast = |effort: f64| (-0.5 * (effort / sd).powi(2)).exp() + FAR;
-        let hold =
-            |change: f64| 0.7 * student(change, 1.3 * noise) + 0.3 * student(change, 3.0 * noise);
+        let hold = |change: f64| 0.7 * student(change, 1.3 * noise) + 0.3 * student(change, 3.0 * noise);
         // A broad plateau with soft edges.
         let even = |low: f64, high: f64| {
             let outside = (low - effort).max(effort - high).max(0.0);
@@ -120,11 +118,7 @@ impl Told {
         let moves = interval.speed_mps.iter().all(|speed| *speed >= SLOWEST_MPS);
         Self {
             effort_n_per_kg: effort,
-            weights: if moves {
-                weights
-            } else {
-                [1e-9, 1.0, 1.0, 1.0, 1.0]
-            },
+            weights: if moves { weights } else { [1e-9, 1.0, 1.0, 1.0, 1.0] },
             rather: (by_the_rest * hold(0.0) / held).ln(),
         }
     }
@@ -132,20 +126,12 @@ impl Told {
 
 impl Driven {
     /// What each interval of a run tells.
-    pub fn new(
-        line: &Line<'_>,
-        intervals: &[Interval],
-        extra: &Extra,
-        recognised: Recognised,
-    ) -> Self {
+    pub fn new(line: &Line<'_>, intervals: &[Interval], extra: &Extra, recognised: Recognised) -> Self {
         let extra = extra.all.iter().zip(&extra.beyond_places);
         let told = |(interval, (all, beyond)): (&Interval, (&f64, &f64))| {
             Told::new(line, interval, [*all, *beyond], &recognised)
         };
-        Self {
-            told: intervals.iter().zip(extra).map(told).collect(),
-            noise_n_per_kg: recognised.noise_n_per_kg,
-        }
+        Self { told: intervals.iter().zip(extra).map(told).collect(), noise_n_per_kg: recognised.noise_n_per_kg }
     }
 
     /// Probabilities of the regimes at each interval from what was before, and the log-likelihood of the run.
@@ -211,10 +197,7 @@ impl Driven {
 /// Which intervals of each run coasted.
 pub fn coasted(runs: &[Driven]) -> Vec<Vec<bool>> {
     let likelihood = |change: f64| runs.iter().map(|run| run.forward(change).1).sum::<f64>();
-    let change = CHANGES
-        .into_iter()
-        .max_by(|a, b| likelihood(*a).total_cmp(&likelihood(*b)))
-        .unwrap_or(CHANGES[0]);
+    let change = CHANGES.into_iter().max_by(|a, b| likelihood(*a).total_cmp(&likelihood(*b))).unwrap_or(CHANGES[0]);
     runs.iter().map(|run| run.coasted(change)).collect()
 }
 
@@ -241,10 +224,7 @@ mod tests {
     const POWER: f64 = 0.2;
 
     fn level() -> Track {
-        let gradient = Gradient {
-            from_m: 0.0,
-            permille: 0.0,
-        };
+        let gradient = Gradient { from_m: 0.0, permille: 0.0 };
         Track::try_new(9_000.0, [gradient]).unwrap()
     }
 
@@ -261,15 +241,8 @@ mod tests {
             interval
         };
         let intervals: Vec<Interval> = efforts.iter().map(interval).collect();
-        let extra = Extra {
-            all: vec![0.0; intervals.len()],
-            beyond_places: vec![0.0; intervals.len()],
-        };
-        let recognised = Recognised {
-            noise_n_per_kg: 0.006,
-            uncertain: 0.1,
-            own: Own::default(),
-        };
+        let extra = Extra { all: vec![0.0; intervals.len()], beyond_places: vec![0.0; intervals.len()] };
+        let recognised = Recognised { noise_n_per_kg: 0.006, uncertain: 0.1, own: Own::default() };
         let run = Driven::new(line, &intervals, &extra, recognised);
         coasted(&[run]).swap_remove(0)
     }
@@ -277,14 +250,7 @@ mod tests {
     #[test]
     fn a_short_coast_between_pulls_counts_where_the_changes_lie_beside_it() {
         let pull = [POWER; 3];
-        let run = [
-            &pull[..],
-            &[0.08, 0.0, 0.0, 0.09],
-            &pull,
-            &[0.1, 0.0, 0.0, 0.07],
-            &pull,
-        ]
-        .concat();
+        let run = [&pull[..], &[0.08, 0.0, 0.0, 0.09], &pull, &[0.1, 0.0, 0.0, 0.07], &pull].concat();
         let expected: Vec<bool> = run.iter().map(|effort| *effort == 0.0).collect();
         assert_eq!(coasted_of(&run), expected);
     }
@@ -318,11 +284,7 @@ mod tests {
         // A gradient that would take up the whole resistance.
         let resistance = train.davis().resistance_n_per_kg(25.0);
         let rather = |beyond_places: f64| {
-            let recognised = Recognised {
-                noise_n_per_kg: 0.006,
-                uncertain: 0.1,
-                own: Own::default(),
-            };
+            let recognised = Recognised { noise_n_per_kg: 0.006, uncertain: 0.1, own: Own::default() };
             let line = believed.line(Direction::Up);
             Told::new(line, &held, [-resistance, beyond_places], &recognised).rather
         };

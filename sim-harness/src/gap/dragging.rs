@@ -31,20 +31,11 @@ pub(super) struct Told {
 
 impl Told {
     /// Of each run; `braked` and `residual` whitened.
-    pub fn of_runs(
-        rows: &[Row],
-        runs: &[Range<usize>],
-        braked: &DVector<f64>,
-        residual: &DVector<f64>,
-    ) -> Vec<Self> {
+    pub fn of_runs(rows: &[Row], runs: &[Range<usize>], braked: &DVector<f64>, residual: &DVector<f64>) -> Vec<Self> {
         let of_run = |range: &Range<usize>| {
             let b = braked.rows(range.start, range.len());
             let e = residual.rows(range.start, range.len());
-            Self {
-                run: rows[range.start].interval.run,
-                score: b.dot(&e),
-                information: b.norm_squared(),
-            }
+            Self { run: rows[range.start].interval.run, score: b.dot(&e), information: b.norm_squared() }
         };
         runs.iter().map(of_run).collect()
     }
@@ -81,19 +72,12 @@ fn mixture(told: &[Told], mut drag: f64) -> Mixture {
         drag = (score / information.max(1e-12)).clamp(DRAG_N_PER_KG.0, DRAG_N_PER_KG.1);
     }
     let of_run = |run: &Told| (1.0 - share).ln() + odds(share, run.gain(drag)).ln_1p();
-    Mixture {
-        drag,
-        share,
-        gain: told.iter().map(of_run).sum(),
-    }
+    Mixture { drag, share, gain: told.iter().map(of_run).sum() }
 }
 
 /// Largest gain of log-likelihood of a constant in all runs on one side of some value of a coordinate.
 fn step(told: &[Told], of: impl Fn(&Told) -> Option<f64>) -> f64 {
-    let mut along: Vec<(f64, &Told)> = told
-        .iter()
-        .filter_map(|run| Some((of(run)?, run)))
-        .collect();
+    let mut along: Vec<(f64, &Told)> = told.iter().filter_map(|run| Some((of(run)?, run))).collect();
     along.sort_by(|a, b| a.0.total_cmp(&b.0));
     let gain = |side: &[(f64, &Told)]| {
         let sum = |of: fn(&Told) -> f64| side.iter().map(|(_, run)| of(run)).sum::<f64>();
@@ -105,23 +89,13 @@ fn step(told: &[Told], of: impl Fn(&Told) -> Option<f64>) -> f64 {
 }
 
 /// The runs in which a brake drags, if that explains what differs between runs better than their own constants and winds. `None` too if the model has such runs already.
-pub fn dragging(
-    context: &Context<'_>,
-    rows: &[Row],
-    calibrated: &Calibrated,
-    model: &[Term],
-) -> Option<Term> {
-    if model
-        .iter()
-        .any(|term| matches!(term, Term::DraggingBrake(_)))
-    {
+pub fn dragging(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, model: &[Term]) -> Option<Term> {
+    if model.iter().any(|term| matches!(term, Term::DraggingBrake(_))) {
         return None;
     }
     let columns = own_columns(context, rows);
     let all: Vec<usize> = rows.iter().map(|row| row.interval.run).collect();
-    let braked = Term::DraggingBrake(all)
-        .columns(context, rows)
-        .swap_remove(0);
+    let braked = Term::DraggingBrake(all).columns(context, rows).swap_remove(0);
     let (residual, freedom) = left(context, rows, calibrated, model)?;
     let of = |own: &Own| {
         let whitening = whitening(&calibrated.noise, own, &calibrated.spread, rows, &columns);
@@ -131,10 +105,7 @@ pub fn dragging(
             run.score *= freedom;
             run.information *= freedom;
         }
-        (
-            -whitening.log_determinant() - 0.5 * freedom * e.norm_squared(),
-            told,
-        )
+        (-whitening.log_determinant() - 0.5 * freedom * e.norm_squared(), told)
     };
     let (plain, _) = of(&calibrated.own);
     let mut best: Option<(f64, Mixture, Vec<Told>)> = None;
@@ -147,11 +118,7 @@ pub fn dragging(
             };
             let (without, told) = of(&own);
             let found = [0.003, 0.01].map(|start| mixture(&told, start));
-            let found = if found[1].gain > found[0].gain {
-                found[1]
-            } else {
-                found[0]
-            };
+            let found = if found[1].gain > found[0].gain { found[1] } else { found[0] };
             if best.as_ref().is_none_or(|b| without + found.gain > b.0) {
                 best = Some((without + found.gain, found, told));
             }
@@ -159,11 +126,7 @@ pub fn dragging(
     }
     let (reached, Mixture { drag, share, gain }, told) = best?;
     // From a day on, or on cold days, is another law.
-    let at = |run: &Told, of: fn(&Row) -> Option<f64>| {
-        rows.iter()
-            .find(|row| row.interval.run == run.run)
-            .and_then(of)
-    };
+    let at = |run: &Told, of: fn(&Row) -> Option<f64>| rows.iter().find(|row| row.interval.run == run.run).and_then(of);
     let day = |run: &Told| at(run, |row| row.interval.day);
     let temperature = |run: &Told| at(run, |row| row.interval.temperature_c);
     if step(&told, day).max(step(&told, temperature)) > gain {
@@ -180,14 +143,7 @@ mod tests {
 
     fn told(constants: impl Iterator<Item = f64>) -> Vec<Told> {
         let information = 1.0 / (1.5e-3_f64 * 1.5e-3);
-        constants
-            .enumerate()
-            .map(|(run, constant)| Told {
-                run,
-                score: constant * information,
-                information,
-            })
-            .collect()
+        constants.enumerate().map(|(run, constant)| Told { run, score: constant * information, information }).collect()
     }
 
     #[test]

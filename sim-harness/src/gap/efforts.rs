@@ -34,12 +34,7 @@ fn calculated_n_per_kg(found: &Calibrated) -> f64 {
 
 impl Recognised {
     /// With the noise that was found, if one was.
-    pub fn new(
-        runs: &[Run],
-        readings: &Readings,
-        found: Option<&Calibrated>,
-        uncertain: f64,
-    ) -> Self {
+    pub fn new(runs: &[Run], readings: &Readings, found: Option<&Calibrated>, uncertain: f64) -> Self {
         let at_first = rounded_n_per_kg(runs, readings).hypot(DISTURBED_N_PER_KG);
         let (least, most) = RECOGNISED_N_PER_KG;
         let of = |found| calculated_n_per_kg(found).clamp(least, most);
@@ -53,11 +48,7 @@ impl Recognised {
 
 /// Whether the effort counts as measured.
 pub fn measured(runs: &[Run]) -> bool {
-    let moving = || {
-        runs.iter()
-            .flat_map(|run| &run.samples)
-            .filter(|s| s.speed_mps.is_some_and(|v| v > 1.0))
-    };
+    let moving = || runs.iter().flat_map(|run| &run.samples).filter(|s| s.speed_mps.is_some_and(|v| v > 1.0));
     let with = moving().filter(|s| s.effort_n_per_kg.is_some()).count();
     // A column of zeros is none.
     let any = moving().any(|s| s.effort_n_per_kg.is_some_and(|effort| effort != 0.0));
@@ -67,10 +58,7 @@ pub fn measured(runs: &[Run]) -> bool {
 /// The reading under which the residuals are smaller.
 pub fn effort_reading(context: &Context<'_>, runs: &[Run], readings: &Readings) -> EffortReading {
     let spread = |effort| {
-        let readings = Readings {
-            effort,
-            ..*readings
-        };
+        let readings = Readings { effort, ..*readings };
         let residuals = runs.iter().enumerate().flat_map(|(i, run)| {
             let line = context.believed.line(run.direction);
             intervals(i, run, line, &readings)
@@ -93,12 +81,7 @@ pub fn effort_reading(context: &Context<'_>, runs: &[Run], readings: &Readings) 
 }
 
 /// Extra resistance of a model along intervals, N/kg.
-fn extra(
-    context: &Context<'_>,
-    run: &Run,
-    intervals: &[Interval],
-    (model, beta): (&[Term], &[f64]),
-) -> Vec<f64> {
+fn extra(context: &Context<'_>, run: &Run, intervals: &[Interval], (model, beta): (&[Term], &[f64])) -> Vec<f64> {
     let rows: Vec<Row> = intervals
         .iter()
         .map(|interval| Row {
@@ -158,18 +141,12 @@ pub fn rows(
         coasted(&runs.iter().zip(cut).map(driven).collect::<Vec<_>>())
     };
     let effort = |run: usize, i: usize| {
-        if measured {
-            cut[run][i].effort_n_per_kg
-        } else {
-            zero[run][i].then_some(0.0)
-        }
+        if measured { cut[run][i].effort_n_per_kg } else { zero[run][i].then_some(0.0) }
     };
     let of_run = |(index, run): (usize, &Run)| {
         let line = context.believed.line(run.direction);
         let intervals = cut[index].iter().enumerate();
-        intervals
-            .filter_map(|(i, interval)| Row::new(line, interval, Some(effort(index, i)?)))
-            .collect::<Vec<_>>()
+        intervals.filter_map(|(i, interval)| Row::new(line, interval, Some(effort(index, i)?))).collect::<Vec<_>>()
     };
     runs.iter().enumerate().flat_map(of_run).collect()
 }
@@ -191,9 +168,7 @@ fn efforts(
         .zip(extra)
         .map(|(interval, extra)| {
             if measured {
-                interval
-                    .effort_n_per_kg
-                    .filter(|_| interval.effort_change_n_per_kg < 0.05)
+                interval.effort_n_per_kg.filter(|_| interval.effort_change_n_per_kg < 0.05)
             } else {
                 let load = super::rows::believed_load(line, interval) + extra;
                 within(interval).then(|| interval.acceleration_mps2() + load)
@@ -224,10 +199,7 @@ pub fn traction_of(
         if !measured {
             let effort = effort();
             let given = calculated(believed.train(), intervals, &effort, sd);
-            return (
-                pulls(believed, run.direction, intervals, &effort, sd),
-                given,
-            );
+            return (pulls(believed, run.direction, intervals, &effort, sd), given);
         }
         let sampled = readings.effort == EffortReading::Momentary || usual_step_s(run) < FAST_S;
         let pulls = if sampled {

@@ -41,9 +41,7 @@ fn axes(context: &Context<'_>, rows: &[Row]) -> Vec<(&'static str, Witnesses)> {
     /// An effort up to this is none, N/kg.
     const COAST_N_PER_KG: f64 = 0.005;
     let along = |axis: Coordinate, count: usize| {
-        let at = rows
-            .iter()
-            .filter_map(|row| coordinate(axis, row, row.interval.middle()));
+        let at = rows.iter().filter_map(|row| coordinate(axis, row, row.interval.middle()));
         let knots = knots(at, count);
         let columns = Term::Smooth(axis, knots.clone()).columns(context, rows);
         knots.into_iter().zip(columns).collect()
@@ -82,11 +80,7 @@ fn axes(context: &Context<'_>, rows: &[Row]) -> Vec<(&'static str, Witnesses)> {
 }
 
 /// Evidence along each of them, strongest first, and the probability of the strongest of all without a gap.
-pub fn evidence(
-    context: &Context<'_>,
-    rows: &[Row],
-    calibrated: &Calibrated,
-) -> (Vec<Evidence>, f64) {
+pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> (Vec<Evidence>, f64) {
     if rows.is_empty() {
         return (Vec::new(), 1.0);
     }
@@ -111,11 +105,8 @@ pub fn evidence(
                 }
             }
             let column: DVector<f64> = base.beside(&whitening.whiten(&column));
-            let scores: Vec<f64> = whitening
-                .runs()
-                .iter()
-                .map(|r| column.rows(r.start, r.len()).dot(&y.rows(r.start, r.len())))
-                .collect();
+            let scores: Vec<f64> =
+                whitening.runs().iter().map(|r| column.rows(r.start, r.len()).dot(&y.rows(r.start, r.len()))).collect();
             if scores.iter().filter(|s| **s != 0.0).count() >= 3 {
                 small.push(NOTHING_N_PER_KG * column.norm_squared());
                 witnesses.push((which, *knot, scores));
@@ -129,21 +120,14 @@ pub fn evidence(
         .map(|((_, _, s), small)| size((s.iter().sum::<f64>().abs() - small).max(0.0), s))
         .collect();
     let most = |of: &[f64], which: usize| {
-        witnesses
-            .iter()
-            .zip(of)
-            .filter(|((w, _, _), _)| *w == which)
-            .map(|(_, v)| *v)
-            .fold(0.0, f64::max)
+        witnesses.iter().zip(of).filter(|((w, _, _), _)| *w == which).map(|(_, v)| *v).fold(0.0, f64::max)
     };
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let runs = whitening.runs().len();
     let (mut exceeded, mut any) = (vec![0_usize; axes.len()], 0);
     let largest = observed.iter().copied().fold(0.0, f64::max);
     for _ in 0..FLIPS {
-        let signs: Vec<f64> = (0..runs)
-            .map(|_| if rng.next_u32() & 1 == 0 { 1.0 } else { -1.0 })
-            .collect();
+        let signs: Vec<f64> = (0..runs).map(|_| if rng.next_u32() & 1 == 0 { 1.0 } else { -1.0 }).collect();
         let flipped: Vec<f64> = witnesses
             .iter()
             .map(|(_, _, s)| {

@@ -222,10 +222,7 @@ mod tests {
         let refused = serde_json::from_str::<Effect>(r#"{"name": "ghost"}"#).unwrap_err();
         let text = refused.to_string();
         let mut words = text.split('`').skip(1).step_by(2).filter(|w| *w != "ghost");
-        assert!(
-            NAMES.iter().all(|name| words.next() == Some(name)),
-            "{text}"
-        );
+        assert!(NAMES.iter().all(|name| words.next() == Some(name)), "{text}");
         assert_eq!(words.next(), None);
         assert!(NAMES.iter().all(|name| explain(name).is_some()));
     }

@@ -29,47 +29,26 @@ pub enum Family {
 }
 
 /// All families that these data can show. `measured`: with an effort column.
-pub fn families(
-    context: &Context<'_>,
-    rows: &[Row],
-    whitening: &Whitening,
-    measured: bool,
-) -> Vec<Family> {
+pub fn families(context: &Context<'_>, rows: &[Row], whitening: &Whitening, measured: bool) -> Vec<Family> {
     let kmh = |v: f64| v / 3.6;
     let mut families = vec![
         // r1 alone is what a one-way wind looks like, and no way in which a description goes wrong.
         Family::Shapes(
-            [
-                [true, false, false],
-                [false, false, true],
-                [true, false, true],
-                [true, true, true],
-            ]
-            .map(Term::Davis)
-            .to_vec(),
+            [[true, false, false], [false, false, true], [true, false, true], [true, true, true]]
+                .map(Term::Davis)
+                .to_vec(),
         ),
         Family::Shapes(vec![Term::Cube]),
         Family::Wind,
-        Family::Shapes(
-            [60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1000.0]
-                .map(Term::WarmUp)
-                .to_vec(),
-        ),
+        Family::Shapes([60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1000.0].map(Term::WarmUp).to_vec()),
         Family::Length,
         Family::Dragging,
     ];
     for kind in [Kind::Tunnel, Kind::Gradient] {
-        families.push(Family::Section(Box::new(Scan::new(
-            kind, context, rows, whitening,
-        ))));
+        families.push(Family::Section(Box::new(Scan::new(kind, context, rows, whitening))));
     }
     if both_directions(rows) {
-        families.push(Family::Section(Box::new(Scan::new(
-            Kind::Bump,
-            context,
-            rows,
-            whitening,
-        ))));
+        families.push(Family::Section(Box::new(Scan::new(Kind::Bump, context, rows, whitening))));
     }
     if !context.curves.is_empty() {
         families.push(Family::Shapes(vec![Term::Curve]));
@@ -78,18 +57,10 @@ pub fn families(
     families.push(Family::Shapes(vec![Term::Mass]));
     if measured {
         families.push(Family::Shapes(vec![Term::Gauge]));
-        families.push(Family::Shapes(
-            [20.0, 40.0, 60.0, 80.0, 100.0]
-                .map(|v| Term::BrakeFade(kmh(v)))
-                .to_vec(),
-        ));
+        families.push(Family::Shapes([20.0, 40.0, 60.0, 80.0, 100.0].map(|v| Term::BrakeFade(kmh(v))).to_vec()));
     }
-    let mut coordinates = vec![
-        (Coordinate::Speed, 7),
-        (Coordinate::Speed, 14),
-        (Coordinate::Time, 7),
-        (Coordinate::Time, 24),
-    ];
+    let mut coordinates =
+        vec![(Coordinate::Speed, 7), (Coordinate::Speed, 14), (Coordinate::Time, 7), (Coordinate::Time, 24)];
     if rows.iter().any(|row| row.interval.temperature_c.is_some()) {
         families.push(Family::Shapes(vec![Term::Temperature]));
         coordinates.push((Coordinate::Temperature, 5));
@@ -104,13 +75,7 @@ pub fn families(
     };
     // Days and temperatures are those of runs, so a step lies between two of them.
     for which in [Coordinate::Day, Coordinate::Temperature] {
-        let of_run = |range: &Range<usize>| {
-            coordinate(
-                which,
-                &rows[range.start],
-                rows[range.start].interval.middle(),
-            )
-        };
+        let of_run = |range: &Range<usize>| coordinate(which, &rows[range.start], rows[range.start].interval.middle());
         let between = knots(whitening.runs().iter().filter_map(of_run), STEPS);
         let steps = between.windows(2).flat_map(|pair| {
             let at = 0.5 * (pair[0] + pair[1]);
@@ -126,8 +91,7 @@ pub fn families(
         smooth(which, knots(along(which), count));
     }
     // Speeds that are only passed through have few rows, and no knot among those that are equally filled.
-    let (low, high) =
-        along(Coordinate::Speed).fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+    let (low, high) = along(Coordinate::Speed).fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
     if low < high {
         let even = |i: usize| low + (high - low) * i as f64 / (EVEN - 1) as f64;
         smooth(Coordinate::Speed, (0..EVEN).map(even).collect());

@@ -75,12 +75,7 @@ impl Files {
             let folder = path.parent().unwrap_or(out);
             fs::create_dir_all(folder).map_err(at(folder))?;
         }
-        if let Some(path) = self
-            .0
-            .iter()
-            .map(|(name, _)| out.join(name))
-            .find(|path| path.is_dir())
-        {
+        if let Some(path) = self.0.iter().map(|(name, _)| out.join(name)).find(|path| path.is_dir()) {
             let source = io::Error::from(io::ErrorKind::IsADirectory);
             return Err(WriteError { path, source });
         }
@@ -93,26 +88,16 @@ impl Files {
 }
 
 fn failed(name: &'static str, error: &impl std::fmt::Display) -> RenderError {
-    RenderError {
-        name,
-        reason: error.to_string(),
-    }
+    RenderError { name, reason: error.to_string() }
 }
 
 /// Train and track with what was found, in place of effects that they had: these took no part in the analysis.
-pub fn repaired(
-    found: &Investigation,
-    train: &TrainFile,
-    track: &TrackFile,
-) -> (TrainFile, TrackFile) {
+pub fn repaired(found: &Investigation, train: &TrainFile, track: &TrackFile) -> (TrainFile, TrackFile) {
     let (mut train, mut track) = (train.clone(), track.clone());
     train.effect.clear();
     track.effect.clear();
     for one in &found.named {
-        let entry = EffectEntry {
-            effect: one.effect.clone(),
-            runs: (!one.runs.is_empty()).then(|| one.runs.clone()),
-        };
+        let entry = EffectEntry { effect: one.effect.clone(), runs: (!one.runs.is_empty()).then(|| one.runs.clone()) };
         match one.effect.section_m() {
             Some(_) => track.effect.push(entry),
             None => train.effect.push(entry),

@@ -49,38 +49,22 @@ pub struct Gain {
 
 fn inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     // Columns of very different size: scaled to ones on the diagonal first.
-    let scale = matrix
-        .diagonal()
-        .map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
+    let scale = matrix.diagonal().map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
     let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
         matrix[(i, j)] * scale[i] * scale[j] + if i == j { 1e-10 } else { 0.0 }
     });
     let inverse = scaled.cholesky()?.inverse();
-    Some(DMatrix::from_fn(
-        inverse.nrows(),
-        inverse.ncols(),
-        |i, j| inverse[(i, j)] * scale[i] * scale[j],
-    ))
+    Some(DMatrix::from_fn(inverse.nrows(), inverse.ncols(), |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }
 
 impl Base {
     /// Fits the current model. `None` if its columns cannot be told apart.
     pub fn new(y: &DVector<f64>, columns: &[DVector<f64>], runs: &[Range<usize>]) -> Option<Self> {
-        let x = if columns.is_empty() {
-            DMatrix::zeros(y.len(), 0)
-        } else {
-            DMatrix::from_columns(columns)
-        };
+        let x = if columns.is_empty() { DMatrix::zeros(y.len(), 0) } else { DMatrix::from_columns(columns) };
         let inverse = inverse(x.transpose() * &x)?;
         let beta = &inverse * (x.transpose() * y);
         let residual = y - &x * &beta;
-        Some(Self {
-            x,
-            inverse,
-            beta,
-            residual,
-            runs: runs.to_vec(),
-        })
+        Some(Self { x, inverse, beta, residual, runs: runs.to_vec() })
     }
 
     /// A column with the current model projected out.
@@ -121,8 +105,7 @@ impl Base {
     fn scores(&self, x: &DMatrix<f64>, residual: &DVector<f64>) -> DMatrix<f64> {
         let mut scores = DMatrix::zeros(x.ncols(), self.runs.len());
         for (k, range) in self.runs.iter().enumerate() {
-            let score = x.rows(range.start, range.len()).transpose()
-                * residual.rows(range.start, range.len());
+            let score = x.rows(range.start, range.len()).transpose() * residual.rows(range.start, range.len());
             scores.set_column(k, &score);
         }
         scores
@@ -149,22 +132,9 @@ impl Base {
             .collect();
         of_runs.sort_by(f64::total_cmp);
         let kept = of_runs.len() - (of_runs.len() / 10).max(1).min(of_runs.len());
-        let without_best =
-            of_runs[..kept].iter().sum::<f64>() * of_runs.len() as f64 / kept.max(1) as f64;
+        let without_best = of_runs[..kept].iter().sum::<f64>() * of_runs.len() as f64 / kept.max(1) as f64;
         // How much wider the spread between runs is than the noise model says, over the directions of these columns.
-        let wider = robust
-            .diagonal()
-            .iter()
-            .zip(naive.diagonal().iter())
-            .map(|(r, n)| r / n)
-            .fold(1.0, f64::max);
-        Some(Gain {
-            gain: naive_gain / wider,
-            naive_gain,
-            without_best,
-            beta,
-            naive,
-            robust,
-        })
+        let wider = robust.diagonal().iter().zip(naive.diagonal().iter()).map(|(r, n)| r / n).fold(1.0, f64::max);
+        Some(Gain { gain: naive_gain / wider, naive_gain, without_best, beta, naive, robust })
     }
 }

@@ -43,19 +43,15 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
     let mut place = 0;
     let mut fitted = Vec::new();
     for (index, term) in model.iter().enumerate() {
-        let count = if matches!(term, Term::Length(_)) {
-            0
-        } else {
-            term.count()
-        };
+        let count = if matches!(term, Term::Length(_)) { 0 } else { term.count() };
         let range = place..place + count;
         place += count;
         let mut others = model.to_vec();
         others.remove(index);
-        let (same, rivals): (Vec<Found>, Vec<Found>) =
-            search.candidates(&others).into_iter().partition(|found| {
-                core::mem::discriminant(&found.term) == core::mem::discriminant(term)
-            });
+        let (same, rivals): (Vec<Found>, Vec<Found>) = search
+            .candidates(&others)
+            .into_iter()
+            .partition(|found| core::mem::discriminant(&found.term) == core::mem::discriminant(term));
         let gain = same.first().map_or(0.0, |found| found.gain.gain);
         let rivals = rivals
             .into_iter()

@@ -157,29 +157,18 @@ pub fn model_of(
         _ => None,
     });
     let (Some(spread_mps), Some(first)) = (spread_mps, rows.get(window.start)) else {
-        return Model {
-            effects: effects.clone(),
-            own,
-        };
+        return Model { effects: effects.clone(), own };
     };
     let others = rows[..window.start].iter().chain(&rows[window.end..]);
     let others = others.filter(|row| row.interval.run == first.interval.run);
     let noise = &findings.calibrated.noise;
     let (headwind_mps, sd) = own_wind(others, believed, effects, noise, spread_mps);
     own.wind_mps = sd;
-    Model {
-        effects: in_wind(effects, first.direction.sign() * headwind_mps),
-        own,
-    }
+    Model { effects: in_wind(effects, first.direction.sign() * headwind_mps), own }
 }
 
 /// Simulates each window of adjacent rows with and without the effects.
-pub fn resisted(
-    believed: &Believed<'_>,
-    findings: &Findings,
-    effects: &Effects,
-    rows: &[Row],
-) -> Vec<Compared> {
+pub fn resisted(believed: &Believed<'_>, findings: &Findings, effects: &Effects, rows: &[Row]) -> Vec<Compared> {
     let noise = &findings.calibrated.noise;
     let mut compared = Vec::new();
     for range in windows(rows) {
@@ -191,8 +180,7 @@ pub fn resisted(
         for (i, row) in window.iter().enumerate() {
             let interval = &row.interval;
             let change = noise.change_share * interval.effort_change_n_per_kg;
-            walk +=
-                (noise.acceleration_mps2.powi(2) + change * change) * interval.dt_s * interval.dt_s;
+            walk += (noise.acceleration_mps2.powi(2) + change * change) * interval.dt_s * interval.dt_s;
             for (sum, force) in own.iter_mut().zip(model.own_n_per_kg(findings, row)) {
                 *sum += force * interval.dt_s;
             }
@@ -218,13 +206,9 @@ fn in_wind(effects: &Effects, wind_mps: f64) -> Effects {
         Effect::SteadyWind(wind) => Some(wind.wind_mps),
         _ => None,
     });
-    let both = Effect::SteadyWind(SteadyWind {
-        wind_mps: wind_mps + steady.unwrap_or(0.0),
-    });
+    let both = Effect::SteadyWind(SteadyWind { wind_mps: wind_mps + steady.unwrap_or(0.0) });
     let mut all = Effects::NONE;
-    let others = effects
-        .iter()
-        .filter(|effect| !matches!(effect, Effect::SteadyWind(_) | Effect::RunWind(_)));
+    let others = effects.iter().filter(|effect| !matches!(effect, Effect::SteadyWind(_) | Effect::RunWind(_)));
     for effect in std::iter::once(both).chain(others.cloned()) {
         // There were as many before.
         if all.push(effect).is_err() {

@@ -43,9 +43,5 @@ pub fn innovations(
         (count > 0).then(|| ((sum / f64::from(count)).sqrt(), count))
     };
     let ((before_mps, before), (after_mps, after)) = (of(&believed)?, of(&repaired)?);
-    Some(Innovations {
-        before_mps,
-        after_mps,
-        count: [before, after],
-    })
+    Some(Innovations { before_mps, after_mps, count: [before, after] })
 }

@@ -51,12 +51,7 @@ pub struct Journey {
 }
 
 /// Of the rows of one run. `None`: no window could be covered.
-pub fn journey(
-    believed: &Believed<'_>,
-    findings: &Findings,
-    effects: &Effects,
-    rows: &[Row],
-) -> Option<Journey> {
+pub fn journey(believed: &Believed<'_>, findings: &Findings, effects: &Effects, rows: &[Row]) -> Option<Journey> {
     let mut journey = Journey {
         run: rows.first()?.interval.run,
         energy_j_per_kg: energy(believed, findings, effects, rows),
@@ -86,9 +81,7 @@ pub fn journey(
 
 fn lasts_s(window: &[Row]) -> f64 {
     let ends = window.first().zip(window.last());
-    ends.map_or(0.0, |(first, last)| {
-        last.interval.begin_s + last.interval.dt_s - first.interval.begin_s
-    })
+    ends.map_or(0.0, |(first, last)| last.interval.begin_s + last.interval.dt_s - first.interval.begin_s)
 }
 
 /// Time until a train with these effects is where the window ends, s.
@@ -96,10 +89,7 @@ fn covers_in(believed: &Believed<'_>, effects: &Effects, window: &[Row]) -> Opti
     let first = window.first()?;
     let line = believed.line(first.direction);
     let sign = line.direction.sign();
-    let ends_m: Vec<f64> = window
-        .iter()
-        .map(|row| end_m(&row.interval, sign))
-        .collect();
+    let ends_m: Vec<f64> = window.iter().map(|row| end_m(&row.interval, sign)).collect();
     let end_m = *ends_m.last()?;
     let (mut location_m, mut speed) = (begin_m(&first.interval, sign), first.interval.speed_mps[0]);
     let since_s = first.interval.path[0].since_departure_s;
@@ -154,12 +144,7 @@ fn time_floor(findings: &Findings, model: &Model, window: &[Row], own: &mut [f64
 }
 
 /// Over the rows in which the train pulled.
-fn energy(
-    believed: &Believed<'_>,
-    findings: &Findings,
-    effects: &Effects,
-    rows: &[Row],
-) -> Option<Error> {
+fn energy(believed: &Believed<'_>, findings: &Findings, effects: &Effects, rows: &[Row]) -> Option<Error> {
     if !findings.measured {
         return None;
     }
@@ -228,11 +213,7 @@ impl Summary {
             let sum: f64 = sorted.iter().sum();
             Some(Spread {
                 mean: sum / sorted.len() as f64,
-                quantiles: [
-                    quantile(&sorted, 0.1)?,
-                    quantile(&sorted, 0.5)?,
-                    quantile(&sorted, 0.9)?,
-                ],
+                quantiles: [quantile(&sorted, 0.1)?, quantile(&sorted, 0.5)?, quantile(&sorted, 0.9)?],
                 relative: sum / measured,
             })
         };
@@ -243,12 +224,7 @@ impl Summary {
         if share.before < chance * share.floor {
             (share.removed, share.removed_95) = (None, None);
         }
-        Some(Self {
-            share,
-            measured,
-            before: spread(|e| e.before)?,
-            after: spread(|e| e.after)?,
-        })
+        Some(Self { share, measured, before: spread(|e| e.before)?, after: spread(|e| e.after)? })
     }
 }
 
@@ -258,12 +234,7 @@ mod tests {
 
     fn errors(before: f64, floor: f64) -> Vec<Error> {
         let sign = |i: i32| if i % 2 == 0 { 1.0 } else { -1.0 };
-        let error = |i| Error {
-            measured: 100.0,
-            before: sign(i) * before,
-            after: sign(i),
-            floor,
-        };
+        let error = |i| Error { measured: 100.0, before: sign(i) * before, after: sign(i), floor };
         (0..10).map(error).collect()
     }
 

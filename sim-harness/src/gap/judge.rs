@@ -36,10 +36,8 @@ pub(super) fn judge(
     tested: &[Run],
 ) -> Judged {
     // Which of the held-out runs an effect of some runs acts in, only the run itself can say: the choice that fits it better, one bit a run.
-    let (always, sometimes): (Vec<Named>, Vec<Named>) = trained
-        .iter()
-        .cloned()
-        .partition(|named| named.runs.is_empty());
+    let (always, sometimes): (Vec<Named>, Vec<Named>) =
+        trained.iter().cloned().partition(|named| named.runs.is_empty());
     let without = effects(&always);
     let with = effects(&always.iter().chain(&sometimes).cloned().collect::<Vec<_>>());
     let (mut rows, pulls) = apply(believed, surroundings, found, tested);
@@ -56,8 +54,7 @@ pub(super) fn judge(
         }
         compared
     };
-    let kinematic =
-        |named: &Named| matches!(named.effect, Effect::SpeedScale(_) | Effect::LocationLag(_));
+    let kinematic = |named: &Named| matches!(named.effect, Effect::SpeedScale(_) | Effect::LocationLag(_));
     let way: Vec<Compared> = if trained.iter().any(kinematic) {
         let of_run = |(i, run)| travelled(i, run, &found.readings);
         tested.iter().enumerate().flat_map(of_run).collect()
@@ -72,9 +69,7 @@ pub(super) fn judge(
         let acting = compare(&with);
         acts = acting_in(&plain, &acting, tested.len());
         let chosen = plain.into_iter().zip(acting);
-        chosen
-            .map(|(plain, acting)| if acts[plain.run] { acting } else { plain })
-            .collect()
+        chosen.map(|(plain, acting)| if acts[plain.run] { acting } else { plain }).collect()
     };
     compared.extend(way);
     let of_runs = rows.chunk_by(|a, b| a.interval.run == b.interval.run);
@@ -109,9 +104,7 @@ fn acting_in(plain: &[Compared], acting: &[Compared], runs: usize) -> Vec<bool> 
     let error = |compared: &[Compared], run| of_run(compared, run, |c| c.after_mps * c.after_mps);
     // A driver may by chance ask for what a limit leaves: where that foresees the pulls as well as a share of his own, the limit acts.
     let chance = |run| of_run(plain, run, |c| if c.time_s == 0.0 { c.floor } else { 0.0 });
-    (0..runs)
-        .map(|run| error(acting, run) < error(plain, run) + chance(run))
-        .collect()
+    (0..runs).map(|run| error(acting, run) < error(plain, run) + chance(run)).collect()
 }
 
 /// Is there a gap in the held-out runs, and is there one left?
@@ -128,10 +121,7 @@ fn p_values(
         return None;
     }
     let context = found.context(believed, surroundings);
-    let calibrated = Calibrated {
-        spread: vec![1.0; rows.len()],
-        ..found.calibrated.clone()
-    };
+    let calibrated = Calibrated { spread: vec![1.0; rows.len()], ..found.calibrated.clone() };
     let p_value = |rows: &[Row]| evidence(&context, rows, &calibrated).1;
     let left = repaired(&believed, named, tested, rows);
     Some([p_value(rows), p_value(&left)])

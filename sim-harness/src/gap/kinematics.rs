@@ -61,23 +61,11 @@ impl Kinematics {
     /// What is corrected before any force is looked at.
     pub fn readings(&self) -> Readings {
         Readings {
-            speed_scale: if self.scale_matters() {
-                1.0 + self.scale.0
-            } else {
-                1.0
-            },
-            speed_offset_mps: if self.truncates() {
-                0.5 * self.quantum_mps
-            } else {
-                0.0
-            },
+            speed_scale: if self.scale_matters() { 1.0 + self.scale.0 } else { 1.0 },
+            speed_offset_mps: if self.truncates() { 0.5 * self.quantum_mps } else { 0.0 },
             speed_quantum_mps: self.quantum_mps,
             // A lag too small to be named still moves the train on its gradients.
-            location_lag_s: if self.lag_s.0.abs() > 3.0 * self.lag_s.1 {
-                self.lag_s.0
-            } else {
-                0.0
-            },
+            location_lag_s: if self.lag_s.0.abs() > 3.0 * self.lag_s.1 { self.lag_s.0 } else { 0.0 },
             ..Readings::default()
         }
     }
@@ -95,21 +83,13 @@ pub fn kinematics(runs: &[Run]) -> Kinematics {
     let of_runs: Vec<OfRun> = runs.iter().filter_map(of_run).collect();
     let with_offset = fitted(&of_runs, quantum_mps, &[0, 1, 2]);
     // Without a quantum there is no truncation. An offset that is not put right must not hold a part of the scale either.
-    if quantum_mps > 0.0 && with_offset.truncates() {
-        with_offset
-    } else {
-        fitted(&of_runs, quantum_mps, &[0, 2])
-    }
+    if quantum_mps > 0.0 && with_offset.truncates() { with_offset } else { fitted(&of_runs, quantum_mps, &[0, 2]) }
 }
 
 /// `free`: which of scale, offset and lag are looked for.
 fn fitted(of_runs: &[OfRun], quantum_mps: f64, free: &[usize]) -> Kinematics {
     let mut kept: Vec<&OfRun> = of_runs.iter().collect();
-    let mut found = Kinematics {
-        quantum_mps,
-        runs: of_runs.len(),
-        ..Kinematics::default()
-    };
+    let mut found = Kinematics { quantum_mps, runs: of_runs.len(), ..Kinematics::default() };
     for _ in 0..3 {
         let Some((beta, sd, outside)) = over_runs(&kept, free) else {
             return found;
@@ -120,12 +100,7 @@ fn fitted(of_runs: &[OfRun], quantum_mps: f64, free: &[usize]) -> Kinematics {
         if outside.is_empty() {
             break;
         }
-        kept = kept
-            .into_iter()
-            .enumerate()
-            .filter(|(index, _)| !outside.contains(index))
-            .map(|(_, run)| run)
-            .collect();
+        kept = kept.into_iter().enumerate().filter(|(index, _)| !outside.contains(index)).map(|(_, run)| run).collect();
     }
     found
 }
@@ -164,20 +139,13 @@ fn over_runs(runs: &[&OfRun], free: &[usize]) -> Option<([f64; 3], [f64; 3], Vec
     for (place, which) in free.iter().enumerate() {
         value[*which] = beta[place];
         // Never surer than the noise model with its few assumptions, halved.
-        sd[*which] = robust[(place, place)]
-            .sqrt()
-            .max(0.5 * inverse[(place, place)].sqrt());
+        sd[*which] = robust[(place, place)].sqrt().max(0.5 * inverse[(place, place)].sqrt());
     }
     let mut sorted = sizes.clone();
     sorted.sort_by(f64::total_cmp);
     let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-    let outside = if runs.len() < 6 {
-        Vec::new()
-    } else {
-        (0..sizes.len())
-            .filter(|i| sizes[*i] > 12.0 * median)
-            .collect()
-    };
+    let outside =
+        if runs.len() < 6 { Vec::new() } else { (0..sizes.len()).filter(|i| sizes[*i] > 12.0 * median).collect() };
     Some((value, sd, outside))
 }
 
@@ -207,16 +175,12 @@ fn of_run(run: &Run) -> Option<OfRun> {
     let sign = run.direction.sign();
     let longest_s = 3.0 * usual_step_s(run).max(5.0);
     // Fast logs: pairs about 10 s apart, or the way between two samples drowns in the noise of the location.
-    let read: Vec<(f64, f64, f64)> = run
-        .samples
-        .iter()
-        .filter_map(|s| Some((s.time_s, s.location_m?, s.speed_mps?)))
-        .collect();
+    let read: Vec<(f64, f64, f64)> =
+        run.samples.iter().filter_map(|s| Some((s.time_s, s.location_m?, s.speed_mps?))).collect();
     let mut way = vec![0.0; read.len()];
     for i in 1..read.len() {
-        way[i] = way[i - 1]
-            + 0.5 * (read[i].0 - read[i - 1].0) * (read[i].2 + read[i - 1].2)
-            + bent(&read, i, longest_s);
+        way[i] =
+            way[i - 1] + 0.5 * (read[i].0 - read[i - 1].0) * (read[i].2 + read[i - 1].2) + bent(&read, i, longest_s);
     }
     let mut picked: Vec<usize> = Vec::new();
     for (i, r) in read.iter().enumerate() {
@@ -242,11 +206,8 @@ fn of_run(run: &Run) -> Option<OfRun> {
         lag.push(-(b.2 - a.2));
         let variance = 2.0 * LOCATION_SD_M * LOCATION_SD_M + WAY_SD_M * WAY_SD_M * dt;
         let shared = last_end == Some(pair[0]);
-        let off: f64 = if shared {
-            -LOCATION_SD_M * LOCATION_SD_M / diagonal.last().copied().unwrap_or(1.0)
-        } else {
-            0.0
-        };
+        let off: f64 =
+            if shared { -LOCATION_SD_M * LOCATION_SD_M / diagonal.last().copied().unwrap_or(1.0) } else { 0.0 };
         diagonal.push((variance - off * off).sqrt());
         below.push(off);
         last_end = Some(pair[1]);
@@ -284,10 +245,7 @@ fn quantum_mps(runs: &[Run]) -> f64 {
         .map(|v| 3.6 * v)
         .collect();
     for quantum_kmh in [1.0, 0.5] {
-        let whole = speeds
-            .iter()
-            .filter(|v| ((*v / quantum_kmh).round() * quantum_kmh - *v).abs() < 1e-3)
-            .count();
+        let whole = speeds.iter().filter(|v| ((*v / quantum_kmh).round() * quantum_kmh - *v).abs() < 1e-3).count();
         if whole as f64 > 0.98 * speeds.len() as f64 && !speeds.is_empty() {
             return quantum_kmh / 3.6;
         }

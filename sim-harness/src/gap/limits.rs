@@ -41,11 +41,7 @@ impl Search<'_> {
             (square / acting().count().max(1) as f64).sqrt()
         };
         let of = |size: f64| {
-            if size > 0.0 {
-                NOTHING_N_PER_KG / size
-            } else {
-                0.0
-            }
+            if size > 0.0 { NOTHING_N_PER_KG / size } else { 0.0 }
         };
         columns.into_iter().map(size).map(of).collect()
     }
@@ -59,17 +55,9 @@ impl Search<'_> {
         };
         let free = |term: &&Term| !matches!(term, Term::Length(_));
         let before: usize = model[..index].iter().filter(free).map(Term::count).sum();
-        let columns: Vec<_> = model
-            .iter()
-            .filter(free)
-            .flat_map(|term| self.white(term).to_vec())
-            .collect();
+        let columns: Vec<_> = model.iter().filter(free).flat_map(|term| self.white(term).to_vec()).collect();
         let davis = self.context.believed.train().davis();
-        for (k, described) in [davis.r0, davis.r1, davis.r2]
-            .into_iter()
-            .enumerate()
-            .filter(|(k, _)| !wrong[*k])
-        {
+        for (k, described) in [davis.r0, davis.r1, davis.r2].into_iter().enumerate().filter(|(k, _)| !wrong[*k]) {
             let mut alone = [false; 3];
             alone[k] = true;
             let left_out = self.white(&Term::Davis(alone));
@@ -94,16 +82,10 @@ impl Search<'_> {
         let base = self.base(others)?;
         let gain = |section: [f64; 2]| self.gain(&base, &kind.term(section));
         let best = gain(section)?;
-        let mut limits = SectionLimits {
-            edges_m: section.map(|at| (at, at)),
-            beta: (best.beta[0], best.beta[0]),
-        };
+        let mut limits = SectionLimits { edges_m: section.map(|at| (at, at)), beta: (best.beta[0], best.beta[0]) };
         let mut include = |section: [f64; 2], beta: f64, lost: f64| {
             let half = half * (1.0 - lost / LOSS_AT_LIMIT).max(0.0).sqrt();
-            limits.beta = (
-                limits.beta.0.min(beta - half),
-                limits.beta.1.max(beta + half),
-            );
+            limits.beta = (limits.beta.0.min(beta - half), limits.beta.1.max(beta + half));
             for (limits, at) in limits.edges_m.iter_mut().zip(section) {
                 *limits = (limits.0.min(at), limits.1.max(at));
             }
@@ -130,8 +112,7 @@ impl Search<'_> {
         // Where runs differ more than the noise model says, so much more may be lost.
         let wider = (best.naive_gain / best.gain.max(1e-9)).max(1.0);
         for scan in scans {
-            for (section, beta, lost) in scan.within(&base, best.naive_gain, wider * LOSS_AT_LIMIT)
-            {
+            for (section, beta, lost) in scan.within(&base, best.naive_gain, wider * LOSS_AT_LIMIT) {
                 include(section, beta, lost / wider);
             }
         }

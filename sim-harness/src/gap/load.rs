@@ -53,40 +53,24 @@ pub fn run(
     for (row, sample) in recording.rows.iter().zip(&log.samples) {
         let measurement = &row.measurement;
         // Times that do not increase were reported when the log was read.
-        if samples
-            .last()
-            .is_some_and(|last| last.time_s >= measurement.time_s)
-        {
+        if samples.last().is_some_and(|last| last.time_s >= measurement.time_s) {
             continue;
         }
         samples.push(Sample {
             time_s: measurement.time_s,
             // What no train has was warned of when the log was read; no estimator judges it here.
-            location_m: measurement
-                .location_m
-                .filter(|at| at.abs() < MOST_LOCATION_M),
-            speed_mps: measurement
-                .speed_mps
-                .filter(|v| (0.0..most_mps).contains(v)),
+            location_m: measurement.location_m.filter(|at| at.abs() < MOST_LOCATION_M),
+            speed_mps: measurement.speed_mps.filter(|v| (0.0..most_mps).contains(v)),
             effort_n_per_kg: measurement.effort_n_per_kg,
             temperature_c: sample.ambient_temperature_c,
         });
     }
-    let run = Run {
-        name: recording.name.clone(),
-        direction: recording.direction,
-        day: recording.day,
-        samples,
-    };
+    let run = Run { name: recording.name.clone(), direction: recording.direction, day: recording.day, samples };
     Ok((run, recording))
 }
 
 /// Reads all runs; those that cannot be used are left out, with the reason.
-pub fn runs(
-    set: &RunSet,
-    track: &TrackFile,
-    direction: DirectionChoice,
-) -> (Vec<Run>, Vec<String>) {
+pub fn runs(set: &RunSet, track: &TrackFile, direction: DirectionChoice) -> (Vec<Run>, Vec<String>) {
     let (read, notes) = with_recordings(set, track, direction);
     (read.into_iter().map(|(run, _)| run).collect(), notes)
 }
@@ -98,11 +82,7 @@ pub fn with_recordings(
     direction: DirectionChoice,
 ) -> (Vec<(Run, Recording)>, Vec<String>) {
     let line = CentreLine::new(&track.centre_line);
-    let read: Vec<_> = set
-        .files
-        .par_iter()
-        .map(|file| run(file, line.as_ref(), direction))
-        .collect();
+    let read: Vec<_> = set.files.par_iter().map(|file| run(file, line.as_ref(), direction)).collect();
     let (mut runs, mut notes): (Vec<(Run, Recording)>, Vec<String>) = (Vec::new(), Vec::new());
     for result in read {
         match result {
@@ -126,16 +106,11 @@ pub fn about_track(track: &TrackFile, runs: &[Run]) -> Vec<String> {
     /// A location may be this far beyond an end, m: half a train, and the noise of a receiver.
     const BEYOND_M: f64 = 300.0;
     let mut notes = Vec::new();
-    let located = || {
-        runs.iter()
-            .flat_map(|run| run.samples.iter().filter_map(|s| s.location_m))
-    };
+    let located = || runs.iter().flat_map(|run| run.samples.iter().filter_map(|s| s.location_m));
     let line = -BEYOND_M..=track.length_m + BEYOND_M;
     let beyond = located().filter(|at| !line.contains(at)).count();
     if beyond > 0 {
-        let (first_m, last_m) = located().fold((f64::INFINITY, 0.0_f64), |(low, high), at| {
-            (low.min(at), high.max(at))
-        });
+        let (first_m, last_m) = located().fold((f64::INFINITY, 0.0_f64), |(low, high), at| (low.min(at), high.max(at)));
         notes.push(format!(
             "{beyond} of {} locations are not on the described track: they go from {first_m:.0} to {last_m:.0} m, the track from 0 to {:.0} m. Nothing is known of gradients there; look whether the logs belong to this track.",
             located().count(),
@@ -152,17 +127,9 @@ pub fn about_track(track: &TrackFile, runs: &[Run]) -> Vec<String> {
 pub fn surroundings(track: &TrackFile) -> Surroundings {
     Surroundings {
         length_m: track.length_m,
-        curves: track
-            .curve
-            .iter()
-            .map(|c| (c.from_m, c.to_m, rundown::effects::roeckl(c.radius_m)))
-            .collect(),
+        curves: track.curve.iter().map(|c| (c.from_m, c.to_m, rundown::effects::roeckl(c.radius_m))).collect(),
         tunnels: track.tunnel.iter().map(|t| (t.from_m, t.to_m)).collect(),
-        feeding: track
-            .feeding_section
-            .iter()
-            .map(|f| (f.from_m, f.to_m))
-            .collect(),
+        feeding: track.feeding_section.iter().map(|f| (f.from_m, f.to_m)).collect(),
         stops: track.stop.iter().map(|s| s.at_m).collect(),
     }
 }

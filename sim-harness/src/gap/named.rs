@@ -64,8 +64,7 @@ impl Named {
     /// Adds what may as well be it, with its odds.
     fn rival(&mut self, name: &'static str, odds: f64, have: Have) {
         self.confidence = 1.0 / (1.0 / self.confidence + odds);
-        self.would_separate
-            .push(separates(self.effect.name(), name, have));
+        self.would_separate.push(separates(self.effect.name(), name, have));
         self.ambiguous_with.push(name);
     }
 
@@ -85,11 +84,8 @@ impl Named {
         let to_m = parameters.remove("to_m");
         let table = parameters.remove("table");
         parameters.remove("coordinate");
-        let intervals: Map<String, Value> = self
-            .intervals
-            .iter()
-            .map(|(name, low, high)| ((*name).to_owned(), json!([low, high])))
-            .collect();
+        let intervals: Map<String, Value> =
+            self.intervals.iter().map(|(name, low, high)| ((*name).to_owned(), json!([low, high]))).collect();
         let mut value = json!({
             "name": self.effect.name(),
             "from_m": from_m,
@@ -151,17 +147,12 @@ pub fn is_unnamed(term: &Term) -> bool {
 /// All that was found, by name. `runs` as analysed.
 pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> Vec<Named> {
     let mut all: Vec<Named> = Vec::new();
-    let plain = |effect: Effect, intervals, gain| Named {
-        intervals,
-        ..Named::plain(effect, gain)
-    };
+    let plain = |effect: Effect, intervals, gain| Named { intervals, ..Named::plain(effect, gain) };
     let kinematics = &findings.kinematics;
     if kinematics.scale_matters() {
         let (value, sd) = kinematics.scale;
         let scale = 1.0 + value;
-        let effect = Effect::SpeedScale(core_effects::SpeedScale {
-            measured_over_true: scale,
-        });
+        let effect = Effect::SpeedScale(core_effects::SpeedScale { measured_over_true: scale });
         let around = vec![around("measured_over_true", scale, sd.hypot(SCALE))];
         all.push(plain(effect, around, 0.5 * (value / sd).powi(2)));
     }
@@ -169,11 +160,7 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
         let (lag_s, sd) = kinematics.lag_s;
         let sd = sd.hypot(LAG_S);
         let effect = Effect::LocationLag(core_effects::LocationLag { lag_s });
-        all.push(plain(
-            effect,
-            vec![around("lag_s", lag_s, sd)],
-            0.5 * (lag_s / sd).powi(2),
-        ));
+        all.push(plain(effect, vec![around("lag_s", lag_s, sd)], 0.5 * (lag_s / sd).powi(2)));
     }
     let mut terms: Vec<&Fitted> = findings.terms.iter().collect();
     let mut limit = findings.limit();
@@ -185,11 +172,7 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
         let by_power = 1.0 / factor - 1.0;
         if by_drag * by_power > 0.0 && (by_drag - by_power).abs() < 0.5 * by_drag.abs() + 0.02 {
             let effect = Effect::MassError(core_effects::MassError { relative: by_drag });
-            let mut mass = plain(
-                effect,
-                vec![around("relative", by_drag, sd)],
-                only.gain + found.gain,
-            );
+            let mut mass = plain(effect, vec![around("relative", by_drag, sd)], only.gain + found.gain);
             mass.ambiguous_with = vec!["davis_error", "traction_scale"];
             mass.would_separate = vec!["an effort column"];
             all.push(mass);
@@ -221,21 +204,11 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
                 vec![factor(*value)],
                 found.gain,
             ),
-            Limit::Section {
-                from_m,
-                to_m,
-                factor: value,
-            } => {
-                let edges = found
-                    .edges_m
-                    .unwrap_or([(*from_m, *from_m), (*to_m, *to_m)]);
+            Limit::Section { from_m, to_m, factor: value } => {
+                let edges = found.edges_m.unwrap_or([(*from_m, *from_m), (*to_m, *to_m)]);
                 let [from_m, to_m] = described([*from_m, *to_m], edges, &surroundings.feeding);
                 let mut named = plain(
-                    Effect::PowerLimitSection(core_effects::PowerLimitSection {
-                        from_m,
-                        to_m,
-                        factor: *value,
-                    }),
+                    Effect::PowerLimitSection(core_effects::PowerLimitSection { from_m, to_m, factor: *value }),
                     vec![factor(*value)],
                     found.gain,
                 );
@@ -245,22 +218,14 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
                 }
                 named
             }
-            Limit::Adhesion {
-                factor: value,
-                below_kmh,
-                runs: slippery,
-            } => {
+            Limit::Adhesion { factor: value, below_kmh, runs: slippery } => {
                 let mut named = plain(
-                    Effect::LowAdhesion(core_effects::LowAdhesion {
-                        factor: *value,
-                        below_kmh: *below_kmh,
-                    }),
+                    Effect::LowAdhesion(core_effects::LowAdhesion { factor: *value, below_kmh: *below_kmh }),
                     vec![factor(*value)],
                     found.gain,
                 );
                 let limits = found.below_kmh;
-                let limits =
-                    limits.map(|(low, high)| ("below_kmh", low - BELOW_KMH, high + BELOW_KMH));
+                let limits = limits.map(|(low, high)| ("below_kmh", low - BELOW_KMH, high + BELOW_KMH));
                 named.intervals.extend(limits);
                 named.runs = slippery.iter().map(|i| runs[*i].name.clone()).collect();
                 named
@@ -270,11 +235,9 @@ pub fn named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
             Limit::Scale { .. } if !findings.measured => {
                 of_limit.rival("mass_error", 1.0, findings.have());
             }
-            Limit::Section {
-                from_m,
-                to_m,
-                factor,
-            } if !findings.measured && factor > LITTLE_LESS && !coasted(from_m..to_m, findings) => {
+            Limit::Section { from_m, to_m, factor }
+                if !findings.measured && factor > LITTLE_LESS && !coasted(from_m..to_m, findings) =>
+            {
                 of_limit.rival("tunnel_drag", 1.0, findings.have());
             }
             _ => {}

@@ -33,9 +33,7 @@ pub fn notes(found: &Investigation, runs: usize) -> Vec<String> {
             counted(runs, "run", "runs")
         ));
     } else if found.held_out.is_empty() {
-        notes.push(
-            "No run was held out: nothing here was tried on runs that took no part.".to_owned(),
-        );
+        notes.push("No run was held out: nothing here was tried on runs that took no part.".to_owned());
     }
     if runs < FEW_RUNS {
         notes.push(format!(
@@ -49,10 +47,7 @@ pub fn notes(found: &Investigation, runs: usize) -> Vec<String> {
 
 /// What the gauge of the effort reads too much or too little.
 fn gauge(findings: &Findings) -> Option<String> {
-    let gauge = findings
-        .terms
-        .iter()
-        .find(|fitted| fitted.term == Term::Gauge)?;
+    let gauge = findings.terms.iter().find(|fitted| fitted.term == Term::Gauge)?;
     let share = gauge.beta.first()?;
     Some(format!(
         "The effort column reads {:.1} % too {} for the motion, beside what is named: a matter of its gauge, which the model does not need to know.",
@@ -75,11 +70,7 @@ fn seen(findings: &Findings) -> Option<String> {
     if findings.measured {
         return None;
     }
-    let mut speeds: Vec<f64> = findings
-        .rows
-        .iter()
-        .map(|row| 3.6 * row.interval.mean_speed_mps())
-        .collect();
+    let mut speeds: Vec<f64> = findings.rows.iter().map(|row| 3.6 * row.interval.mean_speed_mps()).collect();
     speeds.sort_by(f64::total_cmp);
     Some(format!(
         "Without an effort column the resistance shows in coasting alone: {:.0} % of the moving time, nine tenths of it between {:.0} and {:.0} km/h. What acts where nobody coasts is not seen.",
@@ -101,9 +92,7 @@ pub fn worse(gap: &Gap) -> bool {
 fn other_names(found: &Investigation) -> Option<String> {
     let names = |named: &[Named]| {
         // A wheel of one run is put right before.
-        let of_all = named
-            .iter()
-            .filter(|one| !matches!(one.effect, Effect::SpeedScale(_)));
+        let of_all = named.iter().filter(|one| !matches!(one.effect, Effect::SpeedScale(_)));
         let mut names: Vec<&str> = of_all.map(|one| one.effect.name()).collect();
         names.sort_unstable();
         names
@@ -155,13 +144,9 @@ fn contradiction(found: &Investigation) -> Option<String> {
 /// In what effects show that leave no mean residual.
 fn shows_in(named: &[Named]) -> String {
     let of = |one: &Named| match one.effect {
-        Effect::PowerLimitSection(_) | Effect::TractionScale(_) | Effect::LowAdhesion(_) => {
-            "the effort at full power"
-        }
+        Effect::PowerLimitSection(_) | Effect::TractionScale(_) | Effect::LowAdhesion(_) => "the effort at full power",
         Effect::RunWind(_) | Effect::DraggingBrake(_) => "the differences between runs",
-        Effect::SpeedScale(_) | Effect::LocationLag(_) => {
-            "the way by location against the way by speed"
-        }
+        Effect::SpeedScale(_) | Effect::LocationLag(_) => "the way by location against the way by speed",
         _ => "the fit of its own law",
     };
     let mut all: Vec<&str> = named.iter().map(of).collect();

@@ -11,11 +11,7 @@ use super::terms::{Coordinate, Side, Term};
 use rundown::effects::{self as core_effects, Effect};
 
 /// A described section whose edges may be those of the one found takes its place.
-pub(super) fn described(
-    section: [f64; 2],
-    edges: [(f64, f64); 2],
-    descriptions: &[(f64, f64)],
-) -> [f64; 2] {
+pub(super) fn described(section: [f64; 2], edges: [(f64, f64); 2], descriptions: &[(f64, f64)]) -> [f64; 2] {
     const NEAR_M: f64 = 600.0;
     let within = |at: f64, (low, high): (f64, f64)| (low - NEAR_M..high + NEAR_M).contains(&at);
     let fits = |&&(from, to): &&(f64, f64)| within(from, edges[0]) && within(to, edges[1]);
@@ -38,15 +34,7 @@ pub(super) fn of_term(
     surroundings: &Surroundings,
     runs: &[Run],
 ) -> Option<Named> {
-    let Fitted {
-        term,
-        beta,
-        sd,
-        gain,
-        section,
-        shape,
-        rivals,
-    } = fitted;
+    let Fitted { term, beta, sd, gain, section, shape, rivals } = fitted;
     let mut term = term.clone();
     let (mut beta, mut sd) = (beta.clone(), sd.clone());
     // A section that does as well as a tunnel and as a wrong gradient is a tunnel if one is described there, and a wrong gradient if not.
@@ -55,16 +43,12 @@ pub(super) fn of_term(
         Term::Gradient(section) => overlaps(*section, &surroundings.tunnels),
         _ => false,
     };
-    let mut rivals: Vec<(&'static str, f64)> = rivals
+    let mut rivals: Vec<(&'static str, f64)> = rivals.iter().map(|(term, worse)| (name(term), *worse)).collect();
+    let other = fitted
+        .rivals
         .iter()
-        .map(|(term, worse)| (name(term), *worse))
-        .collect();
-    let other = fitted.rivals.iter().find(|(other, worse)| {
-        *worse < 1.5 && matches!(other, Term::Tunnel(_) | Term::Gradient(_))
-    });
-    let factor = other.map_or(0.0, |(other, _)| {
-        same_force(&findings.rows, findings.gravity_n_per_kg, &term, other)
-    });
+        .find(|(other, worse)| *worse < 1.5 && matches!(other, Term::Tunnel(_) | Term::Gradient(_)));
+    let factor = other.map_or(0.0, |(other, _)| same_force(&findings.rows, findings.gravity_n_per_kg, &term, other));
     // A tunnel helps nobody along.
     let possible = |other: &Term| matches!(other, Term::Gradient(_)) || beta[0] * factor > 0.0;
     if swap
@@ -108,20 +92,11 @@ pub(super) fn of_term(
                     at += 1;
                 }
             }
-            Effect::DavisError(core_effects::DavisError {
-                dr0: d[0],
-                dr1: d[1],
-                dr2: d[2],
-            })
+            Effect::DavisError(core_effects::DavisError { dr0: d[0], dr1: d[1], dr2: d[2] })
         }
         Term::Tunnel(section) => {
-            let [from_m, to_m] =
-                described(*section, section.map(|at| (at, at)), &surroundings.tunnels);
-            Effect::TunnelDrag(core_effects::TunnelDrag {
-                from_m,
-                to_m,
-                k: one("k", 1.0),
-            })
+            let [from_m, to_m] = described(*section, section.map(|at| (at, at)), &surroundings.tunnels);
+            Effect::TunnelDrag(core_effects::TunnelDrag { from_m, to_m, k: one("k", 1.0) })
         }
         Term::Gradient([from_m, to_m]) => Effect::GradientError(core_effects::GradientError {
             from_m: *from_m,
@@ -131,20 +106,12 @@ pub(super) fn of_term(
         Term::Curve => Effect::CurveResistance(core_effects::CurveResistance {
             coefficient_roeckl: one("coefficient_roeckl", 1.0),
         }),
-        Term::Wind(_) => Effect::SteadyWind(core_effects::SteadyWind {
-            wind_mps: one("wind_mps", 1.0),
-        }),
+        Term::Wind(_) => Effect::SteadyWind(core_effects::SteadyWind { wind_mps: one("wind_mps", 1.0) }),
         Term::Mass => {
             // The coefficient is e/(1 + e).
             let relative = |b: f64| b / (1.0 - b);
-            intervals.push((
-                "relative",
-                relative(beta[0] - TWO_SIDED * sd[0]),
-                relative(beta[0] + TWO_SIDED * sd[0]),
-            ));
-            Effect::MassError(core_effects::MassError {
-                relative: relative(beta[0]),
-            })
+            intervals.push(("relative", relative(beta[0] - TWO_SIDED * sd[0]), relative(beta[0] + TWO_SIDED * sd[0])));
+            Effect::MassError(core_effects::MassError { relative: relative(beta[0]) })
         }
         Term::Temperature => {
             intervals.push(around("dr0_per_degC", beta[0], sd[0]));
@@ -163,18 +130,13 @@ pub(super) fn of_term(
                 intervals.push(("amplitude", limits.beta.0, limits.beta.1));
                 intervals.push(("tau_s", limits.shape.0, limits.shape.1));
             }
-            Effect::WarmUp(core_effects::WarmUp {
-                amplitude: beta[0],
-                tau_s: *tau_s,
-            })
+            Effect::WarmUp(core_effects::WarmUp { amplitude: beta[0], tau_s: *tau_s })
         }
         Term::Length(true_m) => {
             if let Some(limits) = shape {
                 intervals.push(("true_length_m", limits.shape.0, limits.shape.1));
             }
-            Effect::TrainLengthError(core_effects::TrainLengthError {
-                true_length_m: *true_m,
-            })
+            Effect::TrainLengthError(core_effects::TrainLengthError { true_length_m: *true_m })
         }
         Term::BrakeFade(from_mps) => {
             if let Some(limits) = shape {
@@ -182,25 +144,16 @@ pub(super) fn of_term(
                 let (low, high) = limits.shape;
                 intervals.push(("from_kmh", 3.6 * low, 3.6 * high));
             }
-            Effect::BrakeFade(core_effects::BrakeFade {
-                fade_at_140: beta[0],
-                from_kmh: 3.6 * from_mps,
-            })
+            Effect::BrakeFade(core_effects::BrakeFade { fade_at_140: beta[0], from_kmh: 3.6 * from_mps })
         }
         Term::DraggingBrake(dragging) => {
             of_runs = dragging.iter().map(|i| runs[*i].name.clone()).collect();
-            Effect::DraggingBrake(core_effects::DraggingBrake {
-                drag_n_per_kg: one("drag_n_per_kg", 1.0),
-            })
+            Effect::DraggingBrake(core_effects::DraggingBrake { drag_n_per_kg: one("drag_n_per_kg", 1.0) })
         }
         Term::Bump([from_m, to_m]) => {
             coordinate = Some("location");
             let n_per_kg = one("n_per_kg", 1.0);
-            table(
-                Coordinate::Location,
-                &[from_m - 1.0, *from_m, *to_m, to_m + 1.0],
-                &[0.0, n_per_kg, n_per_kg, 0.0],
-            )?
+            table(Coordinate::Location, &[from_m - 1.0, *from_m, *to_m, to_m + 1.0], &[0.0, n_per_kg, n_per_kg, 0.0])?
         }
         Term::Cube => {
             coordinate = Some("speed");
@@ -226,21 +179,14 @@ pub(super) fn of_term(
         }
         Term::Delay | Term::Late | Term::Gauge => return None,
     };
-    let odds: f64 = rivals
-        .iter()
-        .map(|(_, worse)| (-worse.max(0.0)).exp())
-        .sum();
+    let odds: f64 = rivals.iter().map(|(_, worse)| (-worse.max(0.0)).exp()).sum();
     let near = || rivals.iter().filter(|(_, worse)| *worse < NEAR);
-    let mut ambiguous_with: Vec<&'static str> = near()
-        .map(|(name, _)| *name)
-        .filter(|other| *other != effect.name() && *other != GAUGE)
-        .collect();
+    let mut ambiguous_with: Vec<&'static str> =
+        near().map(|(name, _)| *name).filter(|other| *other != effect.name() && *other != GAUGE).collect();
     ambiguous_with.dedup();
     ambiguous_with.truncate(2);
     let have = findings.have();
-    let advice = ambiguous_with
-        .iter()
-        .map(|other| separates(effect.name(), other, have));
+    let advice = ambiguous_with.iter().map(|other| separates(effect.name(), other, have));
     let mut would_separate: Vec<&'static str> = advice.collect();
     if near().any(|(name, _)| *name == GAUGE) {
         would_separate.push("a calibrated gauge of the effort");
@@ -298,11 +244,7 @@ fn table(which: Coordinate, knots: &[f64], values: &[f64]) -> Option<Effect> {
         Coordinate::Temperature => core_effects::Coordinate::Temperature,
         Coordinate::Day => core_effects::Coordinate::Day,
     };
-    let mut points: Vec<(f32, f32)> = knots
-        .iter()
-        .zip(values)
-        .map(|(k, v)| (*k as f32, *v as f32))
-        .collect();
+    let mut points: Vec<(f32, f32)> = knots.iter().zip(values).map(|(k, v)| (*k as f32, *v as f32)).collect();
     // Single precision may make two knots one, and a board takes neither that nor a value that is no number.
     points.dedup_by(|a, b| a.0 <= b.0);
     let finite = points.iter().all(|(k, v)| k.is_finite() && v.is_finite());

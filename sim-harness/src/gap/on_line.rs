@@ -1,9 +1,7 @@
 //! Nothing that was found lies beyond the ends of the line: the fit looks a little further, because a train does.
 
 use super::named::Named;
-use rundown::effects::{
-    Coordinate, Effect, GradientError, Moment, PowerLimitSection, TunnelDrag, Unknown,
-};
+use rundown::effects::{Coordinate, Effect, GradientError, Moment, PowerLimitSection, TunnelDrag, Unknown};
 
 /// Puts sections, their intervals and tables over the location onto the line.
 pub fn on_line(one: &mut Named, length_m: f64) {
@@ -32,17 +30,12 @@ pub fn on_line(one: &mut Named, length_m: f64) {
 fn table_on_line(unknown: &mut Unknown, length_m: f64) {
     let ends = [0.0, length_m as f32];
     let beyond = |at: f32| at < ends[0] || at > ends[1];
-    if unknown.coordinate != Coordinate::Location
-        || !unknown.table.iter().any(|(at, _)| beyond(*at))
-    {
+    if unknown.coordinate != Coordinate::Location || !unknown.table.iter().any(|(at, _)| beyond(*at)) {
         return;
     }
     let value = |at: f32| {
         let location_m = f64::from(at);
-        let there = Moment {
-            location_m,
-            ..Moment::default()
-        };
+        let there = Moment { location_m, ..Moment::default() };
         (at, unknown.resistance_n_per_kg(&there) as f32)
     };
     let inside = |(at, _): &&(f32, f32)| *at > ends[0] && *at < ends[1];
@@ -59,11 +52,7 @@ mod tests {
 
     #[test]
     fn a_section_from_minus_100_m_begins_with_the_line() {
-        let effect = Effect::GradientError(GradientError {
-            from_m: -100.0,
-            to_m: 900.0,
-            delta_permille: 1.0,
-        });
+        let effect = Effect::GradientError(GradientError { from_m: -100.0, to_m: 900.0, delta_permille: 1.0 });
         let mut one = Named::plain(effect, 10.0);
         one.intervals.push(("from_m", -140.0, 40.0));
         on_line(&mut one, 32_000.0);
@@ -75,19 +64,13 @@ mod tests {
     fn a_table_keeps_its_values_on_the_line() {
         let points = [(-100.0, 0.0), (100.0, 2e-3), (900.0, 2e-3), (1100.0, 0.0)];
         let mut one = Named::plain(
-            Effect::Unknown(Unknown {
-                coordinate: Coordinate::Location,
-                table: points.into_iter().collect(),
-            }),
+            Effect::Unknown(Unknown { coordinate: Coordinate::Location, table: points.into_iter().collect() }),
             10.0,
         );
         on_line(&mut one, 1000.0);
         let Effect::Unknown(unknown) = one.effect else {
             panic!("another effect");
         };
-        assert_eq!(
-            unknown.table,
-            [(0.0, 1e-3), (100.0, 2e-3), (900.0, 2e-3), (1000.0, 1e-3)]
-        );
+        assert_eq!(unknown.table, [(0.0, 1e-3), (100.0, 2e-3), (900.0, 2e-3), (1000.0, 1e-3)]);
     }
 }

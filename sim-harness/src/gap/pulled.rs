@@ -17,9 +17,7 @@ pub fn pulled(
     let train = believed.line(direction).train;
     let none = Effects::NONE;
     let limit = |effects: &Effects, pull: &Pull| {
-        effects
-            .limits(train, pull.location_m, pull.speed_mps)
-            .traction_n_per_kg(pull.speed_mps)
+        effects.limits(train, pull.location_m, pull.speed_mps).traction_n_per_kg(pull.speed_mps)
             / train.max_effort_n_per_kg(pull.speed_mps)
     };
     // What the driver asks for in this pull: what it shows where no limit of the effects holds it back. Held back all the way, it was some share between
@@ -50,9 +48,7 @@ pub fn pulled(
             let asked = asked(&parts);
             compared.extend(parts.into_iter().map(|pull| {
                 let most = train.max_effort_n_per_kg(pull.speed_mps);
-                let error = |effects: &Effects| {
-                    (asked.min(limit(effects, pull)) - pull.ratio) * most * dt_s
-                };
+                let error = |effects: &Effects| (asked.min(limit(effects, pull)) - pull.ratio) * most * dt_s;
                 Compared {
                     run: pull.run,
                     time_s: 0.0,

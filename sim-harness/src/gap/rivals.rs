@@ -27,11 +27,7 @@ pub struct Rival {
 pub const MEANING: &str = "log-likelihood lost when the rival stands in the effect's place, the cost of each one's freedom included: the effect is exp(worse) times more likely; below 3 these data cannot tell the two apart";
 
 /// The rivals of each effect, nearest first; in the order of `found.named`. Effects that the readings or the differences between runs tell have none.
-pub fn rivals(
-    found: &Investigation,
-    believed: Believed<'_>,
-    surroundings: &Surroundings,
-) -> Vec<Vec<Rival>> {
+pub fn rivals(found: &Investigation, believed: Believed<'_>, surroundings: &Surroundings) -> Vec<Vec<Rival>> {
     let findings = &found.findings;
     let context = findings.context(believed, surroundings);
     let model: Vec<Term> = findings.terms.iter().map(|f| f.term.clone()).collect();
@@ -53,10 +49,7 @@ pub fn rivals(
 
 /// It bounds the traction, and leaves the motion under a known effort as it is.
 pub fn is_limit(effect: &Effect) -> bool {
-    matches!(
-        effect,
-        Effect::PowerLimitSection(_) | Effect::TractionScale(_) | Effect::LowAdhesion(_)
-    )
+    matches!(effect, Effect::PowerLimitSection(_) | Effect::TractionScale(_) | Effect::LowAdhesion(_))
 }
 
 /// The effect came of this term. A tunnel and a wrong gradient may have changed names.
@@ -81,10 +74,7 @@ fn of_term(search: &Search<'_>, model: &[Term], index: usize, named: &str) -> Ve
     let rival = |term: &Term| {
         let mut with = others.clone();
         with.insert(index, term.clone());
-        Rival {
-            name: name(term),
-            worse: score - search.score(&with) - unnamed(term),
-        }
+        Rival { name: name(term), worse: score - search.score(&with) - unnamed(term) }
     };
     let found = search.candidates(&others);
     nearest(found.iter().map(|found| rival(&found.term)), named)
@@ -93,18 +83,13 @@ fn of_term(search: &Search<'_>, model: &[Term], index: usize, named: &str) -> Ve
 fn of_limit(found: &Investigation, named: &str) -> Vec<Rival> {
     let all = &found.findings.limits;
     let best = all.first().map_or(0.0, |limit| limit.value);
-    let rival = all.iter().map(|found| Rival {
-        name: found.limit.name(),
-        worse: best - found.value,
-    });
+    let rival = all.iter().map(|found| Rival { name: found.limit.name(), worse: best - found.value });
     nearest(rival, named)
 }
 
 /// One of each name, the nearest; not the effect itself.
 fn nearest(rivals: impl Iterator<Item = Rival>, named: &str) -> Vec<Rival> {
-    let mut all: Vec<Rival> = rivals
-        .filter(|r| r.name != named && r.worse.is_finite())
-        .collect();
+    let mut all: Vec<Rival> = rivals.filter(|r| r.name != named && r.worse.is_finite()).collect();
     all.sort_by(|a, b| a.worse.total_cmp(&b.worse));
     let mut nearest: Vec<Rival> = Vec::new();
     for rival in all {

@@ -27,15 +27,8 @@ pub struct Believed<'a> {
 impl<'a> Believed<'a> {
     /// Of a train on a track.
     pub fn new(train: &'a Train, track: &'a rundown::track::Track) -> Self {
-        let line = |direction| Line {
-            train,
-            track,
-            direction,
-        };
-        Self {
-            up: line(Direction::Up),
-            down: line(Direction::Down),
-        }
+        let line = |direction| Line { train, track, direction };
+        Self { up: line(Direction::Up), down: line(Direction::Down) }
     }
 
     /// The line in a direction.
@@ -81,16 +74,12 @@ impl Row {
     pub fn new(line: &Line<'_>, interval: &Interval, effort_n_per_kg: Option<f64>) -> Option<Self> {
         let slowest = interval.speed_mps[0].min(interval.speed_mps[1]);
         let effort_n_per_kg = effort_n_per_kg?;
-        (slowest >= SLOWEST_MPS && interval.effort_change_n_per_kg <= MOST_CHANGE_N_PER_KG).then(
-            || Self {
-                interval: interval.clone(),
-                direction: line.direction,
-                effort_n_per_kg,
-                residual_n_per_kg: effort_n_per_kg
-                    - interval.acceleration_mps2()
-                    - believed_load(line, interval),
-            },
-        )
+        (slowest >= SLOWEST_MPS && interval.effort_change_n_per_kg <= MOST_CHANGE_N_PER_KG).then(|| Self {
+            interval: interval.clone(),
+            direction: line.direction,
+            effort_n_per_kg,
+            residual_n_per_kg: effort_n_per_kg - interval.acceleration_mps2() - believed_load(line, interval),
+        })
     }
 }
 
@@ -99,11 +88,7 @@ impl Row {
     /// A row of a train at one place and speed, its effort not measured.
     pub(super) fn coasting(direction: Direction, location_m: f64, speed_mps: f64) -> Self {
         use super::runs::POINTS;
-        let point = Point {
-            location_m,
-            speed_mps,
-            since_departure_s: 60.0,
-        };
+        let point = Point { location_m, speed_mps, since_departure_s: 60.0 };
         let interval = Interval {
             run: 0,
             begin_s: 60.0,
@@ -118,11 +103,6 @@ impl Row {
             follows: false,
             path: [point; POINTS],
         };
-        Self {
-            interval,
-            direction,
-            effort_n_per_kg: 0.0,
-            residual_n_per_kg: 0.0,
-        }
+        Self { interval, direction, effort_n_per_kg: 0.0, residual_n_per_kg: 0.0 }
     }
 }

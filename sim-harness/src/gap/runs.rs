@@ -170,30 +170,15 @@ fn effort_at(run: &Run, sample: usize) -> f64 {
 
 /// A driver who holds the speed follows the gradient with the effort: between two momentary readings it is u - g that changes evenly. What this adds to
 /// the mean effort, N/kg. Whether the driver did is not known: half of it is added, and the mean counts as that much less certain.
-fn held(
-    run: &Run,
-    line: &Line<'_>,
-    readings: &Readings,
-    from: &Node,
-    to: &Node,
-    path: &[Point; POINTS],
-) -> f64 {
+fn held(run: &Run, line: &Line<'_>, readings: &Readings, from: &Node, to: &Node, path: &[Point; POINTS]) -> f64 {
     const HELD_MPS: f64 = 0.35;
     let (before, after) = (effort_at(run, from.sample), effort_at(run, to.sample));
     let powered = before > 0.0 && after > 0.0;
     let held = (to.speed_mps - from.speed_mps).abs() < HELD_MPS;
-    if readings.effort != EffortReading::Momentary
-        || to.sample != from.sample + 1
-        || !powered
-        || !held
-    {
+    if readings.effort != EffortReading::Momentary || to.sample != from.sample + 1 || !powered || !held {
         return 0.0;
     }
-    let along = path
-        .iter()
-        .map(|p| line.gradient_n_per_kg(p.location_m))
-        .sum::<f64>()
-        / POINTS as f64;
+    let along = path.iter().map(|p| line.gradient_n_per_kg(p.location_m)).sum::<f64>() / POINTS as f64;
     let ends = [from, to].map(|node| line.gradient_n_per_kg(node.location_m));
     let steeper = ends[1] - ends[0];
     if (after - before - steeper).abs() > 0.6 * steeper.abs() && steeper.abs() > 0.004 {
@@ -231,9 +216,7 @@ pub fn intervals(index: usize, run: &Run, line: &Line<'_>, readings: &Readings) 
             let t = share * dt_s;
             let acceleration = (to.speed_mps - from.speed_mps) / dt_s;
             Point {
-                location_m: from.location_m
-                    + sign * (from.speed_mps * t + 0.5 * acceleration * t * t)
-                    + share * rest_m,
+                location_m: from.location_m + sign * (from.speed_mps * t + 0.5 * acceleration * t * t) + share * rest_m,
                 speed_mps: from.speed_mps + acceleration * t,
                 since_departure_s: (from.time_s + t - departure_s).max(0.0),
             }
@@ -276,11 +259,7 @@ pub fn intervals(index: usize, run: &Run, line: &Line<'_>, readings: &Readings) 
 
 /// Median time between samples, s.
 pub fn usual_step_s(run: &Run) -> f64 {
-    let mut steps: Vec<f64> = run
-        .samples
-        .windows(2)
-        .map(|pair| pair[1].time_s - pair[0].time_s)
-        .collect();
+    let mut steps: Vec<f64> = run.samples.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
     if steps.is_empty() {
         return INTERVAL_S;
     }
@@ -301,19 +280,11 @@ fn nodes(run: &Run, line: &Line<'_>, readings: &Readings, usual_s: f64) -> Vec<N
         .enumerate()
         .filter_map(|(index, sample)| {
             let speed = sample.speed_mps?;
-            let true_mps = if speed > 0.0 {
-                readings.true_speed_mps(speed)
-            } else {
-                0.0
-            };
+            let true_mps = if speed > 0.0 { readings.true_speed_mps(speed) } else { 0.0 };
             Some((index, true_mps))
         })
         .collect();
-    let every_s = if usual_s > 0.5 * INTERVAL_S {
-        0.0
-    } else {
-        INTERVAL_S
-    };
+    let every_s = if usual_s > 0.5 * INTERVAL_S { 0.0 } else { INTERVAL_S };
     let impulses = impulses(run, line, readings);
     let mut nodes: Vec<Node> = Vec::new();
     let mut next_s = f64::NEG_INFINITY;
@@ -323,17 +294,8 @@ fn nodes(run: &Run, line: &Line<'_>, readings: &Readings, usual_s: f64) -> Vec<N
             continue;
         }
         next_s = time_s + every_s - 0.25 * usual_s;
-        let speed_mps = if every_s > 0.0 {
-            read_speed(run, &with_speed, &impulses, place)
-        } else {
-            speed_mps
-        };
-        nodes.push(Node {
-            time_s,
-            location_m: f64::NAN,
-            speed_mps,
-            sample,
-        });
+        let speed_mps = if every_s > 0.0 { read_speed(run, &with_speed, &impulses, place) } else { speed_mps };
+        nodes.push(Node { time_s, location_m: f64::NAN, speed_mps, sample });
     }
     locate(run, line, readings, &with_speed, &mut nodes);
     nodes
@@ -374,17 +336,10 @@ fn impulses(run: &Run, line: &Line<'_>, readings: &Readings) -> Vec<Option<(usiz
 
 /// Speed of a fast log: a straight line through the readings around the moment. What effort and gradient give between them is taken out first where it is known:
 /// a line is then right beside a switch of the regime too, and a change of the gradient is not smeared, which would look like a longer train.
-fn read_speed(
-    run: &Run,
-    with_speed: &[(usize, f64)],
-    impulses: &[Option<(usize, f64)>],
-    place: usize,
-) -> f64 {
+fn read_speed(run: &Run, with_speed: &[(usize, f64)], impulses: &[Option<(usize, f64)>], place: usize) -> f64 {
     let (here, reading) = with_speed[place];
     let at_s = run.samples[here].time_s;
-    let near = |&&(sample, _): &&(usize, f64)| {
-        (run.samples[sample].time_s - at_s).abs() <= READING_S + 1e-6
-    };
+    let near = |&&(sample, _): &&(usize, f64)| (run.samples[sample].time_s - at_s).abs() <= READING_S + 1e-6;
     let before = with_speed[..place].iter().rev().take_while(near);
     let after = with_speed[place..].iter().take_while(near);
     let around: Vec<(usize, f64)> = before.chain(after).copied().collect();
@@ -397,11 +352,7 @@ fn read_speed(
     let (mut n, mut t1, mut t2, mut v0, mut v1) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for &(sample, speed) in &around {
         let t = run.samples[sample].time_s - at_s;
-        let speed = if known {
-            speed - given(sample).unwrap_or(0.0)
-        } else {
-            speed
-        };
+        let speed = if known { speed - given(sample).unwrap_or(0.0) } else { speed };
         n += 1.0;
         t1 += t;
         t2 += t * t;
@@ -416,13 +367,7 @@ fn read_speed(
 }
 
 /// Gives each node a location: the way by speed, shifted by what the location readings around it say.
-fn locate(
-    run: &Run,
-    line: &Line<'_>,
-    readings: &Readings,
-    with_speed: &[(usize, f64)],
-    nodes: &mut [Node],
-) {
+fn locate(run: &Run, line: &Line<'_>, readings: &Readings, with_speed: &[(usize, f64)], nodes: &mut [Node]) {
     const AROUND_S: f64 = 45.0;
     let sign = line.direction.sign();
     // Way by speed at each sample that has one.
@@ -446,10 +391,7 @@ fn locate(
         .filter(|(index, _)| !way_m[*index].is_nan())
         .filter_map(|(index, sample)| {
             let late_m = speed_of[index] * readings.location_lag_s;
-            Some((
-                sample.time_s,
-                sample.location_m? - sign * (way_m[index] - late_m),
-            ))
+            Some((sample.time_s, sample.location_m? - sign * (way_m[index] - late_m)))
         })
         .collect();
     if shifts.is_empty() {
@@ -469,8 +411,7 @@ fn locate(
         // The mean of the middle half: neither outliers nor single readings count much.
         let (low, high) = (values.len() / 4, values.len() - values.len() / 4);
         let middle = &values[low..high];
-        node.location_m =
-            sign * way_m[node.sample] + middle.iter().sum::<f64>() / middle.len() as f64;
+        node.location_m = sign * way_m[node.sample] + middle.iter().sum::<f64>() / middle.len() as f64;
     }
 }
 
@@ -494,11 +435,7 @@ fn change_between(a: f64, b: f64, pair: &[Sample]) -> f64 {
     match (pair[0].speed_mps, pair[1].speed_mps) {
         (Some(v0), Some(v1)) if a > 0.0 && b > 0.0 && v0.min(v1) > 5.0 => {
             let at_power = (b * v1 - a * v0) / (0.5 * (v0 + v1));
-            if at_power.abs() < (b - a).abs() {
-                at_power
-            } else {
-                b - a
-            }
+            if at_power.abs() < (b - a).abs() { at_power } else { b - a }
         }
         _ => b - a,
     }

@@ -63,19 +63,12 @@ impl Scan {
     /// Prepares the scan over the part of the line that was travelled.
     pub fn new(kind: Kind, context: &Context<'_>, rows: &[Row], whitening: &Whitening) -> Self {
         let length_m = context.believed.train().length_m();
-        let at = rows
-            .iter()
-            .flat_map(|row| row.interval.path.iter().map(|p| p.location_m));
-        let (low, high) = at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| {
-            (l.min(m), h.max(m))
-        });
+        let at = rows.iter().flat_map(|row| row.interval.path.iter().map(|p| p.location_m));
+        let (low, high) = at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), m| (l.min(m), h.max(m)));
         let low = ((low - length_m) / EDGE_M).floor() * EDGE_M;
         let high = high + length_m;
         let step_m = (((high - low) / MOST_EDGES / EDGE_M).ceil() * EDGE_M).max(EDGE_M);
-        let edges_m: Vec<f64> = (0..)
-            .map(|i| low + f64::from(i) * step_m)
-            .take_while(|e| *e < high + step_m)
-            .collect();
+        let edges_m: Vec<f64> = (0..).map(|i| low + f64::from(i) * step_m).take_while(|e| *e < high + step_m).collect();
         let columns: Vec<DVector<f64>> = edges_m
             .iter()
             .map(|edge| {
@@ -85,12 +78,7 @@ impl Scan {
             .collect();
         let columns = DMatrix::from_columns(&columns);
         let gram = columns.transpose() * &columns;
-        Self {
-            kind,
-            edges_m,
-            columns,
-            gram,
-        }
+        Self { kind, edges_m, columns, gram }
     }
 
     /// The best section beside the current model, edges on the grid, with its naive gain.
@@ -144,22 +132,13 @@ impl Scan {
         let (mut section, _) = self.best(base)?;
         let last = self.edges_m.len() - 2;
         let weights = |edge_m: f64| {
-            let i = self
-                .edges_m
-                .partition_point(|e| *e <= edge_m)
-                .saturating_sub(1)
-                .min(last);
+            let i = self.edges_m.partition_point(|e| *e <= edge_m).saturating_sub(1).min(last);
             let t = (edge_m - self.edges_m[i]) / (self.edges_m[i + 1] - self.edges_m[i]);
             [(i, 1.0 - t), (i + 1, t)]
         };
         let gain = |section: [f64; 2]| {
             let (from, to) = (weights(section[0]), weights(section[1]));
-            let terms = [
-                (from[0].0, -from[0].1),
-                (from[1].0, -from[1].1),
-                to[0],
-                to[1],
-            ];
+            let terms = [(from[0].0, -from[0].1), (from[1].0, -from[1].1), to[0], to[1]];
             let score: f64 = terms.iter().map(|(i, w)| w * with_residual[*i]).sum();
             let squared = |gram: &DMatrix<f64>| -> f64 {
                 terms
@@ -170,11 +149,7 @@ impl Scan {
             };
             let information = squared(&gram);
             // Nearly nothing beside the model: what it brings is rounding.
-            if information > LEAST_INFORMATION * squared(&self.gram) {
-                0.5 * score * score / information
-            } else {
-                0.0
-            }
+            if information > LEAST_INFORMATION * squared(&self.gram) { 0.5 * score * score / information } else { 0.0 }
         };
         let mut most = gain(section);
         let mut step_m = 0.5 * (self.edges_m[1] - self.edges_m[0]);

@@ -51,12 +51,7 @@ pub struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// Prepares the search. `measured`: with an effort column.
-    pub fn new(
-        context: &'a Context<'a>,
-        rows: &'a [Row],
-        calibrated: &Calibrated,
-        measured: bool,
-    ) -> Self {
+    pub fn new(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated, measured: bool) -> Self {
         let whitening = calibrated.whitening(context, rows);
         // Winds that differ from run to run are more resistance in the mean: (v + w)² is v² + w².
         let by_winds = context.believed.train().davis().r2 * calibrated.own.wind_mps.powi(2);
@@ -64,15 +59,7 @@ impl<'a> Search<'a> {
         let y = whitening.whiten(&y.collect::<Vec<f64>>());
         let families = families(context, rows, &whitening, measured);
         let sensors = sensors(context, rows, &whitening);
-        Self {
-            context,
-            rows,
-            whitening,
-            y,
-            sensors,
-            families,
-            known: RefCell::default(),
-        }
+        Self { context, rows, whitening, y, sensors, families, known: RefCell::default() }
     }
 
     pub(super) fn white(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {
@@ -106,11 +93,8 @@ impl<'a> Search<'a> {
         let Some(base) = self.base(model) else {
             return Vec::new();
         };
-        let mut found: Vec<Found> = self
-            .families
-            .iter()
-            .filter_map(|family| self.best_of(family, &base, model))
-            .collect();
+        let mut found: Vec<Found> =
+            self.families.iter().filter_map(|family| self.best_of(family, &base, model)).collect();
         found.sort_by(|a, b| b.value.total_cmp(&a.value));
         found
     }
@@ -119,10 +103,7 @@ impl<'a> Search<'a> {
         let terms = match family {
             Family::Shapes(terms) => terms.clone(),
             Family::Section(scan) => {
-                vec![
-                    scan.refined(base)
-                        .map(|section| scan.kind().term(section))?,
-                ]
+                vec![scan.refined(base).map(|section| scan.kind().term(section))?]
             }
             Family::Wind => {
                 let mut wind_mps = 0.0;
@@ -135,8 +116,7 @@ impl<'a> Search<'a> {
             Family::Dragging => vec![self.dragging(base)?],
         };
         let terms = terms.into_iter().filter(|term| {
-            let same =
-                |other: &Term| core::mem::discriminant(other) == core::mem::discriminant(term);
+            let same = |other: &Term| core::mem::discriminant(other) == core::mem::discriminant(term);
             // A board takes one table.
             let second = is_unnamed(term) && model.iter().any(is_unnamed);
             !second && (is_section(term) || !model.iter().any(same))
@@ -150,16 +130,8 @@ impl<'a> Search<'a> {
             let (value, sure) = (gain.naive_gain - cost, gain.gain - cost);
             // A gain that rests on a few runs is worth what it is worth run by run.
             let few = matches!(term, Term::DraggingBrake(_));
-            let sure = if few {
-                sure
-            } else {
-                sure.min(gain.without_best - cost)
-            };
-            let value = if sure > ENOUGH {
-                value
-            } else {
-                value.min(sure)
-            };
+            let sure = if few { sure } else { sure.min(gain.without_best - cost) };
+            let value = if sure > ENOUGH { value } else { value.min(sure) };
             let sure = || self.is_sure(&term, &gain);
             let agrees = || self.agrees(base, &term, gain.beta.as_slice());
             if value > ENOUGH && !(sure() && agrees()) {
@@ -167,9 +139,7 @@ impl<'a> Search<'a> {
             }
             Some(Found { term, gain, value })
         };
-        let best = terms
-            .filter_map(found)
-            .max_by(|a, b| a.value.total_cmp(&b.value))?;
+        let best = terms.filter_map(found).max_by(|a, b| a.value.total_cmp(&b.value))?;
         if best.value < ENOUGH {
             return Some(best);
         }
@@ -181,11 +151,8 @@ impl<'a> Search<'a> {
 
     /// What a term brings beside a model. The coefficient of another length is 1, so its gain is not that of a free fit.
     pub fn gain(&self, base: &Base, term: &Term) -> Option<Gain> {
-        let columns: Vec<DVector<f64>> = term
-            .columns(self.context, self.rows)
-            .iter()
-            .map(|column| self.whitening.whiten(column))
-            .collect();
+        let columns: Vec<DVector<f64>> =
+            term.columns(self.context, self.rows).iter().map(|column| self.whitening.whiten(column)).collect();
         let Term::Length(_) = term else {
             return base.gain(&columns);
         };
@@ -230,10 +197,7 @@ impl<'a> Search<'a> {
             chosen.iter().fold((0.0, 0.0), add)
         };
         let mut best: Option<(f64, Vec<usize>)> = None;
-        for Told {
-            score, information, ..
-        } in &of_runs
-        {
+        for Told { score, information, .. } in &of_runs {
             let mut drag = score / information;
             if drag <= 0.0 {
                 continue;
@@ -249,8 +213,7 @@ impl<'a> Search<'a> {
             }
             let (g, i) = sums(&chosen);
             let runs: Vec<usize> = chosen.iter().map(|run| run.run).collect();
-            let value = if i > 0.0 { 0.5 * g * g / i } else { 0.0 }
-                - choice_cost(runs.len(), of_runs.len());
+            let value = if i > 0.0 { 0.5 * g * g / i } else { 0.0 } - choice_cost(runs.len(), of_runs.len());
             if !runs.is_empty() && best.as_ref().is_none_or(|b| value > b.0) {
                 best = Some((value, runs));
             }
@@ -263,10 +226,7 @@ impl<'a> Search<'a> {
         let Some(base) = self.base(model) else {
             return f64::NEG_INFINITY;
         };
-        let costs: f64 = model
-            .iter()
-            .map(|term| cost(term, self.rows) + ENOUGH)
-            .sum();
+        let costs: f64 = model.iter().map(|term| cost(term, self.rows) + ENOUGH).sum();
         0.5 * self.y.norm_squared() - base.half_sum() - costs
     }
 
@@ -303,11 +263,7 @@ impl<'a> Search<'a> {
             let next = self.candidates(model).into_iter().find(|found| {
                 // What differs from run to run is no shadow of what acts along the way, and the other way round.
                 let alike = |term: &Term| between_runs(term) == between_runs(&found.term);
-                let shadow = if model.iter().any(alike) {
-                    SHADOW * brought
-                } else {
-                    0.0
-                };
+                let shadow = if model.iter().any(alike) { SHADOW * brought } else { 0.0 };
                 found.value > ENOUGH.max(shadow)
             });
             match next {

@@ -16,19 +16,10 @@ const EFFORT: &str = "an effort column";
 /// What to look for next. Never what the data have already.
 pub fn separates(a: &str, b: &str, have: Have) -> &'static str {
     let pair = |x: &str, y: &str| (a == x && b == y) || (a == y && b == x);
-    let place = |name: &str| {
-        matches!(
-            name,
-            "tunnel_drag" | "gradient_error" | "curve_resistance" | "train_length_error"
-        )
-    };
+    let place =
+        |name: &str| matches!(name, "tunnel_drag" | "gradient_error" | "curve_resistance" | "train_length_error");
     // A gradient changes its sign with the direction, so does a wind; nothing else does.
-    let turns = |name: &str| {
-        matches!(
-            name,
-            "gradient_error" | "steady_wind" | "train_length_error"
-        )
-    };
+    let turns = |name: &str| matches!(name, "gradient_error" | "steady_wind" | "train_length_error");
     if !have.both_directions && turns(a) != turns(b) {
         return OTHER_DIRECTION;
     }
@@ -44,17 +35,11 @@ pub fn separates(a: &str, b: &str, have: Have) -> &'static str {
     if pair("warm_up", "unknown") || pair("warm_up", "davis_error") {
         return "runs that begin at another place or speed";
     }
-    let by_effort = |name: &str| {
-        matches!(
-            name,
-            "mass_error" | "traction_scale" | "power_limit_section" | "brake_fade"
-        )
-    };
+    let by_effort = |name: &str| matches!(name, "mass_error" | "traction_scale" | "power_limit_section" | "brake_fade");
     if !have.effort && (by_effort(a) || by_effort(b)) {
         return EFFORT;
     }
-    if place(a) || place(b) || pair("davis_error", "unknown") || pair("davis_error", "steady_wind")
-    {
+    if place(a) || place(b) || pair("davis_error", "unknown") || pair("davis_error", "steady_wind") {
         return OTHER_SPEED;
     }
     if have.effort { "more runs" } else { EFFORT }
@@ -69,10 +54,7 @@ mod tests {
         let names = crate::gap::explain::NAMES;
         for effort in [false, true] {
             for both_directions in [false, true] {
-                let have = Have {
-                    effort,
-                    both_directions,
-                };
+                let have = Have { effort, both_directions };
                 for (a, b) in names.iter().flat_map(|a| names.iter().map(move |b| (a, b))) {
                     let advice = separates(a, b, have);
                     assert_eq!(advice, separates(b, a, have));
@@ -85,17 +67,8 @@ mod tests {
 
     #[test]
     fn a_tunnel_and_a_gradient_are_told_by_the_other_direction_first() {
-        let have = |both_directions| Have {
-            effort: true,
-            both_directions,
-        };
-        assert_eq!(
-            separates("tunnel_drag", "gradient_error", have(false)),
-            OTHER_DIRECTION
-        );
-        assert_eq!(
-            separates("tunnel_drag", "gradient_error", have(true)),
-            OTHER_SPEED
-        );
+        let have = |both_directions| Have { effort: true, both_directions };
+        assert_eq!(separates("tunnel_drag", "gradient_error", have(false)), OTHER_DIRECTION);
+        assert_eq!(separates("tunnel_drag", "gradient_error", have(true)), OTHER_SPEED);
     }
 }

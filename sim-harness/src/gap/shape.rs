@@ -17,26 +17,12 @@ struct Dial {
 
 impl Dial {
     fn of(term: &Term) -> Option<Self> {
-        let dial = |value: f64, step, least, most, exponential| {
-            Some(Self {
-                value,
-                step,
-                least,
-                most,
-                exponential,
-            })
-        };
+        let dial = |value: f64, step, least, most, exponential| Some(Self { value, step, least, most, exponential });
         match term {
             // 20 s to 40 min.
             Term::WarmUp(tau_s) => dial(tau_s.ln(), 0.25, 3.0, 7.8, true),
             Term::BrakeFade(from_mps) => dial(*from_mps, 2.5, 0.0, 32.0, false),
-            Term::Length(true_m) => dial(
-                true_m.ln(),
-                0.03,
-                true_m.ln() - 0.3,
-                true_m.ln() + 0.3,
-                true,
-            ),
+            Term::Length(true_m) => dial(true_m.ln(), 0.03, true_m.ln() - 0.3, true_m.ln() + 0.3, true),
             _ => None,
         }
     }
@@ -94,13 +80,7 @@ pub fn refined(search: &Search<'_>, base: &Base, term: Term) -> Term {
 }
 
 /// A step that is not steep: both ends moved as long as it fits better.
-fn ramp(
-    search: &Search<'_>,
-    base: &Base,
-    which: Coordinate,
-    mut ends: [f64; 2],
-    side: Side,
-) -> [f64; 2] {
+fn ramp(search: &Search<'_>, base: &Base, which: Coordinate, mut ends: [f64; 2], side: Side) -> [f64; 2] {
     /// Longest move, of days or degrees, and the shortest.
     const MOVES: (f64, f64) = (8.0, 0.1);
     let gain = |ends: [f64; 2]| {
@@ -134,10 +114,8 @@ pub fn limits(base: &Base, search: &Search<'_>, term: &Term, half: f64) -> Optio
     let at = |value: f64| search.gain(base, &with_shape(term, dial.shape(value)));
     let of = |gain: &Gain| (gain.gain, gain.beta.iter().next().copied().unwrap_or(1.0));
     let (most, beta) = of(&at(dial.value)?);
-    let mut limits = Limits {
-        shape: (dial.shape(dial.value), dial.shape(dial.value)),
-        beta: (beta - half, beta + half),
-    };
+    let mut limits =
+        Limits { shape: (dial.shape(dial.value), dial.shape(dial.value)), beta: (beta - half, beta + half) };
     for direction in [-1.0, 1.0] {
         // Ever larger steps out, then halves of the last one back in.
         let (mut value, mut step, mut outside) = (dial.value, 0.01 * dial.step, false);

@@ -33,12 +33,7 @@ pub struct Squares {
 impl Squares {
     /// Of one value: its errors, and the variance that a perfect model would leave.
     pub fn of(before: f64, after: f64, floor: f64) -> Self {
-        Self {
-            count: 1.0,
-            before: before * before,
-            after: after * after,
-            floor,
-        }
+        Self { count: 1.0, before: before * before, after: after * after, floor }
     }
 
     /// Both together.
@@ -54,8 +49,7 @@ impl Squares {
     /// The share that is gone; `None` where there was nothing to remove. Negative: worse than before.
     pub fn removed(&self) -> Option<f64> {
         let removable = self.before - self.floor;
-        (removable > LEAST_REMOVABLE * self.floor && removable > 0.0)
-            .then(|| (self.before - self.after) / removable)
+        (removable > LEAST_REMOVABLE * self.floor && removable > 0.0).then(|| (self.before - self.after) / removable)
     }
 }
 
@@ -98,10 +92,7 @@ impl Share {
             after: root(all.after),
             floor: root(all.floor),
             removed: all.removed().map(told),
-            removed_95: all
-                .removed()
-                .and_then(|_| drawn_anew(&runs))
-                .map(|(low, high)| (told(low), told(high))),
+            removed_95: all.removed().and_then(|_| drawn_anew(&runs)).map(|(low, high)| (told(low), told(high))),
         }
     }
 
@@ -118,9 +109,7 @@ fn drawn_anew(runs: &[&Squares]) -> Option<(f64, f64)> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let draw = |_| {
         let drawn = (0..runs.len()).map(|_| runs[rng.random_range(0..runs.len())]);
-        drawn
-            .fold(Squares::default(), |sum, r| sum.and(r))
-            .removed()
+        drawn.fold(Squares::default(), |sum, r| sum.and(r)).removed()
     };
     let mut shares: Vec<f64> = (0..DRAWS).filter_map(draw).collect();
     if (DRAWS - shares.len()) as f64 > MOST_WITHOUT * DRAWS as f64 {
@@ -139,10 +128,7 @@ fn drawn_anew(runs: &[&Squares]) -> Option<(f64, f64)> {
 /// ```
 pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let at = share.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
-    let (low, high) = (
-        sorted.get(at.floor() as usize)?,
-        sorted.get(at.ceil() as usize)?,
-    );
+    let (low, high) = (sorted.get(at.floor() as usize)?, sorted.get(at.ceil() as usize)?);
     Some(low + (high - low) * at.fract())
 }
 
@@ -152,9 +138,7 @@ mod tests {
 
     #[test]
     fn runs_that_differ_give_a_wide_interval_and_few_runs_none() {
-        let runs: Vec<Squares> = (0..12)
-            .map(|i| Squares::of(2.0, if i % 2 == 0 { 1.0 } else { 1.8 }, 1.0))
-            .collect();
+        let runs: Vec<Squares> = (0..12).map(|i| Squares::of(2.0, if i % 2 == 0 { 1.0 } else { 1.8 }, 1.0)).collect();
         let share = Share::of(&runs);
         let (low, high) = share.removed_95.unwrap();
         let removed = share.removed.unwrap();

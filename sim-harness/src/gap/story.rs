@@ -24,10 +24,7 @@ pub fn story(answer: &Answer<'_>) -> String {
                 worse if worse < 0.0 => (-worse, "more"),
                 worse => (worse, "less"),
             };
-            text.push_str(&format!(
-                "  next best {} (log-likelihood {size:.1} {less})",
-                nearest.name
-            ));
+            text.push_str(&format!("  next best {} (log-likelihood {size:.1} {less})", nearest.name));
         }
         text.push('\n');
     }
@@ -56,10 +53,7 @@ fn of_effect(one: &Named) -> String {
     }
     text.push_str(&format!("  confidence {:.2}", one.confidence));
     if !one.ambiguous_with.is_empty() {
-        text.push_str(&format!(
-            "  cannot be told from {}",
-            one.ambiguous_with.join(", ")
-        ));
+        text.push_str(&format!("  cannot be told from {}", one.ambiguous_with.join(", ")));
         if !one.would_separate.is_empty() {
             text.push_str(&format!("; would tell: {}", one.would_separate.join(", ")));
         }
@@ -82,30 +76,21 @@ fn shape(unknown: &Unknown) -> String {
     };
     let ends = |of: fn((f64, f64)) -> f64| {
         let values = points().map(of);
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        })
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
     };
     let ((from, to), (low, high)) = (ends(|p| p.0), ends(|p| p.1));
     let digits = if to - from < 10.0 { 1 } else { 0 };
-    format!(
-        "along the {along}, a table from {from:.digits$} to {to:.digits$} {unit}, {low:.4} to {high:.4} N/kg"
-    )
+    format!("along the {along}, a table from {from:.digits$} to {to:.digits$} {unit}, {low:.4} to {high:.4} N/kg")
 }
 
 fn held_out(answer: &Answer<'_>) -> String {
     let (found, gap) = (answer.found, &answer.found.gap);
     if found.compared.is_empty() {
-        return "no held-out run could be compared: too few runs, or too little to simulate in them\n"
-            .to_owned();
+        return "no held-out run could be compared: too few runs, or too little to simulate in them\n".to_owned();
     }
     let gone = match gap.removed() {
         _ if worse(gap) => "worse than before".to_owned(),
-        Some(share) => format!(
-            "{:.0} % of the removable gap is gone{}",
-            100.0 * share,
-            interval(gap.removed_95)
-        ),
+        Some(share) => format!("{:.0} % of the removable gap is gone{}", 100.0 * share, interval(gap.removed_95)),
         None => "there was nothing to remove".to_owned(),
     };
     let mut text = format!(
@@ -128,11 +113,7 @@ fn held_out(answer: &Answer<'_>) -> String {
 fn of_runs(what: &str, unit: &str, decimals: usize, summary: &Summary) -> String {
     let share = &summary.share;
     let gone = match share.removed {
-        Some(removed) => format!(
-            "{:.0} % of the removable gap is gone{}",
-            100.0 * removed,
-            interval(share.removed_95)
-        ),
+        Some(removed) => format!("{:.0} % of the removable gap is gone{}", 100.0 * removed, interval(share.removed_95)),
         None => "there was nothing to remove".to_owned(),
     };
     format!(
@@ -147,9 +128,7 @@ fn of_runs(what: &str, unit: &str, decimals: usize, summary: &Summary) -> String
 }
 
 fn interval(ends: Option<(f64, f64)>) -> String {
-    ends.map_or_else(String::new, |(low, high)| {
-        format!(" (95 % interval {:.0} to {:.0})", 100.0 * low, 100.0 * high)
-    })
+    ends.map_or_else(String::new, |(low, high)| format!(" (95 % interval {:.0} to {:.0})", 100.0 * low, 100.0 * high))
 }
 
 #[cfg(test)]
@@ -162,10 +141,8 @@ mod tests {
         let early = Named::plain(Effect::LocationLag(LocationLag { lag_s: -2.1 }), 9.0);
         let text = of_effect(&early);
         assert!(text.contains("the location comes 2.1 s early"), "{text}");
-        let unknown = Unknown {
-            coordinate: Coordinate::Speed,
-            table: [(10.0, 0.0), (40.0, 2e-3)].into_iter().collect(),
-        };
+        let unknown =
+            Unknown { coordinate: Coordinate::Speed, table: [(10.0, 0.0), (40.0, 2e-3)].into_iter().collect() };
         let text = of_effect(&Named::plain(Effect::Unknown(unknown), 9.0));
         let told = "along the speed, a table from 36 to 144 km/h, 0.0000 to 0.0020 N/kg";
         assert!(text.contains(told), "{text}");

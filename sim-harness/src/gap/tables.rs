@@ -106,6 +106,5 @@ fn table(rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, csv::Err
     for row in rows {
         csv.serialize(row)?;
     }
-    csv.into_inner()
-        .map_err(|error| std::io::Error::other(error.to_string()).into())
+    csv.into_inner().map_err(|error| std::io::Error::other(error.to_string()).into())
 }

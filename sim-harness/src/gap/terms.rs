@@ -127,8 +127,7 @@ impl Term {
         // Few rows lie beyond the last knots but one.
         let inner = knots.get(1).zip(knots.get(knots.len().saturating_sub(2)));
         let at = of_interval(*which, interval, interval.middle());
-        at.zip(inner)
-            .is_some_and(|(at, (first, last))| (*first..=*last).contains(&at))
+        at.zip(inner).is_some_and(|(at, (first, last))| (*first..=*last).contains(&at))
     }
 
     /// Its columns, one for each coefficient.
@@ -145,13 +144,10 @@ impl Term {
                 .collect()
         };
         match self {
-            Self::Davis(wrong) => (0..3)
-                .filter(|k| wrong[*k as usize])
-                .map(|k| along(&|_, _, p| p.speed_mps.powi(k)))
-                .collect(),
-            Self::Delay => vec![along(&|_, row, _| {
-                row.interval.effort_step_n_per_kg / row.interval.dt_s
-            })],
+            Self::Davis(wrong) => {
+                (0..3).filter(|k| wrong[*k as usize]).map(|k| along(&|_, _, p| p.speed_mps.powi(k))).collect()
+            }
+            Self::Delay => vec![along(&|_, row, _| row.interval.effort_step_n_per_kg / row.interval.dt_s)],
             Self::Late => vec![along(&|line, _, p| {
                 let sign = line.direction.sign();
                 let ahead = line.gradient_n_per_kg(p.location_m + sign * SLOPE_M);
@@ -159,12 +155,12 @@ impl Term {
                 p.speed_mps * (ahead - behind) / (2.0 * SLOPE_M)
             })],
             Self::Cube => vec![along(&|_, _, p| p.speed_mps.powi(3))],
-            Self::Tunnel(section) => vec![along(&|line, _, p| {
-                p.speed_mps * p.speed_mps * share(line, p.location_m, *section)
-            })],
-            Self::Gradient(section) => vec![along(&|line, _, p| {
-                gravity * line.direction.sign() * share(line, p.location_m, *section)
-            })],
+            Self::Tunnel(section) => {
+                vec![along(&|line, _, p| p.speed_mps * p.speed_mps * share(line, p.location_m, *section))]
+            }
+            Self::Gradient(section) => {
+                vec![along(&|line, _, p| gravity * line.direction.sign() * share(line, p.location_m, *section))]
+            }
             Self::Bump(section) => {
                 vec![along(&|line, _, p| share(line, p.location_m, *section))]
             }
@@ -173,52 +169,36 @@ impl Term {
                     * context
                         .curves
                         .iter()
-                        .map(|&(from_m, to_m, roeckl)| {
-                            roeckl * share(line, p.location_m, [from_m, to_m])
-                        })
+                        .map(|&(from_m, to_m, roeckl)| roeckl * share(line, p.location_m, [from_m, to_m]))
                         .sum::<f64>()
             })],
-            Self::Wind(wind_mps) => vec![along(&|line, _, p| {
-                r2 * (2.0 * p.speed_mps * line.direction.sign() + wind_mps)
-            })],
-            Self::Mass => vec![along(&|_, row, p| {
-                row.effort_n_per_kg - r2 * p.speed_mps * p.speed_mps
-            })],
+            Self::Wind(wind_mps) => {
+                vec![along(&|line, _, p| r2 * (2.0 * p.speed_mps * line.direction.sign() + wind_mps))]
+            }
+            Self::Mass => vec![along(&|_, row, p| row.effort_n_per_kg - r2 * p.speed_mps * p.speed_mps)],
             Self::Gauge => vec![along(&|_, row, _| row.effort_n_per_kg)],
             Self::Temperature => vec![
-                along(&|_, row, _| {
-                    row.interval
-                        .temperature_c
-                        .map_or(0.0, |t| t - context.temperature_c)
-                }),
+                along(&|_, row, _| row.interval.temperature_c.map_or(0.0, |t| t - context.temperature_c)),
                 along(&|_, _, _| 1.0),
             ],
             Self::Season => vec![along(&|_, row, _| {
-                row.interval.day.map_or(0.0, |day| {
-                    (day - context.first_day) / context.period_days.max(1e-9)
-                })
+                row.interval.day.map_or(0.0, |day| (day - context.first_day) / context.period_days.max(1e-9))
             })],
             Self::WarmUp(tau_s) => {
                 vec![along(&|_, _, p| (-p.since_departure_s / tau_s).exp())]
             }
             Self::Length(true_m) => vec![along(&|line, _, p| {
                 gravity
-                    * (line
-                        .track
-                        .mean_gradient(p.location_m, *true_m, line.direction)
-                        - line.track.mean_gradient(
-                            p.location_m,
-                            line.train.length_m(),
-                            line.direction,
-                        ))
+                    * (line.track.mean_gradient(p.location_m, *true_m, line.direction)
+                        - line.track.mean_gradient(p.location_m, line.train.length_m(), line.direction))
             })],
             Self::BrakeFade(from_mps) => vec![along(&|_, row, p| {
                 let over = (p.speed_mps - from_mps) / (140.0 / 3.6 - from_mps);
                 row.effort_n_per_kg.min(0.0) * over.max(0.0)
             })],
-            Self::DraggingBrake(runs) => vec![along(&|_, row, _| {
-                f64::from(row.interval.braked && runs.contains(&row.interval.run))
-            })],
+            Self::DraggingBrake(runs) => {
+                vec![along(&|_, row, _| f64::from(row.interval.braked && runs.contains(&row.interval.run)))]
+            }
             Self::Step(which, [below, above], side) => vec![along(&|_, row, p| {
                 let Some(at) = coordinate(*which, row, p) else {
                     return 0.0;
@@ -275,6 +255,5 @@ fn smooth(which: Coordinate, knots: &[f64], rows: &[Row]) -> Vec<Vec<f64>> {
 
 /// Whether both directions occur.
 pub fn both_directions(rows: &[Row]) -> bool {
-    rows.iter().any(|row| row.direction == Direction::Up)
-        && rows.iter().any(|row| row.direction == Direction::Down)
+    rows.iter().any(|row| row.direction == Direction::Up) && rows.iter().any(|row| row.direction == Direction::Down)
 }

@@ -27,13 +27,7 @@ pub fn travelled(index: usize, run: &Run, readings: &Readings) -> Vec<Compared> 
     let read: Vec<Read> = run
         .samples
         .iter()
-        .filter_map(|s| {
-            Some(Read {
-                time_s: s.time_s,
-                location_m: s.location_m?,
-                speed_mps: s.speed_mps?,
-            })
-        })
+        .filter_map(|s| Some(Read { time_s: s.time_s, location_m: s.location_m?, speed_mps: s.speed_mps? }))
         .collect();
     let none = Readings::default();
     // Errors of the way between two samples, before and after, m.
@@ -104,10 +98,7 @@ mod tests {
             day: None,
             samples: (0..25).map(sample).collect(),
         };
-        let right = Readings {
-            speed_scale: 1.02,
-            ..Readings::default()
-        };
+        let right = Readings { speed_scale: 1.02, ..Readings::default() };
         let found = travelled(0, &run, &right);
         assert_eq!(found.len(), 2);
         for window in found {

@@ -97,12 +97,7 @@ fn exceptions(scales: &[Scale], locations: bool) -> Vec<Wheel> {
         let value = of.iter().map(|s| s.value).sum::<f64>() / count;
         let mut runs: Vec<usize> = of.iter().map(|s| s.run).collect();
         runs.sort_unstable();
-        Wheel {
-            runs,
-            measured_over_true: value / middle,
-            sd: scatter / count.sqrt(),
-            locations,
-        }
+        Wheel { runs, measured_over_true: value / middle, sd: scatter / count.sqrt(), locations }
     };
     wheels.map(wheel).collect()
 }
@@ -152,10 +147,7 @@ fn stops(run: &Run) -> Vec<f64> {
     let located = |s: &Sample| Some((s.location_m?, s.speed_mps?));
     let read: Vec<(f64, f64)> = run.samples.iter().filter_map(located).collect();
     let standing = read.chunk_by(|a, b| (a.1 < STANDING_MPS) == (b.1 < STANDING_MPS));
-    standing
-        .filter(|part| part[0].1 < STANDING_MPS)
-        .filter_map(|part| median(part.iter().map(|(at, _)| *at)))
-        .collect()
+    standing.filter(|part| part[0].1 < STANDING_MPS).filter_map(|part| median(part.iter().map(|(at, _)| *at))).collect()
 }
 
 /// Places at which at least three runs, and a third of all, stand. `all`: location and run.
@@ -241,9 +233,7 @@ impl Wheel {
     /// By name.
     pub fn named(&self, runs: &[Run]) -> Named {
         let value = self.measured_over_true;
-        let effect = Effect::SpeedScale(SpeedScale {
-            measured_over_true: value,
-        });
+        let effect = Effect::SpeedScale(SpeedScale { measured_over_true: value });
         let off = (value - 1.0) / self.sd;
         let mut named = Named::plain(effect, 0.5 * off * off);
         named.around("measured_over_true", value, self.sd);
@@ -270,10 +260,8 @@ mod tests {
                 let steps = 40;
                 for k in 0..=steps {
                     let t = f64::from(k) / f64::from(steps);
-                    let at_m = pair[0]
-                        + way_m
-                            * (t - (2.0 * std::f64::consts::TAU * t).sin()
-                                / (2.0 * std::f64::consts::TAU));
+                    let at_m =
+                        pair[0] + way_m * (t - (2.0 * std::f64::consts::TAU * t).sin() / (2.0 * std::f64::consts::TAU));
                     let speed_mps = way_m / 400.0 * (1.0 - (2.0 * std::f64::consts::TAU * t).cos());
                     let told_m = if odometer { at_m * scale } else { at_m };
                     samples.push(Sample {
@@ -285,12 +273,7 @@ mod tests {
                     time_s += 10.0;
                 }
             }
-            Run {
-                name: format!("run{i}"),
-                direction: Direction::Up,
-                day: None,
-                samples,
-            }
+            Run { name: format!("run{i}"), direction: Direction::Up, day: None, samples }
         };
         scales.iter().enumerate().map(run).collect()
     }
@@ -303,10 +286,7 @@ mod tests {
             assert_eq!(found.len(), 1, "{found:?}");
             assert_eq!(found[0].runs, [2]);
             assert_eq!(found[0].locations, odometer);
-            assert!(
-                (found[0].measured_over_true - 1.013).abs() < 0.001,
-                "{found:?}"
-            );
+            assert!((found[0].measured_over_true - 1.013).abs() < 0.001, "{found:?}");
             let again = wheels(&put_right(&runs, &found), &Surroundings::default());
             assert_eq!(again, []);
         }
@@ -316,26 +296,17 @@ mod tests {
     fn described_platforms_judge_all_odometers_together() {
         let runs = runs(&[1.013; 6], true);
         assert_eq!(wheels(&runs, &Surroundings::default()), []);
-        let described = Surroundings {
-            stops: PLACES_M.to_vec(),
-            ..Surroundings::default()
-        };
+        let described = Surroundings { stops: PLACES_M.to_vec(), ..Surroundings::default() };
         let found = wheels(&runs, &described);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].runs.is_empty());
-        assert!(
-            (found[0].measured_over_true - 1.013).abs() < 0.001,
-            "{found:?}"
-        );
+        assert!((found[0].measured_over_true - 1.013).abs() < 0.001, "{found:?}");
     }
 
     #[test]
     fn equal_wheels_are_no_finding() {
         for odometer in [false, true] {
-            assert_eq!(
-                wheels(&runs(&[1.0; 8], odometer), &Surroundings::default()),
-                []
-            );
+            assert_eq!(wheels(&runs(&[1.0; 8], odometer), &Surroundings::default()), []);
         }
     }
 }

@@ -65,39 +65,25 @@ impl Whitening {
             below.push(off);
             log_determinant += 0.5 * rest.ln();
         }
-        Self {
-            own: Vec::new(),
-            runs,
-            diagonal,
-            below,
-            log_determinant,
-        }
+        Self { own: Vec::new(), runs, diagonal, below, log_determinant }
     }
 
     /// Adds what each run has for itself: columns (not whitened) with their standard deviations.
     pub fn with_own(mut self, columns: &[(&[f64], f64)]) -> Self {
-        let whitened: Vec<(Vec<f64>, f64)> = columns
-            .iter()
-            .filter(|(_, sd)| *sd > 0.0)
-            .map(|(column, sd)| (self.factor(column), *sd))
-            .collect();
+        let whitened: Vec<(Vec<f64>, f64)> =
+            columns.iter().filter(|(_, sd)| *sd > 0.0).map(|(column, sd)| (self.factor(column), *sd)).collect();
         if whitened.is_empty() {
             return self;
         }
         let mut own = Vec::with_capacity(self.runs.len());
         for range in &self.runs {
-            let z = DMatrix::from_fn(range.len(), whitened.len(), |i, k| {
-                whitened[k].0[range.start + i] * whitened[k].1
-            });
+            let z =
+                DMatrix::from_fn(range.len(), whitened.len(), |i, k| whitened[k].0[range.start + i] * whitened[k].1);
             let svd = z.svd(true, false);
             let d = svd.singular_values;
             self.log_determinant += d.iter().map(|d| 0.5 * (1.0 + d * d).ln()).sum::<f64>();
             let shrink = d.map(|d| 1.0 - 1.0 / (1.0 + d * d).sqrt());
-            own.push((
-                svd.u
-                    .unwrap_or_else(|| DMatrix::zeros(range.len(), shrink.len())),
-                shrink,
-            ));
+            own.push((svd.u.unwrap_or_else(|| DMatrix::zeros(range.len(), shrink.len())), shrink));
         }
         self.own = own;
         self
@@ -137,7 +123,5 @@ impl Whitening {
 
 /// Whether two intervals share a reading.
 fn adjacent(before: &Interval, interval: &Interval) -> bool {
-    interval.follows
-        && before.run == interval.run
-        && (before.begin_s + before.dt_s - interval.begin_s).abs() < 1e-6
+    interval.follows && before.run == interval.run && (before.begin_s + before.dt_s - interval.begin_s).abs() < 1e-6
 }

@@ -61,9 +61,7 @@ pub fn most_held_out(runs: usize) -> usize {
 /// Indices of `count` runs, evenly spread; at most [`most_held_out`].
 pub fn held_out(runs: usize, count: Option<usize>) -> Vec<usize> {
     let count = count.unwrap_or(runs / HELD_OUT).min(most_held_out(runs));
-    (0..count)
-        .map(|i| (2 * i + 1) * runs / (2 * count))
-        .collect()
+    (0..count).map(|i| (2 * i + 1) * runs / (2 * count)).collect()
 }
 
 /// Investigates. `None`: no run has enough to analyse.
@@ -142,16 +140,9 @@ fn all_named(findings: &Findings, surroundings: &Surroundings, runs: &[Run]) -> 
 }
 
 /// The rows with what the effects leave of their residuals.
-pub(super) fn repaired(
-    believed: &Believed<'_>,
-    named: &[Named],
-    runs: &[Run],
-    rows: &[Row],
-) -> Vec<Row> {
-    let left = |(row, explained): (&Row, f64)| Row {
-        residual_n_per_kg: row.residual_n_per_kg - explained,
-        ..row.clone()
-    };
+pub(super) fn repaired(believed: &Believed<'_>, named: &[Named], runs: &[Run], rows: &[Row]) -> Vec<Row> {
+    let left =
+        |(row, explained): (&Row, f64)| Row { residual_n_per_kg: row.residual_n_per_kg - explained, ..row.clone() };
     let explained = explained(believed, named, runs, rows);
     rows.iter().zip(explained).map(left).collect()
 }
@@ -179,11 +170,7 @@ impl Investigation {
         // The wheel of one run is put right before the gap is measured.
         let of_one_run = |n: &Named| n.effect.name() == "speed_scale" && !n.runs.is_empty();
         if self.named.is_empty() {
-            if self.p_value < SURE_GAP {
-                "unknown"
-            } else {
-                "no_gap"
-            }
+            if self.p_value < SURE_GAP { "unknown" } else { "no_gap" }
         } else if self.named.iter().all(of_one_run) {
             "explained"
         } else if self.named.iter().all(|n| n.effect.name() == "unknown") {

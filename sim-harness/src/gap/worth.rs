@@ -50,18 +50,12 @@ pub fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -
     let absurd = || {
         let extra = term.extra(beta, context, rows);
         rows.iter().zip(extra).any(|(row, extra)| {
-            extra.abs()
-                > MOST_SHARE * davis.resistance_n_per_kg(row.interval.mean_speed_mps()) + 0.01
+            extra.abs() > MOST_SHARE * davis.resistance_n_per_kg(row.interval.mean_speed_mps()) + 0.01
         })
     };
     if !matches!(
         term,
-        Term::Tunnel(_)
-            | Term::Gradient(_)
-            | Term::Bump(_)
-            | Term::Mass
-            | Term::Gauge
-            | Term::BrakeFade(_)
+        Term::Tunnel(_) | Term::Gradient(_) | Term::Bump(_) | Term::Mass | Term::Gauge | Term::BrakeFade(_)
     ) && absurd()
     {
         return false;
@@ -76,9 +70,7 @@ pub fn matters(term: &Term, beta: &[f64], context: &Context<'_>, rows: &[Row]) -
         Term::Curve => beta[0] > 0.0 && most() > LEAST_N_PER_KG,
         Term::DraggingBrake(_) => beta[0] > LEAST_DRAG_N_PER_KG,
         // The largest value belongs to the first rows alone.
-        Term::WarmUp(_) => {
-            (0.0..MOST_WARM_UP_N_PER_KG).contains(&beta[0]) && most() > 2.0 * LEAST_N_PER_KG
-        }
+        Term::WarmUp(_) => (0.0..MOST_WARM_UP_N_PER_KG).contains(&beta[0]) && most() > 2.0 * LEAST_N_PER_KG,
         Term::Davis(wrong) => often() > LEAST_N_PER_KG && possible(*wrong, beta, &davis),
         Term::Cube | Term::Wind(_) => often() > LEAST_N_PER_KG,
         Term::Smooth(..) | Term::Step(..) => most() > LEAST_UNNAMED_N_PER_KG,

@@ -75,9 +75,7 @@ impl FromStr for PortAddress {
     type Err = AddressError;
 
     fn from_str(word: &str) -> Result<Self, AddressError> {
-        let error = || AddressError {
-            found: word.to_owned(),
-        };
+        let error = || AddressError { found: word.to_owned() };
         if word == "stdio:" {
             return Ok(Self::Stdio);
         }
@@ -91,10 +89,9 @@ impl FromStr for PortAddress {
         }
         let (path, baud) = word.rsplit_once('@').ok_or_else(error)?;
         match baud.parse() {
-            Ok(baud) if baud > 0 && !path.is_empty() && !path.contains(':') => Ok(Self::Serial {
-                path: path.to_owned(),
-                baud,
-            }),
+            Ok(baud) if baud > 0 && !path.is_empty() && !path.contains(':') => {
+                Ok(Self::Serial { path: path.to_owned(), baud })
+            }
             _ => Err(error()),
         }
     }
@@ -106,24 +103,13 @@ impl FromStr for Address {
     fn from_str(word: &str) -> Result<Self, AddressError> {
         let can = |interface: &str, fd| {
             if interface.is_empty() {
-                return Err(AddressError {
-                    found: word.to_owned(),
-                });
+                return Err(AddressError { found: word.to_owned() });
             }
-            Ok(Self::Can {
-                interface: interface.to_owned(),
-                fd,
-            })
+            Ok(Self::Can { interface: interface.to_owned(), fd })
         };
         match word.split_once(':') {
-            Some(("slcan", port)) => Ok(Self::Slcan {
-                port: port.parse()?,
-                fd: false,
-            }),
-            Some(("slcanfd", port)) => Ok(Self::Slcan {
-                port: port.parse()?,
-                fd: true,
-            }),
+            Some(("slcan", port)) => Ok(Self::Slcan { port: port.parse()?, fd: false }),
+            Some(("slcanfd", port)) => Ok(Self::Slcan { port: port.parse()?, fd: true }),
             Some(("can", interface)) => can(interface, false),
             Some(("canfd", interface)) => can(interface, true),
             _ => word.parse().map(Self::Serial),
@@ -147,10 +133,7 @@ impl fmt::Display for Address {
         match self {
             Self::Serial(port) => port.fmt(f),
             Self::Slcan { port, fd: is_fd } => write!(f, "slcan{}:{port}", fd(is_fd)),
-            Self::Can {
-                interface,
-                fd: is_fd,
-            } => write!(f, "can{}:{interface}", fd(is_fd)),
+            Self::Can { interface, fd: is_fd } => write!(f, "can{}:{interface}", fd(is_fd)),
         }
     }
 }
@@ -180,14 +163,9 @@ impl Address {
             Self::Serial(port) => Ok(HostLink::new(SerialLink::new(port.open()?))),
             Self::Slcan { port, fd } => {
                 let adapter = self.adapter(port)?;
-                Ok(HostLink::new(Unwrapped(CanLink::host(
-                    adapter,
-                    config(*fd),
-                ))))
+                Ok(HostLink::new(Unwrapped(CanLink::host(adapter, config(*fd)))))
             }
-            Self::Can { interface, fd } => {
-                open_interface(interface, *fd, false).map_err(|error| named(self, &error))
-            }
+            Self::Can { interface, fd } => open_interface(interface, *fd, false).map_err(|error| named(self, &error)),
         }
     }
 }
@@ -205,9 +183,7 @@ impl Address {
                 let silent = CanLink::host(Silent(adapter), config(*fd));
                 Ok(HostLink::new(Unwrapped(silent)))
             }
-            Self::Can { interface, fd } => {
-                open_interface(interface, *fd, true).map_err(|error| named(self, &error))
-            }
+            Self::Can { interface, fd } => open_interface(interface, *fd, true).map_err(|error| named(self, &error)),
         }
     }
 
@@ -283,10 +259,7 @@ mod tests {
         }
         assert_eq!(
             "/dev/serial/by-id/x@y@115200".parse(),
-            Ok(PortAddress::Serial {
-                path: "/dev/serial/by-id/x@y".to_owned(),
-                baud: 115_200
-            })
+            Ok(PortAddress::Serial { path: "/dev/serial/by-id/x@y".to_owned(), baud: 115_200 })
         );
     }
 

@@ -135,32 +135,20 @@ impl Wire {
         if self.happens(rates.garbage, |tally| &mut tally.garbage) {
             let mut garbage = vec![0; self.rng.random_range(1..=64)];
             self.rng.fill_bytes(&mut garbage);
-            self.queue.push_back(Unit {
-                due_us: now_us,
-                bytes: garbage,
-            });
+            self.queue.push_back(Unit { due_us: now_us, bytes: garbage });
         }
         let late_us = now_us.saturating_add(rates.delay_us);
         let delayed = self.happens(rates.delay, |tally| &mut tally.delay);
-        let unit = Unit {
-            due_us: if delayed { late_us } else { now_us },
-            bytes,
-        };
+        let unit = Unit { due_us: if delayed { late_us } else { now_us }, bytes };
         if self.happens(rates.duplicate, |tally| &mut tally.duplicate) {
             self.queue.push_back(unit.clone());
         }
         if self.overtaken.is_none() && self.happens(rates.reorder, |tally| &mut tally.reorder) {
-            self.overtaken = Some(Unit {
-                due_us: late_us,
-                ..unit
-            });
+            self.overtaken = Some(Unit { due_us: late_us, ..unit });
             return;
         }
         self.queue.push_back(unit);
-        self.queue.extend(self.overtaken.take().map(|unit| Unit {
-            due_us: now_us,
-            ..unit
-        }));
+        self.queue.extend(self.overtaken.take().map(|unit| Unit { due_us: now_us, ..unit }));
     }
 
     /// The next unit that has come out by now. Units leave in the order in which they are queued.
@@ -168,11 +156,7 @@ impl Wire {
         if now_us < self.stalled_until_us {
             return None;
         }
-        if self
-            .overtaken
-            .as_ref()
-            .is_some_and(|unit| unit.due_us <= now_us)
-        {
+        if self.overtaken.as_ref().is_some_and(|unit| unit.due_us <= now_us) {
             self.queue.extend(self.overtaken.take());
         }
         if self.queue.front()?.due_us > now_us {
@@ -226,12 +210,7 @@ impl<L: Link> FaultyLink<L> {
     /// A bad wire before `link`.
     pub fn new(link: L, seed: u64, rates: Rates) -> Self {
         let [out, back] = wires(seed, rates);
-        Self {
-            link,
-            out,
-            back,
-            waiting: None,
-        }
+        Self { link, out, back, waiting: None }
     }
 
     /// What happened to sent and to received messages.
@@ -304,13 +283,7 @@ impl<P: Read + ReadReady + Write, C: FnMut() -> u64> FaultyPort<P, C> {
     /// A bad wire before `port`; `clock_us` says the time, which a port is not told.
     pub fn new(port: P, seed: u64, rates: Rates, clock_us: C) -> Self {
         let [out, back] = wires(seed, rates);
-        Self {
-            port,
-            out,
-            back,
-            ready: VecDeque::new(),
-            clock_us,
-        }
+        Self { port, out, back, ready: VecDeque::new(), clock_us }
     }
 
     /// What happened to what was written and what was read.
@@ -409,11 +382,7 @@ mod tests {
     #[test]
     fn every_fault_does_what_its_name_says() {
         let one = |change: fn(&mut Rates)| {
-            let mut rates = Rates {
-                delay_us: 5,
-                stall_us: 50,
-                ..Rates::default()
-            };
+            let mut rates = Rates { delay_us: 5, stall_us: 50, ..Rates::default() };
             change(&mut rates);
             through(rates, 7, 10).0
         };
@@ -421,15 +390,8 @@ mod tests {
         assert_eq!(one(|rates| rates.drop = 1.0), Vec::<Vec<u8>>::new());
         assert_eq!(one(|rates| rates.duplicate = 1.0).len(), 20);
         assert_eq!(one(|rates| rates.garbage = 1.0).len(), 20);
-        assert!(
-            one(|rates| rates.truncation = 1.0)
-                .iter()
-                .all(|unit| unit.len() < 20)
-        );
-        for change in [
-            |rates: &mut Rates| rates.bit_flips = 1.0,
-            |rates: &mut Rates| rates.burst = 1.0,
-        ] {
+        assert!(one(|rates| rates.truncation = 1.0).iter().all(|unit| unit.len() < 20));
+        for change in [|rates: &mut Rates| rates.bit_flips = 1.0, |rates: &mut Rates| rates.burst = 1.0] {
             let damaged = one(change);
             assert_eq!(damaged.len(), 10);
             assert!(damaged.iter().map(Vec::len).all(|length| length == 20));
@@ -437,31 +399,16 @@ mod tests {
         }
         assert_eq!(one(|rates| rates.delay = 1.0), clean, "late, in order");
         assert_eq!(one(|rates| rates.stall = 1.0), clean, "late, in order");
-        let reordered: Vec<u8> = one(|rates| rates.reorder = 1.0)
-            .iter()
-            .map(|unit| unit[0])
-            .collect();
+        let reordered: Vec<u8> = one(|rates| rates.reorder = 1.0).iter().map(|unit| unit[0]).collect();
         assert_eq!(reordered, [1, 0, 3, 2, 5, 4, 7, 6, 9, 8]);
     }
 
     #[test]
     fn late_units_are_not_out_before_their_time() {
         for rates in [
-            Rates {
-                delay: 1.0,
-                delay_us: 50,
-                ..Rates::default()
-            },
-            Rates {
-                reorder: 1.0,
-                delay_us: 50,
-                ..Rates::default()
-            },
-            Rates {
-                stall: 1.0,
-                stall_us: 50,
-                ..Rates::default()
-            },
+            Rates { delay: 1.0, delay_us: 50, ..Rates::default() },
+            Rates { reorder: 1.0, delay_us: 50, ..Rates::default() },
+            Rates { stall: 1.0, stall_us: 50, ..Rates::default() },
         ] {
             let mut wire = Wire::new(3, rates);
             wire.put(vec![1], 100);

@@ -15,10 +15,7 @@
 //! | two ends without a wire between | [`pipe`] |
 //! | what was said, and when? | [`record`]: wraps any link |
 //! | what if the wire is bad? | [`faults`]: wraps any link, or any port below one |
-#![cfg_attr(
-    not(target_os = "linux"),
-    doc = "\n[`socket`]: https://docs.kernel.org/networking/can.html"
-)]
+#![cfg_attr(not(target_os = "linux"), doc = "\n[`socket`]: https://docs.kernel.org/networking/can.html")]
 
 pub mod address;
 pub mod faults;

@@ -29,14 +29,8 @@ pub fn bus() -> (End<CanFrame>, End<CanFrame>) {
 
 fn ends<T>() -> (End<T>, End<T>) {
     let (a, b) = (Shared::default(), Shared::default());
-    let one = End {
-        from_other: Rc::clone(&a),
-        to_other: Rc::clone(&b),
-    };
-    let other = End {
-        from_other: b,
-        to_other: a,
-    };
+    let one = End { from_other: Rc::clone(&a), to_other: Rc::clone(&b) };
+    let other = End { from_other: b, to_other: a };
     (one, other)
 }
 
@@ -99,9 +93,6 @@ impl Can for End<CanFrame> {
     }
 
     fn receive(&mut self) -> nb::Result<CanFrame, BusError> {
-        self.from_other
-            .borrow_mut()
-            .pop_front()
-            .ok_or(nb::Error::WouldBlock)
+        self.from_other.borrow_mut().pop_front().ok_or(nb::Error::WouldBlock)
     }
 }

@@ -66,12 +66,7 @@ impl HostPort {
         let closed = Arc::new(AtomicBool::new(false));
         let seen = Arc::clone(&closed);
         thread::spawn(move || read_on(reader, &sender, &seen));
-        Self {
-            writer: Box::new(writer),
-            queue,
-            ready: VecDeque::new(),
-            closed,
-        }
+        Self { writer: Box::new(writer), queue, ready: VecDeque::new(), closed }
     }
 }
 
@@ -85,15 +80,10 @@ fn read_on(mut reader: impl Read, sender: &SyncSender<io::Result<Vec<u8>>>, clos
     let mut buffer = [0; 4096];
     while !closed.load(Ordering::Relaxed) {
         let read = match reader.read(&mut buffer) {
-            Ok(0) => Err(io::Error::new(
-                io::ErrorKind::UnexpectedEof,
-                "closed by the other side",
-            )),
+            Ok(0) => Err(io::Error::new(io::ErrorKind::UnexpectedEof, "closed by the other side")),
             Ok(length) => Ok(buffer.iter().copied().take(length).collect()),
             Err(error) => match error.kind() {
-                io::ErrorKind::TimedOut
-                | io::ErrorKind::WouldBlock
-                | io::ErrorKind::Interrupted => continue,
+                io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted => continue,
                 _ => Err(error),
             },
         };
@@ -128,10 +118,7 @@ impl embedded_io::Read for HostPort {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         // Waits for the first byte, as the trait asks; links look for it before.
         if self.ready.is_empty() {
-            let read = self
-                .queue
-                .recv()
-                .map_err(|_| io::Error::new(io::ErrorKind::NotConnected, "port closed"))?;
+            let read = self.queue.recv().map_err(|_| io::Error::new(io::ErrorKind::NotConnected, "port closed"))?;
             self.ready.extend(read?);
         }
         io::Read::read(&mut self.ready, buffer)

@@ -87,16 +87,10 @@ impl<W: Write> Log<W> {
         if self.failed.is_some() {
             return;
         }
-        let row = [
-            time_us.to_string(),
-            way.word().to_owned(),
-            hex::encode(message),
-        ];
+        let row = [time_us.to_string(), way.word().to_owned(), hex::encode(message)];
         // A line a message, so that what was said last is there after a crash.
         let written = self.csv.write_record(row);
-        self.failed = written
-            .and_then(|()| self.csv.flush().map_err(csv::Error::from))
-            .err();
+        self.failed = written.and_then(|()| self.csv.flush().map_err(csv::Error::from)).err();
     }
 
     /// The end of the recording.
@@ -166,14 +160,10 @@ impl<L: Link, W: Write> Link for Recorder<L, W> {
 /// # Errors
 /// [`RecordError`] at the first line that cannot be read.
 pub fn read(reader: impl Read) -> Result<Vec<Recorded>, RecordError> {
-    let mut csv = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .from_reader(reader);
+    let mut csv = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(reader);
     let header = csv.headers()?;
     if header != HEADER.as_slice() {
-        return Err(RecordError::Header {
-            found: header.iter().collect::<Vec<_>>().join(","),
-        });
+        return Err(RecordError::Header { found: header.iter().collect::<Vec<_>>().join(",") });
     }
     csv.records().map(|row| recorded(&row?)).collect()
 }
@@ -183,10 +173,7 @@ pub fn read(reader: impl Read) -> Result<Vec<Recorded>, RecordError> {
 /// # Errors
 /// [`RecordError`] when it cannot be read.
 pub fn recorded_line(line: &[u8]) -> Result<Option<Recorded>, RecordError> {
-    let mut csv = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .comment(Some(b'#'))
-        .from_reader(line);
+    let mut csv = csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).from_reader(line);
     let row = csv.records().next().transpose()?;
     row.map(|row| recorded(&row)).transpose()
 }
@@ -194,12 +181,8 @@ pub fn recorded_line(line: &[u8]) -> Result<Option<Recorded>, RecordError> {
 fn recorded(row: &csv::StringRecord) -> Result<Recorded, RecordError> {
     let line = row.position().map_or(0, csv::Position::line);
     let field = |place: usize| row.get(place).unwrap_or_default();
-    let error = |place: usize, column, expected| RecordError::Field {
-        line,
-        column,
-        expected,
-        found: field(place).to_owned(),
-    };
+    let error =
+        |place: usize, column, expected| RecordError::Field { line, column, expected, found: field(place).to_owned() };
     let way = [Way::Sent, Way::Received]
         .into_iter()
         .find(|way| way.word() == field(1))
@@ -209,13 +192,7 @@ fn recorded(row: &csv::StringRecord) -> Result<Recorded, RecordError> {
         .filter(|bytes| (1..=MAX_MESSAGE).contains(&bytes.len()))
         .and_then(|bytes| Message::from_slice(&bytes).ok())
         .ok_or_else(|| error(2, "message", "1 to 512 bytes in hexadecimal digits"))?;
-    Ok(Recorded {
-        time_us: field(0)
-            .parse()
-            .map_err(|_| error(0, "time_us", "microseconds"))?,
-        way,
-        message,
-    })
+    Ok(Recorded { time_us: field(0).parse().map_err(|_| error(0, "time_us", "microseconds"))?, way, message })
 }
 
 #[cfg(test)]
@@ -237,41 +214,22 @@ mod tests {
         assert!(recorder.receive(21).unwrap().is_none());
         recorder.finish().unwrap();
         let text = String::from_utf8(file).unwrap();
-        assert_eq!(
-            text,
-            "time_us,direction,message\n10,sent,00ab\n20,received,6f6b\n"
-        );
+        assert_eq!(text, "time_us,direction,message\n10,sent,00ab\n20,received,6f6b\n");
         let messages = read(text.as_bytes()).unwrap();
         assert_eq!(messages.len(), 2);
         assert_eq!(
             messages[1],
-            Recorded {
-                time_us: 20,
-                way: Way::Received,
-                message: Message::from_slice(b"ok").unwrap()
-            }
+            Recorded { time_us: 20, way: Way::Received, message: Message::from_slice(b"ok").unwrap() }
         );
     }
 
     #[test]
     fn a_line_that_cannot_be_read_is_named() {
         for (line, cause) in [
-            (
-                "x,sent,00",
-                "line 2, time_us: expected microseconds, found `x`",
-            ),
-            (
-                "1,lost,00",
-                "line 2, direction: expected sent or received, found `lost`",
-            ),
-            (
-                "1,sent,0g",
-                "line 2, message: expected 1 to 512 bytes in hexadecimal digits, found `0g`",
-            ),
-            (
-                "1,sent,",
-                "line 2, message: expected 1 to 512 bytes in hexadecimal digits, found ``",
-            ),
+            ("x,sent,00", "line 2, time_us: expected microseconds, found `x`"),
+            ("1,lost,00", "line 2, direction: expected sent or received, found `lost`"),
+            ("1,sent,0g", "line 2, message: expected 1 to 512 bytes in hexadecimal digits, found `0g`"),
+            ("1,sent,", "line 2, message: expected 1 to 512 bytes in hexadecimal digits, found ``"),
         ] {
             let text = format!("time_us,direction,message\n{line}\n");
             assert_eq!(read(text.as_bytes()).unwrap_err().to_string(), cause);
@@ -284,10 +242,7 @@ mod tests {
         struct Full(usize);
         impl Write for Full {
             fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-                self.0 = self
-                    .0
-                    .checked_sub(bytes.len())
-                    .ok_or(io::ErrorKind::StorageFull)?;
+                self.0 = self.0.checked_sub(bytes.len()).ok_or(io::ErrorKind::StorageFull)?;
                 Ok(bytes.len())
             }
             fn flush(&mut self) -> io::Result<()> {

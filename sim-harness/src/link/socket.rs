@@ -40,9 +40,7 @@ fn from_socket(frame: &CanAnyFrame) -> Option<CanFrame> {
     match frame {
         CanAnyFrame::Fd(frame) => CanFrame::try_new(
             embedded_can::Frame::id(frame),
-            Format::Fd {
-                bit_rate_switch: frame.is_brs(),
-            },
+            Format::Fd { bit_rate_switch: frame.is_brs() },
             frame.data(),
         )
         .ok(),
@@ -65,10 +63,7 @@ impl embedded_can::nb::Can for Socket {
 
     fn transmit(&mut self, frame: &CanFrame) -> nb::Result<Option<CanFrame>, Self::Error> {
         let frame = to_socket(frame).ok_or_else(|| {
-            port(io::Error::new(
-                io::ErrorKind::InvalidData,
-                "frame that the interface does not have",
-            ))
+            port(io::Error::new(io::ErrorKind::InvalidData, "frame that the interface does not have"))
         })?;
         self.0.write_frame(&frame).map_err(port)?;
         Ok(None)

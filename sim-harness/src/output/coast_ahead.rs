@@ -38,11 +38,8 @@ pub const fn outcome_word(outcome: &Outcome) -> &'static str {
 /// Those of `writer`.
 pub fn write(writer: impl Write, run: &ReplayedRun, config: &CoastConfig) -> io::Result<()> {
     let mut steady = Steady::NONE;
-    let records: Vec<Record> = run
-        .coast_ahead
-        .iter()
-        .map(|ahead| record(ahead, steady.is_news(config, ahead)))
-        .collect();
+    let records: Vec<Record> =
+        run.coast_ahead.iter().map(|ahead| record(ahead, steady.is_news(config, ahead))).collect();
     write_csv(writer, &records)
 }
 
@@ -65,18 +62,12 @@ fn record(ahead: &CoastAhead, published: bool) -> Record {
         ("target_m", Cell::from(target.map(|target| target.at_m))),
         ("target_limit_mps", Cell::from(limit_mps)),
         ("target_speed_mps", Cell::from(arrival.map(|a| a.speed_mps))),
-        (
-            "sd_target_speed_mps",
-            Cell::from(arrival.map(|a| a.speed_sd_mps)),
-        ),
+        ("sd_target_speed_mps", Cell::from(arrival.map(|a| a.speed_sd_mps))),
         ("target_time_s", Cell::from(arrival.map(|a| a.time_s))),
         ("sd_target_time_s", Cell::from(arrival.map(|a| a.time_sd_s))),
         ("stop_m", Cell::from(stop.map(|(location_m, _)| location_m))),
         ("sd_stop_m", Cell::from(stop.map(|(_, sd_m)| sd_m))),
         ("published", Cell::Count(u64::from(published))),
     ];
-    cells
-        .into_iter()
-        .map(|(name, cell)| (name.to_owned(), cell))
-        .collect()
+    cells.into_iter().map(|(name, cell)| (name.to_owned(), cell)).collect()
 }

@@ -27,34 +27,12 @@ pub fn file_name(run: &ReplayedRun) -> String {
 
 /// The columns in their order.
 pub fn columns() -> Vec<String> {
-    let fixed = |names: &[&str]| {
-        names
-            .iter()
-            .map(|name| (*name).to_owned())
-            .collect::<Vec<_>>()
-    };
+    let fixed = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
     let mut columns = fixed(&["time_s", "location_m", "speed_mps", "r0", "r1", "r2"]);
-    columns.extend(fixed(&[
-        "sd_location_m",
-        "sd_speed_mps",
-        "sd_r0",
-        "sd_r1",
-        "sd_r2",
-    ]));
+    columns.extend(fixed(&["sd_location_m", "sd_speed_mps", "sd_r0", "sd_r1", "sd_r2"]));
     columns.extend(upper_triangle().map(|(row, column)| format!("P_{row}{column}")));
-    columns.extend(fixed(&[
-        "effort_n_per_kg",
-        "acceleration_mps2",
-        "regime",
-        "learning",
-    ]));
-    columns.extend(fixed(&[
-        "innovation_location_m",
-        "innovation_speed_mps",
-        "S_ss",
-        "S_sv",
-        "S_vv",
-    ]));
+    columns.extend(fixed(&["effort_n_per_kg", "acceleration_mps2", "regime", "learning"]));
+    columns.extend(fixed(&["innovation_location_m", "innovation_speed_mps", "S_ss", "S_sv", "S_vv"]));
     columns.extend(fixed(&["validity", "cause", "regime_confirmed"]));
     columns
 }
@@ -89,13 +67,7 @@ fn fields(estimate: &Estimate, confirmed: Regime) -> Vec<String> {
     fields.push(u8::from(estimate.learning).to_string());
     fields.extend(innovation(estimate).map(optional));
     fields.push(estimate.validity.as_str().to_owned());
-    fields.push(
-        estimate
-            .validity
-            .cause()
-            .map_or("", |cause| cause.as_str())
-            .to_owned(),
-    );
+    fields.push(estimate.validity.cause().map_or("", |cause| cause.as_str()).to_owned());
     fields.push(confirmed.as_str().to_owned());
     fields
 }
@@ -105,24 +77,13 @@ fn innovation(estimate: &Estimate) -> [Option<f64>; 5] {
     let Some(innovation) = &estimate.innovation else {
         return [None; 5];
     };
-    let value = |index: usize| {
-        (innovation.readings[index] != Reading::Missing).then(|| innovation.value[index])
-    };
+    let value = |index: usize| (innovation.readings[index] != Reading::Missing).then(|| innovation.value[index]);
     let s = &innovation.covariance;
-    [
-        value(0),
-        value(1),
-        Some(s[(0, 0)]),
-        Some(s[(0, 1)]),
-        Some(s[(1, 1)]),
-    ]
+    [value(0), value(1), Some(s[(0, 0)]), Some(s[(0, 1)]), Some(s[(1, 1)])]
 }
 
 fn optional(number: Option<f64>) -> String {
-    number
-        .filter(|number| number.is_finite())
-        .map(digits_17)
-        .unwrap_or_default()
+    number.filter(|number| number.is_finite()).map(digits_17).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -78,10 +78,8 @@ pub fn value(replay: &Replay<'_>) -> Value {
 
 fn of_run(run: &ReplayedRun, config: &Config) -> Value {
     let object = |record: Record| to_json(&record);
-    let points: Vec<Value> = features::switching_points(run)
-        .iter()
-        .map(|record| object(record[1..].to_vec()))
-        .collect();
+    let points: Vec<Value> =
+        features::switching_points(run).iter().map(|record| object(record[1..].to_vec())).collect();
     json!({
         "run": run.name,
         "unit": run.unit,

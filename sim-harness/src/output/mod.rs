@@ -39,16 +39,8 @@ pub struct WriteError {
 ///
 /// # Errors
 /// [`WriteError`] names the first file that could not be written.
-pub fn write_tables(
-    folder: &Path,
-    runs: &[ReplayedRun],
-    config: &Config,
-    json: &Value,
-) -> Result<(), WriteError> {
-    std::fs::create_dir_all(folder).map_err(|source| WriteError {
-        path: folder.to_owned(),
-        source,
-    })?;
+pub fn write_tables(folder: &Path, runs: &[ReplayedRun], config: &Config, json: &Value) -> Result<(), WriteError> {
+    std::fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.to_owned(), source })?;
     runs.par_iter().try_for_each(|run| {
         let name = estimates::file_name(run);
         write(&folder.join(name), |file| estimates::write(file, run))?;
@@ -56,19 +48,10 @@ pub fn write_tables(
             return Ok(());
         }
         let name = coast_ahead::file_name(run);
-        write(&folder.join(name), |file| {
-            coast_ahead::write(file, run, &config.coast)
-        })
+        write(&folder.join(name), |file| coast_ahead::write(file, run, &config.coast))
     })?;
-    write_records(
-        &folder.join("features.csv"),
-        runs.iter()
-            .map(|run| features::record(run, &config.features)),
-    )?;
-    write_records(
-        &folder.join("parameters.csv"),
-        runs.iter().map(parameters::record),
-    )?;
+    write_records(&folder.join("features.csv"), runs.iter().map(|run| features::record(run, &config.features)))?;
+    write_records(&folder.join("parameters.csv"), runs.iter().map(parameters::record))?;
     let points: Vec<Record> = runs.iter().flat_map(features::switching_points).collect();
     write(&folder.join("switching_points.csv"), |file| {
         if points.is_empty() {
@@ -87,17 +70,11 @@ fn write_records(path: &Path, records: impl Iterator<Item = Record>) -> Result<(
     write(path, |file| table::write_csv(file, &records))
 }
 
-fn write(
-    path: &Path,
-    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<(), WriteError> {
+fn write(path: &Path, content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), WriteError> {
     let written = File::create(path).and_then(|file| {
         let mut file = BufWriter::new(file);
         content(&mut file)?;
         file.flush()
     });
-    written.map_err(|source| WriteError {
-        path: path.to_owned(),
-        source,
-    })
+    written.map_err(|source| WriteError { path: path.to_owned(), source })
 }

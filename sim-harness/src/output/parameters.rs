@@ -22,17 +22,10 @@ pub fn record(run: &ReplayedRun) -> Record {
     record.extend(coefficients("", &run.vehicle_after));
     record.extend(coefficients("run_", &run.summary.run_davis));
     record.push(("unit".to_owned(), Cell::from(run.unit.as_str())));
-    record.push((
-        "direction".to_owned(),
-        Cell::from(direction_word(run.direction)),
-    ));
+    record.push(("direction".to_owned(), Cell::from(direction_word(run.direction))));
     record.push(("rows".to_owned(), Cell::from(run.rows)));
     record.push(("steps".to_owned(), Cell::from(run.estimates.len())));
-    let learned = run
-        .estimates
-        .iter()
-        .filter(|estimate| estimate.learning)
-        .count();
+    let learned = run.estimates.iter().filter(|estimate| estimate.learning).count();
     record.push(("learning_steps".to_owned(), Cell::from(learned)));
     record.extend(counters(run));
     record
@@ -41,22 +34,15 @@ pub fn record(run: &ReplayedRun) -> Record {
 /// How often each cause occurred.
 pub fn counters(run: &ReplayedRun) -> Record {
     let counters = &run.summary.counters;
-    let dropped = (
-        "time_not_increasing".to_owned(),
-        Cell::from(counters.time_not_increasing),
-    );
-    let causes = counters
-        .iter()
-        .map(|(cause, count)| (cause.as_str().to_owned(), Cell::from(count)));
+    let dropped = ("time_not_increasing".to_owned(), Cell::from(counters.time_not_increasing));
+    let causes = counters.iter().map(|(cause, count)| (cause.as_str().to_owned(), Cell::from(count)));
     std::iter::once(dropped).chain(causes).collect()
 }
 
 /// Means, then standard deviations.
 pub fn coefficients(prefix: &str, davis: &Gaussian<3>) -> Record {
-    let means = COEFFICIENTS
-        .iter()
-        .zip(davis.mean.iter())
-        .map(|(name, mean)| (format!("{prefix}{name}"), Cell::from(*mean)));
+    let means =
+        COEFFICIENTS.iter().zip(davis.mean.iter()).map(|(name, mean)| (format!("{prefix}{name}"), Cell::from(*mean)));
     let sds = COEFFICIENTS
         .iter()
         .enumerate()

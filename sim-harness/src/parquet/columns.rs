@@ -2,9 +2,7 @@
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
-use parquet::data_type::{
-    ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type, Int64Type,
-};
+use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::errors::Result;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::RowGroupReader;
@@ -47,9 +45,8 @@ pub(super) fn schema(columns: &[(String, Kind)]) -> Result<TypePtr> {
 }
 
 pub(super) fn properties() -> Arc<WriterProperties> {
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::SNAPPY)
-        .set_created_by("rundown".to_owned());
+    let properties =
+        WriterProperties::builder().set_compression(Compression::SNAPPY).set_created_by("rundown".to_owned());
     Arc::new(properties.build())
 }
 
@@ -59,9 +56,7 @@ pub(super) fn write(
     values: &Values,
 ) -> Result<()> {
     match values {
-        Values::Texts(texts) => {
-            write_as::<ByteArrayType, _>(group, texts, |t| ByteArray::from(t.as_str()))
-        }
+        Values::Texts(texts) => write_as::<ByteArrayType, _>(group, texts, |t| ByteArray::from(t.as_str())),
         // The format has no whole numbers without a sign of this width; no count of ours needs the last bit.
         Values::Counts(counts) => write_as::<Int64Type, _>(group, counts, |count| *count as i64),
         Values::Numbers(numbers) => write_as::<DoubleType, _>(group, numbers, |number| *number),
@@ -84,31 +79,19 @@ fn write_as<T: DataType, V>(
 }
 
 /// Reads a column of a group as numbers, of whatever width they are; none when it holds something else.
-pub(super) fn numbers(
-    group: &dyn RowGroupReader,
-    column: usize,
-) -> Result<Option<Vec<Option<f64>>>> {
+pub(super) fn numbers(group: &dyn RowGroupReader, column: usize) -> Result<Option<Vec<Option<f64>>>> {
     let rows = group.metadata().num_rows() as usize;
     Ok(match group.get_column_reader(column)? {
         ColumnReader::DoubleColumnReader(reader) => Some(read(reader, rows, |v| *v)?),
-        ColumnReader::FloatColumnReader(reader) => {
-            Some(read::<FloatType, _>(reader, rows, |v| f64::from(*v))?)
-        }
-        ColumnReader::Int32ColumnReader(reader) => {
-            Some(read::<Int32Type, _>(reader, rows, |v| f64::from(*v))?)
-        }
-        ColumnReader::Int64ColumnReader(reader) => {
-            Some(read::<Int64Type, _>(reader, rows, |v| *v as f64)?)
-        }
+        ColumnReader::FloatColumnReader(reader) => Some(read::<FloatType, _>(reader, rows, |v| f64::from(*v))?),
+        ColumnReader::Int32ColumnReader(reader) => Some(read::<Int32Type, _>(reader, rows, |v| f64::from(*v))?),
+        ColumnReader::Int64ColumnReader(reader) => Some(read::<Int64Type, _>(reader, rows, |v| *v as f64)?),
         _ => None,
     })
 }
 
 /// Reads a column of a group as texts; none when it holds something else.
-pub(super) fn texts(
-    group: &dyn RowGroupReader,
-    column: usize,
-) -> Result<Option<Vec<Option<String>>>> {
+pub(super) fn texts(group: &dyn RowGroupReader, column: usize) -> Result<Option<Vec<Option<String>>>> {
     let rows = group.metadata().num_rows() as usize;
     let text = |bytes: &ByteArray| String::from_utf8_lossy(bytes.data()).into_owned();
     Ok(match group.get_column_reader(column)? {
@@ -125,8 +108,7 @@ fn read<T: DataType, V>(
     let (mut levels, mut values) = (Vec::new(), Vec::new());
     let mut read = 0;
     while read < rows {
-        let (records, ..) =
-            reader.read_records(rows - read, Some(&mut levels), None, &mut values)?;
+        let (records, ..) = reader.read_records(rows - read, Some(&mut levels), None, &mut values)?;
         if records == 0 {
             break;
         }

@@ -13,12 +13,8 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 /// Columns of numbers: which may be left out.
-const NUMBERS: [(&str, bool); 4] = [
-    ("time_s", false),
-    ("location_m", false),
-    ("speed_kmh", false),
-    ("effort_n_per_kg", true),
-];
+const NUMBERS: [(&str, bool); 4] =
+    [("time_s", false), ("location_m", false), ("speed_kmh", false), ("effort_n_per_kg", true)];
 
 /// Reads runs, holding one group of rows and one run at a time.
 pub struct RunReader {
@@ -36,10 +32,7 @@ pub struct RunReader {
 
 impl std::fmt::Debug for RunReader {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("RunReader")
-            .field("path", &self.path)
-            .field("runs", &self.runs)
-            .finish_non_exhaustive()
+        f.debug_struct("RunReader").field("path", &self.path).field("runs", &self.runs).finish_non_exhaustive()
     }
 }
 
@@ -100,12 +93,7 @@ impl RunReader {
         Ok(self.ready.pop_front().or_else(|| self.open.take()))
     }
 
-    fn texts(
-        &self,
-        group: usize,
-        column: &'static str,
-        place: usize,
-    ) -> Result<Vec<Option<String>>, ParquetError> {
+    fn texts(&self, group: usize, column: &'static str, place: usize) -> Result<Vec<Option<String>>, ParquetError> {
         let format = |source| ParquetError::format(&self.path, source);
         let group = self.reader.get_row_group(group).map_err(format)?;
         let texts = columns::texts(group.as_ref(), place).map_err(format)?;
@@ -113,12 +101,7 @@ impl RunReader {
     }
 
     fn refused(&self, column: &'static str, expected: &'static str) -> ParquetError {
-        ParquetError::Column {
-            path: self.path.clone(),
-            column,
-            expected,
-            found: "another type".to_owned(),
-        }
+        ParquetError::Column { path: self.path.clone(), column, expected, found: "another type".to_owned() }
     }
 
     fn read_group(&mut self) -> Result<(), ParquetError> {
@@ -196,12 +179,7 @@ fn places(path: &Path, reader: &SerializedFileReader<File>) -> Result<Places, Pa
             false => Some(needed(name, "numbers")?),
         };
     }
-    Ok(Places {
-        run: needed("run", "texts")?,
-        unit: find("unit"),
-        direction: find("direction"),
-        numbers,
-    })
+    Ok(Places { run: needed("run", "texts")?, unit: find("unit"), direction: find("direction"), numbers })
 }
 
 /// Writes runs as [`RunReader`] reads them, each call a group of rows.
@@ -218,10 +196,7 @@ impl RunWriter {
     ///
     /// # Errors
     /// [`ParquetError`] when the file cannot be written.
-    pub fn write<'a>(
-        &mut self,
-        runs: impl IntoIterator<Item = &'a Recording>,
-    ) -> Result<(), ParquetError> {
+    pub fn write<'a>(&mut self, runs: impl IntoIterator<Item = &'a Recording>) -> Result<(), ParquetError> {
         let rows = |run: &'a Recording| run.rows.iter().map(move |row| record(run, row));
         let records: Vec<Record> = runs.into_iter().flat_map(rows).collect();
         self.0.write(&records)
@@ -264,13 +239,8 @@ mod tests {
     fn runs_come_back_as_they_were_whatever_the_groups() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("runs.parquet");
-        let mut runs: Vec<Recording> = (0..3)
-            .map(|index| {
-                fleet_run(&case_study().unwrap(), 9, index)
-                    .unwrap()
-                    .recording
-            })
-            .collect();
+        let mut runs: Vec<Recording> =
+            (0..3).map(|index| fleet_run(&case_study().unwrap(), 9, index).unwrap().recording).collect();
         runs[1].rows[7].measurement.location_m = None;
         runs[2].direction = Direction::Down;
         let mut writer = RunWriter::new(&path);
@@ -281,10 +251,7 @@ mod tests {
         assert_eq!(reader.runs(), 3);
         for run in &runs {
             let found = reader.next_run().unwrap().unwrap();
-            assert_eq!(
-                (&found.name, &found.unit, found.direction),
-                (&run.name, &run.unit, run.direction)
-            );
+            assert_eq!((&found.name, &found.unit, found.direction), (&run.name, &run.unit, run.direction));
             assert_eq!(found.rows.len(), run.rows.len());
             for (a, b) in found.rows.iter().zip(&run.rows) {
                 assert_eq!(a.measurement, b.measurement);
@@ -298,17 +265,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t.parquet");
         let mut writer = TableWriter::new(&path);
-        let row = vec![
-            ("run".to_owned(), Cell::from("a")),
-            ("time_s".to_owned(), Cell::from(0.0)),
-        ];
+        let row = vec![("run".to_owned(), Cell::from("a")), ("time_s".to_owned(), Cell::from(0.0))];
         writer.write(&[row]).unwrap();
         writer.close().unwrap();
         let error = RunReader::open(&path).unwrap_err().to_string();
         assert!(
-            error.ends_with(
-                "t.parquet: expected a column location_m of numbers, found none of this name"
-            ),
+            error.ends_with("t.parquet: expected a column location_m of numbers, found none of this name"),
             "{error}"
         );
         std::fs::write(&path, "no such format").unwrap();

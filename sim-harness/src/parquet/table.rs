@@ -18,11 +18,7 @@ pub struct TableWriter {
 impl TableWriter {
     /// A file that will be made with the first records.
     pub fn new(path: &Path) -> Self {
-        Self {
-            path: path.to_owned(),
-            kinds: Vec::new(),
-            writer: None,
-        }
+        Self { path: path.to_owned(), kinds: Vec::new(), writer: None }
     }
 
     /// Adds records. The first ones say what the columns hold; one without any value holds numbers.
@@ -40,13 +36,10 @@ impl TableWriter {
                 kinds.next().unwrap_or(Kind::Number)
             };
             let names = first.iter().enumerate();
-            self.kinds = names
-                .map(|(i, (name, _))| (name.clone(), kind(i)))
-                .collect();
+            self.kinds = names.map(|(i, (name, _))| (name.clone(), kind(i))).collect();
         }
-        let columns: Vec<Values> = (0..self.kinds.len())
-            .map(|index| column(records, index, self.kinds[index].1))
-            .collect();
+        let columns: Vec<Values> =
+            (0..self.kinds.len()).map(|index| column(records, index, self.kinds[index].1)).collect();
         self.write_columns(&columns)
     }
 
@@ -78,9 +71,7 @@ impl TableWriter {
     pub fn close(mut self) -> Result<(), ParquetError> {
         if let Some(writer) = self.writer.take() {
             let path = self.path;
-            writer
-                .close()
-                .map_err(|source| ParquetError::format(&path, source))?;
+            writer.close().map_err(|source| ParquetError::format(&path, source))?;
         }
         Ok(())
     }
@@ -96,9 +87,7 @@ fn kind_of(cell: &Cell) -> Option<Kind> {
 }
 
 fn column(records: &[Record], index: usize, kind: Kind) -> Values {
-    let cells = records
-        .iter()
-        .map(|record| record.get(index).map(|(_, cell)| cell));
+    let cells = records.iter().map(|record| record.get(index).map(|(_, cell)| cell));
     match kind {
         Kind::Text => Values::Texts(
             cells

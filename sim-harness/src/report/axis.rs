@@ -58,13 +58,7 @@ impl Axis {
     }
 
     fn new(run: &RunView, label: &'static str, x: Vec<Option<Real>>, is_location: bool) -> Self {
-        Self {
-            label,
-            range: range_of(x.iter().flatten().copied()),
-            x,
-            is_location,
-            pauses: pauses(run.estimates),
-        }
+        Self { label, range: range_of(x.iter().flatten().copied()), x, is_location, pauses: pauses(run.estimates) }
     }
 
     /// The train ran towards smaller locations.
@@ -92,11 +86,7 @@ impl Axis {
     }
 
     /// Intervals between two estimates whose second one fulfils a condition, joined where they touch.
-    pub fn spans(
-        &self,
-        estimates: &[Estimate],
-        holds: impl Fn(usize, &Estimate) -> bool,
-    ) -> Vec<Range<Real>> {
+    pub fn spans(&self, estimates: &[Estimate], holds: impl Fn(usize, &Estimate) -> bool) -> Vec<Range<Real>> {
         let mut spans: Vec<Range<Real>> = Vec::new();
         let mut touches = false;
         for (index, estimate) in estimates.iter().enumerate() {
@@ -133,20 +123,13 @@ fn finite(value: Real) -> Option<Real> {
 
 /// Estimates that come long after the one before them, measured by the median of the run.
 fn pauses(estimates: &[Estimate]) -> Vec<bool> {
-    let mut steps_s: Vec<Real> = estimates
-        .iter()
-        .skip(1)
-        .map(|estimate| estimate.dt_s)
-        .filter(|dt_s| *dt_s > 0.0 && dt_s.is_finite())
-        .collect();
+    let mut steps_s: Vec<Real> =
+        estimates.iter().skip(1).map(|estimate| estimate.dt_s).filter(|dt_s| *dt_s > 0.0 && dt_s.is_finite()).collect();
     steps_s.sort_by(Real::total_cmp);
     let Some(median_s) = steps_s.get(steps_s.len() / 2).copied() else {
         return vec![false; estimates.len()];
     };
-    let mut pauses: Vec<bool> = estimates
-        .iter()
-        .map(|e| e.dt_s > LONG_PAUSE * median_s)
-        .collect();
+    let mut pauses: Vec<bool> = estimates.iter().map(|e| e.dt_s > LONG_PAUSE * median_s).collect();
     if let Some(first) = pauses.first_mut() {
         *first = false;
     }

@@ -46,13 +46,7 @@ impl Example {
             };
             location_m += TICK_S * (speed_mps + 0.5 * TICK_S * acceleration_mps2);
             speed_mps += TICK_S * acceleration_mps2;
-            run.push(
-                &innovations,
-                regime,
-                location_m,
-                speed_mps,
-                acceleration_mps2,
-            );
+            run.push(&innovations, regime, location_m, speed_mps, acceleration_mps2);
         }
         run.features = features(location_m);
         run
@@ -183,11 +177,7 @@ pub fn train() -> Train {
         mass_kg: 364e3,
         rotating_mass_factor: 1.06,
         length_m: 162.0,
-        davis: Davis {
-            r0: 7.38e-3,
-            r1: 1.6e-4,
-            r2: 2.8e-5,
-        },
+        davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
         max_tractive_effort_n: 192.92e3,
         max_power_w: 2.036e6,
         max_brake_mps2: 0.66,
@@ -205,11 +195,7 @@ fn features(end_m: Real) -> Features {
         length_m,
     };
     let mut features = Features {
-        max_effort: Some(EffortLine {
-            effort: statistic(3, 0.41, 0.02),
-            at_lower_n_per_kg: 0.42,
-            slope: -0.003,
-        }),
+        max_effort: Some(EffortLine { effort: statistic(3, 0.41, 0.02), at_lower_n_per_kg: 0.42, slope: -0.003 }),
         power_w_per_kg: statistic(9, 5.1, 0.2),
         max_power_w_per_kg: Some(5.6),
         cruise_speed_mps: statistic(16, 36.5, 0.3),
@@ -222,13 +208,8 @@ fn features(end_m: Real) -> Features {
     features.brake_rate_mps2[2] = statistic(4, 0.31, 0.02);
     features.brake_rate_mps2[3] = statistic(1, 0.29, 0.0);
     features.energy.traction_j_per_kg = 690.0;
-    let point = SwitchingPoint {
-        time_s: 5300.0,
-        location_m: 8300.0,
-        speed_mps: 36.4,
-        from: Regime::Cruise,
-        to: Regime::Coast,
-    };
+    let point =
+        SwitchingPoint { time_s: 5300.0, location_m: 8300.0, speed_mps: 36.4, from: Regime::Cruise, to: Regime::Coast };
     features.switching_points.push(point).unwrap();
     features
 }
@@ -245,18 +226,11 @@ impl Innovations {
         let estimator = Estimator::try_new(config, train(), track).unwrap();
         let mut run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
         let estimates = [0.0, 10.0, 20.0].map(|time_s| {
-            let measurement = Measurement {
-                time_s,
-                location_m: Some(20.0 * time_s),
-                speed_mps: Some(20.0),
-                effort_n_per_kg: None,
-            };
+            let measurement =
+                Measurement { time_s, location_m: Some(20.0 * time_s), speed_mps: Some(20.0), effort_n_per_kg: None };
             estimator.step(&mut run, &measurement).unwrap()
         });
-        let pattern = estimates
-            .into_iter()
-            .find_map(|estimate| estimate.innovation)
-            .unwrap();
+        let pattern = estimates.into_iter().find_map(|estimate| estimate.innovation).unwrap();
         Self { pattern }
     }
 

@@ -119,11 +119,7 @@ impl RunView<'_> {
     /// The confirmed regime of an estimate; its first one where no other is known.
     fn regime(&self, index: usize) -> Regime {
         let first = || self.estimates.get(index).map(|estimate| estimate.regime);
-        self.regimes
-            .get(index)
-            .copied()
-            .or_else(first)
-            .unwrap_or_default()
+        self.regimes.get(index).copied().or_else(first).unwrap_or_default()
     }
 
     /// What was true, if there is a value for each estimate.
@@ -143,12 +139,7 @@ impl RunView<'_> {
 
     /// From the first to the last estimate, s.
     fn duration_s(&self) -> Real {
-        let times_s = || {
-            self.estimates
-                .iter()
-                .map(|e| e.time_s)
-                .filter(|t| t.is_finite())
-        };
+        let times_s = || self.estimates.iter().map(|e| e.time_s).filter(|t| t.is_finite());
         let ends = times_s().next().zip(times_s().next_back());
         ends.map_or(0.0, |(first, last)| last - first)
     }
@@ -156,12 +147,7 @@ impl RunView<'_> {
     /// Between the first and the last estimated location, m.
     fn distance_m(&self) -> Real {
         let location_m = |estimate: &Estimate| estimate.belief.mean[state::LOCATION];
-        let locations_m = || {
-            self.estimates
-                .iter()
-                .map(location_m)
-                .filter(|s| s.is_finite())
-        };
+        let locations_m = || self.estimates.iter().map(location_m).filter(|s| s.is_finite());
         let ends = locations_m().next().zip(locations_m().next_back());
         ends.map_or(0.0, |(first, last)| (last - first).abs())
     }
@@ -226,13 +212,7 @@ mod tests {
         let written = std::fs::read_to_string(&path);
         std::fs::remove_file(&path).unwrap();
         assert!(written.unwrap().starts_with("<!DOCTYPE html>"));
-        assert!(
-            write_report(
-                Path::new("/no/such/folder/report.html"),
-                &report(&[], &train())
-            )
-            .is_err()
-        );
+        assert!(write_report(Path::new("/no/such/folder/report.html"), &report(&[], &train())).is_err());
     }
 
     #[test]
@@ -242,11 +222,7 @@ mod tests {
         assert_eq!(learned.samples, 44);
         assert!((learned.time_s - 440.0).abs() < 1e-9);
         // Mean speed of the learning samples is near (36.1 + 22.3) / 2 m/s.
-        assert!(
-            (learned.distance_m - 440.0 * 29.2).abs() < 150.0,
-            "{}",
-            learned.distance_m
-        );
+        assert!((learned.distance_m - 440.0 * 29.2).abs() < 150.0, "{}", learned.distance_m);
         assert_eq!(Learned::default().and(&learned), learned);
     }
 }

@@ -85,16 +85,9 @@ mod tests {
         assert_eq!(number(None, 2), NOTHING);
         assert_eq!(percent(Real::INFINITY), NOTHING);
         assert_eq!(duration(Real::NAN), NOTHING);
-        let one = Statistic {
-            count: 1,
-            mean: 2.0,
-            sd: 0.0,
-        };
+        let one = Statistic { count: 1, mean: 2.0, sd: 0.0 };
         assert_eq!(statistic(&one, 3.6, 1), ["1", "7.2", NOTHING]);
-        assert_eq!(
-            statistic(&Statistic::default(), 1.0, 1),
-            ["0", NOTHING, NOTHING]
-        );
+        assert_eq!(statistic(&Statistic::default(), 1.0, 1), ["0", NOTHING, NOTHING]);
     }
 
     #[test]

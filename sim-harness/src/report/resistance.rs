@@ -26,10 +26,7 @@ impl Resistance {
         let mut h = belief.mean;
         (h[0], h[1], h[2]) = (1.0, speed_mps, speed_mps * speed_mps);
         let variance = h.dot(&(belief.covariance * h));
-        let found = Self {
-            mean_n_per_kg: belief.mean.dot(&h),
-            sd_n_per_kg: variance.max(0.0).sqrt(),
-        };
+        let found = Self { mean_n_per_kg: belief.mean.dot(&h), sd_n_per_kg: variance.max(0.0).sqrt() };
         let is_finite = found.mean_n_per_kg.is_finite() && variance.is_finite();
         is_finite.then_some(found)
     }
@@ -87,11 +84,7 @@ mod tests {
     #[test]
     fn the_manufacturer_is_within_or_not() {
         let belief = Gaussian::independent([0.011, 0.0, 0.0], [1e-3, 0.0, 0.0]);
-        let stated = |r0| Davis {
-            r0,
-            r1: 0.0,
-            r2: 0.0,
-        };
+        let stated = |r0| Davis { r0, r1: 0.0, r2: 0.0 };
         let r = Resistance::at(&belief, 10.0).unwrap();
         let found = r.against(&stated(0.010), 10.0);
         assert!(found.within && (found.deviation - 0.1).abs() < 1e-12);

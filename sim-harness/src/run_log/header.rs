@@ -37,11 +37,7 @@ const LATEST_S: f64 = 1e11;
 impl Header {
     pub(super) fn read(record: &StringRecord, line: u64) -> Result<Self, Complaint> {
         let names: Vec<String> = record.iter().map(str::to_owned).collect();
-        let mut header = Self {
-            positions: [None; COLUMNS.len()],
-            others: Vec::new(),
-            names,
-        };
+        let mut header = Self { positions: [None; COLUMNS.len()], others: Vec::new(), names };
         for (index, name) in header.names.iter().enumerate() {
             let Some(known) = COLUMNS.iter().position(|column| column == name) else {
                 header.others.push(index);
@@ -51,10 +47,7 @@ impl Header {
                 return Err(Complaint {
                     line,
                     column: Some((index + 1, name.clone())),
-                    message: format!(
-                        "expected each column once, found it also as column {}",
-                        before + 1
-                    ),
+                    message: format!("expected each column once, found it also as column {}", before + 1),
                 });
             }
         }
@@ -77,18 +70,13 @@ impl Header {
         let hint = match self.names.as_slice() {
             [only] if only.contains(';') => "; the separator must be a comma, not a semicolon",
             [only] if only.contains('\t') => "; the separator must be a comma, not a tab",
-            _ if missing == ["location_m"] => {
-                "; latitude_deg and longitude_deg together may stand for it"
-            }
+            _ if missing == ["location_m"] => "; latitude_deg and longitude_deg together may stand for it",
             _ => "",
         };
         Err(Complaint {
             line,
             column: None,
-            message: format!(
-                "expected a header with {}, found {found:?}{hint}",
-                missing.join(" and ")
-            ),
+            message: format!("expected a header with {}, found {found:?}{hint}", missing.join(" and ")),
         })
     }
 
@@ -97,20 +85,13 @@ impl Header {
     }
 
     pub(super) fn other_columns(&self) -> Vec<OtherColumn> {
-        let named = |position: &usize| OtherColumn {
-            name: self.names[*position].clone(),
-            fields: Vec::new(),
-        };
+        let named = |position: &usize| OtherColumn { name: self.names[*position].clone(), fields: Vec::new() };
         self.others.iter().map(named).collect()
     }
 
     fn complaint(&self, line: u64, column: usize, message: String) -> Complaint {
         let number = self.position(column).map_or(0, |position| position + 1);
-        Complaint {
-            line,
-            column: Some((number, COLUMNS[column].to_owned())),
-            message,
-        }
+        Complaint { line, column: Some((number, COLUMNS[column].to_owned())), message }
     }
 
     pub(super) fn sample(&self, record: &StringRecord, line: u64) -> Result<Sample, Complaint> {
@@ -118,41 +99,28 @@ impl Header {
             return Err(Complaint {
                 line,
                 column: None,
-                message: format!(
-                    "expected {} fields as in the header, found {}",
-                    self.names.len(),
-                    record.len()
-                ),
+                message: format!("expected {} fields as in the header, found {}", self.names.len(), record.len()),
             });
         }
         let number = |column: usize| -> Result<Option<f64>, Complaint> {
-            let field = self
-                .position(column)
-                .map_or("", |position| &record[position]);
+            let field = self.position(column).map_or("", |position| &record[position]);
             if field.is_empty() {
                 return Ok(None);
             }
             field.parse().map(Some).map_err(|_| {
                 let found = shortened(field);
-                let message = format!(
-                    "expected a number, found {found:?} (an empty field is a missing sample)"
-                );
+                let message = format!("expected a number, found {found:?} (an empty field is a missing sample)");
                 self.complaint(line, column, message)
             })
         };
         let time_s = match number(TIME)? {
             Some(time_s) if time_s.abs() <= LATEST_S => time_s,
             Some(time_s) => {
-                let message =
-                    format!("expected a time in s, at most {LATEST_S:e}, found {time_s:e}");
+                let message = format!("expected a time in s, at most {LATEST_S:e}, found {time_s:e}");
                 return Err(self.complaint(line, TIME, message));
             }
             None => {
-                return Err(self.complaint(
-                    line,
-                    TIME,
-                    "expected a time, found an empty field".to_owned(),
-                ));
+                return Err(self.complaint(line, TIME, "expected a time, found an empty field".to_owned()));
             }
         };
         Ok(Sample {
@@ -173,10 +141,7 @@ impl Header {
         let mut doubts = Vec::new();
         let mut doubt = |column, message| doubts.push(self.complaint(sample.line, column, message));
         if sample.time_s <= latest_s {
-            doubt(
-                TIME,
-                format!("expected a time after {latest_s}, found {}", sample.time_s),
-            );
+            doubt(TIME, format!("expected a time after {latest_s}, found {}", sample.time_s));
         }
         for (column, value, most) in [
             (LOCATION, sample.location_m, MOST_LOCATION_M),
@@ -186,14 +151,9 @@ impl Header {
             (EFFORT, sample.effort_n_per_kg, 10.0),
         ] {
             match value {
-                Some(value) if !value.is_finite() => {
-                    doubt(column, format!("expected a finite number, found {value}"))
-                }
+                Some(value) if !value.is_finite() => doubt(column, format!("expected a finite number, found {value}")),
                 Some(value) if column == SPEED && value < 0.0 => {
-                    doubt(
-                        column,
-                        format!("expected a speed of 0 or more, found {value}"),
-                    );
+                    doubt(column, format!("expected a speed of 0 or more, found {value}"));
                 }
                 // Not `{value}`: 1e300 would be three hundred digits.
                 Some(value) if value.abs() > most => {

@@ -169,10 +169,7 @@ fn listed(path: &Path, rows: &[Complaint]) -> String {
     let count = rows.len();
     let word = if count == 1 { "row" } else { "rows" };
     let advice = "correct the log, or leave such rows out with --skip-bad-rows";
-    text + &format!(
-        "{}: {more}{count} unreadable {word}, the run was not used: {advice}",
-        path.display()
-    )
+    text + &format!("{}: {more}{count} unreadable {word}, the run was not used: {advice}", path.display())
 }
 
 impl RunLog {
@@ -181,10 +178,7 @@ impl RunLog {
     /// # Errors
     /// [`RunLogError`] names the file, and line and column where there are any.
     pub fn read(path: &Path, bad_rows: BadRows) -> Result<Self, RunLogError> {
-        let bytes = std::fs::read(path).map_err(|source| RunLogError::Io {
-            path: path.to_owned(),
-            source,
-        })?;
+        let bytes = std::fs::read(path).map_err(|source| RunLogError::Io { path: path.to_owned(), source })?;
         Self::parse(path, &bytes, bad_rows)
     }
 
@@ -209,17 +203,12 @@ impl RunLog {
     pub fn parse(path: &Path, bytes: &[u8], bad_rows: BadRows) -> Result<Self, RunLogError> {
         let text = utf8(path, bytes)?;
         let mut rows = rows(text);
-        let empty = |found| RunLogError::Empty {
-            path: path.to_owned(),
-            found,
-        };
+        let empty = |found| RunLogError::Empty { path: path.to_owned(), found };
         let Some((line, first)) = rows.next() else {
             return Err(empty("nothing"));
         };
-        let header = Header::read(&first, line).map_err(|complaint| RunLogError::Header {
-            path: path.to_owned(),
-            complaint,
-        })?;
+        let header =
+            Header::read(&first, line).map_err(|complaint| RunLogError::Header { path: path.to_owned(), complaint })?;
         let mut log = Self {
             path: path.to_owned(),
             samples: Vec::new(),
@@ -243,10 +232,7 @@ impl RunLog {
             }
         }
         if bad_rows == BadRows::Refuse && !log.bad_rows.is_empty() {
-            return Err(RunLogError::BadRows {
-                path: path.to_owned(),
-                rows: log.bad_rows,
-            });
+            return Err(RunLogError::BadRows { path: path.to_owned(), rows: log.bad_rows });
         }
         if log.samples.is_empty() {
             return Err(empty("no row below the header that can be read"));
@@ -273,8 +259,7 @@ fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, RunLogError> {
 /// A row is a line: a quote that is never closed spoils its own row, not the rest of the file.
 fn rows(text: &str) -> impl Iterator<Item = (u64, StringRecord)> + '_ {
     let lines = (1..).zip(text.lines());
-    let rows =
-        lines.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
+    let rows = lines.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
     rows.map(|(number, line)| (number, fields(line)))
 }
 
@@ -308,63 +293,36 @@ mod tests {
 
     #[test]
     fn columns_may_stand_in_any_order_and_optional_ones_are_read() {
-        let log =
-            parse("speed_kmh,effort_n_per_kg,time_s,location_m,headwind_mps\n36,-0.25,5,100.5,2\n")
-                .unwrap();
+        let log = parse("speed_kmh,effort_n_per_kg,time_s,location_m,headwind_mps\n36,-0.25,5,100.5,2\n").unwrap();
         let sample = log.samples[0];
-        assert_eq!(
-            (sample.time_s, sample.location_m, sample.speed_kmh),
-            (5.0, Some(100.5), Some(36.0))
-        );
-        assert_eq!(
-            (
-                sample.effort_n_per_kg,
-                sample.headwind_mps,
-                sample.latitude_deg
-            ),
-            (Some(-0.25), Some(2.0), None)
-        );
+        assert_eq!((sample.time_s, sample.location_m, sample.speed_kmh), (5.0, Some(100.5), Some(36.0)));
+        assert_eq!((sample.effort_n_per_kg, sample.headwind_mps, sample.latitude_deg), (Some(-0.25), Some(2.0), None));
         assert!(log.warnings.is_empty());
     }
 
     #[test]
     fn byte_order_mark_crlf_blanks_comments_and_a_missing_last_newline_are_accepted() {
         let plain = parse("time_s,location_m,speed_kmh\n0,1,2\n1,,4\n").unwrap();
-        let odd = parse("\u{feff}# recorder 7\r\ntime_s, location_m ,speed_kmh\r\n\r\n# a, b, c, d\r\n0, 1 ,2\r\n1,,4").unwrap();
-        let values = |log: &RunLog| -> Vec<_> {
-            log.samples
-                .iter()
-                .map(|s| (s.time_s, s.location_m, s.speed_kmh))
-                .collect()
-        };
+        let odd = parse("\u{feff}# recorder 7\r\ntime_s, location_m ,speed_kmh\r\n\r\n# a, b, c, d\r\n0, 1 ,2\r\n1,,4")
+            .unwrap();
+        let values =
+            |log: &RunLog| -> Vec<_> { log.samples.iter().map(|s| (s.time_s, s.location_m, s.speed_kmh)).collect() };
         assert_eq!(values(&plain), values(&odd));
         let lines: Vec<u64> = odd.samples.iter().map(|sample| sample.line).collect();
         assert_eq!(lines, [5, 6]);
-        assert_eq!(
-            parse("\u{feff}time_s,location_m,speed_kmh\n0,1,2")
-                .unwrap()
-                .samples
-                .len(),
-            1
-        );
+        assert_eq!(parse("\u{feff}time_s,location_m,speed_kmh\n0,1,2").unwrap().samples.len(), 1);
     }
 
     #[test]
     fn empty_field_is_missing_and_not_zero() {
         let log = parse("time_s,location_m,speed_kmh\n0,,\n").unwrap();
-        assert_eq!(
-            (log.samples[0].location_m, log.samples[0].speed_kmh),
-            (None, None)
-        );
+        assert_eq!((log.samples[0].location_m, log.samples[0].speed_kmh), (None, None));
     }
 
     #[test]
     fn columns_of_other_names_are_kept() {
         let log = parse("time_s,note,location_m,speed_kmh\n0,\"a, b\",1,2\n1,,3,4\n").unwrap();
-        let expected = OtherColumn {
-            name: "note".to_owned(),
-            fields: vec!["a, b".to_owned(), String::new()],
-        };
+        let expected = OtherColumn { name: "note".to_owned(), fields: vec!["a, b".to_owned(), String::new()] };
         assert_eq!(log.other_columns, [expected]);
     }
 
@@ -374,7 +332,12 @@ mod tests {
         let found = message(text);
         let first = "run.csv: line 7, column 2 (location_m): expected a number, found \"12;5\" (an empty field is a missing sample)";
         assert_eq!(found.lines().next(), Some(first));
-        assert!(found.ends_with("1 unreadable row, the run was not used: correct the log, or leave such rows out with --skip-bad-rows"), "{found}");
+        assert!(
+            found.ends_with(
+                "1 unreadable row, the run was not used: correct the log, or leave such rows out with --skip-bad-rows"
+            ),
+            "{found}"
+        );
     }
 
     #[test]
@@ -423,16 +386,12 @@ mod tests {
         }
         let found = message(&text);
         assert_eq!(found.lines().count(), MAX_LISTED + 1);
-        assert!(
-            found.contains("30 more like these; 50 unreadable rows"),
-            "{found}"
-        );
+        assert!(found.contains("30 more like these; 50 unreadable rows"), "{found}");
     }
 
     #[test]
     fn doubtful_values_are_warned_of_and_handed_on() {
-        let log =
-            parse("time_s,location_m,speed_kmh\n0,0,0\n5,1,-3\n5,NaN,2\n4,2,inf\n6,3,4\n").unwrap();
+        let log = parse("time_s,location_m,speed_kmh\n0,0,0\n5,1,-3\n5,NaN,2\n4,2,inf\n6,3,4\n").unwrap();
         assert_eq!(log.samples.len(), 5);
         assert_eq!(log.samples[1].speed_kmh, Some(-3.0));
         assert!(log.samples[2].location_m.unwrap().is_nan());
@@ -465,25 +424,13 @@ mod tests {
     #[test]
     fn header_names_what_is_missing() {
         let found = message("# x\ntime_s,location_m,speed_mps\n0,0,0\n");
-        assert_eq!(
-            found,
-            "run.csv: line 2: expected a header with speed_kmh, found \"time_s,location_m,speed_mps\""
-        );
+        assert_eq!(found, "run.csv: line 2: expected a header with speed_kmh, found \"time_s,location_m,speed_mps\"");
         let found = message("time_s;location_m;speed_kmh\n0;0;0\n");
-        assert!(
-            found.ends_with("the separator must be a comma, not a semicolon"),
-            "{found}"
-        );
+        assert!(found.ends_with("the separator must be a comma, not a semicolon"), "{found}");
         let found = message("time_s,speed_kmh,latitude_deg\n");
-        assert!(
-            found.ends_with("latitude_deg and longitude_deg together may stand for it"),
-            "{found}"
-        );
+        assert!(found.ends_with("latitude_deg and longitude_deg together may stand for it"), "{found}");
         let found = message("time_s,time_s,location_m,speed_kmh\n");
-        assert_eq!(
-            found,
-            "run.csv: line 1, column 2 (time_s): expected each column once, found it also as column 1"
-        );
+        assert_eq!(found, "run.csv: line 1, column 2 (time_s): expected each column once, found it also as column 1");
     }
 
     #[test]
@@ -496,27 +443,12 @@ mod tests {
     #[test]
     fn empty_and_binary_files_are_refused() {
         for text in ["", "\n\n", "# only a comment\n"] {
-            assert_eq!(
-                message(text),
-                "run.csv: expected a header line and rows below it, found nothing"
-            );
+            assert_eq!(message(text), "run.csv: expected a header line and rows below it, found nothing");
         }
-        assert!(
-            message("time_s,location_m,speed_kmh\n")
-                .ends_with("found no row below the header that can be read")
-        );
-        let error =
-            RunLog::parse("run.csv".as_ref(), b"time_s\n0,\xff", BadRows::Refuse).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "run.csv:2:3: expected a text in UTF-8, found byte 0xff; save the log as UTF-8"
-        );
+        assert!(message("time_s,location_m,speed_kmh\n").ends_with("found no row below the header that can be read"));
+        let error = RunLog::parse("run.csv".as_ref(), b"time_s\n0,\xff", BadRows::Refuse).unwrap_err();
+        assert_eq!(error.to_string(), "run.csv:2:3: expected a text in UTF-8, found byte 0xff; save the log as UTF-8");
         let error = RunLog::read("no/such/run.csv".as_ref(), BadRows::Refuse).unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .starts_with("no/such/run.csv: cannot be read: "),
-            "{error}"
-        );
+        assert!(error.to_string().starts_with("no/such/run.csv: cannot be read: "), "{error}");
     }
 }

@@ -1,9 +1,7 @@
 //! The descriptions that the estimator gets: track and train as they are believed to be, before any effect.
 
 use super::scenario_file::TrainTable;
-use crate::track_file::{
-    Curve, FeedingSection, GradientEntry, SpeedLimit, Stop, TrackFile, Tunnel,
-};
+use crate::track_file::{Curve, FeedingSection, GradientEntry, SpeedLimit, Stop, TrackFile, Tunnel};
 use crate::train_file::TrainFile;
 use crate::truth::line::{self, Line};
 
@@ -12,15 +10,8 @@ const END_M: f64 = 200.0;
 
 /// The description of the corridor of the case study, flat or hilly. Tunnel and feeding sections are invented.
 pub fn corridor(line: &Line, name: String) -> TrackFile {
-    let section = |from_m, to_m, name: &str| FeedingSection {
-        from_m,
-        to_m,
-        name: name.to_owned(),
-    };
-    let stop = |at_m, name: &str| Stop {
-        at_m,
-        name: name.to_owned(),
-    };
+    let section = |from_m, to_m, name: &str| FeedingSection { from_m, to_m, name: name.to_owned() };
+    let stop = |at_m, name: &str| Stop { at_m, name: name.to_owned() };
     TrackFile {
         effect: Vec::new(),
         name,
@@ -33,21 +24,10 @@ pub fn corridor(line: &Line, name: String) -> TrackFile {
         curve: line
             .curves()
             .iter()
-            .map(|curve| Curve {
-                from_m: curve.from_m,
-                to_m: curve.to_m,
-                radius_m: curve.radius_m,
-            })
+            .map(|curve| Curve { from_m: curve.from_m, to_m: curve.to_m, radius_m: curve.radius_m })
             .collect(),
-        tunnel: vec![Tunnel {
-            from_m: 9_100.0,
-            to_m: 11_000.0,
-        }],
-        speed_limit: line
-            .limits_kmh()
-            .iter()
-            .map(|&(from_m, kmh)| SpeedLimit { from_m, kmh })
-            .collect(),
+        tunnel: vec![Tunnel { from_m: 9_100.0, to_m: 11_000.0 }],
+        speed_limit: line.limits_kmh().iter().map(|&(from_m, kmh)| SpeedLimit { from_m, kmh }).collect(),
         feeding_section: vec![
             section(0.0, 4_000.0, "departure"),
             section(4_000.0, 18_000.0, "south"),
@@ -63,11 +43,7 @@ pub fn line_of(track: &TrackFile) -> Line {
     let gradients = track.gradient.iter().map(|g| (g.from_m, g.permille));
     let limits = track.speed_limit.iter().map(|l| (l.from_m, l.kmh));
     let mut line = Line::new(track.length_m, gradients.collect(), limits.collect());
-    let curve = |curve: &Curve| line::Curve {
-        from_m: curve.from_m,
-        to_m: curve.to_m,
-        radius_m: curve.radius_m,
-    };
+    let curve = |curve: &Curve| line::Curve { from_m: curve.from_m, to_m: curve.to_m, radius_m: curve.radius_m };
     line.set_curves(track.curve.iter().map(curve).collect());
     let between = END_M..track.length_m - END_M;
     let calls = track.stop.iter().map(|stop| stop.at_m);

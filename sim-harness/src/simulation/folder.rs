@@ -98,9 +98,7 @@ pub fn write(
             Ok(run.facts)
         })
         .collect::<Result<Vec<Facts>, FolderError>>()?;
-    write_csv(&runs.join(INDEX), |csv| {
-        write_index(csv, simulation, &plans)
-    })?;
+    write_csv(&runs.join(INDEX), |csv| write_index(csv, simulation, &plans))?;
     let path = truth.join("truth.json");
     let json = format!("{:#}\n", key::value(simulation, &facts));
     std::fs::write(&path, json).map_err(io_at(&path))?;
@@ -115,9 +113,7 @@ fn prepare(folder: &Path, force: bool) -> Result<(), FolderError> {
         return Ok(());
     }
     if !force {
-        return Err(FolderError::NotEmpty {
-            path: folder.to_owned(),
-        });
+        return Err(FolderError::NotEmpty { path: folder.to_owned() });
     }
     // Logs of a longer data set must not stay beside those of a shorter one.
     for part in ["runs", "truth"] {
@@ -136,15 +132,10 @@ fn write_toml(path: &Path, value: &impl Serialize) -> Result<(), FolderError> {
 
 type Csv = csv::Writer<BufWriter<File>>;
 
-fn write_csv(
-    path: &Path,
-    rows: impl FnOnce(&mut Csv) -> io::Result<()>,
-) -> Result<(), FolderError> {
+fn write_csv(path: &Path, rows: impl FnOnce(&mut Csv) -> io::Result<()>) -> Result<(), FolderError> {
     let file = File::create(path).map_err(io_at(path))?;
     let mut csv = csv::Writer::from_writer(BufWriter::new(file));
-    rows(&mut csv)
-        .and_then(|()| csv.flush())
-        .map_err(io_at(path))
+    rows(&mut csv).and_then(|()| csv.flush()).map_err(io_at(path))
 }
 
 fn write_log(csv: &mut Csv, simulation: &Simulation, run: &Run) -> io::Result<()> {
@@ -166,12 +157,8 @@ fn write_log(csv: &mut Csv, simulation: &Simulation, run: &Run) -> io::Result<()
     for sample in &run.samples {
         let mut row = vec![
             time(sample.time_s),
-            sample
-                .location_m
-                .map_or(String::new(), |m| format!("{m:.2}")),
-            sample
-                .speed_kmh
-                .map_or(String::new(), |kmh| format!("{kmh:.digits$}")),
+            sample.location_m.map_or(String::new(), |m| format!("{m:.2}")),
+            sample.speed_kmh.map_or(String::new(), |kmh| format!("{kmh:.digits$}")),
         ];
         row.extend(effort.then(|| format!("{:.5}", sample.effort_n_per_kg)));
         row.extend(temperature.then(|| format!("{:.1}", sample.temperature_c)));
@@ -278,12 +265,8 @@ mod tests {
         let simulation = Simulation::parse(Path::new("s.toml"), text).unwrap();
         let written = |simulation: &Simulation, threads: usize| {
             let folder = tempfile::tempdir().unwrap();
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
-            pool.install(|| write(simulation, folder.path(), false, || ()))
-                .unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| write(simulation, folder.path(), false, || ())).unwrap();
             let mut files = Vec::new();
             for part in ["", "runs", "truth"] {
                 for entry in std::fs::read_dir(folder.path().join(part)).unwrap() {
@@ -300,10 +283,7 @@ mod tests {
         let one = written(&simulation, 1);
         assert_eq!(one.len(), 2 + 6 + 7);
         assert!(one == written(&simulation, 4));
-        let other = Simulation {
-            seed: 2,
-            ..simulation
-        };
+        let other = Simulation { seed: 2, ..simulation };
         assert!(one != written(&other, 1));
     }
 
@@ -313,14 +293,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         write(&simulation, folder.path(), false, || ()).unwrap();
         let error = write(&simulation, folder.path(), false, || ()).unwrap_err();
-        assert!(
-            error.to_string().ends_with("overwrite with --force"),
-            "{error}"
-        );
-        let fewer = Simulation {
-            runs: 1,
-            ..simulation
-        };
+        assert!(error.to_string().ends_with("overwrite with --force"), "{error}");
+        let fewer = Simulation { runs: 1, ..simulation };
         write(&fewer, folder.path(), true, || ()).unwrap();
         assert!(!folder.path().join("runs/run002.csv").exists());
     }

@@ -18,9 +18,7 @@ pub fn value(simulation: &Simulation, facts: &[Facts]) -> Value {
         .enumerate()
         .map(|(index, effect)| {
             let files = facts.iter().filter(|f| f.plan.acting[index]);
-            let files: Vec<String> = files
-                .map(|f| file_name(f.plan.number, facts.len()))
-                .collect();
+            let files: Vec<String> = files.map(|f| file_name(f.plan.number, facts.len())).collect();
             json!({
                 "name": effect.name(),
                 "parameters": parameters(effect),

@@ -302,20 +302,13 @@ impl Default for ScenarioFile {
 
 impl Default for DatesTable {
     fn default() -> Self {
-        Self {
-            start: "2024-01-08".to_owned(),
-            days: Dates::default().days,
-        }
+        Self { start: "2024-01-08".to_owned(), days: Dates::default().days }
     }
 }
 
 impl Default for LineTable {
     fn default() -> Self {
-        Self {
-            name: None,
-            seed: 1,
-            file: None,
-        }
+        Self { name: None, seed: 1, file: None }
     }
 }
 
@@ -336,11 +329,7 @@ impl TrainTable {
             max_tractive_effort_n: train.max_tractive_effort_n,
             max_power_w: train.max_power_w,
             max_brake_mps2: train.max_brake_mps2,
-            davis: DavisTable {
-                r0: train.davis.r0,
-                r1: train.davis.r1,
-                r2: train.davis.r2,
-            },
+            davis: DavisTable { r0: train.davis.r0, r1: train.davis.r1, r2: train.davis.r2 },
             true_davis_over_described: [1.0; 3],
         }
     }
@@ -394,13 +383,7 @@ impl Default for SensorTable {
 
 impl Default for EffortTable {
     fn default() -> Self {
-        Self {
-            column: false,
-            momentary: false,
-            gain: 1.0,
-            gain_sd: 0.0,
-            noise_n_per_kg: 0.0,
-        }
+        Self { column: false, momentary: false, gain: 1.0, gain_sd: 0.0, noise_n_per_kg: 0.0 }
     }
 }
 
@@ -410,10 +393,7 @@ impl Simulation {
     /// # Errors
     /// [`TomlError`] names file, line and column.
     pub fn read(path: &Path) -> Result<Self, TomlError> {
-        let text = std::fs::read_to_string(path).map_err(|source| TomlError::Io {
-            path: path.to_owned(),
-            source,
-        })?;
+        let text = std::fs::read_to_string(path).map_err(|source| TomlError::Io { path: path.to_owned(), source })?;
         Self::parse(path, &text)
     }
 
@@ -439,16 +419,12 @@ impl Simulation {
         let (line, track) = line(&file, path)?;
         let train = believed::train_file(&values.train);
         train.train().map_err(|error| match error {
-            TrainError::OutOfRange { field, .. } => {
-                file.refuse_dotted(&format!("train.{field}"), error.to_string())
-            }
+            TrainError::OutOfRange { field, .. } => file.refuse_dotted(&format!("train.{field}"), error.to_string()),
             _ => file.refuse_dotted("train", error.to_string()),
         })?;
         for (index, effect) in values.effect.iter().enumerate() {
             let place = [Step::Name("effect"), Step::Index(index)];
-            effect
-                .check(!line.curves().is_empty())
-                .map_err(|error| file.refuse(&place, error.to_string()))?;
+            effect.check(!line.curves().is_empty()).map_err(|error| file.refuse(&place, error.to_string()))?;
         }
         let dates = dates(&file)?;
         Ok(Self {
@@ -523,15 +499,11 @@ fn scenario(values: &ScenarioFile, line: Line, dates: Dates) -> Scenario {
             speed_noise_kmh: sensors.speed_noise_kmh,
             speed_gain: 1.0,
             location_noise_m: sensors.location_sd_m,
-            location_walk: (sensors.location_walk_sd_m > 0.0).then_some(LocationWalk {
-                sd_m: sensors.location_walk_sd_m,
-                tau_s: sensors.location_walk_s,
-            }),
+            location_walk: (sensors.location_walk_sd_m > 0.0)
+                .then_some(LocationWalk { sd_m: sensors.location_walk_sd_m, tau_s: sensors.location_walk_s }),
             dropout_probability: sensors.dropout_share,
-            bursts: (sensors.gap_share > 0.0).then_some(Bursts {
-                probability: sensors.gap_share,
-                samples: sensors.gap_samples,
-            }),
+            bursts: (sensors.gap_share > 0.0)
+                .then_some(Bursts { probability: sensors.gap_share, samples: sensors.gap_samples }),
             latency_s: sensors.latency_s,
             location_lag_s: sensors.location_lag_s,
             effort_gain: values.effort.gain,
@@ -555,12 +527,7 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), TomlError> {
     within("runs", v.runs as f64, 1.0, 1e6)?;
     within("step_s", v.step_s, 0.005, 0.05)?;
     divides(file, "step_s", "1 s", 1.0)?;
-    divides(
-        file,
-        "sensors.sampling_s",
-        "sampling_s",
-        v.sensors.sampling_s,
-    )?;
+    divides(file, "sensors.sampling_s", "sampling_s", v.sensors.sampling_s)?;
     within("dates.days", v.dates.days, 0.001, 36_525.0)?;
     let d = &v.driver;
     within("driver.cycle_share", d.cycle_share, 0.0, 1.0)?;
@@ -584,9 +551,7 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), TomlError> {
     }
     let [least, most] = s.gap_samples;
     if least == 0 || most < least {
-        let message = format!(
-            "scenario: expected gap_samples = [least, most] with 1 or more, found [{least}, {most}]"
-        );
+        let message = format!("scenario: expected gap_samples = [least, most] with 1 or more, found [{least}, {most}]");
         return Err(file.refuse_dotted("sensors.gap_samples", message));
     }
     let e = &v.effort;
@@ -605,11 +570,7 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), TomlError> {
     }
     for (index, scale) in v.train.true_davis_over_described.into_iter().enumerate() {
         if !(0.0..=10.0).contains(&scale) {
-            let place = [
-                Step::Name("train"),
-                Step::Name("true_davis_over_described"),
-                Step::Index(index),
-            ];
+            let place = [Step::Name("train"), Step::Name("true_davis_over_described"), Step::Index(index)];
             let message = format!("scenario: expected a factor within 0 to 10, found {scale}");
             return Err(file.refuse(&place, message));
         }
@@ -623,12 +584,7 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), TomlError> {
 }
 
 /// The step divides a whole number of times, so that rows and samples fall on it.
-fn divides(
-    file: &TomlFile<ScenarioFile>,
-    field: &str,
-    name: &str,
-    whole: f64,
-) -> Result<(), TomlError> {
+fn divides(file: &TomlFile<ScenarioFile>, field: &str, name: &str, whole: f64) -> Result<(), TomlError> {
     let step_s = file.values.step_s;
     let count = (whole / step_s).round();
     if count >= 1.0 && (count * step_s - whole).abs() < 1e-9 {
@@ -648,18 +604,11 @@ fn dates(file: &TomlFile<ScenarioFile>) -> Result<Dates, TomlError> {
             let message = format!("scenario: expected start as \"2024-01-08\", found \"{start}\"");
             file.refuse_dotted("dates.start", message)
         })?;
-    Ok(Dates {
-        start_s,
-        days: *days,
-    })
+    Ok(Dates { start_s, days: *days })
 }
 
 fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile), TomlError> {
-    let LineTable {
-        name,
-        seed,
-        file: track,
-    } = &file.values.line;
+    let LineTable { name, seed, file: track } = &file.values.line;
     let Some(track) = track else {
         let (line, title) = match name.unwrap_or(LineName::CaseStudy) {
             LineName::CaseStudy => (Line::flat_corridor(), "case study corridor".to_owned()),
@@ -675,10 +624,8 @@ fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile),
     let track_path = path.parent().unwrap_or(Path::new("")).join(track);
     let (track, _) = TrackFile::read(&track_path)?;
     if track.speed_limit.is_empty() {
-        let message = format!(
-            "scenario: expected a track with [[speed_limit]], found none in {}",
-            track_path.display()
-        );
+        let message =
+            format!("scenario: expected a track with [[speed_limit]], found none in {}", track_path.display());
         return Err(file.refuse_dotted("line.file", message));
     }
     Ok((believed::line_of(&track), track))
@@ -704,11 +651,7 @@ mod tests {
     fn the_example_says_the_defaults_but_for_wind_and_load() {
         let example = parse(EXAMPLE).unwrap();
         let default = parse("").unwrap();
-        let calm = Scenario {
-            wind_sd_mps: 0.0,
-            load_sd: 0.0,
-            ..example.scenario
-        };
+        let calm = Scenario { wind_sd_mps: 0.0, load_sd: 0.0, ..example.scenario };
         assert_eq!(calm, default.scenario);
         assert_eq!(example.train, default.train);
         assert_eq!(example.unit, default.unit);
@@ -725,10 +668,7 @@ mod tests {
             error("[sensors]\nsampling_s = 5.01\n"),
             "s.toml:2:14: scenario: expected step_s = 0.05 to divide sampling_s, found 5.01 s"
         );
-        assert_eq!(
-            error("[train]\nmass_kg = 5\n"),
-            "s.toml:2:11: train: mass_kg must be 1000 to 100000000, found 5"
-        );
+        assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train: mass_kg must be 1000 to 100000000, found 5");
         assert_eq!(
             error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),
             "s.toml:2:1: tunnel_drag: expected to_m beyond from_m, found 4"

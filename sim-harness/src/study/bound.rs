@@ -86,9 +86,7 @@ pub fn information(
                 Known::Measured { .. } => true,
             };
         if !is_known {
-            of_run += stretch
-                .take()
-                .map_or_else(SMatrix::zeros, |s| s.information());
+            of_run += stretch.take().map_or_else(SMatrix::zeros, |s| s.information());
             continue;
         }
         let open = stretch.get_or_insert_with(|| Stretch::begin(&samples[index - 1], worth));
@@ -112,10 +110,7 @@ struct Stretch {
 
 impl Stretch {
     fn begin(sample: &Sample, worth: Worth) -> Self {
-        let mut begun = Self {
-            sensitivity: Sensitivity::identity(),
-            information: SMatrix::zeros(),
-        };
+        let mut begun = Self { sensitivity: Sensitivity::identity(), information: SMatrix::zeros() };
         begun.read(sample, worth);
         begun
     }
@@ -133,8 +128,7 @@ impl Stretch {
             drive[5] = -now.mean_effort_n_per_kg;
             let speed = self.sensitivity.row(1).into_owned();
             // Implicit midpoint: the equation is linear in φ.
-            let next = (speed * (1.0 - 0.5 * h * damping) - h * drive.transpose())
-                / (1.0 + 0.5 * h * damping);
+            let next = (speed * (1.0 - 0.5 * h * damping) - h * drive.transpose()) / (1.0 + 0.5 * h * damping);
             let location = self.sensitivity.row(0) + 0.5 * h * (speed + next);
             self.sensitivity.set_row(0, &location);
             self.sensitivity.set_row(1, &next);
@@ -142,10 +136,7 @@ impl Stretch {
     }
 
     fn read(&mut self, sample: &Sample, worth: Worth) {
-        let readings = [
-            (sample.location_m.is_some(), worth.location),
-            (sample.speed_kmh.is_some(), worth.speed),
-        ];
+        let readings = [(sample.location_m.is_some(), worth.location), (sample.speed_kmh.is_some(), worth.speed)];
         for (row, (is_there, variance)) in readings.into_iter().enumerate() {
             if is_there {
                 let h = self.sensitivity.row(row);
@@ -159,9 +150,7 @@ impl Stretch {
         let begin: Matrix2<f64> = self.information.fixed_view::<2, 2>(0, 0).into_owned();
         let cross = self.information.fixed_view::<2, 4>(0, 2).into_owned();
         let rest = self.information.fixed_view::<4, 4>(2, 2).into_owned();
-        begin.try_inverse().map_or_else(SMatrix::zeros, |inverse| {
-            rest - cross.transpose() * inverse * cross
-        })
+        begin.try_inverse().map_or_else(SMatrix::zeros, |inverse| rest - cross.transpose() * inverse * cross)
     }
 }
 
@@ -201,10 +190,7 @@ mod tests {
     fn the_slope_of_a_straight_line_is_known_as_well_as_least_squares_say() {
         let (truth, samples) = coasting(11, 0.0);
         // The location is worth nothing: what is left is a line through 11 speeds.
-        let worth = Worth {
-            location: 1e12,
-            speed: 0.04,
-        };
+        let worth = Worth { location: 1e12, speed: 0.04 };
         let found = information(&truth, &samples, [0.03, 0.0, 0.0], worth, Known::Coasting);
         let spread: f64 = (0..11).map(|i| (10.0 * f64::from(i) - 50.0).powi(2)).sum();
         assert!((found[(0, 0)] / (spread / 0.04) - 1.0).abs() < 1e-6);
@@ -217,8 +203,7 @@ mod tests {
         let davis = [0.03, 0.0, 0.0];
         let none = information(&truth, &samples, davis, worth, Known::Coasting);
         assert_eq!(none, Matrix3::zeros());
-        let known =
-            |gain_sd| information(&truth, &samples, davis, worth, Known::Measured { gain_sd });
+        let known = |gain_sd| information(&truth, &samples, davis, worth, Known::Measured { gain_sd });
         // A constant effort of unknown gain cannot be told from r0.
         assert!(known(1e-9)[(0, 0)] > 100.0 * known(0.1)[(0, 0)]);
     }

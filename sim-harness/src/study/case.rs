@@ -98,10 +98,7 @@ impl Case {
                 rows: run.samples.iter().enumerate().map(row).collect(),
                 warnings: Vec::new(),
             },
-            truth: Some(CaseTruth {
-                facts: RunTruth::from(&run.facts),
-                samples: run.truth,
-            }),
+            truth: Some(CaseTruth { facts: RunTruth::from(&run.facts), samples: run.truth }),
         }
     }
 }
@@ -147,11 +144,7 @@ impl FleetUnit {
             ..simulation.scenario.clone()
         };
         let seed = seed.wrapping_add(1_000_003 * unit as u64);
-        Self {
-            unit,
-            plans: plan(&scenario, Self::runs(simulation), seed),
-            scenario,
-        }
+        Self { unit, plans: plan(&scenario, Self::runs(simulation), seed), scenario }
     }
 
     /// Drives a run, counted from 0.

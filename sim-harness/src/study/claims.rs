@@ -144,9 +144,7 @@ mod tests {
 
     fn verdict(claims: &[Claim], needle: &str) -> Verdict {
         let claim = claims.iter().find(|c| c.statement.contains(needle));
-        claim
-            .unwrap_or_else(|| panic!("no claim on {needle}"))
-            .verdict
+        claim.unwrap_or_else(|| panic!("no claim on {needle}")).verdict
     }
 
     #[test]
@@ -170,10 +168,7 @@ mod tests {
             for coast_s in coasts_s {
                 gathered.paper.coast_s.add(coast_s);
             }
-            verdict(
-                &claims(&gathered, &train(), &Trials::default()),
-                "lengths of the final coast vary by 30",
-            )
+            verdict(&claims(&gathered, &train(), &Trials::default()), "lengths of the final coast vary by 30")
         };
         assert_eq!(of([210.0, 300.0, 390.0]), Verdict::Reproduced);
         assert_eq!(of([290.0, 300.0, 310.0]), Verdict::Not);
@@ -188,10 +183,7 @@ mod tests {
                     moments.add(rate);
                 }
             }
-            verdict(
-                &claims(&gathered, &train(), &Trials::default()),
-                "lower the speed",
-            )
+            verdict(&claims(&gathered, &train(), &Trials::default()), "lower the speed")
         };
         assert_eq!(of([0.20, 0.25, 0.30, 0.32, 0.36]), Verdict::Reproduced);
         assert_eq!(of([0.36, 0.32, 0.30, 0.25, 0.20]), Verdict::Not);
@@ -207,14 +199,8 @@ mod tests {
                 runs: 5,
                 least_share: [0.5; 3],
             };
-            let trials = Trials {
-                sensitivity: vec![found(1.0), found(10.0), found(100.0)],
-                ..Trials::default()
-            };
-            verdict(
-                &claims(&Gathered::default(), &train(), &trials),
-                "give negative coefficients",
-            )
+            let trials = Trials { sensitivity: vec![found(1.0), found(10.0), found(100.0)], ..Trials::default() };
+            verdict(&claims(&Gathered::default(), &train(), &trials), "give negative coefficients")
         };
         assert_eq!(of(3), Verdict::Reproduced);
         assert_eq!(of(0), Verdict::Not);
@@ -226,17 +212,11 @@ mod tests {
             let misses = |s: f64| {
                 let mut moments = Moments::default();
                 moments.add(s);
-                Misses {
-                    paper: [moments; 2],
-                    gated: [moments; 2],
-                }
+                Misses { paper: [moments; 2], gated: [moments; 2] }
             };
             let pace = Pace { step_ms, run_s: 1 };
-            let trials = Trials {
-                pace: Some([pace; 2]),
-                thinned: Some([misses(5.0), misses(thinned_s)]),
-                ..Trials::default()
-            };
+            let trials =
+                Trials { pace: Some([pace; 2]), thinned: Some([misses(5.0), misses(thinned_s)]), ..Trials::default() };
             let claims = claims(&Gathered::default(), &train(), &trials);
             ["computation time", "every second sample"].map(|n| verdict(&claims, n))
         };
@@ -249,10 +229,7 @@ mod tests {
         let of = |inside| {
             let mut gathered = Gathered::default();
             gathered.paper.in_both_clouds = [inside, 67];
-            verdict(
-                &claims(&gathered, &train(), &Trials::default()),
-                "all trajectories",
-            )
+            verdict(&claims(&gathered, &train(), &Trials::default()), "all trajectories")
         };
         assert_eq!(of(66), Verdict::Reproduced);
         assert_eq!(of(40), Verdict::Not);

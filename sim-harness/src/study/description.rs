@@ -42,10 +42,7 @@ pub fn of(simulation: &Simulation) -> Result<Description, DescriptionError> {
     let text = toml::to_string(&simulation.track)?;
     let (_, track) = TrackFile::parse(Path::new("track.toml"), &text)?;
     let train: &TrainFile = &simulation.train;
-    Ok(Description {
-        train: train.train()?,
-        track,
-    })
+    Ok(Description { train: train.train()?, track })
 }
 
 #[cfg(test)]

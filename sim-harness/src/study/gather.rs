@@ -46,10 +46,7 @@ impl Estimators {
     /// [`ConfigError`] names the first field that is out of range.
     pub fn try_new(config: Config, train: Train, track: &Track) -> Result<Self, ConfigError> {
         let of = |mode| Estimator::try_new(Config { mode, ..config }, train, track.clone());
-        Ok(Self {
-            paper: of(Mode::Paper)?,
-            gated: of(Mode::Gated)?,
-        })
+        Ok(Self { paper: of(Mode::Paper)?, gated: of(Mode::Gated)? })
     }
 }
 
@@ -162,18 +159,14 @@ pub fn gather(
                 Err(failed) => gathered.failed.push(failed),
             }
         }
-        let (paper, gated) = rayon::join(
-            || apart(&estimators.paper, &cases),
-            || carried(&estimators.gated, &cases, &mut vehicles),
-        );
+        let (paper, gated) =
+            rayon::join(|| apart(&estimators.paper, &cases), || carried(&estimators.gated, &cases, &mut vehicles));
         let train = estimators.paper.train();
         let views = |run: &ReplayedRun| View::of_replay(run, train);
         let of_paper: Vec<View> = paper.par_iter().map(views).collect();
         let of_gated: Vec<View> = gated.par_iter().map(views).collect();
-        let truths: Vec<Option<View>> = cases
-            .par_iter()
-            .map(|case| case.truth.as_ref().map(|t| View::of_truth(t, train)))
-            .collect();
+        let truths: Vec<Option<View>> =
+            cases.par_iter().map(|case| case.truth.as_ref().map(|t| View::of_truth(t, train))).collect();
         let views = of_paper.iter().zip(&of_gated).zip(&truths);
         let records: Vec<Record> = cases
             .iter()
@@ -203,28 +196,17 @@ pub fn gather(
                 None => gathered.example.is_none(),
             };
             if index % stride == 0 {
-                gathered.drawn.push(Drawn {
-                    recording: case.recording,
-                    paper,
-                    gated,
-                    truth,
-                });
+                gathered.drawn.push(Drawn { recording: case.recording, paper, gated, truth });
             }
             if is_wanted {
-                gathered.example = Some(Example {
-                    paper: paper_run,
-                    gated: gated_run,
-                    truth: case.truth,
-                });
+                gathered.example = Some(Example { paper: paper_run, gated: gated_run, truth: case.truth });
             }
             index += 1;
         }
         done(count);
     }
     let known = vehicles.into_iter();
-    gathered.units = known
-        .map(|(name, vehicle)| (name, vehicle.davis()))
-        .collect();
+    gathered.units = known.map(|(name, vehicle)| (name, vehicle.davis())).collect();
     gathered.units.sort_by(|a, b| a.0.cmp(&b.0));
     Ok(gathered)
 }
@@ -241,19 +223,12 @@ impl Gathered {
             && recording.rows.len() > 1
         {
             let intervals = (recording.rows.len() - 1) as f64;
-            self.interval_s
-                .add((last.time_s - first.time_s) / intervals);
+            self.interval_s.add((last.time_s - first.time_s) / intervals);
         }
     }
 
     /// How far readings and filtered speeds are from the truth, and whether the train was too fast.
-    fn add_speed_errors(
-        &mut self,
-        recording: &Recording,
-        truth: &CaseTruth,
-        paper: &ReplayedRun,
-        gated: &ReplayedRun,
-    ) {
+    fn add_speed_errors(&mut self, recording: &Recording, truth: &CaseTruth, paper: &ReplayedRun, gated: &ReplayedRun) {
         let true_kmh = |index: usize| Some(3.6 * truth.samples.get(index)?.speed_mps);
         let rms = |speeds_mps: &mut dyn Iterator<Item = Option<f64>>| {
             let mut squares = Moments::default();
@@ -274,9 +249,7 @@ impl Gathered {
             (&mut self.gated, filtered(gated)),
             (&mut self.truth, rms(&mut readings.into_iter())),
         ] {
-            error_kmh
-                .into_iter()
-                .for_each(|kmh| tallies.speed_error_kmh.add(kmh));
+            error_kmh.into_iter().for_each(|kmh| tallies.speed_error_kmh.add(kmh));
         }
         let top_kmh = truth.samples.iter().map(|s| 3.6 * s.speed_mps);
         self.truly_over_limit += u64::from(top_kmh.fold(0.0, f64::max) > LIMIT_KMH);
@@ -293,11 +266,7 @@ fn apart(estimator: &Estimator, cases: &[Case]) -> Vec<ReplayedRun> {
 }
 
 /// Each unit from run to run, units side by side.
-fn carried(
-    estimator: &Estimator,
-    cases: &[Case],
-    vehicles: &mut HashMap<String, Vehicle>,
-) -> Vec<ReplayedRun> {
+fn carried(estimator: &Estimator, cases: &[Case], vehicles: &mut HashMap<String, Vehicle>) -> Vec<ReplayedRun> {
     let mut units: Vec<(&str, Vec<usize>)> = Vec::new();
     let mut of_name: HashMap<&str, usize> = HashMap::new();
     for (index, case) in cases.iter().enumerate() {
@@ -351,10 +320,7 @@ fn record(case: &Case, views: [&View; 2], truth: Option<&View>) -> Record {
     }
     // The same columns for every run, so that a table of recorded and simulated runs is one.
     let nothing = View {
-        outcome: super::view::Outcome {
-            davis: [f64::NAN; 3],
-            ..super::view::Outcome::default()
-        },
+        outcome: super::view::Outcome { davis: [f64::NAN; 3], ..super::view::Outcome::default() },
         ..View::default()
     };
     record.extend(truth.unwrap_or(&nothing).outcome.record("true"));

@@ -18,14 +18,7 @@ pub struct Moments {
 
 impl Default for Moments {
     fn default() -> Self {
-        Self {
-            count: 0,
-            least: f64::INFINITY,
-            largest: f64::NEG_INFINITY,
-            mean: 0.0,
-            squares: 0.0,
-            cubes: 0.0,
-        }
+        Self { count: 0, least: f64::INFINITY, largest: f64::NEG_INFINITY, mean: 0.0, squares: 0.0, cubes: 0.0 }
     }
 }
 
@@ -87,9 +80,7 @@ mod tests {
 
     #[test]
     fn one_value_at_a_time_is_all_at_once() {
-        let values: Vec<f64> = (0..200)
-            .map(|i| f64::from(i * i % 97).sqrt() + 1e3)
-            .collect();
+        let values: Vec<f64> = (0..200).map(|i| f64::from(i * i % 97).sqrt() + 1e3).collect();
         let mut moments = Moments::default();
         values.iter().for_each(|value| moments.add(*value));
         moments.add(f64::NAN);
@@ -106,10 +97,7 @@ mod tests {
     #[test]
     fn without_values_nothing_is_said() {
         let none = Moments::default();
-        assert_eq!(
-            (none.mean(), none.sd(), none.variation()),
-            (None, None, None)
-        );
+        assert_eq!((none.mean(), none.sd(), none.variation()), (None, None, None));
         let mut same = Moments::default();
         same.add(3.0);
         same.add(3.0);

@@ -64,10 +64,7 @@ pub fn page(page: &Page) -> String {
         (all_claims(page.claims))
         (fleet(page.gathered))
     };
-    document(
-        &format!("Case study: {} on {}", page.train, page.track),
-        &body,
-    )
+    document(&format!("Case study: {} on {}", page.train, page.track), &body)
 }
 
 fn summary(page: &Page) -> Markup {
@@ -112,14 +109,8 @@ pub fn known(gathered: &Gathered) -> String {
 /// The paper's loop and the truth, before anything else is believed.
 fn truth(page: &Page) -> Markup {
     let slopes = |mode: &str, runs| {
-        let answer = page
-            .answers
-            .iter()
-            .find(|a| a.mode == mode && a.runs == runs);
-        answer.map_or_else(
-            || NOTHING.to_owned(),
-            |answer| answer.slope.map(|slope| number(slope, 2)).join(" / "),
-        )
+        let answer = page.answers.iter().find(|a| a.mode == mode && a.runs == runs);
+        answer.map_or_else(|| NOTHING.to_owned(), |answer| answer.slope.map(|slope| number(slope, 2)).join(" / "))
     };
     html! {
         section id="truth" {
@@ -220,28 +211,13 @@ fn table1(sensitivity: &[Sensitivity]) -> Markup {
         ("\u{3b1}", of_spread("alpha")),
         ("\u{3b2}", of_spread("beta")),
         ("\u{3ba}", of_spread("kappa")),
-        (
-            "\u{3c3} of the location, initial",
-            format!("{} m", config.initial_location_sd_m),
-        ),
-        (
-            "\u{3c3} of the speed, initial",
-            format!("{} km/h", config.initial_speed_sd_kmh),
-        ),
+        ("\u{3c3} of the location, initial", format!("{} m", config.initial_location_sd_m)),
+        ("\u{3c3} of the speed, initial", format!("{} km/h", config.initial_speed_sd_kmh)),
         ("\u{3c3} of r0, initial", format!("{r0:e} N/kg")),
         ("\u{3c3} of r1, initial", format!("{r1:e} N/(kg m/s)")),
-        (
-            "\u{3c3} of r2, initial",
-            format!("{r2:e} N/(kg (m/s)\u{b2})"),
-        ),
-        (
-            "\u{3c3} of a location reading",
-            format!("{} m", config.location_sd_m),
-        ),
-        (
-            "\u{3c3} of a speed reading",
-            format!("{} km/h", config.speed_sd_kmh),
-        ),
+        ("\u{3c3} of r2, initial", format!("{r2:e} N/(kg (m/s)\u{b2})")),
+        ("\u{3c3} of a location reading", format!("{} m", config.location_sd_m)),
+        ("\u{3c3} of a speed reading", format!("{} km/h", config.speed_sd_kmh)),
     ];
     html! {
         section id="table-1" {
@@ -293,12 +269,8 @@ fn fleet(gathered: &Gathered) -> Markup {
     type Of = fn(&Tallies) -> &Moments;
     let rows: [(&str, f64, usize, Of); 12] = [
         ("r0, 10\u{207b}\u{b3} N/kg", 1e-3, 3, |t| &t.davis[0]),
-        ("r1, 10\u{207b}\u{2074} N/(kg m/s)", 1e-4, 3, |t| {
-            &t.davis[1]
-        }),
-        ("r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})", 1e-5, 3, |t| {
-            &t.davis[2]
-        }),
+        ("r1, 10\u{207b}\u{2074} N/(kg m/s)", 1e-4, 3, |t| &t.davis[1]),
+        ("r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})", 1e-5, 3, |t| &t.davis[2]),
         ("cruise speed, km/h", 1.0, 1, |t| &t.cruise_kmh),
         ("final coast, s", 1.0, 0, |t| &t.coast_s),
         ("final brake, s", 1.0, 0, |t| &t.brake_s),
@@ -307,9 +279,7 @@ fn fleet(gathered: &Gathered) -> Markup {
         ("share of coast, %", 0.01, 1, |t| &t.shares[2]),
         ("share of brake, %", 0.01, 1, |t| &t.shares[3]),
         ("mean power 50 to 130 km/h, kW", 1.0, 0, |t| &t.power_kw),
-        ("largest power 50 to 90 km/h, kW", 1.0, 0, |t| {
-            &t.max_power_kw
-        }),
+        ("largest power 50 to 90 km/h, kW", 1.0, 0, |t| &t.max_power_kw),
     ];
     let cells = |tallies: &Tallies, of: Of, unit: f64, digits: usize| {
         let moments = of(tallies);

@@ -55,19 +55,15 @@ pub fn sensitivity(
             if factor == 1.0 && which != "r0, r1, r2" {
                 continue;
             }
-            let mut config = Config {
-                mode: Mode::Paper,
-                ..*config
-            };
+            let mut config = Config { mode: Mode::Paper, ..*config };
             for (sd, changed) in config.paper.initial_davis_sd.iter_mut().zip(changed) {
                 *sd *= if changed { factor } else { 1.0 };
             }
             let estimator = Estimator::try_new(config, train, track.clone())?;
             let least: Vec<[f64; 3]> = runs.par_iter().map(|run| least(&estimator, run)).collect();
             let is_negative = |least: &&[f64; 3]| least.iter().any(|share| *share < 0.0);
-            let smallest = |all: [f64; 3], of_run: &[f64; 3]| {
-                std::array::from_fn(|index| f64::min(all[index], of_run[index]))
-            };
+            let smallest =
+                |all: [f64; 3], of_run: &[f64; 3]| std::array::from_fn(|index| f64::min(all[index], of_run[index]));
             found.push(Sensitivity {
                 which,
                 factor,
@@ -88,12 +84,7 @@ pub(super) fn negative_runs(estimator: &Estimator, runs: &[Recording]) -> usize 
 
 /// Least coefficients of a run, as shares of the manufacturer's.
 fn least(estimator: &Estimator, run: &Recording) -> [f64; 3] {
-    let replayed = replay(
-        estimator,
-        &mut estimator.new_vehicle(),
-        run,
-        Tick::EverySample,
-    );
+    let replayed = replay(estimator, &mut estimator.new_vehicle(), run, Tick::EverySample);
     let stated = estimator.train().davis();
     let stated = [stated.r0, stated.r1, stated.r2];
     let mut least = [f64::INFINITY; 3];

@@ -133,8 +133,7 @@ pub fn look(plan: &Plan, config: Config, done: impl Fn() + Sync) -> Result<Vec<L
         estimators.push(estimator.map_err(|error| error.to_string())?);
     }
     let one = |vehicle: usize| of_vehicle(plan, &estimators, vehicle, &done);
-    let looks: Result<Vec<Vec<Look>>, DriveError> =
-        (0..plan.vehicles).into_par_iter().map(one).collect();
+    let looks: Result<Vec<Vec<Look>>, DriveError> = (0..plan.vehicles).into_par_iter().map(one).collect();
     let looks = looks.map_err(|error| error.to_string())?;
     Ok(looks.into_iter().flatten().collect())
 }
@@ -146,16 +145,9 @@ fn of_vehicle(
     done: &(impl Fn() + Sync),
 ) -> Result<Vec<Look>, DriveError> {
     let scales = plan.scales(vehicle);
-    let scenario = Scenario {
-        davis_scale: scales,
-        ..plan.simulation.scenario.clone()
-    };
+    let scenario = Scenario { davis_scale: scales, ..plan.simulation.scenario.clone() };
     let of_vehicle = scenario.train.davis.scaled(scenario.davis_scale);
-    let truth = Davis {
-        r0: of_vehicle.r0,
-        r1: of_vehicle.r1,
-        r2: of_vehicle.r2,
-    };
+    let truth = Davis { r0: of_vehicle.r0, r1: of_vehicle.r1, r2: of_vehicle.r2 };
     let worth = Worth::of(&scenario.sensors);
     let stages = plan.stages();
     let mut believed: Vec<_> = estimators.iter().map(Estimator::new_vehicle).collect();
@@ -170,16 +162,9 @@ fn of_vehicle(
         let moved = case.truth.iter().flat_map(|truth| &truth.samples).copied();
         let moved: Vec<_> = moved.collect();
         for (slot, estimator) in estimators.iter().enumerate() {
-            replay(
-                estimator,
-                &mut believed[slot],
-                &case.recording,
-                Tick::EverySample,
-            );
+            replay(estimator, &mut believed[slot], &case.recording, Tick::EverySample);
             let known = match estimator.config().mode {
-                Mode::Measured => Known::Measured {
-                    gain_sd: estimator.config().learning.gain_sd,
-                },
+                Mode::Measured => Known::Measured { gain_sd: estimator.config().learning.gain_sd },
                 Mode::Paper | Mode::Gated => Known::Coasting,
             };
             let davis = [of_run.r0, of_run.r1, of_run.r2];
@@ -218,11 +203,7 @@ impl Look {
         let v = KmPerHour(speed_kmh).to_mps();
         let stated = described.resistance_n_per_kg(v);
         let r = Resistance::at(&self.believed, v)?;
-        Some([
-            self.truth.resistance_n_per_kg(v) / stated - 1.0,
-            r.mean_n_per_kg / stated - 1.0,
-            r.sd_n_per_kg / stated,
-        ])
+        Some([self.truth.resistance_n_per_kg(v) / stated - 1.0, r.mean_n_per_kg / stated - 1.0, r.sd_n_per_kg / stated])
     }
 }
 
@@ -297,11 +278,7 @@ pub struct Fit {
 pub fn fit(points: &[(f64, f64)]) -> Fit {
     let n = points.len() as f64;
     if points.len() < 3 {
-        return Fit {
-            offset: f64::NAN,
-            slope: f64::NAN,
-            spread: f64::NAN,
-        };
+        return Fit { offset: f64::NAN, slope: f64::NAN, spread: f64::NAN };
     }
     let x = points.iter().map(|p| p.0).sum::<f64>() / n;
     let y = points.iter().map(|p| p.1).sum::<f64>() / n;
@@ -310,11 +287,7 @@ pub fn fit(points: &[(f64, f64)]) -> Fit {
     let slope = xy / xx;
     let offset = y - slope * x;
     let rest = points.iter().map(|p| (p.1 - offset - slope * p.0).powi(2));
-    Fit {
-        offset,
-        slope,
-        spread: (rest.sum::<f64>() / (n - 2.0)).sqrt(),
-    }
+    Fit { offset, slope, spread: (rest.sum::<f64>() / (n - 2.0)).sqrt() }
 }
 
 /// A row for each answer.
@@ -327,10 +300,7 @@ pub fn records(answers: &[Answer]) -> Vec<Record> {
         ];
         for (index, kmh) in SLOPE_KMH.into_iter().enumerate() {
             record.push((format!("slope_{kmh}"), Cell::from(answer.slope[index])));
-            record.push((
-                format!("spread_{kmh}_percent"),
-                Cell::from(answer.spread_percent[index]),
-            ));
+            record.push((format!("spread_{kmh}_percent"), Cell::from(answer.spread_percent[index])));
         }
         for (name, value) in [
             ("rmse_percent", answer.rmse_percent),
@@ -349,19 +319,10 @@ pub fn records(answers: &[Answer]) -> Vec<Record> {
 pub fn table(answers: &[Answer]) -> String {
     let mut text = format!(
         "{:9} {:>4}  {:>22}  {:>20}  {:>7} {:>7} {:>10}  {:>9}\n",
-        "mode",
-        "runs",
-        "slope 60/100/140 km/h",
-        "spread, %",
-        "rmse, %",
-        "bound,%",
-        "efficiency",
-        "in 95 %"
+        "mode", "runs", "slope 60/100/140 km/h", "spread, %", "rmse, %", "bound,%", "efficiency", "in 95 %"
     );
     for answer in answers {
-        let three = |values: [f64; 3], digits: usize| {
-            values.map(|value| format!("{value:.digits$}")).join(" / ")
-        };
+        let three = |values: [f64; 3], digits: usize| values.map(|value| format!("{value:.digits$}")).join(" / ");
         text += &format!(
             "{:9} {:>4}  {:>22}  {:>20}  {:>7.2} {:>7.2} {:>10.3}  {:>7.0} %\n",
             answer.mode,

@@ -79,12 +79,7 @@ pub enum SourceError {
 impl Source {
     /// So many runs; a unit for each as many as the simulation says.
     pub fn simulated(simulation: Simulation, seed: u64, runs: usize) -> Self {
-        Self::Simulated(Box::new(Simulated {
-            simulation,
-            seed,
-            runs,
-            next: 0,
-        }))
+        Self::Simulated(Box::new(Simulated { simulation, seed, runs, next: 0 }))
     }
 
     /// Parquet files of runs, in this order.
@@ -104,11 +99,7 @@ impl Source {
     ///
     /// # Errors
     /// [`SourceError`] when a file or folder cannot be read.
-    pub fn recorded(
-        arguments: &[PathBuf],
-        line: Option<CentreLine>,
-        note: impl Fn(&str),
-    ) -> Result<Self, SourceError> {
+    pub fn recorded(arguments: &[PathBuf], line: Option<CentreLine>, note: impl Fn(&str)) -> Result<Self, SourceError> {
         let mut files = Vec::new();
         for argument in arguments {
             parquet_files(argument, &mut files)?;
@@ -127,12 +118,7 @@ impl Source {
                 truths.insert(folder.to_owned(), truth);
             }
         }
-        Ok(Self::Logs(Logs {
-            files: set.files,
-            line,
-            truths,
-            next: 0,
-        }))
+        Ok(Self::Logs(Logs { files: set.files, line, truths, next: 0 }))
     }
 
     /// Number of runs.
@@ -157,25 +143,18 @@ impl Source {
                 let runs = FleetUnit::runs(simulation);
                 let first = range.start / runs;
                 let units = first..range.end.div_ceil(runs);
-                let units: Vec<FleetUnit> = units
-                    .map(|unit| FleetUnit::new(simulation, seed, unit))
-                    .collect();
+                let units: Vec<FleetUnit> = units.map(|unit| FleetUnit::new(simulation, seed, unit)).collect();
                 let run = |index: usize| {
                     let unit = &units[index / runs - first];
-                    unit.drive(index % runs).map_err(|error| Failed {
-                        file: PathBuf::from(&simulation.name),
-                        error: error.to_string(),
-                    })
+                    unit.drive(index % runs)
+                        .map_err(|error| Failed { file: PathBuf::from(&simulation.name), error: error.to_string() })
                 };
                 range.into_par_iter().map(run).collect()
             }
             Self::Logs(logs) => {
                 let range = advance(&mut logs.next, logs.files.len());
                 let logs = &*logs;
-                logs.files[range]
-                    .par_iter()
-                    .map(|file| logs.read(file))
-                    .collect()
+                logs.files[range].par_iter().map(|file| logs.read(file)).collect()
             }
             Self::Parquet(files) => {
                 let mut chunk = Vec::new();
@@ -183,10 +162,7 @@ impl Source {
                     && let Some(reader) = files.readers.front_mut()
                 {
                     match reader.next_run()? {
-                        Some(recording) => chunk.push(Ok(Case {
-                            recording,
-                            truth: None,
-                        })),
+                        Some(recording) => chunk.push(Ok(Case { recording, truth: None })),
                         None => drop(files.readers.pop_front()),
                     }
                 }
@@ -200,10 +176,7 @@ impl Source {
 /// Parquet files behind an argument, folders in the order of their paths.
 fn parquet_files(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), SourceError> {
     if path.is_dir() {
-        let failed = |source| SourceError::Io {
-            path: path.to_owned(),
-            source,
-        };
+        let failed = |source| SourceError::Io { path: path.to_owned(), source };
         let entries = std::fs::read_dir(path).map_err(failed)?;
         let entries = entries.map(|entry| entry.map(|entry| entry.path()));
         let mut paths = entries.collect::<Result<Vec<_>, _>>().map_err(failed)?;
@@ -225,18 +198,12 @@ fn advance(next: &mut usize, end: usize) -> std::ops::Range<usize> {
 
 impl Logs {
     fn read(&self, file: &RunFile) -> Result<Case, Failed> {
-        let failed = |error: String| Failed {
-            file: file.path.clone(),
-            error,
-        };
-        let log =
-            RunLog::read(&file.path, BadRows::Refuse).map_err(|error| failed(error.to_string()))?;
+        let failed = |error: String| Failed { file: file.path.clone(), error };
+        let log = RunLog::read(&file.path, BadRows::Refuse).map_err(|error| failed(error.to_string()))?;
         let recording = Recording::new(file, &log, self.line.as_ref(), DirectionChoice::Auto)
             .map_err(|error| failed(error.to_string()))?;
         let truth = match self.truths.get(folder_of(file)) {
-            Some(folder) => folder
-                .of(&file.path, &recording.rows)
-                .map_err(|error| failed(error.to_string()))?,
+            Some(folder) => folder.of(&file.path, &recording.rows).map_err(|error| failed(error.to_string()))?,
             None => None,
         };
         Ok(Case { recording, truth })

@@ -93,11 +93,7 @@ impl Tallies {
         ] {
             value.into_iter().for_each(|value| moments.add(value));
         }
-        for (moments, share) in self
-            .shares
-            .iter_mut()
-            .zip(outcome.shares.into_iter().flatten())
-        {
+        for (moments, share) in self.shares.iter_mut().zip(outcome.shares.into_iter().flatten()) {
             moments.add(share);
         }
         if let Some(is_in_both) = outcome.in_both_clouds {

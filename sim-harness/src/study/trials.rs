@@ -73,46 +73,28 @@ pub struct Pace {
 ///
 /// # Errors
 /// [`ConfigError`] when a changed configuration is out of range.
-pub fn noise(
-    config: &Config,
-    train: Train,
-    track: &Track,
-    runs: &[Recording],
-) -> Result<Vec<Noise>, ConfigError> {
+pub fn noise(config: &Config, train: Train, track: &Track, runs: &[Recording]) -> Result<Vec<Noise>, ConfigError> {
     let of = |sd_mps2: f64| {
-        let mut config = Config {
-            mode: Mode::Paper,
-            ..*config
-        };
+        let mut config = Config { mode: Mode::Paper, ..*config };
         config.paper.acceleration_noise_mps2 = sd_mps2;
         let estimator = Estimator::try_new(config, train, track.clone())?;
-        Ok(Noise {
-            sd_mps2,
-            negative_runs: negative_runs(&estimator, runs),
-            runs: runs.len(),
-        })
+        Ok(Noise { sd_mps2, negative_runs: negative_runs(&estimator, runs), runs: runs.len() })
     };
     NOISES_MPS2.into_iter().map(of).collect()
 }
 
 /// Replays the runs whose truth is known with all their samples and with every [`KEPT`]th, each for itself.
 pub fn thinned(estimators: &Estimators, drawn: &[Drawn]) -> Option<[Misses; 2]> {
-    let known: Vec<(&Recording, &View)> = drawn
-        .iter()
-        .filter_map(|run| Some((&run.recording, run.truth.as_ref()?)))
-        .collect();
+    let known: Vec<(&Recording, &View)> =
+        drawn.iter().filter_map(|run| Some((&run.recording, run.truth.as_ref()?))).collect();
     let misses = |estimator: &Estimator, every: usize| {
         let of_run = |(recording, truth): &(&Recording, &View)| {
             let mut recording = (*recording).clone();
             recording.rows = recording.rows.into_iter().step_by(every).collect();
             let mut vehicle = estimator.new_vehicle();
             let run = replay(estimator, &mut vehicle, &recording, Tick::EverySample);
-            let (seen, was) = (
-                View::of_replay(&run, estimator.train()).outcome,
-                &truth.outcome,
-            );
-            [(seen.coast_s, was.coast_s), (seen.brake_s, was.brake_s)]
-                .map(|(seen, was)| Some((seen? - was?).abs()))
+            let (seen, was) = (View::of_replay(&run, estimator.train()).outcome, &truth.outcome);
+            [(seen.coast_s, was.coast_s), (seen.brake_s, was.brake_s)].map(|(seen, was)| Some((seen? - was?).abs()))
         };
         let of_runs: Vec<_> = known.par_iter().map(of_run).collect();
         let mut moments = [Moments::default(); 2];
@@ -123,10 +105,7 @@ pub fn thinned(estimators: &Estimators, drawn: &[Drawn]) -> Option<[Misses; 2]> 
         }
         moments
     };
-    let of = |every| Misses {
-        paper: misses(&estimators.paper, every),
-        gated: misses(&estimators.gated, every),
-    };
+    let of = |every| Misses { paper: misses(&estimators.paper, every), gated: misses(&estimators.gated, every) };
     (!known.is_empty()).then(|| [1, KEPT].map(of))
 }
 
@@ -142,10 +121,7 @@ pub fn pace(estimators: &Estimators, runs: &[Recording]) -> Option<[Pace; 2]> {
         });
         let took_s = passes.min().unwrap_or_default().as_secs_f64();
         let steps = longest.rows.len().max(1) as f64;
-        Pace {
-            step_ms: (1e3 * took_s / steps).ceil().max(1.0) as u64,
-            run_s: took_s.ceil().max(1.0) as u64,
-        }
+        Pace { step_ms: (1e3 * took_s / steps).ceil().max(1.0) as u64, run_s: took_s.ceil().max(1.0) as u64 }
     };
     Some([of(&estimators.paper), of(&estimators.gated)])
 }

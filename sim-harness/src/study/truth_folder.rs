@@ -47,10 +47,7 @@ pub enum TruthError {
 }
 
 fn file_error(path: &Path, error: impl ToString) -> TruthError {
-    TruthError::File {
-        path: path.to_owned(),
-        message: error.to_string(),
-    }
+    TruthError::File { path: path.to_owned(), message: error.to_string() }
 }
 
 impl TruthFolder {
@@ -78,10 +75,7 @@ impl TruthFolder {
             })?;
             Ok((run.file, truth))
         };
-        Ok(Some(Self {
-            runs: key.runs.into_iter().map(run).collect::<Result<_, _>>()?,
-            folder,
-        }))
+        Ok(Some(Self { runs: key.runs.into_iter().map(run).collect::<Result<_, _>>()?, folder }))
     }
 
     /// The truth of a log, a row for each of its rows; `None` when the log is not one of this data set.
@@ -103,15 +97,9 @@ impl TruthFolder {
             let time_s = row.measurement.time_s;
             let found = rest.find(|sample| sample.time_s > time_s - SAME_TIME_S);
             let found = found.filter(|sample| sample.time_s < time_s + SAME_TIME_S);
-            found.copied().ok_or_else(|| TruthError::OtherTimes {
-                path: path.clone(),
-                time_s,
-            })
+            found.copied().ok_or_else(|| TruthError::OtherTimes { path: path.clone(), time_s })
         };
-        Ok(Some(CaseTruth {
-            samples: rows.iter().map(sample).collect::<Result<_, _>>()?,
-            facts: *facts,
-        }))
+        Ok(Some(CaseTruth { samples: rows.iter().map(sample).collect::<Result<_, _>>()?, facts: *facts }))
     }
 }
 
@@ -121,10 +109,7 @@ fn samples(path: &Path) -> Result<Vec<TruthSample>, TruthError> {
     rows.map(|row| {
         let row = row.map_err(|error| file_error(path, error))?;
         let regime = regime_of_word(&row.regime).ok_or_else(|| {
-            let message = format!(
-                "{} s: expected a regime, found {:?}",
-                row.time_s, row.regime
-            );
+            let message = format!("{} s: expected a regime, found {:?}", row.time_s, row.regime);
             file_error(path, message)
         })?;
         Ok(TruthSample {
@@ -199,11 +184,7 @@ struct KeyMark {
 
 impl From<KeyMark> for Mark {
     fn from(mark: KeyMark) -> Self {
-        Self {
-            time_s: mark.time_s,
-            location_m: mark.location_m,
-            speed_mps: mark.speed_mps,
-        }
+        Self { time_s: mark.time_s, location_m: mark.location_m, speed_mps: mark.speed_mps }
     }
 }
 

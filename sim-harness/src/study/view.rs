@@ -100,9 +100,7 @@ impl View {
         let mut coasting = Moments::default();
         for (index, estimate) in run.estimates.iter().enumerate() {
             let mean = &estimate.belief.mean;
-            points
-                .davis
-                .push([mean[state::R0], mean[state::R1], mean[state::R2]]);
+            points.davis.push([mean[state::R0], mean[state::R1], mean[state::R2]]);
             let reading = run.measurements.get(index).and_then(|m| m.speed_mps);
             if let Some(reading) = reading {
                 misses.0 += (3.6 * (mean[state::SPEED] - reading)).powi(2);
@@ -148,26 +146,12 @@ impl View {
             cruise_kmh: features.cruise_speed_median_mps.map(|v| 3.6 * v),
             coast_s: of(&features.final_coast),
             brake_s: of(&features.final_brake),
-            shares: shares(
-                [
-                    Regime::Traction,
-                    Regime::Cruise,
-                    Regime::Coast,
-                    Regime::Brake,
-                ]
-                .map(moving),
-            ),
-            power_kw: (features.power_w_per_kg.count > 0)
-                .then_some(kw * features.power_w_per_kg.mean),
+            shares: shares([Regime::Traction, Regime::Cruise, Regime::Coast, Regime::Brake].map(moving)),
+            power_kw: (features.power_w_per_kg.count > 0).then_some(kw * features.power_w_per_kg.mean),
             max_power_kw: largest(&points.power),
             in_both_clouds: in_both_clouds(&points.power, train),
             coast_mps2: coasting.mean(),
-            effort_samples: Some(f64::from(
-                features
-                    .max_effort
-                    .as_ref()
-                    .map_or(0, |line| line.effort.count),
-            )),
+            effort_samples: Some(f64::from(features.max_effort.as_ref().map_or(0, |line| line.effort.count))),
             davis: [davis[0], davis[1], davis[2]],
             speed_rms_kmh: (misses.1 > 0.0).then(|| (misses.0 / misses.1).sqrt()),
             learned_share: (duration_s > 0.0).then_some(learned_s / duration_s),
@@ -180,10 +164,7 @@ impl View {
         let facts = &truth.facts;
         let davis = [facts.davis.r0, facts.davis.r1, facts.davis.r2];
         let kw = facts.rotating_mass_kg / 1000.0;
-        let mut points = Points {
-            davis: vec![davis; truth.samples.len()],
-            ..Points::default()
-        };
+        let mut points = Points { davis: vec![davis; truth.samples.len()], ..Points::default() };
         let mut times_s = [0.0; 4];
         let mut coasting = Moments::default();
         let mut first = FirstAcceleration::default();
@@ -276,8 +257,7 @@ fn largest(points: &[PowerPoint]) -> Option<f64> {
 fn in_both_clouds(points: &[PowerPoint], described: &Train) -> Option<bool> {
     let stated_kw = described.description().max_power_w / 1000.0;
     let within = points.iter().filter(|p| POWER_KMH.contains(&p.speed_kmh));
-    let (fast, slow): (Vec<&PowerPoint>, Vec<&PowerPoint>) =
-        within.partition(|p| p.speed_kmh > CLOUDS_KMH);
+    let (fast, slow): (Vec<&PowerPoint>, Vec<&PowerPoint>) = within.partition(|p| p.speed_kmh > CLOUDS_KMH);
     let least = slow.iter().map(|p| p.power_kw).reduce(f64::min)?;
     let most = fast.iter().map(|p| p.power_kw).reduce(f64::max)?;
     Some(least < stated_kw && most > stated_kw)
@@ -291,10 +271,7 @@ fn in_both_clouds(points: &[PowerPoint], described: &Train) -> Option<bool> {
 /// assert_eq!([140.0, 130.0, 61.0, 40.0, 5.0].map(atb_step), [0, 1, 2, 4, 4]);
 /// ```
 pub fn atb_step(speed_kmh: f64) -> usize {
-    ATB_STEPS_KMH
-        .iter()
-        .position(|edge| speed_kmh > *edge)
-        .unwrap_or(ATB_STEPS_KMH.len())
+    ATB_STEPS_KMH.iter().position(|edge| speed_kmh > *edge).unwrap_or(ATB_STEPS_KMH.len())
 }
 
 impl Outcome {
@@ -308,10 +285,7 @@ impl Outcome {
         push("final_coast_s", self.coast_s);
         push("final_brake_s", self.brake_s);
         for (index, name) in ["traction", "cruise", "coast", "brake"].iter().enumerate() {
-            push(
-                &format!("share_{name}"),
-                self.shares.map(|shares| shares[index]),
-            );
+            push(&format!("share_{name}"), self.shares.map(|shares| shares[index]));
         }
         push("power_kw", self.power_kw);
         push("max_power_50_90_kw", self.max_power_kw);
@@ -347,9 +321,6 @@ mod tests {
             (true, 130.0),
         ];
         let goes_on: Vec<bool> = doing.iter().map(|(t, v)| first.goes_on(*t, *v)).collect();
-        assert_eq!(
-            goes_on,
-            [true, true, true, true, true, true, true, false, false]
-        );
+        assert_eq!(goes_on, [true, true, true, true, true, true, true, false, false]);
     }
 }

@@ -26,14 +26,8 @@ pub fn folder(path: &Path) -> Result<(), WriteError> {
 /// [`WriteError`] names the first file that could not be written.
 pub fn pictures(folder: &Path, pictures: &[Picture]) -> Result<(), WriteError> {
     for picture in pictures {
-        text(
-            &folder.join(format!("{}.svg", picture.name)),
-            &standalone(&picture.svg),
-        )?;
-        records(
-            &folder.join(format!("{}.csv", picture.name)),
-            &picture.records,
-        )?;
+        text(&folder.join(format!("{}.svg", picture.name)), &standalone(&picture.svg))?;
+        records(&folder.join(format!("{}.csv", picture.name)), &picture.records)?;
     }
     Ok(())
 }
@@ -99,8 +93,7 @@ impl RunTable {
                 self.csv.write_record(record.iter().map(|(name, _)| name))?;
                 self.has_header = true;
             }
-            self.csv
-                .write_record(record.iter().map(|(_, cell)| cell.to_field()))?;
+            self.csv.write_record(record.iter().map(|(_, cell)| cell.to_field()))?;
         }
         self.parquet.write(records).map_err(io::Error::other)
     }
@@ -110,9 +103,7 @@ impl RunTable {
     /// # Errors
     /// [`WriteError`] names the file.
     pub fn end(mut self) -> Result<(), WriteError> {
-        self.csv
-            .flush()
-            .map_err(|source| failed(&self.csv_path, source))?;
+        self.csv.flush().map_err(|source| failed(&self.csv_path, source))?;
         let parquet = self.parquet.close().map_err(io::Error::other);
         parquet.map_err(|source| failed(&self.csv_path.with_extension("parquet"), source))
     }

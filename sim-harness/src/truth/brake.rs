@@ -10,14 +10,7 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Normal};
 
 /// Lower edges of the steps, m/s: easing off before the stop, then up to 40, 60, 80, 130 km/h and above.
-const FROM_MPS: [f64; 6] = [
-    0.0,
-    EASE_BELOW_MPS,
-    40.0 / 3.6,
-    60.0 / 3.6,
-    80.0 / 3.6,
-    130.0 / 3.6,
-];
+const FROM_MPS: [f64; 6] = [0.0, EASE_BELOW_MPS, 40.0 / 3.6, 60.0 / 3.6, 80.0 / 3.6, 130.0 / 3.6];
 
 /// Below this speed the driver eases off, so that the train does not stop with a jerk.
 const EASE_BELOW_MPS: f64 = 1.5;
@@ -47,10 +40,7 @@ impl BrakeHabit {
             let step = 1.0 + STEP_SD[i] * unit.sample(rng);
             (MEAN_MPS2[i] * driver * step).clamp(0.15, 0.6)
         });
-        Self {
-            rates_mps2,
-            build_up_s: rng.random_range(2.0..3.0),
-        }
+        Self { rates_mps2, build_up_s: rng.random_range(2.0..3.0) }
     }
 
     /// The same driver where the brake gives no more than this deceleration, m/s².
@@ -91,10 +81,7 @@ mod tests {
 
     #[test]
     fn distance_adds_the_steps_below_the_speed() {
-        let habit = BrakeHabit {
-            rates_mps2: [0.4, 0.4, 0.4, 0.2, 0.2],
-            build_up_s: 2.0,
-        };
+        let habit = BrakeHabit { rates_mps2: [0.4, 0.4, 0.4, 0.2, 0.2], build_up_s: 2.0 };
         assert_eq!(habit.rate_mps2(20.0), 0.4);
         assert_eq!(habit.rate_mps2(30.0), 0.2);
         // 1.5²/0.48 below the easing, (20² - 1.5²)/0.8 above.

@@ -126,18 +126,14 @@ pub struct Driver<'a> {
 impl<'a> Driver<'a> {
     /// A driver standing at the first platform. `stops` in order; the last one ends the run.
     pub fn new(habits: Habits, world: &'a World, stops: Vec<Stop>, wander_rng: ChaCha8Rng) -> Self {
-        let approach_from_m = stops
-            .first()
-            .map_or(0.0, |stop| approach_from_m(world, stop));
+        let approach_from_m = stops.first().map_or(0.0, |stop| approach_from_m(world, stop));
         Self {
             habits,
             world,
             history: History::default(),
             stops,
             stops_made: 0,
-            phase: Phase::Stand {
-                until_s: habits.departure_s,
-            },
+            phase: Phase::Stand { until_s: habits.departure_s },
             regime: Regime::Standstill,
             effort_n_per_kg: 0.0,
             integral_n_per_kg: 0.0,
@@ -201,9 +197,7 @@ impl<'a> Driver<'a> {
 
     fn permitted_mps(&self, at: Motion) -> f64 {
         let world = self.world;
-        world
-            .line
-            .permitted_mps(at.location_m, world.train.length_m)
+        world.line.permitted_mps(at.location_m, world.train.length_m)
     }
 
     fn desired_mps(&self, at: Motion) -> f64 {
@@ -213,23 +207,15 @@ impl<'a> Driver<'a> {
 
     fn wander(&mut self) {
         let keep = (-1.0 / WANDER_S).exp();
-        let unit = Normal::new(0.0, 1.0)
-            .expect("constant")
-            .sample(&mut self.wander_rng);
-        self.wander_mps =
-            keep * self.wander_mps + self.habits.wander_sd_mps * (1.0 - keep * keep).sqrt() * unit;
+        let unit = Normal::new(0.0, 1.0).expect("constant").sample(&mut self.wander_rng);
+        self.wander_mps = keep * self.wander_mps + self.habits.wander_sd_mps * (1.0 - keep * keep).sqrt() * unit;
     }
 
     /// The first place ahead that must be braked for now.
     fn due(&self, at: Motion) -> Option<Target> {
         let stop = self.next_stop()?;
-        let stop_m = if stop.planned {
-            stop.at_m + self.habits.stop_error_m
-        } else {
-            stop.at_m
-        };
-        let full = self.habits.brake.distance_m(at.speed_mps)
-            + at.speed_mps * self.habits.brake.build_up_s / 2.0;
+        let stop_m = if stop.planned { stop.at_m + self.habits.stop_error_m } else { stop.at_m };
+        let full = self.habits.brake.distance_m(at.speed_mps) + at.speed_mps * self.habits.brake.build_up_s / 2.0;
         let limits = self.world.line.limits_kmh();
         let signs = limits
             .windows(2)
@@ -240,12 +226,7 @@ impl<'a> Driver<'a> {
                 approach: stop.planned && pair[1].0 >= self.approach_from_m,
                 sign: true,
             });
-        let stop = Target {
-            at_m: stop_m,
-            speed_mps: 0.0,
-            approach: stop.planned,
-            sign: true,
-        };
+        let stop = Target { at_m: stop_m, speed_mps: 0.0, approach: stop.planned, sign: true };
         signs.chain([stop]).find(|target| {
             let needed_m = full - self.habits.brake.distance_m(target.speed_mps);
             (target.speed_mps == 0.0 || at.speed_mps > target.speed_mps + 0.3)
@@ -261,8 +242,7 @@ impl<'a> Driver<'a> {
             _ => false,
         };
         let desired_mps = self.desired_mps(at);
-        let open_line = desired_mps > LEAST_OPEN_SHARE * self.habits.cruise_mps
-            && at.speed_mps >= 0.9 * desired_mps;
+        let open_line = desired_mps > LEAST_OPEN_SHARE * self.habits.cruise_mps && at.speed_mps >= 0.9 * desired_mps;
         if cruising && open_line && self.coast_reaches_brake(at) {
             self.phase = Phase::Coast(CoastKind::Final);
         }
@@ -284,10 +264,7 @@ impl<'a> Driver<'a> {
             if let Some(target) = self.due(at) {
                 return target.approach;
             }
-            let then = History {
-                time_s: self.history.time_s + time_s,
-                ..self.history
-            };
+            let then = History { time_s: self.history.time_s + time_s, ..self.history };
             at = self.world.advance(then, at, 0.0, 1.0);
             at.speed_mps = at.speed_mps.min(self.permitted_mps(at) + OVERSPEED_MPS);
             time_s += 1.0;
@@ -338,10 +315,7 @@ impl<'a> Driver<'a> {
         }
         if self.phase == Phase::Power
             && !self.brake_tested
-            && self
-                .habits
-                .brake_test_mps
-                .is_some_and(|v| at.speed_mps >= v)
+            && self.habits.brake_test_mps.is_some_and(|v| at.speed_mps >= v)
         {
             self.brake_tested = true;
             let speed_mps = at.speed_mps - BRAKE_TEST_MPS;
@@ -357,9 +331,7 @@ impl<'a> Driver<'a> {
         }
         let desired = self.desired_mps(at);
         let cycles = match self.habits.cruising {
-            Cruising::Cycles { half_width_mps, .. } if desired == self.habits.cruise_mps => {
-                Some(half_width_mps)
-            }
+            Cruising::Cycles { half_width_mps, .. } if desired == self.habits.cruise_mps => Some(half_width_mps),
             _ => None,
         };
         self.phase = match (self.phase, cycles) {
@@ -369,16 +341,11 @@ impl<'a> Driver<'a> {
             }
             (Phase::Power, None) if at.speed_mps >= desired - 0.15 => self.hold(at),
             (Phase::Hold, _) if at.speed_mps < desired - 2.0 => Phase::Power,
-            (Phase::Coast(CoastKind::Cycle), Some(half)) if at.speed_mps <= desired - half => {
-                Phase::Power
-            }
-            (Phase::Coast(CoastKind::Final), _) if at.speed_mps < self.habits.least_coast_mps => {
-                Phase::Power
-            }
+            (Phase::Coast(CoastKind::Cycle), Some(half)) if at.speed_mps <= desired - half => Phase::Power,
+            (Phase::Coast(CoastKind::Final), _) if at.speed_mps < self.habits.least_coast_mps => Phase::Power,
             (Phase::Coast(CoastKind::Plateau), _) if at.speed_mps < 25.0 / 3.6 => self.hold(at),
             (Phase::Coast(kind), _)
-                if at.speed_mps > self.permitted_mps(at) + OVERSPEED_MPS
-                    && self.load_n_per_kg(at) < 0.0 =>
+                if at.speed_mps > self.permitted_mps(at) + OVERSPEED_MPS && self.load_n_per_kg(at) < 0.0 =>
             {
                 Phase::Restrain(kind)
             }
@@ -406,22 +373,16 @@ impl<'a> Driver<'a> {
         self.plateau = false;
         self.cycling = false;
         self.ahead = None;
-        self.phase = Phase::Stand {
-            until_s: time_s + dwell_s,
-        };
+        self.phase = Phase::Stand { until_s: time_s + dwell_s };
     }
 
     fn wanted_n_per_kg(&mut self, at: Motion, step_s: f64) -> f64 {
         let desired = self.desired_mps(at);
-        let traction =
-            self.world
-                .max_effort_n_per_kg(at, self.habits.effort_share, self.habits.power_share);
+        let traction = self.world.max_effort_n_per_kg(at, self.habits.effort_share, self.habits.power_share);
         match self.phase {
             Phase::Stand { .. } | Phase::Coast(_) => 0.0,
             Phase::Power => match self.habits.cruising {
-                Cruising::Cycles {
-                    effort_n_per_kg, ..
-                } if desired == self.habits.cruise_mps => {
+                Cruising::Cycles { effort_n_per_kg, .. } if desired == self.habits.cruise_mps => {
                     if self.cycling {
                         traction.min(effort_n_per_kg)
                     } else {
@@ -444,19 +405,15 @@ impl<'a> Driver<'a> {
                 (self.load_n_per_kg(at) - 0.1 * over).clamp(-0.3, 0.0)
             }
             Phase::Brake(target) => {
-                let needed_m = self.habits.brake.distance_m(at.speed_mps)
-                    - self.habits.brake.distance_m(target.speed_mps);
+                let needed_m =
+                    self.habits.brake.distance_m(at.speed_mps) - self.habits.brake.distance_m(target.speed_mps);
                 let left_m = (target.at_m - at.location_m).max(1e-3);
                 let scale = (needed_m / left_m).clamp(0.5, 1.6);
                 let deceleration = self.habits.brake.rate_mps2(at.speed_mps) * scale;
                 let most = self.world.max_brake_n_per_kg();
                 // On a steep climb the hill brakes too hard, and power takes the train to the mark.
                 let climbs = self.world.gravity_n_per_kg(at) > STEEP_N_PER_KG;
-                let power = if climbs {
-                    POWER_ON_CLIMB * traction
-                } else {
-                    0.0
-                };
+                let power = if climbs { POWER_ON_CLIMB * traction } else { 0.0 };
                 (self.load_n_per_kg(at) - deceleration).clamp(-most, power)
             }
         }
@@ -468,11 +425,7 @@ impl<'a> Driver<'a> {
             return 0.0;
         }
         let now = self.effort_n_per_kg;
-        let up = if now < 0.0 {
-            RELEASE_N_PER_KG_S
-        } else {
-            self.habits.effort_rise_n_per_kg_s
-        };
+        let up = if now < 0.0 { RELEASE_N_PER_KG_S } else { self.habits.effort_rise_n_per_kg_s };
         let down = if now > 0.0 {
             LET_GO_N_PER_KG_S
         } else {

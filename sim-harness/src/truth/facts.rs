@@ -96,11 +96,7 @@ impl Default for Recorder {
 impl Recorder {
     /// One step, from the row before to its own. `plateau`: between the approach brake and the stop.
     pub fn observe(&mut self, from: &TraceStep, to: &TraceStep, plateau: bool) {
-        let mark = |at: &TraceStep| Mark {
-            time_s: at.time_s,
-            location_m: at.location_m,
-            speed_mps: at.speed_mps,
-        };
+        let mark = |at: &TraceStep| Mark { time_s: at.time_s, location_m: at.location_m, speed_mps: at.speed_mps };
         let regime = to.regime;
         if regime != self.last {
             if regime == Regime::Brake {

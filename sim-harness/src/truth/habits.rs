@@ -87,11 +87,7 @@ pub struct Habits {
 impl Habits {
     /// The final coast aimed at on a hop of this length, s.
     pub fn coast_on_s(&self, hop_m: f64) -> f64 {
-        if hop_m < self.coast_hop_m {
-            self.coast_s * hop_m / self.coast_hop_m
-        } else {
-            self.coast_s
-        }
+        if hop_m < self.coast_hop_m { self.coast_s * hop_m / self.coast_hop_m } else { self.coast_s }
     }
 
     /// Draws a driver for a line with this highest limit. `cycle_share` is the probability of cruising by cycles; short hops are too short for them.
@@ -106,11 +102,7 @@ impl Habits {
         let cycle_effort_n_per_kg = rng.random_range(0.12..0.2);
         let cycles = rng.random_bool(cycle_share);
         let brake = BrakeHabit::draw(rng);
-        let plateau = if rng.random_bool(0.5) {
-            Plateau::Hold
-        } else {
-            Plateau::Coast
-        };
+        let plateau = if rng.random_bool(0.5) { Plateau::Hold } else { Plateau::Coast };
         let stop_error_m = f64::clamp(STOP_SD_M * unit.sample(rng), -STOP_MOST_M, STOP_MOST_M);
 
         let below_limit = Exp::new(1.0 / 3.5).expect("constant");
@@ -120,11 +112,7 @@ impl Habits {
                 let [mean, sd, least, most] = COAST_S;
                 let coast_s = mean + sd * unit.sample(rng);
                 let cruise_kmh: f64 = near_kmh - below_limit.sample(rng);
-                (
-                    cruise_kmh.clamp(125.0, 141.0),
-                    coast_s.clamp(least, most),
-                    55.0,
-                )
+                (cruise_kmh.clamp(125.0, 141.0), coast_s.clamp(least, most), 55.0)
             }
             DriverKind::ShortHop => {
                 let cruise_kmh = rng.random_range(80.0..100.0);
@@ -142,10 +130,7 @@ impl Habits {
         if cycles && kind == DriverKind::CaseStudy {
             // The speed that is liked is the upper end of the cycles.
             cruise_mps -= half_width_mps;
-            cruising = Cruising::Cycles {
-                half_width_mps,
-                effort_n_per_kg: cycle_effort_n_per_kg,
-            };
+            cruising = Cruising::Cycles { half_width_mps, effort_n_per_kg: cycle_effort_n_per_kg };
         }
         Self {
             departure_s,

@@ -16,11 +16,7 @@ use rand_distr::{Distribution, Normal};
 const CORRIDOR_LENGTH_M: f64 = 32_103.0;
 
 /// Limits of the case study, (from_m, km/h): 40 km/h up to 900 m, and over the last 250 m plus a platform of 170 m.
-const CORRIDOR_LIMITS_KMH: [(f64, f64); 3] = [
-    (0.0, 40.0),
-    (900.0, 140.0),
-    (CORRIDOR_LENGTH_M - 420.0, 40.0),
-];
+const CORRIDOR_LIMITS_KMH: [(f64, f64); 3] = [(0.0, 40.0), (900.0, 140.0), (CORRIDOR_LENGTH_M - 420.0, 40.0)];
 
 /// Gradients of the flat corridor, (from_m, permille). Invented; the ramps of 5 permille are 400 m long.
 const CORRIDOR_PERMILLE: [(f64, f64); 36] = [
@@ -111,20 +107,10 @@ impl Line {
     ///
     /// # Panics
     /// If there is no limit, or a table is not sorted.
-    pub fn new(
-        length_m: f64,
-        gradients_permille: Vec<(f64, f64)>,
-        limits_kmh: Vec<(f64, f64)>,
-    ) -> Self {
+    pub fn new(length_m: f64, gradients_permille: Vec<(f64, f64)>, limits_kmh: Vec<(f64, f64)>) -> Self {
         assert!(!limits_kmh.is_empty(), "a line needs a speed limit");
-        assert!(
-            limits_kmh.is_sorted_by(|a, b| a.0 < b.0),
-            "limits must be sorted"
-        );
-        assert!(
-            gradients_permille.is_sorted_by(|a, b| a.0 < b.0),
-            "gradients must be sorted"
-        );
+        assert!(limits_kmh.is_sorted_by(|a, b| a.0 < b.0), "limits must be sorted");
+        assert!(gradients_permille.is_sorted_by(|a, b| a.0 < b.0), "gradients must be sorted");
         let mut heights_m = Vec::with_capacity(gradients_permille.len());
         let mut height_m = 0.0;
         for (i, &(from_m, _)) in gradients_permille.iter().enumerate() {
@@ -171,25 +157,15 @@ impl Line {
         let pairs = self.limits_kmh.windows(2).rev();
         limits.extend(pairs.map(|p| (from_end(p[1].0), p[0].1)));
         // Before its first gradient the line is level.
-        gradients.extend(
-            self.gradients_permille
-                .first()
-                .map(|g| (from_end(g.0), 0.0)),
-        );
+        gradients.extend(self.gradients_permille.first().map(|g| (from_end(g.0), 0.0)));
         let mut reversed = Self::new(self.length_m, gradients, limits);
         reversed.curves = self
             .curves
             .iter()
             .rev()
-            .map(|c| Curve {
-                from_m: from_end(c.to_m),
-                to_m: from_end(c.from_m),
-                ..*c
-            })
+            .map(|c| Curve { from_m: from_end(c.to_m), to_m: from_end(c.from_m), ..*c })
             .collect();
-        reversed
-            .curves
-            .sort_by(|a, b| a.from_m.total_cmp(&b.from_m));
+        reversed.curves.sort_by(|a, b| a.from_m.total_cmp(&b.from_m));
         reversed.calls_m = self.calls_m.iter().rev().map(|m| from_end(*m)).collect();
         reversed
     }
@@ -217,9 +193,7 @@ impl Line {
 
     fn permille(&self, at_m: f64) -> f64 {
         let begun = self.gradients_permille.partition_point(|g| g.0 <= at_m);
-        begun
-            .checked_sub(1)
-            .map_or(0.0, |index| self.gradients_permille[index].1)
+        begun.checked_sub(1).map_or(0.0, |index| self.gradients_permille[index].1)
     }
 
     /// A level line of this length, one limit.
@@ -229,11 +203,7 @@ impl Line {
 
     /// Shaped like the case study: 32 103 m, 140 km/h, 40 km/h at both ends, gradients within 2 permille and six short ramps of 5.
     pub fn flat_corridor() -> Self {
-        let mut line = Self::new(
-            CORRIDOR_LENGTH_M,
-            CORRIDOR_PERMILLE.to_vec(),
-            CORRIDOR_LIMITS_KMH.to_vec(),
-        );
+        let mut line = Self::new(CORRIDOR_LENGTH_M, CORRIDOR_PERMILLE.to_vec(), CORRIDOR_LIMITS_KMH.to_vec());
         line.set_curves(corridor_curves());
         line
     }
@@ -287,10 +257,7 @@ impl Line {
 
     /// The highest speed limit, m/s.
     pub fn top_mps(&self) -> f64 {
-        self.limits_kmh
-            .iter()
-            .map(|l| l.1 / 3.6)
-            .fold(0.0, f64::max)
+        self.limits_kmh.iter().map(|l| l.1 / 3.6).fold(0.0, f64::max)
     }
 
     /// Height above the first entry, m.
@@ -326,25 +293,14 @@ impl Line {
 
     /// Lowest limit under the train, m/s: a lower limit counts from its sign on, a higher one when the tail has passed.
     pub fn permitted_mps(&self, front_m: f64, train_length_m: f64) -> f64 {
-        let begun = |location_m: f64| {
-            self.limits_kmh
-                .partition_point(|l| l.0 <= location_m)
-                .max(1)
-        };
+        let begun = |location_m: f64| self.limits_kmh.partition_point(|l| l.0 <= location_m).max(1);
         let under = &self.limits_kmh[begun(front_m - train_length_m) - 1..begun(front_m)];
-        under
-            .iter()
-            .map(|l| l.1 / 3.6)
-            .fold(f64::INFINITY, f64::min)
+        under.iter().map(|l| l.1 / 3.6).fold(f64::INFINITY, f64::min)
     }
 }
 
 fn corridor_curves() -> Vec<Curve> {
-    let curve = |&(from_m, to_m, radius_m): &(f64, f64, f64)| Curve {
-        from_m,
-        to_m,
-        radius_m,
-    };
+    let curve = |&(from_m, to_m, radius_m): &(f64, f64, f64)| Curve { from_m, to_m, radius_m };
     CORRIDOR_CURVES_M.iter().map(curve).collect()
 }
 
@@ -361,9 +317,7 @@ mod tests {
         for line in [flat.reversed(), flat, changed, Line::hilly(3), short, none] {
             let edges = line.gradients_permille.iter().map(|g| g.0);
             let grid = (-20..700).map(|cell| f64::from(cell) * CELL_M);
-            let places = edges
-                .chain(grid)
-                .flat_map(|m| [m.next_down(), m, m.next_up(), m + 13.7]);
+            let places = edges.chain(grid).flat_map(|m| [m.next_down(), m, m.next_up(), m + 13.7]);
             for at_m in places.chain([f64::NAN, f64::INFINITY, -f64::INFINITY]) {
                 let searched = line.gradients_permille.partition_point(|g| g.0 <= at_m);
                 assert_eq!(line.begun(at_m), searched, "{at_m} m");
@@ -379,37 +333,23 @@ mod tests {
             for at in -10..400 {
                 let at_m = f64::from(at) * 100.0 + 7.0;
                 let there_m = line.height_m(line.length_m() - at_m);
-                assert!(
-                    (reversed.height_m(at_m) - offset_m - there_m).abs() < 1e-9,
-                    "{at_m}"
-                );
+                assert!((reversed.height_m(at_m) - offset_m - there_m).abs() < 1e-9, "{at_m}");
             }
             let twice = reversed.reversed();
             for at in 0..321 {
                 let at_m = f64::from(at) * 100.0 + 7.0;
-                assert_eq!(
-                    twice.permitted_mps(at_m, 0.0),
-                    line.permitted_mps(at_m, 0.0)
-                );
+                assert_eq!(twice.permitted_mps(at_m, 0.0), line.permitted_mps(at_m, 0.0));
             }
             assert_eq!(twice.curves(), line.curves());
         }
-        assert_eq!(
-            Line::flat_corridor().reversed().permitted_mps(300.0, 0.0),
-            40.0 / 3.6
-        );
+        assert_eq!(Line::flat_corridor().reversed().permitted_mps(300.0, 0.0), 40.0 / 3.6);
     }
 
     #[test]
     fn an_extra_gradient_raises_what_lies_behind_it() {
         let line = Line::flat_corridor();
         let steeper = line.with_extra_gradient(10_000.0, 10_500.0, 4.0);
-        for (at_m, raised_m) in [
-            (9_900.0, 0.0),
-            (10_250.0, 1.0),
-            (10_500.0, 2.0),
-            (30_000.0, 2.0),
-        ] {
+        for (at_m, raised_m) in [(9_900.0, 0.0), (10_250.0, 1.0), (10_500.0, 2.0), (30_000.0, 2.0)] {
             let found_m = steeper.height_m(at_m) - line.height_m(at_m);
             assert!((found_m - raised_m).abs() < 1e-9, "{at_m}: {found_m}");
         }
@@ -433,14 +373,8 @@ mod tests {
     fn hilly_lines_stay_within_ten_permille_and_near_their_height() {
         for seed in 0..20 {
             let line = Line::hilly(seed);
-            assert!(
-                line.gradients_permille().iter().all(|g| g.1.abs() <= 10.0),
-                "seed {seed}"
-            );
-            assert!(
-                (0..321).all(|i| line.height_m(i as f64 * 100.0).abs() < 60.0),
-                "seed {seed}"
-            );
+            assert!(line.gradients_permille().iter().all(|g| g.1.abs() <= 10.0), "seed {seed}");
+            assert!((0..321).all(|i| line.height_m(i as f64 * 100.0).abs() < 60.0), "seed {seed}");
         }
     }
 }

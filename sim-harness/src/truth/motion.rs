@@ -45,15 +45,8 @@ impl Motion {
             return end;
         }
         // v²/(2|a|) with the mean deceleration of the step.
-        let rest_m = if dv < 0.0 {
-            self.speed_mps * self.speed_mps / (-2.0 * dv)
-        } else {
-            0.0
-        };
-        Motion {
-            location_m: self.location_m + rest_m,
-            speed_mps: 0.0,
-        }
+        let rest_m = if dv < 0.0 { self.speed_mps * self.speed_mps / (-2.0 * dv) } else { 0.0 };
+        Motion { location_m: self.location_m + rest_m, speed_mps: 0.0 }
     }
 }
 
@@ -67,10 +60,7 @@ mod tests {
 
     #[test]
     fn coasting_against_a_constant_resistance_follows_the_closed_form() {
-        let start = Motion {
-            location_m: 100.0,
-            speed_mps: 38.0,
-        };
+        let start = Motion { location_m: 100.0, speed_mps: 38.0 };
         let end = after(start, 6000, |_, _| -0.03);
         let t = 600.0;
         assert!((end.speed_mps - (38.0 - 0.03 * t)).abs() < 1e-9);
@@ -80,10 +70,7 @@ mod tests {
     #[test]
     fn coasting_against_air_alone_follows_the_closed_form() {
         // dv/dt = -r2 v²  =>  1/v = 1/v0 + r2 t
-        let start = Motion {
-            location_m: 0.0,
-            speed_mps: 38.0,
-        };
+        let start = Motion { location_m: 0.0, speed_mps: 38.0 };
         let end = after(start, 6000, |m, _| -2.8e-5 * m.speed_mps * m.speed_mps);
         let expected = 1.0 / (1.0 / 38.0 + 2.8e-5 * 600.0);
         assert!((end.speed_mps - expected).abs() < 1e-9);
@@ -93,10 +80,7 @@ mod tests {
     #[test]
     fn time_within_the_step_counts() {
         // dv/dt = -t within one step: v = v0 - t²/2, exact for this order.
-        let start = Motion {
-            location_m: 0.0,
-            speed_mps: 10.0,
-        };
+        let start = Motion { location_m: 0.0, speed_mps: 10.0 };
         let end = start.advance(2.0, |_, t| -t);
         assert!((end.speed_mps - 8.0).abs() < 1e-12);
         assert!((end.location_m - (20.0 - 8.0 / 6.0)).abs() < 1e-12);
@@ -104,10 +88,7 @@ mod tests {
 
     #[test]
     fn a_braked_train_stops_after_the_closed_form_distance_and_stands() {
-        let start = Motion {
-            location_m: 0.0,
-            speed_mps: 10.03,
-        };
+        let start = Motion { location_m: 0.0, speed_mps: 10.03 };
         let end = after(start, 1000, |_, _| -0.5);
         assert_eq!(end.speed_mps, 0.0);
         assert!((end.location_m - 10.03 * 10.03).abs() < 1e-9);

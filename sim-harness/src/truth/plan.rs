@@ -45,10 +45,7 @@ pub struct Dates {
 impl Default for Dates {
     /// Two months from 2024-01-08.
     fn default() -> Self {
-        Self {
-            start_s: 1_704_672_000,
-            days: 60.0,
-        }
+        Self { start_s: 1_704_672_000, days: 60.0 }
     }
 }
 
@@ -73,24 +70,16 @@ impl RunPlan {
     /// A run on its own: the first of its scenario, with this seed.
     pub fn alone(scenario: &Scenario, seed: u64) -> Self {
         let mut plans = plan(scenario, 1, seed);
-        Self {
-            seed,
-            ..plans.swap_remove(0)
-        }
+        Self { seed, ..plans.swap_remove(0) }
     }
 }
 
 /// Plans the runs of a scenario; run `i` has the seed [`run_seed`]`(seed, i)`.
 pub fn plan(scenario: &Scenario, runs: usize, seed: u64) -> Vec<RunPlan> {
-    let departures: Vec<i64> = (0..runs)
-        .map(|i| departure_s(scenario.dates, runs, i, seed))
-        .collect();
+    let departures: Vec<i64> = (0..runs).map(|i| departure_s(scenario.dates, runs, i, seed)).collect();
     let first_s = departures.first().copied().unwrap_or(0);
     let span_s = (departures.last().copied().unwrap_or(0) - first_s).max(1);
-    let days: Vec<i64> = departures
-        .iter()
-        .map(|s| s.div_euclid(DAY_S as i64))
-        .collect();
+    let days: Vec<i64> = departures.iter().map(|s| s.div_euclid(DAY_S as i64)).collect();
     let each: Vec<i64> = (0..runs as i64).collect();
     let acting: Vec<Vec<bool>> = scenario
         .effects
@@ -100,9 +89,7 @@ pub fn plan(scenario: &Scenario, runs: usize, seed: u64) -> Vec<RunPlan> {
             // Each effect draws its runs on its own.
             let seed = seed ^ (index as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
             match effect {
-                Effect::DraggingBrake { runs, .. } | Effect::PowerLimitSection { runs, .. } => {
-                    runs.choose(&each, seed)
-                }
+                Effect::DraggingBrake { runs, .. } | Effect::PowerLimitSection { runs, .. } => runs.choose(&each, seed),
                 Effect::LowAdhesion { runs, .. } => runs.choose(&days, seed),
                 _ => vec![true; runs],
             }
@@ -142,10 +129,7 @@ mod tests {
 
     #[test]
     fn runs_are_in_order_and_within_their_period() {
-        let scenario = Scenario {
-            headings: Headings::Both,
-            ..Scenario::default()
-        };
+        let scenario = Scenario { headings: Headings::Both, ..Scenario::default() };
         let plans = plan(&scenario, 67, 5);
         assert!(plans.is_sorted_by_key(|p| p.departure_s));
         let start_s = scenario.dates.start_s;
@@ -161,23 +145,12 @@ mod tests {
     #[test]
     fn runs_of_one_day_slip_together() {
         let scenario = Scenario {
-            dates: Dates {
-                days: 10.0,
-                ..Dates::default()
-            },
-            effects: vec![Effect::LowAdhesion {
-                factor: 0.5,
-                below_kmh: 40.0,
-                runs: Affected::Share(0.3),
-            }],
+            dates: Dates { days: 10.0, ..Dates::default() },
+            effects: vec![Effect::LowAdhesion { factor: 0.5, below_kmh: 40.0, runs: Affected::Share(0.3) }],
             ..Scenario::default()
         };
         let plans = plan(&scenario, 60, 2);
-        let mut slippery: Vec<i64> = plans
-            .iter()
-            .filter(|p| p.acting[0])
-            .map(|p| p.departure_s / 86_400)
-            .collect();
+        let mut slippery: Vec<i64> = plans.iter().filter(|p| p.acting[0]).map(|p| p.departure_s / 86_400).collect();
         let count = slippery.len();
         slippery.dedup();
         assert_eq!(slippery.len(), 3);

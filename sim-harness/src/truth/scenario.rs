@@ -152,27 +152,15 @@ pub fn simulate(scenario: &Scenario, seed: u64) -> Run {
 /// If the step does not divide 1 s or the sampling time.
 pub fn simulate_planned(scenario: &Scenario, plan: &RunPlan) -> Result<Run, DriveError> {
     let (trace, facts, world) = drive_planned(scenario, plan)?;
-    let gain_unit = Normal::new(0.0, 1.0)
-        .expect("constant")
-        .sample(&mut stream(plan.seed, 8));
+    let gain_unit = Normal::new(0.0, 1.0).expect("constant").sample(&mut stream(plan.seed, 8));
     let sensors = Sensors {
         speed_gain: scenario.sensors.speed_gain * world.speed_scale,
         location_lag_s: scenario.sensors.location_lag_s + world.location_lag_s,
-        effort_gain: scenario.sensors.effort_gain
-            * (1.0 + scenario.sensors.effort_gain_sd * gain_unit),
+        effort_gain: scenario.sensors.effort_gain * (1.0 + scenario.sensors.effort_gain_sd * gain_unit),
         ..scenario.sensors.clone()
     };
-    let (samples, truth) = sensors.read(
-        &trace,
-        scenario.step_s,
-        &mut stream(plan.seed, 3),
-        &mut stream(plan.seed, 6),
-    );
-    Ok(Run {
-        samples,
-        truth,
-        facts,
-    })
+    let (samples, truth) = sensors.read(&trace, scenario.step_s, &mut stream(plan.seed, 3), &mut stream(plan.seed, 6));
+    Ok(Run { samples, truth, facts })
 }
 
 /// Many runs of the same train; run `i` has the seed [`run_seed`]`(seed, i)`. `davis_scale` takes the place of the scenario's.
@@ -180,10 +168,7 @@ pub fn simulate_planned(scenario: &Scenario, plan: &RunPlan) -> Result<Run, Driv
 /// # Panics
 /// As [`simulate`].
 pub fn fleet(scenario: &Scenario, davis_scale: [f64; 3], runs: usize, seed: u64) -> Vec<Run> {
-    let scenario = Scenario {
-        davis_scale,
-        ..scenario.clone()
-    };
+    let scenario = Scenario { davis_scale, ..scenario.clone() };
     plan(&scenario, runs, seed)
         .iter()
         .map(|plan| simulate_planned(&scenario, plan).unwrap_or_else(|e| panic!("{e}")))
@@ -201,8 +186,7 @@ pub fn run_seed(seed: u64, run: usize) -> u64 {
 /// # Panics
 /// As [`simulate`].
 pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TraceStep>, Facts) {
-    let (trace, facts, _) =
-        drive_planned(scenario, &RunPlan::alone(scenario, seed)).unwrap_or_else(|e| panic!("{e}"));
+    let (trace, facts, _) = drive_planned(scenario, &RunPlan::alone(scenario, seed)).unwrap_or_else(|e| panic!("{e}"));
     (trace, facts)
 }
 
@@ -214,16 +198,10 @@ pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TraceStep>, Facts) {
 ///
 /// # Panics
 /// If the step does not divide 1 s.
-pub fn drive_planned(
-    scenario: &Scenario,
-    plan: &RunPlan,
-) -> Result<(Vec<TraceStep>, Facts, World), DriveError> {
+pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> Result<(Vec<TraceStep>, Facts, World), DriveError> {
     let step_s = scenario.step_s;
     let each_second = (1.0 / step_s).round();
-    assert!(
-        (each_second * step_s - 1.0).abs() < 1e-9,
-        "the step {step_s} s must divide 1 s"
-    );
+    assert!((each_second * step_s - 1.0).abs() < 1e-9, "the step {step_s} s must divide 1 s");
     let seed = plan.seed;
     let mut draws = stream(seed, 0);
     let unit = Normal::new(0.0, 1.0).expect("constant");
@@ -232,18 +210,9 @@ pub fn drive_planned(
     let headwind_mps = scenario.wind_sd_mps * unit.sample(&mut draws) + 0.0;
     let world = World::new(scenario, plan, load, headwind_mps);
     let stops = stops(scenario, &world, seed, &mut draws);
-    let stay_s = if scenario.final_dwell {
-        stops.last().map_or(0.0, |s| s.dwell_s)
-    } else {
-        0.0
-    };
+    let stay_s = if scenario.final_dwell { stops.last().map_or(0.0, |s| s.dwell_s) } else { 0.0 };
     let stop_count = stops.len();
-    let mut habits = Habits::draw(
-        scenario.driver,
-        scenario.cycle_share,
-        world.line.top_mps(),
-        &mut stream(seed, 1),
-    );
+    let mut habits = Habits::draw(scenario.driver, scenario.cycle_share, world.line.top_mps(), &mut stream(seed, 1));
     habits.brake = habits.brake.at_most(world.safe_deceleration_mps2());
     habits.brake_test_mps = brake_test_mps(scenario.brake_test_share, &mut stream(seed, 10));
     let mut driver = Driver::new(habits, &world, stops, stream(seed, 2));
@@ -270,10 +239,7 @@ pub fn drive_planned(
                 break;
             }
         }
-        let seen = Motion {
-            speed_mps: motion.speed_mps * world.speed_scale,
-            ..motion
-        };
+        let seen = Motion { speed_mps: motion.speed_mps * world.speed_scale, ..motion };
         let (demanded, doing) = driver.act(history, seen, step_s);
         let mut applied = 0.0;
         // A standing train is held by its brake, also on a slope.
@@ -285,23 +251,15 @@ pub fn drive_planned(
         }
         history.time_s = (i + 1) as f64 / each_second;
         // A train that has just stopped, or has not yet moved, stands.
-        let regime = if motion.speed_mps == 0.0 {
-            Regime::Standstill
-        } else {
-            doing
-        };
+        let regime = if motion.speed_mps == 0.0 { Regime::Standstill } else { doing };
         let to = row(&world, plan, history, motion, [demanded, applied], regime);
         recorder.observe(&from, &to, driver.on_plateau());
         trace.push(to);
         from = to;
     }
-    let facts =
-        recorder
-            .finish(plan.clone(), &world, load, habits)
-            .ok_or(DriveError::NeverBraked {
-                run: plan.number,
-                seed,
-            })?;
+    let facts = recorder
+        .finish(plan.clone(), &world, load, habits)
+        .ok_or(DriveError::NeverBraked { run: plan.number, seed })?;
     Ok((trace, facts, world))
 }
 
@@ -343,38 +301,22 @@ fn stops(scenario: &Scenario, world: &World, seed: u64, rng: &mut ChaCha8Rng) ->
     let end_m = world.line.length_m();
     let mut stops = Vec::new();
     for at_m in world.line.calls_m() {
-        stops.push(Stop {
-            at_m: *at_m,
-            dwell_s: rng.random_range(DWELL_S),
-            planned: true,
-        });
+        stops.push(Stop { at_m: *at_m, dwell_s: rng.random_range(DWELL_S), planned: true });
     }
     if scenario.driver == DriverKind::ShortHop && stops.is_empty() {
         let mut at_m = rng.random_range(4_000.0..6_000.0);
         while at_m < end_m - 3_000.0 {
-            stops.push(Stop {
-                at_m,
-                dwell_s: rng.random_range(DWELL_S),
-                planned: true,
-            });
+            stops.push(Stop { at_m, dwell_s: rng.random_range(DWELL_S), planned: true });
             at_m += rng.random_range(4_000.0..6_000.0);
         }
     }
     // A stream of its own, so that the other draws of the run stay.
     let met = |red: &UnscheduledStop| stream(seed, 9).random_bool(red.share);
     if let Some(red) = scenario.unscheduled_stop.filter(met) {
-        stops.push(Stop {
-            at_m: red.at_m,
-            dwell_s: red.dwell_s,
-            planned: false,
-        });
+        stops.push(Stop { at_m: red.at_m, dwell_s: red.dwell_s, planned: false });
         stops.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
     }
-    stops.push(Stop {
-        at_m: end_m,
-        dwell_s: rng.random_range(DWELL_S),
-        planned: true,
-    });
+    stops.push(Stop { at_m: end_m, dwell_s: rng.random_range(DWELL_S), planned: true });
     stops
 }
 
@@ -392,37 +334,12 @@ mod tests {
     use rayon::prelude::*;
 
     fn scenarios() -> [(&'static str, Scenario); 4] {
-        let red = UnscheduledStop {
-            at_m: 14_000.0,
-            dwell_s: 45.0,
-            share: 1.0,
-        };
+        let red = UnscheduledStop { at_m: 14_000.0, dwell_s: 45.0, share: 1.0 };
         [
             ("case study", Scenario::default()),
-            (
-                "hilly",
-                Scenario {
-                    line: Line::hilly(5),
-                    wind_sd_mps: 4.0,
-                    load_sd: 0.05,
-                    ..Scenario::default()
-                },
-            ),
-            (
-                "short hops",
-                Scenario {
-                    driver: DriverKind::ShortHop,
-                    final_dwell: true,
-                    ..Scenario::default()
-                },
-            ),
-            (
-                "red signal",
-                Scenario {
-                    unscheduled_stop: Some(red),
-                    ..Scenario::default()
-                },
-            ),
+            ("hilly", Scenario { line: Line::hilly(5), wind_sd_mps: 4.0, load_sd: 0.05, ..Scenario::default() }),
+            ("short hops", Scenario { driver: DriverKind::ShortHop, final_dwell: true, ..Scenario::default() }),
+            ("red signal", Scenario { unscheduled_stop: Some(red), ..Scenario::default() }),
         ]
     }
 
@@ -437,19 +354,9 @@ mod tests {
 
     #[test]
     fn another_recorder_sees_the_same_run() {
-        let exact = Sensors {
-            speed: SpeedReading::Exact,
-            location_noise_m: 9.0,
-            ..Sensors::default()
-        };
+        let exact = Sensors { speed: SpeedReading::Exact, location_noise_m: 9.0, ..Sensors::default() };
         let a = simulate(&Scenario::default(), 11);
-        let b = simulate(
-            &Scenario {
-                sensors: exact,
-                ..Scenario::default()
-            },
-            11,
-        );
+        let b = simulate(&Scenario { sensors: exact, ..Scenario::default() }, 11);
         assert_eq!(a.truth, b.truth);
     }
 
@@ -470,15 +377,9 @@ mod tests {
             for seed in 0..40 {
                 let (trace, facts) = drive(&scenario, seed);
                 for step in trace {
-                    let permitted = scenario
-                        .line
-                        .permitted_mps(step.location_m, facts.train.length_m);
+                    let permitted = scenario.line.permitted_mps(step.location_m, facts.train.length_m);
                     let over_kmh = 3.6 * (step.speed_mps - permitted);
-                    assert!(
-                        over_kmh < 4.0,
-                        "{name}, seed {seed}: {over_kmh} km/h at {} m",
-                        step.location_m
-                    );
+                    assert!(over_kmh < 4.0, "{name}, seed {seed}: {over_kmh} km/h at {} m", step.location_m);
                 }
             }
         }
@@ -488,26 +389,11 @@ mod tests {
     fn halving_the_step_moves_the_stop_by_less_than_half_a_metre() {
         for (name, scenario) in scenarios() {
             for seed in 0..20 {
-                let (_, coarse) = drive(
-                    &Scenario {
-                        step_s: 0.1,
-                        ..scenario.clone()
-                    },
-                    seed,
-                );
-                let (_, fine) = drive(
-                    &Scenario {
-                        step_s: 0.05,
-                        ..scenario.clone()
-                    },
-                    seed,
-                );
+                let (_, coarse) = drive(&Scenario { step_s: 0.1, ..scenario.clone() }, seed);
+                let (_, fine) = drive(&Scenario { step_s: 0.05, ..scenario.clone() }, seed);
                 let moved_m = coarse.stop.location_m - fine.stop.location_m;
                 assert!(moved_m.abs() < 0.5, "{name}, seed {seed}: {moved_m} m");
-                assert!(
-                    (coarse.stop.time_s - fine.stop.time_s).abs() < 2.0,
-                    "{name}, seed {seed}"
-                );
+                assert!((coarse.stop.time_s - fine.stop.time_s).abs() < 2.0, "{name}, seed {seed}");
             }
         }
     }
@@ -519,11 +405,7 @@ mod tests {
             let train = facts.train;
             // Mean height of the train in 1620 slices, not through the gradients.
             let height = |front_m: f64| {
-                let slice = |i: i32| {
-                    scenario
-                        .line
-                        .height_m(front_m - (f64::from(i) + 0.5) * train.length_m / 1620.0)
-                };
+                let slice = |i: i32| scenario.line.height_m(front_m - (f64::from(i) + 0.5) * train.length_m / 1620.0);
                 (0..1620).map(slice).sum::<f64>() / 1620.0
             };
             // With speed, and at the end without.
@@ -534,34 +416,21 @@ mod tests {
                     let way_m = pair[1].location_m - pair[0].location_m;
                     work += pair[1].effort_n_per_kg * way_m;
                     traction += pair[1].effort_n_per_kg.max(0.0) * way_m;
-                    losses +=
-                        (pair[0].resistance_n_per_kg + pair[1].resistance_n_per_kg) / 2.0 * way_m;
+                    losses += (pair[0].resistance_n_per_kg + pair[1].resistance_n_per_kg) / 2.0 * way_m;
                 }
                 let kinetic = trace[end].speed_mps * trace[end].speed_mps / 2.0;
-                let potential =
-                    GRAVITY_MPS2 / train.gamma * (height(trace[end].location_m) - height(0.0));
+                let potential = GRAVITY_MPS2 / train.gamma * (height(trace[end].location_m) - height(0.0));
                 let gap = work - kinetic - potential - losses;
-                assert!(
-                    gap.abs() < 1e-3 * traction,
-                    "{name}: {gap} of {traction} J/kg at step {end}"
-                );
+                assert!(gap.abs() < 1e-3 * traction, "{name}: {gap} of {traction} J/kg at step {end}");
             }
         }
     }
 
     #[test]
     fn every_regime_occurs_and_a_coast_has_no_effort() {
-        let runs = scenarios()
-            .into_iter()
-            .flat_map(|(_, scenario)| (0..10).map(move |seed| drive(&scenario, seed).0));
+        let runs = scenarios().into_iter().flat_map(|(_, scenario)| (0..10).map(move |seed| drive(&scenario, seed).0));
         let trace: Vec<TraceStep> = runs.flatten().collect();
-        for regime in [
-            Regime::Standstill,
-            Regime::Traction,
-            Regime::Cruise,
-            Regime::Coast,
-            Regime::Brake,
-        ] {
+        for regime in [Regime::Standstill, Regime::Traction, Regime::Cruise, Regime::Coast, Regime::Brake] {
             let count = trace.iter().filter(|s| s.regime == regime).count();
             assert!(count > 1_000, "{regime:?}: {count} steps");
         }
@@ -578,91 +447,43 @@ mod tests {
 
     #[test]
     fn a_final_coast_on_the_level_follows_the_closed_form_for_constant_resistance() {
-        let davis = DavisTruth {
-            r0: 0.03,
-            r1: 0.0,
-            r2: 0.0,
-        };
-        let train = TrainTruth {
-            davis,
-            ..TrainTruth::default()
-        };
-        let scenario = Scenario {
-            train,
-            line: Line::level(32_000.0, 140.0),
-            ..Scenario::default()
-        };
+        let davis = DavisTruth { r0: 0.03, r1: 0.0, r2: 0.0 };
+        let train = TrainTruth { davis, ..TrainTruth::default() };
+        let scenario = Scenario { train, line: Line::level(32_000.0, 140.0), ..Scenario::default() };
         for seed in 0..10 {
             let facts = drive(&scenario, seed).1;
             let (from, to) = (facts.final_coast.unwrap(), facts.final_brake);
             let t = to.time_s - from.time_s;
-            assert!(
-                (to.speed_mps - (from.speed_mps - 0.03 * t)).abs() < 1e-9,
-                "seed {seed}"
-            );
+            assert!((to.speed_mps - (from.speed_mps - 0.03 * t)).abs() < 1e-9, "seed {seed}");
             let way_m = from.speed_mps * t - 0.015 * t * t;
-            assert!(
-                (to.location_m - from.location_m - way_m).abs() < 1e-6,
-                "seed {seed}"
-            );
+            assert!((to.location_m - from.location_m - way_m).abs() < 1e-6, "seed {seed}");
         }
     }
 
     #[test]
     fn the_case_study_looks_like_the_paper() {
-        let runs: Vec<Run> = (0..670)
-            .into_par_iter()
-            .map(|i| simulate(&Scenario::default(), run_seed(1, i)))
-            .collect();
+        let runs: Vec<Run> = (0..670).into_par_iter().map(|i| simulate(&Scenario::default(), run_seed(1, i))).collect();
         let facts: Vec<&Facts> = runs.iter().map(|run| &run.facts).collect();
         let mean_and_cv = |values: &[f64]| {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
-            let variance =
-                values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / values.len() as f64;
+            let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / values.len() as f64;
             (mean, variance.sqrt() / mean)
         };
-        let coasts: Vec<f64> = facts
-            .iter()
-            .map(|f| f.final_brake.time_s - f.final_coast.unwrap().time_s)
-            .collect();
+        let coasts: Vec<f64> = facts.iter().map(|f| f.final_brake.time_s - f.final_coast.unwrap().time_s).collect();
         let (mean, cv) = mean_and_cv(&coasts);
-        assert!(
-            (330.0..400.0).contains(&mean) && (0.27..0.33).contains(&cv),
-            "coast {mean} s, cv {cv}"
-        );
-        let within = coasts
-            .iter()
-            .filter(|c| (150.0..600.0).contains(*c))
-            .count();
-        assert!(
-            within > 640,
-            "{within} of 670 final coasts of 2.5 to 10 min"
-        );
-        let brakes: Vec<f64> = facts
-            .iter()
-            .map(|f| f.stop.time_s - f.final_brake.time_s)
-            .collect();
+        assert!((330.0..400.0).contains(&mean) && (0.27..0.33).contains(&cv), "coast {mean} s, cv {cv}");
+        let within = coasts.iter().filter(|c| (150.0..600.0).contains(*c)).count();
+        assert!(within > 640, "{within} of 670 final coasts of 2.5 to 10 min");
+        let brakes: Vec<f64> = facts.iter().map(|f| f.stop.time_s - f.final_brake.time_s).collect();
         let (mean, cv) = mean_and_cv(&brakes);
-        assert!(
-            (80.0..120.0).contains(&mean) && (0.17..0.23).contains(&cv),
-            "brake {mean} s, cv {cv}"
-        );
+        assert!((80.0..120.0).contains(&mean) && (0.17..0.23).contains(&cv), "brake {mean} s, cv {cv}");
         // Readings of whole km/h, as the paper's.
-        let above = runs
-            .iter()
-            .filter(|run| run.samples.iter().any(|s| s.speed_kmh > Some(140.0)))
-            .count();
-        assert!(
-            (0.09..0.15).contains(&(above as f64 / 670.0)),
-            "{above} of 670 runs above 140 km/h"
-        );
+        let above = runs.iter().filter(|run| run.samples.iter().any(|s| s.speed_kmh > Some(140.0))).count();
+        assert!((0.09..0.15).contains(&(above as f64 / 670.0)), "{above} of 670 runs above 140 km/h");
         let cruises: Vec<f64> = facts.iter().map(|f| 3.6 * f.cruise_mps).collect();
         let (mean, _) = mean_and_cv(&cruises);
         let most = cruises.iter().copied().fold(0.0, f64::max);
-        assert!(
-            (134.0..139.0).contains(&mean) && most <= 141.0,
-            "cruise {mean} km/h, most {most}"
-        );
+        assert!((134.0..139.0).contains(&mean) && most <= 141.0, "cruise {mean} km/h, most {most}");
         let named = TrainTruth::default();
         let largest = named.max_power_w / named.rotating_mass_kg();
         for f in facts {
@@ -678,19 +499,10 @@ mod tests {
         for seed in 0..20 {
             let (trace, facts) = drive(&scenario, seed);
             assert_eq!(facts.stops.len(), 2, "seed {seed}");
-            assert!(
-                (facts.stops[0].location_m - 14_000.0).abs() < 2.0,
-                "seed {seed}: {:?}",
-                facts.stops[0]
-            );
-            let stood = trace
-                .iter()
-                .filter(|s| s.speed_mps == 0.0 && s.location_m > 100.0 && s.location_m < 20_000.0)
-                .count();
-            assert!(
-                (stood as f64 * scenario.step_s - 45.0).abs() < 1.5,
-                "seed {seed}: {stood} steps"
-            );
+            assert!((facts.stops[0].location_m - 14_000.0).abs() < 2.0, "seed {seed}: {:?}", facts.stops[0]);
+            let stood =
+                trace.iter().filter(|s| s.speed_mps == 0.0 && s.location_m > 100.0 && s.location_m < 20_000.0).count();
+            assert!((stood as f64 * scenario.step_s - 45.0).abs() < 1.5, "seed {seed}: {stood} steps");
         }
     }
 
@@ -699,16 +511,9 @@ mod tests {
         let (_, scenario) = scenarios()[2].clone();
         for seed in 0..20 {
             let (trace, facts) = drive(&scenario, seed);
-            assert!(
-                (5..=8).contains(&facts.stops.len()),
-                "seed {seed}: {}",
-                facts.stops.len()
-            );
+            assert!((5..=8).contains(&facts.stops.len()), "seed {seed}: {}", facts.stops.len());
             let fastest_kmh = trace.iter().map(|s| 3.6 * s.speed_mps).fold(0.0, f64::max);
-            assert!(
-                (79.0..104.0).contains(&fastest_kmh),
-                "seed {seed}: {fastest_kmh} km/h"
-            );
+            assert!((79.0..104.0).contains(&fastest_kmh), "seed {seed}: {fastest_kmh} km/h");
             let rest_s = trace.last().unwrap().time_s - facts.stop.time_s;
             assert!((30.0..=71.0).contains(&rest_s), "seed {seed}: {rest_s} s");
         }
@@ -730,10 +535,7 @@ mod tests {
     fn a_fleet_is_its_runs() {
         let scenario = Scenario::default();
         let runs = fleet(&scenario, [1.1, 1.0, 0.9], 2, 5);
-        let scenario = Scenario {
-            davis_scale: [1.1, 1.0, 0.9],
-            ..scenario
-        };
+        let scenario = Scenario { davis_scale: [1.1, 1.0, 0.9], ..scenario };
         assert!(runs[1] == simulate_planned(&scenario, &plan(&scenario, 2, 5)[1]).unwrap());
         // Only the date is another.
         let alone = simulate(&scenario, run_seed(5, 1));

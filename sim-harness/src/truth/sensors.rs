@@ -189,17 +189,14 @@ impl Sensors {
             self.sampling_s
         );
         let unit = Normal::new(0.0, 1.0).expect("constant");
-        let mut walk_m = self
-            .location_walk
-            .map_or(0.0, |walk| walk.sd_m * unit.sample(rng));
+        let mut walk_m = self.location_walk.map_or(0.0, |walk| walk.sd_m * unit.sample(rng));
         let mut lost = 0_usize;
         let mut samples = Vec::new();
         let mut truth = Vec::new();
         for (row, at) in trace.iter().enumerate().step_by(stride) {
             // All draws are made whatever is used, so that one option does not move the noise of another.
             let [speed_unit, location_unit, walk_unit] = std::array::from_fn(|_| unit.sample(rng));
-            let [drop_location, drop_speed, burst, extent]: [f64; 4] =
-                std::array::from_fn(|_| rng.random());
+            let [drop_location, drop_speed, burst, extent]: [f64; 4] = std::array::from_fn(|_| rng.random());
             if row > 0
                 && let Some(walk) = self.location_walk
             {
@@ -225,22 +222,13 @@ impl Sensors {
                 begun.iter().map(effort).sum::<f64>() / stride as f64
             };
             let mean_effort_n_per_kg = mean(|s| s.effort_n_per_kg);
-            let noise = if row == 0 {
-                0.0
-            } else {
-                self.effort_noise_n_per_kg * unit.sample(effort_rng)
-            };
+            let noise = if row == 0 { 0.0 } else { self.effort_noise_n_per_kg * unit.sample(effort_rng) };
             samples.push(Sample {
                 time_s: at.time_s,
-                location_m: (heard && drop_location >= self.dropout_probability)
-                    .then_some(location_m),
+                location_m: (heard && drop_location >= self.dropout_probability).then_some(location_m),
                 speed_kmh: (heard && drop_speed >= self.dropout_probability).then_some(speed_kmh),
                 effort_n_per_kg: self.effort_gain
-                    * if self.effort_momentary {
-                        at.reported_n_per_kg
-                    } else {
-                        mean(|s| s.reported_n_per_kg)
-                    }
+                    * if self.effort_momentary { at.reported_n_per_kg } else { mean(|s| s.reported_n_per_kg) }
                     + noise,
                 temperature_c: (10.0 * at.temperature_c).round() / 10.0,
             });
@@ -282,10 +270,7 @@ fn delayed(trace: &[TraceStep], row: usize, delay: f64) -> (f64, f64) {
     let after = trace[(place as usize + 1).min(trace.len() - 1)];
     let part = place.fract();
     let between = |a: f64, b: f64| a + part * (b - a);
-    (
-        between(before.location_m, after.location_m),
-        between(before.speed_mps, after.speed_mps),
-    )
+    (between(before.location_m, after.location_m), between(before.speed_mps, after.speed_mps))
 }
 
 #[cfg(test)]
@@ -311,24 +296,12 @@ mod tests {
     }
 
     fn read(sensors: &Sensors, rows: usize) -> Vec<Sample> {
-        sensors
-            .read(
-                &steady(rows),
-                0.1,
-                &mut ChaCha8Rng::seed_from_u64(3),
-                &mut ChaCha8Rng::seed_from_u64(4),
-            )
-            .0
+        sensors.read(&steady(rows), 0.1, &mut ChaCha8Rng::seed_from_u64(3), &mut ChaCha8Rng::seed_from_u64(4)).0
     }
 
     #[test]
     fn latency_shows_an_older_location() {
-        let sensors = Sensors {
-            sampling_s: 1.0,
-            location_noise_m: 0.0,
-            latency_s: 0.25,
-            ..Sensors::default()
-        };
+        let sensors = Sensors { sampling_s: 1.0, location_noise_m: 0.0, latency_s: 0.25, ..Sensors::default() };
         let samples = read(&sensors, 31);
         assert_eq!(samples[0].location_m, Some(0.0));
         assert!((samples[2].location_m.unwrap() - (60.0 - 7.5)).abs() < 1e-9);
@@ -336,32 +309,17 @@ mod tests {
 
     #[test]
     fn a_late_location_stands_beside_a_speed_of_now() {
-        let sensors = Sensors {
-            sampling_s: 1.0,
-            location_noise_m: 0.0,
-            location_lag_s: 2.0,
-            ..Sensors::default()
-        };
+        let sensors = Sensors { sampling_s: 1.0, location_noise_m: 0.0, location_lag_s: 2.0, ..Sensors::default() };
         let samples = read(&sensors, 51);
         assert!((samples[4].location_m.unwrap() - (120.0 - 60.0)).abs() < 1e-9);
     }
 
     #[test]
     fn noise_of_the_effort_has_its_size_and_moves_nothing_else() {
-        let noisy = Sensors {
-            sampling_s: 0.1,
-            effort_noise_n_per_kg: 0.02,
-            ..Sensors::default()
-        };
-        let clean = Sensors {
-            effort_noise_n_per_kg: 0.0,
-            ..noisy.clone()
-        };
+        let noisy = Sensors { sampling_s: 0.1, effort_noise_n_per_kg: 0.02, ..Sensors::default() };
+        let clean = Sensors { effort_noise_n_per_kg: 0.0, ..noisy.clone() };
         let (a, b) = (read(&noisy, 20_000), read(&clean, 20_000));
-        let errors = a
-            .iter()
-            .zip(&b)
-            .map(|(a, b)| a.effort_n_per_kg - b.effort_n_per_kg);
+        let errors = a.iter().zip(&b).map(|(a, b)| a.effort_n_per_kg - b.effort_n_per_kg);
         let sd = (errors.map(|e| e * e).sum::<f64>() / 20_000.0).sqrt();
         assert!((sd - 0.02).abs() < 0.001, "{sd}");
         assert!(a.iter().zip(&b).all(|(a, b)| a.location_m == b.location_m));
@@ -369,11 +327,7 @@ mod tests {
 
     #[test]
     fn effort_is_the_mean_since_the_sample_before() {
-        let sensors = Sensors {
-            sampling_s: 1.0,
-            effort_gain: 2.0,
-            ..Sensors::default()
-        };
+        let sensors = Sensors { sampling_s: 1.0, effort_gain: 2.0, ..Sensors::default() };
         let samples = read(&sensors, 31);
         assert_eq!(samples[0].effort_n_per_kg, 0.0);
         assert!((samples[1].effort_n_per_kg - 2.0 * 5.5).abs() < 1e-12);
@@ -382,20 +336,11 @@ mod tests {
 
     #[test]
     fn speed_is_shown_as_the_recorder_does() {
-        let shown = |speed, mps| {
-            Sensors {
-                speed,
-                ..Sensors::default()
-            }
-            .shown_kmh(mps, 0.0)
-        };
+        let shown = |speed, mps| Sensors { speed, ..Sensors::default() }.shown_kmh(mps, 0.0);
         assert_eq!(shown(SpeedReading::Rounded, 10.0 / 3.6 + 0.2), 11.0);
         assert_eq!(shown(SpeedReading::Truncated, 10.0 / 3.6 + 0.2), 10.0);
         assert!((shown(SpeedReading::Exact, 10.0) - 36.0).abs() < 1e-12);
-        let half = Sensors {
-            speed_quantum_kmh: 0.5,
-            ..Sensors::default()
-        };
+        let half = Sensors { speed_quantum_kmh: 0.5, ..Sensors::default() };
         assert_eq!(half.shown_kmh(10.3 / 3.6, 0.0), 10.5);
     }
 
@@ -405,25 +350,14 @@ mod tests {
             sampling_s: 0.1,
             speed: SpeedReading::Exact,
             speed_noise_kmh: 1.0,
-            location_walk: Some(LocationWalk {
-                sd_m: 3.0,
-                tau_s: 1.0,
-            }),
+            location_walk: Some(LocationWalk { sd_m: 3.0, tau_s: 1.0 }),
             dropout_probability: 0.1,
             ..Sensors::default()
         };
         let samples = read(&sensors, 50_000);
-        let sd = |errors: &[f64]| {
-            (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
-        };
-        let speed: Vec<f64> = samples
-            .iter()
-            .filter_map(|s| Some(s.speed_kmh? - 108.0))
-            .collect();
-        let location: Vec<f64> = samples
-            .iter()
-            .filter_map(|s| Some(s.location_m? - 30.0 * s.time_s))
-            .collect();
+        let sd = |errors: &[f64]| (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+        let speed: Vec<f64> = samples.iter().filter_map(|s| Some(s.speed_kmh? - 108.0)).collect();
+        let location: Vec<f64> = samples.iter().filter_map(|s| Some(s.location_m? - 30.0 * s.time_s)).collect();
         assert!((sd(&speed) - 1.0).abs() < 0.02);
         assert!((sd(&location) - 5.0).abs() < 0.1);
         assert!((speed.len() as f64 / 50_000.0 - 0.9).abs() < 0.01);
@@ -433,26 +367,13 @@ mod tests {
     fn bursts_lose_both_readings_for_the_stated_number_of_samples() {
         let sensors = Sensors {
             sampling_s: 0.1,
-            bursts: Some(Bursts {
-                probability: 0.001,
-                samples: [4, 6],
-            }),
+            bursts: Some(Bursts { probability: 0.001, samples: [4, 6] }),
             ..Sensors::default()
         };
         let samples = read(&sensors, 50_000);
-        let lost: Vec<bool> = samples
-            .iter()
-            .map(|s| s.location_m.is_none() && s.speed_kmh.is_none())
-            .collect();
-        let lengths: Vec<usize> = lost
-            .chunk_by(|a, b| a == b)
-            .filter(|c| c[0])
-            .map(|c| c.len())
-            .collect();
+        let lost: Vec<bool> = samples.iter().map(|s| s.location_m.is_none() && s.speed_kmh.is_none()).collect();
+        let lengths: Vec<usize> = lost.chunk_by(|a, b| a == b).filter(|c| c[0]).map(|c| c.len()).collect();
         assert!(lengths.len() > 20);
-        assert!(
-            lengths.iter().filter(|l| (4..=6).contains(*l)).count() + 2 > lengths.len(),
-            "{lengths:?}"
-        );
+        assert!(lengths.iter().filter(|l| (4..=6).contains(*l)).count() + 2 > lengths.len(), "{lengths:?}");
     }
 }

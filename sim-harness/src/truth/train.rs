@@ -21,11 +21,7 @@ pub struct DavisTruth {
 impl DavisTruth {
     /// Each parameter multiplied by its own factor.
     pub fn scaled(self, by: [f64; 3]) -> Self {
-        Self {
-            r0: self.r0 * by[0],
-            r1: self.r1 * by[1],
-            r2: self.r2 * by[2],
-        }
+        Self { r0: self.r0 * by[0], r1: self.r1 * by[1], r2: self.r2 * by[2] }
     }
 
     /// Resistance in still air, N/kg.
@@ -70,11 +66,7 @@ impl Default for TrainTruth {
             mass_kg: 364_000.0,
             gamma: 1.06,
             length_m: 162.0,
-            davis: DavisTruth {
-                r0: 7.38e-3,
-                r1: 1.6e-4,
-                r2: 2.8e-5,
-            },
+            davis: DavisTruth { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
             max_tractive_effort_n: 192_920.0,
             max_power_w: 2_036_377.8,
             max_brake_mps2: 0.66,
@@ -89,22 +81,13 @@ impl TrainTruth {
         let gamma = 1.0 + (self.gamma - 1.0) / factor;
         let rolling = self.gamma / gamma;
         let air = self.gamma * self.mass_kg / (gamma * mass_kg);
-        Self {
-            mass_kg,
-            gamma,
-            davis: self.davis.scaled([rolling, rolling, air]),
-            ..self
-        }
+        Self { mass_kg, gamma, davis: self.davis.scaled([rolling, rolling, air]), ..self }
     }
 
     /// The same train with `factor` times the mass at the same rotating mass factor: inertia, gravity and rolling resistance in newton grow
     /// with it, air drag in newton stays.
     pub fn heavier(self, factor: f64) -> Self {
-        Self {
-            mass_kg: self.mass_kg * factor,
-            davis: self.davis.scaled([1.0, 1.0, 1.0 / factor]),
-            ..self
-        }
+        Self { mass_kg: self.mass_kg * factor, davis: self.davis.scaled([1.0, 1.0, 1.0 / factor]), ..self }
     }
 
     /// γ m, kg.
@@ -128,10 +111,7 @@ mod tests {
         let train = TrainTruth::default();
         for headwind_mps in [-8.0, 0.0, 8.0] {
             let direct = train.resistance_n_per_kg(30.0, headwind_mps);
-            let equivalent = train
-                .davis
-                .with_headwind(headwind_mps)
-                .resistance_n_per_kg(30.0);
+            let equivalent = train.davis.with_headwind(headwind_mps).resistance_n_per_kg(30.0);
             assert!((direct - equivalent).abs() < 1e-15);
         }
     }

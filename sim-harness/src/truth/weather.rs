@@ -28,13 +28,7 @@ pub struct Climate {
 impl Default for Climate {
     /// Near the sea, 52 degrees north.
     fn default() -> Self {
-        Self {
-            mean_c: 10.5,
-            yearly_c: 7.5,
-            daily_c: 3.0,
-            run_sd_c: 3.0,
-            drift_sd_c_per_h: 1.5,
-        }
+        Self { mean_c: 10.5, yearly_c: 7.5, daily_c: 3.0, run_sd_c: 3.0, drift_sd_c_per_h: 1.5 }
     }
 }
 
@@ -55,10 +49,7 @@ impl Climate {
         let season = (2.0 * PI * (days - WARMEST_DAY) / YEAR_DAYS).cos();
         let hour = (2.0 * PI * (days - WARMEST_HOUR / 24.0)).cos();
         Weather {
-            start_c: self.mean_c
-                + self.yearly_c * season
-                + self.daily_c * hour
-                + self.run_sd_c * unit.sample(rng),
+            start_c: self.mean_c + self.yearly_c * season + self.daily_c * hour + self.run_sd_c * unit.sample(rng),
             drift_c_per_h: self.drift_sd_c_per_h * unit.sample(rng),
         }
     }
@@ -79,11 +70,7 @@ mod tests {
 
     #[test]
     fn july_is_warm_and_january_is_cold() {
-        let climate = Climate {
-            run_sd_c: 0.0,
-            drift_sd_c_per_h: 2.0,
-            ..Climate::default()
-        };
+        let climate = Climate { run_sd_c: 0.0, drift_sd_c_per_h: 2.0, ..Climate::default() };
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         // 2024-07-20 and 2024-01-20, 14:00 UTC.
         let (summer, winter) = (1_721_484_000, 1_705_759_200);
@@ -91,8 +78,6 @@ mod tests {
         let cold = climate.draw(winter, &mut rng);
         assert!((warm.start_c - 21.0).abs() < 0.1, "{warm:?}");
         assert!((cold.start_c - 6.0).abs() < 0.1, "{cold:?}");
-        assert!(
-            (warm.temperature_c(1800.0) - warm.start_c - warm.drift_c_per_h / 2.0).abs() < 1e-12
-        );
+        assert!((warm.temperature_c(1800.0) - warm.start_c - warm.drift_c_per_h / 2.0).abs() < 1e-12);
     }
 }

@@ -60,31 +60,21 @@ impl World {
     /// The world of a run. `load` is the mass over the described one, `headwind_mps` the wind of the day, both before any effect.
     pub fn new(scenario: &Scenario, plan: &RunPlan, load: f64, headwind_mps: f64) -> Self {
         let acting = |(effect, acts): (&Effect, &bool)| acts.then(|| effect.clone());
-        let effects: Vec<Effect> = scenario
-            .effects
-            .iter()
-            .zip(&plan.acting)
-            .filter_map(acting)
-            .collect();
+        let effects: Vec<Effect> = scenario.effects.iter().zip(&plan.acting).filter_map(acting).collect();
         let up = plan.heading == Heading::Up;
         let sign = if up { 1.0 } else { -1.0 };
         let described = &scenario.train;
         let unit = Normal::new(0.0, 1.0).expect("constant");
         let mut draws = stream(plan.seed, 5);
-        let mut train = TrainTruth {
-            davis: described.davis.scaled(scenario.davis_scale),
-            ..*described
-        };
+        let mut train = TrainTruth { davis: described.davis.scaled(scenario.davis_scale), ..*described };
         let mut line = scenario.line.clone();
         let mut headwind_mps = headwind_mps;
         let (mut speed_scale, mut location_lag_s) = (1.0, 0.0);
         for effect in &effects {
             match *effect {
-                Effect::GradientError {
-                    from_m,
-                    to_m,
-                    delta_permille,
-                } => line = line.with_extra_gradient(from_m, to_m, delta_permille),
+                Effect::GradientError { from_m, to_m, delta_permille } => {
+                    line = line.with_extra_gradient(from_m, to_m, delta_permille)
+                }
                 Effect::SteadyWind { wind_mps } => headwind_mps += sign * wind_mps,
                 Effect::RunWind { sd_mps } => {
                     headwind_mps += sign * sd_mps * unit.sample(&mut draws);
@@ -113,20 +103,14 @@ impl World {
         let train = train.loaded(load);
         Self {
             described_over_true_mass: described.rotating_mass_kg() / train.rotating_mass_kg(),
-            weather: scenario
-                .climate
-                .draw(plan.departure_s, &mut stream(plan.seed, 4)),
+            weather: scenario.climate.draw(plan.departure_s, &mut stream(plan.seed, 4)),
             season: plan.season,
             train,
             line,
             headwind_mps,
             speed_scale,
             location_lag_s,
-            resisting: effects
-                .iter()
-                .filter(|e| is_resistance(e))
-                .cloned()
-                .collect(),
+            resisting: effects.iter().filter(|e| is_resistance(e)).cloned().collect(),
             effects,
         }
     }
@@ -144,29 +128,19 @@ impl World {
     /// What the effects add to the resistance, N/kg.
     pub fn extra_n_per_kg(&self, history: History, motion: Motion) -> f64 {
         let at = self.moment(history, motion);
-        let setting = Setting {
-            train: &self.train,
-            line: &self.line,
-            described_over_true_mass: self.described_over_true_mass,
-        };
-        self.resisting
-            .iter()
-            .map(|effect| extra_n_per_kg(effect, &setting, &at))
-            .fold(0.0, |sum, extra| sum + extra)
+        let setting =
+            Setting { train: &self.train, line: &self.line, described_over_true_mass: self.described_over_true_mass };
+        self.resisting.iter().map(|effect| extra_n_per_kg(effect, &setting, &at)).fold(0.0, |sum, extra| sum + extra)
     }
 
     /// Resistance with wind and effects, without gravity, N/kg.
     pub fn resistance_n_per_kg(&self, history: History, motion: Motion) -> f64 {
-        self.train
-            .resistance_n_per_kg(motion.speed_mps, self.headwind_mps)
-            + self.extra_n_per_kg(history, motion)
+        self.train.resistance_n_per_kg(motion.speed_mps, self.headwind_mps) + self.extra_n_per_kg(history, motion)
     }
 
     /// Gravity along the track, N/kg, positive uphill.
     pub fn gravity_n_per_kg(&self, motion: Motion) -> f64 {
-        let gradient = self
-            .line
-            .mean_gradient(motion.location_m, self.train.length_m);
+        let gradient = self.line.mean_gradient(motion.location_m, self.train.length_m);
         GRAVITY_MPS2 / self.train.gamma * gradient
     }
 
@@ -179,8 +153,7 @@ impl World {
     /// what the effects leave.
     pub fn max_effort_n_per_kg(&self, motion: Motion, effort_share: f64, power_share: f64) -> f64 {
         let left = capability(&self.effects, motion);
-        let effort_n =
-            self.train.max_tractive_effort_n * (effort_share * left.scale).min(left.effort_cap);
+        let effort_n = self.train.max_tractive_effort_n * (effort_share * left.scale).min(left.effort_cap);
         // At standstill the quotient is infinite and the constant effort wins.
         let power_w = self.train.max_power_w * (power_share * left.scale).min(left.power_cap);
         effort_n.min(power_w / motion.speed_mps) / self.train.rotating_mass_kg()
@@ -193,12 +166,7 @@ impl World {
 
     /// A deceleration that the brake can give everywhere on this line, with a tenth in reserve, m/s².
     pub fn safe_deceleration_mps2(&self) -> f64 {
-        let steepest = self
-            .line
-            .gradients_permille()
-            .iter()
-            .map(|g| g.1)
-            .fold(0.0, f64::min);
+        let steepest = self.line.gradients_permille().iter().map(|g| g.1).fold(0.0, f64::min);
         let pull = GRAVITY_MPS2 / self.train.gamma * steepest / 1000.0;
         (0.9 * self.max_brake_n_per_kg() + pull).max(LEAST_DECELERATION_MPS2)
     }
@@ -221,10 +189,7 @@ impl World {
     /// One step under a constant effort at the wheels.
     pub fn advance(&self, history: History, motion: Motion, applied: f64, step_s: f64) -> Motion {
         motion.advance(step_s, |m, t| {
-            let then = History {
-                time_s: history.time_s + t,
-                ..history
-            };
+            let then = History { time_s: history.time_s + t, ..history };
             applied - self.load_n_per_kg(then, m)
         })
     }

@@ -33,29 +33,14 @@ enum Scale {
 }
 
 const fn decades(name: &'static str, unit: &'static str, range: [f64; 2]) -> Parameter {
-    Parameter {
-        name,
-        unit,
-        range,
-        scale: Scale::Decades,
-    }
+    Parameter { name, unit, range, scale: Scale::Decades }
 }
 
 /// All parameters, in the order of Table 1, then R and Q.
 pub const PARAMETERS: [Parameter; COUNT] = [
     decades("alpha", "", [1e-4, 2.0]),
-    Parameter {
-        name: "beta",
-        unit: "",
-        range: [0.0, 6.0],
-        scale: Scale::Linear,
-    },
-    Parameter {
-        name: "kappa",
-        unit: "",
-        range: [-4.9, 20.0],
-        scale: Scale::Kappa,
-    },
+    Parameter { name: "beta", unit: "", range: [0.0, 6.0], scale: Scale::Linear },
+    Parameter { name: "kappa", unit: "", range: [-4.9, 20.0], scale: Scale::Kappa },
     decades("initial_location_sd", "m", [1e-2, 1e3]),
     decades("initial_speed_sd", "km/h", [1e-4, 1e2]),
     decades("initial_r0_sd", "N/kg", [1e-9, 1e-2]),
@@ -129,19 +114,7 @@ pub fn values(place: &Place) -> Place {
 /// # Errors
 /// [`SpreadError`] when α or 5 + κ is not above zero; not within the ranges of the search.
 pub fn config(base: &Config, place: &Place) -> Result<Config, SpreadError> {
-    let [
-        alpha,
-        beta,
-        kappa,
-        s,
-        v,
-        r0,
-        r1,
-        r2,
-        location_sd_m,
-        speed_sd_kmh,
-        noise,
-    ] = values(place);
+    let [alpha, beta, kappa, s, v, r0, r1, r2, location_sd_m, speed_sd_kmh, noise] = values(place);
     let has_noise = noise > 1.001 * LEAST_NOISE;
     Ok(Config {
         mode: Mode::Paper,
@@ -183,11 +156,7 @@ mod tests {
             let place = std::array::from_fn(|i| PARAMETERS[i].ends()[end] + [-9.0, 9.0][end]);
             let config = config(&Config::default(), &place).unwrap();
             config.check().unwrap();
-            assert_eq!(
-                config.paper.reuse_points,
-                end == 0,
-                "with Q the points are drawn anew"
-            );
+            assert_eq!(config.paper.reuse_points, end == 0, "with Q the points are drawn anew");
         }
     }
 }

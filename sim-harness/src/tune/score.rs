@@ -63,9 +63,7 @@ impl Score {
     /// What the search makes small: both criteria in one number.
     pub fn cost(&self) -> f64 {
         let n = self.samples as f64;
-        let cost = -self.per_sample()
-            + NEGATIVE_COST * self.negative_depth
-            + REPAIRED_COST * self.repaired as f64 / n;
+        let cost = -self.per_sample() + NEGATIVE_COST * self.negative_depth + REPAIRED_COST * self.repaired as f64 / n;
         if cost.is_finite() { cost } else { NO_FILTER }
     }
 }
@@ -143,13 +141,7 @@ pub(super) mod tests {
             base: Config::default(),
             train: description.train,
             track: description.track,
-            runs: (0..runs)
-                .map(|index| {
-                    fleet_run(&case_study().unwrap(), 4, index)
-                        .unwrap()
-                        .recording
-                })
-                .collect(),
+            runs: (0..runs).map(|index| fleet_run(&case_study().unwrap(), 4, index).unwrap().recording).collect(),
         }
     }
 

@@ -78,18 +78,12 @@ pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Found,
             if let Some(index) = corner.checked_sub(1) {
                 let [least, most] = PARAMETERS[index].ends();
                 // Towards the middle of the range, so that no corner begins outside.
-                let inwards = if place[index] > 0.5 * (least + most) {
-                    -STEP
-                } else {
-                    STEP
-                };
+                let inwards = if place[index] > 0.5 * (least + most) { -STEP } else { STEP };
                 place[index] += inwards;
             }
             place
         });
-        let solver = NelderMead::new(simplex.collect())
-            .with_sd_tolerance(TOLERANCE)
-            .map_err(failed)?;
+        let solver = NelderMead::new(simplex.collect()).with_sd_tolerance(TOLERANCE).map_err(failed)?;
         let problem = Problem { bench, done: &done };
         // A step of the simplex asks for one or two costs.
         let steps = (of_start.saturating_sub(COUNT as u64 + 1) / 2).max(1);
@@ -98,30 +92,17 @@ pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Found,
             .timer(false)
             .run()
             .map_err(failed)?;
-        all += result
-            .problem
-            .counts
-            .get("cost_count")
-            .copied()
-            .unwrap_or(0);
+        all += result.problem.counts.get("cost_count").copied().unwrap_or(0);
         let state = result.state();
         let place = state.get_best_param();
         let place = place.and_then(|place| Place::try_from(place.as_slice()).ok());
         let place = place.ok_or_else(|| SearchError("no best place".to_owned()))?;
         let cost = state.get_best_cost();
         if best.is_none_or(|best| cost < best.cost) {
-            best = Some(Found {
-                place,
-                cost,
-                evaluations: 0,
-            });
+            best = Some(Found { place, cost, evaluations: 0 });
         }
     }
-    best.map(|best| Found {
-        evaluations: all,
-        ..best
-    })
-    .ok_or_else(|| SearchError("no start".to_owned()))
+    best.map(|best| Found { evaluations: all, ..best }).ok_or_else(|| SearchError("no start".to_owned()))
 }
 
 #[cfg(test)]

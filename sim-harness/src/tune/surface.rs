@@ -20,8 +20,7 @@ const DEEPEST: f64 = 2.0;
 const FINEST: f64 = 0.01;
 
 /// Places that [`profiles`] and [`plane`] ask for.
-pub const EVALUATIONS: usize =
-    COUNT * (2 * HALF as usize + 1) + (HALF as usize + 1) * (HALF as usize + 1);
+pub const EVALUATIONS: usize = COUNT * (2 * HALF as usize + 1) + (HALF as usize + 1) * (HALF as usize + 1);
 
 /// One place of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,10 +60,7 @@ pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn())
                 ("parameter".to_owned(), Cell::from(parameter.name)),
                 ("value".to_owned(), Cell::from(parameter.value(spot.value))),
                 ("cost_above_optimum".to_owned(), Cell::from(spot.above)),
-                (
-                    "negative_coefficient".to_owned(),
-                    Cell::from(if spot.negative { "yes" } else { "no" }),
-                ),
+                ("negative_coefficient".to_owned(), Cell::from(if spot.negative { "yes" } else { "no" })),
             ]);
         }
         figures.push(panel(index, &spots, optimum[index], table1[index]));
@@ -120,11 +116,7 @@ fn panel(index: usize, spots: &[Spot], optimum: f64, table1: f64) -> Figure {
                     stroke: Stroke::Solid,
                     points: line.collect(),
                 },
-                Layer::Marks {
-                    legend: String::new(),
-                    colour: colours::INVALID,
-                    points: negative.map(place).collect(),
-                },
+                Layer::Marks { legend: String::new(), colour: colours::INVALID, points: negative.map(place).collect() },
                 Layer::Verticals {
                     legend: "optimum".to_owned(),
                     colour: colours::TRUTH,
@@ -159,14 +151,8 @@ pub fn plane(bench: &Bench, optimum: &Place, done: impl Fn()) -> Picture {
             let around = |middle: f64| middle - 0.5 * step..middle + 0.5 * step;
             cells.push((around(at(0, i)), around(at(1, j)), shade(spot.above)));
             records.push(vec![
-                (
-                    "location_sd_m".to_owned(),
-                    Cell::from(PARAMETERS[PLANE[0]].value(at(0, i))),
-                ),
-                (
-                    "speed_sd_kmh".to_owned(),
-                    Cell::from(PARAMETERS[PLANE[1]].value(at(1, j))),
-                ),
+                ("location_sd_m".to_owned(), Cell::from(PARAMETERS[PLANE[0]].value(at(0, i)))),
+                ("speed_sd_kmh".to_owned(), Cell::from(PARAMETERS[PLANE[1]].value(at(1, j)))),
                 ("cost_above_optimum".to_owned(), Cell::from(spot.above)),
             ]);
         }
@@ -225,10 +211,7 @@ mod tests {
         let plane = plane(&bench, &centre, count);
         assert_eq!(asked.get(), EVALUATIONS);
         let level = |picture: &Picture| {
-            let cost = |record: &crate::table::Record| match record
-                .iter()
-                .find(|c| c.0 == "cost_above_optimum")
-            {
+            let cost = |record: &crate::table::Record| match record.iter().find(|c| c.0 == "cost_above_optimum") {
                 Some((_, Cell::Number(cost))) => cost.abs() < 1e-9,
                 _ => false,
             };

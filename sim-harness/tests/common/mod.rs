@@ -5,11 +5,7 @@ use std::process::{Command, Output};
 
 /// What came of `rundown` in a folder.
 pub fn rundown(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rundown"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
+    Command::new(env!("CARGO_BIN_EXE_rundown")).current_dir(folder).args(arguments).output().unwrap()
 }
 
 /// The same, where it must succeed.

@@ -29,10 +29,7 @@ fn json_lines_have_every_frame_in_si_units() {
     let output = rundown(&["-", "--json"], &on_the_line(&MESSAGES));
     assert_eq!(output.status.code(), Some(0));
     let text = String::from_utf8(output.stdout).unwrap();
-    let lines: Vec<serde_json::Value> = text
-        .lines()
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect();
+    let lines: Vec<serde_json::Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(lines.len(), MESSAGES.len());
     for (line, message) in lines.iter().zip(MESSAGES.iter()) {
         let frame = Downlink::decode(message).unwrap();
@@ -60,13 +57,7 @@ fn text_has_a_line_a_frame_and_says_what_was_lost() {
     assert!(text.contains("(1 lost)"));
     assert!(text.contains("not learned yet"));
     let note = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(
-        note,
-        format!(
-            "note: {} frames, 1 lost, 0 damaged, 0 unknown\n",
-            messages.len()
-        )
-    );
+    assert_eq!(note, format!("note: {} frames, 1 lost, 0 damaged, 0 unknown\n", messages.len()));
 }
 
 #[test]
@@ -82,9 +73,7 @@ fn beside_lines_that_do_not_come_stands_why() {
         .spawn()
         .unwrap();
     let mut note = String::new();
-    BufReader::new(child.stderr.as_mut().unwrap())
-        .read_line(&mut note)
-        .unwrap();
+    BufReader::new(child.stderr.as_mut().unwrap()).read_line(&mut note).unwrap();
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(note.starts_with(&format!("note: tcp:{server}: ")), "{note}");
@@ -121,39 +110,20 @@ fn the_page_answers_its_own_name_only() {
         .spawn()
         .unwrap();
     let mut line = String::new();
-    BufReader::new(child.stdout.as_mut().unwrap())
-        .read_line(&mut line)
-        .unwrap();
-    let host = line
-        .split_whitespace()
-        .nth(1)
-        .unwrap()
-        .trim_start_matches("http://")
-        .trim_end_matches('/')
-        .to_owned();
+    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
+    let host = line.split_whitespace().nth(1).unwrap().trim_start_matches("http://").trim_end_matches('/').to_owned();
     let ask = |path: &str, name: &str| {
         let mut stream = std::net::TcpStream::connect(&host).unwrap();
-        write!(
-            stream,
-            "GET {path} HTTP/1.1\r\nHost: {name}\r\nConnection: close\r\n\r\n"
-        )
-        .unwrap();
+        write!(stream, "GET {path} HTTP/1.1\r\nHost: {name}\r\nConnection: close\r\n\r\n").unwrap();
         let mut answer = String::new();
         stream.read_to_string(&mut answer).unwrap();
         answer
     };
-    let answers = [
-        ("/", "<!DOCTYPE html>"),
-        ("/state", "\"points\":[]"),
-        ("/setup", "{\"train\":null"),
-        ("/uplot.js", "uPlot"),
-    ];
+    let answers =
+        [("/", "<!DOCTYPE html>"), ("/state", "\"points\":[]"), ("/setup", "{\"train\":null"), ("/uplot.js", "uPlot")];
     for (path, expected) in answers {
         let answer = ask(path, &host);
-        assert!(
-            answer.starts_with("HTTP/1.1 200") && answer.contains(expected),
-            "{path}: {answer:.300}"
-        );
+        assert!(answer.starts_with("HTTP/1.1 200") && answer.contains(expected), "{path}: {answer:.300}");
     }
     assert!(ask("/state", "evil.example").starts_with("HTTP/1.1 403"));
     assert!(ask("/nothing", &host).starts_with("HTTP/1.1 404"));

@@ -22,19 +22,11 @@ static MESSAGES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
 });
 
 fn on_the_line(messages: &[Vec<u8>]) -> Vec<u8> {
-    messages
-        .iter()
-        .flat_map(|message| serial::encode(message).unwrap())
-        .collect()
+    messages.iter().flat_map(|message| serial::encode(message).unwrap()).collect()
 }
 
 fn hub() -> Arc<Hub> {
-    Arc::new(Hub::new(
-        "test".to_owned(),
-        1.0,
-        Setup::default(),
-        Box::new(|_, _| {}),
-    ))
+    Arc::new(Hub::new("test".to_owned(), 1.0, Setup::default(), Box::new(|_, _| {})))
 }
 
 fn file(bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
@@ -48,10 +40,7 @@ fn file(bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
 fn shown(bytes: &[u8]) -> Arc<Hub> {
     let (_folder, path) = file(bytes);
     let hub = hub();
-    let source = Source::File {
-        path,
-        follow: false,
-    };
+    let source = Source::File { path, follow: false };
     source.open().unwrap().run(&hub, None);
     hub
 }

@@ -16,11 +16,7 @@ fn the_terminal_shows_the_values_of_the_frames() {
             screen.backend().to_string()
         });
         let estimate = hub.view(|view| view.state.now.estimate).unwrap();
-        let speed = format!(
-            "{:.1} ±{:.1} km/h",
-            estimate.speed_mps.value * 3.6,
-            estimate.speed_mps.sd * 3.6
-        );
+        let speed = format!("{:.1} ±{:.1} km/h", estimate.speed_mps.value * 3.6, estimate.speed_mps.sd * 3.6);
         assert!(text.contains(&speed), "{speed} is not in\n{text}");
         assert!(text.contains(&estimate.regime.as_str().to_uppercase()));
         let parameters = hub.view(|view| view.state.now.parameters).unwrap();
@@ -28,10 +24,7 @@ fn the_terminal_shows_the_values_of_the_frames() {
         let effort = hub.view(|view| view.state.now.effort).unwrap();
         let whole = [
             format!("r(100) {value:.5} ±{sd:.5} N/kg"),
-            format!(
-                "r2    {:>10.3e} ±{:.1e}",
-                parameters.r2.value, parameters.r2.sd
-            ),
+            format!("r2    {:>10.3e} ±{:.1e}", parameters.r2.value, parameters.r2.sd),
             format!("most traction  {:>8.4} N/kg", effort.max_traction_n_per_kg),
             "> 130   ".to_owned(),
             "run  coast s  brake s  learned s".to_owned(),
@@ -44,12 +37,7 @@ fn the_terminal_shows_the_values_of_the_frames() {
     // And before anything has come.
     let empty = hub();
     let mut screen = Terminal::new(TestBackend::new(80, 24)).unwrap();
-    empty
-        .view(|view| screen.draw(|frame| terminal::draw(frame, &view)).map(drop))
-        .unwrap();
+    empty.view(|view| screen.draw(|frame| terminal::draw(frame, &view)).map(drop)).unwrap();
     let text = screen.backend().to_string();
-    assert!(
-        text.contains("no run yet") && text.contains("OLD VALUES"),
-        "{text}"
-    );
+    assert!(text.contains("no run yet") && text.contains("OLD VALUES"), "{text}");
 }

@@ -31,16 +31,10 @@ fn a_recording_in_text_shows_the_same() {
 fn a_recording_of_a_link_has_train_and_track() {
     let (train, track) = demo::described().unwrap();
     let description = Description::new(&train.train().unwrap(), &track, Config::default());
-    let begin = Request::Command(Command::Begin {
-        direction: Direction::Up,
-        track_id: description.track_id(),
-    });
+    let begin = Request::Command(Command::Begin { direction: Direction::Up, track_id: description.track_id() });
     // A display has no key and takes any MAC.
     let line = |request: Request| {
-        let uplink = Uplink {
-            sequence: 1,
-            request,
-        };
+        let uplink = Uplink { sequence: 1, request };
         let mut buffer = [0; 512];
         let message = uplink::encode(&uplink, SECURED, &mut buffer).unwrap();
         format!("1,sent,{}{}\n", hex::encode(message), "00".repeat(TRAILER))
@@ -60,8 +54,7 @@ fn a_recording_of_a_link_has_train_and_track() {
         assert_eq!(read.rotating_mass_factor, train.rotating_mass_factor);
         assert_eq!(told.length_m, track.length_m);
         assert_eq!(told.gradient, track.gradient);
-        let places =
-            |track: &TrackFile| -> Vec<f64> { track.stop.iter().map(|stop| stop.at_m).collect() };
+        let places = |track: &TrackFile| -> Vec<f64> { track.stop.iter().map(|stop| stop.at_m).collect() };
         assert_eq!(places(told), places(&track));
         assert_eq!(told.speed_limit.len(), track.speed_limit.len());
         for (told, described) in told.speed_limit.iter().zip(&track.speed_limit) {
@@ -89,10 +82,7 @@ fn a_file_that_grows_is_followed() {
     let (half, rest) = line.split_at(line.len() / 2);
     let (_folder, path) = file(half);
     let hub = hub();
-    let source = Source::File {
-        path: path.clone(),
-        follow: true,
-    };
+    let source = Source::File { path: path.clone(), follow: true };
     let (feed, open) = (Arc::clone(&hub), source.open().unwrap());
     std::thread::spawn(move || open.run(&feed, None));
     wait(&hub, |frames| frames > MESSAGES.len() / 3);
@@ -107,10 +97,7 @@ fn a_file_that_comes_later_and_is_written_anew_is_followed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames");
     let hub = hub();
-    let source = Source::File {
-        path: path.clone(),
-        follow: true,
-    };
+    let source = Source::File { path: path.clone(), follow: true };
     let (feed, open) = (Arc::clone(&hub), source.open().unwrap());
     std::thread::spawn(move || open.run(&feed, None));
     let begin = Instant::now();
@@ -129,10 +116,7 @@ fn a_board_that_goes_and_comes_is_found_again() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = format!("tcp:{}", listener.local_addr().unwrap());
     let hub = hub();
-    let source = Source::Board {
-        address: address.parse().unwrap(),
-        listen_only: false,
-    };
+    let source = Source::Board { address: address.parse().unwrap(), listen_only: false };
     let (feed, open) = (Arc::clone(&hub), source.open().unwrap());
     std::thread::spawn(move || open.run(&feed, None));
     let mut told = 0;
@@ -146,9 +130,7 @@ fn a_board_that_goes_and_comes_is_found_again() {
         wait(&hub, |frames| frames == told);
         drop(line);
         let begin = Instant::now();
-        while hub.view(|view| {
-            !matches!(view.link.connection, Connection::Lost(_)) && view.link.reconnects == round
-        }) {
+        while hub.view(|view| !matches!(view.link.connection, Connection::Lost(_)) && view.link.reconnects == round) {
             assert!(begin.elapsed() < Duration::from_secs(10));
             std::thread::sleep(Duration::from_millis(1));
         }

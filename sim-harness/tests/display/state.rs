@@ -13,13 +13,7 @@ use std::time::Duration;
 fn two_runs_are_shown_one_as_past() {
     let hub = shown(&on_the_line(&MESSAGES));
     hub.view(|view| {
-        let State {
-            now,
-            points,
-            previous,
-            past,
-            ..
-        } = view.state;
+        let State { now, points, previous, past, .. } = view.state;
         assert_eq!(past.len(), 2);
         assert_eq!(past[1].summary.run, 2);
         assert!(past[0].features.unwrap().final_coast.is_some());
@@ -36,8 +30,7 @@ fn two_runs_are_shown_one_as_past() {
 #[test]
 fn the_regime_of_a_point_is_the_confirmed_one() {
     let hub = shown(&on_the_line(&MESSAGES));
-    let is_end =
-        |message: &Vec<u8>| matches!(Downlink::decode(message).unwrap().body, Body::RunSummary(_));
+    let is_end = |message: &Vec<u8>| matches!(Downlink::decode(message).unwrap().body, Body::RunSummary(_));
     let second_run = MESSAGES.iter().position(is_end).unwrap();
     let mut confirmed = Vec::new();
     for message in &MESSAGES[second_run..] {
@@ -48,11 +41,7 @@ fn the_regime_of_a_point_is_the_confirmed_one() {
     let mut changed = 0;
     hub.view(|view| {
         for pair in confirmed.windows(2) {
-            let point = view
-                .state
-                .points
-                .iter()
-                .find(|point| point.time_s == pair[0].0);
+            let point = view.state.points.iter().find(|point| point.time_s == pair[0].0);
             if let (Some(point), Some(regime)) = (point, pair[1].1) {
                 assert_eq!(point.regime, regime, "at {} s", pair[0].0);
                 changed += 1;
@@ -78,12 +67,7 @@ fn frames_that_never_come_leave_a_gap_in_the_curve() {
 #[test]
 fn old_values_are_called_old() {
     // Faster than real time, so that nobody waits for 25 s.
-    let hub = Hub::new(
-        "test".to_owned(),
-        100.0,
-        Setup::default(),
-        Box::new(|_, _| {}),
-    );
+    let hub = Hub::new("test".to_owned(), 100.0, Setup::default(), Box::new(|_, _| {}));
     assert!(hub.view(|view| view.link.silent), "nothing has come yet");
     hub.message(&MESSAGES[30]);
     assert!(!hub.view(|view| view.link.silent));
@@ -95,11 +79,7 @@ fn old_values_are_called_old() {
 fn effects_have_the_names_of_the_estimator() {
     use rundown::effects::{Effect, EffectError, FrameError};
     for kind in 1..=18 {
-        let mut effect = rundown_wire::Effect {
-            kind,
-            section_m: None,
-            values: Default::default(),
-        };
+        let mut effect = rundown_wire::Effect { kind, section_m: None, values: Default::default() };
         let meaning = effect.meaning().unwrap();
         // Not a number is refused under the effect's name, once the number of values and the section are right.
         effect.values = meaning.values.iter().map(|_| f64::NAN).collect();

@@ -28,16 +28,7 @@ impl ClockTree for Tree<'_> {
         // MSI 4 MHz / 1 * 40 / 2 = 80 MHz.
         self.rcc.pllcfgr().write(|w| {
             // SAFETY: source MSI, M = 1, N = 40, R = 2: all within the reference manual's ranges (VCO 160 MHz of 64 to 344).
-            unsafe {
-                w.pllsrc()
-                    .bits(1)
-                    .pllm()
-                    .bits(0)
-                    .plln()
-                    .bits(40)
-                    .pllr()
-                    .bits(0)
-            };
+            unsafe { w.pllsrc().bits(1).pllm().bits(0).plln().bits(40).pllr().bits(0) };
             w.pllren().set_bit()
         });
         self.rcc.cr().modify(|_, w| w.pllon().set_bit());
@@ -49,9 +40,7 @@ impl ClockTree for Tree<'_> {
 
     fn set_wait_states(&mut self) {
         // SAFETY: four of the five that exist.
-        self.flash
-            .acr()
-            .modify(|_, w| unsafe { w.latency().bits(WAIT_STATES) });
+        self.flash.acr().modify(|_, w| unsafe { w.latency().bits(WAIT_STATES) });
     }
 
     fn wait_states_ready(&self) -> bool {

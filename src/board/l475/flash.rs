@@ -6,8 +6,7 @@
 use super::device::FLASH;
 use super::flash_errors;
 use embedded_storage::nor_flash::{
-    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read,
-    check_write,
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 use rundown::onboard::clock::MOST_POLLS;
 
@@ -64,10 +63,7 @@ impl Flash {
         Self { registers }
     }
 
-    fn unlocked(
-        &mut self,
-        work: impl FnOnce(&mut Self) -> Result<(), FlashError>,
-    ) -> Result<(), FlashError> {
+    fn unlocked(&mut self, work: impl FnOnce(&mut Self) -> Result<(), FlashError>) -> Result<(), FlashError> {
         self.wait()?;
         // SAFETY: flags and keys, no memory.
         self.registers.sr().write(|w| unsafe { w.bits(ERRORS) });
@@ -86,11 +82,7 @@ impl Flash {
             if status & BUSY == 0 {
                 // Bit 0 is the end of an operation, not an error.
                 let errors = status & ERRORS & !1;
-                return if errors == 0 {
-                    Ok(())
-                } else {
-                    Err(FlashError::Refused(errors))
-                };
+                return if errors == 0 { Ok(()) } else { Err(FlashError::Refused(errors)) };
             }
         }
         Err(FlashError::NoAnswer)
@@ -119,11 +111,7 @@ impl ReadNorFlash for Flash {
         for (offset, byte) in (offset..).zip(bytes) {
             *byte = Self::byte(offset);
         }
-        if flash_errors() == before {
-            Ok(())
-        } else {
-            Err(FlashError::Torn)
-        }
+        if flash_errors() == before { Ok(()) } else { Err(FlashError::Torn) }
     }
 
     fn capacity(&self) -> usize {
@@ -152,11 +140,7 @@ impl NorFlash for Flash {
             }
             Ok(())
         })?;
-        if (from..to).all(|offset| Self::byte(offset) == 0xFF) {
-            Ok(())
-        } else {
-            Err(FlashError::ReadBack)
-        }
+        if (from..to).all(|offset| Self::byte(offset) == 0xFF) { Ok(()) } else { Err(FlashError::ReadBack) }
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
@@ -177,10 +161,7 @@ impl NorFlash for Flash {
             }
             Ok(())
         })?;
-        if (offset..)
-            .zip(bytes)
-            .all(|(offset, byte)| Self::byte(offset) == *byte)
-        {
+        if (offset..).zip(bytes).all(|(offset, byte)| Self::byte(offset) == *byte) {
             Ok(())
         } else {
             Err(FlashError::ReadBack)

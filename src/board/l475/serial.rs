@@ -16,15 +16,11 @@ impl SerialPort {
         // The reference manual wants a moment between the enable and the first access; a read makes it.
         let _ = rcc.apb2enr().read();
         // SAFETY: alternate function 7 and mode 2 (alternate) exist for both pins.
-        pins.afrl()
-            .modify(|_, w| unsafe { w.afrl6().bits(7).afrl7().bits(7) });
+        pins.afrl().modify(|_, w| unsafe { w.afrl6().bits(7).afrl7().bits(7) });
         // SAFETY: as above.
-        pins.moder()
-            .modify(|_, w| unsafe { w.moder6().bits(2).moder7().bits(2) });
+        pins.moder().modify(|_, w| unsafe { w.moder6().bits(2).moder7().bits(2) });
         // SAFETY: 80 MHz gives 694, 4 MHz gives 35: both within the 16 bits, neither below 16.
-        usart
-            .brr()
-            .write(|w| unsafe { w.bits((bus_hz + BAUD / 2) / BAUD) });
+        usart.brr().write(|w| unsafe { w.bits((bus_hz + BAUD / 2) / BAUD) });
         usart.cr1().write(|w| {
             w.rxneie().set_bit();
             w.re().set_bit();

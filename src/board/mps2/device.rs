@@ -10,11 +10,7 @@ pub const NVIC_PRIO_BITS: u8 = 3;
 
 /// Names as on the reference board.
 #[derive(Clone, Copy)]
-#[expect(
-    non_camel_case_types,
-    clippy::upper_case_acronyms,
-    reason = "as the peripheral access crates do"
-)]
+#[expect(non_camel_case_types, clippy::upper_case_acronyms, reason = "as the peripheral access crates do")]
 pub enum Interrupt {
     /// UART 0, a byte came.
     USART1 = 0,

@@ -55,11 +55,7 @@ impl fmt::Display for FrameLengthError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.format {
             Format::Classic => write!(f, "expected at most 8 bytes, found {}", self.found),
-            Format::Fd { .. } => write!(
-                f,
-                "expected 0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes, found {}",
-                self.found
-            ),
+            Format::Fd { .. } => write!(f, "expected 0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes, found {}", self.found),
         }
     }
 }
@@ -95,15 +91,8 @@ impl CanFrame {
     /// assert!(CanFrame::try_new(id, Format::Fd { bit_rate_switch: true }, &[0; 9]).is_err());
     /// assert!(CanFrame::try_new(id, Format::Fd { bit_rate_switch: true }, &[0; 12]).is_ok());
     /// ```
-    pub fn try_new(
-        id: impl Into<Id>,
-        format: Format,
-        data: &[u8],
-    ) -> Result<Self, FrameLengthError> {
-        let error = FrameLengthError {
-            format,
-            found: data.len(),
-        };
+    pub fn try_new(id: impl Into<Id>, format: Format, data: &[u8]) -> Result<Self, FrameLengthError> {
+        let error = FrameLengthError { format, found: data.len() };
         let exists = match format {
             Format::Classic => data.len() <= CLASSIC_BYTES,
             Format::Fd { .. } => fd_code(data.len()).is_some(),
@@ -112,10 +101,7 @@ impl CanFrame {
             return Err(error);
         }
         let data = Vec::from_slice(data).map_err(|_| error)?;
-        Ok(Self {
-            id: id.into(),
-            content: Content::Data(format, data),
-        })
+        Ok(Self { id: id.into(), content: Content::Data(format, data) })
     }
 
     /// The format of a data frame; nothing for a remote frame.
@@ -146,24 +132,13 @@ impl CanFrame {
 
 impl Frame for CanFrame {
     fn new(id: impl Into<Id>, data: &[u8]) -> Option<Self> {
-        let format = if data.len() <= CLASSIC_BYTES {
-            Format::Classic
-        } else {
-            Format::Fd {
-                bit_rate_switch: false,
-            }
-        };
+        let format = if data.len() <= CLASSIC_BYTES { Format::Classic } else { Format::Fd { bit_rate_switch: false } };
         Self::try_new(id, format, data).ok()
     }
 
     fn new_remote(id: impl Into<Id>, dlc: usize) -> Option<Self> {
-        let dlc = u8::try_from(dlc)
-            .ok()
-            .filter(|dlc| usize::from(*dlc) <= CLASSIC_BYTES)?;
-        Some(Self {
-            id: id.into(),
-            content: Content::Remote { dlc },
-        })
+        let dlc = u8::try_from(dlc).ok().filter(|dlc| usize::from(*dlc) <= CLASSIC_BYTES)?;
+        Some(Self { id: id.into(), content: Content::Remote { dlc } })
     }
 
     fn is_extended(&self) -> bool {
@@ -195,9 +170,7 @@ impl Frame for CanFrame {
 
 /// Data length code of an FD frame of this many bytes, if there is one.
 pub fn fd_code(bytes: usize) -> Option<u8> {
-    let place = FD_LENGTHS
-        .iter()
-        .position(|length| usize::from(*length) == bytes)?;
+    let place = FD_LENGTHS.iter().position(|length| usize::from(*length) == bytes)?;
     u8::try_from(place).ok()
 }
 
@@ -211,10 +184,7 @@ pub fn fd_code(bytes: usize) -> Option<u8> {
 /// assert_eq!(fd_length_for(65), None);
 /// ```
 pub fn fd_length_for(bytes: usize) -> Option<usize> {
-    FD_LENGTHS
-        .iter()
-        .map(|length| usize::from(*length))
-        .find(|length| *length >= bytes)
+    FD_LENGTHS.iter().map(|length| usize::from(*length)).find(|length| *length >= bytes)
 }
 
 /// Identifier with 11 bits, checked while compiling.
@@ -250,16 +220,10 @@ mod tests {
             let frame = CanFrame::new(id, &[1; 70][..length]);
             let expected = match length {
                 0..=8 => Some(Format::Classic),
-                12 | 16 | 20 | 24 | 32 | 48 | 64 => Some(Format::Fd {
-                    bit_rate_switch: false,
-                }),
+                12 | 16 | 20 | 24 | 32 | 48 | 64 => Some(Format::Fd { bit_rate_switch: false }),
                 _ => None,
             };
-            assert_eq!(
-                frame.and_then(|frame| frame.format()),
-                expected,
-                "{length} bytes"
-            );
+            assert_eq!(frame.and_then(|frame| frame.format()), expected, "{length} bytes");
         }
     }
 

@@ -71,18 +71,15 @@ impl<C> CanLink<C> {
         count(match error {
             SendError::Timeout { .. } => &mut self.counters.timeout,
             SendError::FlowStatus { .. } => &mut self.counters.coding,
-            SendError::Overflow
-            | SendError::TooManyWaits
-            | SendError::Busy
-            | SendError::Length { .. } => &mut self.counters.refused,
+            SendError::Overflow | SendError::TooManyWaits | SendError::Busy | SendError::Length { .. } => {
+                &mut self.counters.refused
+            }
         });
     }
 
     fn count_received(&mut self, error: ReceiveError) {
         count(match error {
-            ReceiveError::Sequence { .. } | ReceiveError::Interrupted { .. } => {
-                &mut self.counters.sequence
-            }
+            ReceiveError::Sequence { .. } | ReceiveError::Interrupted { .. } => &mut self.counters.sequence,
             // The rest of a payload that has been counted, or frames of another sender.
             ReceiveError::NotStarted => return,
             ReceiveError::FrameLength { .. } => &mut self.counters.coding,
@@ -155,11 +152,7 @@ impl<C: Can<Frame = CanFrame>> CanLink<C> {
                 }
             }
             let is_answer = self.answer.is_some();
-            let slot = if is_answer {
-                &mut self.answer
-            } else {
-                &mut self.frame
-            };
+            let slot = if is_answer { &mut self.answer } else { &mut self.frame };
             let Some(frame) = slot.as_ref() else {
                 return Ok(());
             };
@@ -187,9 +180,7 @@ impl<C: Can<Frame = CanFrame>> Link for CanLink<C> {
         if self.is_sending() {
             return Err(LinkError::Busy);
         }
-        self.sender.start(&checked).map_err(|_| LinkError::Length {
-            found: message.len(),
-        })?;
+        self.sender.start(&checked).map_err(|_| LinkError::Length { found: message.len() })?;
         count(&mut self.counters.sent);
         self.transmit(now_us)
     }

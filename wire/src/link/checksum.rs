@@ -31,12 +31,7 @@ pub struct LengthError {
 
 impl fmt::Display for LengthError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "expected 1 to {} bytes, found {}",
-            super::MAX_MESSAGE,
-            self.found
-        )
+        write!(f, "expected 1 to {} bytes, found {}", super::MAX_MESSAGE, self.found)
     }
 }
 
@@ -93,16 +88,12 @@ pub fn crc32c(bytes: &[u8]) -> u32 {
 /// assert_eq!(rundown_wire::link::checksum::check(&checked), Ok(&b"123456789"[..]));
 /// ```
 pub fn append(message: &[u8]) -> Result<Vec<u8, MAX_CHECKED>, LengthError> {
-    let error = LengthError {
-        found: message.len(),
-    };
+    let error = LengthError { found: message.len() };
     if message.is_empty() {
         return Err(error);
     }
     let mut checked = Vec::from_slice(message).map_err(|_| error)?;
-    checked
-        .extend_from_slice(&crc32c(message).to_le_bytes())
-        .map_err(|_| error)?;
+    checked.extend_from_slice(&crc32c(message).to_le_bytes()).map_err(|_| error)?;
     Ok(checked)
 }
 
@@ -114,15 +105,9 @@ pub fn check(checked: &[u8]) -> Result<&[u8], ChecksumError> {
     match checked.split_last_chunk::<CHECKSUM_BYTES>() {
         Some((message, checksum)) if !message.is_empty() => {
             let (expected, found) = (crc32c(message), u32::from_le_bytes(*checksum));
-            if expected == found {
-                Ok(message)
-            } else {
-                Err(ChecksumError::Mismatch { expected, found })
-            }
+            if expected == found { Ok(message) } else { Err(ChecksumError::Mismatch { expected, found }) }
         }
-        _ => Err(ChecksumError::TooShort {
-            found: checked.len(),
-        }),
+        _ => Err(ChecksumError::TooShort { found: checked.len() }),
     }
 }
 

@@ -145,10 +145,7 @@ pub(crate) enum WriteError<E> {
 }
 
 /// Writes all bytes. `write_all` of `embedded-io` panics when the port takes nothing, which a full ring may well do.
-pub(crate) fn write_whole<P: embedded_io::Write>(
-    port: &mut P,
-    mut bytes: &[u8],
-) -> Result<(), WriteError<P::Error>> {
+pub(crate) fn write_whole<P: embedded_io::Write>(port: &mut P, mut bytes: &[u8]) -> Result<(), WriteError<P::Error>> {
     while !bytes.is_empty() {
         let taken = port.write(bytes).map_err(WriteError::Port)?;
         bytes = match bytes.get(taken..) {

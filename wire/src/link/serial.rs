@@ -81,9 +81,7 @@ impl DecodeError {
 /// assert_eq!(bytes.last(), Some(&0));
 /// ```
 pub fn encode(message: &[u8]) -> Result<Vec<u8, MAX_SERIAL>, LengthError> {
-    let error = LengthError {
-        found: message.len(),
-    };
+    let error = LengthError { found: message.len() };
     if message.is_empty() || message.len() > MAX_MESSAGE {
         return Err(error);
     }
@@ -91,10 +89,7 @@ pub fn encode(message: &[u8]) -> Result<Vec<u8, MAX_SERIAL>, LengthError> {
     let mut bytes: Vec<u8, MAX_SERIAL> = Vec::from_array([0; MAX_SERIAL]);
     let mut encoder = CobsEncoder::new(&mut bytes);
     // In two pieces, for want of stack for a copy. The buffer is made for the largest message, so neither fails.
-    encoder
-        .push(message)
-        .and_then(|()| encoder.push(&checksum::crc32c(message).to_le_bytes()))
-        .map_err(|_| error)?;
+    encoder.push(message).and_then(|()| encoder.push(&checksum::crc32c(message).to_le_bytes())).map_err(|_| error)?;
     let length = encoder.finalize();
     // One byte behind the code may have been written to, when the code ends with a full block.
     bytes.truncate(length);
@@ -113,11 +108,7 @@ pub struct Decoder<const N: usize = MAX_CHECKED> {
 impl<const N: usize> Decoder<N> {
     /// A decoder at the begin of a message.
     pub const fn new() -> Self {
-        Self {
-            cobs: DecoderState::Idle,
-            checked: Vec::new(),
-            overflow: false,
-        }
+        Self { cobs: DecoderState::Idle, checked: Vec::new(), overflow: false }
     }
 
     /// Takes the next byte. A zero ends a message, which is then given or refused; nothing between two zeros is no message and no error.
@@ -154,15 +145,9 @@ impl<const N: usize> Decoder<N> {
                 Ok(None)
             }
             Ok(DecodeResult::NoData) => Ok(None),
-            Ok(DecodeResult::DataComplete) | Err(_) if self.overflow => {
-                Err(DecodeError::TooLong { capacity: N })
-            }
-            Ok(DecodeResult::DataComplete) => checksum::check(&self.checked)
-                .map(Some)
-                .map_err(DecodeError::Checksum),
-            Err(_) => Err(DecodeError::Cobs {
-                decoded: self.checked.len(),
-            }),
+            Ok(DecodeResult::DataComplete) | Err(_) if self.overflow => Err(DecodeError::TooLong { capacity: N }),
+            Ok(DecodeResult::DataComplete) => checksum::check(&self.checked).map(Some).map_err(DecodeError::Checksum),
+            Err(_) => Err(DecodeError::Cobs { decoded: self.checked.len() }),
         }
     }
 }
@@ -183,12 +168,7 @@ pub struct SerialLink<P> {
 impl<P> SerialLink<P> {
     /// A link over `port`.
     pub const fn new(port: P) -> Self {
-        Self {
-            port,
-            decoder: Decoder::new(),
-            cut: false,
-            counters: Counters::ZERO,
-        }
+        Self { port, decoder: Decoder::new(), cut: false, counters: Counters::ZERO }
     }
 
     /// The port below.

@@ -77,10 +77,7 @@ impl fmt::Display for SlcanError {
             Self::TooLong => write!(f, "line of more than {MAX_LINE} bytes"),
             Self::Digits => f.write_str("expected more hexadecimal digits"),
             Self::Identifier { found } => {
-                write!(
-                    f,
-                    "expected an identifier of 11 or 29 bits, found {found:x}"
-                )
+                write!(f, "expected an identifier of 11 or 29 bits, found {found:x}")
             }
             Self::Length { found } => {
                 write!(f, "expected a length that the frame has, found {found:x}")
@@ -107,12 +104,8 @@ pub fn encode(frame: &CanFrame) -> Vec<u8, MAX_LINE> {
     let (short, long) = match frame.format() {
         None => (b'r', b'R'),
         Some(Format::Classic) => (b't', b'T'),
-        Some(Format::Fd {
-            bit_rate_switch: false,
-        }) => (b'd', b'D'),
-        Some(Format::Fd {
-            bit_rate_switch: true,
-        }) => (b'b', b'B'),
+        Some(Format::Fd { bit_rate_switch: false }) => (b'd', b'D'),
+        Some(Format::Fd { bit_rate_switch: true }) => (b'b', b'B'),
     };
     let (letter, id, digits) = match frame.id() {
         Id::Standard(id) => (short, u32::from(id.as_raw()), 3),
@@ -150,9 +143,7 @@ fn value(digit: u8) -> Result<u32, SlcanError> {
 }
 
 fn number(digits: &[u8]) -> Result<u32, SlcanError> {
-    digits
-        .iter()
-        .try_fold(0, |sum, digit| Ok(sum << 4 | value(*digit)?))
+    digits.iter().try_fold(0, |sum, digit| Ok(sum << 4 | value(*digit)?))
 }
 
 /// What a line without its carriage return says.
@@ -180,23 +171,15 @@ pub fn parse(line: &[u8]) -> Result<Line, SlcanError> {
     let id = if letter.is_ascii_uppercase() {
         ExtendedId::new(found).map(Id::Extended)
     } else {
-        u16::try_from(found)
-            .ok()
-            .and_then(StandardId::new)
-            .map(Id::Standard)
+        u16::try_from(found).ok().and_then(StandardId::new).map(Id::Standard)
     }
     .ok_or(SlcanError::Identifier { found })?;
     let (&code, rest) = rest.split_first().ok_or(SlcanError::Digits)?;
     let code = u8::try_from(value(code)?).unwrap_or(u8::MAX);
     let wrong_length = SlcanError::Length { found: code };
-    let bytes = FD_LENGTHS
-        .get(usize::from(code))
-        .map(|bytes| usize::from(*bytes))
-        .ok_or(wrong_length)?;
+    let bytes = FD_LENGTHS.get(usize::from(code)).map(|bytes| usize::from(*bytes)).ok_or(wrong_length)?;
     let expected = if format.is_some() { bytes } else { 0 };
-    let (digits, stamp) = rest
-        .split_at_checked(2 * expected)
-        .ok_or(SlcanError::Digits)?;
+    let (digits, stamp) = rest.split_at_checked(2 * expected).ok_or(SlcanError::Digits)?;
     match stamp.len() {
         0 => {}
         4 => {
@@ -226,10 +209,7 @@ pub struct Decoder {
 impl Decoder {
     /// A decoder at the begin of a line.
     pub const fn new() -> Self {
-        Self {
-            line: Vec::new(),
-            overflow: false,
-        }
+        Self { line: Vec::new(), overflow: false }
     }
 
     /// Takes the next byte. A carriage return or BEL ends a line; line feeds are read over.
@@ -287,14 +267,7 @@ impl<P> Slcan<P> {
     }
 
     const fn new(port: P, answers: bool) -> Self {
-        Self {
-            port,
-            decoder: Decoder::new(),
-            answers,
-            cut: false,
-            damaged: 0,
-            refused: 0,
-        }
+        Self { port, decoder: Decoder::new(), answers, cut: false, damaged: 0, refused: 0 }
     }
 
     /// Lines that were none. The messages they were part of are counted by the link.
@@ -461,18 +434,9 @@ mod tests {
         let fd = |bit_rate_switch| Format::Fd { bit_rate_switch };
         let (short, long) = (standard(0x6D0), extended(0x1234_ABCD));
         for (frame, line) in [
-            (
-                CanFrame::try_new(short, Format::Classic, &[1, 0xFE]),
-                "t6D0201FE\r",
-            ),
-            (
-                CanFrame::try_new(long, Format::Classic, &[]),
-                "T1234ABCD0\r",
-            ),
-            (
-                CanFrame::try_new(short, fd(false), &[7; 12]),
-                "d6D09070707070707070707070707\r",
-            ),
+            (CanFrame::try_new(short, Format::Classic, &[1, 0xFE]), "t6D0201FE\r"),
+            (CanFrame::try_new(long, Format::Classic, &[]), "T1234ABCD0\r"),
+            (CanFrame::try_new(short, fd(false), &[7; 12]), "d6D09070707070707070707070707\r"),
             (CanFrame::try_new(long, fd(true), &[5]), "B1234ABCD105\r"),
         ] {
             let frame = frame.unwrap();
@@ -495,19 +459,13 @@ mod tests {
             ("t6D01xx", SlcanError::Digits),
             ("tFFF0", SlcanError::Identifier { found: 0xFFF }),
             ("T200000000", SlcanError::Identifier { found: 0x2000_0000 }),
-            (
-                "t6D09010203040506070809101112",
-                SlcanError::Length { found: 9 },
-            ),
+            ("t6D09010203040506070809101112", SlcanError::Length { found: 9 }),
             ("t6D01abc", SlcanError::Trailing { found: 1 }),
             ("7", SlcanError::Letter { found: b'7' }),
         ] {
             assert_eq!(parse(line.as_bytes()), Err(error), "{line}");
         }
-        assert!(
-            matches!(parse(b"t6D01ab1234"), Ok(Line::Frame(_))),
-            "time stamp"
-        );
+        assert!(matches!(parse(b"t6D01ab1234"), Ok(Line::Frame(_))), "time stamp");
         assert_eq!(parse(b""), Ok(Line::Done));
         assert_eq!(parse(b"S6"), Ok(Line::Command(b'S')));
     }

@@ -8,11 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Functions whose call of a panic cannot be reached, all for code of dependencies:
 /// the log's own check that it is not entered twice (only the firmware's log lines come there, the library has none), and in the MAC the block buffer's last block of a list
 /// that its own condition before has found not to be empty.
-const NEVER: [&str; 3] = [
-    "_defmt_acquire",
-    "_defmt_release",
-    "rundown::auth::mac::started",
-];
+const NEVER: [&str; 3] = ["_defmt_acquire", "_defmt_release", "rundown::auth::mac::started"];
 
 /// A function of the image.
 pub struct Function {
@@ -58,9 +54,7 @@ impl Graph {
         marks.sort_unstable();
         let symbols: BTreeMap<u64, (String, u64)> = image
             .symbols()
-            .filter(|(_, address, size)| {
-                *size > 0 && (at..at + code.len() as u64).contains(address)
-            })
+            .filter(|(_, address, size)| *size > 0 && (at..at + code.len() as u64).contains(address))
             .map(|(name, address, size)| (address & !1, (plain(name), size)))
             .collect();
         let functions = symbols.iter().map(|(&start, (name, size))| {
@@ -96,12 +90,8 @@ impl Graph {
                 || name.starts_with("core::result::")
                 || name.starts_with("core::slice::index::")
         };
-        let mut doomed: BTreeSet<u64> = self
-            .0
-            .iter()
-            .filter(|(_, function)| is_panic(&function.name))
-            .map(|(&at, _)| at)
-            .collect();
+        let mut doomed: BTreeSet<u64> =
+            self.0.iter().filter(|(_, function)| is_panic(&function.name)).map(|(&at, _)| at).collect();
         let mut callers = BTreeSet::new();
         // Again with what the compiler's outliner has taken out of functions, until nothing new comes.
         loop {
@@ -144,13 +134,7 @@ impl Graph {
         Some(Deepest { bytes, path, ..all })
     }
 
-    fn below(
-        &self,
-        at: u64,
-        open: &mut Vec<u64>,
-        known: &mut BTreeMap<u64, Below>,
-        all: &mut Deepest,
-    ) -> Below {
+    fn below(&self, at: u64, open: &mut Vec<u64>, known: &mut BTreeMap<u64, Below>, all: &mut Deepest) -> Below {
         let Some(function) = self.0.get(&at) else {
             return (0, Vec::new());
         };
@@ -211,10 +195,7 @@ impl Function {
 /// The stretches of code between the constants, by the linker's marks.
 fn pieces(marks: &[(u64, bool)], start: u64, end: u64) -> Vec<(u64, u64)> {
     let first = marks.partition_point(|(at, _)| *at <= start);
-    let mut is_code = first
-        .checked_sub(1)
-        .and_then(|before| marks.get(before))
-        .is_none_or(|(_, is_code)| *is_code);
+    let mut is_code = first.checked_sub(1).and_then(|before| marks.get(before)).is_none_or(|(_, is_code)| *is_code);
     let mut from = start;
     let mut pieces = Vec::new();
     for &(at, next_is_code) in marks.iter().skip(first).take_while(|(at, _)| *at < end) {
@@ -234,11 +215,7 @@ pub fn allocators(image: &Image) -> Vec<String> {
     image
         .symbols()
         .map(|(name, ..)| plain(name))
-        .filter(|name| {
-            name.contains("__rust_alloc")
-                || name.contains("__rg_alloc")
-                || name.starts_with("alloc::")
-        })
+        .filter(|name| name.contains("__rust_alloc") || name.contains("__rg_alloc") || name.starts_with("alloc::"))
         .collect()
 }
 

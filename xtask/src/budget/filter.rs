@@ -26,19 +26,11 @@ pub fn measure() -> Result<Step, String> {
     let missing = || format!("{} has no function {STEP}", path.display());
     let deepest = graph.deepest(STEP).ok_or_else(missing)?;
     let code_bytes = graph.code_below(STEP).ok_or_else(missing)?;
-    let settings = Settings {
-        board: Board::Mps2,
-        image: path,
-        sleep: Sleep::AsHost,
-        flash: None,
-        preloads: Vec::new(),
-    };
+    let settings =
+        Settings { board: Board::Mps2, image: path, sleep: Sleep::AsHost, flash: None, preloads: Vec::new() };
     let mut emulator = Emulator::start(&settings).map_err(|error| error.to_string())?;
     let mut counts = [0; 4];
-    emulator
-        .line()
-        .read_exact(&mut counts)
-        .map_err(|error| format!("the step of the filter does not end: {error}"))?;
+    emulator.line().read_exact(&mut counts).map_err(|error| format!("the step of the filter does not end: {error}"))?;
     match u64::from(u32::from_le_bytes(counts)) {
         0 => Err("a step of the filter failed in the emulator".to_owned()),
         counts => Ok(Step {

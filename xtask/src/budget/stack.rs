@@ -39,17 +39,10 @@ pub fn bound(graph: &Graph) -> Result<Bound, String> {
         let of_priority: Vec<_> = of_priority.collect::<Result<_, _>>()?;
         tasks.extend(of_priority.into_iter().max_by_key(|(_, found)| found.bytes));
     }
-    let running = asleep
-        + tasks
-            .iter()
-            .map(|(_, found)| found.bytes + EXCEPTION_FRAME)
-            .sum::<u64>();
+    let running = asleep + tasks.iter().map(|(_, found)| found.bytes + EXCEPTION_FRAME).sum::<u64>();
     let bytes = running.max(start.1.bytes);
     tasks.push(start);
-    Ok(Bound {
-        bytes,
-        parts: tasks,
-    })
+    Ok(Bound { bytes, parts: tasks })
 }
 
 /// Where the stack goes: `cargo xtask stack`.

@@ -19,10 +19,7 @@ pub enum Step {
 
 /// Instructions of `code`, which lies at `at`.
 pub fn steps(code: &[u8], at: u64) -> Vec<Step> {
-    let halfwords: Vec<u16> = code
-        .chunks_exact(2)
-        .map(|pair| u16::from_le_bytes([pair[0], pair[1]]))
-        .collect();
+    let halfwords: Vec<u16> = code.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect();
     let mut steps = Vec::new();
     let mut register = [0; 16];
     let mut index = 0;
@@ -74,25 +71,19 @@ fn of_32_bits(first: u16, second: u16, here: u64, register: &[u64; 16]) -> Optio
             Some(Step::Takes(4 * u64::from(second & 0xFF)))
         }
         // SUB.W SP, SP, #modified constant
-        (0xF1AD | 0xF5AD, _) if second & 0x0F00 == 0x0D00 => {
-            Some(Step::Takes(expand(first, second)))
-        }
+        (0xF1AD | 0xF5AD, _) if second & 0x0F00 == 0x0D00 => Some(Step::Takes(expand(first, second))),
         // SUBW SP, SP, #constant
-        (0xF2AD | 0xF6AD, _) if second & 0x0F00 == 0x0D00 => Some(Step::Takes(u64::from(
-            (first >> 10 & 1) << 11 | (second >> 12 & 7) << 8 | second & 0xFF,
-        ))),
+        (0xF2AD | 0xF6AD, _) if second & 0x0F00 == 0x0D00 => {
+            Some(Step::Takes(u64::from((first >> 10 & 1) << 11 | (second >> 12 & 7) << 8 | second & 0xFF)))
+        }
         // SUB.W SP, SP, register
         (0xEBAD, _) if second & 0x0F00 == 0x0D00 => match register.get(usize::from(second & 0xF)) {
             Some(&bytes) if bytes > 0 => Some(Step::Takes(bytes)),
             _ => Some(Step::TakesUnknown),
         },
         // BL, B.W
-        _ if first & 0xF800 == 0xF000 && second & 0xD000 == 0xD000 => {
-            Some(Step::Calls(to(far(first, second))))
-        }
-        _ if first & 0xF800 == 0xF000 && second & 0xD000 == 0x9000 => {
-            Some(Step::Jumps(to(far(first, second))))
-        }
+        _ if first & 0xF800 == 0xF000 && second & 0xD000 == 0xD000 => Some(Step::Calls(to(far(first, second)))),
+        _ if first & 0xF800 == 0xF000 && second & 0xD000 == 0x9000 => Some(Step::Jumps(to(far(first, second)))),
         // B.W with a condition; 111x as a condition is another instruction.
         _ if first & 0xF800 == 0xF000 && second & 0xD000 == 0x8000 && first & 0x0380 != 0x0380 => {
             let (first, second) = (u32::from(first), u32::from(second));
@@ -111,9 +102,9 @@ fn of_32_bits(first: u16, second: u16, here: u64, register: &[u64; 16]) -> Optio
 fn load_constant(first: u16, second: u16, register: &mut [u64; 16]) {
     let value = match first {
         0xF04F | 0xF44F => expand(first, second),
-        _ if first & 0xFBF0 == 0xF240 => u64::from(
-            (first & 0xF) << 12 | (first >> 10 & 1) << 11 | (second >> 12 & 7) << 8 | second & 0xFF,
-        ),
+        _ if first & 0xFBF0 == 0xF240 => {
+            u64::from((first & 0xF) << 12 | (first >> 10 & 1) << 11 | (second >> 12 & 7) << 8 | second & 0xFF)
+        }
         _ => return,
     };
     if let Some(register) = register.get_mut(usize::from(second >> 8 & 0xF)) {
@@ -153,10 +144,7 @@ mod tests {
     use super::*;
 
     fn of(halfwords: &[u16]) -> Vec<Step> {
-        let code: Vec<u8> = halfwords
-            .iter()
-            .flat_map(|word| word.to_le_bytes())
-            .collect();
+        let code: Vec<u8> = halfwords.iter().flat_map(|word| word.to_le_bytes()).collect();
         steps(&code, 0x0800_0000)
     }
 
@@ -166,15 +154,9 @@ mod tests {
         assert_eq!(of(&[0xB5F0, 0xB084]), [Step::Takes(20), Step::Takes(16)]);
         // push.w {r4-r11, lr}; vpush {d8-d15}; sub.w sp, sp, #1024
         let wide = [0xE92D, 0x4FF0, 0xED2D, 0x8B10, 0xF5AD, 0x6D80];
-        assert_eq!(
-            of(&wide),
-            [Step::Takes(36), Step::Takes(64), Step::Takes(1024)]
-        );
+        assert_eq!(of(&wide), [Step::Takes(36), Step::Takes(64), Step::Takes(1024)]);
         // subw sp, sp, #2052; str lr, [sp, #-8]!
-        assert_eq!(
-            of(&[0xF6AD, 0x0D04, 0xF84D, 0xED08]),
-            [Step::Takes(2052), Step::Takes(8)]
-        );
+        assert_eq!(of(&[0xF6AD, 0x0D04, 0xF84D, 0xED08]), [Step::Takes(2052), Step::Takes(8)]);
         // movw r4, #4100; sub.w sp, sp, r4
         assert_eq!(of(&[0xF241, 0x0404, 0xEBAD, 0x0D04]), [Step::Takes(4100)]);
     }

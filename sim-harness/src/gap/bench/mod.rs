@@ -45,11 +45,7 @@ pub struct BenchError {
 /// # Errors
 /// [`BenchError`] when a file could not be written or read.
 pub fn blind(set: &Set, folder: &Path) -> Result<Option<Investigation>, BenchError> {
-    let failed = |reason: String| BenchError {
-        seed: set.ask.seed,
-        kinds: set.ask.kinds.join(" + "),
-        reason,
-    };
+    let failed = |reason: String| BenchError { seed: set.ask.seed, kinds: set.ask.kinds.join(" + "), reason };
     set.write(folder).map_err(|e| failed(e.to_string()))?;
     fs::remove_dir_all(folder.join("truth")).map_err(|e| failed(e.to_string()))?;
     let read = ReadSet::of(folder).map_err(|e| failed(e.to_string()))?;
@@ -86,13 +82,7 @@ impl ReadSet {
         let (file, track) = TrackFile::read(&folder.join("track.toml"))?;
         let logs = RunSet::find(&[folder.join("runs")])?;
         let (runs, notes) = load::runs(&logs, &file, DirectionChoice::Auto);
-        Ok(Self {
-            train,
-            track,
-            surroundings: load::surroundings(&file),
-            runs,
-            notes,
-        })
+        Ok(Self { train, track, surroundings: load::surroundings(&file), runs, notes })
     }
 
     /// Investigates. `None`: the runs have too little to compare.

@@ -60,24 +60,16 @@ impl Score {
             places: Vec::new(),
             intervals: [0, 0],
             outside: Vec::new(),
-            removed: found
-                .filter(|f| f.gap.is_removable())
-                .map(|f| f.gap.removed_share),
-            gap_mps: found.map_or([0.0; 3], |f| {
-                [f.gap.before_mps, f.gap.after_mps, f.gap.floor_mps]
-            }),
+            removed: found.filter(|f| f.gap.is_removable()).map(|f| f.gap.removed_share),
+            gap_mps: found.map_or([0.0; 3], |f| [f.gap.before_mps, f.gap.after_mps, f.gap.floor_mps]),
             p_value: found.map_or(1.0, |f| f.p_value),
-            rivals: named
-                .iter()
-                .flat_map(|n| n.ambiguous_with.clone())
-                .collect(),
+            rivals: named.iter().flat_map(|n| n.ambiguous_with.clone()).collect(),
             found: names,
             key,
         };
         for effect in hidden {
             if let Some(coordinate) = effect.unknown_coordinate() {
-                let right =
-                    |n: &Named| n.effect.name() == "unknown" && n.coordinate == Some(coordinate);
+                let right = |n: &Named| n.effect.name() == "unknown" && n.coordinate == Some(coordinate);
                 score.coordinate = Some(named.iter().any(right));
             } else if let Some(one) = named.iter().find(|n| n.effect.name() == effect.name()) {
                 score.compare(effect, one, &set.scenario.train);
@@ -95,8 +87,7 @@ impl Score {
                 if *low <= value && value <= *high {
                     self.intervals[1] += 1;
                 } else {
-                    self.outside
-                        .push(format!("{name} {value:.4e} in {low:.4e} to {high:.4e}"));
+                    self.outside.push(format!("{name} {value:.4e} in {low:.4e} to {high:.4e}"));
                 }
             }
         }
@@ -124,13 +115,11 @@ fn key_name(effect: &Hidden) -> &'static str {
 /// Each name of the key is found, or stands among the few rivals of a found one that is no other of the key.
 fn one_to_one(key: &[&'static str], named: &[Named]) -> bool {
     let mut left: Vec<&Named> = named.iter().collect();
-    let (found, missing): (Vec<&str>, Vec<&str>) = key
-        .iter()
-        .partition(|name| named.iter().any(|n| n.effect.name() == **name));
+    let (found, missing): (Vec<&str>, Vec<&str>) =
+        key.iter().partition(|name| named.iter().any(|n| n.effect.name() == **name));
     left.retain(|n| !found.contains(&n.effect.name()));
     missing.iter().all(|name| {
-        let rival =
-            |n: &&Named| n.ambiguous_with.len() <= MOST_RIVALS && n.ambiguous_with.contains(name);
+        let rival = |n: &&Named| n.ambiguous_with.len() <= MOST_RIVALS && n.ambiguous_with.contains(name);
         match left.iter().position(rival) {
             Some(i) => {
                 left.remove(i);
@@ -169,16 +158,8 @@ fn main_parameter(hidden: &Hidden, train: &TrainTruth) -> Option<(&'static str, 
 
 /// Wrong coefficients hide in each other, their resistance does not: error of it between 60 and 140 km/h as a share of what was hidden, root mean squares.
 fn davis_error(truth: &Value, found: &DavisError) -> Option<f64> {
-    let truth = DavisTruth {
-        r0: truth["dr0"].as_f64()?,
-        r1: truth["dr1"].as_f64()?,
-        r2: truth["dr2"].as_f64()?,
-    };
-    let found = DavisTruth {
-        r0: found.dr0,
-        r1: found.dr1,
-        r2: found.dr2,
-    };
+    let truth = DavisTruth { r0: truth["dr0"].as_f64()?, r1: truth["dr1"].as_f64()?, r2: truth["dr2"].as_f64()? };
+    let found = DavisTruth { r0: found.dr0, r1: found.dr1, r2: found.dr2 };
     let speeds = (60..=140).step_by(10).map(|kmh| f64::from(kmh) / 3.6);
     let (error, hidden) = speeds.fold((0.0, 0.0), |(error, hidden), v| {
         let (a, b) = (truth.resistance_n_per_kg(v), found.resistance_n_per_kg(v));
@@ -207,11 +188,7 @@ mod tests {
     #[test]
     fn wrong_coefficients_are_judged_by_their_resistance() {
         let truth = serde_json::json!({ "dr0": 1e-3, "dr1": 0.0, "dr2": 0.0 });
-        let found = DavisError {
-            dr0: 1.1e-3,
-            dr1: 0.0,
-            dr2: 0.0,
-        };
+        let found = DavisError { dr0: 1.1e-3, dr1: 0.0, dr2: 0.0 };
         assert!((davis_error(&truth, &found).unwrap() - 0.1).abs() < 1e-9);
     }
 }

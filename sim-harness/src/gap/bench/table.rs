@@ -23,13 +23,7 @@ pub struct Done {
 
 /// All tables.
 pub fn tables(done: &[Done]) -> String {
-    [
-        false_alarms(done),
-        sizes(done),
-        confusion(done, true),
-        confusion(done, false),
-    ]
-    .concat()
+    [false_alarms(done), sizes(done), confusion(done, true), confusion(done, false)].concat()
 }
 
 fn false_alarms(done: &[Done]) -> String {
@@ -40,9 +34,7 @@ fn false_alarms(done: &[Done]) -> String {
         for dirty in [false, true] {
             let sets: Vec<&Done> = done
                 .iter()
-                .filter(|d| {
-                    d.ask.kinds.is_empty() && d.ask.effort == effort && d.ask.dirty == dirty
-                })
+                .filter(|d| d.ask.kinds.is_empty() && d.ask.effort == effort && d.ask.dirty == dirty)
                 .collect();
             if sets.is_empty() {
                 continue;
@@ -74,18 +66,14 @@ fn sizes(done: &[Done]) -> String {
         for size in Size::ALL {
             let sets: Vec<&Score> = done
                 .iter()
-                .filter(|d| {
-                    d.ask.kinds.len() == count && d.ask.effort == effort && d.ask.size == size
-                })
+                .filter(|d| d.ask.kinds.len() == count && d.ask.effort == effort && d.ask.size == size)
                 .map(|d| &d.score)
                 .collect();
             if sets.is_empty() {
                 continue;
             }
             let all = |of: &dyn Fn(&Score) -> Vec<f64>| median(sets.iter().flat_map(|s| of(s)));
-            let [intervals, hold] = sets
-                .iter()
-                .fold([0, 0], |[a, b], s| [a + s.intervals[0], b + s.intervals[1]]);
+            let [intervals, hold] = sets.iter().fold([0, 0], |[a, b], s| [a + s.intervals[0], b + s.intervals[1]]);
             let unknown: Vec<bool> = sets.iter().filter_map(|s| s.coordinate).collect();
             text.push_str(&format!(
                 "| {count} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
@@ -93,18 +81,12 @@ fn sizes(done: &[Done]) -> String {
                 format!("{size:?}").to_lowercase(),
                 sets.len(),
                 share(sets.iter().filter(|s| s.exact).count(), sets.len()),
-                share(
-                    sets.iter().filter(|s| s.exact || s.shared).count(),
-                    sets.len()
-                ),
+                share(sets.iter().filter(|s| s.exact || s.shared).count(), sets.len()),
                 percent(all(&|s| s.size_errors.clone())),
                 all(&|s| s.places.clone()).map_or_else(nothing, |x| format!("{x:.2}")),
                 percent(all(&|s| s.removed.into_iter().collect())),
                 share(hold, intervals),
-                share(
-                    unknown.iter().filter(|right| **right).count(),
-                    unknown.len()
-                ),
+                share(unknown.iter().filter(|right| **right).count(), unknown.len()),
             ));
         }
     }
@@ -124,11 +106,7 @@ fn confusion(done: &[Done], effort: bool) -> String {
             cell.push(if score.exact {
                 "✓".to_owned()
             } else {
-                let mut text = if score.found.is_empty() {
-                    "nothing".to_owned()
-                } else {
-                    score.found.join(" + ")
-                };
+                let mut text = if score.found.is_empty() { "nothing".to_owned() } else { score.found.join(" + ") };
                 if score.shared {
                     text.push_str(" (shared)");
                 }
@@ -160,11 +138,7 @@ fn percent(value: Option<f64>) -> String {
 }
 
 fn share(count: usize, of: usize) -> String {
-    if of == 0 {
-        nothing()
-    } else {
-        format!("{:.2} ({count}/{of})", count as f64 / of as f64)
-    }
+    if of == 0 { nothing() } else { format!("{:.2} ({count}/{of})", count as f64 / of as f64) }
 }
 
 fn nothing() -> String {

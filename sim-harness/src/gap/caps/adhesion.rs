@@ -17,11 +17,7 @@ const MOST_SLIPPERY: f64 = 0.6;
 /// A limit of the effort in the runs in which the pulls at low speed show it.
 pub fn adhesion(runs: &[Told<'_>]) -> Option<FoundLimit> {
     let limit = |pull: &Pull, factor: f64, below_kmh: f64| {
-        if 3.6 * pull.speed_mps < below_kmh {
-            factor * pull.effort_over_limit
-        } else {
-            1.0
-        }
+        if 3.6 * pull.speed_mps < below_kmh { factor * pull.effort_over_limit } else { 1.0 }
     };
     let gains = |factor: f64, below_kmh: f64| -> Vec<f64> {
         let gain = |run: &Told<'_>| run.gain(|pull| limit(pull, factor, below_kmh));
@@ -40,10 +36,7 @@ pub fn adhesion(runs: &[Told<'_>]) -> Option<FoundLimit> {
                 .sum();
             share = (sum / gains.len() as f64).clamp(0.5 / gains.len() as f64, MOST_SLIPPERY);
         }
-        let total = gains
-            .iter()
-            .map(|g| (share * g.clamp(-50.0, 700.0).exp() + 1.0 - share).ln())
-            .sum();
+        let total = gains.iter().map(|g| (share * g.clamp(-50.0, 700.0).exp() + 1.0 - share).ln()).sum();
         (share, total)
     };
     let mut best: Option<(f64, f64, f64, Vec<f64>, f64)> = None;
@@ -58,12 +51,7 @@ pub fn adhesion(runs: &[Told<'_>]) -> Option<FoundLimit> {
     }
     let (mut factor, mut below, mut total, mut of_runs, mut share) = best?;
     for step in [0.02, 0.01, 0.005, 0.0025] {
-        for (f, b) in [
-            (step, 0.0),
-            (-step, 0.0),
-            (0.0, 100.0 * step),
-            (0.0, -100.0 * step),
-        ] {
+        for (f, b) in [(step, 0.0), (-step, 0.0), (0.0, 100.0 * step), (0.0, -100.0 * step)] {
             let gains = gains(factor + f, below + b);
             let (s, t) = mixture(&gains);
             if t > total {
@@ -85,28 +73,20 @@ pub fn adhesion(runs: &[Told<'_>]) -> Option<FoundLimit> {
     // As far as the log-likelihood loses no more than a 95 % limit allows.
     let reach = |step: f64, loss: &dyn Fn(f64) -> f64| {
         let steps = (1..40).map(|i| f64::from(i) * step);
-        steps
-            .take_while(|by| loss(*by) < LOSS_AT_LIMIT)
-            .last()
-            .unwrap_or(0.0)
+        steps.take_while(|by| loss(*by) < LOSS_AT_LIMIT).last().unwrap_or(0.0)
     };
     let below_kmh = |step| below + reach(step, &|by| loss(factor, below + by));
     let below_kmh = (below_kmh(-1.0), below_kmh(1.0));
     if below_kmh.1 > LOW_KMH {
         return None;
     }
-    let of_factor = reach(0.002, &|by| loss(factor + by, below))
-        - reach(-0.002, &|by| loss(factor + by, below));
+    let of_factor = reach(0.002, &|by| loss(factor + by, below)) - reach(-0.002, &|by| loss(factor + by, below));
     Some(FoundLimit {
         gain: total,
         value: total - 2.0 * 2.1 - 1.5 - BAD_DAYS,
         factor_sd: (0.25 * of_factor).max(0.005),
         edges_m: None,
         below_kmh: Some(below_kmh),
-        limit: Limit::Adhesion {
-            factor,
-            below_kmh: below,
-            runs: slippery,
-        },
+        limit: Limit::Adhesion { factor, below_kmh: below, runs: slippery },
     })
 }

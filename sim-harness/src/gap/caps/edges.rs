@@ -26,11 +26,7 @@ pub fn edges(pulled: &[f64], best_m: [f64; 2], most: f64, gain: impl Fn([f64; 2]
         let mut reached = best_m[edge];
         let beyond = |at: f64, last: f64| if up { at > last } else { at < last };
         let mut tried = reached;
-        let ahead: Vec<f64> = if up {
-            pulled.to_vec()
-        } else {
-            pulled.iter().rev().copied().collect()
-        };
+        let ahead: Vec<f64> = if up { pulled.to_vec() } else { pulled.iter().rev().copied().collect() };
         for at in ahead.into_iter().filter(|at| beyond(*at, best_m[edge])) {
             if (at - tried).abs() < STEP_M {
                 continue;
@@ -55,19 +51,10 @@ pub fn edges(pulled: &[f64], best_m: [f64; 2], most: f64, gain: impl Fn([f64; 2]
         let [inner, outer] = [false, true].map(|outwards| reach(edge, outwards, SAME));
         let half = (0.5 * (outer - inner)).clamp(-SOON_M, SOON_M);
         let limits = [false, true].map(|outwards| reach(edge, outwards, LOSS_AT_LIMIT));
-        (
-            inner + half,
-            (
-                limits[0].min(limits[1]) - STEP_M,
-                limits[0].max(limits[1]) + STEP_M,
-            ),
-        )
+        (inner + half, (limits[0].min(limits[1]) - STEP_M, limits[0].max(limits[1]) + STEP_M))
     };
     let (from, to) = (edge(0), edge(1));
-    Edges {
-        likely_m: [from.0, to.0],
-        limits_m: [from.1, to.1],
-    }
+    Edges { likely_m: [from.0, to.0], limits_m: [from.1, to.1] }
 }
 
 #[cfg(test)]
@@ -82,9 +69,7 @@ mod tests {
             let differs = |p: &&f64| at((from, end), **p) != at((2_000.0, to_m), **p);
             pulled.iter().filter(differs).count() as f64
         };
-        edges(&pulled, [1_990.0, to_m.min(4_050.0)], 0.0, |section| {
-            -10.0 * wrong(section)
-        })
+        edges(&pulled, [1_990.0, to_m.min(4_050.0)], 0.0, |section| -10.0 * wrong(section))
     }
 
     #[test]

@@ -44,46 +44,28 @@ pub fn traction(believed: &Believed<'_>, run: &Run, readings: &Readings) -> Vec<
             EffortReading::MeanSinceLast => &run.samples[i.checked_sub(1)?],
         };
         let effort = here.effort_n_per_kg.filter(|effort| *effort > 0.0)?;
-        Some(Reading {
-            span_m: [from.location_m?, here.location_m?],
-            ratio: effort / limit(from)?.max(limit(here)?),
-        })
+        Some(Reading { span_m: [from.location_m?, here.location_m?], ratio: effort / limit(from)?.max(limit(here)?) })
     });
     read.collect()
 }
 
 /// The same where the effort is calculated, with this standard deviation: what each interval gives at least.
-pub fn calculated(
-    train: &Train,
-    intervals: &[Interval],
-    effort: &[Option<f64>],
-    effort_sd: f64,
-) -> Vec<Reading> {
+pub fn calculated(train: &Train, intervals: &[Interval], effort: &[Option<f64>], effort_sd: f64) -> Vec<Reading> {
     let most = train.max_effort_n_per_kg(0.1);
-    let read = intervals
-        .iter()
-        .zip(effort)
-        .filter_map(|(interval, effort)| {
-            let limit = interval.mean(|p| train.max_effort_n_per_kg(p.speed_mps.max(0.5)));
-            let least = (*effort)? - SURE * effort_sd;
-            let [begin, end] = interval.speed_mps;
-            let by_power = train.max_effort_n_per_kg(begin.min(end).max(0.5)) < most;
-            (by_power && least > 0.0).then_some(Reading {
-                span_m: [0, POINTS - 1].map(|i| interval.path[i].location_m),
-                ratio: least / limit,
-            })
-        });
+    let read = intervals.iter().zip(effort).filter_map(|(interval, effort)| {
+        let limit = interval.mean(|p| train.max_effort_n_per_kg(p.speed_mps.max(0.5)));
+        let least = (*effort)? - SURE * effort_sd;
+        let [begin, end] = interval.speed_mps;
+        let by_power = train.max_effort_n_per_kg(begin.min(end).max(0.5)) < most;
+        (by_power && least > 0.0)
+            .then_some(Reading { span_m: [0, POINTS - 1].map(|i| interval.path[i].location_m), ratio: least / limit })
+    });
     read.collect()
 }
 
 /// A limit of a section as far as the readings allow it, if they do.
 pub fn allowed(mut found: FoundLimit, traction: &[Vec<Reading>]) -> Option<FoundLimit> {
-    let Limit::Section {
-        from_m,
-        to_m,
-        factor,
-    } = &mut found.limit
-    else {
+    let Limit::Section { from_m, to_m, factor } = &mut found.limit else {
         return Some(found);
     };
     let (low, high) = (*from_m, *to_m);
@@ -147,10 +129,7 @@ mod tests {
             let reading = |k: u32| {
                 let location_m = 100.0 * f64::from(k);
                 let much = i < above && at_m.contains(&location_m);
-                Reading {
-                    span_m: [location_m; 2],
-                    ratio: if much { 0.6 } else { 0.3 },
-                }
+                Reading { span_m: [location_m; 2], ratio: if much { 0.6 } else { 0.3 } }
             };
             (0..200).map(reading).collect()
         };
@@ -159,11 +138,7 @@ mod tests {
 
     fn section(traction: &[Vec<Reading>]) -> Option<(f64, f64)> {
         let found = FoundLimit {
-            limit: Limit::Section {
-                from_m: 4_000.0,
-                to_m: 8_000.0,
-                factor: 0.33,
-            },
+            limit: Limit::Section { from_m: 4_000.0, to_m: 8_000.0, factor: 0.33 },
             gain: 20.0,
             value: 13.0,
             factor_sd: 0.01,
@@ -179,19 +154,13 @@ mod tests {
     #[test]
     fn strays_and_what_lies_outside_change_nothing() {
         assert_eq!(section(&runs(2, &[6_000.0])), Some((4_000.0, 8_000.0)));
-        assert_eq!(
-            section(&runs(20, &[3_000.0, 9_000.0])),
-            Some((4_000.0, 8_000.0))
-        );
+        assert_eq!(section(&runs(20, &[3_000.0, 9_000.0])), Some((4_000.0, 8_000.0)));
         assert_eq!(section(&[]), Some((4_000.0, 8_000.0)));
     }
 
     #[test]
     fn many_runs_near_an_end_shorten_a_limit_and_in_its_middle_refute_it() {
-        assert_eq!(
-            section(&runs(5, &[4_500.0, 7_800.0])),
-            Some((4_500.0, 7_800.0))
-        );
+        assert_eq!(section(&runs(5, &[4_500.0, 7_800.0])), Some((4_500.0, 7_800.0)));
         assert_eq!(section(&runs(5, &[5_900.0, 6_100.0])), None);
     }
 
@@ -206,8 +175,7 @@ mod tests {
     #[test]
     fn a_calculated_effort_counts_for_what_it_is_at_least_and_only_where_the_power_limits() {
         let train = train();
-        let corner_mps =
-            train.description().max_power_w / train.description().max_tractive_effort_n;
+        let corner_mps = train.description().max_power_w / train.description().max_tractive_effort_n;
         let interval = |from_mps: f64| {
             let mut interval = Row::coasting(Direction::Up, 1000.0, from_mps + 1.0).interval;
             interval.speed_mps = [from_mps, from_mps + 2.0];

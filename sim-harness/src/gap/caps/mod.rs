@@ -91,11 +91,7 @@ pub struct FoundLimit {
 
 /// All limits that are better than the believed one, best first. `pulls` and `traction` by run.
 pub fn limits(pulls: &[Vec<Pull>], traction: &[Vec<Reading>]) -> Vec<FoundLimit> {
-    let runs: Vec<Told<'_>> = pulls
-        .iter()
-        .filter(|pulls| pulls.len() >= 2)
-        .map(|pulls| Told::new(pulls))
-        .collect();
+    let runs: Vec<Told<'_>> = pulls.iter().filter(|pulls| pulls.len() >= 2).map(|pulls| Told::new(pulls)).collect();
     if runs.len() < 3 {
         return Vec::new();
     }
@@ -118,9 +114,5 @@ fn trimmed(gains: impl Iterator<Item = f64>) -> f64 {
 fn factor_sd(most: f64, gain: impl Fn(f64) -> f64) -> f64 {
     const STEP: f64 = 0.01;
     let curvature = (2.0 * most - gain(-STEP) - gain(STEP)) / (STEP * STEP);
-    if curvature > 0.0 {
-        1.0 / curvature.sqrt()
-    } else {
-        STEP
-    }
+    if curvature > 0.0 { 1.0 / curvature.sqrt() } else { STEP }
 }

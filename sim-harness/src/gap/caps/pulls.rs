@@ -88,8 +88,7 @@ pub fn pulls(
         })
         .collect();
     let known = |(i, pull): (usize, &Option<Pull>)| Some((i, (intervals[i].begin_s, (*pull)?)));
-    let (at, known): (Vec<usize>, Vec<(f64, Pull)>) =
-        read.iter().enumerate().filter_map(known).unzip();
+    let (at, known): (Vec<usize>, Vec<(f64, Pull)>) = read.iter().enumerate().filter_map(known).unzip();
     let mut floating = vec![false; intervals.len()];
     for (place, i) in at.into_iter().enumerate() {
         // A calculated effort follows the rounding of the speed: nothing floats in it.
@@ -106,9 +105,8 @@ pub fn pulls(
         })
         .collect();
     // Steady: like a neighbour.
-    let near = |a: &Pull, b: &Option<Pull>| {
-        b.is_some_and(|b| (a.ratio - b.ratio).abs() < 0.02 + 2.5 * a.sd.hypot(b.sd))
-    };
+    let near =
+        |a: &Pull, b: &Option<Pull>| b.is_some_and(|b| (a.ratio - b.ratio).abs() < 0.02 + 2.5 * a.sd.hypot(b.sd));
     let steady = (0..ratios.len()).filter_map(|i| {
         let pull = ratios[i]?;
         let before = i > 0 && near(&pull, &ratios[i - 1]);
@@ -175,11 +173,7 @@ pub fn by_number(pulls: &[Pull]) -> impl Iterator<Item = &[Pull]> {
 
 /// What the reading of the speed is to the ratio, m/s: where the effort is what limits, the limit does not depend on the speed, and only a rise of the effort does.
 fn speed_sd_mps(at_power: f64, effort_over_limit: f64) -> f64 {
-    if effort_over_limit > BY_POWER {
-        at_power
-    } else {
-        0.03
-    }
+    if effort_over_limit > BY_POWER { at_power } else { 0.03 }
 }
 
 /// The power stays while the speed goes up and down: with the gradient, at the limit of what the train gives, though it gains nothing. A driver who holds a speed does the opposite.
@@ -208,12 +202,7 @@ fn floats(read: &[(f64, Pull)], here: usize) -> bool {
 
 /// Intervals of steady power where the effort is measured at the moments of its samples: no mean over an interval is needed, and a fast log shows more of the first
 /// seconds.
-pub fn sampled_pulls(
-    believed: &Believed<'_>,
-    index: usize,
-    run: &Run,
-    readings: &Readings,
-) -> Vec<Pull> {
+pub fn sampled_pulls(believed: &Believed<'_>, index: usize, run: &Run, readings: &Readings) -> Vec<Pull> {
     /// Samples nearer than this say the same, s.
     const LEAST_S: f64 = 3.0;
     /// Neighbours are at least so far, s: a full acceleration moves the rounded speed by more than its step.

@@ -20,18 +20,11 @@ struct Bins {
 
 impl Bins {
     fn of(runs: &[Told<'_>]) -> Self {
-        let at = || {
-            runs.iter()
-                .flat_map(|run| run.pulls.iter().map(|p| p.location_m))
-        };
+        let at = || runs.iter().flat_map(|run| run.pulls.iter().map(|p| p.location_m));
         let low = at().fold(f64::INFINITY, f64::min) - EDGE_M;
         let high = at().fold(f64::NEG_INFINITY, f64::max) + EDGE_M;
         let count = (((high - low) / EDGE_M).ceil() as usize).clamp(2, 160);
-        Self {
-            low,
-            width: (high - low) / count as f64,
-            count,
-        }
+        Self { low, width: (high - low) / count as f64, count }
     }
 
     fn bin(&self, pull: &Pull) -> usize {
@@ -105,17 +98,9 @@ fn searched(runs: &[Told<'_>], bins: &Bins) -> Vec<[f64; 3]> {
                     with.for_each(|(sum, change)| *sum += change);
                     let gain = over_shares(&at_share) - unlimited;
                     // All sections that begin after the bin touched before and end before the one touched next.
-                    let begin = if first == 0 {
-                        0
-                    } else {
-                        touched[first - 1] + 1
-                    };
-                    let end = touched
-                        .get(last + 1)
-                        .map_or(bins.count + 1, |next| next + 1);
-                    let mut add = |a: usize, b: usize, gain: f64| {
-                        changes[(step * side + a) * side + b] += gain
-                    };
+                    let begin = if first == 0 { 0 } else { touched[first - 1] + 1 };
+                    let end = touched.get(last + 1).map_or(bins.count + 1, |next| next + 1);
+                    let mut add = |a: usize, b: usize, gain: f64| changes[(step * side + a) * side + b] += gain;
                     add(begin, touched[last] + 1, gain);
                     add(begin, end, -gain);
                     add(touched[first] + 1, touched[last] + 1, -gain);
@@ -146,19 +131,9 @@ fn searched(runs: &[Told<'_>], bins: &Bins) -> Vec<[f64; 3]> {
 pub fn section(runs: &[Told<'_>]) -> Option<FoundLimit> {
     let bins = Bins::of(runs);
     let gain = |run: &Told<'_>, from: f64, to: f64, factor: f64| {
-        run.gain(|pull| {
-            if (from..to).contains(&pull.location_m) && pull.by_power() {
-                factor
-            } else {
-                1.0
-            }
-        })
+        run.gain(|pull| if (from..to).contains(&pull.location_m) && pull.by_power() { factor } else { 1.0 })
     };
-    let gain_of = |from: f64, to: f64, factor: f64| {
-        runs.iter()
-            .map(|run| gain(run, from, to, factor))
-            .sum::<f64>()
-    };
+    let gain_of = |from: f64, to: f64, factor: f64| runs.iter().map(|run| gain(run, from, to, factor)).sum::<f64>();
     let climbed = |[mut from, mut to, mut factor]: [f64; 3]| {
         let mut most = gain_of(from, to, factor);
         let mut step = [0.5 * bins.width, 0.5 * bins.width, 0.025];
@@ -178,26 +153,18 @@ pub fn section(runs: &[Told<'_>]) -> Option<FoundLimit> {
         }
         (most, [from, to, factor])
     };
-    let mut starts: Vec<(f64, [f64; 3])> = searched(runs, &bins)
-        .into_iter()
-        .map(|start| (gain_of(start[0], start[1], start[2]), start))
-        .collect();
+    let mut starts: Vec<(f64, [f64; 3])> =
+        searched(runs, &bins).into_iter().map(|start| (gain_of(start[0], start[1], start[2]), start)).collect();
     starts.sort_by(|a, b| b.0.total_cmp(&a.0));
     let climbed = starts.iter().take(STARTS).map(|(_, start)| climbed(*start));
     let (most, [mut from, mut to, factor]) = climbed.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut pulled: Vec<f64> = at_power(runs).collect();
     pulled.sort_by(f64::total_cmp);
-    let edges = edges(&pulled, [from, to], most, |[from, to]| {
-        gain_of(from, to, factor)
-    });
+    let edges = edges(&pulled, [from, to], most, |[from, to]| gain_of(from, to, factor));
     [from, to] = edges.likely_m;
     let gain = most.min(trimmed(runs.iter().map(|run| gain(run, from, to, factor))));
     Some(FoundLimit {
-        limit: Limit::Section {
-            from_m: from,
-            to_m: to,
-            factor,
-        },
+        limit: Limit::Section { from_m: from, to_m: to, factor },
         gain,
         value: gain - 2.1 - 5.0,
         factor_sd: factor_sd(most, |by| gain_of(from, to, factor + by)),

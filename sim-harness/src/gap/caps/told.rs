@@ -40,11 +40,7 @@ struct Asked {
 impl Asked {
     fn new(parts: Vec<usize>, tables: &[[f64; SHARES]]) -> Self {
         let at_share = core::array::from_fn(|k| parts.iter().map(|i| tables[*i][k]).sum());
-        Self {
-            unlimited: over_shares(&at_share),
-            at_share,
-            parts,
-        }
+        Self { unlimited: over_shares(&at_share), at_share, parts }
     }
 }
 
@@ -63,14 +59,9 @@ impl<'a> Told<'a> {
     /// Of a run.
     pub fn new(pulls: &'a [Pull]) -> Self {
         let at = shares(1.0);
-        let tables: Vec<[f64; SHARES]> = pulls
-            .iter()
-            .map(|pull| at.map(|share| density(pull, share)))
-            .collect();
+        let tables: Vec<[f64; SHARES]> = pulls.iter().map(|pull| at.map(|share| density(pull, share))).collect();
         let asked = |number: Option<usize>, power: bool| {
-            let wanted = |i: &usize| {
-                pulls[*i].by_power() == power && number.is_none_or(|n| pulls[*i].number == n)
-            };
+            let wanted = |i: &usize| pulls[*i].by_power() == power && number.is_none_or(|n| pulls[*i].number == n);
             Asked::new((0..pulls.len()).filter(wanted).collect(), &tables)
         };
         let of_run = [false, true].map(|power| asked(None, power));
@@ -79,13 +70,7 @@ impl<'a> Told<'a> {
             .flat_map(|number| [false, true].map(|power| asked(Some(number), power)))
             .filter(|asked| !asked.parts.is_empty())
             .collect();
-        let mut told = Self {
-            pulls,
-            of_run,
-            of_pulls,
-            unlimited: 0.0,
-            tables,
-        };
+        let mut told = Self { pulls, of_run, of_pulls, unlimited: 0.0, tables };
         told.unlimited = told.mean(&|asked: &Asked| asked.unlimited);
         told
     }
@@ -137,11 +122,7 @@ impl<'a> Told<'a> {
     /// The same if drivers ask for another largest share, and the train gives it.
     pub fn gain_up_to(&self, most: f64) -> f64 {
         let at = shares(most);
-        let tables: Vec<[f64; SHARES]> = self
-            .pulls
-            .iter()
-            .map(|pull| at.map(|share| density(pull, share)))
-            .collect();
+        let tables: Vec<[f64; SHARES]> = self.pulls.iter().map(|pull| at.map(|share| density(pull, share))).collect();
         let of = |asked: &Asked| Asked::new(asked.parts.clone(), &tables).unlimited;
         self.mean(&of) - self.unlimited
     }
@@ -187,11 +168,7 @@ mod tests {
     fn likelihood(pulls: &[Pull], limit: impl Fn(&Pull) -> f64) -> f64 {
         let one_share = |parts: &[Pull], power: bool| {
             let parts = || parts.iter().filter(|part| part.by_power() == power);
-            let at = |share: f64| {
-                parts()
-                    .map(|part| density(part, share.min(limit(part))))
-                    .sum()
-            };
+            let at = |share: f64| parts().map(|part| density(part, share.min(limit(part)))).sum();
             over_shares(&shares(1.0).map(at))
         };
         let of = |parts: &[Pull]| one_share(parts, false) + one_share(parts, true);
@@ -200,13 +177,8 @@ mod tests {
 
     #[test]
     fn tables_say_what_the_definition_says() {
-        let pulls = [
-            pull(0, 0.98, false),
-            pull(0, 0.71, true),
-            pull(0, 0.70, true),
-            pull(1, 0.95, true),
-            pull(1, 0.72, true),
-        ];
+        let pulls =
+            [pull(0, 0.98, false), pull(0, 0.71, true), pull(0, 0.70, true), pull(1, 0.95, true), pull(1, 0.72, true)];
         let told = Told::new(&pulls);
         let none = likelihood(&pulls, |_| 1.0);
         for factor in [0.3, 0.7, 0.72, 0.9, 1.0, 1.2] {

@@ -34,17 +34,8 @@ pub(super) fn axis<'a>(page: &'a Page<'_>, one: &'a Named) -> Option<Axis<'a>> {
     let first_day = page.found.findings.first_day;
     let day = move |row: &Row| Some(row.interval.day? - first_day);
     let believed = &page.believed;
-    let plain = |x_label, x: Of<'a, Option<f64>>| Axis {
-        x_label,
-        x,
-        by_direction: false,
-        of_run: false,
-        per: None,
-    };
-    let of_run = |x_label, x: Of<'a, Option<f64>>| Axis {
-        of_run: true,
-        ..plain(x_label, x)
-    };
+    let plain = |x_label, x: Of<'a, Option<f64>>| Axis { x_label, x, by_direction: false, of_run: false, per: None };
+    let of_run = |x_label, x: Of<'a, Option<f64>>| Axis { of_run: true, ..plain(x_label, x) };
     let found = match &one.effect {
         // Where the whole train is inside: there the law is one of the speed alone.
         Effect::TunnelDrag(e) => plain(
@@ -70,10 +61,7 @@ pub(super) fn axis<'a>(page: &'a Page<'_>, one: &'a Named) -> Option<Axis<'a>> {
             "R\u{f6}ckl's resistance of the curves under the train, N/kg",
             Box::new(move |row| Some(extra(believed, &one.effect, row) / e.coefficient_roeckl)),
         ),
-        Effect::SteadyWind(_) => Axis {
-            by_direction: true,
-            ..plain("speed, km/h", Box::new(speed))
-        },
+        Effect::SteadyWind(_) => Axis { by_direction: true, ..plain("speed, km/h", Box::new(speed)) },
         Effect::MassError(_) => plain(
             "effort less believed air drag, N/kg",
             Box::new(move |row| {
@@ -86,9 +74,7 @@ pub(super) fn axis<'a>(page: &'a Page<'_>, one: &'a Named) -> Option<Axis<'a>> {
             "number of the run, after its first brake application",
             Box::new(|row| row.interval.braked.then_some(row.interval.run as f64 + 1.0)),
         ),
-        Effect::TemperatureResistance(_) => {
-            of_run("ambient temperature, \u{b0}C", Box::new(temperature))
-        }
+        Effect::TemperatureResistance(_) => of_run("ambient temperature, \u{b0}C", Box::new(temperature)),
         Effect::SeasonalDrift(_) => of_run("days since the first run", Box::new(day)),
         Effect::BrakeFade(_) => Axis {
             per: Some(|row| row.effort_n_per_kg),
@@ -104,15 +90,10 @@ pub(super) fn axis<'a>(page: &'a Page<'_>, one: &'a Named) -> Option<Axis<'a>> {
         Effect::WarmUp(_) => plain("time since departure, min", Box::new(minutes)),
         Effect::DavisError(_) => plain("speed, km/h", Box::new(speed)),
         Effect::Unknown(e) => match e.coordinate {
-            Coordinate::Location => plain(
-                "location of the train's front, km",
-                Box::new(move |row| Some(km(row))),
-            ),
+            Coordinate::Location => plain("location of the train's front, km", Box::new(move |row| Some(km(row)))),
             Coordinate::Speed => plain("speed, km/h", Box::new(speed)),
             Coordinate::Time => plain("time since departure, min", Box::new(minutes)),
-            Coordinate::Temperature => {
-                of_run("ambient temperature, \u{b0}C", Box::new(temperature))
-            }
+            Coordinate::Temperature => of_run("ambient temperature, \u{b0}C", Box::new(temperature)),
             Coordinate::Day => of_run("days since the first run", Box::new(day)),
         },
         _ => return None,

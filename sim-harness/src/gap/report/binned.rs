@@ -34,10 +34,7 @@ pub(super) fn width(range: &Range<f64>, most: usize) -> f64 {
     let least = ((range.end - range.start) / most.max(1) as f64).max(1e-9);
     let power = 10_f64.powf(least.log10().floor());
     let round = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
-    round
-        .into_iter()
-        .find(|w| *w >= least)
-        .unwrap_or(10.0 * power)
+    round.into_iter().find(|w| *w >= least).unwrap_or(10.0 * power)
 }
 
 /// The bins that have values, in their order.
@@ -82,20 +79,13 @@ mod tests {
     use super::*;
 
     fn value(run: usize, at: f64, value: f64) -> Value {
-        Value {
-            run,
-            at,
-            value,
-            weight: 1.0,
-        }
+        Value { run, at, value, weight: 1.0 }
     }
 
     #[test]
     fn repeating_a_value_within_its_run_makes_no_mean_surer() {
         let once: Vec<Value> = (0..3).map(|run| value(run, 5.0, run as f64)).collect();
-        let ten: Vec<Value> = (0..30)
-            .map(|i| value(i / 10, 5.0, (i / 10) as f64))
-            .collect();
+        let ten: Vec<Value> = (0..30).map(|i| value(i / 10, 5.0, (i / 10) as f64)).collect();
         let (once, ten) = (binned(&once, 10.0), binned(&ten, 10.0));
         assert_eq!(once[0].at, 5.0);
         assert!((once[0].mean - 1.0).abs() < 1e-12 && (ten[0].mean - 1.0).abs() < 1e-12);
@@ -107,19 +97,8 @@ mod tests {
     #[test]
     fn two_runs_have_no_error_and_what_counts_nothing_no_bin() {
         let bins = binned(&[value(0, 1.0, 1.0), value(1, 1.0, 3.0)], 2.0);
-        assert_eq!(
-            bins,
-            [Bin {
-                at: 1.0,
-                mean: 2.0,
-                runs: 2,
-                se: None
-            }]
-        );
-        let nothing = Value {
-            weight: 0.0,
-            ..value(0, 1.0, 1.0)
-        };
+        assert_eq!(bins, [Bin { at: 1.0, mean: 2.0, runs: 2, se: None }]);
+        let nothing = Value { weight: 0.0, ..value(0, 1.0, 1.0) };
         assert!(binned(&[nothing], 2.0).is_empty());
     }
 

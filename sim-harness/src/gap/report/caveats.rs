@@ -21,10 +21,7 @@ fn data(page: &Page<'_>) -> String {
     let rows = findings.rows.len();
     let mut runs: Vec<usize> = findings.rows.iter().map(|r| r.interval.run).collect();
     runs.dedup();
-    let mut text = format!(
-        "{rows} intervals of {} counted. ",
-        counted(runs.len(), "run", "runs")
-    );
+    let mut text = format!("{rows} intervals of {} counted. ", counted(runs.len(), "run", "runs"));
     text.push_str(if findings.measured {
         "The logs have an effort column; intervals in which the effort changes much are left out."
     } else {
@@ -42,10 +39,7 @@ fn noise(page: &Page<'_>) -> String {
         number(noise.acceleration_mps2, 4)
     );
     if noise.change_share > 0.0 {
-        text.push_str(&format!(
-            ", {} of a change of the effort",
-            percent(noise.change_share)
-        ));
+        text.push_str(&format!(", {} of a change of the effort", percent(noise.change_share)));
     }
     text.push_str(". What each run has for itself, which no model of other runs can know: ");
     text.push_str(&format!(
@@ -62,10 +56,7 @@ fn readings(page: &Page<'_>) -> String {
     let readings = &findings.readings;
     let mut corrected = Vec::new();
     if readings.speed_scale != 1.0 {
-        corrected.push(format!(
-            "speeds were divided by {}",
-            number(readings.speed_scale, 4)
-        ));
+        corrected.push(format!("speeds were divided by {}", number(readings.speed_scale, 4)));
     }
     if readings.speed_offset_mps != 0.0 {
         corrected.push(format!(
@@ -75,15 +66,8 @@ fn readings(page: &Page<'_>) -> String {
     }
     if readings.location_lag_s != 0.0 {
         let late_s = readings.location_lag_s;
-        let put = if late_s > 0.0 {
-            "carried on"
-        } else {
-            "put back"
-        };
-        corrected.push(format!(
-            "locations were {put} by the way of {} s",
-            number(late_s.abs(), 1)
-        ));
+        let put = if late_s > 0.0 { "carried on" } else { "put back" };
+        corrected.push(format!("locations were {put} by the way of {} s", number(late_s.abs(), 1)));
     }
     if findings.measured && readings.effort == EffortReading::MeanSinceLast {
         corrected.push("the effort was read as the mean since the sample before".to_owned());
@@ -104,11 +88,7 @@ fn names(page: &Page<'_>) -> Vec<&'static str> {
     if findings.rows.iter().all(up) || !findings.rows.iter().any(up) {
         all.push("All runs went in one direction. A steady wind then looks like other Davis coefficients, and a wrong gradient like any other resistance at that place.");
     }
-    if findings
-        .rows
-        .iter()
-        .all(|r| r.interval.temperature_c.is_none())
-    {
+    if findings.rows.iter().all(|r| r.interval.temperature_c.is_none()) {
         all.push("No temperature was recorded: what depends on it may show as a drift over the dates, or as differences between runs.");
     }
     if findings.period_days < 30.0 {

@@ -31,20 +31,10 @@ fn errors(page: &Page<'_>) -> (String, String) {
         let x = range_of(compared.iter().map(at));
         let width = width(&x, 30);
         let line = |legend: &str, colour, stroke, square: &dyn Fn(&Compared) -> f64| {
-            let values = compared.iter().map(|c| Value {
-                run: c.run,
-                at: at(c),
-                value: square(c),
-                weight: 1.0,
-            });
+            let values = compared.iter().map(|c| Value { run: c.run, at: at(c), value: square(c), weight: 1.0 });
             let bins = binned(&values.collect::<Vec<_>>(), width);
             let point = |bin: &Bin| Some((bin.at, bin.mean.sqrt()));
-            Layer::Line {
-                legend: legend.to_owned(),
-                colour,
-                stroke,
-                points: bins.iter().map(point).collect(),
-            }
+            Layer::Line { legend: legend.to_owned(), colour, stroke, points: bins.iter().map(point).collect() }
         };
         let mut layers = backs;
         layers.extend([
@@ -72,10 +62,7 @@ fn errors(page: &Page<'_>) -> (String, String) {
         title: "Error of the simulated speed before and after".to_owned(),
         description: "Root mean square over location and over speed, held-out runs".to_owned(),
         columns: 2,
-        figures: vec![
-            figure("location, km", &km, vec![sections(page)]),
-            figure("speed, km/h", &kmh, Vec::new()),
-        ],
+        figures: vec![figure("location, km", &km, vec![sections(page)]), figure("speed, km/h", &kmh, Vec::new())],
     };
     (
         grid.to_svg(),
@@ -113,12 +100,7 @@ fn one_run(page: &Page<'_>) -> Option<(String, String)> {
             last_s = c.since_s;
             points.push(Some((c.location_m / 1000.0, of(c))));
         }
-        Layer::Line {
-            legend: legend.to_owned(),
-            colour,
-            stroke,
-            points,
-        }
+        Layer::Line { legend: legend.to_owned(), colour, stroke, points }
     };
     let mut band = Vec::new();
     let mut last_s = 0.0;
@@ -131,9 +113,7 @@ fn one_run(page: &Page<'_>) -> Option<(String, String)> {
         band.push(Some((c.location_m / 1000.0, -half, half)));
     }
     let dots = |of: &dyn Fn(&Compared) -> f64| -> Vec<(f64, f64)> {
-        mine.iter()
-            .map(|c| (c.location_m / 1000.0, of(c)))
-            .collect()
+        mine.iter().map(|c| (c.location_m / 1000.0, of(c))).collect()
     };
     let kmh = |mps: f64| 3.6 * mps;
     let panel = |label: &str, height, layers| Panel {
@@ -157,12 +137,8 @@ fn one_run(page: &Page<'_>) -> Option<(String, String)> {
                 360,
                 vec![
                     sections(page),
-                    line("simulated before", BEFORE, Stroke::Thin, &|c| {
-                        kmh(c.measured_mps + c.before_mps)
-                    }),
-                    line("simulated after", AFTER, Stroke::Thin, &|c| {
-                        kmh(c.measured_mps + c.after_mps)
-                    }),
+                    line("simulated before", BEFORE, Stroke::Thin, &|c| kmh(c.measured_mps + c.before_mps)),
+                    line("simulated after", AFTER, Stroke::Thin, &|c| kmh(c.measured_mps + c.after_mps)),
                     Layer::Dots {
                         legend: "measured".to_owned(),
                         colour: colours::MEASURED,

@@ -41,9 +41,7 @@ pub(super) fn journeys(page: &Page<'_>) -> Markup {
 
 fn table(what: &str, unit: &str, summary: &Summary) -> Markup {
     let row = |name: &str, rms: f64, spread: Option<&Spread>| {
-        let told = |of: &dyn Fn(&Spread) -> f64| {
-            spread.map_or_else(|| NOTHING.to_owned(), |s| number(of(s), 2))
-        };
+        let told = |of: &dyn Fn(&Spread) -> f64| spread.map_or_else(|| NOTHING.to_owned(), |s| number(of(s), 2));
         html! { tr {
             th scope="row" { (name) }
             td { (number(rms, 2)) }
@@ -77,7 +75,8 @@ fn table(what: &str, unit: &str, summary: &Summary) -> Markup {
 /// The share that is gone, in a sentence.
 fn gone(share: &Share) -> String {
     let Some(removed) = share.removed else {
-        return "Before, the errors were no larger than noise makes them in so many runs: there was nothing to remove.".to_owned();
+        return "Before, the errors were no larger than noise makes them in so many runs: there was nothing to remove."
+            .to_owned();
     };
     let whole = |share: f64| number(100.0 * share, 0);
     let interval = match share.removed_95 {
@@ -85,9 +84,5 @@ fn gone(share: &Share) -> String {
         None if share.runs < LEAST_RUNS => "too few runs for an interval".to_owned(),
         None => "no interval: in some draws of the runs there was nothing to remove".to_owned(),
     };
-    format!(
-        "{}\u{a0}% of the removable gap is gone ({interval}; {} runs).",
-        whole(removed),
-        share.runs
-    )
+    format!("{}\u{a0}% of the removable gap is gone ({interval}; {} runs).", whole(removed), share.runs)
 }

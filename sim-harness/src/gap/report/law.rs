@@ -48,11 +48,7 @@ fn law(page: &Page<'_>, one: &Named, explained: &[f64]) -> Option<(String, Strin
         if !acts(one, page.runs, row) && !matches!(one.effect, Effect::DraggingBrake(_)) {
             return None;
         }
-        let law = if acts(one, page.runs, row) {
-            extra(&page.believed, &one.effect, row)
-        } else {
-            0.0
-        };
+        let law = if acts(one, page.runs, row) { extra(&page.believed, &one.effect, row) } else { 0.0 };
         let per = axis.per.map_or(1.0, |per| per(row));
         Some((
             row.direction,
@@ -77,11 +73,7 @@ fn law(page: &Page<'_>, one: &Named, explained: &[f64]) -> Option<(String, Strin
         Effect::DraggingBrake(_) => (1.0, 1),
         _ => {
             let enough = page.runs.len() / (2 * LEAST_RUNS);
-            let most = if axis.of_run {
-                MOST_BINS.min(enough.max(1))
-            } else {
-                MOST_BINS
-            };
+            let most = if axis.of_run { MOST_BINS.min(enough.max(1)) } else { MOST_BINS };
             (width(&x, most), LEAST_RUNS.min(page.runs.len()))
         }
     };
@@ -141,19 +133,9 @@ fn law(page: &Page<'_>, one: &Named, explained: &[f64]) -> Option<(String, Strin
 }
 
 /// `least`: a mean of fewer runs is not drawn.
-fn layers_of(
-    rows: &[&At],
-    group: Option<Direction>,
-    (width, least): (f64, usize),
-    first: bool,
-) -> Vec<Layer> {
+fn layers_of(rows: &[&At], group: Option<Direction>, (width, least): (f64, usize), first: bool) -> Vec<Layer> {
     let bins = |of: &dyn Fn(&At) -> f64| -> Vec<Bin> {
-        let value = |at: &&At| Value {
-            run: at.run,
-            at: at.x,
-            value: of(at),
-            weight: at.weight,
-        };
+        let value = |at: &&At| Value { run: at.run, at: at.x, value: of(at), weight: at.weight };
         binned(&rows.iter().map(value).collect::<Vec<_>>(), width)
     };
     // The same rows make the same bins: each stands at the mean of its rows.
@@ -173,11 +155,7 @@ fn layers_of(
     let legend = if first { "law as fitted" } else { "" }.to_owned();
     let law = if least == 1 {
         // Between one run and the next there is nothing.
-        Layer::Marks {
-            legend,
-            colour: colours::ESTIMATED,
-            points: law.iter().map(point).collect(),
-        }
+        Layer::Marks { legend, colour: colours::ESTIMATED, points: law.iter().map(point).collect() }
     } else {
         Layer::Line {
             legend,

@@ -20,14 +20,8 @@ pub(super) fn limits(page: &Page<'_>) -> Option<(String, String)> {
     let at = |pull: &Pull| if by_location { km(pull) } else { kmh(pull) };
     let x = range_of(pulls.iter().map(|p| at(p)));
     let (span, factor) = match limit {
-        Limit::Section {
-            from_m,
-            to_m,
-            factor,
-        } => (from_m / 1000.0..to_m / 1000.0, *factor),
-        Limit::Adhesion {
-            factor, below_kmh, ..
-        } => (x.start..*below_kmh, *factor),
+        Limit::Section { from_m, to_m, factor } => (from_m / 1000.0..to_m / 1000.0, *factor),
+        Limit::Adhesion { factor, below_kmh, .. } => (x.start..*below_kmh, *factor),
         Limit::Scale { factor } => (x.clone(), *factor),
     };
     let affected = |pull: &Pull| match limit {
@@ -66,12 +60,7 @@ pub(super) fn limits(page: &Page<'_>) -> Option<(String, String)> {
     let figure = Figure {
         title: "Effort over believed limit".to_owned(),
         description: "Each interval of steady full power, with the limit that was found".to_owned(),
-        x_label: if by_location {
-            "location, km"
-        } else {
-            "speed, km/h"
-        }
-        .to_owned(),
+        x_label: if by_location { "location, km" } else { "speed, km/h" }.to_owned(),
         x,
         panels: vec![Panel {
             label: "effort over believed limit".to_owned(),

@@ -70,12 +70,7 @@ pub(super) fn maps(page: &Page<'_>, explained: &[f64]) -> Vec<(String, String)> 
     };
     let known = |coordinate: &&Coordinate| {
         let findings = &page.found.findings;
-        let at = || {
-            findings
-                .rows
-                .iter()
-                .filter_map(|row| (coordinate.of)(findings, row))
-        };
+        let at = || findings.rows.iter().filter_map(|row| (coordinate.of)(findings, row));
         let range = range_of(at());
         at().count() > 0 && range.end > range.start
     };
@@ -83,27 +78,15 @@ pub(super) fn maps(page: &Page<'_>, explained: &[f64]) -> Vec<(String, String)> 
         title: "Residual over speed, time and more".to_owned(),
         description: "Mean residual of all runs over each coordinate".to_owned(),
         columns: 2,
-        figures: OTHERS
-            .iter()
-            .filter(known)
-            .map(|c| figure(page, explained, c, &directions))
-            .collect(),
+        figures: OTHERS.iter().filter(known).map(|c| figure(page, explained, c, &directions)).collect(),
     };
     let found = if page.found.named.is_empty() {
         ""
     } else {
         " Dashed: what the effects that were found explain on the very same intervals; where it lies in the band they explain all."
     };
-    let sections = page
-        .found
-        .named
-        .iter()
-        .any(|n| n.effect.section_m().is_some());
-    let grey = if sections {
-        " Grey background: the section found."
-    } else {
-        ""
-    };
+    let sections = page.found.named.iter().any(|n| n.effect.section_m().is_some());
+    let grey = if sections { " Grey background: the section found." } else { "" };
     vec![
         (
             by_location.to_svg(),
@@ -138,27 +121,16 @@ pub(super) fn colour(direction: Direction) -> RGBColor {
     }
 }
 
-fn figure(
-    page: &Page<'_>,
-    explained: &[f64],
-    coordinate: &Coordinate,
-    directions: &[Direction],
-) -> Figure {
+fn figure(page: &Page<'_>, explained: &[f64], coordinate: &Coordinate, directions: &[Direction]) -> Figure {
     let findings = &page.found.findings;
     let at = |row: &Row| (coordinate.of)(findings, row);
     let x = range_of(findings.rows.iter().filter_map(at));
     let enough = page.runs.len() / (directions.len().max(1) * LEAST_RUNS);
-    let bins = if coordinate.of_run {
-        coordinate.most_bins.min(enough.max(1))
-    } else {
-        coordinate.most_bins
-    };
+    let bins = if coordinate.of_run { coordinate.most_bins.min(enough.max(1)) } else { coordinate.most_bins };
     let width = width(&x, bins);
     let bins = |direction: Direction, of: &dyn Fn(usize, &Row) -> f64| -> Vec<Bin> {
         let rows = findings.rows.iter().zip(&findings.calibrated.spread);
-        let values = rows
-            .enumerate()
-            .filter(|(_, (r, _))| r.direction == direction);
+        let values = rows.enumerate().filter(|(_, (r, _))| r.direction == direction);
         let values = values.filter_map(|(i, (row, spread))| {
             Some(Value {
                 run: row.interval.run,
@@ -200,12 +172,7 @@ fn figure(
             }
             bands.push(band(bin));
         }
-        layers.push(Layer::Band {
-            legend: String::new(),
-            colour: colour(*direction),
-            opacity: 0.18,
-            points: bands,
-        });
+        layers.push(Layer::Band { legend: String::new(), colour: colour(*direction), opacity: 0.18, points: bands });
         layers.push(Layer::Line {
             legend: format!("measured, {} the line", word(*direction)),
             colour: colour(*direction),
@@ -215,9 +182,7 @@ fn figure(
     }
     if !page.found.named.is_empty() {
         for (i, direction) in directions.iter().enumerate() {
-            let law = bins(*direction, &|i, _| {
-                explained.get(i).copied().unwrap_or(f64::NAN)
-            });
+            let law = bins(*direction, &|i, _| explained.get(i).copied().unwrap_or(f64::NAN));
             let legend = if i == 0 { "explained" } else { "" };
             layers.push(Layer::Line {
                 legend: legend.to_owned(),
@@ -245,19 +210,10 @@ fn figure(
 
 /// Background of the sections that effects act in.
 pub(super) fn sections(page: &Page<'_>) -> Layer {
-    let found = page
-        .found
-        .named
-        .iter()
-        .filter_map(|one| one.effect.section_m());
+    let found = page.found.named.iter().filter_map(|one| one.effect.section_m());
     let spans: Vec<_> = found.map(|(from, to)| from / 1000.0..to / 1000.0).collect();
     Layer::Spans {
-        legend: if spans.is_empty() {
-            ""
-        } else {
-            "section found"
-        }
-        .to_owned(),
+        legend: if spans.is_empty() { "" } else { "section found" }.to_owned(),
         colour: colours::LIMIT,
         opacity: 0.12,
         spans,

@@ -52,12 +52,7 @@ pub struct Page<'a> {
 /// The whole page.
 pub fn page(page: &Page<'_>) -> String {
     let found = page.found;
-    let explained = explained(
-        &page.believed,
-        &found.named,
-        page.runs,
-        &found.findings.rows,
-    );
+    let explained = explained(&page.believed, &found.named, page.runs, &found.findings.rows);
     let body = html! {
         @for sentence in words::verdict(page) { p.lead { (sentence) } }
         p.small { (page.runs.len()) " runs of " (page.answer.dataset) ". Verdict in one word: " code { (found.verdict()) } "." }

@@ -88,11 +88,7 @@ fn effect(one: &Named) -> Markup {
     let rows = parameters.len().max(1);
     let listed = |names: &[&'static str]| match names {
         [] => NOTHING.to_owned(),
-        _ => names
-            .iter()
-            .map(|n| plain(n))
-            .collect::<Vec<_>>()
-            .join(", "),
+        _ => names.iter().map(|n| plain(n)).collect::<Vec<_>>().join(", "),
     };
     let named = html! {
         th scope="row" rowspan=(rows) style=(TOP) {
@@ -129,15 +125,10 @@ fn effect(one: &Named) -> Markup {
 /// Parameters by name; not those at zero that were not fitted.
 fn parameters(one: &Named) -> Vec<(String, f64)> {
     let json = one.json();
-    let mut all: Vec<(String, f64)> = ["from_m", "to_m"]
-        .iter()
-        .filter_map(|name| Some(((*name).to_owned(), json[name].as_f64()?)))
-        .collect();
+    let mut all: Vec<(String, f64)> =
+        ["from_m", "to_m"].iter().filter_map(|name| Some(((*name).to_owned(), json[name].as_f64()?))).collect();
     if let Some(map) = json["parameters"].as_object() {
-        all.extend(
-            map.iter()
-                .filter_map(|(n, v)| Some((n.clone(), v.as_f64()?))),
-        );
+        all.extend(map.iter().filter_map(|(n, v)| Some((n.clone(), v.as_f64()?))));
     }
     all.retain(|(name, value)| *value != 0.0 || interval(one, name).is_some());
     all

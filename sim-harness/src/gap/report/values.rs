@@ -36,10 +36,7 @@ fn digits(value: f64, uncertainty: f64, size: f64) -> String {
     let last = uncertainty.max(1e-4 * size).log10().floor() as i32;
     if size < 1e-3 {
         let power = size.log10().floor() as i32;
-        let mantissa = number(
-            value / 10_f64.powi(power),
-            (power - last).clamp(0, 4) as usize,
-        );
+        let mantissa = number(value / 10_f64.powi(power), (power - last).clamp(0, 4) as usize);
         return format!("{mantissa}\u{b7}10{}", superscript(power));
     }
     number(value, (-last).clamp(0, 6) as usize)
@@ -92,9 +89,7 @@ pub(super) fn told(named: &Named, parameter: &str, value: f64, factor: f64, unit
     });
     let (value, ends) = with_ends(factor * value, ends);
     match ends {
-        Some([low, high]) => {
-            format!("{value} {unit} (95\u{a0}% interval {low} to {high})").replace("  ", " ")
-        }
+        Some([low, high]) => format!("{value} {unit} (95\u{a0}% interval {low} to {high})").replace("  ", " "),
         None => format!("{value} {unit}").trim_end().to_owned(),
     }
 }

@@ -14,11 +14,7 @@ pub(super) fn plain(name: &str) -> String {
 
 /// `a`, `a or b`.
 fn any(names: &[&'static str]) -> String {
-    names
-        .iter()
-        .map(|n| plain(n))
-        .collect::<Vec<_>>()
-        .join(" or ")
+    names.iter().map(|n| plain(n)).collect::<Vec<_>>().join(" or ")
 }
 
 /// The sentences at the top of the page.
@@ -55,9 +51,7 @@ pub(super) fn verdict(page: &Page<'_>) -> Vec<String> {
                 ),
                 _ => String::new(),
             };
-            sentences.push(format!(
-                "Chance alone would leave such residuals {chance}{left}."
-            ));
+            sentences.push(format!("Chance alone would leave such residuals {chance}{left}."));
         }
     }
     sentences.extend(notes);
@@ -82,11 +76,7 @@ fn held_out(page: &Page<'_>) -> Option<String> {
             mps(gap.floor_mps)
         ));
     }
-    let them = if found.trained.len() == 1 {
-        "it"
-    } else {
-        "them"
-    };
+    let them = if found.trained.len() == 1 { "it" } else { "them" };
     let whole = |share: f64| number(100.0 * share, 0);
     let interval = match gap.removed_95 {
         Some((low, high)) => {
@@ -107,18 +97,11 @@ fn held_out(page: &Page<'_>) -> Option<String> {
 fn of(page: &Page<'_>, named: &Named) -> String {
     let mut text = what(page, named);
     if !named.runs.is_empty() {
-        text.push_str(&format!(
-            ", in {} of {} runs",
-            named.runs.len(),
-            page.runs.len()
-        ));
+        text.push_str(&format!(", in {} of {} runs", named.runs.len(), page.runs.len()));
     }
     text.push_str(&format!(". Confidence in the name: {}", confidence(named)));
     if !named.ambiguous_with.is_empty() {
-        text.push_str(&format!(
-            "; these data cannot tell it from {}",
-            any(&named.ambiguous_with)
-        ));
+        text.push_str(&format!("; these data cannot tell it from {}", any(&named.ambiguous_with)));
         if !named.would_separate.is_empty() {
             text.push_str(&format!(", {} would", named.would_separate.join(" or ")));
         }
@@ -138,9 +121,7 @@ fn side(more: bool) -> &'static str {
 }
 
 fn what(page: &Page<'_>, named: &Named) -> String {
-    let value = |parameter: &str, value: f64, factor: f64, unit: &str| {
-        told(named, parameter, value, factor, unit)
-    };
+    let value = |parameter: &str, value: f64, factor: f64, unit: &str| told(named, parameter, value, factor, unit);
     let davis = page.believed.train().davis();
     let at_100 = davis.resistance_n_per_kg(100.0 / 3.6);
     match &named.effect {
@@ -158,12 +139,7 @@ fn what(page: &Page<'_>, named: &Named) -> String {
             "The gradient is described wrongly from {}: going up the line it climbs {} by {}",
             place(e.from_m, e.to_m),
             side(e.delta_permille > 0.0),
-            value(
-                "delta_permille",
-                e.delta_permille,
-                e.delta_permille.signum(),
-                "\u{2030}"
-            )
+            value("delta_permille", e.delta_permille, e.delta_permille.signum(), "\u{2030}")
         ),
         Effect::SteadyWind(e) => format!(
             "A steady wind blows {} the line, in every run: {}",
@@ -176,11 +152,7 @@ fn what(page: &Page<'_>, named: &Named) -> String {
         ),
         Effect::MassError(e) => format!(
             "The train is {} than described, by {}",
-            if e.relative > 0.0 {
-                "heavier"
-            } else {
-                "lighter"
-            },
+            if e.relative > 0.0 { "heavier" } else { "lighter" },
             value("relative", e.relative, 100.0 * e.relative.signum(), "%")
         ),
         Effect::DraggingBrake(e) => format!(
@@ -236,15 +208,9 @@ fn what(page: &Page<'_>, named: &Named) -> String {
         ),
         Effect::DavisError(e) => {
             let extra = e.dr0 + e.dr1 * 100.0 / 3.6 + e.dr2 * (100.0_f64 / 3.6).powi(2);
-            let coefficients = [
-                ("dr0", "r0", e.dr0),
-                ("dr1", "r1", e.dr1),
-                ("dr2", "r2", e.dr2),
-            ];
+            let coefficients = [("dr0", "r0", e.dr0), ("dr1", "r1", e.dr1), ("dr2", "r2", e.dr2)];
             let wrong = coefficients.iter().filter(|(.., v)| *v != 0.0);
-            let parts = wrong.map(|(name, letter, v)| {
-                format!("{letter} by {}", value(name, *v, 1.0, unit(name)))
-            });
+            let parts = wrong.map(|(name, letter, v)| format!("{letter} by {}", value(name, *v, 1.0, unit(name))));
             format!(
                 "The described Davis coefficients are wrong: at 100 km/h the train meets {}\u{a0}% {} running resistance than described ({})",
                 number(100.0 * extra.abs() / at_100, 1),
@@ -269,19 +235,11 @@ fn unknown(effect: &rundown::effects::Unknown, first_day: f64) -> String {
         Coordinate::Temperature => ("temperature", "\u{b0}C", 1.0),
         Coordinate::Day => ("date", "days after the first run", 1.0),
     };
-    let points = || {
-        effect
-            .table
-            .iter()
-            .map(|(at, n)| (f64::from(*at), f64::from(*n)))
-    };
+    let points = || effect.table.iter().map(|(at, n)| (f64::from(*at), f64::from(*n)));
     let largest = points().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let (at, extra) = largest.unwrap_or((f64::NAN, f64::NAN));
     // A constant within a section is a table that is zero at both ends.
-    let acting: Vec<f64> = points()
-        .filter(|(_, n)| *n != 0.0)
-        .map(|(at, _)| at)
-        .collect();
+    let acting: Vec<f64> = points().filter(|(_, n)| *n != 0.0).map(|(at, _)| at).collect();
     let place = match (acting.as_slice(), effect.coordinate) {
         ([from, .., to], Coordinate::Location) if acting.len() == 2 => {
             format!("from {}", place(*from, *to))

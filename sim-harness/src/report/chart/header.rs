@@ -7,17 +7,8 @@ use rundown::Real;
 
 /// The panel's label, then the legend.
 pub(super) fn draw_header(area: &Canvas, panel: &Panel, width: u32) -> Result<(), DrawingError> {
-    let style = |weight| {
-        ("sans-serif", TEXT, weight)
-            .into_font()
-            .color(&INK)
-            .pos(Pos::new(HPos::Left, VPos::Center))
-    };
-    let label = Text::new(
-        panel.label.clone(),
-        (LEFT as i32, middle_of(0)),
-        style(FontStyle::Bold),
-    );
+    let style = |weight| ("sans-serif", TEXT, weight).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
+    let label = Text::new(panel.label.clone(), (LEFT as i32, middle_of(0)), style(FontStyle::Bold));
     area.draw(&label)?;
     for entry in panel.entries(width) {
         let (left, middle, colour) = (entry.left, middle_of(entry.row), entry.colour);
@@ -44,23 +35,11 @@ pub(super) fn draw_header(area: &Canvas, panel: &Panel, width: u32) -> Result<()
                 [(left, middle - 12), (left + SWATCH, middle + 12)],
                 colour.mix(opacity).filled(),
             ))?,
-            Swatch::Dot => area.draw(&Circle::new(
-                (left + SWATCH / 2, middle),
-                6,
-                colour.filled(),
-            ))?,
-            Swatch::Mark => area.draw(&Cross::new(
-                (left + SWATCH / 2, middle),
-                9,
-                colour.stroke_width(4),
-            ))?,
+            Swatch::Dot => area.draw(&Circle::new((left + SWATCH / 2, middle), 6, colour.filled()))?,
+            Swatch::Mark => area.draw(&Cross::new((left + SWATCH / 2, middle), 9, colour.stroke_width(4)))?,
         }
         let place = (left + SWATCH + 10, middle);
-        area.draw(&Text::new(
-            entry.legend.to_owned(),
-            place,
-            style(FontStyle::Normal),
-        ))?;
+        area.draw(&Text::new(entry.legend.to_owned(), place, style(FontStyle::Normal)))?;
     }
     Ok(())
 }
@@ -97,43 +76,18 @@ enum Swatch {
 impl Layer {
     fn legends(&self) -> Vec<(&str, RGBColor, Swatch)> {
         let all = match self {
-            Self::Line {
-                legend,
-                colour,
-                stroke,
-                ..
-            } => vec![(legend.as_str(), *colour, Swatch::Line(*stroke))],
-            Self::Band {
-                legend,
-                colour,
-                opacity,
-                ..
+            Self::Line { legend, colour, stroke, .. } => vec![(legend.as_str(), *colour, Swatch::Line(*stroke))],
+            Self::Band { legend, colour, opacity, .. } | Self::Spans { legend, colour, opacity, .. } => {
+                vec![(legend.as_str(), *colour, Swatch::Area(*opacity))]
             }
-            | Self::Spans {
-                legend,
-                colour,
-                opacity,
-                ..
-            } => vec![(legend.as_str(), *colour, Swatch::Area(*opacity))],
-            Self::Pieces { legends, .. } => legends
-                .iter()
-                .map(|(legend, colour)| (legend.as_str(), *colour, Swatch::Line(Stroke::Solid)))
-                .collect(),
+            Self::Pieces { legends, .. } => {
+                legends.iter().map(|(legend, colour)| (legend.as_str(), *colour, Swatch::Line(Stroke::Solid))).collect()
+            }
             Self::Threads { legend, colour, .. } => {
                 vec![(legend.as_str(), *colour, Swatch::Line(Stroke::Thin))]
             }
-            Self::Verticals {
-                legend,
-                colour,
-                stroke,
-                ..
-            } => vec![(legend.as_str(), *colour, Swatch::Line(*stroke))],
-            Self::Histogram {
-                legend,
-                colour,
-                opacity,
-                ..
-            } => vec![(legend.as_str(), *colour, Swatch::Area(*opacity))],
+            Self::Verticals { legend, colour, stroke, .. } => vec![(legend.as_str(), *colour, Swatch::Line(*stroke))],
+            Self::Histogram { legend, colour, opacity, .. } => vec![(legend.as_str(), *colour, Swatch::Area(*opacity))],
             Self::Dots { legend, colour, .. } => vec![(legend.as_str(), *colour, Swatch::Dot)],
             Self::Marks { legend, colour, .. } => vec![(legend.as_str(), *colour, Swatch::Mark)],
             Self::Bars { legend, colour, .. } => {
@@ -141,9 +95,7 @@ impl Layer {
             }
             Self::Word { .. } | Self::Cells { .. } => Vec::new(),
         };
-        all.into_iter()
-            .filter(|(legend, ..)| !legend.is_empty())
-            .collect()
+        all.into_iter().filter(|(legend, ..)| !legend.is_empty()).collect()
     }
 }
 
@@ -158,13 +110,7 @@ impl Panel {
             if left + width > canvas as i32 && left > beside_label {
                 (left, row) = (beside_label, row + 1);
             }
-            entries.push(Entry {
-                legend,
-                colour,
-                swatch,
-                left,
-                row,
-            });
+            entries.push(Entry { legend, colour, swatch, left, row });
             left += width + 40;
         }
         entries

@@ -13,50 +13,24 @@ impl Layer {
         match self {
             Self::Line { points, .. } => points.iter().flatten().map(|p| p.1).collect(),
             Self::Band { points, .. } => points.iter().flatten().flat_map(|p| [p.1, p.2]).collect(),
-            Self::Pieces { pieces, .. } => pieces
-                .iter()
-                .flat_map(|(_, points)| points)
-                .map(|p| p.1)
-                .collect(),
-            Self::Marks { points, .. } | Self::Dots { points, .. } => {
-                points.iter().map(|p| p.1).collect()
-            }
+            Self::Pieces { pieces, .. } => pieces.iter().flat_map(|(_, points)| points).map(|p| p.1).collect(),
+            Self::Marks { points, .. } | Self::Dots { points, .. } => points.iter().map(|p| p.1).collect(),
             Self::Threads { lines, .. } => lines.iter().flatten().flatten().map(|p| p.1).collect(),
-            Self::Histogram { bins, .. } => {
-                bins.iter().map(|(_, count)| *count).chain([0.0]).collect()
-            }
-            Self::Cells { cells } => cells
-                .iter()
-                .flat_map(|(_, y, _)| [y.start, y.end])
-                .collect(),
+            Self::Histogram { bins, .. } => bins.iter().map(|(_, count)| *count).chain([0.0]).collect(),
+            Self::Cells { cells } => cells.iter().flat_map(|(_, y, _)| [y.start, y.end]).collect(),
             Self::Verticals { .. } => Vec::new(),
             Self::Spans { .. } | Self::Bars { .. } | Self::Word { .. } => Vec::new(),
         }
     }
 
-    pub(super) fn draw(
-        &self,
-        plot: &mut Plot,
-        x: &Range<Real>,
-        y: &Range<Real>,
-    ) -> Result<(), DrawingError> {
+    pub(super) fn draw(&self, plot: &mut Plot, x: &Range<Real>, y: &Range<Real>) -> Result<(), DrawingError> {
         match self {
-            Self::Line {
-                colour,
-                stroke,
-                points,
-                ..
-            } => {
+            Self::Line { colour, stroke, points, .. } => {
                 for points in unbroken(points) {
                     draw_line(plot, &thinned(&points, x), *colour, *stroke)?;
                 }
             }
-            Self::Band {
-                colour,
-                opacity,
-                points,
-                ..
-            } => {
+            Self::Band { colour, opacity, points, .. } => {
                 for points in unbroken(points) {
                     draw_band(plot, &points, x, colour.mix(*opacity))?;
                 }
@@ -69,69 +43,37 @@ impl Layer {
                     }
                 }
             }
-            Self::Spans {
-                colour,
-                opacity,
-                spans,
-                ..
-            } => draw_bars(plot, spans, x, y, colour.mix(*opacity))?,
-            Self::Bars {
-                colour,
-                spans,
-                heights,
-                ..
-            } => draw_bars(plot, spans, x, heights, colour.mix(1.0))?,
+            Self::Spans { colour, opacity, spans, .. } => draw_bars(plot, spans, x, y, colour.mix(*opacity))?,
+            Self::Bars { colour, spans, heights, .. } => draw_bars(plot, spans, x, heights, colour.mix(1.0))?,
             Self::Marks { colour, points, .. } => {
                 let finite = points.iter().copied().filter(Finite::is_finite);
                 let points = thinned(&finite.collect::<Vec<Point>>(), x);
-                let marks = points
-                    .iter()
-                    .map(|point| Cross::new(*point, 8, colour.stroke_width(3)));
+                let marks = points.iter().map(|point| Cross::new(*point, 8, colour.stroke_width(3)));
                 plot.draw_series(marks)?;
             }
-            Self::Dots {
-                colour,
-                opacity,
-                points,
-                ..
-            } => {
+            Self::Dots { colour, opacity, points, .. } => {
                 let finite = points.iter().filter(|point| point.is_finite());
                 let style = colour.mix(*opacity).filled();
                 plot.draw_series(finite.map(|point| Circle::new(*point, 5, style)))?;
             }
-            Self::Threads {
-                colour,
-                opacity,
-                lines,
-                ..
-            } => {
+            Self::Threads { colour, opacity, lines, .. } => {
                 let style = colour.mix(*opacity).stroke_width(2);
                 for points in lines.iter().flat_map(|line| unbroken(line)) {
                     plot.draw_series([PathElement::new(thinned(&points, x), style)])?;
                 }
             }
-            Self::Verticals {
-                colour, stroke, at, ..
-            } => {
+            Self::Verticals { colour, stroke, at, .. } => {
                 for at in at.iter().filter(|at| x.contains(at)) {
                     let line = [(*at, y.start), (*at, y.end)];
                     draw_line(plot, &line, *colour, *stroke)?;
                 }
             }
-            Self::Histogram {
-                colour,
-                opacity,
-                bins,
-                ..
-            } => {
+            Self::Histogram { colour, opacity, bins, .. } => {
                 let bars = bins.iter().filter(|(_, count)| *count > 0.0);
                 let corners = bars.map(|(bin, count)| [(bin.start, 0.0), (bin.end, *count)]);
                 let (fill, edge) = (colour.mix(*opacity).filled(), colour.stroke_width(2));
                 for corners in corners {
-                    plot.draw_series([
-                        Rectangle::new(corners, fill),
-                        Rectangle::new(corners, edge),
-                    ])?;
+                    plot.draw_series([Rectangle::new(corners, fill), Rectangle::new(corners, edge)])?;
                 }
             }
             Self::Cells { cells } => {
@@ -141,10 +83,7 @@ impl Layer {
                 plot.draw_series(cells.iter().map(cell))?;
             }
             Self::Word { text, y } => {
-                let style = ("sans-serif", TEXT)
-                    .into_font()
-                    .color(&INK)
-                    .pos(Pos::new(HPos::Left, VPos::Bottom));
+                let style = ("sans-serif", TEXT).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Bottom));
                 let indent = 0.005 * (x.end - x.start);
                 plot.draw_series([Text::new(text.clone(), (x.start + indent, *y), style)])?;
             }
@@ -180,12 +119,7 @@ impl Panel {
     }
 }
 
-fn draw_line(
-    plot: &mut Plot,
-    points: &[Point],
-    colour: RGBColor,
-    stroke: Stroke,
-) -> Result<(), DrawingError> {
+fn draw_line(plot: &mut Plot, points: &[Point], colour: RGBColor, stroke: Stroke) -> Result<(), DrawingError> {
     if let [point] = points {
         // Between two gaps: a line of one point would not be seen.
         plot.draw_series([Circle::new(*point, 4, colour.filled())])?;
@@ -195,15 +129,8 @@ fn draw_line(
     match stroke {
         Stroke::Solid => plot.draw_series(LineSeries::new(points, colour.stroke_width(5)))?,
         Stroke::Thin => plot.draw_series(LineSeries::new(points, colour.stroke_width(3)))?,
-        Stroke::Dashed => plot.draw_series(DashedLineSeries::new(
-            points,
-            18,
-            12,
-            colour.stroke_width(4),
-        ))?,
-        Stroke::Dotted => {
-            plot.draw_series(DashedLineSeries::new(points, 4, 8, colour.stroke_width(5)))?
-        }
+        Stroke::Dashed => plot.draw_series(DashedLineSeries::new(points, 18, 12, colour.stroke_width(4)))?,
+        Stroke::Dotted => plot.draw_series(DashedLineSeries::new(points, 4, 8, colour.stroke_width(5)))?,
     };
     Ok(())
 }
@@ -239,10 +166,7 @@ fn draw_bars(
     // A single sample must still be seen, and what is closer than that cannot be told apart.
     let least = 0.0015 * (x.end - x.start);
     let mut merged: Vec<Range<Real>> = Vec::new();
-    for span in spans
-        .iter()
-        .filter(|span| (span.start, span.end).is_finite())
-    {
+    for span in spans.iter().filter(|span| (span.start, span.end).is_finite()) {
         let (start, end) = (span.start.min(span.end), span.start.max(span.end));
         let end = end.max(start + least);
         match merged.last_mut() {
@@ -252,12 +176,8 @@ fn draw_bars(
             _ => merged.push(start..end),
         }
     }
-    let bar = |span: Range<Real>| {
-        Rectangle::new(
-            [(span.start, heights.start), (span.end, heights.end)],
-            colour.filled(),
-        )
-    };
+    let bar =
+        |span: Range<Real>| Rectangle::new([(span.start, heights.start), (span.end, heights.end)], colour.filled());
     plot.draw_series(merged.into_iter().map(bar))?;
     Ok(())
 }

@@ -287,9 +287,7 @@ fn svg(
     let mut drawing = String::new();
     let drawn = {
         let root = SVGBackend::with_string(&mut drawing, (width, height)).into_drawing_area();
-        root.fill(&WHITE)
-            .and_then(|()| draw(&root))
-            .and_then(|()| root.present())
+        root.fill(&WHITE).and_then(|()| draw(&root)).and_then(|()| root.present())
     };
     // The back end's own first tag is replaced, its last one is there after `present`.
     let body = match (drawn, drawing.split_once('>')) {
@@ -310,19 +308,14 @@ fn svg(
 /// The same picture as a file of its own, which needs the name space that a page does without.
 pub fn standalone(svg: &str) -> String {
     let named = "<svg xmlns=\"http://www.w3.org/2000/svg\" ";
-    format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{}\n",
-        svg.replacen("<svg ", named, 1).trim_end()
-    )
+    format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{}\n", svg.replacen("<svg ", named, 1).trim_end())
 }
 
 impl Figure {
     /// The picture. What cannot be drawn says so in its place.
     pub fn to_svg(&self) -> String {
         let size = (WIDTH, self.height(WIDTH));
-        svg(&self.title, &self.description, size, |root| {
-            self.draw(root, size)
-        })
+        svg(&self.title, &self.description, size, |root| self.draw(root, size))
     }
 
     fn height(&self, width: u32) -> u32 {
@@ -336,46 +329,28 @@ impl Figure {
         for (index, panel) in self.panels.iter().enumerate() {
             let is_last = index + 1 == self.panels.len();
             let below = if is_last { BOTTOM } else { BETWEEN };
-            let area = root.clone().shrink(
-                (0, top),
-                (width, panel.header(width) + panel.height + below),
-            );
+            let area = root.clone().shrink((0, top), (width, panel.header(width) + panel.height + below));
             self.draw_panel(&area, panel, x.clone(), is_last)?;
             top += (panel.header(width) + panel.height + BETWEEN) as i32;
         }
         Ok(())
     }
 
-    fn draw_panel(
-        &self,
-        area: &Canvas,
-        panel: &Panel,
-        x: Range<Real>,
-        is_last: bool,
-    ) -> Result<(), DrawingError> {
+    fn draw_panel(&self, area: &Canvas, panel: &Panel, x: Range<Real>, is_last: bool) -> Result<(), DrawingError> {
         let width = area.dim_in_pixel().0;
         draw_header(area, panel, width)?;
         let y = match &panel.y {
             Some(y) => widened(y, 0.0),
             None => panel.height_range(),
         };
-        let right = if panel.axes == Axes::Both {
-            LEFT
-        } else {
-            RIGHT
-        };
+        let right = if panel.axes == Axes::Both { LEFT } else { RIGHT };
         let mut builder = ChartBuilder::on(area);
         builder
             .margin_top(panel.header(width))
             .set_label_area_size(LabelAreaPosition::Left, LEFT)
-            .set_label_area_size(
-                LabelAreaPosition::Bottom,
-                if is_last { BOTTOM } else { BETWEEN },
-            )
+            .set_label_area_size(LabelAreaPosition::Bottom, if is_last { BOTTOM } else { BETWEEN })
             .set_label_area_size(LabelAreaPosition::Right, right);
-        let mut plot = builder
-            .build_cartesian_2d(x.clone(), y.clone())?
-            .set_secondary_coord(x.clone(), y.clone());
+        let mut plot = builder.build_cartesian_2d(x.clone(), y.clone())?.set_secondary_coord(x.clone(), y.clone());
         let y_labels = if panel.height > 300 { 9 } else { 5 };
         let digits = |range: &Range<Real>, labels: Real| {
             let step = (range.end - range.start) / labels;
@@ -386,18 +361,10 @@ impl Figure {
         let (x_digits, y_digits) = (digits(&x, x_labels as Real), digits(&y, y_labels as Real));
         let has_y = panel.axes != Axes::Strip;
         let x_text = |value: &Real| {
-            if is_last {
-                tick(*value, x_digits)
-            } else {
-                String::new()
-            }
+            if is_last { tick(*value, x_digits) } else { String::new() }
         };
         let y_text = |value: &Real| {
-            if has_y {
-                tick(*value, y_digits)
-            } else {
-                String::new()
-            }
+            if has_y { tick(*value, y_digits) } else { String::new() }
         };
         let text = ("sans-serif", TEXT).into_font().color(&INK);
         let mut mesh = plot.configure_mesh();
@@ -410,12 +377,10 @@ impl Figure {
             .x_label_formatter(&x_text)
             .y_label_formatter(&y_text);
         if !has_y {
-            mesh.disable_y_mesh()
-                .set_tick_mark_size(LabelAreaPosition::Left, 0);
+            mesh.disable_y_mesh().set_tick_mark_size(LabelAreaPosition::Left, 0);
         }
         if is_last {
-            mesh.x_desc(self.x_label.as_str())
-                .axis_desc_style(text.clone());
+            mesh.x_desc(self.x_label.as_str()).axis_desc_style(text.clone());
         }
         mesh.draw()?;
         if panel.axes == Axes::Both {
@@ -435,10 +400,7 @@ impl Figure {
         }
         if panel.is_empty() {
             let middle = (0.5 * (x.start + x.end), 0.5 * (y.start + y.end));
-            let style = ("sans-serif", TEXT)
-                .into_font()
-                .color(&AXIS)
-                .pos(Pos::new(HPos::Center, VPos::Center));
+            let style = ("sans-serif", TEXT).into_font().color(&AXIS).pos(Pos::new(HPos::Center, VPos::Center));
             plot.draw_series([Text::new(panel.empty.clone(), middle, style)])?;
         }
         Ok(())
@@ -471,12 +433,7 @@ mod tests {
     }
 
     fn line(points: Vec<Option<Point>>) -> Layer {
-        Layer::Line {
-            legend: "estimated".to_owned(),
-            colour: RGBColor(1, 2, 3),
-            stroke: Stroke::Solid,
-            points,
-        }
+        Layer::Line { legend: "estimated".to_owned(), colour: RGBColor(1, 2, 3), stroke: Stroke::Solid, points }
     }
 
     fn count(text: &str, needle: &str) -> usize {
@@ -486,33 +443,17 @@ mod tests {
     #[test]
     fn a_gap_breaks_the_line_and_a_lonely_point_is_a_dot() {
         let nan = Real::NAN;
-        let points = [
-            (0.0, 1.0),
-            (1.0, 2.0),
-            (2.0, nan),
-            (3.0, 1.0),
-            (nan, 1.0),
-            (5.0, 1.0),
-            (6.0, 2.0),
-        ];
+        let points = [(0.0, 1.0), (1.0, 2.0), (2.0, nan), (3.0, 1.0), (nan, 1.0), (5.0, 1.0), (6.0, 2.0)];
         let svg = figure(vec![line(points.map(Some).to_vec())]).to_svg();
         let mine = "stroke=\"#010203\"";
-        assert_eq!(
-            count(&svg, &format!("opacity=\"1\" {mine}")),
-            3,
-            "legend and two lines"
-        );
+        assert_eq!(count(&svg, &format!("opacity=\"1\" {mine}")), 3, "legend and two lines");
         assert_eq!(count(&svg, "<circle"), 1);
         assert!(!svg.contains("NaN"));
     }
 
     #[test]
     fn without_values_the_reason_stands_in_the_plot() {
-        for layers in [
-            vec![],
-            vec![line(vec![None])],
-            vec![line(vec![Some((Real::NAN, 1.0))])],
-        ] {
+        for layers in [vec![], vec![line(vec![None])], vec![line(vec![Some((Real::NAN, 1.0))])]] {
             let svg = figure(layers).to_svg();
             assert!(svg.contains("no estimate: no samples"));
             assert!(!svg.contains("NaN") && !svg.contains("inf"));

@@ -70,11 +70,7 @@ pub(super) fn widened(range: &Range<Real>, air: Real) -> Range<Real> {
         return 0.0..1.0;
     }
     let least = 1e-9 * start.abs().max(end.abs());
-    let margin = if end - start > least {
-        air * (end - start)
-    } else {
-        (0.05 * start.abs()).max(1e-6)
-    };
+    let margin = if end - start > least { air * (end - start) } else { (0.05 * start.abs()).max(1e-6) };
     start - margin..end + margin
 }
 
@@ -85,11 +81,7 @@ pub(super) fn tick(value: Real, digits: usize) -> String {
         true => text.trim_end_matches('0').trim_end_matches('.'),
         false => &text,
     };
-    if text == "-0" {
-        "0".to_owned()
-    } else {
-        text.replace('-', "\u{2212}")
-    }
+    if text == "-0" { "0".to_owned() } else { text.replace('-', "\u{2212}") }
 }
 
 #[cfg(test)]

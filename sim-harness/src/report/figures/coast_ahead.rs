@@ -22,10 +22,8 @@ pub fn coast_ahead(run: &RunView) -> Option<String> {
         return None;
     }
     let first_s = run.estimates.first()?.time_s;
-    let (speeds, times) = came(run)
-        .into_iter()
-        .map(|(km, kmh, time_s)| ((km, kmh), (km, (time_s - first_s) / MINUTE_S)))
-        .unzip();
+    let (speeds, times) =
+        came(run).into_iter().map(|(km, kmh, time_s)| ((km, kmh), (km, (time_s - first_s) / MINUTE_S))).unzip();
     let mut speed = panel(run, &axis, "speed at the target, km/h", speeds, |arrival| {
         (KMH * arrival.speed_mps, KMH * arrival.speed_sd_mps)
     });
@@ -33,12 +31,7 @@ pub fn coast_ahead(run: &RunView) -> Option<String> {
         let (target, _) = arrival(run, index)?;
         Some((x, KMH * target.limit_mps.unwrap_or(0.0)))
     });
-    speed.layers.push(line(
-        "permitted there",
-        colours::LIMIT,
-        Stroke::Dashed,
-        permitted,
-    ));
+    speed.layers.push(line("permitted there", colours::LIMIT, Stroke::Dashed, permitted));
     let label = "there, min since the first sample";
     let time = panel(run, &axis, label, times, |arrival| {
         let after_s = arrival.time_s - first_s;
@@ -64,13 +57,7 @@ fn arrival(run: &RunView, index: usize) -> Option<(Target, Arrival)> {
     (before == Some(target)).then_some((target, arrival))
 }
 
-fn panel(
-    run: &RunView,
-    axis: &Axis,
-    label: &str,
-    came: Vec<Point>,
-    value: impl Fn(&Arrival) -> (Real, Real),
-) -> Panel {
+fn panel(run: &RunView, axis: &Axis, label: &str, came: Vec<Point>, value: impl Fn(&Arrival) -> (Real, Real)) -> Panel {
     let at = |index| arrival(run, index).map(|(_, arrival)| value(&arrival));
     let band = axis.series(run.estimates, |index, _, x| {
         let (mean, sd) = at(index)?;
@@ -85,44 +72,22 @@ fn panel(
             opacity: BACKGROUND,
             spans: axis.spans(run.estimates, |index, _| run.regime(index) == Regime::Coast),
         },
-        Layer::Band {
-            legend: "90 % band".to_owned(),
-            colour: colours::ESTIMATED,
-            opacity: BAND,
-            points: band,
-        },
-        line(
-            "if it coasts from here on",
-            colours::ESTIMATED,
-            Stroke::Solid,
-            mean,
-        ),
-        Layer::Marks {
-            legend: "as it came".to_owned(),
-            colour: colours::MEASURED,
-            points: came,
-        },
+        Layer::Band { legend: "90 % band".to_owned(), colour: colours::ESTIMATED, opacity: BAND, points: band },
+        line("if it coasts from here on", colours::ESTIMATED, Stroke::Solid, mean),
+        Layer::Marks { legend: "as it came".to_owned(), colour: colours::MEASURED, points: came },
     ];
     layers.retain(|layer| match layer {
         Layer::Spans { spans, .. } => !spans.is_empty(),
         Layer::Marks { points, .. } => !points.is_empty(),
         _ => true,
     });
-    Panel {
-        label: label.to_owned(),
-        height: 260,
-        y: None,
-        axes: Axes::Left,
-        layers,
-        empty: "no prediction".to_owned(),
-    }
+    Panel { label: label.to_owned(), height: 260, y: None, axes: Axes::Left, layers, empty: "no prediction".to_owned() }
 }
 
 /// Each target that the train went past: location in km, speed in km/h, time in s, between two estimates.
 fn came(run: &RunView) -> Vec<(Real, Real, Real)> {
-    let mut places_m: Vec<Real> = (0..run.coast_ahead.len())
-        .filter_map(|index| Some(arrival(run, index)?.0.at_m))
-        .collect();
+    let mut places_m: Vec<Real> =
+        (0..run.coast_ahead.len()).filter_map(|index| Some(arrival(run, index)?.0.at_m)).collect();
     places_m.dedup();
     let passing = |at_m: Real| {
         run.estimates.windows(2).find_map(|pair| {
@@ -156,10 +121,7 @@ mod tests {
                 location_m: example.estimates[index].belief.mean[state::LOCATION],
                 speed_mps: example.estimates[index].belief.mean[state::SPEED],
             },
-            target: (40..=60).contains(&index).then_some(Target {
-                at_m,
-                limit_mps: Some(10.0),
-            }),
+            target: (40..=60).contains(&index).then_some(Target { at_m, limit_mps: Some(10.0) }),
             outcome: match index {
                 40..=60 => Outcome::Arrives(Arrival {
                     speed_mps: 20.0,
@@ -178,10 +140,7 @@ mod tests {
     fn predictions_stand_beside_what_came() {
         let example = Example::run();
         let predictions = predictions(&example);
-        let view = RunView {
-            coast_ahead: &predictions,
-            ..example.view()
-        };
+        let view = RunView { coast_ahead: &predictions, ..example.view() };
         let [(km, kmh, time_s)] = came(&view)[..] else {
             panic!("{:?}", came(&view));
         };
@@ -190,20 +149,15 @@ mod tests {
         assert!(before.time_s < time_s && time_s < after.time_s);
         let speeds = [before, after].map(|e| KMH * e.belief.mean[state::SPEED]);
         assert!(kmh <= speeds[0].max(speeds[1]) && kmh >= speeds[0].min(speeds[1]));
-        let panel = panel(&view, &Axis::of_motion(&view), "", Vec::new(), |arrival| {
-            (arrival.speed_mps, arrival.speed_sd_mps)
-        });
+        let panel =
+            panel(&view, &Axis::of_motion(&view), "", Vec::new(), |arrival| (arrival.speed_mps, arrival.speed_sd_mps));
         let bands = panel.layers.iter().find_map(|layer| match layer {
             Layer::Band { points, .. } => Some(points.iter().flatten().copied().collect()),
             _ => None,
         });
         let bands: Vec<(Real, Real, Real)> = bands.unwrap();
         assert_eq!(bands.len(), 20, "all but the first of the target");
-        assert!(
-            bands
-                .iter()
-                .all(|(_, low, high)| (*low, *high) == (18.355, 21.645))
-        );
+        assert!(bands.iter().all(|(_, low, high)| (*low, *high) == (18.355, 21.645)));
         assert!(coast_ahead(&view).unwrap().contains("as it came"));
     }
 

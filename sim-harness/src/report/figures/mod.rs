@@ -64,10 +64,5 @@ fn trusted(estimate: &Estimate) -> bool {
 }
 
 fn line(legend: &str, colour: RGBColor, stroke: Stroke, points: Vec<Option<Point>>) -> Layer {
-    Layer::Line {
-        legend: legend.to_owned(),
-        colour,
-        stroke,
-        points,
-    }
+    Layer::Line { legend: legend.to_owned(), colour, stroke, points }
 }

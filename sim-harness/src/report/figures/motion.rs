@@ -20,31 +20,16 @@ const TRUTH_REACH: Real = 1.0;
 /// Fig. 3: speed, acceleration, effort and the three coefficients with their 95 % bands.
 pub fn motion(run: &RunView, train: &Train) -> String {
     let axis = Axis::of_motion(run);
-    let mut panels = vec![
-        speed_panel(run, &axis),
-        acceleration_panel(run, &axis, train),
-        effort_panel(run, &axis, train),
-    ];
+    let mut panels =
+        vec![speed_panel(run, &axis), acceleration_panel(run, &axis, train), effort_panel(run, &axis, train)];
     let davis = train.davis();
     let coefficients = [
         (state::R0, "r0, 10\u{207b}\u{b3} N/kg", 1e3, davis.r0),
-        (
-            state::R1,
-            "r1, 10\u{207b}\u{2074} N/(kg m/s)",
-            1e4,
-            davis.r1,
-        ),
-        (
-            state::R2,
-            "r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})",
-            1e5,
-            davis.r2,
-        ),
+        (state::R1, "r1, 10\u{207b}\u{2074} N/(kg m/s)", 1e4, davis.r1),
+        (state::R2, "r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})", 1e5, davis.r2),
     ];
     for (component, label, per_unit, stated) in coefficients {
-        panels.push(coefficient_panel(
-            run, &axis, component, label, per_unit, stated,
-        ));
+        panels.push(coefficient_panel(run, &axis, component, label, per_unit, stated));
     }
     figure(
         format!("Motion and resistance parameters of {}", run.name),
@@ -56,9 +41,7 @@ pub fn motion(run: &RunView, train: &Train) -> String {
 }
 
 fn speed_panel(run: &RunView, axis: &Axis) -> Panel {
-    let measured = axis.series(run.estimates, |index, _, x| {
-        Some((x, KMH * run.measurement(index)?.speed_mps?))
-    });
+    let measured = axis.series(run.estimates, |index, _, x| Some((x, KMH * run.measurement(index)?.speed_mps?)));
     let estimated = axis.series(run.estimates, |_, estimate, x| {
         trusted(estimate).then_some((x, KMH * estimate.belief.mean[state::SPEED]))
     });
@@ -77,26 +60,15 @@ fn speed_panel(run: &RunView, axis: &Axis) -> Panel {
 
 /// From 0 to a little above everything; a wild reading does not flatten the run.
 pub(super) fn speed_range(run: &RunView) -> Range<Real> {
-    let estimated_kmh = run
-        .estimates
-        .iter()
-        .map(|e| KMH * e.belief.mean[state::SPEED]);
+    let estimated_kmh = run.estimates.iter().map(|e| KMH * e.belief.mean[state::SPEED]);
     let estimated_kmh = range_of(estimated_kmh).end.max(10.0);
-    let measured_kmh = run
-        .measurements
-        .iter()
-        .filter_map(|m| m.speed_mps)
-        .map(|v| KMH * v);
-    let measured_kmh = range_of(measured_kmh)
-        .end
-        .min(SPEED_HEADROOM * estimated_kmh);
+    let measured_kmh = run.measurements.iter().filter_map(|m| m.speed_mps).map(|v| KMH * v);
+    let measured_kmh = range_of(measured_kmh).end.min(SPEED_HEADROOM * estimated_kmh);
     0.0..1.06 * estimated_kmh.max(measured_kmh)
 }
 
 fn acceleration_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
-    let values = axis.series(run.estimates, |_, estimate, x| {
-        Some((x, estimate.acceleration_mps2?))
-    });
+    let values = axis.series(run.estimates, |_, estimate, x| Some((x, estimate.acceleration_mps2?)));
     let limit = -train.description().max_brake_mps2;
     let ends = [axis.range.start, axis.range.end];
     Panel {
@@ -105,27 +77,15 @@ fn acceleration_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
         y: None,
         axes: Axes::Left,
         layers: vec![
-            line(
-                "mean since the sample before",
-                colours::ESTIMATED,
-                Stroke::Thin,
-                values,
-            ),
-            line(
-                "largest deceleration",
-                colours::LIMIT,
-                Stroke::Dashed,
-                ends.map(|x| Some((x, limit))).to_vec(),
-            ),
+            line("mean since the sample before", colours::ESTIMATED, Stroke::Thin, values),
+            line("largest deceleration", colours::LIMIT, Stroke::Dashed, ends.map(|x| Some((x, limit))).to_vec()),
         ],
         empty: no_difference(run),
     }
 }
 
 fn effort_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
-    let values = axis.series(run.estimates, |_, estimate, x| {
-        Some((x, estimate.effort_n_per_kg?))
-    });
+    let values = axis.series(run.estimates, |_, estimate, x| Some((x, estimate.effort_n_per_kg?)));
     let limit = axis.series(run.estimates, |_, estimate, x| {
         let speed_mps = estimate.belief.mean[state::SPEED];
         let is_speed = speed_mps.is_finite() && trusted(estimate);
@@ -133,24 +93,12 @@ fn effort_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
     });
     let mut layers = Vec::new();
     if let Some(truth) = run.truth() {
-        let points = axis.series(run.estimates, |index, _, x| {
-            Some((x, truth.effort_n_per_kg[index]))
-        });
+        let points = axis.series(run.estimates, |index, _, x| Some((x, truth.effort_n_per_kg[index])));
         layers.push(line("true", colours::TRUTH, Stroke::Solid, points));
     }
     layers.extend([
-        line(
-            "mean since the sample before",
-            colours::ESTIMATED,
-            Stroke::Thin,
-            values,
-        ),
-        line(
-            "largest tractive effort",
-            colours::LIMIT,
-            Stroke::Dashed,
-            limit,
-        ),
+        line("mean since the sample before", colours::ESTIMATED, Stroke::Thin, values),
+        line("largest tractive effort", colours::LIMIT, Stroke::Dashed, limit),
     ]);
     Panel {
         label: "effort, N/kg".to_owned(),
@@ -170,17 +118,8 @@ fn no_difference(run: &RunView) -> String {
     }
 }
 
-fn coefficient_panel(
-    run: &RunView,
-    axis: &Axis,
-    component: usize,
-    label: &str,
-    per_unit: Real,
-    stated: Real,
-) -> Panel {
-    let mean = axis.series(run.estimates, |_, estimate, x| {
-        Some((x, per_unit * estimate.belief.mean[component]))
-    });
+fn coefficient_panel(run: &RunView, axis: &Axis, component: usize, label: &str, per_unit: Real, stated: Real) -> Panel {
+    let mean = axis.series(run.estimates, |_, estimate, x| Some((x, per_unit * estimate.belief.mean[component])));
     let band = axis.series(run.estimates, |_, estimate, x| {
         let mean = per_unit * estimate.belief.mean[component];
         let width = NINETY_FIVE * per_unit * estimate.belief.sd(component);
@@ -200,12 +139,7 @@ fn coefficient_panel(
         });
     }
     layers.extend([
-        Layer::Band {
-            legend: "95 % band".to_owned(),
-            colour: colours::ESTIMATED,
-            opacity: BAND,
-            points: band,
-        },
+        Layer::Band { legend: "95 % band".to_owned(), colour: colours::ESTIMATED, opacity: BAND, points: band },
         line("estimated", colours::ESTIMATED, Stroke::Solid, mean),
         line(
             "manufacturer",
@@ -216,8 +150,7 @@ fn coefficient_panel(
     ]);
     let mut y = None;
     if let Some(truth) = run.truth() {
-        let true_value =
-            per_unit * [truth.davis.r0, truth.davis.r1, truth.davis.r2][component - state::R0];
+        let true_value = per_unit * [truth.davis.r0, truth.davis.r1, truth.davis.r2][component - state::R0];
         // A truth far off must not flatten what the estimate does.
         let drawn = layers.iter().flat_map(Layer::heights);
         let near = range_of(drawn);
@@ -237,14 +170,7 @@ fn coefficient_panel(
             y = Some(near.start - air..near.end + air);
         }
     }
-    Panel {
-        label: label.to_owned(),
-        height: 220,
-        y,
-        axes: Axes::Left,
-        layers,
-        empty: nothing_estimated(run),
-    }
+    Panel { label: label.to_owned(), height: 220, y, axes: Axes::Left, layers, empty: nothing_estimated(run) }
 }
 
 #[cfg(test)]

@@ -18,9 +18,7 @@ pub fn innovations(run: &RunView) -> String {
     let axis = Axis::of_time(run);
     let panel = |reading: usize, label: &str, per_unit: Real| {
         let of = |estimate: &Estimate, wanted: fn(Reading) -> bool| {
-            estimate
-                .innovation
-                .filter(|innovation| wanted(innovation.readings[reading]))
+            estimate.innovation.filter(|innovation| wanted(innovation.readings[reading]))
         };
         let there = |found| found != Reading::Missing;
         let band = axis.series(run.estimates, |_, estimate, x| {
@@ -28,9 +26,8 @@ pub fn innovations(run: &RunView) -> String {
             let width = 2.0 * per_unit * variance.max(0.0).sqrt();
             Some((x, -width, width))
         });
-        let values = axis.series(run.estimates, |_, estimate, x| {
-            Some((x, per_unit * of(estimate, there)?.value[reading]))
-        });
+        let values =
+            axis.series(run.estimates, |_, estimate, x| Some((x, per_unit * of(estimate, there)?.value[reading])));
         let gated = axis.series(run.estimates, |_, estimate, x| {
             let innovation = of(estimate, |found| found == Reading::Gated)?;
             Some((x, per_unit * innovation.value[reading]))
@@ -83,11 +80,8 @@ pub fn innovations(run: &RunView) -> String {
 
 /// Which samples were used, held or not to be trusted, why, and where was learned; over time.
 pub fn readings(run: &RunView) -> String {
-    const VALIDITIES: [(&str, RGBColor); 3] = [
-        ("valid", colours::VALID),
-        ("held", colours::HELD),
-        ("invalid", colours::INVALID),
-    ];
+    const VALIDITIES: [(&str, RGBColor); 3] =
+        [("valid", colours::VALID), ("held", colours::HELD), ("invalid", colours::INVALID)];
     const NO_GAP: Range<Real> = 0.12..0.5;
     let axis = Axis::of_time(run);
     let mut rows: Vec<(String, Vec<Layer>)> = Vec::new();
@@ -103,10 +97,7 @@ pub fn readings(run: &RunView) -> String {
     });
     rows.push(("estimate".to_owned(), validity.into()));
     let learned = axis.spans(run.estimates, |_, estimate| estimate.learning);
-    rows.push((
-        "resistance learned".to_owned(),
-        vec![bars("learned", colours::LEARNING, learned)],
-    ));
+    rows.push(("resistance learned".to_owned(), vec![bars("learned", colours::LEARNING, learned)]));
     let regimes = Regime::ALL.map(|regime| {
         let spans = axis.spans(run.estimates, |index, _| run.regime(index) == regime);
         bars("", colours::of_regime(regime), spans)
@@ -115,19 +106,9 @@ pub fn readings(run: &RunView) -> String {
     for cause in Cause::ALL {
         let spans = axis.spans(run.estimates, |_, e| e.validity.cause() == Some(cause));
         if !spans.is_empty() {
-            let worst = run
-                .estimates
-                .iter()
-                .any(|e| e.validity == Validity::Invalid(cause));
-            let colour = if worst {
-                colours::INVALID
-            } else {
-                colours::HELD
-            };
-            rows.push((
-                cause.as_str().replace('_', " "),
-                vec![bars("", colour, spans)],
-            ));
+            let worst = run.estimates.iter().any(|e| e.validity == Validity::Invalid(cause));
+            let colour = if worst { colours::INVALID } else { colours::HELD };
+            rows.push((cause.as_str().replace('_', " "), vec![bars("", colour, spans)]));
         }
     }
     let count = rows.len();
@@ -136,17 +117,8 @@ pub fn readings(run: &RunView) -> String {
         let foot = (count - row - 1) as Real;
         for bar in bars {
             layers.push(match bar {
-                Layer::Bars {
-                    legend,
-                    colour,
-                    spans,
-                    heights,
-                } => Layer::Bars {
-                    legend: if spans.is_empty() {
-                        String::new()
-                    } else {
-                        legend
-                    },
+                Layer::Bars { legend, colour, spans, heights } => Layer::Bars {
+                    legend: if spans.is_empty() { String::new() } else { legend },
                     colour,
                     spans,
                     heights: foot + heights.start..foot + heights.end,
@@ -154,10 +126,7 @@ pub fn readings(run: &RunView) -> String {
                 other => other,
             });
         }
-        layers.push(Layer::Word {
-            text: name,
-            y: foot + 0.52,
-        });
+        layers.push(Layer::Word { text: name, y: foot + 0.52 });
     }
     let panel = Panel {
         label: "readings".to_owned(),

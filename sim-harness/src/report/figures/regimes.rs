@@ -21,10 +21,7 @@ pub fn regimes(run: &RunView) -> String {
         let legend = format!("{regime} {}", percent(share));
         (legend, colours::of_regime(regime))
     });
-    let mut layers = vec![Layer::Pieces {
-        legends: legends.collect(),
-        pieces: regime_pieces(run, &axis),
-    }];
+    let mut layers = vec![Layer::Pieces { legends: legends.collect(), pieces: regime_pieces(run, &axis) }];
     if axis.is_location {
         let starts = [&run.features.final_coast, &run.features.final_brake];
         layers.push(Layer::Marks {
@@ -98,10 +95,7 @@ mod tests {
         let svg = regimes(&Example::run().view());
         for regime in Regime::ALL {
             let RGBColor(r, g, b) = colours::of_regime(regime);
-            assert!(
-                svg.contains(&format!("stroke=\"#{r:02X}{g:02X}{b:02X}\"")),
-                "{regime}"
-            );
+            assert!(svg.contains(&format!("stroke=\"#{r:02X}{g:02X}{b:02X}\"")), "{regime}");
         }
         assert!(svg.contains("coast 52.8\u{a0}%"));
         assert!(!regimes(&Example::first(5).view()).contains("coast"));

@@ -28,29 +28,20 @@ pub fn resistance_terms(run: &RunView) -> String {
             let below: Real = terms.iter().take(term).sum();
             Some((x, MILLI * below, MILLI * (below + terms[term])))
         });
-        layers.push(Layer::Band {
-            legend: legend.to_owned(),
-            colour,
-            opacity: 1.0,
-            points,
-        });
+        layers.push(Layer::Band { legend: legend.to_owned(), colour, opacity: 1.0, points });
     }
     layers.push(Layer::Line {
         legend: "track gradient (right axis)".to_owned(),
         colour: colours::GRADIENT,
         stroke: Stroke::Thin,
-        points: axis.series(run.estimates, |_, estimate, x| {
-            Some((x, MILLI * estimate.gradient_n_per_kg))
-        }),
+        points: axis.series(run.estimates, |_, estimate, x| Some((x, MILLI * estimate.gradient_n_per_kg))),
     });
     if let Some(truth) = run.truth() {
         layers.push(Layer::Line {
             legend: "true running resistance".to_owned(),
             colour: colours::TRUTH,
             stroke: Stroke::Dotted,
-            points: axis.series(run.estimates, |index, _, x| {
-                Some((x, MILLI * truth.resistance_n_per_kg[index]))
-            }),
+            points: axis.series(run.estimates, |index, _, x| Some((x, MILLI * truth.resistance_n_per_kg[index]))),
         });
     }
     let panel = Panel {
@@ -70,23 +61,16 @@ pub fn resistance_terms(run: &RunView) -> String {
 }
 
 /// r(v) of the vehicle with its 95 % band, the manufacturer's dashed; `learned_mps` are the speeds it was learned at.
-pub fn resistance_curve(
-    vehicle: Option<&Gaussian<3>>,
-    train: &Train,
-    learned_mps: Option<Range<Real>>,
-) -> String {
+pub fn resistance_curve(vehicle: Option<&Gaussian<3>>, train: &Train, learned_mps: Option<Range<Real>>) -> String {
     let fastest_kmh = learned_mps.as_ref().map_or(0.0, |speeds| KMH * speeds.end);
     let end_kmh = (20.0 * (fastest_kmh / 20.0).ceil() + 20.0).clamp(160.0, 400.0);
     let speeds_kmh: Vec<Real> = (0..=40).map(|i| end_kmh * Real::from(i) / 40.0).collect();
-    let at =
-        |kmh: Real| vehicle.and_then(|vehicle| Resistance::at(vehicle, KmPerHour(kmh).to_mps()));
+    let at = |kmh: Real| vehicle.and_then(|vehicle| Resistance::at(vehicle, KmPerHour(kmh).to_mps()));
     let band = speeds_kmh.iter().map(|&kmh| {
         let r = at(kmh)?;
         Some((kmh, MILLI * r.lower(), MILLI * r.upper()))
     });
-    let mean = speeds_kmh
-        .iter()
-        .map(|&kmh| Some((kmh, MILLI * at(kmh)?.mean_n_per_kg)));
+    let mean = speeds_kmh.iter().map(|&kmh| Some((kmh, MILLI * at(kmh)?.mean_n_per_kg)));
     let stated = speeds_kmh.iter().map(|&kmh| {
         let r = train.davis().resistance_n_per_kg(KmPerHour(kmh).to_mps());
         Some((kmh, MILLI * r))
@@ -122,8 +106,7 @@ pub fn resistance_curve(
     ]);
     let figure = Figure {
         title: "Running resistance over speed".to_owned(),
-        description: "The estimated resistance with its 95 % band, the manufacturer's dashed"
-            .to_owned(),
+        description: "The estimated resistance with its 95 % band, the manufacturer's dashed".to_owned(),
         x_label: "speed, km/h".to_owned(),
         x: 0.0..end_kmh,
         panels: vec![Panel {
@@ -139,11 +122,7 @@ pub fn resistance_curve(
 }
 
 /// Running resistance of the vehicle at one speed after each run, with its 95 % band.
-pub fn vehicle_history(
-    vehicle: &[(String, Gaussian<3>)],
-    train: &Train,
-    speed_kmh: Real,
-) -> String {
+pub fn vehicle_history(vehicle: &[(String, Gaussian<3>)], train: &Train, speed_kmh: Real) -> String {
     let speed_mps = KmPerHour(speed_kmh).to_mps();
     let runs: Vec<(Real, Option<Resistance>)> = vehicle
         .iter()
@@ -152,9 +131,7 @@ pub fn vehicle_history(
         .collect();
     let ends = 0.5..vehicle.len().max(1) as Real + 0.5;
     let stated = MILLI * train.davis().resistance_n_per_kg(speed_mps);
-    let band = |(run, r): &(Real, Option<Resistance>)| {
-        r.map(|r| (*run, MILLI * r.lower(), MILLI * r.upper()))
-    };
+    let band = |(run, r): &(Real, Option<Resistance>)| r.map(|r| (*run, MILLI * r.lower(), MILLI * r.upper()));
     let mean = |(run, r): &(Real, Option<Resistance>)| r.map(|r| (*run, MILLI * r.mean_n_per_kg));
     let layers = vec![
         Layer::Band {
@@ -178,9 +155,7 @@ pub fn vehicle_history(
     ];
     let figure = Figure {
         title: format!("Resistance of the vehicle at {speed_kmh} km/h after each run"),
-        description:
-            "The estimate with its 95 % band after each run, the manufacturer's value dashed"
-                .to_owned(),
+        description: "The estimate with its 95 % band after each run, the manufacturer's value dashed".to_owned(),
         x_label: "run, in the order of the table".to_owned(),
         x: ends,
         panels: vec![Panel {

@@ -16,11 +16,7 @@ pub(super) fn feature_table(features: &Features, train: &Train, config: &Feature
     // No standard deviation: seen once in a run, or not at all.
     let once = |value: Option<Real>, decimals: usize| {
         let count = if value.is_some() { "1" } else { "0" };
-        [
-            count.to_owned(),
-            number(value, decimals),
-            NOTHING.to_owned(),
-        ]
+        [count.to_owned(), number(value, decimals), NOTHING.to_owned()]
     };
     let phase = |name: &str, phase: Option<&Phase>| {
         let of = |field: fn(&Phase) -> Real| phase.map(field);
@@ -34,11 +30,7 @@ pub(super) fn feature_table(features: &Features, train: &Train, config: &Feature
     let line = features.max_effort.as_ref();
     let effort = line.map(|line| line.effort).unwrap_or_default();
     let [effort_count, effort_mean, _] = statistic(&effort, mass_kg / 1e3, 1);
-    let effort_sd = number(
-        line.and_then(EffortLine::known_sd)
-            .map(|sd| sd * mass_kg / 1e3),
-        1,
-    );
+    let effort_sd = number(line.and_then(EffortLine::known_sd).map(|sd| sd * mass_kg / 1e3), 1);
     let window = |[lower, upper]: [Real; 2]| format!("{lower} to {upper} km/h");
     let energy = &features.energy;
     let energies = [

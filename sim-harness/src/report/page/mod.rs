@@ -122,19 +122,11 @@ fn verdict(report: &Report) -> Markup {
     });
     let words: Vec<String> = words.collect();
     let outside = found.iter().filter(|(.., against)| !against.within);
-    let outside: Vec<String> = outside
-        .map(|(speed_kmh, ..)| speed_kmh.to_string())
-        .collect();
+    let outside: Vec<String> = outside.map(|(speed_kmh, ..)| speed_kmh.to_string()).collect();
     let significance = match outside.len() {
-        0 => "The manufacturer's values lie inside these intervals: no difference is proven."
-            .to_owned(),
-        n if n == found.len() => {
-            "The manufacturer's values lie outside these intervals.".to_owned()
-        }
-        _ => format!(
-            "The manufacturer's value lies outside the interval at {} km/h only.",
-            outside.join(" and ")
-        ),
+        0 => "The manufacturer's values lie inside these intervals: no difference is proven.".to_owned(),
+        n if n == found.len() => "The manufacturer's values lie outside these intervals.".to_owned(),
+        _ => format!("The manufacturer's value lies outside the interval at {} km/h only.", outside.join(" and ")),
     };
     html! {
         "After " @if report.vehicle.len() > 1 { "the last run, " } (name)

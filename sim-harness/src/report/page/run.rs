@@ -96,16 +96,8 @@ fn missing_innovations(run: &RunView) -> Markup {
         }
     }
     let reasons = [
-        (
-            first,
-            "is the first, of which nothing was expected",
-            "are the first",
-        ),
-        (
-            unread,
-            "lacks a reading that could be used",
-            "lack a reading that could be used",
-        ),
+        (first, "is the first, of which nothing was expected", "are the first"),
+        (unread, "lacks a reading that could be used", "lack a reading that could be used"),
         (
             anew,
             "begins anew from the measurement, so nothing was expected of it",
@@ -124,17 +116,10 @@ fn missing_innovations(run: &RunView) -> Markup {
 }
 
 fn readings(run: &RunView) -> Markup {
-    let causes: Vec<(Cause, u32)> = run
-        .counters
-        .iter()
-        .filter(|(_, count)| *count > 0)
-        .collect();
+    let causes: Vec<(Cause, u32)> = run.counters.iter().filter(|(_, count)| *count > 0).collect();
     let dropped = run.counters.time_not_increasing;
     let gated = gated(run);
-    let has_doubts = run
-        .estimates
-        .iter()
-        .any(|estimate| estimate.validity.cause().is_some());
+    let has_doubts = run.estimates.iter().any(|estimate| estimate.validity.cause().is_some());
     html! {
         h3 { "Use of the readings" }
         @if causes.is_empty() && dropped == 0 && gated == 0 && !has_doubts {

@@ -93,9 +93,7 @@ pub(super) fn no_samples(run: &RunView) -> String {
     let dropped = run.counters.time_not_increasing;
     match dropped {
         0 => "no estimate: the run has no usable sample".to_owned(),
-        _ => format!(
-            "no estimate: all {dropped} samples were dropped because their time does not increase"
-        ),
+        _ => format!("no estimate: all {dropped} samples were dropped because their time does not increase"),
     }
 }
 
@@ -107,10 +105,7 @@ fn not_used(run: &RunView) -> u64 {
 
 /// Readings that the filter left out because they lay outside the gate.
 pub(super) fn gated(run: &RunView) -> usize {
-    let innovations = run
-        .estimates
-        .iter()
-        .filter_map(|estimate| estimate.innovation);
+    let innovations = run.estimates.iter().filter_map(|estimate| estimate.innovation);
     let gated = innovations.map(|innovation| {
         let is_gated = |reading: &&Reading| **reading == Reading::Gated;
         innovation.readings.iter().filter(is_gated).count()

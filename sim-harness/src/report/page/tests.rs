@@ -11,15 +11,10 @@ fn check(page: &str) {
     for word in ["NaN", "inf ", ">inf<", "http", "<script", "url(", "@import"] {
         assert!(!page.contains(word), "{word}");
     }
-    for tag in [
-        "section", "figure", "table", "svg", "tr", "td", "div", "details",
-    ] {
+    for tag in ["section", "figure", "table", "svg", "tr", "td", "div", "details"] {
         let (open, close) = (format!("<{tag}"), format!("</{tag}>"));
         let begins = |at: usize| !page[at + open.len()..].starts_with(char::is_alphanumeric);
-        let opened = page
-            .match_indices(&open)
-            .filter(|(at, _)| begins(*at))
-            .count();
+        let opened = page.match_indices(&open).filter(|(at, _)| begins(*at)).count();
         assert_eq!(opened, page.matches(&close).count(), "{tag}");
     }
 }
@@ -35,14 +30,7 @@ fn every_section_is_there_and_linked() {
     let mut second = Example::run();
     second.name = "run02".to_owned();
     let page = of(&[Example::run(), second]);
-    for id in [
-        "summary",
-        "resistance",
-        "runs",
-        "run-1",
-        "run-2",
-        "reading-aids",
-    ] {
+    for id in ["summary", "resistance", "runs", "run-1", "run-2", "reading-aids"] {
         assert!(page.contains(&format!("id=\"{id}\"")), "{id}");
     }
     assert!(page.contains("href=\"#run-2\""));
@@ -55,11 +43,7 @@ fn every_section_is_there_and_linked() {
         "Use of the readings",
         "Features",
     ] {
-        assert_eq!(
-            page.matches(&format!("<h3>{heading}</h3>")).count(),
-            2,
-            "{heading}"
-        );
+        assert_eq!(page.matches(&format!("<h3>{heading}</h3>")).count(), 2, "{heading}");
     }
     assert_eq!(page.matches("<svg").count(), 2 + 2 * 5);
     assert!(page.contains("lack a reading that could be used"));
@@ -96,11 +80,7 @@ fn an_empty_run_says_why() {
 fn one_or_two_samples_are_a_page_too() {
     for count in [1, 2] {
         let page = of(&[Example::first(count)]);
-        let word = if count == 1 {
-            "1 sample over"
-        } else {
-            "2 samples over"
-        };
+        let word = if count == 1 { "1 sample over" } else { "2 samples over" };
         assert!(page.contains(word));
     }
     assert!(of(&[Example::first(1)]).contains("no value: it takes two samples"));
@@ -133,10 +113,7 @@ fn numbers_that_are_not_finite_leave_gaps() {
     let page = of(&[run]);
     assert!(page.contains("no estimate: no value is finite"));
     let mut report_of_nan = report(&[], &train()).vehicle;
-    report_of_nan.push((
-        "run01".to_owned(),
-        Gaussian::independent([nan; 3], [1.0; 3]),
-    ));
+    report_of_nan.push(("run01".to_owned(), Gaussian::independent([nan; 3], [1.0; 3])));
     let page = html(&Report {
         title: String::new(),
         train: &train(),
@@ -160,37 +137,14 @@ fn windows_are_those_of_the_configuration() {
         ..FeatureConfig::default()
     };
     let mut report = report(&runs, &train);
-    let paper = [
-        "10 to 30 km/h",
-        "50 to 130 km/h",
-        "50 to 90 km/h",
-        "above 130 km/h",
-        "80 to 60 km/h",
-    ];
-    let own = [
-        "5 to 35 km/h",
-        "45 to 100 km/h",
-        "60.5 to 95 km/h",
-        "above 160 km/h",
-        "120 to 90 km/h",
-    ];
+    let paper = ["10 to 30 km/h", "50 to 130 km/h", "50 to 90 km/h", "above 130 km/h", "80 to 60 km/h"];
+    let own = ["5 to 35 km/h", "45 to 100 km/h", "60.5 to 95 km/h", "above 160 km/h", "120 to 90 km/h"];
     let page = html(&report);
-    assert!(
-        paper
-            .iter()
-            .all(|label| page.contains(&format!(", {label}<")))
-    );
+    assert!(paper.iter().all(|label| page.contains(&format!(", {label}<"))));
     report.features = config;
     let page = html(&report);
-    assert!(
-        own.iter()
-            .all(|label| page.contains(&format!(", {label}<")))
-    );
-    assert!(
-        !paper
-            .iter()
-            .any(|label| page.contains(&format!(", {label}<")))
-    );
+    assert!(own.iter().all(|label| page.contains(&format!(", {label}<"))));
+    assert!(!paper.iter().any(|label| page.contains(&format!(", {label}<"))));
 }
 
 #[test]
@@ -205,12 +159,8 @@ fn names_and_warnings_are_escaped() {
 
 #[test]
 fn beyond_the_first_runs_it_says_where_the_others_are() {
-    let runs: Vec<Example> = (1..=RUNS_IN_FULL + 2)
-        .map(|index| Example {
-            name: format!("run{index:02}"),
-            ..Example::first(3)
-        })
-        .collect();
+    let runs: Vec<Example> =
+        (1..=RUNS_IN_FULL + 2).map(|index| Example { name: format!("run{index:02}"), ..Example::first(3) }).collect();
     let page = of(&runs);
     assert!(page.contains("id=\"others\"") && page.contains("rundown replay ... run13.csv"));
     assert!(page.contains("id=\"run-12\"") && !page.contains("id=\"run-13\""));
@@ -227,9 +177,6 @@ fn the_reference_mode_warns() {
     assert!(html(&report).contains("resistance was learned over"));
     report.mode = "paper";
     let page = html(&report);
-    assert!(
-        page.contains("does not follow")
-            && page.contains("The filter corrected r0, r1 and r2 over")
-    );
+    assert!(page.contains("does not follow") && page.contains("The filter corrected r0, r1 and r2 over"));
     assert!(!page.contains("resistance was learned over"));
 }

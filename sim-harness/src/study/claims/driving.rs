@@ -60,13 +60,9 @@ pub(super) fn runs(gathered: &Gathered) -> Claim {
     let runs = gathered.top_kmh.count;
     let travelled_m = gathered.travelled_m.mean();
     let interval_s = gathered.interval_s.mean();
-    let value = travelled_m.zip(interval_s).map(|(m, s)| {
-        format!(
-            "{runs} runs of {} m, a reading every {} s",
-            number(m, 0),
-            number(s, 1)
-        )
-    });
+    let value = travelled_m
+        .zip(interval_s)
+        .map(|(m, s)| format!("{runs} runs of {} m, a reading every {} s", number(m, 0), number(s, 1)));
     let length = near(travelled_m, 32_103.0, 50.0);
     let interval = near(interval_s, INTERVAL_S, 0.1);
     Claim {
@@ -99,12 +95,7 @@ pub(super) fn profiles(gathered: &Gathered) -> Vec<Claim> {
         let steps = t.brake_steps.iter().filter_map(Moments::variation);
         steps.reduce(f64::min)
     };
-    let holds = gathered
-        .paper
-        .coast_mps2
-        .variation()
-        .zip(brakes(&gathered.paper))
-        .map(|(coast, brake)| coast < brake);
+    let holds = gathered.paper.coast_mps2.variation().zip(brakes(&gathered.paper)).map(|(coast, brake)| coast < brake);
     let [paper, gated, truth] = similar;
     vec![
         Claim {
@@ -133,19 +124,15 @@ pub(super) fn regimes(gathered: &Gathered) -> Vec<Claim> {
         let shares: Vec<f64> = t.shares.iter().filter_map(Moments::mean).collect();
         <[f64; 4]>::try_from(shares).ok()
     };
-    let words =
-        |shares: [f64; 4]| shares.map(|share| number(100.0 * share, 1)).join(" / ") + "\u{a0}%";
+    let words = |shares: [f64; 4]| shares.map(|share| number(100.0 * share, 1)).join(" / ") + "\u{a0}%";
     let [paper, gated, truth] = three(gathered, |t| shares(t).map(words));
     let holds = shares(&gathered.paper).map(|found| {
         let paper = [0.164, 0.17, 0.57, 0.093];
         let pairs = found.iter().zip(paper);
-        pairs
-            .into_iter()
-            .all(|(found, paper)| (found - paper).abs() <= 0.10)
+        pairs.into_iter().all(|(found, paper)| (found - paper).abs() <= 0.10)
     });
-    let coasts = |t: &Tallies| {
-        shares(t).map(|[traction, cruise, coast, brake]| coast > traction.max(cruise).max(brake))
-    };
+    let coasts =
+        |t: &Tallies| shares(t).map(|[traction, cruise, coast, brake]| coast > traction.max(cruise).max(brake));
     vec![
         Claim {
             place: "6",
@@ -176,15 +163,7 @@ fn claim(
     holds: Option<bool>,
     why: &str,
 ) -> Claim {
-    Claim {
-        place,
-        statement,
-        paper,
-        gated,
-        truth,
-        verdict: Verdict::of(holds),
-        why: why.to_owned(),
-    }
+    Claim { place, statement, paper, gated, truth, verdict: Verdict::of(holds), why: why.to_owned() }
 }
 
 pub(super) fn style(gathered: &Gathered) -> Vec<Claim> {
@@ -192,8 +171,7 @@ pub(super) fn style(gathered: &Gathered) -> Vec<Claim> {
     let paper = &gathered.paper;
     let cruise_over = |t: &Tallies| {
         let share = t.cruise_over_limit as f64 / t.cruise_kmh.count as f64;
-        percent(Some(share).filter(|share| share.is_finite()))
-            .map(|share| format!("cruise above: {share}"))
+        percent(Some(share).filter(|share| share.is_finite())).map(|share| format!("cruise above: {share}"))
     };
     let above = |words: &str, share: Option<f64>, cruise: String| match percent(share) {
         Some(share) => format!("{words} {share}; {cruise}"),
@@ -207,10 +185,7 @@ pub(super) fn style(gathered: &Gathered) -> Vec<Claim> {
                 let skewness = number(t.cruise_kmh.skewness(), 2);
                 mean(&t.cruise_kmh, 1).map(|mean| format!("mean {mean} km/h, skewness {skewness}"))
             }),
-            paper
-                .cruise_kmh
-                .skewness()
-                .map(|skewness| skewness < 0.0 && paper.cruise_kmh.mean() > Some(130.0)),
+            paper.cruise_kmh.skewness().map(|skewness| skewness < 0.0 && paper.cruise_kmh.mean() > Some(130.0)),
             "negative skewness and a mean above 130 km/h",
         ),
         claim(
@@ -225,11 +200,8 @@ pub(super) fn style(gathered: &Gathered) -> Vec<Claim> {
         ),
         claim(
             "the final coast takes 2.5 to 10 min",
-            three(gathered, |t| {
-                from_to(&t.coast_s, 60.0, 1).map(|text| text + " min")
-            }),
-            (paper.coast_s.count > 0)
-                .then_some(paper.coast_s.least >= 120.0 && paper.coast_s.largest <= 630.0),
+            three(gathered, |t| from_to(&t.coast_s, 60.0, 1).map(|text| text + " min")),
+            (paper.coast_s.count > 0).then_some(paper.coast_s.least >= 120.0 && paper.coast_s.largest <= 630.0),
             "from 2.0 to 10.5 min in the paper's mode",
         ),
         claim(
@@ -250,11 +222,7 @@ pub(super) fn style(gathered: &Gathered) -> Vec<Claim> {
                 let coast = mean(&t.coast_s, 0)?;
                 mean(&t.brake_s, 0).map(|brake| format!("{brake} s, coast {coast} s"))
             }),
-            paper
-                .brake_s
-                .mean()
-                .zip(paper.coast_s.mean())
-                .map(|(brake, coast)| brake < 0.5 * coast),
+            paper.brake_s.mean().zip(paper.coast_s.mean()).map(|(brake, coast)| brake < 0.5 * coast),
             "mean brake below half of the mean coast",
         ),
     ]
@@ -278,9 +246,8 @@ pub(super) fn brake(gathered: &Gathered) -> Vec<Claim> {
         Some(above(e, b)? && above(d, b)? && above(c, a.or(b))?)
     };
     let alike = |[a, b, c, d, _]: [Option<f64>; 5], sd: [Option<f64>; 5]| {
-        let near = |x: Option<f64>, y: Option<f64>, sds: [Option<f64>; 2]| {
-            Some((x? - y?).abs() < 0.5 * (sds[0]? + sds[1]?))
-        };
+        let near =
+            |x: Option<f64>, y: Option<f64>, sds: [Option<f64>; 2]| Some((x? - y?).abs() < 0.5 * (sds[0]? + sds[1]?));
         let low = near(c, d, [sd[2], sd[3]])?;
         Some(low && near(a, b, [sd[0], sd[1]])?)
     };
@@ -305,9 +272,7 @@ pub(super) fn brake(gathered: &Gathered) -> Vec<Claim> {
         claim(
             "steps from 40 to 80 km/h are alike, and those above 80 km/h",
             three(gathered, |t| means(t).map(words)),
-            means(paper)
-                .zip(sds(paper))
-                .and_then(|(m, sd)| alike(m, sd)),
+            means(paper).zip(sds(paper)).and_then(|(m, sd)| alike(m, sd)),
             "means of both pairs nearer than their standard deviation; no data where a step has fewer than 10 samples",
         ),
     ]
@@ -320,22 +285,15 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> Vec<Claim> {
         below.mean().zip(above.mean())
     };
     let words = |(below, above): (f64, f64)| {
-        format!(
-            "{} kW below {CLOUDS_KMH} km/h, {} kW above",
-            number(below, 0),
-            number(above, 0)
-        )
+        format!("{} kW below {CLOUDS_KMH} km/h, {} kW above", number(below, 0), number(above, 0))
     };
     let [paper, gated, truth] = three(gathered, |t| clouds(t).map(words));
     let (below_all, above_all) = (
         clouds(&gathered.paper).map(|(below, _)| below < stated_kw),
         clouds(&gathered.paper).map(|(_, above)| above > stated_kw),
     );
-    let is_two = below_all
-        .zip(above_all)
-        .map(|(below, above)| below && above);
-    let largest =
-        |t: &Tallies| (t.max_power_kw.count > 0).then(|| t.max_power_kw.largest / stated_kw);
+    let is_two = below_all.zip(above_all).map(|(below, above)| below && above);
+    let largest = |t: &Tallies| (t.max_power_kw.count > 0).then(|| t.max_power_kw.largest / stated_kw);
     let [paper_max, gated_max, truth_max] = three(gathered, |t| percent(largest(t)));
     let both = |t: &Tallies| {
         let [inside, all] = t.in_both_clouds;
@@ -344,9 +302,8 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     let [paper_both, gated_both, truth_both] = three(gathered, |t| percent(both(t)));
     let varies = |t: &Tallies| t.max_power_kw.variation();
     let [paper_varies, gated_varies, truth_varies] = three(gathered, |t| percent(varies(t)));
-    let [paper_count, gated_count, _] = three(gathered, |t| {
-        mean(&t.effort_samples, 1).map(|count| format!("{count} a run"))
-    });
+    let [paper_count, gated_count, _] =
+        three(gathered, |t| mean(&t.effort_samples, 1).map(|count| format!("{count} a run")));
     vec![
         Claim {
             place: "9",

@@ -11,7 +11,8 @@ use rundown::state;
 use rundown::train::Train;
 
 /// Why no verdict on the resistance speaks of the truth.
-const BLIND: &str = "In this mode the estimate does not follow the true resistance: slope.csv, and the first picture of the report";
+const BLIND: &str =
+    "In this mode the estimate does not follow the true resistance: slope.csv, and the first picture of the report";
 
 pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     let paper = gathered.example.as_ref().map(|example| &example.paper);
@@ -28,18 +29,17 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
         percent(run.and_then(of)).unwrap_or_else(|| NOTHING.to_owned())
     };
     let of_truth = |t: &Tallies| mean(&t.speed_error_kmh, 2);
-    let [rms_paper, rms_gated, rms_truth] = three(gathered, |t| {
-        match (mean(&t.speed_rms_kmh, 2), of_truth(t)) {
-            (Some(rms), Some(error)) => Some(format!("{rms} km/h, {error} from the truth")),
-            (Some(rms), None) => Some(format!("{rms} km/h")),
-            (None, error) => error.map(|error| format!("the readings: {error} km/h")),
-        }
+    let [rms_paper, rms_gated, rms_truth] = three(gathered, |t| match (mean(&t.speed_rms_kmh, 2), of_truth(t)) {
+        (Some(rms), Some(error)) => Some(format!("{rms} km/h, {error} from the truth")),
+        (Some(rms), None) => Some(format!("{rms} km/h")),
+        (None, error) => error.map(|error| format!("the readings: {error} km/h")),
     });
     let true_brake = || {
         let truth = gathered.example.as_ref()?.truth.as_ref()?;
-        let rates = truth.samples.windows(2).map(|pair| {
-            (pair[0].speed_mps - pair[1].speed_mps) / (pair[1].time_s - pair[0].time_s)
-        });
+        let rates = truth
+            .samples
+            .windows(2)
+            .map(|pair| (pair[0].speed_mps - pair[1].speed_mps) / (pair[1].time_s - pair[0].time_s));
         Some(rates.reduce(f64::max)? / train.description().max_brake_mps2)
     };
     let exceeds = |run: &ReplayedRun| {
@@ -55,12 +55,8 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     };
     let truly_exceeds = || {
         let truth = gathered.example.as_ref()?.truth.as_ref()?;
-        let fast = truth
-            .samples
-            .iter()
-            .filter(|s| 3.6 * s.speed_mps > CLOUDS_KMH);
-        fast.map(|s| s.effort_n_per_kg / train.max_effort_n_per_kg(s.speed_mps))
-            .reduce(f64::max)
+        let fast = truth.samples.iter().filter(|s| 3.6 * s.speed_mps > CLOUDS_KMH);
+        fast.map(|s| s.effort_n_per_kg / train.max_effort_n_per_kg(s.speed_mps)).reduce(f64::max)
     };
     let or_nothing = |text: Option<String>| text.unwrap_or_else(|| NOTHING.to_owned());
     let of_path = |statement, value: Option<String>, holds, why: String| Claim {
@@ -139,12 +135,8 @@ fn path(run: &ReplayedRun) -> Path {
     let means = || run.estimates.iter().map(|estimate| estimate.belief.mean);
     let speeds = means().map(|mean| mean[state::SPEED]).enumerate();
     Path {
-        davis: means()
-            .map(|m| [m[state::R0], m[state::R1], m[state::R2]])
-            .collect(),
-        fastest: speeds
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(0, |(i, _)| i),
+        davis: means().map(|m| [m[state::R0], m[state::R1], m[state::R2]]).collect(),
+        fastest: speeds.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i),
     }
 }
 
@@ -181,15 +173,7 @@ fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
 pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     let claim = |statement, columns: [String; 3], holds, why: String| {
         let [paper, gated, truth] = columns;
-        Claim {
-            place: "4",
-            statement,
-            paper,
-            gated,
-            truth,
-            verdict: Verdict::of(holds),
-            why,
-        }
+        Claim { place: "4", statement, paper, gated, truth, verdict: Verdict::of(holds), why }
     };
     let paper = &gathered.paper;
     let in_band = |t: &Tallies| {
@@ -202,8 +186,7 @@ pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     };
     let stated = train.davis().r0;
     let below = |t: &Tallies| t.davis_samples[0].mean().map(|mean| mean / stated - 1.0);
-    let [from_paper, from_gated, from_truth] =
-        three(gathered, |t| from_to(&t.davis_samples[0], 1e-3, 2));
+    let [from_paper, from_gated, from_truth] = three(gathered, |t| from_to(&t.davis_samples[0], 1e-3, 2));
     let [band_paper, band_gated, band_truth] = three(gathered, |t| percent(in_band(t)));
     let both = |from: String, band: String| match band.as_str() {
         NOTHING => band,
@@ -212,11 +195,7 @@ pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     vec![
         claim(
             "besides outliers, r0 lies between 0.0072 and 0.00738 N/kg",
-            [
-                both(from_paper, band_paper),
-                both(from_gated, band_gated),
-                both(from_truth, band_truth),
-            ],
+            [both(from_paper, band_paper), both(from_gated, band_gated), both(from_truth, band_truth)],
             in_band(paper).map(|share| share >= 0.9),
             format!(
                 "share of samples from {} to {} N/kg; at least 90 %. These are the bounds that Table 1's initial deviations allow, not those of the train",
@@ -243,9 +222,7 @@ pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> Vec<Claim> {
         ),
         claim(
             "the coefficients are never negative with Table 1",
-            three(gathered, |t| {
-                (t.runs > 0).then(|| format!("{} of {} runs negative", t.negative_runs, t.runs))
-            }),
+            three(gathered, |t| (t.runs > 0).then(|| format!("{} of {} runs negative", t.negative_runs, t.runs))),
             (paper.runs > 0).then_some(paper.negative_runs == 0),
             "no run with a coefficient below zero".to_owned(),
         ),
@@ -256,10 +233,8 @@ pub(super) fn terms(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     let example = gathered.example.as_ref();
     let largest = |run: &ReplayedRun, term: usize| {
         // At the largest speed: what the paper calls "up to".
-        let fastest = run
-            .estimates
-            .iter()
-            .max_by(|a, b| a.belief.mean[state::SPEED].total_cmp(&b.belief.mean[state::SPEED]))?;
+        let fastest =
+            run.estimates.iter().max_by(|a, b| a.belief.mean[state::SPEED].total_cmp(&b.belief.mean[state::SPEED]))?;
         let speed_mps = fastest.belief.mean[state::SPEED];
         let terms = fastest.davis().terms_n_per_kg(speed_mps);
         Some(terms[term] / terms.iter().sum::<f64>())
@@ -293,12 +268,7 @@ pub(super) fn terms(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     };
     let above = |of: &dyn Fn(usize) -> Option<f64>| Some(100.0 * (of(0)? - of(1)?));
     let of_run = |run: Option<&ReplayedRun>| above(&|term| run.and_then(|run| largest(run, term)));
-    let points = |value: Option<f64>| {
-        value.map_or_else(
-            || NOTHING.to_owned(),
-            |v| format!("{} points", number(v, 1)),
-        )
-    };
+    let points = |value: Option<f64>| value.map_or_else(|| NOTHING.to_owned(), |v| format!("{} points", number(v, 1)));
     let moves = in_paper.and_then(constant_moves);
     vec![
         claim("the linear term accounts for up to 11 %", 1, 0.11),
@@ -319,8 +289,7 @@ pub(super) fn terms(gathered: &Gathered, train: &Train) -> Vec<Claim> {
             place: "5",
             statement: "variations of the constant term do not vary the whole significantly",
             paper: fine_percent(moves).unwrap_or_else(|| NOTHING.to_owned()),
-            gated: fine_percent(in_gated.and_then(constant_moves))
-                .unwrap_or_else(|| NOTHING.to_owned()),
+            gated: fine_percent(in_gated.and_then(constant_moves)).unwrap_or_else(|| NOTHING.to_owned()),
             truth: "constant within a run".to_owned(),
             verdict: Verdict::of(moves.map(|share| share < 0.01)),
             why: format!(
@@ -335,21 +304,14 @@ fn constant_moves(run: &ReplayedRun) -> Option<f64> {
     let r0 = || run.estimates.iter().map(|estimate| estimate.davis().r0);
     let range = r0().reduce(f64::max)? - r0().reduce(f64::min)?;
     let resistances = run.estimates.iter().map(|estimate| {
-        let terms = estimate
-            .davis()
-            .terms_n_per_kg(estimate.belief.mean[state::SPEED]);
+        let terms = estimate.davis().terms_n_per_kg(estimate.belief.mean[state::SPEED]);
         terms.iter().sum::<f64>()
     });
     Some(range / resistances.reduce(f64::max)?)
 }
 
 pub(super) fn initial(sensitivity: &[Sensitivity]) -> Vec<Claim> {
-    let words = |s: &Sensitivity| {
-        format!(
-            "\u{d7}{} on {}: {} of {} runs",
-            s.factor, s.which, s.negative_runs, s.runs
-        )
-    };
+    let words = |s: &Sensitivity| format!("\u{d7}{} on {}: {} of {} runs", s.factor, s.which, s.negative_runs, s.runs);
     let of = |factor: f64| sensitivity.iter().filter(move |s| s.factor == factor);
     let listed = |factor| of(factor).map(words).collect::<Vec<_>>().join("; ");
     let changed = || sensitivity.iter().filter(|s| s.factor > 1.0);

@@ -9,19 +9,10 @@ use crate::study::trials::{Misses, Noise, Pace, Trials};
 const SHORT_STEP_MS: u64 = 100;
 
 pub(super) fn trials(trials: &Trials) -> [Claim; 3] {
-    [
-        pace(trials.pace.as_ref()),
-        thinned(trials.thinned.as_ref()),
-        noise(&trials.noise),
-    ]
+    [pace(trials.pace.as_ref()), thinned(trials.thinned.as_ref()), noise(&trials.noise)]
 }
 
-fn claim(
-    statement: &'static str,
-    [paper, gated, truth]: [Option<String>; 3],
-    holds: Option<bool>,
-    why: &str,
-) -> Claim {
+fn claim(statement: &'static str, [paper, gated, truth]: [Option<String>; 3], holds: Option<bool>, why: &str) -> Claim {
     let or_nothing = |text: Option<String>| text.unwrap_or_else(|| NOTHING.to_owned());
     Claim {
         place: "4.2",
@@ -35,12 +26,7 @@ fn claim(
 }
 
 fn pace(pace: Option<&[Pace; 2]>) -> Claim {
-    let words = |pace: &Pace| {
-        format!(
-            "a step takes less than {} ms, a run less than {} s",
-            pace.step_ms, pace.run_s
-        )
-    };
+    let words = |pace: &Pace| format!("a step takes less than {} ms, a run less than {} s", pace.step_ms, pace.run_s);
     let [paper, gated] = pace.map_or([None, None], |both| both.each_ref().map(|p| Some(words(p))));
     claim(
         "the computation time is short enough for smaller sampling intervals",
@@ -61,29 +47,18 @@ fn thinned(misses: Option<&[Misses; 2]>) -> Claim {
     };
     let grows = |[all, thinned]: &[Misses; 2]| {
         let mut pairs = all.paper.iter().zip(&thinned.paper);
-        pairs.try_fold(true, |grows, (all, thinned)| {
-            Some(grows && thinned.mean()? > all.mean()?)
-        })
+        pairs.try_fold(true, |grows, (all, thinned)| Some(grows && thinned.mean()? > all.mean()?))
     };
     claim(
         "every second sample alone gives less accurate regimes and features",
-        [
-            words(|m| &m.paper),
-            words(|m| &m.gated),
-            misses.map(|_| "0 s".to_owned()),
-        ],
+        [words(|m| &m.paper), words(|m| &m.gated), misses.map(|_| "0 s".to_owned())],
         misses.and_then(grows),
         "mean distance of the lengths of the final coast and of the final brake from the truth, with samples of 10 s and of 20 s; both must grow",
     )
 }
 
 fn noise(noises: &[Noise]) -> Claim {
-    let words = |n: &Noise| {
-        format!(
-            "{} m/s\u{b2}: {} of {} runs",
-            n.sd_mps2, n.negative_runs, n.runs
-        )
-    };
+    let words = |n: &Noise| format!("{} m/s\u{b2}: {} of {} runs", n.sd_mps2, n.negative_runs, n.runs);
     let listed: Vec<String> = noises.iter().map(words).collect();
     let last = noises.last().filter(|noise| noise.runs > 0);
     claim(

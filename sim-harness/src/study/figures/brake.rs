@@ -15,14 +15,7 @@ const END_KMH: f64 = 150.0;
 pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) -> Picture {
     let of_run = |run: &Drawn| eyes.of(run).points.brake.clone();
     let dots: Vec<(f64, f64)> = drawn.iter().flat_map(of_run).collect();
-    let edges = [
-        END_KMH,
-        ATB_STEPS_KMH[0],
-        ATB_STEPS_KMH[1],
-        ATB_STEPS_KMH[2],
-        ATB_STEPS_KMH[3],
-        0.0,
-    ];
+    let edges = [END_KMH, ATB_STEPS_KMH[0], ATB_STEPS_KMH[1], ATB_STEPS_KMH[2], ATB_STEPS_KMH[3], 0.0];
     let (mut means, mut bands, mut records) = (Vec::new(), Vec::new(), Vec::new());
     let mut true_means = Vec::new();
     for (index, moments) in tallies.brake_steps.iter().enumerate().rev() {
@@ -73,12 +66,7 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
             opacity: 0.18,
             points: bands,
         },
-        Layer::Dots {
-            legend: "observed".to_owned(),
-            colour: colours::MEASURED,
-            opacity: 0.5,
-            points: dots,
-        },
+        Layer::Dots { legend: "observed".to_owned(), colour: colours::MEASURED, opacity: 0.5, points: dots },
         Layer::Line {
             legend: "mean of the step".to_owned(),
             colour: colours::ESTIMATED,

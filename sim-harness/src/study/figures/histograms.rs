@@ -44,18 +44,8 @@ pub fn bins(values: &[f64], width: f64) -> Vec<(Range<f64>, f64)> {
 pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
     let coefficients = [
         ("r0", "r0, 10\u{207b}\u{b3} N/kg", 1e3, manufacturer.r0),
-        (
-            "r1",
-            "r1, 10\u{207b}\u{2074} N/(kg m/s)",
-            1e4,
-            manufacturer.r1,
-        ),
-        (
-            "r2",
-            "r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})",
-            1e5,
-            manufacturer.r2,
-        ),
+        ("r1", "r1, 10\u{207b}\u{2074} N/(kg m/s)", 1e4, manufacturer.r1),
+        ("r2", "r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})", 1e5, manufacturer.r2),
     ];
     let mut figures = Vec::new();
     let mut records = Vec::new();
@@ -71,12 +61,7 @@ pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
         let margin = 0.04 * (ends.end - ends.start).max(1e-6);
         let x = ends.start - margin..ends.end + margin;
         let mut layers = vec![
-            Layer::Histogram {
-                legend: String::new(),
-                colour: colours::MEASURED,
-                opacity: 0.5,
-                bins: counted.clone(),
-            },
+            Layer::Histogram { legend: String::new(), colour: colours::MEASURED, opacity: 0.5, bins: counted.clone() },
             Layer::Verticals {
                 legend: "manufacturer".to_owned(),
                 colour: colours::LIMIT,
@@ -97,16 +82,10 @@ pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
         figures.push(panel(label, x, layers, "samples"));
         records.extend(counts(name, "samples", &counted, 1.0 / per_unit));
     }
-    let mut caption = format!(
-        "Occurrence of the coefficients at all samples of {} runs, {} mode.",
-        drawn.len(),
-        eyes.word()
-    );
+    let mut caption =
+        format!("Occurrence of the coefficients at all samples of {} runs, {} mode.", drawn.len(), eyes.word());
     if !outside.is_empty() {
-        caption += &format!(
-            " The mean true values lie outside these axes, in their units: {}.",
-            outside.join(", ")
-        );
+        caption += &format!(" The mean true values lie outside these axes, in their units: {}.", outside.join(", "));
     }
     Picture {
         name: format!("fig4_davis_{}", eyes.word()),
@@ -120,12 +99,8 @@ pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
 pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
     type Pick = fn(&Outcome) -> Option<f64>;
     let quantities: [(&str, &str, f64, Pick); 3] = [
-        ("cruise_speed_kmh", "cruise speed, km/h", 1.0, |o| {
-            o.cruise_kmh
-        }),
-        ("final_coast_min", "final coast, min", 0.5, |o| {
-            o.coast_s.map(|s| s / 60.0)
-        }),
+        ("cruise_speed_kmh", "cruise speed, km/h", 1.0, |o| o.cruise_kmh),
+        ("final_coast_min", "final coast, min", 0.5, |o| o.coast_s.map(|s| s / 60.0)),
         ("final_brake_s", "final brake, s", 10.0, |o| o.brake_s),
     ];
     let mut figures = Vec::new();
@@ -136,10 +111,7 @@ pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
         let truths = drawn.iter().flat_map(|run| &run.truth);
         let truths: Vec<f64> = truths.filter_map(of).collect();
         let (seen, truths) = (bins(&seen, width), bins(&truths, width));
-        let edges = seen
-            .iter()
-            .chain(&truths)
-            .flat_map(|(b, _)| [b.start, b.end]);
+        let edges = seen.iter().chain(&truths).flat_map(|(b, _)| [b.start, b.end]);
         let ends = range_of(edges);
         let x = ends.start - width..ends.end + width;
         let mut layers = vec![Layer::Histogram {
@@ -190,21 +162,11 @@ fn panel(x_label: &str, x: Range<f64>, layers: Vec<Layer>, of: &str) -> Figure {
 }
 
 fn grid(title: &str, figures: Vec<Figure>) -> String {
-    let grid = Grid {
-        title: title.to_owned(),
-        description: "Histograms side by side".to_owned(),
-        columns: 3,
-        figures,
-    };
+    let grid = Grid { title: title.to_owned(), description: "Histograms side by side".to_owned(), columns: 3, figures };
     grid.to_svg()
 }
 
-fn counts(
-    name: &str,
-    of: &str,
-    bins: &[(Range<f64>, f64)],
-    unit: f64,
-) -> impl Iterator<Item = Record> {
+fn counts(name: &str, of: &str, bins: &[(Range<f64>, f64)], unit: f64) -> impl Iterator<Item = Record> {
     bins.iter().map(move |(bin, count)| {
         vec![
             text("quantity", name),

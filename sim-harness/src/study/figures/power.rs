@@ -18,15 +18,9 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let largest = |run: &Drawn| {
         let points = eyes.of(run).points.power.iter();
         let within = points.filter(|p| CROSS_KMH.contains(&p.speed_kmh));
-        within
-            .max_by(|a, b| a.power_kw.total_cmp(&b.power_kw))
-            .copied()
+        within.max_by(|a, b| a.power_kw.total_cmp(&b.power_kw)).copied()
     };
-    let crosses: Vec<(f64, f64)> = drawn
-        .iter()
-        .filter_map(largest)
-        .map(|p| place(&p))
-        .collect();
+    let crosses: Vec<(f64, f64)> = drawn.iter().filter_map(largest).map(|p| place(&p)).collect();
     let mut records = Vec::new();
     for run in drawn {
         let largest = largest(run);
@@ -48,10 +42,7 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
                 number("speed_kmh", point.speed_kmh),
                 number("power_kw", point.power_kw),
                 number("location_m", point.location_m),
-                text(
-                    "largest_50_90",
-                    if largest == Some(*point) { "yes" } else { "no" },
-                ),
+                text("largest_50_90", if largest == Some(*point) { "yes" } else { "no" }),
             ]
         }));
     }
@@ -68,12 +59,7 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
         });
     }
     layers.extend([
-        Layer::Dots {
-            legend: "observed".to_owned(),
-            colour: colours::MEASURED,
-            opacity: 0.55,
-            points: dots,
-        },
+        Layer::Dots { legend: "observed".to_owned(), colour: colours::MEASURED, opacity: 0.55, points: dots },
         Layer::Line {
             legend: "manufacturer".to_owned(),
             colour: colours::LIMIT,
@@ -88,8 +74,7 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     ]);
     let figure = Figure {
         title: "Fig. 9: tractive power".to_owned(),
-        description: "Tractive power of each interval of the first acceleration over its speed"
-            .to_owned(),
+        description: "Tractive power of each interval of the first acceleration over its speed".to_owned(),
         x_label: "speed, km/h".to_owned(),
         x: 0.0..END_KMH,
         panels: vec![Panel {

@@ -6,14 +6,8 @@ use crate::report::colours;
 
 /// The picture.
 pub fn profiles(drawn: &[Drawn], all: u64) -> Picture {
-    let lines: Vec<Vec<Option<(f64, f64)>>> = drawn
-        .iter()
-        .map(|run| {
-            run.profile()
-                .map(|p| p.map(|(m, kmh)| (m / 1000.0, kmh)))
-                .collect()
-        })
-        .collect();
+    let lines: Vec<Vec<Option<(f64, f64)>>> =
+        drawn.iter().map(|run| run.profile().map(|p| p.map(|(m, kmh)| (m / 1000.0, kmh))).collect()).collect();
     let points = || lines.iter().flatten().flatten();
     let figure = Figure {
         title: "Fig. 2: speed profiles".to_owned(),
@@ -36,19 +30,12 @@ pub fn profiles(drawn: &[Drawn], all: u64) -> Picture {
     };
     let records = drawn.iter().flat_map(|run| {
         run.profile().flatten().map(|(location_m, kmh)| {
-            vec![
-                text("run", run.name()),
-                number("location_m", location_m),
-                number("speed_kmh", kmh),
-            ]
+            vec![text("run", run.name()), number("location_m", location_m), number("speed_kmh", kmh)]
         })
     });
     Picture {
         name: "fig2_speed_profiles".to_owned(),
-        caption: format!(
-            "Measured speed over location, {} of {all} runs.",
-            drawn.len()
-        ),
+        caption: format!("Measured speed over location, {} of {all} runs.", drawn.len()),
         svg: figure.to_svg(),
         records: records.collect(),
     }

@@ -75,34 +75,15 @@ fn truth_view(truth: &CaseTruth) -> TruthView {
     let facts = &truth.facts;
     let starts = facts.final_coast.iter().chain([&facts.final_brake]);
     TruthView {
-        davis: Davis {
-            r0: facts.davis.r0,
-            r1: facts.davis.r1,
-            r2: facts.davis.r2,
-        },
-        effort_n_per_kg: truth
-            .samples
-            .iter()
-            .map(|s| s.mean_effort_n_per_kg)
-            .collect(),
-        resistance_n_per_kg: truth
-            .samples
-            .iter()
-            .map(|s| s.resistance_n_per_kg)
-            .collect(),
-        starts: starts
-            .map(|mark| (mark.location_m, mark.speed_mps))
-            .collect(),
+        davis: Davis { r0: facts.davis.r0, r1: facts.davis.r1, r2: facts.davis.r2 },
+        effort_n_per_kg: truth.samples.iter().map(|s| s.mean_effort_n_per_kg).collect(),
+        resistance_n_per_kg: truth.samples.iter().map(|s| s.resistance_n_per_kg).collect(),
+        starts: starts.map(|mark| (mark.location_m, mark.speed_mps)).collect(),
     }
 }
 
 /// Time, location and the columns asked for, a row a sample.
-fn records(
-    run: &ReplayedRun,
-    truth: Option<&CaseTruth>,
-    train: &Train,
-    columns: &[&str],
-) -> Vec<Record> {
+fn records(run: &ReplayedRun, truth: Option<&CaseTruth>, train: &Train, columns: &[&str]) -> Vec<Record> {
     let rows = run.estimates.iter().enumerate();
     rows.map(|(index, estimate)| {
         let speed_mps = estimate.belief.mean[state::SPEED];
@@ -111,10 +92,8 @@ fn records(
         let measured = run.measurements.get(index).and_then(|m| m.speed_mps);
         let sample = truth.and_then(|truth| truth.samples.get(index));
         let true_davis = truth.map(|truth| truth.facts.davis);
-        let mut record = vec![
-            number("time_s", estimate.time_s),
-            number("location_m", estimate.belief.mean[state::LOCATION]),
-        ];
+        let mut record =
+            vec![number("time_s", estimate.time_s), number("location_m", estimate.belief.mean[state::LOCATION])];
         record.extend(columns.iter().map(|column| match *column {
             "measured_kmh" => number(column, measured.map(|v| 3.6 * v)),
             "estimated_kmh" => number(column, 3.6 * speed_mps),
@@ -128,14 +107,8 @@ fn records(
             "linear_n_per_kg" => number(column, terms[1]),
             "quadratic_n_per_kg" => number(column, terms[2]),
             "gradient_n_per_kg" => number(column, estimate.gradient_n_per_kg),
-            "regime" => text(
-                column,
-                run.regimes.get(index).unwrap_or(&estimate.regime).as_str(),
-            ),
-            "true_regime" => text(
-                column,
-                &sample.map_or(String::new(), |s| format!("{:?}", s.regime).to_lowercase()),
-            ),
+            "regime" => text(column, run.regimes.get(index).unwrap_or(&estimate.regime).as_str()),
+            "true_regime" => text(column, &sample.map_or(String::new(), |s| format!("{:?}", s.regime).to_lowercase())),
             "true_effort_n_per_kg" => number(column, sample.map(|s| s.mean_effort_n_per_kg)),
             "true_resistance_n_per_kg" => number(column, sample.map(|s| s.resistance_n_per_kg)),
             "true_r0" => number(column, true_davis.map(|d| d.r0)),

@@ -27,10 +27,7 @@ pub fn slope(looks: &[Look], runs: usize, described: &Davis) -> Picture {
             };
             points.push((100.0 * x, 100.0 * y));
             let half = 196.0 * sd;
-            bars.push(vec![
-                Some((100.0 * x, 100.0 * y - half)),
-                Some((100.0 * x, 100.0 * y + half)),
-            ]);
+            bars.push(vec![Some((100.0 * x, 100.0 * y - half)), Some((100.0 * x, 100.0 * y + half))]);
             records.push(vec![
                 text("mode", mode_word(mode)),
                 ("vehicle".to_owned(), Cell::from(look.vehicle)),
@@ -80,18 +77,8 @@ fn panel(mode: Mode, points: Vec<(f64, f64)>, bars: Vec<Vec<Option<(f64, f64)>>>
                     stroke: Stroke::Dashed,
                     points: vec![Some((ENDS.start, ENDS.start)), Some((ENDS.end, ENDS.end))],
                 },
-                Layer::Threads {
-                    legend: String::new(),
-                    colour: colours::MEASURED,
-                    opacity: 0.6,
-                    lines: bars,
-                },
-                Layer::Dots {
-                    legend: String::new(),
-                    colour: colours::MEASURED,
-                    opacity: 0.9,
-                    points,
-                },
+                Layer::Threads { legend: String::new(), colour: colours::MEASURED, opacity: 0.6, lines: bars },
+                Layer::Dots { legend: String::new(), colour: colours::MEASURED, opacity: 0.9, points },
                 Layer::Line {
                     legend: format!("{}: slope {:.2}", mode_word(mode), line.slope),
                     colour: colours::ESTIMATED,

@@ -7,10 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Some of the runs: a share of them, drawn, or their numbers, counted from 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected a share of the runs (0 to 1) or a list of their numbers, counted from 1"
-)]
+#[serde(untagged, expecting = "expected a share of the runs (0 to 1) or a list of their numbers, counted from 1")]
 pub enum Affected {
     /// This share of the groups, rounded to whole ones.
     Share(f64),
@@ -55,9 +52,6 @@ mod tests {
             let chosen = Affected::Share(0.3).choose(&groups, seed);
             assert_eq!(chosen.iter().filter(|c| **c).count(), 20, "seed {seed}");
         }
-        assert_ne!(
-            Affected::Share(0.3).choose(&groups, 1),
-            Affected::Share(0.3).choose(&groups, 2)
-        );
+        assert_ne!(Affected::Share(0.3).choose(&groups, 1), Affected::Share(0.3).choose(&groups, 2));
     }
 }

@@ -32,11 +32,7 @@ pub enum Effect {
     /// So many times Roeckl's formula of the curves of the line.
     CurveResistance { coefficient_roeckl: f64 },
     /// The true gradient is that much steeper than described, uphill in the `up` direction positive.
-    GradientError {
-        from_m: f64,
-        to_m: f64,
-        delta_permille: f64,
-    },
+    GradientError { from_m: f64, to_m: f64, delta_permille: f64 },
     /// Headwind in the `up` direction in every run.
     SteadyWind { wind_mps: f64 },
     /// Wind along the line that differs from run to run.
@@ -56,11 +52,7 @@ pub enum Effect {
     /// Largest effort and power are others everywhere.
     TractionScale { factor: f64 },
     /// Tractive effort is capped at low speed, on some days.
-    LowAdhesion {
-        factor: f64,
-        below_kmh: f64,
-        runs: Affected,
-    },
+    LowAdhesion { factor: f64, below_kmh: f64, runs: Affected },
     /// The odometer shows that many times the true speed, to the driver as well.
     SpeedScale { measured_over_true: f64 },
     /// The location is late.
@@ -85,17 +77,9 @@ pub enum Effect {
     /// Not in the catalogue: a v³ term, k in N/(kg (m/s)³).
     CubicDrag { k: f64 },
     /// Not in the catalogue: more resistance around a speed (bogies that hunt), a raised cosine of this half-width.
-    SpeedBump {
-        at_kmh: f64,
-        half_width_kmh: f64,
-        drag_n_per_kg: f64,
-    },
+    SpeedBump { at_kmh: f64, half_width_kmh: f64, drag_n_per_kg: f64 },
     /// Not in the catalogue: bad track, a raised cosine between two locations, the same in both directions and at every speed.
-    LocationBump {
-        from_m: f64,
-        to_m: f64,
-        drag_n_per_kg: f64,
-    },
+    LocationBump { from_m: f64, to_m: f64, drag_n_per_kg: f64 },
     /// Not in the catalogue: amplitude sin(2π t / period) since the departure, N/kg.
     PeriodicDrag { amplitude: f64, period_s: f64 },
     /// Not in the catalogue: more resistance below a temperature (stiff grease), full 2 °C below it.
@@ -172,30 +156,16 @@ mod tests {
 
     #[test]
     fn the_name_is_the_one_in_files() {
-        let effect = Effect::TemperatureResistance {
-            dr0_per_deg_c: -1e-4,
-            ref_c: 10.0,
-        };
+        let effect = Effect::TemperatureResistance { dr0_per_deg_c: -1e-4, ref_c: 10.0 };
         let text = toml::to_string(&effect).unwrap();
-        assert_eq!(
-            text,
-            "name = \"temperature_resistance\"\ndr0_per_degC = -0.0001\nref_c = 10.0\n"
-        );
+        assert_eq!(text, "name = \"temperature_resistance\"\ndr0_per_degC = -0.0001\nref_c = 10.0\n");
         assert_eq!(toml::from_str::<Effect>(&text).unwrap(), effect);
     }
 
     #[test]
     fn a_section_seen_from_the_other_end() {
-        let bump = Effect::LocationBump {
-            from_m: 100.0,
-            to_m: 300.0,
-            drag_n_per_kg: 0.01,
-        };
-        let mirrored = Effect::LocationBump {
-            from_m: 700.0,
-            to_m: 900.0,
-            drag_n_per_kg: 0.01,
-        };
+        let bump = Effect::LocationBump { from_m: 100.0, to_m: 300.0, drag_n_per_kg: 0.01 };
+        let mirrored = Effect::LocationBump { from_m: 700.0, to_m: 900.0, drag_n_per_kg: 0.01 };
         assert_eq!(bump.clone().mirrored(1000.0), mirrored);
         assert_eq!(mirrored.mirrored(1000.0), bump);
     }

@@ -54,13 +54,7 @@ impl Config {
     };
 
     /// FD frames with the faster bit rate for the data. Three of them in SLCAN are 402 bytes.
-    pub const FD: Self = Self {
-        format: Format::Fd {
-            bit_rate_switch: true,
-        },
-        block_size: 3,
-        ..Self::CLASSIC
-    };
+    pub const FD: Self = Self { format: Format::Fd { bit_rate_switch: true }, block_size: 3, ..Self::CLASSIC };
 }
 
 impl Default for Config {

@@ -83,11 +83,7 @@ impl FlowControl {
             FlowStatus::Overflow => 2,
             FlowStatus::Reserved(other) => other & 0xF,
         };
-        frame(
-            &[0x30 | status, self.block_size, self.separation.0],
-            &[],
-            format,
-        )
+        frame(&[0x30 | status, self.block_size, self.separation.0], &[], format)
     }
 }
 
@@ -169,10 +165,7 @@ pub fn parse(frame: &[u8]) -> Result<Pdu<'_>, PduError> {
     match kind {
         0 => single(low, rest, frame.len()),
         1 => begin(low, rest, frame.len()),
-        2 if !rest.is_empty() => Ok(Pdu::Consecutive {
-            sequence: low,
-            data: rest,
-        }),
+        2 if !rest.is_empty() => Ok(Pdu::Consecutive { sequence: low, data: rest }),
         3 => match rest {
             [block_size, separation, ..] => Ok(Pdu::FlowControl(FlowControl {
                 status: match low {
@@ -198,19 +191,13 @@ fn single(low: u8, rest: &[u8], frame: usize) -> Result<Pdu<'_>, PduError> {
         // The escape: the length stands in the second byte, and is one that would not have fitted into eight bytes.
         let (length, data) = rest.split_first().ok_or(PduError::Short { found: frame })?;
         if low != 0 {
-            return Err(PduError::Length {
-                found: usize::from(low),
-                frame,
-            });
+            return Err(PduError::Length { found: usize::from(low), frame });
         }
         (usize::from(*length), data, CLASSIC_BYTES)
     };
     match data.get(..length) {
         Some(payload) if length >= shortest => Ok(Pdu::Single(payload)),
-        _ => Err(PduError::Length {
-            found: length,
-            frame,
-        }),
+        _ => Err(PduError::Length { found: length, frame }),
     }
 }
 
@@ -232,21 +219,14 @@ fn begin(low: u8, rest: &[u8], frame: usize) -> Result<Pdu<'_>, PduError> {
         [] => return Err(PduError::Short { found: frame }),
     };
     if length < shortest {
-        return Err(PduError::Length {
-            found: length,
-            frame,
-        });
+        return Err(PduError::Length { found: length, frame });
     }
     Ok(Pdu::First { length, data })
 }
 
 /// Largest payload of a single frame when frames have up to `frame` bytes.
 pub const fn single_capacity(frame: usize) -> usize {
-    if frame <= CLASSIC_BYTES {
-        CLASSIC_BYTES - 1
-    } else {
-        frame - 2
-    }
+    if frame <= CLASSIC_BYTES { CLASSIC_BYTES - 1 } else { frame - 2 }
 }
 
 /// The frame that begins a payload, and how many of its bytes it holds.
@@ -279,9 +259,7 @@ pub fn encode_consecutive(sequence: u8, left: &[u8], format: Format) -> (FrameDa
 fn frame(header: &[u8], data: &[u8], format: Format) -> FrameData {
     let mut frame = FrameData::new();
     // Headers and data are cut to the capacity by the callers.
-    let _fits = frame
-        .extend_from_slice(header)
-        .and_then(|()| frame.extend_from_slice(data));
+    let _fits = frame.extend_from_slice(header).and_then(|()| frame.extend_from_slice(data));
     if let Format::Fd { .. } = format
         && let Some(length) = fd_length_for(frame.len())
     {
@@ -295,19 +273,14 @@ fn frame(header: &[u8], data: &[u8], format: Format) -> FrameData {
 mod tests {
     use super::*;
 
-    const FD: Format = Format::Fd {
-        bit_rate_switch: false,
-    };
+    const FD: Format = Format::Fd { bit_rate_switch: false };
 
     #[test]
     fn single_frames_use_the_escape_above_seven_bytes() {
         let payload: [u8; 63] = core::array::from_fn(|i| i as u8 + 1);
         for length in 1..=7 {
             let (frame, taken) = encode_begin(&payload[..length], Format::Classic);
-            assert_eq!(
-                (frame[0], frame.len(), taken),
-                (length as u8, length + 1, length)
-            );
+            assert_eq!((frame[0], frame.len(), taken), (length as u8, length + 1, length));
             assert_eq!(parse(&frame), Ok(Pdu::Single(&payload[..length])));
         }
         for length in 8..=62 {
@@ -327,13 +300,7 @@ mod tests {
         let (frame, taken) = encode_begin(&payload, Format::Classic);
         assert_eq!(frame, [0x10, 0, 0, 0, 0x10, 0, 9, 9]);
         assert_eq!(taken, 2);
-        assert_eq!(
-            parse(&frame),
-            Ok(Pdu::First {
-                length: 4096,
-                data: &[9, 9]
-            })
-        );
+        assert_eq!(parse(&frame), Ok(Pdu::First { length: 4096, data: &[9, 9] }));
     }
 
     #[test]

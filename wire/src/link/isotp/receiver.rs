@@ -113,11 +113,7 @@ pub struct Receiver<const N: usize> {
 impl<const N: usize> Receiver<N> {
     /// A receiver at rest.
     pub const fn new(config: Config) -> Self {
-        Self {
-            config,
-            progress: None,
-            payload: Vec::new(),
-        }
+        Self { config, progress: None, payload: Vec::new() }
     }
 
     /// The payload, after an outcome that says it is complete.
@@ -132,26 +128,16 @@ impl<const N: usize> Receiver<N> {
                 let dropped = self.interrupt();
                 self.payload.clear();
                 match self.payload.extend_from_slice(data) {
-                    Ok(()) => Outcome {
-                        complete: true,
-                        dropped,
-                        answer: None,
-                    },
+                    Ok(()) => Outcome { complete: true, dropped, answer: None },
                     Err(_) => Outcome {
-                        dropped: Some(ReceiveError::Overflow {
-                            found: data.len(),
-                            capacity: N,
-                        }),
+                        dropped: Some(ReceiveError::Overflow { found: data.len(), capacity: N }),
                         ..Outcome::default()
                     },
                 }
             }
             Pdu::First { length, data } => self.begin(length, data, frame, now_us),
             Pdu::Consecutive { sequence, data } => match self.progress.take() {
-                None => Outcome {
-                    dropped: Some(ReceiveError::NotStarted),
-                    ..Outcome::default()
-                },
+                None => Outcome { dropped: Some(ReceiveError::NotStarted), ..Outcome::default() },
                 Some(progress) => self.go_on(progress, sequence, data, now_us),
             },
             Pdu::FlowControl(_) => Outcome::default(),
@@ -175,17 +161,11 @@ impl<const N: usize> Receiver<N> {
     }
 
     fn interrupt(&mut self) -> Option<ReceiveError> {
-        self.progress.take().map(|_| ReceiveError::Interrupted {
-            received: self.payload.len(),
-        })
+        self.progress.take().map(|_| ReceiveError::Interrupted { received: self.payload.len() })
     }
 
     fn answer(&self, status: FlowStatus) -> Option<FlowControl> {
-        Some(FlowControl {
-            status,
-            block_size: self.config.block_size,
-            separation: self.config.separation,
-        })
+        Some(FlowControl { status, block_size: self.config.block_size, separation: self.config.separation })
     }
 
     fn block(&self) -> Option<u8> {
@@ -203,60 +183,32 @@ impl<const N: usize> Receiver<N> {
                     block_size: 0,
                     separation: SeparationTime::ZERO,
                 }),
-                dropped: Some(ReceiveError::Overflow {
-                    found: length,
-                    capacity: N,
-                }),
+                dropped: Some(ReceiveError::Overflow { found: length, capacity: N }),
             };
         }
-        self.progress = Some(Progress {
-            length,
-            frame,
-            sequence: 1,
-            block: self.block(),
-            heard_us: now_us,
-        });
-        Outcome {
-            complete: false,
-            answer: self.answer(FlowStatus::Continue),
-            dropped,
-        }
+        self.progress = Some(Progress { length, frame, sequence: 1, block: self.block(), heard_us: now_us });
+        Outcome { complete: false, answer: self.answer(FlowStatus::Continue), dropped }
     }
 
     /// The payload is under way again only if the frame is the one that was due.
     fn go_on(&mut self, mut progress: Progress, sequence: u8, data: &[u8], now_us: u64) -> Outcome {
-        let refused = |error| Outcome {
-            dropped: Some(error),
-            ..Outcome::default()
-        };
+        let refused = |error| Outcome { dropped: Some(error), ..Outcome::default() };
         if sequence != progress.sequence {
-            return refused(ReceiveError::Sequence {
-                expected: progress.sequence,
-                found: sequence,
-            });
+            return refused(ReceiveError::Sequence { expected: progress.sequence, found: sequence });
         }
         let left = progress.length.saturating_sub(self.payload.len());
         let found = data.len() + 1;
         // Only the last frame may be shorter than the first one; none may be longer.
         if found > progress.frame || (data.len() < left && found != progress.frame) {
-            return refused(ReceiveError::FrameLength {
-                expected: progress.frame,
-                found,
-            });
+            return refused(ReceiveError::FrameLength { expected: progress.frame, found });
         }
         let data = data.get(..left).unwrap_or(data);
         if self.payload.extend_from_slice(data).is_err() {
             // Cannot be reached: the length was compared with the room when the payload began.
-            return refused(ReceiveError::Overflow {
-                found: progress.length,
-                capacity: N,
-            });
+            return refused(ReceiveError::Overflow { found: progress.length, capacity: N });
         }
         if self.payload.len() >= progress.length {
-            return Outcome {
-                complete: true,
-                ..Outcome::default()
-            };
+            return Outcome { complete: true, ..Outcome::default() };
         }
         progress.sequence = (progress.sequence + 1) % 16;
         progress.heard_us = now_us;
@@ -268,11 +220,7 @@ impl<const N: usize> Receiver<N> {
             None
         };
         self.progress = Some(progress);
-        Outcome {
-            complete: false,
-            answer,
-            dropped: None,
-        }
+        Outcome { complete: false, answer, dropped: None }
     }
 }
 
@@ -286,10 +234,7 @@ mod tests {
     }
 
     fn begun() -> Receiver<32> {
-        let mut receiver = Receiver::new(Config {
-            block_size: 1,
-            ..Config::CLASSIC
-        });
+        let mut receiver = Receiver::new(Config { block_size: 1, ..Config::CLASSIC });
         let outcome = push(&mut receiver, &[0x10, 20, 1, 2, 3, 4, 5, 6]);
         assert_eq!(outcome.answer.unwrap().status, FlowStatus::Continue);
         receiver
@@ -310,18 +255,9 @@ mod tests {
     #[test]
     fn missing_doubled_and_misplaced_frames_drop_the_payload() {
         let mut receiver = begun();
-        assert_eq!(
-            push(&mut receiver, &THIRD).dropped,
-            Some(ReceiveError::Sequence {
-                expected: 1,
-                found: 2
-            })
-        );
+        assert_eq!(push(&mut receiver, &THIRD).dropped, Some(ReceiveError::Sequence { expected: 1, found: 2 }));
         // What is left of it begins nothing.
-        assert_eq!(
-            push(&mut receiver, &SECOND).dropped,
-            Some(ReceiveError::NotStarted)
-        );
+        assert_eq!(push(&mut receiver, &SECOND).dropped, Some(ReceiveError::NotStarted));
         let mut receiver = begun();
         push(&mut receiver, &SECOND);
         assert!(push(&mut receiver, &SECOND).dropped.is_some());
@@ -333,10 +269,7 @@ mod tests {
         let mut receiver = begun();
         assert_eq!(
             push(&mut receiver, &SECOND[..7]).dropped,
-            Some(ReceiveError::FrameLength {
-                expected: 8,
-                found: 7
-            })
+            Some(ReceiveError::FrameLength { expected: 8, found: 7 })
         );
     }
 
@@ -345,26 +278,19 @@ mod tests {
         let mut receiver = begun();
         let outcome = push(&mut receiver, &[0x02, 5, 6]);
         assert!(outcome.complete);
-        assert_eq!(
-            outcome.dropped,
-            Some(ReceiveError::Interrupted { received: 6 })
-        );
+        assert_eq!(outcome.dropped, Some(ReceiveError::Interrupted { received: 6 }));
         assert_eq!(receiver.payload(), [5, 6]);
     }
 
     #[test]
     fn too_long_is_answered_with_overflow() {
         let mut receiver: Receiver<32> = Receiver::new(Config::CLASSIC);
-        for (frame, found) in [
-            ([0x10, 33, 1, 2, 3, 4, 5, 6], 33),
-            ([0x10, 0, 0xFF, 0xFF, 0xFF, 0xFF, 1, 2], 0xFFFF_FFFF),
-        ] {
+        for (frame, found) in
+            [([0x10, 33, 1, 2, 3, 4, 5, 6], 33), ([0x10, 0, 0xFF, 0xFF, 0xFF, 0xFF, 1, 2], 0xFFFF_FFFF)]
+        {
             let outcome = push(&mut receiver, &frame);
             assert_eq!(outcome.answer.unwrap().status, FlowStatus::Overflow);
-            let error = ReceiveError::Overflow {
-                found,
-                capacity: 32,
-            };
+            let error = ReceiveError::Overflow { found, capacity: 32 };
             assert_eq!(outcome.dropped, Some(error));
         }
     }
@@ -373,12 +299,7 @@ mod tests {
     fn silence_drops_the_payload() {
         let mut receiver = begun();
         assert_eq!(receiver.check_time(999_999), Ok(()));
-        assert_eq!(
-            receiver.check_time(1_000_000),
-            Err(ReceiveError::Timeout {
-                waited_us: 1_000_000
-            })
-        );
+        assert_eq!(receiver.check_time(1_000_000), Err(ReceiveError::Timeout { waited_us: 1_000_000 }));
         assert_eq!(receiver.check_time(2_000_000), Ok(()));
     }
 }

@@ -102,13 +102,7 @@ pub struct Sender<const N: usize> {
 impl<const N: usize> Sender<N> {
     /// A sender with nothing to send.
     pub const fn new(config: Config) -> Self {
-        Self {
-            config,
-            state: State::Idle,
-            payload: Vec::new(),
-            sent: 0,
-            sequence: 0,
-        }
+        Self { config, state: State::Idle, payload: Vec::new(), sent: 0, sequence: 0 }
     }
 
     /// Whether the next payload may come.
@@ -124,10 +118,7 @@ impl<const N: usize> Sender<N> {
         if !self.is_idle() {
             return Err(SendError::Busy);
         }
-        let error = SendError::Length {
-            found: payload.len(),
-            capacity: N,
-        };
+        let error = SendError::Length { found: payload.len(), capacity: N };
         if payload.is_empty() {
             return Err(error);
         }
@@ -151,10 +142,7 @@ impl<const N: usize> Sender<N> {
                 self.state = if taken == self.payload.len() {
                     State::Idle
                 } else {
-                    State::AwaitFlowControl {
-                        since_us: now_us,
-                        waits: 0,
-                    }
+                    State::AwaitFlowControl { since_us: now_us, waits: 0 }
                 };
                 Ok(Some(frame))
             }
@@ -166,19 +154,12 @@ impl<const N: usize> Sender<N> {
                 self.state = State::Idle;
                 Err(SendError::Timeout { waited_us })
             }
-            State::Consecutive {
-                pace,
-                gap_us,
-                block,
-            } => {
+            State::Consecutive { pace, gap_us, block } => {
                 match pace {
                     Pace::SentIn { call_us } if gap_us > 0 => {
                         if now_us > call_us {
-                            self.state = State::Consecutive {
-                                pace: Pace::SentBefore { call_us: now_us },
-                                gap_us,
-                                block,
-                            };
+                            self.state =
+                                State::Consecutive { pace: Pace::SentBefore { call_us: now_us }, gap_us, block };
                         }
                         return Ok(None);
                     }
@@ -195,16 +176,9 @@ impl<const N: usize> Sender<N> {
                 self.state = if self.sent >= self.payload.len() {
                     State::Idle
                 } else if block == Some(0) {
-                    State::AwaitFlowControl {
-                        since_us: now_us,
-                        waits: 0,
-                    }
+                    State::AwaitFlowControl { since_us: now_us, waits: 0 }
                 } else {
-                    State::Consecutive {
-                        pace: Pace::SentIn { call_us: now_us },
-                        gap_us,
-                        block,
-                    }
+                    State::Consecutive { pace: Pace::SentIn { call_us: now_us }, gap_us, block }
                 };
                 Ok(Some(frame))
             }
@@ -215,10 +189,7 @@ impl<const N: usize> Sender<N> {
     pub fn confirm(&mut self, now_us: u64) {
         match &mut self.state {
             State::AwaitFlowControl { since_us, .. } => *since_us = now_us,
-            State::Consecutive {
-                pace: Pace::SentIn { call_us },
-                ..
-            } => *call_us = now_us,
+            State::Consecutive { pace: Pace::SentIn { call_us }, .. } => *call_us = now_us,
             _ => {}
         }
     }
@@ -241,10 +212,7 @@ impl<const N: usize> Sender<N> {
                 return Ok(());
             }
             FlowStatus::Wait if waits < self.config.max_waits => {
-                self.state = State::AwaitFlowControl {
-                    since_us: now_us,
-                    waits: waits + 1,
-                };
+                self.state = State::AwaitFlowControl { since_us: now_us, waits: waits + 1 };
                 return Ok(());
             }
             FlowStatus::Wait => SendError::TooManyWaits,
@@ -264,11 +232,7 @@ mod tests {
     const PAYLOAD: [u8; 40] = [7; 40];
 
     fn answer(status: FlowStatus, block_size: u8, separation: u8) -> FlowControl {
-        FlowControl {
-            status,
-            block_size,
-            separation: SeparationTime(separation),
-        }
+        FlowControl { status, block_size, separation: SeparationTime(separation) }
     }
 
     fn waiting() -> Sender<40> {
@@ -283,9 +247,7 @@ mod tests {
     #[test]
     fn blocks_end_with_a_wait_for_flow_control_and_frames_keep_their_distance() {
         let mut sender = waiting();
-        sender
-            .on_flow_control(answer(FlowStatus::Continue, 2, 5), 0)
-            .unwrap();
+        sender.on_flow_control(answer(FlowStatus::Continue, 2, 5), 0).unwrap();
         assert_eq!(sender.next_frame(0).unwrap().unwrap()[0], 0x21);
         // The frame went out after the call at 0 began and before the one at 1.
         assert_eq!(sender.next_frame(1), Ok(None));
@@ -293,9 +255,7 @@ mod tests {
         assert_eq!(sender.next_frame(5_001).unwrap().unwrap()[0], 0x22);
         assert_eq!(sender.next_frame(20_000), Ok(None), "the block is over");
         // The next flow control may change both.
-        sender
-            .on_flow_control(answer(FlowStatus::Continue, 0, 0), 20_000)
-            .unwrap();
+        sender.on_flow_control(answer(FlowStatus::Continue, 0, 0), 20_000).unwrap();
         for sequence in 0x23..=0x25 {
             assert_eq!(sender.next_frame(20_000).unwrap().unwrap()[0], sequence);
         }
@@ -307,9 +267,7 @@ mod tests {
         let mut sender = waiting();
         sender.confirm(500_000);
         assert_eq!(sender.next_frame(1_400_000), Ok(None));
-        sender
-            .on_flow_control(answer(FlowStatus::Continue, 0, 5), 1_400_000)
-            .unwrap();
+        sender.on_flow_control(answer(FlowStatus::Continue, 0, 5), 1_400_000).unwrap();
         assert!(sender.next_frame(1_400_000).unwrap().is_some());
         sender.confirm(1_410_000);
         assert_eq!(sender.next_frame(1_410_000), Ok(None));
@@ -321,12 +279,7 @@ mod tests {
     #[test]
     fn silence_ends_the_payload() {
         let mut sender = waiting();
-        assert_eq!(
-            sender.next_frame(1_000_000),
-            Err(SendError::Timeout {
-                waited_us: 1_000_000
-            })
-        );
+        assert_eq!(sender.next_frame(1_000_000), Err(SendError::Timeout { waited_us: 1_000_000 }));
         assert!(sender.is_idle());
     }
 
@@ -336,23 +289,17 @@ mod tests {
         for wait in 1..=10 {
             let now_us = wait * 900_000;
             assert_eq!(sender.next_frame(now_us), Ok(None));
-            sender
-                .on_flow_control(answer(FlowStatus::Wait, 0, 0), now_us)
-                .unwrap();
+            sender.on_flow_control(answer(FlowStatus::Wait, 0, 0), now_us).unwrap();
         }
-        assert_eq!(
-            sender.on_flow_control(answer(FlowStatus::Wait, 0, 0), 9_000_001),
-            Err(SendError::TooManyWaits)
-        );
+        assert_eq!(sender.on_flow_control(answer(FlowStatus::Wait, 0, 0), 9_000_001), Err(SendError::TooManyWaits));
         assert!(sender.is_idle());
     }
 
     #[test]
     fn overflow_and_unknown_answers_end_the_payload() {
-        for (status, error) in [
-            (FlowStatus::Overflow, SendError::Overflow),
-            (FlowStatus::Reserved(5), SendError::FlowStatus { found: 5 }),
-        ] {
+        for (status, error) in
+            [(FlowStatus::Overflow, SendError::Overflow), (FlowStatus::Reserved(5), SendError::FlowStatus { found: 5 })]
+        {
             let mut sender = waiting();
             assert_eq!(sender.on_flow_control(answer(status, 0, 0), 1), Err(error));
             assert!(sender.is_idle());
@@ -367,10 +314,6 @@ mod tests {
             let error = SendError::Length { found, capacity: 4 };
             assert_eq!(sender.start(&PAYLOAD[..found]), Err(error));
         }
-        assert_eq!(
-            sender.on_flow_control(answer(FlowStatus::Overflow, 0, 0), 0),
-            Ok(()),
-            "nothing was waited for"
-        );
+        assert_eq!(sender.on_flow_control(answer(FlowStatus::Overflow, 0, 0), 0), Ok(()), "nothing was waited for");
     }
 }
