@@ -33,14 +33,10 @@
 //! resistance positive against travel.
 //!
 //! ```
-//! use rundown::{config::Config, estimator::Estimator, measurement::Measurement, resistance::Davis};
-//! use rundown::{track::*, train::*};
+//! use rundown::model::{track::Gradient, train::TrainDescription};
+//! use rundown::{Config, Davis, Direction, Estimator, Measurement, Track, Train};
 //!
-//! let train = Train::try_new(TrainDescription {
-//!     mass_kg: 364e3, rotating_mass_factor: 1.06, length_m: 162.0,
-//!     davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
-//!     max_tractive_effort_n: 192.92e3, max_power_w: 2.036e6, max_brake_mps2: 0.66,
-//! })?;
+//! let train = Train::try_new(TrainDescription::CASE_STUDY)?;
 //! let track = Track::try_new(32e3, [Gradient { from_m: 0.0, permille: 0.0 }])?;
 //! let estimator = Estimator::try_new(Config::default(), train, track)?;
 //! let mut vehicle = estimator.new_vehicle();
@@ -70,45 +66,22 @@
 #![no_std]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
+// Parts of the model are set in place by a board only.
+#![cfg_attr(not(feature = "onboard"), allow(dead_code, unused_imports))]
 
-pub mod auth;
-mod bytes;
 pub mod coast_ahead;
-pub mod config;
-mod curves;
-pub mod digest;
-pub mod effects;
-pub mod effort;
-pub mod elimination;
-pub mod estimate;
 pub mod estimator;
 pub mod features;
-pub mod frames;
-pub mod kinematics;
-pub mod learning;
+pub mod filter;
 mod listed;
-pub mod measurement;
-pub mod memory;
-pub mod motion;
+pub mod model;
 pub mod onboard;
-pub mod paper;
-pub mod plausibility;
-pub mod published;
-pub mod regime;
-pub mod resistance;
-pub mod run_state;
-pub mod state;
-pub mod store;
-mod targets;
-pub mod task;
-pub mod track;
-pub mod train;
-pub mod train_id;
-pub mod ukf;
-pub mod units;
-pub mod uplink;
+pub mod tick;
 
+pub use estimator::{Estimator, config::Config};
+pub use model::{direction::Direction, resistance::Davis, track::Track, train::Train};
 pub use rundown_wire::link;
+pub use tick::measurement::Measurement;
 
 /// Number type of the whole estimator. With the spread of the paper textbook weights are near 1.7e6, so single precision is not enough.
 pub type Real = f64;

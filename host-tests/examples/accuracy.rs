@@ -1,9 +1,9 @@
 //! Prints estimates against truth for fleets of simulated vehicles: `cargo run --release -p host-tests --example accuracy [vehicles] [runs] [mode]`.
 
 use host_tests::accuracy::{judge, scales};
-use rundown::config::{Config, Mode};
-use sim_harness::truth::scenario::Scenario;
-use sim_harness::truth::sensors::Sensors;
+use rundown::estimator::config::{Config, Mode};
+use rundown_truth::scenario::Scenario;
+use rundown_truth::sensors::Sensors;
 
 fn main() {
     let argument = |i: usize| std::env::args().nth(i);
@@ -21,7 +21,7 @@ fn main() {
     for (name, scenario) in [
         ("clean", Scenario::default()),
         ("wind", Scenario { wind_sd_mps: 2.0, ..Scenario::default() }),
-        ("hilly", Scenario { line: sim_harness::truth::line::Line::hilly(3), ..Scenario::default() }),
+        ("hilly", Scenario { line: rundown_truth::line::Line::hilly(3), ..Scenario::default() }),
         ("fast", Scenario { sensors: one_second, ..Scenario::default() }),
     ] {
         if which.as_deref().is_none_or(|which| which == name) {

@@ -6,10 +6,10 @@
 use host_tests::accuracy::scales;
 use host_tests::coasting::{Calibration, Judged, judge, published};
 use rayon::prelude::*;
-use rundown::config::Config;
-use sim_harness::truth::driver::Regime;
-use sim_harness::truth::line::Line;
-use sim_harness::truth::scenario::Scenario;
+use rundown::estimator::config::Config;
+use rundown_truth::driver::Regime;
+use rundown_truth::line::Line;
+use rundown_truth::scenario::Scenario;
 
 /// Slowest speed at which a prediction is judged, km/h.
 const LEAST_KMH: f64 = 60.0;

@@ -2,9 +2,9 @@
 //!
 //! The first four columns that a run log knows keep their names; the truth stands beside them.
 
-use sim_harness::truth::habits::DriverKind;
-use sim_harness::truth::line::Line;
-use sim_harness::truth::scenario::{Scenario, UnscheduledStop, simulate};
+use rundown_truth::habits::DriverKind;
+use rundown_truth::line::Line;
+use rundown_truth::scenario::{Scenario, UnscheduledStop, simulate};
 
 fn main() {
     let mut arguments = std::env::args().skip(1);

@@ -3,15 +3,15 @@
 //! Arguments: RUN.csv TRAIN.toml TRACK.toml [FRAMES.bin]
 
 use host_tests::target::{compare, firmware};
-use rundown::config::Config;
+use rundown::estimator::config::Config;
 use rundown::link::serial;
+use rundown_files::map_matching::CentreLine;
+use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_set::RunSet;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
 use sim_harness::desk::Description;
-use sim_harness::map_matching::CentreLine;
-use sim_harness::recording::{DirectionChoice, Recording};
-use sim_harness::run_log::{BadRows, RunLog};
-use sim_harness::run_set::RunSet;
-use sim_harness::track_file::TrackFile;
-use sim_harness::train_file::TrainFile;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 

@@ -2,20 +2,21 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rundown::config::Config;
-use rundown::effects::Effects;
-use rundown::estimate::Estimate;
+use rundown::estimator::config::Config;
 use rundown::estimator::{Estimator, RunSummary};
-use rundown::measurement::Measurement;
-use rundown::memory::Vehicle;
-use rundown::regime::Regime;
-use rundown::resistance::Davis;
-use rundown::state::Gaussian;
-use rundown::track::{Direction, Gradient};
-use rundown::train::TrainDescription;
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::direction::Direction;
+use rundown::model::effects::Effects;
+use rundown::model::resistance::Davis;
+use rundown::model::track::Gradient;
+use rundown::model::train::TrainDescription;
+use rundown::tick::estimate::Estimate;
+use rundown::tick::measurement::Measurement;
+use rundown::tick::memory::Vehicle;
+use rundown::tick::regime::Regime;
+use rundown_truth::driver::Regime as TrueRegime;
+use rundown_truth::scenario::{Run, Scenario, fleet};
 use sim_harness::desk::Description;
-use sim_harness::truth::driver::Regime as TrueRegime;
-use sim_harness::truth::scenario::{Run, Scenario, fleet};
 
 /// The manufacturer's description that every simulated vehicle deviates from.
 pub const NOMINAL: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
@@ -49,7 +50,7 @@ pub fn estimator(config: Config, scenario: &Scenario) -> Estimator {
 
 /// The measurements of a simulated run.
 pub fn measurements(run: &Run) -> Vec<Measurement> {
-    let of_sample = |sample: &sim_harness::truth::sensors::Sample| Measurement {
+    let of_sample = |sample: &rundown_truth::sensors::Sample| Measurement {
         time_s: sample.time_s,
         location_m: sample.location_m,
         speed_mps: sample.speed_kmh.map(|kmh| kmh / 3.6),

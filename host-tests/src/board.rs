@@ -1,13 +1,13 @@
 //! A board on the host: the tick task over a flash and a link of test's own, and a desk that talks to it.
 
 use crate::flash::Flash;
-use rundown::auth::{Key, Provisioning, ProvisioningError};
-use rundown::measurement::Measurement;
-use rundown::run_state::RunState;
-use rundown::task::{Port, Room, Task};
-use rundown::track::Direction;
-use rundown::train_id::TrainId;
-use rundown::uplink::{Command, Pace, Request};
+use rundown::estimator::run_state::RunState;
+use rundown::model::direction::Direction;
+use rundown::onboard::auth::{Key, Provisioning, ProvisioningError};
+use rundown::onboard::task::{Port, Room, Task};
+use rundown::onboard::train_id::TrainId;
+use rundown::onboard::uplink::{Command, Pace, Request};
+use rundown::tick::measurement::Measurement;
 use rundown_wire::{Answer, Body, Downlink, Estimate, Health, Refusal, SnapshotPart, Status};
 use sim_harness::desk::{Description, Desk};
 

@@ -2,19 +2,20 @@
 
 use crate::accuracy::{description, measurements};
 use rundown::coast_ahead::{CoastAhead, Outcome, Steady};
-use rundown::config::Config;
-use rundown::estimate::Estimate;
 use rundown::estimator::Estimator;
-use rundown::memory::Vehicle;
-use rundown::track::{Direction, Target};
-use rundown::units::KmPerHour;
+use rundown::estimator::config::Config;
+use rundown::model::direction::Direction;
+use rundown::model::track::Target;
+use rundown::model::units::KmPerHour;
+use rundown::tick::estimate::Estimate;
+use rundown::tick::memory::Vehicle;
+use rundown_truth::driver::Regime;
+use rundown_truth::motion::Motion;
+use rundown_truth::plan::plan;
+use rundown_truth::scenario::{Scenario, drive_planned, simulate_planned};
+use rundown_truth::sensors::TraceStep;
+use rundown_truth::world::{History, World};
 use sim_harness::desk::Description;
-use sim_harness::truth::driver::Regime;
-use sim_harness::truth::motion::Motion;
-use sim_harness::truth::plan::plan;
-use sim_harness::truth::scenario::{Scenario, drive_planned, simulate_planned};
-use sim_harness::truth::sensors::TraceStep;
-use sim_harness::truth::world::{History, World};
 
 /// Standard deviations of a 90 % interval to either side.
 const NINETY_PERCENT: f64 = 1.645;
@@ -96,7 +97,7 @@ pub fn judge(
 fn predictions(
     estimator: &Estimator,
     vehicle: &mut Vehicle,
-    log: &[rundown::measurement::Measurement],
+    log: &[rundown::tick::measurement::Measurement],
 ) -> Vec<(Estimate, CoastAhead)> {
     let mut state = estimator.begin_run(vehicle, Direction::Up);
     let found = log

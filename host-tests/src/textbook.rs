@@ -1,4 +1,4 @@
-//! The paper's filter exactly as it is printed: the witness against which `rundown::ukf` is judged, and the yardstick of its cost.
+//! The paper's filter exactly as it is printed: the witness against which `rundown::filter::ukf` is judged, and the yardstick of its cost.
 //!
 //! In: a belief, any function f, a measurement of some of the components. Out: the belief one step later, and what lay between.
 //!
@@ -13,8 +13,9 @@
 //! ```
 
 use nalgebra::{SMatrix, SVector};
-use rundown::motion::{Evaluate, Line};
-use rundown::state::Gaussian;
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::line::Line;
+use rundown::model::motion::Evaluate;
 
 /// α, β, κ as plain numbers.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,11 @@
 //! Who may change the board: nobody without the key, nobody twice, nobody after a reboot with what was recorded before it.
 
 use host_tests::flash::Flash;
-use rundown::auth::{Freshness, Key, Provisioning, ProvisioningError, Refusal, SealError, Signer, TRAILER, Verifier};
-use rundown::store::{AppendError, EpochError, Identity, Store};
-use rundown::train_id::TrainId;
+use rundown::onboard::auth::{
+    Freshness, Key, Provisioning, ProvisioningError, Refusal, SealError, Signer, TRAILER, Verifier,
+};
+use rundown::onboard::store::{AppendError, EpochError, Identity, Store};
+use rundown::onboard::train_id::TrainId;
 
 const TRACK: u16 = 2;
 const EFFECT: u16 = 3;

@@ -8,13 +8,14 @@ use host_tests::coasting::{Calibration, Judged, judge, published, with_targets};
 use host_tests::flash::Flash;
 use rayon::prelude::*;
 use rundown::coast_ahead::CoastConfig;
-use rundown::config::Config;
-use rundown::measurement::Measurement;
-use rundown::track::{Direction, MAX_TARGETS, Target};
-use rundown::uplink::{Request, Setting, TargetPart};
+use rundown::estimator::config::Config;
+use rundown::model::direction::Direction;
+use rundown::model::track::{MAX_TARGETS, Target};
+use rundown::onboard::uplink::{Request, Setting, TargetPart};
+use rundown::tick::measurement::Measurement;
+use rundown_truth::driver::Regime;
+use rundown_truth::scenario::{Scenario, simulate};
 use rundown_wire::{Body, CoastAhead, CoastOutcome, Downlink, Refusal};
-use sim_harness::truth::driver::Regime;
-use sim_harness::truth::scenario::{Scenario, simulate};
 
 /// Share of the described resistance of r0, r1, r2 of eight vehicles.
 const SCALES: [[f64; 3]; 8] = [
@@ -148,7 +149,7 @@ fn a_run_that_goes_on_from_a_snapshot_says_the_same() {
     let scenario = Scenario::default();
     let mut other = board.restart();
     other.prepare(&with_targets(Config::default(), &scenario), Direction::Up);
-    other.ask(Request::Command(rundown::uplink::Command::End)).unwrap();
+    other.ask(Request::Command(rundown::onboard::uplink::Command::End)).unwrap();
     for part in parts {
         other.ask(Request::Snapshot(part)).unwrap();
     }
@@ -169,7 +170,7 @@ fn targets_are_taken_whole_and_in_order() {
     board.prepare(&description, Direction::Up);
     let id = description.track_id();
     assert_eq!(board.ask(part(id, 0, &[])), Err(Refusal::Running));
-    board.ask(Request::Command(rundown::uplink::Command::End)).unwrap();
+    board.ask(Request::Command(rundown::onboard::uplink::Command::End)).unwrap();
     assert_eq!(board.ask(part(id + 1, 0, &[])), Err(Refusal::OtherTrack));
     assert_eq!(board.ask(part(id, 0, &[stop(1e3)])), Ok(()));
     assert_eq!(board.ask(part(id, 2, &[stop(2e3)])), Err(Refusal::OutOfOrder));

@@ -2,14 +2,15 @@
 //!
 //! `cargo test -p host-tests --test effects -- --nocapture` prints the figures.
 
-use rundown::config::Config;
-use rundown::effects::*;
 use rundown::estimator::Estimator;
-use rundown::measurement::Measurement;
-use rundown::memory::Vehicle;
-use rundown::resistance::Davis;
-use rundown::track::{Curve, Direction, Gradient, Track};
-use rundown::train::{Train, TrainDescription};
+use rundown::estimator::config::Config;
+use rundown::model::direction::Direction;
+use rundown::model::effects::*;
+use rundown::model::resistance::Davis;
+use rundown::model::track::{Curve, Gradient, Track};
+use rundown::model::train::{Train, TrainDescription};
+use rundown::tick::measurement::Measurement;
+use rundown::tick::memory::Vehicle;
 
 const DESCRIBED: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 /// A tenth off the description, so that there is something to learn beside the effect.
@@ -19,16 +20,7 @@ const GAMMA: f64 = 1.06;
 const TOP_MPS: f64 = 140.0 / 3.6;
 
 fn train(davis: Davis) -> Train {
-    Train::try_new(TrainDescription {
-        mass_kg: 364e3,
-        rotating_mass_factor: GAMMA,
-        length_m: LENGTH_M,
-        davis,
-        max_tractive_effort_n: 192.92e3,
-        max_power_w: 2.036e6,
-        max_brake_mps2: 0.66,
-    })
-    .unwrap()
+    Train::try_new(TrainDescription { davis, ..TrainDescription::CASE_STUDY }).unwrap()
 }
 
 fn track() -> Track {
@@ -311,7 +303,7 @@ fn a_known_run_wind_is_the_memorys_wind() {
     assert_eq!(calm.memory_config().wind_sd_mps, 0.0);
     let sd = |estimator: &Estimator| {
         let next = estimator.new_vehicle().next_run(&estimator.memory_config());
-        rundown::resistance::resistance_sd(&next, 30.0)
+        rundown::model::state::resistance_sd(&next, 30.0)
     };
     assert!(sd(&windy) > 1.2 * sd(&calm), "{} {}", sd(&windy), sd(&calm));
 }

@@ -6,15 +6,16 @@ use host_tests::coasting::with_targets;
 use host_tests::flash::Flash;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rundown::config::{Config, Mode};
-use rundown::effects::*;
+use rundown::estimator::config::{Config, Mode};
 use rundown::link::serial::{Decoder, encode};
-use rundown::measurement::Measurement;
-use rundown::track::{Direction, Gradient};
-use rundown::uplink::{self, Command, Request, Setting, Uplink};
+use rundown::model::direction::Direction;
+use rundown::model::effects::*;
+use rundown::model::track::Gradient;
+use rundown::onboard::uplink::{self, Command, Request, Setting, Uplink};
+use rundown::tick::measurement::Measurement;
+use rundown_truth::scenario::{Scenario, simulate};
 use rundown_wire::{Body, Downlink, Refusal};
 use sim_harness::desk::Description;
-use sim_harness::truth::scenario::{Scenario, simulate};
 
 fn running() -> (Board, Description, Vec<Measurement>) {
     let scenario = Scenario::default();

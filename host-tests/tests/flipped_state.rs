@@ -5,14 +5,14 @@
 use host_tests::accuracy::{estimator, measurements};
 use rayon::prelude::*;
 use rundown::Real;
-use rundown::config::{Config, Mode};
-use rundown::estimate::{Estimate, Validity};
 use rundown::estimator::Estimator;
-use rundown::measurement::Measurement;
-use rundown::run_state::{MAX_SNAPSHOT, RunState};
-use rundown::state::{SIZE, SPEED};
-use rundown::track::Direction;
-use sim_harness::truth::scenario::{Scenario, simulate};
+use rundown::estimator::config::{Config, Mode};
+use rundown::estimator::run_state::{MAX_SNAPSHOT, RunState};
+use rundown::model::direction::Direction;
+use rundown::model::state::{SIZE, SPEED};
+use rundown::tick::estimate::{Estimate, Validity};
+use rundown::tick::measurement::Measurement;
+use rundown_truth::scenario::{Scenario, simulate};
 
 /// Samples after the flip.
 const AFTER: usize = 6;

@@ -1,13 +1,13 @@
 //! Is a hidden effect found, named and sized, and is nothing found where nothing is hidden? The workflow gets a folder as `rundown simulate` writes it, without its truth.
 
-use rundown::effects::Effect;
-use sim_harness::gap::bench::draw::{Ask, Set, Size};
-use sim_harness::gap::bench::score::Score;
-use sim_harness::gap::bench::{ReadSet, blind};
-use sim_harness::gap::notes::notes;
-use sim_harness::gap::workflow::Investigation;
-use sim_harness::truth::effects::Effect as Hidden;
-use sim_harness::truth::plan::Headings;
+use rundown::model::effects::Effect;
+use rundown_gap::notes::notes;
+use rundown_gap::workflow::Investigation;
+use rundown_truth::effects::Effect as Hidden;
+use rundown_truth::plan::Headings;
+use sim_harness::gap_bench::draw::{Ask, Set, Size};
+use sim_harness::gap_bench::score::Score;
+use sim_harness::gap_bench::{ReadSet, blind};
 
 /// Runs of a set: fewer than an analyst has, so that the test is quick.
 const RUNS: usize = 24;

@@ -2,18 +2,19 @@
 //!
 //! The recordings are not part of the project (their licence is the GPL); where they are missing the tests say so and pass.
 
-use rundown::config::Config;
 use rundown::estimator::Estimator;
-use rundown::track::{Direction, Gradient, Track};
-use rundown::train::Train;
+use rundown::estimator::config::Config;
+use rundown::model::direction::Direction;
+use rundown::model::track::{Gradient, Track};
+use rundown::model::train::Train;
+use rundown_files::map_matching::{CentreLine, MatchState};
+use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::replay::{Tick, replay_carried};
+use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_set::RunSet;
+use rundown_files::track_file::{CentreLinePoint, TrackFile};
+use rundown_files::train_file::TrainFile;
 use serde::Deserialize;
-use sim_harness::map_matching::{CentreLine, MatchState};
-use sim_harness::recording::{DirectionChoice, Recording};
-use sim_harness::replay::{Tick, replay_carried};
-use sim_harness::run_log::{BadRows, RunLog};
-use sim_harness::run_set::RunSet;
-use sim_harness::track_file::{CentreLinePoint, TrackFile};
-use sim_harness::train_file::TrainFile;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 

@@ -4,13 +4,13 @@ use emulator::{Emulator, FlashFile};
 use host_tests::accuracy::{description, measurements};
 use host_tests::board::PROVISIONING;
 use host_tests::target::{on_target, test_board};
-use rundown::config::Config;
-use rundown::digest;
-use rundown::track::Direction;
-use rundown::uplink::{Command, Pace, Request};
+use rundown::estimator::config::Config;
+use rundown::model::direction::Direction;
+use rundown::onboard::uplink::{Command, Pace, Request};
+use rundown::tick::digest;
+use rundown_truth::scenario::{Scenario, simulate};
 use rundown_wire::{Body, Memory, RunSummary, Status};
 use sim_harness::session::Heard;
-use sim_harness::truth::scenario::{Scenario, simulate};
 use std::thread::sleep;
 use std::time::Duration;
 

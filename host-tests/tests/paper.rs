@@ -1,15 +1,18 @@
 //! Is this the method of the paper? Its tables, thresholds and worked numbers, and the one number that its step gets wrong.
 
 use nalgebra::SVector;
-use rundown::config::{Config, Difference, Mode};
+use rundown::estimator::config::{Config, Mode};
 use rundown::features::FeatureConfig;
-use rundown::motion::{Evaluate, Line, Motion};
-use rundown::regime::{PaperRule, Regime};
-use rundown::resistance::Davis;
-use rundown::state::{SIZE, SPEED};
-use rundown::track::{Direction, Track};
-use rundown::train::{Train, TrainDescription};
-use rundown::ukf::{Process, Spread};
+use rundown::filter::ukf::{Process, Spread};
+use rundown::model::direction::Direction;
+use rundown::model::line::Line;
+use rundown::model::motion::{Evaluate, Motion};
+use rundown::model::resistance::Davis;
+use rundown::model::state::{SIZE, SPEED};
+use rundown::model::track::Track;
+use rundown::model::train::{Train, TrainDescription};
+use rundown::tick::paper::Difference;
+use rundown::tick::regime::{PaperRule, Regime};
 
 /// Section 4.1, per rotating mass.
 const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
@@ -87,16 +90,7 @@ fn feature_windows_and_brake_steps_are_those_of_section_3_3() {
 
 /// Ten seconds of coasting on the flat from `v0`, in steps of at most `sub_step_s`: the speed lost, by the motion model.
 fn lost_mps(v0: f64, davis: &Davis, sub_steps: u32, evaluate: Evaluate) -> f64 {
-    let train = Train::try_new(TrainDescription {
-        mass_kg: 364e3,
-        rotating_mass_factor: 1.06,
-        length_m: 162.0,
-        davis: DAVIS,
-        max_tractive_effort_n: 192_920.0,
-        max_power_w: 2_036_377.8,
-        max_brake_mps2: 0.66,
-    })
-    .unwrap();
+    let train = Train::try_new(TrainDescription { max_power_w: 2_036_377.8, ..TrainDescription::CASE_STUDY }).unwrap();
     let flat = Track::try_new(10_000.0, []).unwrap();
     let line = Line { train: &train, track: &flat, direction: Direction::Up };
     let mut x = SVector::from([0.0, v0, davis.r0, davis.r1, davis.r2]);

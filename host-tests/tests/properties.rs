@@ -3,31 +3,24 @@
 use host_tests::textbook::{Points, Shape};
 use nalgebra::{SMatrix, SVector, Vector2};
 use proptest::prelude::*;
-use rundown::config::{Config, Mode};
-use rundown::elimination::Column;
-use rundown::estimate::Estimate;
 use rundown::estimator::Estimator;
-use rundown::learning::LocationAndSpeed;
-use rundown::measurement::Measurement;
-use rundown::motion::{Evaluate, Line, Motion};
-use rundown::regime::{PaperRule, Regime};
-use rundown::resistance::Davis;
-use rundown::state::{Gaussian, SIZE};
-use rundown::track::{Direction, Gradient, Track};
-use rundown::train::{Train, TrainDescription};
-use rundown::ukf::{Pair, Process, Spread, Ukf};
+use rundown::estimator::config::{Config, Mode};
+use rundown::filter::elimination::Column;
+use rundown::filter::gaussian::Gaussian;
+use rundown::filter::ukf::{Pair, Process, Spread, Ukf};
+use rundown::model::direction::Direction;
+use rundown::model::line::Line;
+use rundown::model::motion::{Evaluate, Motion};
+use rundown::model::state::SIZE;
+use rundown::model::track::{Gradient, Track};
+use rundown::model::train::{Train, TrainDescription};
+use rundown::tick::estimate::Estimate;
+use rundown::tick::learning::LocationAndSpeed;
+use rundown::tick::measurement::Measurement;
+use rundown::tick::regime::{PaperRule, Regime};
 
 fn train() -> Train {
-    Train::try_new(TrainDescription {
-        mass_kg: 364e3,
-        rotating_mass_factor: 1.06,
-        length_m: 162.0,
-        davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
-        max_tractive_effort_n: 192_920.0,
-        max_power_w: 2_036_377.8,
-        max_brake_mps2: 0.66,
-    })
-    .unwrap()
+    Train::try_new(TrainDescription { max_power_w: 2_036_377.8, ..TrainDescription::CASE_STUDY }).unwrap()
 }
 
 fn track(steps: &[(f64, f64)]) -> Track {

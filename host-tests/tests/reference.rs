@@ -1,16 +1,16 @@
 //! Is it the method of the paper, to the last digits? `data/reference` holds one run computed with 50-digit arithmetic
 //! by an implementation that shares no code with this project.
 
-use rundown::config::{Config, Mode};
-use rundown::estimate::Estimate;
 use rundown::estimator::Estimator;
-use rundown::measurement::Measurement;
-use rundown::regime::Regime;
-use rundown::state::SIZE;
-use rundown::track::Direction;
-use rundown::ukf::Spread;
-use sim_harness::track_file::TrackFile;
-use sim_harness::train_file::TrainFile;
+use rundown::estimator::config::{Config, Mode};
+use rundown::filter::ukf::Spread;
+use rundown::model::direction::Direction;
+use rundown::model::state::SIZE;
+use rundown::tick::estimate::Estimate;
+use rundown::tick::measurement::Measurement;
+use rundown::tick::regime::Regime;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 

@@ -3,15 +3,15 @@
 //! `BLESS=1 cargo test -p host-tests --test replay` rewrites it; the commit then says why it moved.
 
 use host_tests::accuracy::{estimator, measurements, resistance};
-use rundown::config::{Config, Mode};
 use rundown::estimator::Estimator;
-use rundown::measurement::Measurement;
-use rundown::regime::Regime;
-use rundown::track::Direction;
-use sim_harness::track_file::TrackFile;
-use sim_harness::train_file::TrainFile;
-use sim_harness::truth::scenario::{Scenario, simulate};
-use sim_harness::truth::sensors::Sensors;
+use rundown::estimator::config::{Config, Mode};
+use rundown::model::direction::Direction;
+use rundown::tick::measurement::Measurement;
+use rundown::tick::regime::Regime;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
+use rundown_truth::scenario::{Scenario, simulate};
+use rundown_truth::sensors::Sensors;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 

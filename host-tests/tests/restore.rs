@@ -2,11 +2,11 @@
 
 use host_tests::accuracy::{NOMINAL, estimator, replay};
 use host_tests::flash::Flash;
-use rundown::config::{Config, Mode};
-use rundown::store::Store;
-use rundown::store::persisted::Persisted;
-use rundown::train_id::TrainId;
-use sim_harness::truth::scenario::{Scenario, fleet};
+use rundown::estimator::config::{Config, Mode};
+use rundown::onboard::store::Store;
+use rundown::onboard::store::persisted::Persisted;
+use rundown::onboard::train_id::TrainId;
+use rundown_truth::scenario::{Scenario, fleet};
 
 /// Every learned vehicle is believed again, bit for bit: in each mode, for trains far off their description, in calm and in wind.
 #[test]

@@ -2,17 +2,18 @@
 
 use host_tests::accuracy::{Errors, estimator, measurements, resistance};
 use rand::{RngExt, SeedableRng};
-use rundown::config::{Config, Mode};
-use rundown::estimate::{Cause, Estimate, Validity};
+use rundown::estimator::config::{Config, Mode};
 use rundown::estimator::{Estimator, RunSummary, StepError};
-use rundown::measurement::Measurement;
-use rundown::regime::Regime;
-use rundown::resistance::Davis;
-use rundown::state::{LOCATION, SPEED};
-use rundown::track::{Direction, Gradient, Track};
-use sim_harness::truth::scenario::{Run, Scenario, simulate};
-use sim_harness::truth::sensors::{LocationWalk, Sensors};
-use sim_harness::truth::train::DavisTruth;
+use rundown::model::direction::Direction;
+use rundown::model::resistance::Davis;
+use rundown::model::state::{LOCATION, SPEED};
+use rundown::model::track::{Gradient, Track};
+use rundown::tick::estimate::{Cause, Estimate, Validity};
+use rundown::tick::measurement::Measurement;
+use rundown::tick::regime::Regime;
+use rundown_truth::scenario::{Run, Scenario, simulate};
+use rundown_truth::sensors::{LocationWalk, Sensors};
+use rundown_truth::train::DavisTruth;
 
 const SEED: u64 = 31;
 
@@ -395,7 +396,7 @@ fn a_hostile_configuration_is_refused_whole() {
 #[test]
 fn a_train_going_down_a_mirrored_line_learns_the_same() {
     // Given a run up a line, and the same run down the line mirrored
-    let scenario = Scenario { line: sim_harness::truth::line::Line::hilly(7), ..Scenario::default() };
+    let scenario = Scenario { line: rundown_truth::line::Line::hilly(7), ..Scenario::default() };
     let run = simulate(&scenario, SEED);
     let up = estimator(Config::default(), &scenario);
     let (_, expected) = replay(&up, &measurements(&run));

@@ -3,17 +3,18 @@
 use host_tests::accuracy::{description, measurements};
 use host_tests::board::{Board, PROVISIONING, answer, estimate, task};
 use host_tests::flash::Flash;
-use rundown::auth::{Provisioning, Signer};
-use rundown::config::{Config, Mode};
-use rundown::digest;
-use rundown::effects::*;
-use rundown::measurement::Measurement;
-use rundown::regime::Regime;
-use rundown::track::{Curve, Direction};
-use rundown::uplink::{Command, CurvePart, Pace, Request, Setting};
+use rundown::estimator::config::{Config, Mode};
+use rundown::model::direction::Direction;
+use rundown::model::effects::*;
+use rundown::model::track::Curve;
+use rundown::onboard::auth::{Provisioning, Signer};
+use rundown::onboard::uplink::{Command, CurvePart, Pace, Request, Setting};
+use rundown::tick::digest;
+use rundown::tick::measurement::Measurement;
+use rundown::tick::regime::Regime;
+use rundown_truth::scenario::{Scenario, simulate};
 use rundown_wire::{Body, Downlink, Memory, Refusal, RunSummary};
 use sim_harness::desk::{Description, Desk};
-use sim_harness::truth::scenario::{Scenario, simulate};
 
 fn described() -> (Description, Vec<Measurement>) {
     let scenario = Scenario::default();
@@ -113,7 +114,7 @@ fn a_wrong_key_changes_nothing() {
     board.prepare(&description, Direction::Up);
     let before = board.status();
     let other = Provisioning {
-        key: rundown::auth::Key::new(*b"an attacker's key"[..16].first_chunk().unwrap()),
+        key: rundown::onboard::auth::Key::new(*b"an attacker's key"[..16].first_chunk().unwrap()),
         ..PROVISIONING
     };
     assert!(Signer::new(&other, &before.announcement.unwrap()).is_err());
@@ -191,7 +192,7 @@ fn settings_are_refused_whole() {
 fn a_track_comes_whole_or_not_at_all() {
     let (mut description, _) = described();
     description.gradients = (0..100)
-        .map(|i| rundown::track::Gradient { from_m: 100.0 * f64::from(i), permille: f64::from(i % 7) })
+        .map(|i| rundown::model::track::Gradient { from_m: 100.0 * f64::from(i), permille: f64::from(i % 7) })
         .collect();
     let mut board = board();
     board.status();

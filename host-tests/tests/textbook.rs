@@ -1,4 +1,4 @@
-//! Is `rundown::ukf` the filter that is printed? The witness is `host_tests::textbook`, Eq. (7)-(18) word for word.
+//! Is `rundown::filter::ukf` the filter that is printed? The witness is `host_tests::textbook`, Eq. (7)-(18) word for word.
 //!
 //! With α = 1 both forms round to the last digits and must agree to 1e-9 standard deviations. With α = 0.001 the witness has weights near
 //! 1.7e6: it subtracts numbers that agree to six digits or more, so what remains of sixteen digits bounds the comparison, not `rundown`
@@ -7,29 +7,23 @@
 use host_tests::textbook::{self, Points, Read, Shape};
 use nalgebra::{SMatrix, SVector};
 use rand::{RngExt, SeedableRng};
-use rundown::elimination::Column;
-use rundown::learning::LocationAndSpeed;
-use rundown::motion::{Evaluate, Line, Motion};
-use rundown::resistance::Davis;
-use rundown::state::{Gaussian, LOCATION, SIZE, SIZE_WITH_GAIN, SPEED};
-use rundown::track::{Direction, Gradient, Track};
-use rundown::train::{Train, TrainDescription};
-use rundown::ukf::{Observation, Pair, Process, Spread, Ukf};
+use rundown::filter::elimination::Column;
+use rundown::filter::gaussian::Gaussian;
+use rundown::filter::ukf::{Observation, Pair, Process, Spread, Ukf};
+use rundown::model::direction::Direction;
+use rundown::model::line::Line;
+use rundown::model::motion::{Evaluate, Motion};
+use rundown::model::resistance::Davis;
+use rundown::model::state::{LOCATION, SIZE, SIZE_WITH_GAIN, SPEED};
+use rundown::model::track::{Gradient, Track};
+use rundown::model::train::{Train, TrainDescription};
+use rundown::tick::learning::LocationAndSpeed;
 
 const LENGTH_M: f64 = 60_000.0;
 const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 
 fn train() -> Train {
-    Train::try_new(TrainDescription {
-        mass_kg: 364e3,
-        rotating_mass_factor: 1.06,
-        length_m: 162.0,
-        davis: DAVIS,
-        max_tractive_effort_n: 192_920.0,
-        max_power_w: 2_036_377.8,
-        max_brake_mps2: 0.66,
-    })
-    .unwrap()
+    Train::try_new(TrainDescription { max_power_w: 2_036_377.8, ..TrainDescription::CASE_STUDY }).unwrap()
 }
 
 /// A new gradient each 130 m, up and down by up to 25 permille.

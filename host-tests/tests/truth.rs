@@ -3,23 +3,23 @@
 //!
 //! The account of a step: speed change over time against the described model under the effort in newton. What is missing is what the effect took.
 
-use rundown::config::{Config, Mode};
 use rundown::estimator::Estimator;
-use sim_harness::recording::{DirectionChoice, Recording};
-use sim_harness::replay::{Tick, replay_carried};
-use sim_harness::run_log::{BadRows, RunLog};
-use sim_harness::run_set::RunSet;
+use rundown::estimator::config::{Config, Mode};
+use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::replay::{Tick, replay_carried};
+use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_set::RunSet;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
+use rundown_truth::driver::Regime;
+use rundown_truth::effects::{Affected, Effect};
+use rundown_truth::facts::Facts;
+use rundown_truth::line::Line;
+use rundown_truth::plan::{Heading, Headings, RunPlan, plan};
+use rundown_truth::scenario::{Scenario, drive_planned, simulate_planned};
+use rundown_truth::sensors::{Sensors, SpeedReading, TraceStep};
 use sim_harness::simulation::folder;
 use sim_harness::simulation::scenario_file::Simulation;
-use sim_harness::track_file::TrackFile;
-use sim_harness::train_file::TrainFile;
-use sim_harness::truth::driver::Regime;
-use sim_harness::truth::effects::{Affected, Effect};
-use sim_harness::truth::facts::Facts;
-use sim_harness::truth::line::Line;
-use sim_harness::truth::plan::{Heading, Headings, RunPlan, plan};
-use sim_harness::truth::scenario::{Scenario, drive_planned, simulate_planned};
-use sim_harness::truth::sensors::{Sensors, SpeedReading, TraceStep};
 use std::path::Path;
 
 const GRAVITY_MPS2: f64 = 9.80665;
@@ -94,7 +94,7 @@ fn motion_effects() -> Vec<(Effect, Effect, Law)> {
             Box::new(move |at| {
                 let line = Line::flat_corridor();
                 // All its curves are wider than 300 m.
-                let of = |c: &sim_harness::truth::line::Curve| at.share(c.from_m, c.to_m) * 0.65 / (c.radius_m - 55.0);
+                let of = |c: &rundown_truth::line::Curve| at.share(c.from_m, c.to_m) * 0.65 / (c.radius_m - 55.0);
                 1.2 * g * line.curves().iter().map(of).sum::<f64>()
             }),
         ),
@@ -251,9 +251,8 @@ fn an_effect_of_size_zero_changes_nothing() {
                 assert!(moved_m < 1e-6, "{} {headings:?}: {moved_m} m", zero.name());
                 assert_eq!(a.regime, b.regime, "{}", zero.name());
             }
-            let readings = |run: &sim_harness::truth::scenario::Run| -> Vec<_> {
-                run.samples.iter().map(|s| s.speed_kmh).collect()
-            };
+            let readings =
+                |run: &rundown_truth::scenario::Run| -> Vec<_> { run.samples.iter().map(|s| s.speed_kmh).collect() };
             assert_eq!(readings(&a), readings(&b), "{}", zero.name());
         }
     }
@@ -318,7 +317,7 @@ fn a_wrong_wheel_misleads_the_driver_and_a_late_receiver_the_log() {
         let scenario = Scenario { sensors: exact.clone(), ..scenario(effects, Headings::Up) };
         simulate_planned(&scenario, &planned(&scenario, seed)).unwrap()
     };
-    let fastest = |run: &sim_harness::truth::scenario::Run| run.truth.iter().map(|t| t.speed_mps).fold(0.0, f64::max);
+    let fastest = |run: &rundown_truth::scenario::Run| run.truth.iter().map(|t| t.speed_mps).fold(0.0, f64::max);
     for seed in 0..5 {
         let (right, wrong) = (run(&[], seed), run(&[others[4].0.clone()], seed));
         for (sample, truth) in wrong.samples.iter().zip(&wrong.truth) {
@@ -344,7 +343,7 @@ fn wind_of_the_runs_has_its_size_and_some_runs_are_some() {
     );
     let plans = plan(&scenario, 200, 4);
     assert_eq!(plans.iter().filter(|p| p.acting[1]).count(), 50);
-    let worlds = plans.iter().map(|plan| sim_harness::truth::world::World::new(&scenario, plan, 1.0, 0.0));
+    let worlds = plans.iter().map(|plan| rundown_truth::world::World::new(&scenario, plan, 1.0, 0.0));
     let winds: Vec<f64> = worlds.map(|world| world.headwind_mps).collect();
     let mean = winds.iter().sum::<f64>() / 200.0;
     let sd = (winds.iter().map(|w| w * w).sum::<f64>() / 200.0).sqrt();
@@ -468,7 +467,7 @@ fn a_data_set_is_read_back_and_replayed() {
         assert!(log.samples.iter().all(|s| s.effort_n_per_kg.is_some()));
         assert!(log.samples.iter().all(|s| s.ambient_temperature_c.is_some()));
         let up = facts[index].plan.heading == Heading::Up;
-        assert_eq!(file.direction == Some(rundown::track::Direction::Up), up);
+        assert_eq!(file.direction == Some(rundown::model::direction::Direction::Up), up);
         recordings.push(Recording::new(file, &log, None, DirectionChoice::Auto).unwrap());
     }
     for mode in [Mode::Gated, Mode::Measured] {

@@ -11,10 +11,12 @@ use examples::{Frame, all, largest};
 use host_tests::board::{Board, PROVISIONING, answer};
 use host_tests::fields::{Fields, varint};
 use host_tests::flash::Flash;
-use rundown::config::{Difference, Mode, Rounding};
-use rundown::motion::Evaluate;
-use rundown::track::Direction;
-use rundown::uplink::{OPEN, Pace, Request, SECURED, VERSION as UPLINK_VERSION};
+use rundown::estimator::config::Mode;
+use rundown::model::direction::Direction;
+use rundown::model::motion::Evaluate;
+use rundown::onboard::uplink::{OPEN, Pace, Request, SECURED, VERSION as UPLINK_VERSION};
+use rundown::tick::paper::Difference;
+use rundown::tick::sensor::Rounding;
 use rundown_wire::link::{checksum::CHECKSUM_BYTES, serial};
 use rundown_wire::{
     Cause, CoastArrival, CoastOutcome, DecodeError, Downlink, FILE_TAIL, Failure, Learned, MAX_MESSAGE, Memory,
@@ -221,7 +223,7 @@ fn the_numbers_of_the_enums_are_those_of_the_code() {
     enum_table(&[Direction::Up, Direction::Down]);
     enum_table(&[Pace::Clock, Pace::Lockstep]);
     enum_table(&examples::COMMANDS);
-    enum_table(&rundown::uplink::Setting::all(&rundown::config::Config::default()));
+    enum_table(&rundown::onboard::uplink::Setting::all(&rundown::estimator::config::Config::default()));
 
     let mut requests: Vec<Request> = Vec::new();
     let mut bodies = Vec::new();
@@ -313,7 +315,7 @@ fn a_message_that_ends_early_is_none() {
             Frame::Up(protection, _) => {
                 let payload = payload(protection, &message);
                 for length in 0..payload.len() {
-                    let found = rundown::uplink::decode(&payload[..length]);
+                    let found = rundown::onboard::uplink::decode(&payload[..length]);
                     assert_eq!(found, None, "{name}: {length}");
                 }
             }
@@ -343,8 +345,8 @@ fn no_changed_byte_panics() {
                         Ok(read) => read.encode(&mut buffer).is_ok(),
                         Err(_) => false,
                     },
-                    Frame::Up(..) => match rundown::uplink::decode(&changed) {
-                        Some(read) => rundown::uplink::encode(&read, OPEN, &mut buffer).is_ok(),
+                    Frame::Up(..) => match rundown::onboard::uplink::decode(&changed) {
+                        Some(read) => rundown::onboard::uplink::encode(&read, OPEN, &mut buffer).is_ok(),
                         None => false,
                     },
                 });
@@ -400,11 +402,11 @@ fn what_a_receiver_does_not_know_has_a_name() {
 fn secured(payload: &[u8]) -> Refusal {
     let mut board = Board::start(Flash::erased(8));
     let announcement = board.status().announcement.unwrap();
-    let mut signer = rundown::auth::Signer::new(&PROVISIONING, &announcement).unwrap();
+    let mut signer = rundown::onboard::auth::Signer::new(&PROVISIONING, &announcement).unwrap();
     let mut message = vec![UPLINK_VERSION, SECURED];
     message.extend(payload);
     let mut buffer = [0; MAX_MESSAGE];
-    let sealed = signer.seal(rundown::task::DATA_ID, &message, &mut buffer);
+    let sealed = signer.seal(rundown::onboard::task::DATA_ID, &message, &mut buffer);
     let frames = board.say(sealed.unwrap());
     answer(&frames).unwrap().result.unwrap_err()
 }

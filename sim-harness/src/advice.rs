@@ -2,9 +2,9 @@
 //!
 //! In: the configuration, the track, the runs as replayed. Out: notes, one line each.
 
-use crate::replay::ReplayedRun;
-use rundown::config::{Config, Mode};
-use rundown::estimate::Cause;
+use rundown::estimator::config::{Config, Mode};
+use rundown::tick::estimate::Cause;
+use rundown_files::replay::ReplayedRun;
 
 /// Runs that are named in one note.
 const NAMED: usize = 3;

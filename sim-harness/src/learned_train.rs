@@ -11,9 +11,9 @@
 //!
 //! A limit that fewer than [`LEAST_RUNS`] runs have shown stays as described. What drivers did not ask for nobody has seen: a learned limit is what the runs have used.
 
-use crate::toml_file::TomlError;
-use crate::train_file::{DavisTable, TrainFile};
-use rundown::train::TrainError;
+use rundown::model::train::TrainError;
+use rundown_files::toml_file::TomlError;
+use rundown_files::train_file::{DavisTable, TrainFile};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use thiserror::Error;

@@ -5,9 +5,9 @@
 use crate::desk::{Description, Desk, DeskError};
 use crate::link::Clock;
 use rundown::link::{Link, LinkError};
-use rundown::measurement::Measurement;
-use rundown::track::Direction;
-use rundown::uplink::{Command, Pace, Request};
+use rundown::model::direction::Direction;
+use rundown::onboard::uplink::{Command, Pace, Request};
+use rundown::tick::measurement::Measurement;
 use rundown_wire::{Body, DecodeError, Downlink, Refusal};
 use std::fmt;
 use std::time::{Duration, Instant};

@@ -14,9 +14,9 @@
 //! decelerations back. Names, units, order and what is mandatory were read in the schema file itself; no message of a real system was at hand. The schema does not say whether `rotatingMassFactor` is γ (1.06), γ - 1
 //! (0.06) or percent: here it is γ, for the reasons in `docs/formats.md`, and the file says so in a comment.
 
-use crate::train_file::TrainFile;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
+use rundown_files::train_file::TrainFile;
 use std::io;
 use std::str::FromStr;
 
@@ -111,7 +111,7 @@ pub fn stated_mass_kg(train: &TrainFile) -> f64 {
 /// A, B, C in N, N s/m, N s²/m² with the stated mass.
 ///
 /// ```
-/// # use sim_harness::train_file::{DavisTable, TrainFile};
+/// # use rundown_files::train_file::{DavisTable, TrainFile};
 /// # let train = TrainFile { name: "unit".into(), mass_kg: 363_900.0, rotating_mass_factor: 1.06, length_m: 162.0, max_tractive_effort_n: 192_920.0,
 /// #     max_power_w: 2.036e6, max_brake_mps2: 0.66, davis: DavisTable { r0: 7.0e-3, r1: 1.5e-4, r2: 2.7e-5 }, effect: Vec::new() };
 /// let [a, b, c] = sim_harness::sfera::rollout_coefficients(&train);
@@ -222,7 +222,7 @@ fn decimal(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::train_file::DavisTable;
+    use rundown_files::train_file::DavisTable;
 
     fn train() -> TrainFile {
         TrainFile {

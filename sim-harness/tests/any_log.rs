@@ -1,7 +1,7 @@
 //! Is no row of any log lost in silence? Texts of all kinds, also broken ones.
 
 use proptest::prelude::*;
-use sim_harness::run_log::{BadRows, RunLog};
+use rundown_files::run_log::{BadRows, RunLog};
 
 /// A field as recorders and their faults write it.
 fn field() -> impl Strategy<Value = String> {

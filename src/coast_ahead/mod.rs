@@ -25,7 +25,7 @@ pub(crate) use predict::predict;
 pub use steady::Steady;
 
 use crate::Real;
-use crate::config::{ConfigError, between};
+use crate::tick::bounds::{ConfigError, between};
 use serde::{Deserialize, Serialize};
 
 /// How far ahead, and when a prediction is another one.

@@ -1,8 +1,8 @@
 //! What a prediction says.
 
 use crate::Real;
-use crate::effort::Point;
-use crate::track::Target;
+use crate::model::point::Point;
+use crate::model::track::Target;
 use serde::{Deserialize, Serialize};
 
 /// Standard deviations of a 90 % interval to either side.

@@ -4,12 +4,12 @@ use super::outcome::NINETY_PERCENT;
 use super::way::{Stands, Way};
 use super::{Arrival, CoastAhead, CoastConfig, Outcome};
 use crate::Real;
-use crate::effects::Acting;
-use crate::effort::Point;
-use crate::estimate::{Estimate, Validity};
-use crate::motion::Line;
-use crate::state::{LOCATION, SIZE, SPEED};
-use crate::track::Target;
+use crate::model::effects::Acting;
+use crate::model::line::Line;
+use crate::model::point::Point;
+use crate::model::state::{LOCATION, SIZE, SPEED};
+use crate::model::track::Target;
+use crate::tick::estimate::{Estimate, Validity};
 
 /// A target that is nearer than this is passed, m: the location is not known better while a train leaves its stop.
 const PASSED_M: Real = 50.0;
@@ -161,28 +161,21 @@ impl Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::{Effect, Effects, Journey, TunnelDrag};
-    use crate::estimate::Cause;
-    use crate::regime::Regime;
-    use crate::resistance::Davis;
-    use crate::state::{Gaussian, R0, R1, R2};
-    use crate::track::{Direction, Gradient, Track};
-    use crate::train::{Train, TrainDescription};
+    use crate::filter::gaussian::Gaussian;
+    use crate::model::direction::Direction;
+    use crate::model::effects::{Effect, Effects, Journey, TunnelDrag};
+    use crate::model::resistance::Davis;
+    use crate::model::state::{R0, R1, R2};
+    use crate::model::track::{Gradient, Track};
+    use crate::model::train::{Train, TrainDescription};
+    use crate::tick::estimate::Cause;
+    use crate::tick::regime::Regime;
 
     const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
     const END_M: Real = 30e3;
 
     fn train() -> Train {
-        Train::try_new(TrainDescription {
-            mass_kg: 364e3,
-            rotating_mass_factor: 1.06,
-            length_m: 162.0,
-            davis: DAVIS,
-            max_tractive_effort_n: 192.92e3,
-            max_power_w: 2.036e6,
-            max_brake_mps2: 0.66,
-        })
-        .unwrap()
+        Train::try_new(TrainDescription::CASE_STUDY).unwrap()
     }
 
     /// Hills of up to 8 permille that change every 700 m, with a stop at both ends.

@@ -20,7 +20,7 @@ impl Steady {
     ///
     /// ```
     /// use rundown::coast_ahead::{Arrival, CoastAhead, CoastConfig, Outcome, Steady};
-    /// use rundown::effort::Point;
+    /// use rundown::model::point::Point;
     ///
     /// let arrives = |speed_mps| CoastAhead {
     ///     from: Point { time_s: 0.0, location_m: 0.0, speed_mps: 38.0 },

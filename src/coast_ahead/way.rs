@@ -10,16 +10,16 @@
 //! noise          variance of E grows by 4 v² q dt
 //! ```
 //!
-//! The sensitivities by the trapezoid rule with v midway. Named effects move the mean and add no slope, as in [`crate::effects::Acting`].
+//! The sensitivities by the trapezoid rule with v midway. Named effects move the mean and add no slope, as in [`crate::model::effects::Acting`].
 //!
 //! Single precision but for locations and heights: the board's processor has it, double precision costs it five times the instructions. An error of 1e-7 of v² is nothing beside what is not known of it, and
 //! no result of the estimator depends on it.
 
 use crate::Real;
-use crate::effects::Acting;
-use crate::effort::Point;
-use crate::motion::Line;
-use crate::resistance::Davis;
+use crate::model::effects::Acting;
+use crate::model::line::Line;
+use crate::model::point::Point;
+use crate::model::resistance::Davis;
 
 /// Slower than this counts as standing: 1 m/s.
 const STANDS_M2_PER_S2: f32 = 1.0;

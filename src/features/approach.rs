@@ -10,7 +10,7 @@
 
 use super::{Phase, SwitchingPoint};
 use crate::Real;
-use crate::regime::Regime;
+use crate::tick::regime::Regime;
 
 /// Final coast and final brake, of so many switching points. None before the train has stood after a brake.
 pub(super) fn final_phases<'a>(

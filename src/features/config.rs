@@ -4,8 +4,8 @@
 //! nor do those near the line's top speed of 140 km/h.
 
 use crate::Real;
-use crate::units::KmPerHour;
-use core::fmt;
+use crate::model::units::KmPerHour;
+use crate::tick::bounds::{ConfigError, between};
 use serde::{Deserialize, Serialize};
 
 /// Settings of the features. Windows include their edges.
@@ -59,17 +59,17 @@ impl FeatureConfig {
     /// Called once, where the estimator is made.
     ///
     /// # Errors
-    /// [`FeatureConfigError`] names the field that cannot be used.
+    /// [`ConfigError`] names the field that cannot be used.
     ///
     /// ```
-    /// use rundown::features::{FeatureConfig, FeatureConfigError};
+    /// use rundown::{features::FeatureConfig, tick::bounds::ConfigError};
     ///
     /// assert_eq!(FeatureConfig::default().check(), Ok(()));
     /// let swapped = FeatureConfig { effort_window_kmh: [30.0, 10.0], ..Default::default() };
-    /// let error = FeatureConfigError::Window { field: "effort_window_kmh", found: [30.0, 10.0] };
+    /// let error = ConfigError::Window { field: "effort_window_kmh", found: [30.0, 10.0] };
     /// assert_eq!(swapped.check(), Err(error));
     /// ```
-    pub fn check(&self) -> Result<(), FeatureConfigError> {
+    pub fn check(&self) -> Result<(), ConfigError> {
         for (field, found) in [
             ("effort_window_kmh", self.effort_window_kmh),
             ("power_window_kmh", self.power_window_kmh),
@@ -77,12 +77,12 @@ impl FeatureConfig {
         ] {
             let [lower, upper] = found;
             if !(0.0 <= lower && lower < upper && upper.is_finite()) {
-                return Err(FeatureConfigError::Window { field, found });
+                return Err(ConfigError::Window { field, found });
             }
         }
         let [a, b, c, d] = self.brake_steps_kmh;
         if !(a.is_finite() && a > b && b > c && c > d && d > 0.0) {
-            return Err(FeatureConfigError::StepsNotFalling { field: "brake_steps_kmh", found: self.brake_steps_kmh });
+            return Err(ConfigError::StepsNotFalling { field: "brake_steps_kmh", found: self.brake_steps_kmh });
         }
         for (field, found, most) in [
             ("bridge_samples", Real::from(self.bridge_samples), 10.0),
@@ -91,10 +91,10 @@ impl FeatureConfig {
             ("cruise_cycle_kmh", self.cruise_cycle_kmh, 50.0),
             ("approach_share", self.approach_share, 1.0),
         ] {
-            within(field, found, 0.0, most)?;
+            between(field, found, 0.0, most)?;
         }
-        within("window_s", self.window_s, 1.0, 60.0)?;
-        within("cruise_band_kmh", self.cruise_band_kmh, 1.0, 100.0)
+        between("window_s", self.window_s, 1.0, 60.0)?;
+        between("cruise_band_kmh", self.cruise_band_kmh, 1.0, 100.0)
     }
 
     /// Both ends of an interval lie in the window; its edges belong to it.
@@ -104,64 +104,6 @@ impl FeatureConfig {
     }
 }
 
-fn within(field: &'static str, found: Real, least: Real, most: Real) -> Result<(), FeatureConfigError> {
-    // NaN is in no range.
-    if (least..=most).contains(&found) {
-        Ok(())
-    } else {
-        Err(FeatureConfigError::OutOfRange { field, least, most, found })
-    }
-}
-
-/// Which setting of the features cannot be used.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum FeatureConfigError {
-    /// A window is not two speeds, the smaller first.
-    Window {
-        /// Name of the field.
-        field: &'static str,
-        /// What stood there, km/h.
-        found: [Real; 2],
-    },
-    /// The brake steps are not falling, all above 0.
-    StepsNotFalling {
-        /// Name of the field.
-        field: &'static str,
-        /// What stood there, km/h.
-        found: [Real; 4],
-    },
-    /// `field` was `found`, outside `least..=most`.
-    OutOfRange {
-        /// Name of the field.
-        field: &'static str,
-        /// Smallest accepted value.
-        least: Real,
-        /// Largest accepted value.
-        most: Real,
-        /// What stood there.
-        found: Real,
-    },
-}
-
-impl fmt::Display for FeatureConfigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Window { field, found: [lower, upper] } => {
-                write!(f, "{field} must be two speeds, the smaller first, found {lower}, {upper}")
-            }
-            Self::StepsNotFalling { field, found: [a, b, c, d] } => {
-                write!(f, "{field} must be falling and above 0, found {a}, {b}, {c}, {d}")
-            }
-            Self::OutOfRange { field, least, most, found } => {
-                write!(f, "{field} must be {least} to {most}, found {found}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for FeatureConfigError {}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -169,11 +111,11 @@ mod tests {
     #[test]
     fn a_refusal_names_the_field() {
         let steps = FeatureConfig { brake_steps_kmh: [130.0, 80.0, 80.0, 40.0], ..Default::default() };
-        assert!(matches!(steps.check(), Err(FeatureConfigError::StepsNotFalling { field: "brake_steps_kmh", .. })));
+        assert!(matches!(steps.check(), Err(ConfigError::StepsNotFalling { field: "brake_steps_kmh", .. })));
         let window = FeatureConfig { window_s: Real::NAN, ..Default::default() };
-        assert!(matches!(window.check(), Err(FeatureConfigError::OutOfRange { field: "window_s", .. })));
+        assert!(matches!(window.check(), Err(ConfigError::OutOfRange { field: "window_s", .. })));
         let nan = FeatureConfig { power_window_kmh: [50.0, Real::NAN], ..Default::default() };
-        assert!(matches!(nan.check(), Err(FeatureConfigError::Window { field: "power_window_kmh", .. })));
+        assert!(matches!(nan.check(), Err(ConfigError::Window { field: "power_window_kmh", .. })));
     }
 
     #[test]

@@ -12,8 +12,8 @@
 
 use super::Statistic;
 use crate::Real;
-use crate::run_state::{Source, take};
-use crate::units::KmPerHour;
+use crate::model::units::KmPerHour;
+use crate::tick::snapshot::{Source, take};
 use serde::Serialize;
 
 const BINS: usize = 721;

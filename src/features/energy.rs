@@ -11,7 +11,7 @@
 
 use super::interval::Interval;
 use super::{Energy, Observation};
-use crate::regime::Regime;
+use crate::tick::regime::Regime;
 
 impl Energy {
     /// Adds one interval. The coefficients are those of the later tick at both ends.

@@ -15,10 +15,10 @@ use super::statistic::{LineFit, Spread};
 use super::steady::Steady;
 use super::{Energy, FeatureConfig, Features, MAX_SWITCHING_POINTS, Observation, SwitchingPoint};
 use crate::Real;
-use crate::regime::Regime;
-use crate::resistance::Davis;
-use crate::run_state::{Source, take, take_each};
-use crate::units::KmPerHour;
+use crate::model::resistance::Davis;
+use crate::model::units::KmPerHour;
+use crate::tick::regime::Regime;
+use crate::tick::snapshot::{Source, take, take_each};
 use heapless::{Deque, Vec};
 use serde::Serialize;
 
@@ -305,7 +305,7 @@ mod tests {
     extern crate std;
     use super::super::Statistic;
     use super::*;
-    use crate::resistance::Davis;
+    use crate::model::resistance::Davis;
     use Regime::{Brake, Coast, Cruise, Standstill, Traction};
 
     const NO_RESISTANCE: Davis = Davis { r0: 0.0, r1: 0.0, r2: 0.0 };

@@ -8,7 +8,7 @@
 //! ```
 
 use crate::Real;
-use crate::resistance::Davis;
+use crate::model::resistance::Davis;
 use serde::{Deserialize, Serialize};
 
 /// Moments of the intervals that counted.

@@ -7,7 +7,7 @@
 
 use super::Observation;
 use crate::Real;
-use crate::regime::Regime;
+use crate::tick::regime::Regime;
 use serde::{Deserialize, Serialize};
 
 /// From one tick to the next, or several of them taken together.

@@ -27,12 +27,12 @@ mod steady;
 #[cfg(test)]
 mod synthetic;
 
-pub use config::{FeatureConfig, FeatureConfigError};
+pub use config::FeatureConfig;
 pub use extractor::FeatureExtractor;
 
 use crate::Real;
-use crate::regime::Regime;
-use crate::resistance::Davis;
+use crate::model::resistance::Davis;
+use crate::tick::regime::Regime;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 

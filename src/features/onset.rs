@@ -26,8 +26,8 @@
 use super::phases::Boundary;
 use super::{FeatureConfig, Observation, SwitchingPoint};
 use crate::Real;
-use crate::regime::Regime;
-use crate::run_state::{Source, take, take_each};
+use crate::tick::regime::Regime;
+use crate::tick::snapshot::{Source, take, take_each};
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 

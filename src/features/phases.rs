@@ -17,9 +17,9 @@ use super::FeatureConfig;
 use super::cruise::HeldSpeeds;
 use super::interval::Interval;
 use crate::Real;
-use crate::regime::Regime;
-use crate::run_state::{Source, take, take_each};
-use crate::units::KmPerHour;
+use crate::model::units::KmPerHour;
+use crate::tick::regime::Regime;
+use crate::tick::snapshot::{Source, take, take_each};
 use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
 

@@ -7,8 +7,8 @@
 //! at most `bridge_samples` of them with at least half the effort: to leave out just the intervals with a small reading would bias the mean.
 
 use super::interval::Interval;
-use crate::regime::Regime;
-use crate::run_state::{Source, take, take_each};
+use crate::tick::regime::Regime;
+use crate::tick::snapshot::{Source, take, take_each};
 use heapless::Vec;
 use serde::Serialize;
 

@@ -3,8 +3,8 @@
 extern crate std;
 use super::{FeatureConfig, FeatureExtractor, Features, Observation};
 use crate::Real;
-use crate::regime::{PaperRule, Regime};
-use crate::resistance::Davis;
+use crate::model::resistance::Davis;
+use crate::tick::regime::{PaperRule, Regime};
 use std::vec::Vec;
 
 const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };

@@ -1,13 +1,13 @@
 //! `fuzz`: every fuzz target for a while.
 //!
 //! Any toolchain that builds the workspace will do: the coverage counters that libFuzzer follows are a pass of the stable compiler. `cargo fuzz` on nightly Rust works
-//! in `fuzz/` as well and adds the address sanitizer, of which the code without `unsafe` has little need.
+//! in `host-tests/fuzz/` as well and adds the address sanitizer, of which the code without `unsafe` has little need.
 
 use crate::shell::{ask, cargo, root, run, shown};
 use std::path::Path;
 use std::process::{Child, Command};
 
-/// The programs of `fuzz/Cargo.toml`.
+/// The programs of `host-tests/fuzz/Cargo.toml`.
 const TARGETS: [&str; 4] = ["serial_decoder", "isotp_receiver", "uplink", "whole_task"];
 
 /// As many as a small machine has processors.
@@ -25,7 +25,7 @@ const FLAGS: [&str; 8] = [
     "-Ccodegen-units=1",
 ];
 
-/// Each target for so many seconds; what breaks one is left in `fuzz/artifacts`.
+/// Each target for so many seconds; what breaks one is left in `host-tests/fuzz/artifacts`.
 pub fn fuzz(seconds: &str) -> Result<(), String> {
     let seconds: u32 = seconds.parse().map_err(|_| format!("expected a number of seconds, found `{seconds}`"))?;
     // Zero would be for ever.
@@ -35,7 +35,7 @@ pub fn fuzz(seconds: &str) -> Result<(), String> {
     let host = ask("rustc", &["--print", "host-tuple"])
         .ok_or("`rustc --print host-tuple` says nothing: is Rust installed?")?;
     build(&host)?;
-    let programs = root().join("fuzz/target").join(&host).join("release");
+    let programs = root().join("host-tests/fuzz/target").join(&host).join("release");
     for targets in TARGETS.chunks(AT_ONCE) {
         run_together(&programs, targets, seconds)?;
     }
@@ -46,12 +46,12 @@ pub fn fuzz(seconds: &str) -> Result<(), String> {
 fn build(host: &str) -> Result<(), String> {
     let mut build = cargo();
     build.args(["build", "--release", "--bins", "--locked"]);
-    build.args(["--manifest-path", "fuzz/Cargo.toml"]);
+    build.args(["--manifest-path", "host-tests/fuzz/Cargo.toml"]);
     // For a named target the flags do not reach build scripts and macros.
-    build.args(["--target", host, "--target-dir", "fuzz/target"]);
+    build.args(["--target", host, "--target-dir", "host-tests/fuzz/target"]);
     build.env("RUSTFLAGS", FLAGS.join(" "));
     run(&mut build).map_err(|error| {
-        format!("{error}\nfuzzing needs a C++ compiler for libFuzzer (Debian: apt-get install g++) and an up-to-date fuzz/Cargo.lock (cargo metadata --manifest-path fuzz/Cargo.toml)")
+        format!("{error}\nfuzzing needs a C++ compiler for libFuzzer (Debian: apt-get install g++) and an up-to-date host-tests/fuzz/Cargo.lock (cargo metadata --manifest-path host-tests/fuzz/Cargo.toml)")
     })
 }
 
@@ -65,7 +65,8 @@ fn run_together(programs: &Path, targets: &[&str], seconds: u32) -> Result<(), S
     for (target, mut child) in running {
         let ended = child.wait();
         if !ended.is_ok_and(|status| status.success()) {
-            failed.push(format!("{target} failed; the input that breaks it lies in fuzz/artifacts/{target}"));
+            failed
+                .push(format!("{target} failed; the input that breaks it lies in host-tests/fuzz/artifacts/{target}"));
         }
     }
     if failed.is_empty() { Ok(()) } else { Err(failed.join("\n")) }
@@ -73,15 +74,15 @@ fn run_together(programs: &Path, targets: &[&str], seconds: u32) -> Result<(), S
 
 fn start(programs: &Path, target: &str, seconds: u32) -> Result<Child, String> {
     for folder in ["corpus", "artifacts"] {
-        let folder = root().join("fuzz").join(folder).join(target);
+        let folder = root().join("host-tests/fuzz").join(folder).join(target);
         std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
     let mut command = Command::new(programs.join(target));
     // All lengths from the start: by default a short run of a slow target stays with inputs of a few bytes.
     command.args(["-max_len=4096", "-len_control=0", "-print_final_stats=1"]);
     command.arg(format!("-max_total_time={seconds}"));
-    command.arg(format!("-artifact_prefix=fuzz/artifacts/{target}/"));
-    command.arg(format!("fuzz/corpus/{target}"));
+    command.arg(format!("-artifact_prefix=host-tests/fuzz/artifacts/{target}/"));
+    command.arg(format!("host-tests/fuzz/corpus/{target}"));
     println!("$ {}", shown(&command));
     command.current_dir(root()).spawn().map_err(|error| format!("{target} could not be started: {error}"))
 }
@@ -92,7 +93,7 @@ mod tests {
 
     #[test]
     fn every_target_is_run() {
-        let mut files: Vec<String> = std::fs::read_dir(root().join("fuzz/fuzz_targets"))
+        let mut files: Vec<String> = std::fs::read_dir(root().join("host-tests/fuzz/fuzz_targets"))
             .unwrap()
             .map(|entry| entry.unwrap().path())
             .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())

@@ -2,14 +2,17 @@
 
 use host_tests::textbook::{self, Read, Shape};
 use nalgebra::SMatrix;
-use rundown::learning::LocationAndSpeed;
-use rundown::motion::{Evaluate, Line, Motion};
-use rundown::state::{Gaussian, SIZE};
-use rundown::track::{Direction, Track};
-use rundown::train::Train;
-use rundown::ukf::{Spread, Ukf};
-use sim_harness::track_file::TrackFile;
-use sim_harness::train_file::TrainFile;
+use rundown::filter::gaussian::Gaussian;
+use rundown::filter::ukf::{Spread, Ukf};
+use rundown::model::direction::Direction;
+use rundown::model::line::Line;
+use rundown::model::motion::{Evaluate, Motion};
+use rundown::model::state::SIZE;
+use rundown::model::track::Track;
+use rundown::model::train::Train;
+use rundown::tick::learning::LocationAndSpeed;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
 use std::hint::black_box;
 use std::path::Path;
 
@@ -73,7 +76,7 @@ impl Drive {
         belief
     }
 
-    /// Steps of `rundown::ukf`.
+    /// Steps of `rundown::filter::ukf`.
     pub fn ours(&self, steps: usize) -> Gaussian<SIZE> {
         let line = self.line();
         let ukf = Ukf { spread: black_box(Spread::PAPER), gate: [None; 2], reuse_points: true };

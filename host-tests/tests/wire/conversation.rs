@@ -3,12 +3,12 @@
 use host_tests::accuracy::{description, measurements};
 use host_tests::board::Board;
 use host_tests::flash::Flash;
-use rundown::config::Config;
-use rundown::measurement::Measurement;
-use rundown::track::Direction;
-use rundown::uplink::{Command, Request};
+use rundown::estimator::config::Config;
+use rundown::model::direction::Direction;
+use rundown::onboard::uplink::{Command, Request};
+use rundown::tick::measurement::Measurement;
+use rundown_truth::scenario::{Scenario, simulate};
 use rundown_wire::{Body, Downlink};
-use sim_harness::truth::scenario::{Scenario, simulate};
 
 fn names(frames: &[Downlink]) -> Vec<&'static str> {
     frames.iter().map(|frame| frame.body.as_str()).collect()

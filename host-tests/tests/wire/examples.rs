@@ -2,19 +2,19 @@
 
 use host_tests::board::PROVISIONING;
 use host_tests::fields::Fields;
-use rundown::auth::{Signer, Verifier};
 use rundown::coast_ahead::CoastConfig;
-use rundown::config::Config;
-use rundown::effects::Surroundings;
-use rundown::measurement::Measurement;
-use rundown::resistance::Davis;
-use rundown::task::DATA_ID;
-use rundown::track::{Curve, Direction, Gradient, Target};
-use rundown::train::TrainDescription;
-use rundown::uplink::{
+use rundown::estimator::config::Config;
+use rundown::model::direction::Direction;
+use rundown::model::effects::Surroundings;
+use rundown::model::track::{Curve, Gradient, Target};
+use rundown::model::train::TrainDescription;
+use rundown::onboard::auth::{Signer, Verifier};
+use rundown::onboard::task::DATA_ID;
+use rundown::onboard::uplink::{
     self, CURVES, Command, CurvePart, GRADIENTS, OPEN, Pace, Request, SECURED, Setting, TARGETS, TargetPart, TrackPart,
     TrainFrame, Uplink,
 };
+use rundown::tick::measurement::Measurement;
 use rundown_wire::link::Counters;
 use rundown_wire::*;
 
@@ -262,18 +262,7 @@ fn uplink() -> Vec<(String, Frame)> {
         up(
             "train",
             SECURED,
-            Request::Train(TrainFrame {
-                id: PROVISIONING.train.0,
-                description: TrainDescription {
-                    mass_kg: 364e3,
-                    rotating_mass_factor: 1.06,
-                    length_m: 162.0,
-                    davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
-                    max_tractive_effort_n: 192.92e3,
-                    max_power_w: 2.036e6,
-                    max_brake_mps2: 0.66,
-                },
-            }),
+            Request::Train(TrainFrame { id: PROVISIONING.train.0, description: TrainDescription::CASE_STUDY }),
         ),
         up(
             "track",

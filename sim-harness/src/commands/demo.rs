@@ -7,9 +7,9 @@ use crate::simulation::scenario_file::{HIDDEN_EFFECT, Simulation};
 use crate::study::case::case_study;
 use crate::study::claims::Verdict;
 use crate::study::description;
-use crate::truth::scenario::Scenario;
-use rundown::resistance::Davis;
-use rundown::units::KmPerHour;
+use rundown::model::resistance::Davis;
+use rundown::model::units::KmPerHour;
+use rundown_truth::scenario::Scenario;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

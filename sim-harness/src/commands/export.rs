@@ -2,8 +2,8 @@
 
 use super::{Failure, screen};
 use crate::learned_train::{self, LearnedTrain, Source};
-use crate::output::WriteError;
 use crate::sfera::{self, Identity, Traction};
+use rundown_files::WriteError;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};

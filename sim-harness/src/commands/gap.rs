@@ -1,26 +1,26 @@
 //! `rundown gap`: recorded runs and the believed model in; which effect is missing, and the model with it, out.
 
 use super::{Failure, screen};
-use crate::effect_file;
-use crate::gap::answer::Answer;
-use crate::gap::explain::{self, explain};
-use crate::gap::files::{Files, repaired};
-use crate::gap::innovations::innovations;
-use crate::gap::load;
-use crate::gap::report;
-use crate::gap::rivals::rivals;
-use crate::gap::rows::Believed;
-use crate::gap::runs::Run;
-use crate::gap::story::story;
-use crate::gap::workflow::{LEAST_TRAINING, investigate, most_held_out};
-use crate::recording::{DirectionChoice, Recording};
-use crate::run_set::RunSet;
-use crate::track_file::TrackFile;
-use crate::train_file::TrainFile;
 use clap::builder::PossibleValuesParser;
-use rundown::config::Config;
-use rundown::effects::Effects;
 use rundown::estimator::Estimator;
+use rundown::estimator::config::Config;
+use rundown::model::effects::Effects;
+use rundown_files::effect_file;
+use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::run_set::RunSet;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
+use rundown_gap::answer::Answer;
+use rundown_gap::explain::{self, explain};
+use rundown_gap::files::{Files, repaired};
+use rundown_gap::innovations::innovations;
+use rundown_gap::load;
+use rundown_gap::report;
+use rundown_gap::rivals::rivals;
+use rundown_gap::rows::Believed;
+use rundown_gap::runs::Run;
+use rundown_gap::story::story;
+use rundown_gap::workflow::{LEAST_TRAINING, investigate, most_held_out};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

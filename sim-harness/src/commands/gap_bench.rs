@@ -1,17 +1,17 @@
 //! `rundown gap-bench`: how often `rundown gap` finds what was hidden, and nothing else.
 
 use super::{Failure, screen};
-use crate::gap::bench::draw::{Ask, KINDS, Set, Size};
-use crate::gap::bench::score::Score;
-use crate::gap::bench::table::{Done, tables};
-use crate::gap::bench::{BenchError, blind};
-use crate::gap::tables as gap_tables;
+use crate::gap_bench::draw::{Ask, KINDS, Set, Size};
+use crate::gap_bench::score::Score;
+use crate::gap_bench::table::{Done, tables};
+use crate::gap_bench::{BenchError, blind};
 use crate::study::write;
 use clap::builder::PossibleValuesParser;
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use rundown_gap::tables as gap_tables;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;

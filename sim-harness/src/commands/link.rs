@@ -1,24 +1,24 @@
 //! `rundown link`: plays recorded runs to a board, over a real line or the emulator's, and keeps what it says.
 
 use super::{Failure, screen};
-use crate::config_file;
 use crate::desk::{Description, Desk};
-use crate::effect_file;
-use crate::effect_frame;
 use crate::link::address::Address;
 use crate::link::record::Recorder;
-use crate::map_matching::CentreLine;
-use crate::recording::{DirectionChoice, Recording};
-use crate::run_log::{BadRows, RunLog};
-use crate::run_set::RunSet;
 use crate::session::{Heard, Session, SessionError};
-use crate::track_file::TrackFile;
-use crate::train_file::TrainFile;
-use rundown::auth::provisioning::{Provisioning, SIZE};
-use rundown::config::Config;
-use rundown::effects::Effects;
+use rundown::estimator::config::Config;
 use rundown::link::Link;
-use rundown::uplink::{Command, Pace, Request};
+use rundown::model::effects::Effects;
+use rundown::onboard::auth::provisioning::{Provisioning, SIZE};
+use rundown::onboard::uplink::{Command, Pace, Request};
+use rundown_files::config_file;
+use rundown_files::effect_file;
+use rundown_files::effect_frame;
+use rundown_files::map_matching::CentreLine;
+use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_set::RunSet;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
 use rundown_wire::{Body, RunSummary};
 use std::fs::File;
 use std::io::BufWriter;

@@ -1,8 +1,8 @@
 //! `rundown provision`: the record that makes a board known: its key and its train.
 
 use super::{Failure, screen};
-use rundown::auth::{Key, Provisioning};
-use rundown::train_id::TrainId;
+use rundown::onboard::auth::{Key, Provisioning};
+use rundown::onboard::train_id::TrainId;
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -1,12 +1,12 @@
 //! Recorded runs as `study` and `tune` take them: with the descriptions of their train and track, or not at all.
 
 use super::{Failure, screen};
-use crate::map_matching::CentreLine;
 use crate::study::source::Source;
-use crate::track_file::TrackFile;
-use crate::train_file::TrainFile;
-use rundown::track::Track;
-use rundown::train::Train;
+use rundown::model::track::Track;
+use rundown::model::train::Train;
+use rundown_files::map_matching::CentreLine;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
 use std::path::PathBuf;
 
 /// Which runs.

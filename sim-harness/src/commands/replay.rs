@@ -2,23 +2,23 @@
 
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::advice::advice;
-use crate::effect_file;
-use crate::map_matching::CentreLine;
 use crate::output::json::{self, Failed, mode_word};
 use crate::output::write_tables;
-use crate::recording::{DirectionChoice, Recording};
-use crate::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
 use crate::report::{Report, RunView, write_report};
-use crate::run_log::{BadRows, RunLog};
-use crate::run_set::{RunFile, RunSet};
-use crate::track_file::TrackFile;
-use crate::train_file::TrainFile;
-use crate::{config_file, output};
 use clap::ValueEnum;
 use rayon::prelude::*;
-use rundown::config::{Config, Mode};
 use rundown::estimator::Estimator;
-use rundown::train::Train;
+use rundown::estimator::config::{Config, Mode};
+use rundown::model::train::Train;
+use rundown_files::config_file;
+use rundown_files::effect_file;
+use rundown_files::map_matching::CentreLine;
+use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
+use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_set::{RunFile, RunSet};
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -247,7 +247,7 @@ pub(super) fn write(folder: &Path, setup: &Setup, results: &Results) -> Result<V
     write_tables(folder, &results.runs, &setup.config, &json).map_err(Failure::not_written)?;
     let path = folder.join("report.html");
     let report = report(setup, results);
-    write_report(&path, &report).map_err(|source| Failure::not_written(output::WriteError { path, source }))?;
+    write_report(&path, &report).map_err(|source| Failure::not_written(rundown_files::WriteError { path, source }))?;
     Ok(json)
 }
 

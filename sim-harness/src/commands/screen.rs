@@ -1,11 +1,11 @@
 //! What a person sees in the terminal: tables on stdout, messages and progress on stderr.
 
-use crate::replay::ReplayedRun;
 use indicatif::{ProgressBar, ProgressStyle};
-use rundown::regime::Regime;
-use rundown::resistance::Davis;
-use rundown::state::Gaussian;
-use rundown::units::KmPerHour;
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::resistance::Davis;
+use rundown::model::units::KmPerHour;
+use rundown::tick::regime::Regime;
+use rundown_files::replay::ReplayedRun;
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
 

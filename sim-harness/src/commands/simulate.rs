@@ -3,7 +3,7 @@
 use super::{Failure, screen};
 use crate::simulation::folder;
 use crate::simulation::scenario_file::{EXAMPLE, HIDDEN_EFFECT, Simulation};
-use crate::truth::facts::Facts;
+use rundown_truth::facts::Facts;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;

@@ -2,9 +2,6 @@
 
 use super::recorded::{Opened, Recorded};
 use super::{Failure, SOME_RUNS_FAILED, screen};
-use crate::config_file;
-use crate::parquet::RunWriter;
-use crate::report::numbers::counted;
 use crate::simulation::scenario_file::Simulation;
 use crate::study::case::{calm, case_study};
 use crate::study::claims::{Claim, Verdict};
@@ -17,11 +14,14 @@ use crate::study::source::Source;
 use crate::study::trials::{self, Trials};
 use crate::study::write::RunTable;
 use crate::study::{claims, description, slope as self_test, write};
-use crate::track_file::TrackFile;
-use crate::train_file::TrainFile;
-use rundown::config::Config;
-use rundown::track::Track;
-use rundown::train::Train;
+use rundown::estimator::config::Config;
+use rundown::model::track::Track;
+use rundown::model::train::Train;
+use rundown_files::config_file;
+use rundown_files::parquet::RunWriter;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
+use rundown_pages::numbers::counted;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -147,7 +147,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         });
     }
     if arguments.json {
-        let claims: Vec<_> = claims::records(&study.claims).iter().map(crate::table::to_json).collect();
+        let claims: Vec<_> = claims::records(&study.claims).iter().map(rundown_files::table::to_json).collect();
         let json = json!({
             "runs": study.gathered.paper.runs,
             "runs_with_truth": study.gathered.truth.runs,

@@ -2,7 +2,6 @@
 
 use super::recorded::Recorded;
 use super::{Failure, SOME_RUNS_FAILED, screen};
-use crate::config_file;
 use crate::study::case::{calm, case_study};
 use crate::study::sensitivity::sensitivity;
 use crate::study::slope::{Answer, Plan};
@@ -13,7 +12,9 @@ use crate::tune::parameters::{PARAMETERS, config, place, values};
 use crate::tune::score::Bench;
 use crate::tune::search::{Found, search};
 use crate::tune::surface::{EVALUATIONS, plane, profiles};
-use rundown::config::{Config, Mode, PaperConfig};
+use rundown::estimator::config::{Config, Mode};
+use rundown::tick::paper::PaperConfig;
+use rundown_files::config_file;
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -3,22 +3,22 @@
 //! In: nothing. Out: messages, as a board sends them in lockstep. The train is 8 % better than described, the board knows of the weak section at the departure and of its strong motors.
 
 use crate::desk::{Description, Desk};
-use crate::recording::Recording;
 use crate::session::{Heard, Session};
 use crate::study::case::{case_study, fleet_run};
-use crate::track_file::TrackFile;
-use crate::train_file::TrainFile;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
-use rundown::auth::{Key, Provisioning};
-use rundown::config::Config;
-use rundown::effects::{Effect, Effects, PowerLimitSection, TractionScale};
+use rundown::estimator::config::Config;
+use rundown::estimator::run_state::RunState;
 use rundown::link::{Counters, Link, LinkError, Message};
-use rundown::run_state::RunState;
-use rundown::task::{Port, Room, Task};
-use rundown::train_id::TrainId;
-use rundown::uplink::Pace;
+use rundown::model::effects::{Effect, Effects, PowerLimitSection, TractionScale};
+use rundown::onboard::auth::{Key, Provisioning};
+use rundown::onboard::task::{Port, Room, Task};
+use rundown::onboard::train_id::TrainId;
+use rundown::onboard::uplink::Pace;
+use rundown_files::recording::Recording;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
 use rundown_wire::Health;
 use std::collections::VecDeque;
 use std::convert::Infallible;

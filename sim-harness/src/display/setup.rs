@@ -2,8 +2,8 @@
 //!
 //! In: train and track files, each or none; what the board was told. Out: [`Setup`], which the page gets whenever it changes.
 
-use crate::track_file::TrackFile;
-use crate::train_file::TrainFile;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
 use serde::Serialize;
 
 /// Train and track as described.

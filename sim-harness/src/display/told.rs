@@ -3,11 +3,11 @@
 //! In: messages to the board. Out: a [`Setup`] whenever a run begins, for then the description is whole. A display has no key: the MAC is the board's affair, and what it refused is no description of its run.
 
 use super::setup::Setup;
-use crate::track_file::{GradientEntry, SpeedLimit, Stop, TrackFile};
-use crate::train_file::{DavisTable, TrainFile};
-use rundown::auth::TRAILER;
-use rundown::train::TrainDescription;
-use rundown::uplink::{self, Command, OPEN, Request, SECURED, VERSION};
+use rundown::model::train::TrainDescription;
+use rundown::onboard::auth::TRAILER;
+use rundown::onboard::uplink::{self, Command, OPEN, Request, SECURED, VERSION};
+use rundown_files::track_file::{GradientEntry, SpeedLimit, Stop, TrackFile};
+use rundown_files::train_file::{DavisTable, TrainFile};
 
 const NAME: &str = "as the board was told";
 

@@ -11,9 +11,9 @@
 //!
 //! A board makes no prediction in the ticks in which it has the most to do (each sixth, and each twelfth from the third on); else it says those of the rows with a 1.
 
-use crate::replay::ReplayedRun;
-use crate::table::{Cell, Record, write_csv};
 use rundown::coast_ahead::{CoastAhead, CoastConfig, Outcome, Steady};
+use rundown_files::replay::ReplayedRun;
+use rundown_files::table::{Cell, Record, write_csv};
 use std::io::{self, Write};
 
 /// Name of the file of a run.

@@ -12,12 +12,12 @@
 //! | `validity`, `cause` | how far location and speed may be trusted, and why not |
 //! | `regime_confirmed` | the regime of this row's sample as known one sample later; the last row keeps its causal one |
 
-use crate::replay::ReplayedRun;
-use crate::table::digits_17;
-use rundown::estimate::Estimate;
-use rundown::regime::Regime;
-use rundown::state::{LOCATION, R0, R1, R2, SIZE, SPEED};
-use rundown::ukf::Reading;
+use rundown::filter::ukf::Reading;
+use rundown::model::state::{LOCATION, R0, R1, R2, SIZE, SPEED};
+use rundown::tick::estimate::Estimate;
+use rundown::tick::regime::Regime;
+use rundown_files::replay::ReplayedRun;
+use rundown_files::table::digits_17;
 use std::io::{self, Write};
 
 /// Name of the file of a run.

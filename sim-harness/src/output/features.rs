@@ -4,10 +4,10 @@
 //! Per mass means per rotating mass γ m. Names of brake steps hold the configured speeds.
 
 use crate::output::parameters::direction_word;
-use crate::replay::ReplayedRun;
-use crate::table::{Cell, Record};
 use rundown::features::{EffortLine, Energy, FeatureConfig, Features, Phase, Statistic};
-use rundown::regime::Regime;
+use rundown::tick::regime::Regime;
+use rundown_files::replay::ReplayedRun;
+use rundown_files::table::{Cell, Record};
 
 /// The columns of `switching_points.csv`.
 pub const SWITCHING_POINT_COLUMNS: [&str; 6] = ["run", "time_s", "location_m", "speed_mps", "from", "to"];

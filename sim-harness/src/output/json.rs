@@ -10,10 +10,10 @@
 //! ```
 
 use crate::output::{coast_ahead, estimates, features, parameters};
-use crate::replay::{Dropped, ReplayedRun, Tick};
-use crate::table::{Record, to_json};
-use rundown::config::{Config, Mode};
 use rundown::estimator::StepError;
+use rundown::estimator::config::{Config, Mode};
+use rundown_files::replay::{Dropped, ReplayedRun, Tick};
+use rundown_files::table::{Record, to_json};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 

@@ -15,25 +15,15 @@ pub mod features;
 pub mod json;
 pub mod parameters;
 
-use crate::replay::ReplayedRun;
-use crate::table::{self, Record};
 use rayon::prelude::*;
-use rundown::config::Config;
+use rundown::estimator::config::Config;
+use rundown_files::WriteError;
+use rundown_files::replay::ReplayedRun;
+use rundown_files::table::{self, Record};
 use serde_json::Value;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
-use thiserror::Error;
-
-/// A file that could not be written.
-#[derive(Debug, Error)]
-#[error("{}: cannot be written: {source}; choose another folder with --out", path.display())]
-pub struct WriteError {
-    /// The file or folder.
-    pub path: PathBuf,
-    /// What the system says.
-    pub source: io::Error,
-}
+use std::path::Path;
 
 /// Writes all tables of a replay into `folder`, which is made when it does not exist.
 ///

@@ -1,9 +1,9 @@
 //! `parameters.csv`: what is known of the vehicle after each run, what this run's train was, and how often each cause occurred.
 
-use crate::replay::ReplayedRun;
-use crate::table::{Cell, Record};
-use rundown::state::Gaussian;
-use rundown::track::Direction;
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::direction::Direction;
+use rundown_files::replay::ReplayedRun;
+use rundown_files::table::{Cell, Record};
 
 /// The names of the three Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²).
 const COEFFICIENTS: [&str; 3] = ["r0", "r1", "r2"];

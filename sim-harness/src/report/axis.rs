@@ -4,9 +4,9 @@
 //! over the time, because a standing train has many of them at one place.
 
 use super::RunView;
-use super::chart::range_of;
 use rundown::Real;
-use rundown::estimate::Estimate;
+use rundown::tick::estimate::Estimate;
+use rundown_pages::chart::range_of;
 use std::ops::Range;
 
 /// A run that moved less has its figures over time, m.

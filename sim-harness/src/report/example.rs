@@ -2,17 +2,18 @@
 
 use super::{Report, RunView};
 use rundown::Real;
-use rundown::config::{Config, Mode};
-use rundown::estimate::{Cause, Counters, Estimate, Validity};
 use rundown::estimator::Estimator;
+use rundown::estimator::config::{Config, Mode};
 use rundown::features::{EffortLine, FeatureConfig, Features, Phase, Statistic, SwitchingPoint};
-use rundown::measurement::Measurement;
-use rundown::regime::Regime;
-use rundown::resistance::Davis;
-use rundown::state::{self, Gaussian, SIZE};
-use rundown::track::{Direction, Track};
-use rundown::train::{Train, TrainDescription};
-use rundown::ukf::{Innovation, Reading};
+use rundown::filter::gaussian::Gaussian;
+use rundown::filter::ukf::{Innovation, Reading};
+use rundown::model::direction::Direction;
+use rundown::model::state::{self, SIZE};
+use rundown::model::track::Track;
+use rundown::model::train::{Train, TrainDescription};
+use rundown::tick::estimate::{Cause, Counters, Estimate, Validity};
+use rundown::tick::measurement::Measurement;
+use rundown::tick::regime::Regime;
 
 /// What a [`RunView`] borrows.
 #[derive(Clone, Debug)]
@@ -173,15 +174,7 @@ pub fn report<'a>(runs: &'a [Example], train: &'a Train) -> Report<'a> {
 
 /// The train of the case study, rounded.
 pub fn train() -> Train {
-    let description = TrainDescription {
-        mass_kg: 364e3,
-        rotating_mass_factor: 1.06,
-        length_m: 162.0,
-        davis: Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 },
-        max_tractive_effort_n: 192.92e3,
-        max_power_w: 2.036e6,
-        max_brake_mps2: 0.66,
-    };
+    let description = TrainDescription::CASE_STUDY;
     Train::try_new(description).unwrap()
 }
 

@@ -11,26 +11,24 @@
 //! A missing value is a gap in a figure and a dash in a table, with its reason beside it; a number that is not finite is never shown.
 
 mod axis;
-pub mod chart;
-pub mod colours;
 pub mod figures;
-pub(crate) mod numbers;
 pub mod page;
 pub mod resistance;
 
 #[cfg(test)]
 pub(crate) mod example;
 
-use crate::replay::ReplayedRun;
 use rundown::Real;
 use rundown::coast_ahead::CoastAhead;
-use rundown::estimate::{Counters, Estimate};
 use rundown::features::{FeatureConfig, Features};
-use rundown::measurement::Measurement;
-use rundown::regime::Regime;
-use rundown::resistance::Davis;
-use rundown::state::{self, Gaussian};
-use rundown::train::Train;
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::resistance::Davis;
+use rundown::model::state;
+use rundown::model::train::Train;
+use rundown::tick::estimate::{Counters, Estimate};
+use rundown::tick::measurement::Measurement;
+use rundown::tick::regime::Regime;
+use rundown_files::replay::ReplayedRun;
 use std::ops::Range;
 use std::path::Path;
 

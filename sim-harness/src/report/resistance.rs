@@ -5,8 +5,8 @@
 //! ```
 
 use rundown::Real;
-use rundown::resistance::Davis;
-use rundown::state::Gaussian;
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::resistance::Davis;
 
 /// Half-width of a 95 % interval of a normal distribution in standard deviations.
 pub const NINETY_FIVE: Real = 1.96;

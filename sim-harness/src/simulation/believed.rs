@@ -1,9 +1,9 @@
 //! The descriptions that the estimator gets: track and train as they are believed to be, before any effect.
 
 use super::scenario_file::TrainTable;
-use crate::track_file::{Curve, FeedingSection, GradientEntry, SpeedLimit, Stop, TrackFile, Tunnel};
-use crate::train_file::TrainFile;
-use crate::truth::line::{self, Line};
+use rundown_files::track_file::{Curve, FeedingSection, GradientEntry, SpeedLimit, Stop, TrackFile, Tunnel};
+use rundown_files::train_file::TrainFile;
+use rundown_truth::line::{self, Line};
 
 /// A stop this near to an end of the line is that end, m.
 const END_M: f64 = 200.0;

@@ -13,14 +13,14 @@
 
 use super::key;
 use super::scenario_file::Simulation;
-use crate::run_set::INDEX;
-use crate::truth::driver::Regime;
-use crate::truth::facts::Facts;
-use crate::truth::plan::{Heading, RunPlan, plan};
-use crate::truth::scenario::{DriveError, Run, simulate_planned};
-use crate::truth::sensors::SpeedReading;
 use jiff::Timestamp;
 use rayon::prelude::*;
+use rundown_files::run_set::INDEX;
+use rundown_truth::driver::Regime;
+use rundown_truth::facts::Facts;
+use rundown_truth::plan::{Heading, RunPlan, plan};
+use rundown_truth::scenario::{DriveError, Run, simulate_planned};
+use rundown_truth::sensors::SpeedReading;
 use serde::Serialize;
 use std::fs::File;
 use std::io::{self, BufWriter};

@@ -5,8 +5,8 @@
 
 use super::folder::{departure_utc, file_name, heading_word};
 use super::scenario_file::Simulation;
-use crate::truth::facts::{Facts, Mark};
-use crate::truth::train::{DavisTruth, TrainTruth};
+use rundown_truth::facts::{Facts, Mark};
+use rundown_truth::train::{DavisTruth, TrainTruth};
 use serde_json::{Value, json};
 
 /// The whole file.

@@ -3,19 +3,19 @@
 //! In: a path or a text. Out: [`Simulation`], ready to be run. Errors name file, line and column.
 
 use super::believed;
-use crate::toml_file::{Step, TomlError, TomlFile};
-use crate::track_file::TrackFile;
-use crate::train_file::{DavisTable, TrainFile};
-use crate::truth::effects::Effect;
-use crate::truth::habits::DriverKind;
-use crate::truth::line::Line;
-use crate::truth::plan::{Dates, Headings};
-use crate::truth::scenario::{Scenario, UnscheduledStop};
-use crate::truth::sensors::{Bursts, LocationWalk, Sensors, SpeedReading};
-use crate::truth::train::{DavisTruth, TrainTruth};
-use crate::truth::weather::Climate;
 use jiff::civil::Date;
-use rundown::train::TrainError;
+use rundown::model::train::TrainError;
+use rundown_files::toml_file::{Step, TomlError, TomlFile};
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::{DavisTable, TrainFile};
+use rundown_truth::effects::Effect;
+use rundown_truth::habits::DriverKind;
+use rundown_truth::line::Line;
+use rundown_truth::plan::{Dates, Headings};
+use rundown_truth::scenario::{Scenario, UnscheduledStop};
+use rundown_truth::sensors::{Bursts, LocationWalk, Sensors, SpeedReading};
+use rundown_truth::train::{DavisTruth, TrainTruth};
+use rundown_truth::weather::Climate;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -410,7 +410,7 @@ impl Simulation {
     /// assert_eq!(simulation.scenario.effects[0].name(), "steady_wind");
     /// let error = Simulation::parse("s.toml".as_ref(), "rums = 3\n").unwrap_err().to_string();
     /// assert!(error.starts_with("s.toml:1:1: unknown field `rums`"));
-    /// # Ok::<(), sim_harness::toml_file::TomlError>(())
+    /// # Ok::<(), rundown_files::toml_file::TomlError>(())
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, TomlError> {
         let file: TomlFile<ScenarioFile> = TomlFile::parse(path, text)?;

@@ -12,8 +12,8 @@
 //! normal noise of quantum/√12. That the gradient changes with an error of the location is left out: 4 m move it by nothing.
 //! The gain of a measured effort is a nuisance of each run with the prior of the configuration.
 
-use crate::truth::sensors::{Sample, Sensors, SpeedReading, TruthSample};
 use nalgebra::{Matrix2, Matrix3, Matrix3x1, SMatrix, SVector};
+use rundown_truth::sensors::{Sample, Sensors, SpeedReading, TruthSample};
 
 /// s0, v0, r0, r1, r2, gain.
 const SIZE: usize = 6;
@@ -157,7 +157,7 @@ impl Stretch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::truth::driver::Regime;
+    use rundown_truth::driver::Regime;
 
     /// A train that coasts against a constant resistance: v = v0 - r0 t, s = s0 + v0 t - r0 t²/2.
     fn coasting(count: usize, effort_n_per_kg: f64) -> (Vec<TruthSample>, Vec<Sample>) {

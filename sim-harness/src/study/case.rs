@@ -1,16 +1,16 @@
 //! One run of the study: what the estimator gets and, of a simulated run, what was true.
 
-use crate::recording::{Recording, Row};
 use crate::simulation::scenario_file::Simulation;
-use crate::toml_file::TomlError;
-use crate::truth::facts::{Facts, Mark};
-use crate::truth::plan::{Heading, RunPlan, plan};
-use crate::truth::scenario::{DriveError, Run, Scenario, simulate_planned};
-use crate::truth::sensors::{Sample, TruthSample};
-use crate::truth::train::DavisTruth;
-use rundown::measurement::Measurement;
-use rundown::track::Direction;
-use rundown::units::KmPerHour;
+use rundown::model::direction::Direction;
+use rundown::model::units::KmPerHour;
+use rundown::tick::measurement::Measurement;
+use rundown_files::recording::{Recording, Row};
+use rundown_files::toml_file::TomlError;
+use rundown_truth::facts::{Facts, Mark};
+use rundown_truth::plan::{Heading, RunPlan, plan};
+use rundown_truth::scenario::{DriveError, Run, Scenario, simulate_planned};
+use rundown_truth::sensors::{Sample, TruthSample};
+use rundown_truth::train::DavisTruth;
 use std::path::{Path, PathBuf};
 
 const CASE_STUDY: &str = include_str!("../../../data/scenarios/paper_study.toml");

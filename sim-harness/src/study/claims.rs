@@ -11,9 +11,9 @@ use super::gather::Gathered;
 use super::moments::Moments;
 use super::tallies::Tallies;
 use super::trials::Trials;
-use crate::report::numbers::{NOTHING, number};
-use crate::table::{Cell, Record};
-use rundown::train::Train;
+use rundown::model::train::Train;
+use rundown_files::table::{Cell, Record};
+use rundown_pages::numbers::{NOTHING, number};
 
 /// A claim and what came of it.
 #[derive(Clone, Debug, PartialEq)]

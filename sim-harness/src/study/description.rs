@@ -1,11 +1,11 @@
 //! The description that goes with a simulation: what the manufacturer and the infrastructure manager say, which is not what is true.
 
 use crate::simulation::scenario_file::Simulation;
-use crate::toml_file::TomlError;
-use crate::track_file::TrackFile;
-use crate::train_file::TrainFile;
-use rundown::track::Track;
-use rundown::train::{Train, TrainError};
+use rundown::model::track::Track;
+use rundown::model::train::{Train, TrainError};
+use rundown_files::toml_file::TomlError;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
 use std::path::Path;
 use thiserror::Error;
 

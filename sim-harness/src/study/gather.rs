@@ -14,17 +14,18 @@ use super::source::{Source, SourceError};
 use super::tallies::{LIMIT_KMH, Tallies};
 use super::view::View;
 use crate::output::json::Failed;
-use crate::recording::Recording;
-use crate::replay::{ReplayedRun, Tick, replay};
-use crate::table::{Cell, Record};
 use rayon::prelude::*;
-use rundown::config::{Config, ConfigError, Mode};
 use rundown::estimator::Estimator;
-use rundown::memory::Vehicle;
-use rundown::state;
-use rundown::state::Gaussian;
-use rundown::track::Track;
-use rundown::train::Train;
+use rundown::estimator::config::{Config, Mode};
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::state;
+use rundown::model::track::Track;
+use rundown::model::train::Train;
+use rundown::tick::bounds::ConfigError;
+use rundown::tick::memory::Vehicle;
+use rundown_files::recording::Recording;
+use rundown_files::replay::{ReplayedRun, Tick, replay};
+use rundown_files::table::{Cell, Record};
 use std::collections::HashMap;
 
 /// Runs whose points are drawn.

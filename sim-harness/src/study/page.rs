@@ -7,9 +7,9 @@ use super::moments::Moments;
 use super::sensitivity::Sensitivity;
 use super::slope::Answer;
 use super::tallies::Tallies;
-use crate::report::numbers::{NOTHING, counted, number};
-use crate::report::page::shell::{document, figure};
 use maud::{Markup, html};
+use rundown_pages::numbers::{NOTHING, counted, number};
+use rundown_pages::shell::{document, figure};
 
 /// What the page tells.
 #[derive(Clone, Debug)]
@@ -202,7 +202,7 @@ fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, with_place: bool) -
 }
 
 fn table1(sensitivity: &[Sensitivity]) -> Markup {
-    let config = rundown::config::PaperConfig::default();
+    let config = rundown::tick::paper::PaperConfig::default();
     // Their names are those of a configuration file.
     let spread = serde_json::to_value(config.spread).unwrap_or_default();
     let of_spread = |name: &str| spread[name].to_string();

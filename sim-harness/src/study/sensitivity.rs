@@ -3,14 +3,15 @@
 //! Table 1 prints standard deviations; the remark speaks of "two orders of magnitude in one of the initial covariances". Read as a covariance
 //! that is a deviation ten times as large, read as the printed deviation a hundred times: both are tried.
 
-use crate::recording::Recording;
-use crate::replay::{Tick, replay};
 use rayon::prelude::*;
-use rundown::config::{Config, ConfigError, Mode};
 use rundown::estimator::Estimator;
-use rundown::state;
-use rundown::track::Track;
-use rundown::train::Train;
+use rundown::estimator::config::{Config, Mode};
+use rundown::model::state;
+use rundown::model::track::Track;
+use rundown::model::train::Train;
+use rundown::tick::bounds::ConfigError;
+use rundown_files::recording::Recording;
+use rundown_files::replay::{Tick, replay};
 use serde::Serialize;
 
 /// Factors on the initial standard deviations of Table 1.

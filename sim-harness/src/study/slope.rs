@@ -8,23 +8,23 @@
 
 use super::bound::{Known, Worth, information};
 use super::case::Case;
-use crate::replay::{Tick, replay};
 use crate::report::resistance::{NINETY_FIVE, Resistance};
 use crate::simulation::scenario_file::Simulation;
-use crate::table::{Cell, Record};
-use crate::truth::plan::plan as planned;
-use crate::truth::scenario::{DriveError, Scenario, simulate_planned};
-use crate::truth::sensors::Sample;
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use rundown::config::{Config, Mode};
 use rundown::estimator::Estimator;
-use rundown::resistance::Davis;
-use rundown::state::Gaussian;
-use rundown::units::KmPerHour;
+use rundown::estimator::config::{Config, Mode};
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::resistance::Davis;
+use rundown::model::units::KmPerHour;
+use rundown_files::replay::{Tick, replay};
+use rundown_files::table::{Cell, Record};
+use rundown_truth::plan::plan as planned;
+use rundown_truth::scenario::{DriveError, Scenario, simulate_planned};
+use rundown_truth::sensors::Sample;
 use serde::Serialize;
 
 /// Speeds of the slopes, km/h.
@@ -192,7 +192,7 @@ fn of_vehicle(
 /// Information that the gated mode's memory has before the first run: the prior that all bounds share.
 fn prior(estimator: &Estimator) -> Matrix3<f64> {
     let memory = &estimator.config().memory;
-    let vehicle = rundown::memory::Vehicle::new(memory, estimator.train().davis());
+    let vehicle = rundown::tick::memory::Vehicle::new(memory, estimator.train().davis());
     let covariance = vehicle.davis().covariance;
     covariance.try_inverse().unwrap_or_else(Matrix3::zeros)
 }

@@ -2,14 +2,14 @@
 
 use super::case::{Case, FleetUnit};
 use super::truth_folder::{TruthError, TruthFolder};
-use crate::map_matching::CentreLine;
 use crate::output::json::Failed;
-use crate::parquet::{ParquetError, RunReader};
-use crate::recording::{DirectionChoice, Recording};
-use crate::run_log::{BadRows, RunLog};
-use crate::run_set::{RunFile, RunSet, RunSetError};
 use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
+use rundown_files::map_matching::CentreLine;
+use rundown_files::parquet::{ParquetError, RunReader};
+use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_set::{RunFile, RunSet, RunSetError};
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 

@@ -11,13 +11,14 @@ use super::gather::{Drawn, Estimators};
 use super::moments::Moments;
 use super::sensitivity::{Sensitivity, negative_runs};
 use super::view::View;
-use crate::recording::Recording;
-use crate::replay::{Tick, replay};
 use rayon::prelude::*;
-use rundown::config::{Config, ConfigError, Mode};
 use rundown::estimator::Estimator;
-use rundown::track::Track;
-use rundown::train::Train;
+use rundown::estimator::config::{Config, Mode};
+use rundown::model::track::Track;
+use rundown::model::train::Train;
+use rundown::tick::bounds::ConfigError;
+use rundown_files::recording::Recording;
+use rundown_files::replay::{Tick, replay};
 use std::time::Instant;
 
 /// Standard deviations of the acceleration noise that are tried, m/s²; Table 1 has none.

@@ -4,11 +4,11 @@
 //! is none: recorded runs have no truth. One that is there and cannot be read, or is not that of a log's times, is an error, never a gap.
 
 use super::case::{CaseTruth, RunTruth};
-use crate::recording::Row;
 use crate::simulation::folder::regime_of_word;
-use crate::truth::facts::Mark;
-use crate::truth::sensors::TruthSample;
-use crate::truth::train::DavisTruth;
+use rundown_files::recording::Row;
+use rundown_truth::facts::Mark;
+use rundown_truth::sensors::TruthSample;
+use rundown_truth::train::DavisTruth;
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::io::ErrorKind;

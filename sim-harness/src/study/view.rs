@@ -6,12 +6,12 @@
 use super::case::CaseTruth;
 use super::moments::Moments;
 use super::tallies::{CLOUDS_KMH, POWER_KMH};
-use crate::replay::ReplayedRun;
-use crate::table::{Cell, Record};
-use crate::truth::driver::Regime as TrueRegime;
-use rundown::regime::Regime;
-use rundown::state;
-use rundown::train::Train;
+use rundown::model::state;
+use rundown::model::train::Train;
+use rundown::tick::regime::Regime;
+use rundown_files::replay::ReplayedRun;
+use rundown_files::table::{Cell, Record};
+use rundown_truth::driver::Regime as TrueRegime;
 
 /// Steps of ATB-EG, km/h, from the fastest (section 3.3).
 pub const ATB_STEPS_KMH: [f64; 4] = [130.0, 80.0, 60.0, 40.0];

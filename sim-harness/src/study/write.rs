@@ -1,10 +1,10 @@
 //! Files of a study: pictures as SVG, their numbers as CSV, a row for each run as CSV and Parquet, the page.
 
 use super::figures::Picture;
-use crate::output::WriteError;
-use crate::parquet::TableWriter;
-use crate::report::chart::standalone;
-use crate::table::{self, Record};
+use rundown_files::WriteError;
+use rundown_files::parquet::TableWriter;
+use rundown_files::table::{self, Record};
+use rundown_pages::chart::standalone;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};

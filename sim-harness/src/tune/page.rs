@@ -3,13 +3,13 @@
 use super::parameters::{PARAMETERS, Place, values};
 use super::score::Score;
 use super::search::Found;
-use crate::report::numbers::number;
-use crate::report::page::shell::{document, figure};
 use crate::study::figures::Picture;
 use crate::study::page::initial;
 use crate::study::sensitivity::Sensitivity;
 use crate::study::slope::Answer;
 use maud::{Markup, html};
+use rundown_pages::numbers::number;
+use rundown_pages::shell::{document, figure};
 
 /// What the page tells.
 #[derive(Clone, Debug)]

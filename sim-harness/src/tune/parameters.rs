@@ -1,7 +1,8 @@
 //! What is tuned: α, β, κ, initial deviations, R and Q, as one point in a space where a step of 1 is a factor of 10.
 
-use rundown::config::{Config, Mode, PaperConfig};
-use rundown::ukf::{Spread, SpreadError};
+use rundown::estimator::config::{Config, Mode};
+use rundown::filter::ukf::{Spread, SpreadError};
+use rundown::tick::paper::PaperConfig;
 
 /// Number of parameters.
 pub const COUNT: usize = 11;

@@ -7,16 +7,16 @@
 //! summed over all samples of all runs; and the share of samples with a coefficient below zero, which must be none.
 
 use super::parameters::{Place, config};
-use crate::recording::Recording;
-use crate::replay::{Tick, replay};
 use rayon::prelude::*;
-use rundown::config::Config;
-use rundown::estimate::{Cause, Estimate};
 use rundown::estimator::Estimator;
-use rundown::state;
-use rundown::track::Track;
-use rundown::train::Train;
-use rundown::ukf::Reading;
+use rundown::estimator::config::Config;
+use rundown::filter::ukf::Reading;
+use rundown::model::state;
+use rundown::model::track::Track;
+use rundown::model::train::Train;
+use rundown::tick::estimate::{Cause, Estimate};
+use rundown_files::recording::Recording;
+use rundown_files::replay::{Tick, replay};
 use serde::Serialize;
 
 /// Cost of a coefficient as far below zero as the manufacturer's is above, at every sample, in units of likelihood a sample.
@@ -133,7 +133,7 @@ pub(super) mod tests {
     use super::*;
     use crate::study::case::{case_study, fleet_run};
     use crate::study::description;
-    use rundown::config::PaperConfig;
+    use rundown::tick::paper::PaperConfig;
 
     pub(crate) fn bench(runs: usize) -> Bench {
         let description = description::of(&case_study().unwrap()).unwrap();

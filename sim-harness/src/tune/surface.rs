@@ -2,11 +2,11 @@
 
 use super::parameters::{COUNT, PARAMETERS, Place};
 use super::score::Bench;
-use crate::report::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
-use crate::report::colours;
 use crate::study::figures::Picture;
-use crate::table::Cell;
 use plotters::style::RGBColor;
+use rundown_files::table::Cell;
+use rundown_pages::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::colours;
 
 /// Places along a parameter, to each side.
 const HALF: i32 = 8;
@@ -211,7 +211,8 @@ mod tests {
         let plane = plane(&bench, &centre, count);
         assert_eq!(asked.get(), EVALUATIONS);
         let level = |picture: &Picture| {
-            let cost = |record: &crate::table::Record| match record.iter().find(|c| c.0 == "cost_above_optimum") {
+            let cost = |record: &rundown_files::table::Record| match record.iter().find(|c| c.0 == "cost_above_optimum")
+            {
                 Some((_, Cell::Number(cost))) => cost.abs() < 1e-9,
                 _ => false,
             };

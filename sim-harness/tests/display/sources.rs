@@ -1,16 +1,16 @@
 //! Recordings, files that grow, a board that goes and comes.
 
 use super::{MESSAGES, file, hub, on_the_line, shown};
-use rundown::auth::TRAILER;
-use rundown::config::Config;
-use rundown::track::Direction;
-use rundown::uplink::{self, Command, Request, SECURED, Uplink};
+use rundown::estimator::config::Config;
+use rundown::model::direction::Direction;
+use rundown::onboard::auth::TRAILER;
+use rundown::onboard::uplink::{self, Command, Request, SECURED, Uplink};
+use rundown_files::track_file::TrackFile;
 use sim_harness::desk::Description;
 use sim_harness::display::demo;
 use sim_harness::display::hub::{Connection, Hub};
 use sim_harness::display::setup::Setup;
 use sim_harness::display::source::Source;
-use sim_harness::track_file::TrackFile;
 use std::io::Write;
 use std::net::TcpListener;
 use std::sync::Arc;

@@ -77,7 +77,7 @@ fn old_values_are_called_old() {
 
 #[test]
 fn effects_have_the_names_of_the_estimator() {
-    use rundown::effects::{Effect, EffectError, FrameError};
+    use rundown::model::effects::{Effect, EffectError, FrameError};
     for kind in 1..=18 {
         let mut effect = rundown_wire::Effect { kind, section_m: None, values: Default::default() };
         let meaning = effect.meaning().unwrap();

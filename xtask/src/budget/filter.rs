@@ -5,7 +5,7 @@ use crate::firmware;
 use emulator::{Board, Emulator, Image, NS_PER_INSTRUCTION, Settings, Sleep};
 use std::io::Read;
 
-/// The function of `src/filter_step/image.rs` that is measured.
+/// The function of `src/bin/filter_step/image.rs` that is measured.
 const STEP: &str = "filter_step::image::filter_step";
 /// Of the processor of the mps2-an386, whose timer counts.
 const NS_PER_COUNT: u64 = 40;

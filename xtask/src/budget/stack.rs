@@ -7,7 +7,7 @@ use super::calls::{Deepest, Graph};
 /// Registers that the processor saves for an interrupt, with those for floating point and the alignment.
 const EXCEPTION_FRAME: u64 = 4 * 26 + 4;
 
-/// Handlers by priority, see `src/firmware.rs`.
+/// Handlers by priority, see `src/bin/firmware/tasks.rs`.
 const TASKS: [&[&str]; 3] = [&["TSC", "COMP"], &["SysTick"], &["USART1"]];
 
 /// The deepest stack of the firmware.

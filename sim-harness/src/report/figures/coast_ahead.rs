@@ -3,15 +3,15 @@
 //! While a train coasts its prediction should stay where it is; under power or brake each place has another one.
 
 use super::super::RunView;
-use super::super::axis::Axis;
-use super::super::chart::{Axes, Layer, Panel, Point, Stroke};
-use super::super::colours;
 use super::{BACKGROUND, BAND, KMH, figure, line};
+use crate::report::axis::Axis;
 use rundown::Real;
 use rundown::coast_ahead::{Arrival, CoastAhead, NINETY_PERCENT, Outcome};
-use rundown::regime::Regime;
-use rundown::state;
-use rundown::track::Target;
+use rundown::model::state;
+use rundown::model::track::Target;
+use rundown::tick::regime::Regime;
+use rundown_pages::chart::{Axes, Layer, Panel, Point, Stroke};
+use rundown_pages::colours;
 
 const MINUTE_S: Real = 60.0;
 
@@ -110,7 +110,7 @@ fn came(run: &RunView) -> Vec<(Real, Real, Real)> {
 mod tests {
     use super::super::super::example::Example;
     use super::*;
-    use rundown::effort::Point as From;
+    use rundown::model::point::Point as From;
 
     /// To the place where the train is after sample 60, said from sample 40 on.
     fn predictions(example: &Example) -> Vec<CoastAhead> {

@@ -23,11 +23,11 @@ pub use regimes::regimes;
 pub use resistance::{resistance_curve, resistance_terms, vehicle_history};
 
 use super::RunView;
-use super::axis::Axis;
-use super::chart::{Figure, Layer, Panel, Point, Stroke};
+use crate::report::axis::Axis;
 use plotters::style::RGBColor;
 use rundown::Real;
-use rundown::estimate::{Estimate, Validity};
+use rundown::tick::estimate::{Estimate, Validity};
+use rundown_pages::chart::{Figure, Layer, Panel, Point, Stroke};
 
 const KMH: Real = 3.6;
 

@@ -1,14 +1,14 @@
 //! Fig. 3: speed, acceleration, effort, r0, r1, r2 of a run.
 
 use super::super::RunView;
-use super::super::axis::Axis;
-use super::super::chart::{Axes, Layer, Panel, Stroke, range_of};
-use super::super::colours;
 use super::super::resistance::NINETY_FIVE;
 use super::{BACKGROUND, BAND, KMH, figure, line, nothing_estimated, trusted};
+use crate::report::axis::Axis;
 use rundown::Real;
-use rundown::state;
-use rundown::train::Train;
+use rundown::model::state;
+use rundown::model::train::Train;
+use rundown_pages::chart::{Axes, Layer, Panel, Stroke, range_of};
+use rundown_pages::colours;
 use std::ops::Range;
 
 /// Readings this much above the estimated speeds do not stretch the axis.

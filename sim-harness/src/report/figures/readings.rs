@@ -1,16 +1,16 @@
 //! How the readings were used: innovations, and strips of causes.
 
 use super::super::RunView;
-use super::super::axis::Axis;
-use super::super::chart::{Axes, Layer, Panel, Point, Stroke};
-use super::super::colours;
 use super::{BAND, KMH, figure, nothing_estimated};
+use crate::report::axis::Axis;
 use plotters::style::RGBColor;
 use rundown::Real;
-use rundown::estimate::{Cause, Estimate, Validity};
-use rundown::regime::Regime;
-use rundown::state;
-use rundown::ukf::Reading;
+use rundown::filter::ukf::Reading;
+use rundown::model::state;
+use rundown::tick::estimate::{Cause, Estimate, Validity};
+use rundown::tick::regime::Regime;
+use rundown_pages::chart::{Axes, Layer, Panel, Point, Stroke};
+use rundown_pages::colours;
 use std::ops::Range;
 
 /// Innovations of location and speed with their ±2 sd bands, over time.

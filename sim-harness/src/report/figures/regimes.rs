@@ -1,15 +1,15 @@
 //! Fig. 6: the speed profile in the colours of the regimes.
 
-use super::super::axis::Axis;
-use super::super::chart::{Axes, Layer, Panel, Point};
-use super::super::colours;
-use super::super::numbers::percent;
 use super::super::{RunView, regime_shares};
 use super::motion::speed_range;
 use super::{KMH, figure, nothing_estimated, trusted};
+use crate::report::axis::Axis;
 use plotters::style::RGBColor;
-use rundown::regime::Regime;
-use rundown::state;
+use rundown::model::state;
+use rundown::tick::regime::Regime;
+use rundown_pages::chart::{Axes, Layer, Panel, Point};
+use rundown_pages::colours;
+use rundown_pages::numbers::percent;
 
 /// Fig. 6: the speed profile in the colours of the regimes, their shares in the legend.
 pub fn regimes(run: &RunView) -> String {

@@ -1,15 +1,16 @@
 //! Running resistance: its terms along a run (Fig. 5), over speed, and of the vehicle from run to run.
 
 use super::super::RunView;
-use super::super::axis::Axis;
-use super::super::chart::{Axes, Figure, Layer, Panel, Stroke};
-use super::super::colours;
 use super::super::resistance::Resistance;
 use super::{BACKGROUND, BAND, KMH, MILLI, figure, nothing_estimated};
+use crate::report::axis::Axis;
 use rundown::Real;
-use rundown::state::{self, Gaussian};
-use rundown::train::Train;
-use rundown::units::KmPerHour;
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::state;
+use rundown::model::train::Train;
+use rundown::model::units::KmPerHour;
+use rundown_pages::chart::{Axes, Figure, Layer, Panel, Stroke};
+use rundown_pages::colours;
 use std::ops::Range;
 
 /// Fig. 5: r0, r1 v, r2 v² stacked, and the resistance of the gradient in the same scale.

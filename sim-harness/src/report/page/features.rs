@@ -1,12 +1,12 @@
 //! What section 3.3 asks of a run, as a table.
 
-use super::super::numbers::{NOTHING, counted, number, statistic};
 use super::KMH;
-use super::shell::swatch;
 use maud::{Markup, html};
 use rundown::Real;
 use rundown::features::{EffortLine, FeatureConfig, Features, Phase};
-use rundown::train::Train;
+use rundown::model::train::Train;
+use rundown_pages::numbers::{NOTHING, counted, number, statistic};
+use rundown_pages::shell::swatch;
 
 pub(super) fn feature_table(features: &Features, train: &Train, config: &FeatureConfig) -> Markup {
     let mass_kg = train.rotating_mass_kg();

@@ -3,21 +3,20 @@
 mod features;
 mod run;
 mod runs;
-pub mod shell;
 #[cfg(test)]
 mod tests;
 
-use super::numbers::{counted, duration, number, percent};
 use super::resistance::Resistance;
 use super::{Learned, RUNS_IN_FULL, Report, RunView, figures};
 use maud::{Markup, html};
 use run::{learning_words, run_section};
 use rundown::Real;
-use rundown::state::Gaussian;
-use rundown::train::Train;
-use rundown::units::KmPerHour;
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::train::Train;
+use rundown::model::units::KmPerHour;
+use rundown_pages::numbers::{counted, duration, number, percent};
+use rundown_pages::shell::{self, figure, signed_percent};
 use runs::{others, run_table};
-use shell::{figure, signed_percent};
 
 /// Speeds at which the resistance is told, km/h.
 const SPEEDS_KMH: [Real; 3] = [60.0, 100.0, 140.0];

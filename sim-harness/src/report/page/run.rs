@@ -1,13 +1,13 @@
 //! One run in full.
 
-use super::super::numbers::{counted, duration, meaning, number, percent};
 use super::super::{Report, RunView, figures};
 use super::features::feature_table;
 use super::runs::{gated, no_samples};
-use super::shell::figure;
 use maud::{Markup, html};
-use rundown::estimate::Cause;
-use rundown::ukf::Reading;
+use rundown::filter::ukf::Reading;
+use rundown::tick::estimate::Cause;
+use rundown_pages::numbers::{counted, duration, meaning, number, percent};
+use rundown_pages::shell::figure;
 
 pub(super) fn run_section(index: usize, run: &RunView, report: &Report) -> Markup {
     html! {

@@ -1,13 +1,13 @@
 //! The table of all runs, and which of them have figures.
 
-use super::super::numbers::{counted, number};
 use super::super::{RUNS_IN_FULL, Report, RunView, regime_shares};
 use super::KMH;
-use super::shell::swatch;
 use maud::{Markup, html};
 use rundown::Real;
-use rundown::regime::Regime;
-use rundown::ukf::Reading;
+use rundown::filter::ukf::Reading;
+use rundown::tick::regime::Regime;
+use rundown_pages::numbers::{counted, number};
+use rundown_pages::shell::swatch;
 
 pub(super) fn run_table(report: &Report) -> Markup {
     let force_kn = report.train.rotating_mass_kg() / 1000.0;

@@ -4,7 +4,8 @@ use super::super::example::{Example, report, train};
 use super::*;
 use rundown::Real;
 use rundown::features::FeatureConfig;
-use rundown::state::{self, Gaussian};
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::state;
 
 /// What no page may hold, whatever the runs were.
 fn check(page: &str) {

@@ -1,11 +1,11 @@
 //! Claims on how trains are driven: sections 4.1, 4.3, 4.4.
 
 use super::{Claim, Verdict, from_to, mean, near, percent, three};
-use crate::report::numbers::{NOTHING, number};
 use crate::study::gather::Gathered;
 use crate::study::moments::Moments;
 use crate::study::tallies::{CLOUDS_KMH, Tallies};
-use rundown::train::Train;
+use rundown::model::train::Train;
+use rundown_pages::numbers::{NOTHING, number};
 
 /// The paper's bound of cruising, m/s² (section 3.2), and its time between readings, s.
 const CRUISE_MPS2: f64 = 0.06;

@@ -1,14 +1,14 @@
 //! Claims on the filter and the resistance: section 4.2.
 
 use super::{Claim, Verdict, from_to, mean, near, percent, three};
-use crate::replay::ReplayedRun;
-use crate::report::numbers::{NOTHING, number};
 use crate::study::gather::Gathered;
 use crate::study::sensitivity::Sensitivity;
 use crate::study::tallies::{CLOUDS_KMH, R0_BAND, Tallies};
-use rundown::regime::Regime;
-use rundown::state;
-use rundown::train::Train;
+use rundown::model::state;
+use rundown::model::train::Train;
+use rundown::tick::regime::Regime;
+use rundown_files::replay::ReplayedRun;
+use rundown_pages::numbers::{NOTHING, number};
 
 /// Why no verdict on the resistance speaks of the truth.
 const BLIND: &str =

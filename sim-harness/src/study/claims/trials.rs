@@ -1,9 +1,9 @@
 //! Claims on what the authors tried with their filter: section 4.2.
 
 use super::{Claim, Verdict};
-use crate::report::numbers::{NOTHING, number};
 use crate::study::moments::Moments;
 use crate::study::trials::{Misses, Noise, Pace, Trials};
+use rundown_pages::numbers::{NOTHING, number};
 
 /// A step that takes at most this share of the 10 s between readings leaves room for more of them: 0.1 s.
 const SHORT_STEP_MS: u64 = 100;

@@ -1,11 +1,11 @@
 //! Fig. 8: brake rate over speed, with mean and standard deviation of each ATB-EG step.
 
 use super::{Drawn, Eyes, Picture, number, text};
-use crate::report::chart::{Axes, Figure, Layer, Panel, Stroke};
-use crate::report::colours;
 use crate::study::tallies::Tallies;
 use crate::study::view::{ATB_NAMES, ATB_STEPS_KMH};
 use plotters::style::RGBColor;
+use rundown_pages::chart::{Axes, Figure, Layer, Panel, Stroke};
+use rundown_pages::colours;
 
 const BLACK: RGBColor = RGBColor(0, 0, 0);
 /// Right end of the axis, km/h.

@@ -1,11 +1,11 @@
 //! Fig. 4: histograms of r0, r1, r2 at all samples, and Fig. 7: of cruise speed, final coast and final brake.
 
 use super::{Drawn, Eyes, Picture, number, text};
-use crate::report::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
-use crate::report::colours;
 use crate::study::view::{Outcome, View};
-use crate::table::{Cell, Record};
-use rundown::resistance::Davis;
+use rundown::model::resistance::Davis;
+use rundown_files::table::{Cell, Record};
+use rundown_pages::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::colours;
 use std::ops::Range;
 
 /// Columns of a histogram of coefficients.

@@ -18,7 +18,7 @@ pub mod slope;
 
 use super::gather::Drawn;
 use super::view::View;
-use crate::table::{Cell, Record};
+use rundown_files::table::{Cell, Record};
 
 /// A picture and what it draws.
 #[derive(Clone, Debug, PartialEq)]

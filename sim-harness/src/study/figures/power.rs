@@ -1,10 +1,10 @@
 //! Fig. 9: tractive power of the first acceleration over speed, with each run's largest and the manufacturer's value.
 
 use super::{Drawn, Eyes, Picture, number, text};
-use crate::report::chart::{Axes, Figure, Layer, Panel, Stroke};
-use crate::report::colours;
 use crate::study::view::{CROSS_KMH, PowerPoint};
-use rundown::train::Train;
+use rundown::model::train::Train;
+use rundown_pages::chart::{Axes, Figure, Layer, Panel, Stroke};
+use rundown_pages::colours;
 
 /// Right end of the axis, km/h.
 const END_KMH: f64 = 145.0;

@@ -1,8 +1,8 @@
 //! Fig. 2: all measured speed profiles over location.
 
 use super::{Drawn, Picture, number, text};
-use crate::report::chart::{Axes, Figure, Layer, Panel, range_of};
-use crate::report::colours;
+use rundown_pages::chart::{Axes, Figure, Layer, Panel, range_of};
+use rundown_pages::colours;
 
 /// The picture.
 pub fn profiles(drawn: &[Drawn], all: u64) -> Picture {

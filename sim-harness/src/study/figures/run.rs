@@ -1,14 +1,14 @@
 //! Figs. 3, 5 and 6: one run through one pair of eyes, and what was true.
 
 use super::{Eyes, Picture, number, text};
-use crate::replay::ReplayedRun;
 use crate::report::{RunView, TruthView, figures};
 use crate::study::case::CaseTruth;
 use crate::study::gather::Example;
-use crate::table::Record;
-use rundown::resistance::Davis;
-use rundown::state;
-use rundown::train::Train;
+use rundown::model::resistance::Davis;
+use rundown::model::state;
+use rundown::model::train::Train;
+use rundown_files::replay::ReplayedRun;
+use rundown_files::table::Record;
 
 /// The three pictures, in this order.
 pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {

@@ -2,12 +2,12 @@
 
 use super::{Picture, number, text};
 use crate::output::json::mode_word;
-use crate::report::chart::{Axes, Figure, Grid, Layer, Panel, Stroke};
-use crate::report::colours;
 use crate::study::slope::{Look, MODES, fit};
-use crate::table::Cell;
-use rundown::config::Mode;
-use rundown::resistance::Davis;
+use rundown::estimator::config::Mode;
+use rundown::model::resistance::Davis;
+use rundown_files::table::Cell;
+use rundown_pages::chart::{Axes, Figure, Grid, Layer, Panel, Stroke};
+use rundown_pages::colours;
 
 /// Speed of the figure, km/h.
 const KMH: f64 = 100.0;

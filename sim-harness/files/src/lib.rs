@@ -1,0 +1,47 @@
+//! What people bring and what a replay makes of it: run logs, descriptions of train and track, configurations, effects.
+//!
+//! ```text
+//! run_set -> run_log -> recording -> replay
+//!               train_file, track_file, config_file, map_matching
+//! ```
+//!
+//! | question | module |
+//! |---|---|
+//! | which runs, in which order? | [`run_set`] |
+//! | what stands in a log? | [`run_log`] |
+//! | what does the estimator get? | [`recording`], [`map_matching`], [`units`] |
+//! | what does it say? | [`replay`] |
+//! | train, track, configuration, effects | [`train_file`], [`track_file`], [`config_file`], [`effect_file`], all by [`toml_file`] |
+//! | tables and runs for other tools | [`table`], [`parquet`] |
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod config_file;
+pub mod effect_file;
+pub mod effect_frame;
+pub mod map_matching;
+pub mod parquet;
+pub mod place;
+pub mod recording;
+pub mod replay;
+pub mod run_log;
+pub mod run_set;
+pub mod table;
+pub mod toml_file;
+pub mod track_file;
+pub mod train_file;
+pub mod units;
+
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// A file that could not be written.
+#[derive(Debug, Error)]
+#[error("{}: cannot be written: {source}; choose another folder with --out", path.display())]
+pub struct WriteError {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// What the system says.
+    pub source: io::Error,
+}

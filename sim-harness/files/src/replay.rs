@@ -1,0 +1,268 @@
+//! Replay: a recorded run through the very `step` of the board.
+//!
+//! In: an [`Estimator`], the vehicle before the run, a [`Recording`]. Out: a [`ReplayedRun`], and the vehicle after the run.
+//!
+//! | tick | rows that are steps |
+//! |---|---|
+//! | [`Tick::EverySample`] | all |
+//! | [`Tick::Period`] | the newest row of each period, the board's way with a faster recorder: the first row, then the last row of (0, S], (S, 2S], ... after it |
+//!
+//! Rows whose time does not increase are dropped and named by [`Dropped`]; nothing else is.
+
+use crate::recording::{Recording, Row};
+use rayon::prelude::*;
+use rundown::coast_ahead::CoastAhead;
+use rundown::estimator::{Estimator, RunSummary, StepError};
+use rundown::filter::gaussian::Gaussian;
+use rundown::model::direction::Direction;
+use rundown::tick::estimate::Estimate;
+use rundown::tick::measurement::Measurement;
+use rundown::tick::memory::Vehicle;
+use rundown::tick::regime::Regime;
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+/// Which rows are steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Tick {
+    /// Every row.
+    #[default]
+    EverySample,
+    /// The newest row of each so many seconds.
+    Period {
+        /// The period, s, above 0.
+        seconds: f64,
+    },
+}
+
+/// A row that gave no estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dropped {
+    /// Line of the log, counted from 1.
+    pub line: u64,
+    /// Its time, s.
+    pub time_s: f64,
+    /// Why.
+    pub reason: StepError,
+}
+
+/// What a replay gave.
+#[derive(Clone, Debug)]
+pub struct ReplayedRun {
+    /// Name in every output.
+    pub name: String,
+    /// Where it was read from.
+    pub path: PathBuf,
+    /// Whose memory it belongs to.
+    pub unit: String,
+    /// Direction of travel.
+    pub direction: Direction,
+    /// Rows of the log.
+    pub rows: usize,
+    /// The accepted measurements.
+    pub measurements: Vec<Measurement>,
+    /// One estimate for each accepted measurement.
+    pub estimates: Vec<Estimate>,
+    /// What coasting from each estimate on leads to; none where the track has no targets.
+    pub coast_ahead: Vec<CoastAhead>,
+    /// The regime of each estimate's sample as it is known one sample later; the last one keeps its causal regime.
+    pub regimes: Vec<Regime>,
+    /// Rows that gave no estimate.
+    pub dropped: Vec<Dropped>,
+    /// Features, counters and the train of this run.
+    pub summary: RunSummary,
+    /// The vehicle's Davis coefficients before the run.
+    pub vehicle_before: Gaussian<3>,
+    /// The vehicle's Davis coefficients after the run.
+    pub vehicle_after: Gaussian<3>,
+    /// What looked wrong in the log.
+    pub warnings: Vec<String>,
+}
+
+/// Replays one run; what it says about the train goes into `vehicle`.
+pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recording, tick: Tick) -> ReplayedRun {
+    let vehicle_before = vehicle.davis();
+    let mut run = estimator.begin_run(vehicle, recording.direction);
+    let mut measurements = Vec::new();
+    let mut estimates = Vec::new();
+    let mut dropped = Vec::new();
+    let mut coast_ahead = Vec::new();
+    let has_targets = estimator.track().targets() > 0;
+    let mut surroundings = recording.surroundings();
+    for row in steps(&recording.rows, tick) {
+        row.update(&mut surroundings);
+        estimator.tell(&mut run, surroundings);
+        match estimator.step(&mut run, &row.measurement) {
+            Ok(estimate) => {
+                if has_targets {
+                    coast_ahead.push(estimator.coast_ahead(&run, &estimate));
+                }
+                measurements.push(row.measurement);
+                estimates.push(estimate);
+            }
+            Err(reason) => dropped.push(Dropped { line: row.line, time_s: row.measurement.time_s, reason }),
+        }
+    }
+    let summary = estimator.end_run(&mut run, vehicle);
+    ReplayedRun {
+        name: recording.name.clone(),
+        path: recording.path.clone(),
+        unit: recording.unit.clone(),
+        direction: recording.direction,
+        rows: recording.rows.len(),
+        measurements,
+        coast_ahead,
+        regimes: confirmed(&estimates),
+        estimates,
+        dropped,
+        summary,
+        vehicle_before,
+        vehicle_after: vehicle.davis(),
+        warnings: recording.warnings.clone(),
+    }
+}
+
+fn confirmed(estimates: &[Estimate]) -> Vec<Regime> {
+    let later = estimates.iter().skip(1).map(|next| next.confirmed).chain([None]);
+    let regimes = estimates.iter().zip(later);
+    regimes.map(|(estimate, later)| later.unwrap_or(estimate.regime)).collect()
+}
+
+/// Replays runs, each unit's vehicle carried from run to run in order. Units go side by side. `done` is called once a run.
+pub fn replay_carried(
+    estimator: &Estimator,
+    recordings: &[Recording],
+    tick: Tick,
+    done: impl Fn() + Sync,
+) -> Vec<ReplayedRun> {
+    replay_carried_by(&|_: &Recording| estimator, recordings, tick, done)
+}
+
+/// As [`replay_carried`], each run by the model of its own: an effect may act in some runs only.
+pub fn replay_carried_by<'a>(
+    model: &(impl Fn(&Recording) -> &'a Estimator + Sync),
+    recordings: &[Recording],
+    tick: Tick,
+    done: impl Fn() + Sync,
+) -> Vec<ReplayedRun> {
+    let mut units: Vec<Vec<usize>> = Vec::new();
+    let mut of_name: HashMap<&str, usize> = HashMap::new();
+    for (index, recording) in recordings.iter().enumerate() {
+        let unit = *of_name.entry(&recording.unit).or_insert_with(|| {
+            units.push(Vec::new());
+            units.len() - 1
+        });
+        units[unit].push(index);
+    }
+    let of_unit = |indexes: &Vec<usize>| -> Vec<(usize, ReplayedRun)> {
+        let mut vehicle = model(&recordings[indexes[0]]).new_vehicle();
+        let one = |index: &usize| {
+            let recording = &recordings[*index];
+            let run = replay(model(recording), &mut vehicle, recording, tick);
+            done();
+            (*index, run)
+        };
+        indexes.iter().map(one).collect()
+    };
+    let mut runs: Vec<(usize, ReplayedRun)> = units.par_iter().flat_map_iter(of_unit).collect();
+    runs.sort_by_key(|(index, _)| *index);
+    runs.into_iter().map(|(_, run)| run).collect()
+}
+
+/// Replays runs side by side, each with the vehicle as its manufacturer describes it. `done` is called once a run.
+pub fn replay_apart(
+    estimator: &Estimator,
+    recordings: &[Recording],
+    tick: Tick,
+    done: impl Fn() + Sync,
+) -> Vec<ReplayedRun> {
+    replay_apart_by(&|_: &Recording| estimator, recordings, tick, done)
+}
+
+/// As [`replay_apart`], each run by the model of its own.
+pub fn replay_apart_by<'a>(
+    model: &(impl Fn(&Recording) -> &'a Estimator + Sync),
+    recordings: &[Recording],
+    tick: Tick,
+    done: impl Fn() + Sync,
+) -> Vec<ReplayedRun> {
+    let one = |recording: &Recording| {
+        let estimator = model(recording);
+        let run = replay(estimator, &mut estimator.new_vehicle(), recording, tick);
+        done();
+        run
+    };
+    recordings.par_iter().map(one).collect()
+}
+
+/// The rows that are handed to the estimator.
+///
+/// A period ends with its last row whose time is the largest so far; rows that go back in time are handed on after it,
+/// so that the estimator counts them.
+fn steps(rows: &[Row], tick: Tick) -> Vec<&Row> {
+    let Tick::Period { seconds } = tick else {
+        return rows.iter().collect();
+    };
+    let Some(first) = rows.first() else {
+        return Vec::new();
+    };
+    // A row on the edge belongs to the period it ends, whatever the last bit of its time says.
+    let period = |row: &Row| ((row.measurement.time_s - first.measurement.time_s) / seconds - 1e-6).ceil();
+    let mut steps = Vec::new();
+    let mut newest = first;
+    // Rows behind the newest one follow it, so that it is they which the estimator drops.
+    let mut behind = Vec::new();
+    for row in &rows[1..] {
+        if row.measurement.time_s <= newest.measurement.time_s {
+            behind.push(row);
+            continue;
+        }
+        if period(row) > period(newest) {
+            steps.push(newest);
+            steps.append(&mut behind);
+        }
+        newest = row;
+    }
+    steps.push(newest);
+    steps.append(&mut behind);
+    steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(times_s: &[f64]) -> Vec<Row> {
+        let row = |(index, time_s): (usize, &f64)| Row {
+            line: index as u64 + 2,
+            measurement: Measurement { time_s: *time_s, ..Measurement::default() },
+            temperature_c: None,
+        };
+        times_s.iter().enumerate().map(row).collect()
+    }
+
+    fn times_s(rows: &[Row], tick: Tick) -> Vec<f64> {
+        steps(rows, tick).iter().map(|row| row.measurement.time_s).collect()
+    }
+
+    const TEN: Tick = Tick::Period { seconds: 10.0 };
+
+    #[test]
+    fn without_a_period_every_row_is_a_step() {
+        let rows = rows(&[0.0, 1.0, 1.0, 0.5, 2.0]);
+        assert_eq!(times_s(&rows, Tick::EverySample), [0.0, 1.0, 1.0, 0.5, 2.0]);
+    }
+
+    #[test]
+    fn a_period_ends_with_its_newest_row() {
+        let each_second: Vec<f64> = (0..=35).map(f64::from).collect();
+        assert_eq!(times_s(&rows(&each_second), TEN), [0.0, 10.0, 20.0, 30.0, 35.0]);
+        assert_eq!(times_s(&rows(&[100.0, 104.0, 109.0, 111.0, 135.0]), TEN), [100.0, 109.0, 111.0, 135.0]);
+        let tenths: Vec<f64> = (0..=301).map(|index| f64::from(index) * 0.1).collect();
+        let found: Vec<f64> = times_s(&rows(&tenths), TEN).iter().map(|t| (t * 10.0).round() / 10.0).collect();
+        assert_eq!(found, [0.0, 10.0, 20.0, 30.0, 30.1]);
+        assert_eq!(times_s(&rows(&[0.0, 5.0, 3.0, 12.0]), TEN), [0.0, 5.0, 3.0, 12.0]);
+        assert!(times_s(&[], TEN).is_empty());
+        assert_eq!(times_s(&rows(&[3.0]), TEN), [3.0]);
+    }
+}

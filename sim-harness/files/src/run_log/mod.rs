@@ -1,0 +1,454 @@
+//! Run logs: one CSV file, one run.
+//!
+//! In: the text of a log. Out: a [`RunLog`], its samples in the order of the rows, in the units of the file.
+//!
+//! | in the file | what becomes of it |
+//! |---|---|
+//! | empty field | `None`: a missing sample, never a zero |
+//! | column of another name | kept as text in [`RunLog::other_columns`], used by nothing |
+//! | line that begins with `#`, blank line, byte order mark, `\r\n` | accepted |
+//! | not a number, wrong count of fields, no time, a time beyond 1e11 s | a bad row: the log is refused and every bad row is named, or it is left out with [`BadRows::LeaveOut`] |
+//! | time not after the largest one before | warned of, handed on: the estimator drops and counts it |
+//! | NaN, infinite, negative speed, a value no train has (1000 km/h, 10 000 km) | warned of, handed on: the estimator judges it and has a cause for it |
+//!
+//! Nothing is left out without a message that names file, line and column.
+
+mod header;
+
+use crate::place::Place;
+use csv::{ReaderBuilder, StringRecord, Terminator, Trim};
+use header::{Header, LOCATION};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// No train is further along its line, m; a location beyond it is warned of.
+pub const MOST_LOCATION_M: f64 = 1e7;
+/// No train is faster, km/h; a speed above it is warned of.
+pub const MOST_SPEED_KMH: f64 = 1e3;
+
+/// Bad rows and warnings that are spelled out; the rest is counted.
+pub const MAX_LISTED: usize = 20;
+
+/// What is done with a row that cannot be read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BadRows {
+    /// The log is refused, and its bad rows are named.
+    #[default]
+    Refuse,
+    /// The rows are left out, named in [`RunLog::bad_rows`].
+    LeaveOut,
+}
+
+/// One row. A field that was empty is `None`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Line of the file, counted from 1.
+    pub line: u64,
+    /// Time on any monotonic clock, s.
+    pub time_s: f64,
+    /// Distance along the track from its origin, m.
+    pub location_m: Option<f64>,
+    /// Measured speed, km/h.
+    pub speed_kmh: Option<f64>,
+    /// WGS 84, degrees.
+    pub latitude_deg: Option<f64>,
+    /// WGS 84, degrees.
+    pub longitude_deg: Option<f64>,
+    /// Measured applied effort F/(γ m), N/kg, traction positive, brake negative.
+    pub effort_n_per_kg: Option<f64>,
+    /// Ambient temperature, °C.
+    pub ambient_temperature_c: Option<f64>,
+    /// Wind component against the direction of travel, m/s.
+    pub headwind_mps: Option<f64>,
+}
+
+/// A column that the format does not know: kept, used by nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OtherColumn {
+    /// Its name in the header.
+    pub name: String,
+    /// Its fields, one for each sample.
+    pub fields: Vec<String>,
+}
+
+/// A run log as it was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunLog {
+    /// Where it was read from.
+    pub path: PathBuf,
+    /// Its rows.
+    pub samples: Vec<Sample>,
+    /// The log has a column `location_m`; without it latitude and longitude take its place.
+    pub has_location_column: bool,
+    /// Columns the format does not know.
+    pub other_columns: Vec<OtherColumn>,
+    /// Rows that were left out.
+    pub bad_rows: Vec<Complaint>,
+    /// Rows that were read and look wrong.
+    pub warnings: Vec<Complaint>,
+}
+
+/// What is wrong with a row or a field, and where: prints as `line 7, column 3 (speed_kmh): ...`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Complaint {
+    /// Line of the file, counted from 1.
+    pub line: u64,
+    /// Number, counted from 1, and name of the column; none when the whole row is meant.
+    pub column: Option<(usize, String)>,
+    /// What was expected and what was found.
+    pub message: String,
+}
+
+impl fmt::Display for Complaint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}", self.line)?;
+        if let Some((number, name)) = &self.column {
+            write!(f, ", column {number} ({name})")?;
+        }
+        write!(f, ": {}", self.message)
+    }
+}
+
+/// Why a log gave no run.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RunLogError {
+    /// The file could not be read at all.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// Not a text in UTF-8.
+    #[error("{place}: expected a text in UTF-8, found byte 0x{byte:02x}; save the log as UTF-8")]
+    NotUtf8 {
+        /// The first byte that is wrong.
+        place: Place,
+        /// Its value.
+        byte: u8,
+    },
+    /// The header does not say which column is which.
+    #[error("{}: {complaint}", path.display())]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// What is missing.
+        complaint: Complaint,
+    },
+    /// No row below the header, or no header.
+    #[error("{}: expected a header line and rows below it, found {found}", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+        /// What there was instead.
+        found: &'static str,
+    },
+    /// Rows that cannot be read.
+    #[error("{}", listed(path, rows))]
+    BadRows {
+        /// The file.
+        path: PathBuf,
+        /// All of them.
+        rows: Vec<Complaint>,
+    },
+}
+
+/// One line for each complaint, at most [`MAX_LISTED`], and a last one that says what can be done.
+fn listed(path: &Path, rows: &[Complaint]) -> String {
+    let mut text = String::new();
+    for complaint in rows.iter().take(MAX_LISTED) {
+        text += &format!("{}: {complaint}\n", path.display());
+    }
+    let more = match rows.len().saturating_sub(MAX_LISTED) {
+        0 => String::new(),
+        more => format!("{more} more like these; "),
+    };
+    let count = rows.len();
+    let word = if count == 1 { "row" } else { "rows" };
+    let advice = "correct the log, or leave such rows out with --skip-bad-rows";
+    text + &format!("{}: {more}{count} unreadable {word}, the run was not used: {advice}", path.display())
+}
+
+impl RunLog {
+    /// Reads a log.
+    ///
+    /// # Errors
+    /// [`RunLogError`] names the file, and line and column where there are any.
+    pub fn read(path: &Path, bad_rows: BadRows) -> Result<Self, RunLogError> {
+        let bytes = std::fs::read(path).map_err(|source| RunLogError::Io { path: path.to_owned(), source })?;
+        Self::parse(path, &bytes, bad_rows)
+    }
+
+    /// Reads a log that is already in memory; `path` is for the messages.
+    ///
+    /// # Errors
+    /// As [`RunLog::read`].
+    ///
+    /// ```
+    /// use crate::run_log::{BadRows, RunLog};
+    ///
+    /// let text = "time_s,location_m,speed_kmh\n0,0.0,0\n10,14.2,\n";
+    /// let log = RunLog::parse("run.csv".as_ref(), text.as_bytes(), BadRows::Refuse)?;
+    /// assert_eq!(log.samples[1].location_m, Some(14.2));
+    /// assert_eq!(log.samples[1].speed_kmh, None);
+    ///
+    /// let broken = "time_s,location_m,speed_kmh\n0,0.0,fast\n";
+    /// let error = RunLog::parse("run.csv".as_ref(), broken.as_bytes(), BadRows::Refuse).unwrap_err();
+    /// assert!(error.to_string().starts_with("run.csv: line 2, column 3 (speed_kmh): expected a number, found \"fast\""));
+    /// # Ok::<(), crate::run_log::RunLogError>(())
+    /// ```
+    pub fn parse(path: &Path, bytes: &[u8], bad_rows: BadRows) -> Result<Self, RunLogError> {
+        let text = utf8(path, bytes)?;
+        let mut rows = rows(text);
+        let empty = |found| RunLogError::Empty { path: path.to_owned(), found };
+        let Some((line, first)) = rows.next() else {
+            return Err(empty("nothing"));
+        };
+        let header =
+            Header::read(&first, line).map_err(|complaint| RunLogError::Header { path: path.to_owned(), complaint })?;
+        let mut log = Self {
+            path: path.to_owned(),
+            samples: Vec::new(),
+            has_location_column: header.position(LOCATION).is_some(),
+            other_columns: header.other_columns(),
+            bad_rows: Vec::new(),
+            warnings: Vec::new(),
+        };
+        let mut latest_s = f64::NEG_INFINITY;
+        for (line, record) in rows {
+            match header.sample(&record, line) {
+                Ok(sample) => {
+                    log.warnings.extend(header.doubts(&sample, latest_s));
+                    latest_s = latest_s.max(sample.time_s);
+                    log.samples.push(sample);
+                    for (column, position) in log.other_columns.iter_mut().zip(&header.others) {
+                        column.fields.push(record[*position].to_owned());
+                    }
+                }
+                Err(complaint) => log.bad_rows.push(complaint),
+            }
+        }
+        if bad_rows == BadRows::Refuse && !log.bad_rows.is_empty() {
+            return Err(RunLogError::BadRows { path: path.to_owned(), rows: log.bad_rows });
+        }
+        if log.samples.is_empty() {
+            return Err(empty("no row below the header that can be read"));
+        }
+        Ok(log)
+    }
+}
+
+/// The text without its byte order mark.
+fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, RunLogError> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    std::str::from_utf8(bytes).map_err(|error| {
+        let (good, rest) = bytes.split_at(error.valid_up_to());
+        let good = String::from_utf8_lossy(good);
+        RunLogError::NotUtf8 {
+            place: Place::of_byte(path, &good, good.len()),
+            byte: rest.first().copied().unwrap_or_default(),
+        }
+    })
+}
+
+/// The rows with their line numbers, comments and blank lines left out.
+///
+/// A row is a line: a quote that is never closed spoils its own row, not the rest of the file.
+fn rows(text: &str) -> impl Iterator<Item = (u64, StringRecord)> + '_ {
+    let lines = (1..).zip(text.lines());
+    let rows = lines.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
+    rows.map(|(number, line)| (number, fields(line)))
+}
+
+/// The fields of one line.
+fn fields(line: &str) -> StringRecord {
+    if !line.contains('"') {
+        // The same without the cost of a reader for each line, which is most of the time of reading a day's log.
+        return line.split(',').map(str::trim).collect();
+    }
+    let mut reader = ReaderBuilder::new()
+        .has_headers(false)
+        .trim(Trim::All)
+        .terminator(Terminator::Any(b'\n'))
+        .from_reader(line.as_bytes());
+    // A line of UTF-8 that is not blank is one record; were it none, it would be a row without fields, and named as such.
+    let record = reader.records().next().and_then(Result::ok);
+    record.unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<RunLog, RunLogError> {
+        RunLog::parse("run.csv".as_ref(), text.as_bytes(), BadRows::Refuse)
+    }
+
+    fn message(text: &str) -> String {
+        parse(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn columns_may_stand_in_any_order_and_optional_ones_are_read() {
+        let log = parse("speed_kmh,effort_n_per_kg,time_s,location_m,headwind_mps\n36,-0.25,5,100.5,2\n").unwrap();
+        let sample = log.samples[0];
+        assert_eq!((sample.time_s, sample.location_m, sample.speed_kmh), (5.0, Some(100.5), Some(36.0)));
+        assert_eq!((sample.effort_n_per_kg, sample.headwind_mps, sample.latitude_deg), (Some(-0.25), Some(2.0), None));
+        assert!(log.warnings.is_empty());
+    }
+
+    #[test]
+    fn byte_order_mark_crlf_blanks_comments_and_a_missing_last_newline_are_accepted() {
+        let plain = parse("time_s,location_m,speed_kmh\n0,1,2\n1,,4\n").unwrap();
+        let odd = parse("\u{feff}# recorder 7\r\ntime_s, location_m ,speed_kmh\r\n\r\n# a, b, c, d\r\n0, 1 ,2\r\n1,,4")
+            .unwrap();
+        let values =
+            |log: &RunLog| -> Vec<_> { log.samples.iter().map(|s| (s.time_s, s.location_m, s.speed_kmh)).collect() };
+        assert_eq!(values(&plain), values(&odd));
+        let lines: Vec<u64> = odd.samples.iter().map(|sample| sample.line).collect();
+        assert_eq!(lines, [5, 6]);
+        assert_eq!(parse("\u{feff}time_s,location_m,speed_kmh\n0,1,2").unwrap().samples.len(), 1);
+    }
+
+    #[test]
+    fn empty_field_is_missing_and_not_zero() {
+        let log = parse("time_s,location_m,speed_kmh\n0,,\n").unwrap();
+        assert_eq!((log.samples[0].location_m, log.samples[0].speed_kmh), (None, None));
+    }
+
+    #[test]
+    fn columns_of_other_names_are_kept() {
+        let log = parse("time_s,note,location_m,speed_kmh\n0,\"a, b\",1,2\n1,,3,4\n").unwrap();
+        let expected = OtherColumn { name: "note".to_owned(), fields: vec!["a, b".to_owned(), String::new()] };
+        assert_eq!(log.other_columns, [expected]);
+    }
+
+    #[test]
+    fn bad_number_names_file_line_column_and_what_was_found() {
+        let text = "# c\n\n# d\ntime_s,location_m,speed_kmh\n0,0,0\n# e\n1,12;5,3\n";
+        let found = message(text);
+        let first = "run.csv: line 7, column 2 (location_m): expected a number, found \"12;5\" (an empty field is a missing sample)";
+        assert_eq!(found.lines().next(), Some(first));
+        assert!(
+            found.ends_with(
+                "1 unreadable row, the run was not used: correct the log, or leave such rows out with --skip-bad-rows"
+            ),
+            "{found}"
+        );
+    }
+
+    #[test]
+    fn wrong_count_of_fields_and_empty_time_are_bad_rows() {
+        let found = message("time_s,location_m,speed_kmh\n0,0,0\n1,2\n3,4,5,6\n,7,8\nNaN,1,2\n");
+        let expected = [
+            "run.csv: line 3: expected 3 fields as in the header, found 2",
+            "run.csv: line 4: expected 3 fields as in the header, found 4",
+            "run.csv: line 5, column 1 (time_s): expected a time, found an empty field",
+            "run.csv: line 6, column 1 (time_s): expected a time in s, at most 1e11, found NaN",
+        ];
+        assert_eq!(found.lines().take(4).collect::<Vec<_>>(), expected);
+    }
+
+    #[test]
+    fn an_open_quote_spoils_its_own_row_only() {
+        let text = "time_s,location_m,speed_kmh,note\n0,0,0,\"open\n1,\"1,1,b\n2,2,2,\"a, b\"\n3,3\r,3,c\n";
+        let log = RunLog::parse("run.csv".as_ref(), text.as_bytes(), BadRows::LeaveOut).unwrap();
+        let lines: Vec<u64> = log.samples.iter().map(|sample| sample.line).collect();
+        assert_eq!(lines, [2, 4, 5]);
+        assert_eq!(log.bad_rows.len(), 1);
+        assert_eq!(log.bad_rows[0].line, 3);
+    }
+
+    #[test]
+    fn a_quote_changes_nothing_but_what_it_encloses() {
+        assert_eq!(fields(" 1 ,2,,x\r,"), fields("\"1\", 2,,x\r,"));
+        assert_eq!(fields("1,\"a,b\"").get(1), Some("a,b"));
+    }
+
+    #[test]
+    fn bad_rows_are_left_out_only_on_request_and_stay_named() {
+        let text = "time_s,location_m,speed_kmh,note\n0,0,0,a\n1,x,1,b\n2,2,2,c\n";
+        let log = RunLog::parse("run.csv".as_ref(), text.as_bytes(), BadRows::LeaveOut).unwrap();
+        assert_eq!(log.samples.len(), 2);
+        assert_eq!(log.other_columns[0].fields, ["a", "c"]);
+        assert_eq!(log.bad_rows.len(), 1);
+        assert_eq!(log.bad_rows[0].line, 3);
+    }
+
+    #[test]
+    fn long_lists_of_bad_rows_are_cut_and_counted() {
+        let mut text = "time_s,location_m,speed_kmh\n".to_owned();
+        for _ in 0..50 {
+            text += "0,0\n";
+        }
+        let found = message(&text);
+        assert_eq!(found.lines().count(), MAX_LISTED + 1);
+        assert!(found.contains("30 more like these; 50 unreadable rows"), "{found}");
+    }
+
+    #[test]
+    fn doubtful_values_are_warned_of_and_handed_on() {
+        let log = parse("time_s,location_m,speed_kmh\n0,0,0\n5,1,-3\n5,NaN,2\n4,2,inf\n6,3,4\n").unwrap();
+        assert_eq!(log.samples.len(), 5);
+        assert_eq!(log.samples[1].speed_kmh, Some(-3.0));
+        assert!(log.samples[2].location_m.unwrap().is_nan());
+        let warnings: Vec<String> = log.warnings.iter().map(Complaint::to_string).collect();
+        let expected = [
+            "line 3, column 3 (speed_kmh): expected a speed of 0 or more, found -3",
+            "line 4, column 1 (time_s): expected a time after 5, found 5",
+            "line 4, column 2 (location_m): expected a finite number, found NaN",
+            "line 5, column 1 (time_s): expected a time after 5, found 4",
+            "line 5, column 3 (speed_kmh): expected a finite number, found inf",
+        ];
+        assert_eq!(warnings, expected);
+    }
+
+    #[test]
+    fn values_no_train_has_are_named() {
+        let log = parse("time_s,location_m,speed_kmh,effort_n_per_kg\n0,1e300,9000,-50\n").unwrap();
+        let warnings: Vec<String> = log.warnings.iter().map(Complaint::to_string).collect();
+        let expected = [
+            "line 2, column 2 (location_m): expected at most 10000000, found 1e300",
+            "line 2, column 3 (speed_kmh): expected at most 1000, found 9e3",
+            "line 2, column 4 (effort_n_per_kg): expected at most 10, found -5e1",
+        ];
+        assert_eq!(warnings, expected);
+        let found = message("time_s,location_m,speed_kmh\n1732205593000,0,0\n");
+        let expected = "run.csv: line 2, column 1 (time_s): expected a time in s, at most 1e11, found 1.732205593e12\n";
+        assert!(found.starts_with(expected), "{found}");
+    }
+
+    #[test]
+    fn header_names_what_is_missing() {
+        let found = message("# x\ntime_s,location_m,speed_mps\n0,0,0\n");
+        assert_eq!(found, "run.csv: line 2: expected a header with speed_kmh, found \"time_s,location_m,speed_mps\"");
+        let found = message("time_s;location_m;speed_kmh\n0;0;0\n");
+        assert!(found.ends_with("the separator must be a comma, not a semicolon"), "{found}");
+        let found = message("time_s,speed_kmh,latitude_deg\n");
+        assert!(found.ends_with("latitude_deg and longitude_deg together may stand for it"), "{found}");
+        let found = message("time_s,time_s,location_m,speed_kmh\n");
+        assert_eq!(found, "run.csv: line 1, column 2 (time_s): expected each column once, found it also as column 1");
+    }
+
+    #[test]
+    fn coordinates_may_stand_for_the_location() {
+        let log = parse("time_s,speed_kmh,latitude_deg,longitude_deg\n0,0,51.4,5.5\n").unwrap();
+        assert!(!log.has_location_column);
+        assert_eq!(log.samples[0].latitude_deg, Some(51.4));
+    }
+
+    #[test]
+    fn empty_and_binary_files_are_refused() {
+        for text in ["", "\n\n", "# only a comment\n"] {
+            assert_eq!(message(text), "run.csv: expected a header line and rows below it, found nothing");
+        }
+        assert!(message("time_s,location_m,speed_kmh\n").ends_with("found no row below the header that can be read"));
+        let error = RunLog::parse("run.csv".as_ref(), b"time_s\n0,\xff", BadRows::Refuse).unwrap_err();
+        assert_eq!(error.to_string(), "run.csv:2:3: expected a text in UTF-8, found byte 0xff; save the log as UTF-8");
+        let error = RunLog::read("no/such/run.csv".as_ref(), BadRows::Refuse).unwrap_err();
+        assert!(error.to_string().starts_with("no/such/run.csv: cannot be read: "), "{error}");
+    }
+}

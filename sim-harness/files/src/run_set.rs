@@ -1,0 +1,349 @@
+//! Which runs, in which order, of which unit, in which direction.
+//!
+//! In: files and folders as given on the command line. Out: [`RunSet`].
+//!
+//! A folder stands for all its `*.csv` in the order of their names; one without any that has a folder `runs`, as a data set of
+//! `rundown simulate`, stands for that. The index [`INDEX`] beside the logs gives departure, unit and direction;
+//! when every run stands in an index the runs go in the order of departure, otherwise as given. `runs.csv` and `index.csv` are never
+//! taken for logs, so that `logs/*.csv` works.
+
+use crate::place::Place;
+use rundown::model::direction::Direction;
+use serde::Deserialize;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Name of the index beside the logs.
+pub const INDEX: &str = "runs.csv";
+/// Tables that lie beside logs and are none.
+const NOT_LOGS: [&str; 2] = [INDEX, "index.csv"];
+
+/// One log to be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RunFile {
+    /// Where it lies.
+    pub path: PathBuf,
+    /// Name of the run in every output: the file's without `.csv`, and its folder's before it where two are alike.
+    pub name: String,
+    /// Unit of the index; empty without one. A vehicle's memory is that of its unit.
+    pub unit: String,
+    /// Direction of the index.
+    pub direction: Option<Direction>,
+    /// Departure of the index, compared as text.
+    pub departure_utc: Option<String>,
+}
+
+/// The runs in the order in which they are replayed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RunSet {
+    /// The runs.
+    pub files: Vec<RunFile>,
+    /// What a person may want to know about the order.
+    pub notes: Vec<String>,
+}
+
+/// Why there is no set of runs.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RunSetError {
+    /// A folder or an index could not be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A folder without logs.
+    #[error("{}: expected run logs (*.csv) in this folder, found none", path.display())]
+    NoLogs {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A row of the index cannot be read.
+    #[error("{place}: {message}")]
+    Index {
+        /// Where.
+        place: Place,
+        /// What was expected and what was found.
+        message: String,
+    },
+}
+
+/// A row of the index.
+#[derive(Clone, Debug, Deserialize)]
+struct IndexRow {
+    file: String,
+    #[serde(default)]
+    departure_utc: String,
+    #[serde(default)]
+    unit: String,
+    #[serde(default)]
+    direction: String,
+}
+
+impl RunSet {
+    /// Finds the runs behind files and folders. Whether a named file exists is found out when it is read.
+    ///
+    /// # Errors
+    /// [`RunSetError`] when a folder or an index cannot be read.
+    pub fn find(arguments: &[PathBuf]) -> Result<Self, RunSetError> {
+        let arguments: Vec<PathBuf> = arguments.iter().map(|path| log_folder(path)).collect();
+        let mut paths = Vec::new();
+        for argument in &arguments {
+            if argument.is_dir() {
+                paths.extend(logs_of(argument)?);
+            } else if !is_table(argument) {
+                paths.push(argument.clone());
+            }
+        }
+        let mut set = Self::default();
+        let mut indexes: HashMap<PathBuf, HashMap<String, IndexRow>> = HashMap::new();
+        for path in paths {
+            let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+            if !indexes.contains_key(&folder) {
+                indexes.insert(folder.clone(), read_index(&folder.join(INDEX))?);
+            }
+            let row = indexes[&folder].get(&file_name(&path));
+            set.files.push(RunFile::new(path, row));
+        }
+        for folder in arguments.iter().filter(|argument| argument.is_dir()) {
+            set.notes.extend(indexes.get(folder).and_then(|index| set.missing(folder, index)));
+        }
+        set.order();
+        tell_apart(&mut set.files);
+        Ok(set)
+    }
+
+    /// Logs that only the index of a folder knows.
+    fn missing(&self, folder: &Path, index: &HashMap<String, IndexRow>) -> Option<String> {
+        let there: HashSet<&Path> = self.files.iter().map(|file| file.path.as_path()).collect();
+        let mut names: Vec<&str> = index.keys().map(String::as_str).collect();
+        names.retain(|name| !there.contains(folder.join(name).as_path()));
+        names.sort_unstable();
+        let (count, names) = (names.len(), names.join(", "));
+        let place = folder.join(INDEX);
+        (count > 0).then(|| format!("{}: {count} of its runs are not in this folder: {names}", place.display()))
+    }
+
+    fn order(&mut self) {
+        let indexed = self.files.iter().filter(|file| file.departure_utc.is_some()).count();
+        if indexed == self.files.len() {
+            self.files.sort_by(|a, b| a.departure_utc.cmp(&b.departure_utc));
+        } else if indexed > 0 {
+            let all = self.files.len();
+            let note = format!(
+                "{indexed} of {all} runs stand in {INDEX}: the order is that of the arguments, not of departure"
+            );
+            self.notes.push(note);
+        }
+    }
+}
+
+impl RunFile {
+    fn new(path: PathBuf, row: Option<&IndexRow>) -> Self {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let departure = row.map(|row| row.departure_utc.clone());
+        Self {
+            path,
+            name,
+            unit: row.map(|row| row.unit.clone()).unwrap_or_default(),
+            direction: row.and_then(|row| direction(&row.direction).ok().flatten()),
+            departure_utc: departure.filter(|text| !text.is_empty()),
+        }
+    }
+}
+
+fn direction(text: &str) -> Result<Option<Direction>, String> {
+    match text {
+        "" => Ok(None),
+        "up" => Ok(Some(Direction::Up)),
+        "down" => Ok(Some(Direction::Down)),
+        other => Err(format!("expected a direction `up` or `down`, found {other:?}")),
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn is_table(path: &Path) -> bool {
+    NOT_LOGS.contains(&file_name(path).as_str())
+}
+
+/// The folder `runs` of a data set, else the path itself.
+fn log_folder(path: &Path) -> PathBuf {
+    let runs = path.join("runs");
+    let is_data_set = runs.is_dir() && matches!(logs_of(path), Err(RunSetError::NoLogs { .. }));
+    if is_data_set { runs } else { path.to_owned() }
+}
+
+/// The logs of a folder in the order of their names.
+fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, RunSetError> {
+    let error = |source| RunSetError::Io { path: folder.to_owned(), source };
+    let mut logs = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(error)? {
+        let path = entry.map_err(error)?.path();
+        let is_csv = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+        if is_csv && path.is_file() && !is_table(&path) {
+            logs.push(path);
+        }
+    }
+    logs.sort();
+    if logs.is_empty() {
+        return Err(RunSetError::NoLogs { path: folder.to_owned() });
+    }
+    Ok(logs)
+}
+
+/// The rows of an index by the name of their file; none when there is no index.
+fn read_index(path: &Path) -> Result<HashMap<String, IndexRow>, RunSetError> {
+    match std::fs::read(path) {
+        Ok(bytes) => parse_index(path, &bytes),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(HashMap::new()),
+        Err(source) => Err(RunSetError::Io { path: path.to_owned(), source }),
+    }
+}
+
+fn parse_index(path: &Path, bytes: &[u8]) -> Result<HashMap<String, IndexRow>, RunSetError> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes);
+    let mut rows = HashMap::new();
+    let refused = |error: csv::Error| index_error(path, error.position(), error.to_string());
+    let header = reader.headers().map_err(refused)?.clone();
+    for record in reader.records() {
+        let record = record.map_err(refused)?;
+        let row: IndexRow = record.deserialize(Some(&header)).map_err(refused)?;
+        direction(&row.direction)
+            .map_err(|message| index_error(path, record.position(), format!("{}: {message}", row.file)))?;
+        // Only the name counts: an index may lie beside its logs and still name their folder.
+        rows.insert(file_name(Path::new(&row.file)), row);
+    }
+    Ok(rows)
+}
+
+fn index_error(path: &Path, position: Option<&csv::Position>, message: String) -> RunSetError {
+    let at = position.map(|position| (position.line() as usize, 1));
+    RunSetError::Index { place: Place { file: path.to_owned(), at }, message }
+}
+
+/// Runs of one name get their folder's name before it, and a number when that is not enough: no output overwrites another.
+fn tell_apart(files: &mut [RunFile]) {
+    let mut counts: HashMap<String, usize> = HashMap::new();
+    for file in files.iter() {
+        *counts.entry(file.name.clone()).or_default() += 1;
+    }
+    let mut taken: HashMap<String, usize> = HashMap::new();
+    for file in files {
+        if counts[&file.name] > 1
+            && let Some(folder) = file.path.parent().and_then(Path::file_name)
+        {
+            file.name = format!("{}_{}", folder.to_string_lossy(), file.name);
+        }
+        let number = taken.entry(file.name.clone()).or_default();
+        *number += 1;
+        if *number > 1 {
+            file.name = format!("{}_{number}", file.name);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        }
+        folder
+    }
+
+    fn names(set: &RunSet) -> Vec<&str> {
+        set.files.iter().map(|file| file.name.as_str()).collect()
+    }
+
+    #[test]
+    fn a_folder_is_its_logs_in_the_order_of_names() {
+        let folder = folder(&[("b.csv", ""), ("a.csv", ""), ("index.csv", ""), ("x.txt", ""), ("sub/c.csv", "")]);
+        let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
+        assert_eq!(names(&set), ["a", "b"]);
+    }
+
+    #[test]
+    fn a_data_set_is_its_folder_of_runs_and_logs_beside_one_come_first() {
+        let folder = folder(&[
+            ("set/runs/a.csv", ""),
+            ("set/runs/runs.csv", "file,unit\na.csv,7\n"),
+            ("set/truth/a.csv", ""),
+            ("mixed/b.csv", ""),
+            ("mixed/runs/c.csv", ""),
+        ]);
+        let set = RunSet::find(&[folder.path().join("set")]).unwrap();
+        assert_eq!((names(&set), set.files[0].unit.as_str()), (vec!["a"], "7"));
+        let set = RunSet::find(&[folder.path().join("mixed")]).unwrap();
+        assert_eq!(names(&set), ["b"]);
+    }
+
+    #[test]
+    fn an_index_gives_order_unit_and_direction() {
+        let index = "# by hand\nfile,departure_utc,unit,direction\na.csv,2025-02-01T08:00,9,down\nb.csv,2025-01-01T08:00,7,up\n";
+        let folder = folder(&[("a.csv", ""), ("b.csv", ""), ("runs.csv", index)]);
+        let files = ["a.csv", "b.csv", "runs.csv"].map(|name| folder.path().join(name));
+        let set = RunSet::find(&files).unwrap();
+        assert_eq!(names(&set), ["b", "a"]);
+        assert_eq!(set.files[1].direction, Some(Direction::Down));
+        assert_eq!(set.files[1].unit, "9");
+        assert!(set.notes.is_empty());
+    }
+
+    #[test]
+    fn a_run_that_is_not_in_the_index_keeps_the_given_order_and_is_told() {
+        let index = "file,departure_utc\na.csv,2025-02-01T08:00\n";
+        let folder = folder(&[("a.csv", ""), ("b.csv", ""), ("runs.csv", index)]);
+        let set = RunSet::find(&[folder.path().join("b.csv"), folder.path().join("a.csv")]).unwrap();
+        assert_eq!(names(&set), ["b", "a"]);
+        assert_eq!(set.notes.len(), 1);
+    }
+
+    #[test]
+    fn a_log_that_only_the_index_knows_is_told() {
+        let index = "file\nc.csv\na.csv\nb.csv\n";
+        let folder = folder(&[("a.csv", ""), ("runs.csv", index)]);
+        let set = RunSet::find(&[folder.path().to_owned()]).unwrap();
+        assert_eq!(set.notes.len(), 1);
+        let expected = "runs.csv: 2 of its runs are not in this folder: b.csv, c.csv";
+        assert!(set.notes[0].ends_with(expected), "{}", set.notes[0]);
+        let one = RunSet::find(&[folder.path().join("a.csv")]).unwrap();
+        assert!(one.notes.is_empty(), "one log of many is asked for");
+    }
+
+    #[test]
+    fn a_wrong_index_is_refused_with_its_place() {
+        let index = "file,direction\nb.csv,up\na.csv,upp\n";
+        let folder_a = folder(&[("a.csv", ""), ("runs.csv", index)]);
+        let error = RunSet::find(&[folder_a.path().to_owned()]).unwrap_err().to_string();
+        assert!(error.contains("runs.csv:3:1: a.csv: expected a direction `up` or `down`, found \"upp\""), "{error}");
+        let folder_b = folder(&[("a.csv", ""), ("runs.csv", "name\na\n")]);
+        let error = RunSet::find(&[folder_b.path().to_owned()]).unwrap_err().to_string();
+        assert!(error.contains("missing field `file`"), "{error}");
+    }
+
+    #[test]
+    fn runs_of_one_name_are_told_apart() {
+        let folder = folder(&[("x/run.csv", ""), ("y/run.csv", "")]);
+        let set =
+            RunSet::find(&[folder.path().join("x"), folder.path().join("y"), folder.path().join("y/run.csv")]).unwrap();
+        assert_eq!(names(&set), ["x_run", "y_run", "y_run_2"]);
+    }
+
+    #[test]
+    fn a_folder_without_logs_is_refused() {
+        let folder = folder(&[("runs.csv", "file\n")]);
+        let error = RunSet::find(&[folder.path().to_owned()]).unwrap_err().to_string();
+        assert!(error.ends_with("expected run logs (*.csv) in this folder, found none"), "{error}");
+    }
+}

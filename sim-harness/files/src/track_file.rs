@@ -1,0 +1,409 @@
+//! Track descriptions: a TOML file, see [`TrackFile`]. Out: the estimator's [`Track`], and the tables the estimator has no use for.
+
+use crate::effect_file::{self, EffectEntry};
+use crate::toml_file::{Step, TomlError, TomlFile};
+use rundown::model::track::{self, Gradient, MAX_CURVES, MAX_GRADIENTS, MAX_TARGETS, Target, Track, TrackError};
+use rundown::model::units::KmPerHour;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What a track file holds. Every table is sorted by where its entries begin.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrackFile {
+    /// For people.
+    pub name: String,
+    /// Length, m.
+    pub length_m: f64,
+    /// Piecewise constant until the next entry.
+    #[serde(default)]
+    pub gradient: Vec<GradientEntry>,
+    /// Curves.
+    #[serde(default)]
+    pub curve: Vec<Curve>,
+    /// Tunnels.
+    #[serde(default)]
+    pub tunnel: Vec<Tunnel>,
+    /// Speed limits, each until the next entry.
+    #[serde(default)]
+    pub speed_limit: Vec<SpeedLimit>,
+    /// Feeding sections of the overhead line.
+    #[serde(default)]
+    pub feeding_section: Vec<FeedingSection>,
+    /// Stops.
+    #[serde(default)]
+    pub stop: Vec<Stop>,
+    /// Polyline for map matching.
+    #[serde(default)]
+    pub centre_line: Vec<CentreLinePoint>,
+    /// Named effects of the place.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effect: Vec<EffectEntry>,
+}
+
+/// One gradient.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GradientEntry {
+    /// Location where it begins, m.
+    pub from_m: f64,
+    /// Uphill in the `up` direction positive.
+    pub permille: f64,
+}
+
+/// One curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Curve {
+    /// Location where it begins, m.
+    pub from_m: f64,
+    /// Location where it ends, m.
+    pub to_m: f64,
+    /// Radius, m.
+    pub radius_m: f64,
+}
+
+/// One tunnel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tunnel {
+    /// Location where it begins, m.
+    pub from_m: f64,
+    /// Location where it ends, m.
+    pub to_m: f64,
+}
+
+/// One speed limit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedLimit {
+    /// Location where it begins, m.
+    pub from_m: f64,
+    /// The limit, km/h.
+    pub kmh: f64,
+}
+
+/// One feeding section.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FeedingSection {
+    /// Location where it begins, m.
+    pub from_m: f64,
+    /// Location where it ends, m.
+    pub to_m: f64,
+    /// For people.
+    pub name: String,
+}
+
+/// One stop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stop {
+    /// Location, m.
+    pub at_m: f64,
+    /// For people.
+    pub name: String,
+}
+
+/// One point of the centre line.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CentreLinePoint {
+    /// Location along the track, m.
+    pub at_m: f64,
+    /// WGS 84, degrees.
+    pub latitude_deg: f64,
+    /// WGS 84, degrees.
+    pub longitude_deg: f64,
+}
+
+impl TrackFile {
+    /// Reads and checks a track file.
+    ///
+    /// # Errors
+    /// [`TomlError`] names file, line and column.
+    pub fn read(path: &Path) -> Result<(Self, Track), TomlError> {
+        checked(TomlFile::read(path)?)
+    }
+
+    /// The curves as the estimator takes them.
+    pub fn curves(&self) -> impl Iterator<Item = track::Curve> {
+        self.curve.iter().map(|curve| track::Curve { from_m: curve.from_m, to_m: curve.to_m, radius_m: curve.radius_m })
+    }
+
+    /// Stops and permitted speeds as the estimator takes them, sorted. At one place the limit comes first.
+    pub fn targets(&self) -> Vec<Target> {
+        let limits = self
+            .speed_limit
+            .iter()
+            .map(|limit| Target { at_m: limit.from_m, limit_mps: Some(KmPerHour(limit.kmh).to_mps()) });
+        let stops = self.stop.iter().map(|stop| Target { at_m: stop.at_m, limit_mps: None });
+        let mut targets: Vec<Target> = limits.chain(stops).collect();
+        targets.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
+        targets
+    }
+
+    /// Reads and checks a text; `path` is for the messages.
+    ///
+    /// # Errors
+    /// As [`TrackFile::read`].
+    ///
+    /// ```
+    /// use rundown::model::direction::Direction;
+    /// use crate::track_file::TrackFile;
+    ///
+    /// let text = "name = \"hill\"\nlength_m = 5000\n[[gradient]]\nfrom_m = 0\npermille = 10\n";
+    /// let (file, track) = TrackFile::parse("hill.toml".as_ref(), text)?;
+    /// assert_eq!(file.gradient.len(), 1);
+    /// assert!((track.mean_gradient(1000.0, 162.0, Direction::Up) - 0.010).abs() < 1e-12);
+    /// # Ok::<(), crate::toml_file::TomlError>(())
+    /// ```
+    pub fn parse(path: &Path, text: &str) -> Result<(Self, Track), TomlError> {
+        checked(TomlFile::parse(path, text)?)
+    }
+}
+
+fn checked(file: TomlFile<TrackFile>) -> Result<(TrackFile, Track), TomlError> {
+    let values = &file.values;
+    rows(&file, "curve", "from_m", &values.curve, |c| c.from_m, false)?;
+    rows(&file, "tunnel", "from_m", &values.tunnel, |t| t.from_m, false)?;
+    rows(&file, "speed_limit", "from_m", &values.speed_limit, |l| l.from_m, true)?;
+    rows(&file, "feeding_section", "from_m", &values.feeding_section, |s| s.from_m, false)?;
+    rows(&file, "stop", "at_m", &values.stop, |s| s.at_m, false)?;
+    rows(&file, "centre_line", "at_m", &values.centre_line, |p| p.at_m, true)?;
+    for (index, curve) in values.curve.iter().enumerate() {
+        ends(&file, "curve", index, curve.from_m, curve.to_m)?;
+        positive(&file, "curve", index, "radius_m", curve.radius_m)?;
+    }
+    for (index, tunnel) in values.tunnel.iter().enumerate() {
+        ends(&file, "tunnel", index, tunnel.from_m, tunnel.to_m)?;
+    }
+    for (index, limit) in values.speed_limit.iter().enumerate() {
+        positive(&file, "speed_limit", index, "kmh", limit.kmh)?;
+    }
+    for (index, section) in values.feeding_section.iter().enumerate() {
+        ends(&file, "feeding_section", index, section.from_m, section.to_m)?;
+    }
+    for (index, point) in values.centre_line.iter().enumerate() {
+        degrees(&file, index, "latitude_deg", point.latitude_deg, 90.0)?;
+        degrees(&file, index, "longitude_deg", point.longitude_deg, 180.0)?;
+    }
+    if values.centre_line.len() == 1 {
+        let message = "track: a centre line needs at least 2 points, found 1";
+        return Err(file.refuse_dotted("centre_line", message));
+    }
+    effect_file::check(&file, &values.effect)?;
+    let gradients = values.gradient.iter().map(|entry| Gradient { from_m: entry.from_m, permille: entry.permille });
+    let track = Track::try_new(values.length_m, gradients);
+    let track = track
+        .and_then(|track| track.with_curves(values.curves()))
+        .and_then(|track| track.with_targets(values.targets()));
+    match track {
+        Ok(track) => Ok((file.values, track)),
+        Err(error) => Err(track_refusal(&file, error)),
+    }
+}
+
+fn track_refusal(file: &TomlFile<TrackFile>, error: TrackError) -> TomlError {
+    let gradient = |index, field| [Step::Name("gradient"), Step::Index(index), Step::Name(field)];
+    let entries = &file.values.gradient;
+    match error {
+        TrackError::Length { .. } => file.refuse_dotted("length_m", error.to_string()),
+        TrackError::TooMany { .. } => {
+            // The estimator stops at the first entry too many; a person wants to know how many there are.
+            let message = format!("track: at most {MAX_GRADIENTS} gradients, found {}", entries.len());
+            file.refuse(&gradient(MAX_GRADIENTS, "from_m"), message)
+        }
+        // Order, ends and radius were checked before.
+        TrackError::BadCurve { index } => {
+            let message = format!("track: at most {MAX_CURVES} curves, found {}", file.values.curve.len());
+            let steps = [Step::Name("curve"), Step::Index(index), Step::Name("from_m")];
+            file.refuse(&steps, message)
+        }
+        // Order and speeds were checked before.
+        TrackError::BadTarget { .. } => {
+            let found = file.values.speed_limit.len() + file.values.stop.len();
+            let message = format!("track: at most {MAX_TARGETS} speed limits and stops together, found {found}");
+            file.refuse(&[], message)
+        }
+        TrackError::BadGradient { index } => {
+            let (from_m, permille) = entries.get(index).map_or((0.0, 0.0), |e| (e.from_m, e.permille));
+            let field = if from_m.is_finite() { "permille" } else { "from_m" };
+            let message = format!(
+                "track: expected a finite from_m and -200 to 200 permille, found from_m = {from_m}, permille = {permille}"
+            );
+            file.refuse(&gradient(index, field), message)
+        }
+        TrackError::NotSorted { index } => {
+            let from_m = |index: usize| entries.get(index).map_or(f64::NAN, |entry| entry.from_m);
+            let message = not_sorted("gradient", "from_m", from_m(index.saturating_sub(1)), from_m(index));
+            file.refuse(&gradient(index, "from_m"), message)
+        }
+        _ => file.refuse(&[], error.to_string()),
+    }
+}
+
+fn not_sorted(table: &str, field: &str, before: f64, found: f64) -> String {
+    format!("track: expected [[{table}]] sorted by {field}, found {found} after {before}")
+}
+
+/// Entries are finite and in order; `strictly` where two at one place would contradict each other.
+fn rows<T>(
+    file: &TomlFile<TrackFile>,
+    table: &str,
+    field: &str,
+    entries: &[T],
+    begin_m: impl Fn(&T) -> f64,
+    strictly: bool,
+) -> Result<(), TomlError> {
+    let mut before = f64::NEG_INFINITY;
+    for (index, entry) in entries.iter().enumerate() {
+        let found = begin_m(entry);
+        let steps = [Step::Name(table), Step::Index(index), Step::Name(field)];
+        if !found.is_finite() {
+            return Err(file.refuse(&steps, format!("track: expected a finite {field}, found {found}")));
+        }
+        if found < before || (strictly && found == before) {
+            return Err(file.refuse(&steps, not_sorted(table, field, before, found)));
+        }
+        before = found;
+    }
+    Ok(())
+}
+
+fn ends(file: &TomlFile<TrackFile>, table: &str, index: usize, from_m: f64, to_m: f64) -> Result<(), TomlError> {
+    if to_m > from_m && to_m.is_finite() {
+        return Ok(());
+    }
+    let steps = [Step::Name(table), Step::Index(index), Step::Name("to_m")];
+    Err(file.refuse(&steps, format!("track: expected to_m beyond from_m = {from_m}, found {to_m}")))
+}
+
+fn positive(file: &TomlFile<TrackFile>, table: &str, index: usize, field: &str, found: f64) -> Result<(), TomlError> {
+    if found > 0.0 && found.is_finite() {
+        return Ok(());
+    }
+    let steps = [Step::Name(table), Step::Index(index), Step::Name(field)];
+    Err(file.refuse(&steps, format!("track: expected a {field} above 0, found {found}")))
+}
+
+fn degrees(file: &TomlFile<TrackFile>, index: usize, field: &str, found: f64, most: f64) -> Result<(), TomlError> {
+    // NaN is in no range.
+    if (-most..=most).contains(&found) {
+        return Ok(());
+    }
+    let steps = [Step::Name("centre_line"), Step::Index(index), Step::Name(field)];
+    Err(file.refuse(&steps, format!("track: {field} must be {} to {most}, found {found}", -most)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(tables: &str) -> String {
+        let text = format!("name = \"line\"\nlength_m = 1000\n{tables}");
+        TrackFile::parse("track.toml".as_ref(), &text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_table_is_read() {
+        let text = "name = \"line\"\nlength_m = 1000\n\
+            [[gradient]]\nfrom_m = 0\npermille = 4\n[[curve]]\nfrom_m = 1\nto_m = 2\nradius_m = 300\n\
+            [[tunnel]]\nfrom_m = 3\nto_m = 4\n[[speed_limit]]\nfrom_m = 0\nkmh = 40\n\
+            [[feeding_section]]\nfrom_m = 0\nto_m = 9\nname = \"A\"\n[[stop]]\nat_m = 7\nname = \"B\"\n\
+            [[centre_line]]\nat_m = 0\nlatitude_deg = 51\nlongitude_deg = 5\n\
+            [[centre_line]]\nat_m = 900\nlatitude_deg = 51.01\nlongitude_deg = 5\n";
+        let (file, track) = TrackFile::parse("track.toml".as_ref(), text).unwrap();
+        assert_eq!(track.length_m(), 1000.0);
+        assert_eq!((file.curve.len(), file.tunnel.len(), file.speed_limit.len()), (1, 1, 1));
+        assert_eq!((file.feeding_section.len(), file.stop.len(), file.centre_line.len()), (1, 1, 2));
+    }
+
+    #[test]
+    fn a_track_without_tables_is_flat() {
+        let (file, _) = TrackFile::parse("t".as_ref(), "name = \"flat\"\nlength_m = 10.0\n").unwrap();
+        assert!(file.gradient.is_empty());
+    }
+
+    #[test]
+    fn unsorted_gradients_are_found_where_they_stand() {
+        let found = message("[[gradient]]\nfrom_m = 100\npermille = 1\n[[gradient]]\nfrom_m = 50\npermille = 2\n");
+        assert_eq!(found, "track.toml:7:10: track: expected [[gradient]] sorted by from_m, found 50 after 100");
+        let found = message("[[gradient]]\nfrom_m = 100\npermille = 1\n[[gradient]]\nfrom_m = 100\npermille = 2\n");
+        assert_eq!(found, "track.toml:7:10: track: expected [[gradient]] sorted by from_m, found 100 after 100");
+    }
+
+    #[test]
+    fn every_other_table_must_be_sorted_too() {
+        for (table, field, rest) in [
+            ("curve", "from_m", "to_m = 500\nradius_m = 300\n"),
+            ("tunnel", "from_m", "to_m = 500\n"),
+            ("speed_limit", "from_m", "kmh = 40\n"),
+            ("feeding_section", "from_m", "to_m = 500\nname = \"A\"\n"),
+            ("stop", "at_m", "name = \"A\"\n"),
+            ("centre_line", "at_m", "latitude_deg = 0\nlongitude_deg = 0\n"),
+        ] {
+            let entry = |at: u32| format!("[[{table}]]\n{field} = {at}\n{rest}");
+            let found = message(&(entry(100) + &entry(50)));
+            let expected = format!("track: expected [[{table}]] sorted by {field}, found 50 after 100");
+            assert!(found.ends_with(&expected), "{found}");
+        }
+    }
+
+    #[test]
+    fn impossible_values_are_refused() {
+        assert!(
+            message("[[gradient]]\nfrom_m = 0\npermille = 400\n")
+                .starts_with("track.toml:5:12: track: expected a finite from_m and -200 to 200 permille")
+        );
+        assert!(message("[[gradient]]\nfrom_m = nan\npermille = 4\n").starts_with("track.toml:4:10: "));
+        assert_eq!(
+            message("[[tunnel]]\nfrom_m = 9\nto_m = 9\n"),
+            "track.toml:5:8: track: expected to_m beyond from_m = 9, found 9"
+        );
+        assert_eq!(
+            message("[[speed_limit]]\nfrom_m = 9\nkmh = 0\n"),
+            "track.toml:5:7: track: expected a kmh above 0, found 0"
+        );
+        assert!(
+            message("[[centre_line]]\nat_m = 0\nlatitude_deg = 95\nlongitude_deg = 0\n")
+                .starts_with("track.toml:5:16: track: latitude_deg must be -90 to 90, found 95")
+        );
+        assert!(
+            message("[[centre_line]]\nat_m = 0\nlatitude_deg = 5\nlongitude_deg = 0\n")
+                .ends_with("at least 2 points, found 1")
+        );
+        let error = TrackFile::parse("t".as_ref(), "name = \"x\"\nlength_m = 0\n").unwrap_err();
+        assert_eq!(error.to_string(), "t:2:12: track: length_m must be above 0, found 0");
+        assert!(
+            message("[[gradients]]\nfrom_m = 0\npermille = 0\n")
+                .starts_with("track.toml:3:3: unknown field `gradients`, expected one of `name`")
+        );
+    }
+
+    #[test]
+    fn too_many_gradients_are_counted() {
+        let entry = |index: usize| format!("[[gradient]]\nfrom_m = {index}\npermille = 0\n");
+        let tables: String = (0..MAX_GRADIENTS + 2).map(entry).collect();
+        let found = message(&tables);
+        assert!(found.ends_with("track: at most 512 gradients, found 514"), "{found}");
+        assert!(found.starts_with(&format!("track.toml:{}:", 3 + 3 * MAX_GRADIENTS + 1)), "{found}");
+    }
+
+    #[test]
+    fn limits_and_stops_become_targets_and_too_many_are_counted() {
+        let limit = |index: usize| format!("[[speed_limit]]\nfrom_m = {index}\nkmh = 36\n");
+        let stop = |at_m: f64| format!("[[stop]]\nat_m = {at_m}\nname = \"s\"\n");
+        let head = "name = \"t\"\nlength_m = 1000\n";
+        let text = format!("{head}{}{}{}", limit(0), limit(500), stop(100.0));
+        let (file, track) = TrackFile::parse("track.toml".as_ref(), &text).unwrap();
+        let targets = file.targets();
+        let places: Vec<(f64, Option<f64>)> = targets.iter().map(|t| (t.at_m, t.limit_mps)).collect();
+        assert_eq!(places, [(0.0, Some(10.0)), (100.0, None), (500.0, Some(10.0))]);
+        assert_eq!(track.targets(), 3);
+        let many: String = (0..MAX_TARGETS).map(limit).collect();
+        assert!(TrackFile::parse("track.toml".as_ref(), &format!("{head}{many}")).is_ok());
+        let found = message(&(many + &stop(900.0)));
+        assert!(found.ends_with("track: at most 192 speed limits and stops together, found 193"), "{found}");
+    }
+}

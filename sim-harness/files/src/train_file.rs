@@ -1,0 +1,134 @@
+//! Train descriptions: a TOML file, see [`TrainFile`]. Out: the estimator's [`Train`].
+
+use crate::effect_file::{self, EffectEntry};
+use crate::toml_file::{TomlError, TomlFile};
+use rundown::model::resistance::Davis;
+use rundown::model::train::{Train, TrainDescription, TrainError};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What a train file holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrainFile {
+    /// For people.
+    pub name: String,
+    /// Mass as loaded, kg.
+    pub mass_kg: f64,
+    /// Rotating mass factor γ.
+    pub rotating_mass_factor: f64,
+    /// Length, m.
+    pub length_m: f64,
+    /// Largest tractive effort, N.
+    pub max_tractive_effort_n: f64,
+    /// Largest tractive power, W.
+    pub max_power_w: f64,
+    /// Largest deceleration by brake, m/s², positive.
+    pub max_brake_mps2: f64,
+    /// Manufacturer's Davis coefficients.
+    pub davis: DavisTable,
+    /// Named effects of the train.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effect: Vec<EffectEntry>,
+}
+
+/// The table `[davis]`: N/kg, N/(kg m/s), N/(kg (m/s)²), per rotating mass γ m.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(missing_docs)]
+pub struct DavisTable {
+    pub r0: f64,
+    pub r1: f64,
+    pub r2: f64,
+}
+
+impl TrainFile {
+    /// Reads and checks a train file.
+    ///
+    /// # Errors
+    /// [`TomlError`] names file, line and column.
+    pub fn read(path: &Path) -> Result<(Self, Train), TomlError> {
+        checked(TomlFile::read(path)?)
+    }
+
+    /// Reads and checks a text; `path` is for the messages.
+    ///
+    /// # Errors
+    /// As [`TrainFile::read`].
+    pub fn parse(path: &Path, text: &str) -> Result<(Self, Train), TomlError> {
+        checked(TomlFile::parse(path, text)?)
+    }
+
+    /// The estimator's train.
+    ///
+    /// # Errors
+    /// [`TrainError`] names the field that is out of range.
+    pub fn train(&self) -> Result<Train, TrainError> {
+        Train::try_new(self.description())
+    }
+
+    fn description(&self) -> TrainDescription {
+        let DavisTable { r0, r1, r2 } = self.davis;
+        TrainDescription {
+            mass_kg: self.mass_kg,
+            rotating_mass_factor: self.rotating_mass_factor,
+            length_m: self.length_m,
+            davis: Davis { r0, r1, r2 },
+            max_tractive_effort_n: self.max_tractive_effort_n,
+            max_power_w: self.max_power_w,
+            max_brake_mps2: self.max_brake_mps2,
+        }
+    }
+}
+
+fn checked(file: TomlFile<TrainFile>) -> Result<(TrainFile, Train), TomlError> {
+    effect_file::check(&file, &file.values.effect)?;
+    match file.values.train() {
+        Ok(train) => Ok((file.values, train)),
+        Err(error) => Err(match error {
+            TrainError::OutOfRange { field, .. } => file.refuse_dotted(field, error.to_string()),
+            _ => file.refuse(&[], error.to_string()),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRAIN: &str = "name = \"unit\"\nmass_kg = 364000\nrotating_mass_factor = 1.06\nlength_m = 162\n\
+        max_tractive_effort_n = 192920.0\nmax_power_w = 2036377.8\nmax_brake_mps2 = 0.66\n\
+        [davis]\nr0 = 0.00738\nr1 = 1.6e-4\nr2 = 2.8e-5\n";
+
+    fn parse(text: &str) -> Result<(TrainFile, Train), TomlError> {
+        TrainFile::parse("train.toml".as_ref(), text)
+    }
+
+    #[test]
+    fn a_train_is_read() {
+        let (file, train) = parse(TRAIN).unwrap();
+        assert_eq!(file.name, "unit");
+        assert_eq!(train.length_m(), 162.0);
+        assert_eq!(train.davis().r2, 2.8e-5);
+        assert!((train.rotating_mass_kg() - 385_840.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn refusals_name_line_and_column() {
+        let error = |from: &str, to: &str| parse(&TRAIN.replace(from, to)).unwrap_err().to_string();
+        assert_eq!(
+            error("r0 = 0.00738", "r0 = 7.38"),
+            "train.toml:9:6: train: davis.r0 must be 0.00001 to 1, found 7.38"
+        );
+        assert_eq!(
+            error("mass_kg = 364000", "mass_kg = nan"),
+            "train.toml:2:11: train: mass_kg must be 1000 to 100000000, found NaN"
+        );
+        assert!(
+            error("length_m", "lenght_m")
+                .starts_with("train.toml:4:1: unknown field `lenght_m`, expected one of `name`")
+        );
+        assert!(error("[davis]", "[davies]").starts_with("train.toml:8:2: unknown field `davies`"));
+        assert_eq!(error("r2 = 2.8e-5\n", ""), "train.toml:8:1: missing field `r2`");
+    }
+}

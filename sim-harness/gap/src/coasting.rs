@@ -1,0 +1,295 @@
+//! Where a log without an effort column coasted: the probability of coasting of each interval, forward and backward over its run.
+//!
+//! The train's effort is calculated from the change of speed and the current model; each regime expects its own,
+//!
+//! | regime | effort expected, N/kg |
+//! |---|---|
+//! | coast | 0 |
+//! | hold | what keeps the speed: r + g |
+//! | power | 0.15 to 1.1 of the largest |
+//! | brake | -0.8 to -0.1 |
+//! | change | -0.5 to 1.05 of the largest |
+//!
+//! Coasting and a held speed weigh more than their share, 2.5 times as much as a density of the same width: without that short coasts would hardly be seen. An interval counts as coasted only if the one beside it did, too, or if the change clearly lies in the one
+//! beside it: its effort is a part of the one before. How often regimes change is found from the runs.
+
+use super::calibrate::Own;
+use super::rows::believed_load;
+use super::runs::Interval;
+use rundown::model::line::Line;
+
+/// Chance that a regime changes from one interval of 10 s to the next: the one of these under which the runs are likeliest.
+const CHANGES: [f64; 4] = [0.08, 0.15, 0.25, 0.4];
+/// Coasting is believed above this probability.
+const ENOUGH: f64 = 0.85;
+/// A stretch must be coasting rather than a held speed by so much, log of the ratio.
+const RATHER: f64 = 1.0;
+/// So many neighbours on both sides must not together be a held speed by so much.
+const AROUND: usize = 2;
+const RATHER_NOT: f64 = 2.0;
+/// The effort beside a change is clear if it is so many times its noise.
+const CLEAR: f64 = 6.0;
+/// An interval with this part of the effort before or after it has the change in itself; with more, it may lie in the next.
+const PART: core::ops::Range<f64> = -0.1..0.7;
+/// Density of coasting far from what it should be, over that of its middle.
+const FAR: f64 = 1e-5;
+/// What the model has beyond the description counts up to this, N/kg: 3 permille.
+const MOST_EXTRA_N_PER_KG: f64 = 0.03;
+/// A slower train is stopping or starting, m/s.
+const SLOWEST_MPS: f64 = 1.5;
+const REGIMES: usize = 5;
+/// The place of coasting among the regimes.
+const COAST: usize = 0;
+
+/// How sure a calculated effort is in which coasting is to be recognised.
+#[derive(Clone, Copy, Debug)]
+pub struct Recognised {
+    /// Standard deviation of the calculated effort, N/kg.
+    pub noise_n_per_kg: f64,
+    /// The same of the resistance, as a share.
+    pub uncertain: f64,
+    /// What differs from run to run.
+    pub own: Own,
+}
+
+/// What the model has beyond the believed description in each interval of a run, N/kg.
+#[derive(Clone, Debug)]
+pub struct Extra {
+    /// All of it.
+    pub all: Vec<f64>,
+    /// Without what acts by place.
+    pub beyond_places: Vec<f64>,
+}
+
+/// The intervals of one run, ready to be judged.
+pub struct Driven {
+    told: Vec<Told>,
+    noise_n_per_kg: f64,
+}
+
+/// What one interval tells.
+struct Told {
+    effort_n_per_kg: f64,
+    /// Weight of its effort under each regime.
+    weights: [f64; REGIMES],
+    /// Log of how much better coasting fits than a held speed, each beside its own best.
+    rather: f64,
+}
+
+impl Told {
+    fn new(line: &Line<'_>, interval: &Interval, extra: [f64; 2], recognised: &Recognised) -> Self {
+        // Beyond that it would be power that drivers apply at the same place, taken for a gradient, and found there ever more.
+        let [extra, beyond_places] = extra.map(|e| e.clamp(-MOST_EXTRA_N_PER_KG, MOST_EXTRA_N_PER_KG));
+        let load = believed_load(line, interval) + extra;
+        let effort = interval.acceleration_mps2() + load;
+        let speed = interval.mean_speed_mps();
+        let davis = line.train.davis();
+        let noise = recognised.noise_n_per_kg;
+        let sd = [
+            recognised.uncertain * davis.resistance_n_per_kg(speed),
+            recognised.own.constant_n_per_kg,
+            2.0 * davis.r2 * speed * recognised.own.wind_mps,
+        ];
+        let sd = sd.into_iter().fold(noise, f64::hypot);
+        let student = |x: f64, sd: f64| {
+            let z = x / sd;
+            (1.0 + z * z / 5.0).powi(-3) / sd
+        };
+        // Not heavier tails: one interval of power between two of coasting must cost more than to change twice.
+        let coast = |effort: f64| (-0.5 * (effort / sd).powi(2)).exp() + FAR;
+        let hold = |change: f64| 0.7 * student(change, 1.3 * noise) + 0.3 * student(change, 3.0 * noise);
+        // A broad plateau with soft edges.
+        let even = |low: f64, high: f64| {
+            let outside = (low - effort).max(effort - high).max(0.0);
+            student(outside, noise) * noise / (high - low)
+        };
+        let held = hold(effort - load);
+        let most = line.train.max_effort_n_per_kg(speed.max(1.0));
+        let weights = [
+            coast(effort) / sd,
+            held,
+            even(0.15 * most, 1.1 * most),
+            even(-0.8, -0.1),
+            // Changing: anywhere between.
+            even(-0.5, 1.05 * most) * 0.7,
+        ];
+        // What was found at this place must not make coasting of a speed that was held.
+        let by_the_rest = coast(effort - extra + beyond_places);
+        let moves = interval.speed_mps.iter().all(|speed| *speed >= SLOWEST_MPS);
+        Self {
+            effort_n_per_kg: effort,
+            weights: if moves { weights } else { [1e-9, 1.0, 1.0, 1.0, 1.0] },
+            rather: (by_the_rest * hold(0.0) / held).ln(),
+        }
+    }
+}
+
+impl Driven {
+    /// What each interval of a run tells.
+    pub fn new(line: &Line<'_>, intervals: &[Interval], extra: &Extra, recognised: Recognised) -> Self {
+        let extra = extra.all.iter().zip(&extra.beyond_places);
+        let told = |(interval, (all, beyond)): (&Interval, (&f64, &f64))| {
+            Told::new(line, interval, [*all, *beyond], &recognised)
+        };
+        Self { told: intervals.iter().zip(extra).map(told).collect(), noise_n_per_kg: recognised.noise_n_per_kg }
+    }
+
+    /// Probabilities of the regimes at each interval from what was before, and the log-likelihood of the run.
+    fn forward(&self, change: f64) -> (Vec<[f64; REGIMES]>, f64) {
+        let mut now = [1.0 / REGIMES as f64; REGIMES];
+        let mut likelihood = 0.0;
+        let forward = self.told.iter().map(|told| {
+            let foreseen = step(&now, change);
+            let joint = core::array::from_fn(|i| foreseen[i] * told.weights[i]);
+            likelihood += joint.iter().sum::<f64>().max(1e-300).ln();
+            now = scaled(joint);
+            now
+        });
+        (forward.collect(), likelihood)
+    }
+
+    /// Probabilities of the regimes at each interval from the whole run.
+    fn regimes(&self, change: f64) -> Vec<[f64; REGIMES]> {
+        let (mut regimes, _) = self.forward(change);
+        let mut backward = [1.0; REGIMES];
+        for (regimes, told) in regimes.iter_mut().zip(&self.told).rev() {
+            *regimes = scaled(core::array::from_fn(|i| regimes[i] * backward[i]));
+            let weighted = core::array::from_fn(|i| told.weights[i] * backward[i]);
+            backward = scaled(step(&weighted, change));
+        }
+        regimes
+    }
+
+    /// Which intervals coasted.
+    fn coasted(&self, change: f64) -> Vec<bool> {
+        let regimes = self.regimes(change);
+        let at = |i: isize| usize::try_from(i).ok().filter(|i| *i < regimes.len());
+        // No part of the effort before or after lies in the interval: its neighbour coasted too, or the change lies well within the neighbour.
+        let pure = |i: isize, outward: isize| {
+            let Some(beside) = at(i + outward) else {
+                return true;
+            };
+            let changed = |beyond: usize| {
+                let [part, all] = [beside, beyond].map(|i| self.told[i].effort_n_per_kg);
+                all.abs() > CLEAR * self.noise_n_per_kg && PART.contains(&(part / all))
+            };
+            regimes[beside][COAST] > 0.5 || at(i + 2 * outward).is_some_and(changed)
+        };
+        let mut coasted: Vec<bool> = (0..regimes.len())
+            .map(|i| regimes[i][COAST] > ENOUGH && pure(i as isize, -1) && pure(i as isize, 1))
+            .collect();
+        // Down a gradient that balances the resistance a held speed looks like coasting, interval by interval; and power between two coasts must not hide in them.
+        let mut at = 0;
+        for stretch in coasted.chunk_by_mut(|a, b| a == b) {
+            let told = &self.told[at..at + stretch.len()];
+            at += stretch.len();
+            let rather = |told: &[Told]| told.iter().map(|told| told.rather).sum::<f64>();
+            let all = rather(told);
+            for (i, coasted) in stretch.iter_mut().enumerate() {
+                let around = &told[i.saturating_sub(AROUND)..(i + AROUND + 1).min(told.len())];
+                *coasted &= all > RATHER && rather(around) > -RATHER_NOT;
+            }
+        }
+        coasted
+    }
+}
+
+/// Which intervals of each run coasted.
+pub fn coasted(runs: &[Driven]) -> Vec<Vec<bool>> {
+    let likelihood = |change: f64| runs.iter().map(|run| run.forward(change).1).sum::<f64>();
+    let change = CHANGES.into_iter().max_by(|a, b| likelihood(*a).total_cmp(&likelihood(*b))).unwrap_or(CHANGES[0]);
+    runs.iter().map(|run| run.coasted(change)).collect()
+}
+
+/// One interval on: a regime stays, or changes to any other.
+fn step(from: &[f64; REGIMES], change: f64) -> [f64; REGIMES] {
+    let other = change / (REGIMES as f64 - 1.0);
+    let total: f64 = from.iter().sum();
+    core::array::from_fn(|i| (1.0 - change) * from[i] + other * (total - from[i]))
+}
+
+fn scaled(mut p: [f64; REGIMES]) -> [f64; REGIMES] {
+    let total: f64 = p.iter().sum();
+    p.iter_mut().for_each(|v| *v /= total.max(1e-300));
+    p
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rows::{Believed, Row};
+    use rundown::model::direction::Direction;
+    use rundown::model::track::{Gradient, Track};
+    use rundown::model::train::{Train, TrainDescription};
+
+    const POWER: f64 = 0.2;
+
+    fn level() -> Track {
+        let gradient = Gradient { from_m: 0.0, permille: 0.0 };
+        Track::try_new(9_000.0, [gradient]).unwrap()
+    }
+
+    /// Which intervals of a run on the level with these efforts, in N/kg, count as coasted. The speed stays about 25 m/s: what is given is taken off between.
+    fn coasted_of(efforts: &[f64]) -> Vec<bool> {
+        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
+        let track = level();
+        let believed = Believed::new(&train, &track);
+        let line = believed.line(Direction::Up);
+        let interval = |effort: &f64| {
+            let mut interval = Row::coasting(Direction::Up, 1000.0, 25.0).interval;
+            let half = 5.0 * (effort - train.davis().resistance_n_per_kg(25.0));
+            interval.speed_mps = [25.0 - half, 25.0 + half];
+            interval
+        };
+        let intervals: Vec<Interval> = efforts.iter().map(interval).collect();
+        let extra = Extra { all: vec![0.0; intervals.len()], beyond_places: vec![0.0; intervals.len()] };
+        let recognised = Recognised { noise_n_per_kg: 0.006, uncertain: 0.1, own: Own::default() };
+        let run = Driven::new(line, &intervals, &extra, recognised);
+        coasted(&[run]).swap_remove(0)
+    }
+
+    #[test]
+    fn a_short_coast_between_pulls_counts_where_the_changes_lie_beside_it() {
+        let pull = [POWER; 3];
+        let run = [&pull[..], &[0.08, 0.0, 0.0, 0.09], &pull, &[0.1, 0.0, 0.0, 0.07], &pull].concat();
+        let expected: Vec<bool> = run.iter().map(|effort| *effort == 0.0).collect();
+        assert_eq!(coasted_of(&run), expected);
+    }
+
+    #[test]
+    fn an_interval_with_a_rest_of_the_power_does_not() {
+        let pull = [POWER; 3];
+        let coast = [0.0; 4];
+        // The power went off a fifth of a second after the interval began.
+        let run = [&pull[..], &[0.02 * POWER], &coast, &[0.1], &pull].concat();
+        let found = coasted_of(&run);
+        assert!(!found[3]);
+        assert!(found[4..8].iter().all(|coasted| *coasted));
+    }
+
+    #[test]
+    fn neither_a_speed_that_is_held_nor_an_end_beside_it_counts() {
+        let held = Train::try_new(TrainDescription::CASE_STUDY).unwrap().davis().resistance_n_per_kg(25.0);
+        let run = [&[held; 6][..], &[0.0; 5], &[held; 6]].concat();
+        let found = coasted_of(&run);
+        let at: Vec<usize> = (0..run.len()).filter(|i| found[*i]).collect();
+        assert_eq!(at, [7, 8, 9]);
+    }
+
+    #[test]
+    fn what_was_found_at_a_place_makes_no_coasting_of_a_held_speed() {
+        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
+        let track = level();
+        let believed = Believed::new(&train, &track);
+        let held = Row::coasting(Direction::Up, 1000.0, 25.0).interval;
+        // A gradient that would take up the whole resistance.
+        let resistance = train.davis().resistance_n_per_kg(25.0);
+        let rather = |beyond_places: f64| {
+            let recognised = Recognised { noise_n_per_kg: 0.006, uncertain: 0.1, own: Own::default() };
+            let line = believed.line(Direction::Up);
+            Told::new(line, &held, [-resistance, beyond_places], &recognised).rather
+        };
+        assert!(rather(-resistance) > -0.5);
+        assert!(rather(0.0) < -RATHER_NOT);
+    }
+}

@@ -1,0 +1,48 @@
+//! What effects add to the resistance, interval by interval: the law as the board runs it, comparable with a residual.
+
+use super::named::Named;
+use super::rows::{Believed, Row};
+use super::runs::Run;
+use rundown::model::effects::{Effect, Limits, Moment};
+
+/// Extra resistance of all effects along each row, N/kg.
+pub fn explained(believed: &Believed<'_>, named: &[Named], runs: &[Run], rows: &[Row]) -> Vec<f64> {
+    let of_row = |row: &Row| {
+        let acting = named.iter().filter(|one| acts(one, runs, row));
+        acting.map(|one| extra(believed, &one.effect, row)).sum()
+    };
+    rows.iter().map(of_row).collect()
+}
+
+/// The effect acts in the run of this row.
+pub fn acts(one: &Named, runs: &[Run], row: &Row) -> bool {
+    let name = runs.get(row.interval.run).map(|run| run.name.as_str());
+    one.runs.is_empty() || one.runs.iter().any(|r| Some(r.as_str()) == name)
+}
+
+/// Extra resistance of one effect along a row, N/kg.
+pub fn extra(believed: &Believed<'_>, effect: &Effect, row: &Row) -> f64 {
+    let line = believed.line(row.direction);
+    let davis = line.train.davis();
+    let limits = Limits::of(line.train);
+    row.interval.mean(|point| {
+        let moment = Moment {
+            location_m: point.location_m,
+            speed_mps: point.speed_mps,
+            effort_n_per_kg: row.effort_n_per_kg,
+            since_departure_s: point.since_departure_s,
+            braked: row.interval.braked,
+            temperature_c: row.interval.temperature_c,
+            day: row.interval.day,
+        };
+        let resistance = effect.resistance_n_per_kg(line, &davis, &moment);
+        // A brake that fades gives less than was recorded: what is lost looks like less resistance.
+        if row.effort_n_per_kg < 0.0 {
+            let left = effect.limit(&limits, point.location_m, point.speed_mps);
+            let share = left.brake_n_per_kg / limits.brake_n_per_kg;
+            resistance + row.effort_n_per_kg * (1.0 - share)
+        } else {
+            resistance
+        }
+    })
+}

@@ -1,0 +1,54 @@
+//! The wind of a single run, from its own residuals.
+//!
+//! ```text
+//! e = residual - effects = r2 (2 v w + w²)        w: headwind of the run, prior 0 with the spread between runs
+//! ```
+
+use super::rows::{Believed, Row};
+use super::whitening::Noise;
+use rundown::model::effects::{Effects, Moment};
+
+/// Headwind against travel and its standard deviation, m/s.
+pub fn own_wind<'a>(
+    rows: impl Iterator<Item = &'a Row> + Clone,
+    believed: &Believed<'_>,
+    effects: &Effects,
+    noise: &Noise,
+    spread_mps: f64,
+) -> (f64, f64) {
+    let r2 = believed.train().davis().r2;
+    let mut wind = (0.0, spread_mps);
+    // The square of the wind is small: a few rounds settle it.
+    for _ in 0..3 {
+        let (mut information, mut score) = (spread_mps.powi(-2), 0.0);
+        for row in rows.clone() {
+            let interval = &row.interval;
+            let error = row.residual_n_per_kg - of_effects(row, believed, effects);
+            let slope = r2 * (2.0 * interval.mean_speed_mps() + wind.0);
+            let change = noise.change_share * interval.effort_change_n_per_kg;
+            let variance =
+                2.0 * (noise.reading_mps / interval.dt_s).powi(2) + noise.acceleration_mps2.powi(2) + change * change;
+            information += slope * slope / variance;
+            score += slope * error / variance;
+        }
+        wind = (score / information, information.powf(-0.5));
+    }
+    wind
+}
+
+fn of_effects(row: &Row, believed: &Believed<'_>, effects: &Effects) -> f64 {
+    let line = believed.line(row.direction);
+    let interval = &row.interval;
+    interval.mean(|point| {
+        let moment = Moment {
+            location_m: point.location_m,
+            speed_mps: point.speed_mps,
+            effort_n_per_kg: row.effort_n_per_kg,
+            since_departure_s: point.since_departure_s,
+            braked: interval.braked,
+            temperature_c: interval.temperature_c,
+            day: interval.day,
+        };
+        effects.resistance_n_per_kg(line, &line.train.davis(), &moment)
+    })
+}

@@ -1,0 +1,123 @@
+//! The line above a panel: its label, and the legend from left to right.
+
+use crate::chart::{Canvas, DrawingError, HEADER, INK, LEFT, LEGEND_ROW, Layer, Panel, Stroke, TEXT};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use rundown::Real;
+
+/// The panel's label, then the legend.
+pub(super) fn draw_header(area: &Canvas, panel: &Panel, width: u32) -> Result<(), DrawingError> {
+    let style = |weight| ("sans-serif", TEXT, weight).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
+    let label = Text::new(panel.label.clone(), (LEFT as i32, middle_of(0)), style(FontStyle::Bold));
+    area.draw(&label)?;
+    for entry in panel.entries(width) {
+        let (left, middle, colour) = (entry.left, middle_of(entry.row), entry.colour);
+        match entry.swatch {
+            Swatch::Line(Stroke::Dashed) => {
+                for dash in 0..3 {
+                    let start = left + 20 * dash;
+                    let line = [(start, middle), (start + 13, middle)];
+                    area.draw(&PathElement::new(line, colour.stroke_width(4)))?;
+                }
+            }
+            Swatch::Line(Stroke::Dotted) => {
+                for dot in 0..6 {
+                    let start = left + 10 * dot;
+                    let line = [(start, middle), (start + 4, middle)];
+                    area.draw(&PathElement::new(line, colour.stroke_width(5)))?;
+                }
+            }
+            Swatch::Line(_) => {
+                let line = [(left, middle), (left + SWATCH, middle)];
+                area.draw(&PathElement::new(line, colour.stroke_width(5)))?;
+            }
+            Swatch::Area(opacity) => area.draw(&Rectangle::new(
+                [(left, middle - 12), (left + SWATCH, middle + 12)],
+                colour.mix(opacity).filled(),
+            ))?,
+            Swatch::Dot => area.draw(&Circle::new((left + SWATCH / 2, middle), 6, colour.filled()))?,
+            Swatch::Mark => area.draw(&Cross::new((left + SWATCH / 2, middle), 9, colour.stroke_width(4)))?,
+        }
+        let place = (left + SWATCH + 10, middle);
+        area.draw(&Text::new(entry.legend.to_owned(), place, style(FontStyle::Normal)))?;
+    }
+    Ok(())
+}
+
+/// Width of the sample of a line or area in a legend.
+const SWATCH: i32 = 54;
+
+/// Middle of a row of the header.
+fn middle_of(row: u32) -> i32 {
+    (row * LEGEND_ROW + HEADER / 2 + 6) as i32
+}
+
+/// A place in the legend.
+struct Entry<'a> {
+    legend: &'a str,
+    colour: RGBColor,
+    swatch: Swatch,
+    left: i32,
+    row: u32,
+}
+
+/// Nobody here knows the reader's font: an estimate on the wide side.
+fn text_width(text: &str, stretch: Real) -> i32 {
+    (text.chars().count() as Real * 13.2 * stretch) as i32
+}
+
+enum Swatch {
+    Line(Stroke),
+    Area(Real),
+    Mark,
+    Dot,
+}
+
+impl Layer {
+    fn legends(&self) -> Vec<(&str, RGBColor, Swatch)> {
+        let all = match self {
+            Self::Line { legend, colour, stroke, .. } => vec![(legend.as_str(), *colour, Swatch::Line(*stroke))],
+            Self::Band { legend, colour, opacity, .. } | Self::Spans { legend, colour, opacity, .. } => {
+                vec![(legend.as_str(), *colour, Swatch::Area(*opacity))]
+            }
+            Self::Pieces { legends, .. } => {
+                legends.iter().map(|(legend, colour)| (legend.as_str(), *colour, Swatch::Line(Stroke::Solid))).collect()
+            }
+            Self::Threads { legend, colour, .. } => {
+                vec![(legend.as_str(), *colour, Swatch::Line(Stroke::Thin))]
+            }
+            Self::Verticals { legend, colour, stroke, .. } => vec![(legend.as_str(), *colour, Swatch::Line(*stroke))],
+            Self::Histogram { legend, colour, opacity, .. } => vec![(legend.as_str(), *colour, Swatch::Area(*opacity))],
+            Self::Dots { legend, colour, .. } => vec![(legend.as_str(), *colour, Swatch::Dot)],
+            Self::Marks { legend, colour, .. } => vec![(legend.as_str(), *colour, Swatch::Mark)],
+            Self::Bars { legend, colour, .. } => {
+                vec![(legend.as_str(), *colour, Swatch::Area(1.0))]
+            }
+            Self::Word { .. } | Self::Cells { .. } => Vec::new(),
+        };
+        all.into_iter().filter(|(legend, ..)| !legend.is_empty()).collect()
+    }
+}
+
+impl Panel {
+    /// The legend from left to right, on a new row where the canvas ends.
+    fn entries(&self, canvas: u32) -> Vec<Entry<'_>> {
+        let beside_label = LEFT as i32 + text_width(&self.label, 1.08) + 50;
+        let (mut left, mut row) = (beside_label, 0);
+        let mut entries = Vec::new();
+        for (legend, colour, swatch) in self.layers.iter().flat_map(Layer::legends) {
+            let width = SWATCH + 10 + text_width(legend, 1.0);
+            if left + width > canvas as i32 && left > beside_label {
+                (left, row) = (beside_label, row + 1);
+            }
+            entries.push(Entry { legend, colour, swatch, left, row });
+            left += width + 40;
+        }
+        entries
+    }
+
+    pub(super) fn header(&self, width: u32) -> u32 {
+        let rows = self.entries(width).last().map_or(0, |entry| entry.row);
+        HEADER + rows * LEGEND_ROW
+    }
+}

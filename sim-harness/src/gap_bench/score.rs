@@ -1,0 +1,194 @@
+//! One investigation beside its key.
+
+use crate::gap_bench::draw::Set;
+use rundown::model::effects::{DavisError, Effect};
+use rundown_gap::named::Named;
+use rundown_gap::workflow::Investigation;
+use rundown_truth::effects::Effect as Hidden;
+use rundown_truth::train::{DavisTruth, TrainTruth};
+use serde::Serialize;
+use serde_json::Value;
+
+/// A name counts as shared with rivals if there are at most so many of them.
+const MOST_RIVALS: usize = 2;
+
+/// What an investigation is worth.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Score {
+    /// Names of the key, sorted; `unknown` for what is in no catalogue.
+    pub key: Vec<&'static str>,
+    /// Names found, sorted.
+    pub found: Vec<&'static str>,
+    /// With all rivals that were named beside them.
+    pub rivals: Vec<&'static str>,
+    /// All names of the key, and no other.
+    pub exact: bool,
+    /// The same, where a name of the key may stand among at most two rivals of a found one.
+    pub shared: bool,
+    /// What is unknown was called so, along the right coordinate. `None` where nothing of the key is unknown.
+    pub coordinate: Option<bool>,
+    /// Relative error of each named effect's size.
+    pub size_errors: Vec<f64>,
+    /// Intersection over union of each named section.
+    pub places: Vec<f64>,
+    /// Reported 95 % intervals, and how many of them hold the truth.
+    pub intervals: [usize; 2],
+    /// Parameters whose interval does not hold the truth, with both.
+    pub outside: Vec<String>,
+    /// Share of the removable gap that is gone on the held-out runs; `None` where there was none.
+    pub removed: Option<f64>,
+    /// The gap on the held-out runs before and after, and its floor, m/s.
+    pub gap_mps: [f64; 3],
+    /// Probability of the residuals without a gap.
+    pub p_value: f64,
+}
+
+impl Score {
+    /// Compares. `None` instead of an investigation: nothing was found because nothing could be compared.
+    pub fn of(set: &Set, found: Option<&Investigation>) -> Self {
+        let hidden = &set.scenario.effects;
+        let mut key: Vec<&'static str> = hidden.iter().map(key_name).collect();
+        key.sort_unstable();
+        let named: &[Named] = found.map_or(&[], |f| &f.named);
+        let mut names: Vec<&'static str> = named.iter().map(|n| n.effect.name()).collect();
+        names.sort_unstable();
+        let mut score = Self {
+            exact: names == key,
+            shared: names.len() == key.len() && one_to_one(&key, named),
+            coordinate: None,
+            size_errors: Vec::new(),
+            places: Vec::new(),
+            intervals: [0, 0],
+            outside: Vec::new(),
+            removed: found.filter(|f| f.gap.is_removable()).map(|f| f.gap.removed_share),
+            gap_mps: found.map_or([0.0; 3], |f| [f.gap.before_mps, f.gap.after_mps, f.gap.floor_mps]),
+            p_value: found.map_or(1.0, |f| f.p_value),
+            rivals: named.iter().flat_map(|n| n.ambiguous_with.clone()).collect(),
+            found: names,
+            key,
+        };
+        for effect in hidden {
+            if let Some(coordinate) = effect.unknown_coordinate() {
+                let right = |n: &Named| n.effect.name() == "unknown" && n.coordinate == Some(coordinate);
+                score.coordinate = Some(named.iter().any(right));
+            } else if let Some(one) = named.iter().find(|n| n.effect.name() == effect.name()) {
+                score.compare(effect, one, &set.scenario.train);
+            }
+        }
+        score
+    }
+
+    fn compare(&mut self, hidden: &Hidden, found: &Named, train: &TrainTruth) {
+        let truth = parameters(hidden);
+        let json = found.json();
+        for (name, low, high) in &found.intervals {
+            if let Some(value) = truth[*name].as_f64() {
+                self.intervals[0] += 1;
+                if *low <= value && value <= *high {
+                    self.intervals[1] += 1;
+                } else {
+                    self.outside.push(format!("{name} {value:.4e} in {low:.4e} to {high:.4e}"));
+                }
+            }
+        }
+        let section = |value: &Value| Some([value["from_m"].as_f64()?, value["to_m"].as_f64()?]);
+        if let (Some(a), Some(b)) = (section(&truth), section(&json)) {
+            self.places.push(overlap(a, b));
+        }
+        if let (Hidden::DavisError { .. }, Effect::DavisError(davis)) = (hidden, &found.effect) {
+            self.size_errors.extend(davis_error(&truth, davis));
+        } else if let Some((name, neutral)) = main_parameter(hidden, train)
+            && let (Some(a), Some(b)) = (truth[name].as_f64(), json["parameters"][name].as_f64())
+        {
+            self.size_errors.push(((b - a) / (a - neutral)).abs());
+        }
+    }
+}
+
+fn key_name(effect: &Hidden) -> &'static str {
+    match effect.unknown_coordinate() {
+        Some(_) => "unknown",
+        None => effect.name(),
+    }
+}
+
+/// Each name of the key is found, or stands among the few rivals of a found one that is no other of the key.
+fn one_to_one(key: &[&'static str], named: &[Named]) -> bool {
+    let mut left: Vec<&Named> = named.iter().collect();
+    let (found, missing): (Vec<&str>, Vec<&str>) =
+        key.iter().partition(|name| named.iter().any(|n| n.effect.name() == **name));
+    left.retain(|n| !found.contains(&n.effect.name()));
+    missing.iter().all(|name| {
+        let rival = |n: &&Named| n.ambiguous_with.len() <= MOST_RIVALS && n.ambiguous_with.contains(name);
+        match left.iter().position(rival) {
+            Some(i) => {
+                left.remove(i);
+                true
+            }
+            None => false,
+        }
+    })
+}
+
+fn parameters(hidden: &Hidden) -> Value {
+    serde_json::to_value(hidden).unwrap_or(Value::Null)
+}
+
+/// The parameter that is the effect's size, and its value without the effect.
+fn main_parameter(hidden: &Hidden, train: &TrainTruth) -> Option<(&'static str, f64)> {
+    Some(match hidden.name() {
+        "tunnel_drag" => ("k", 0.0),
+        "curve_resistance" => ("coefficient_roeckl", 0.0),
+        "gradient_error" => ("delta_permille", 0.0),
+        "steady_wind" => ("wind_mps", 0.0),
+        "run_wind" => ("sd_mps", 0.0),
+        "mass_error" => ("relative", 0.0),
+        "dragging_brake" => ("drag_n_per_kg", 0.0),
+        "power_limit_section" | "traction_scale" | "low_adhesion" => ("factor", 1.0),
+        "speed_scale" => ("measured_over_true", 1.0),
+        "location_lag" => ("lag_s", 0.0),
+        "temperature_resistance" => ("dr0_per_degC", 0.0),
+        "seasonal_drift" => ("dr0_over_period", 0.0),
+        "brake_fade" => ("fade_at_140", 0.0),
+        "train_length_error" => ("true_length_m", train.length_m),
+        "warm_up" => ("amplitude", 0.0),
+        _ => return None,
+    })
+}
+
+/// Wrong coefficients hide in each other, their resistance does not: error of it between 60 and 140 km/h as a share of what was hidden, root mean squares.
+fn davis_error(truth: &Value, found: &DavisError) -> Option<f64> {
+    let truth = DavisTruth { r0: truth["dr0"].as_f64()?, r1: truth["dr1"].as_f64()?, r2: truth["dr2"].as_f64()? };
+    let found = DavisTruth { r0: found.dr0, r1: found.dr1, r2: found.dr2 };
+    let speeds = (60..=140).step_by(10).map(|kmh| f64::from(kmh) / 3.6);
+    let (error, hidden) = speeds.fold((0.0, 0.0), |(error, hidden), v| {
+        let (a, b) = (truth.resistance_n_per_kg(v), found.resistance_n_per_kg(v));
+        (error + (b - a).powi(2), hidden + a * a)
+    });
+    Some((error / hidden).sqrt())
+}
+
+/// Intersection over union.
+fn overlap(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let both = (a[1].min(b[1]) - a[0].max(b[0])).max(0.0);
+    both / (a[1] - a[0] + b[1] - b[0] - both)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sections_that_do_not_meet_have_nothing_in_common() {
+        assert_eq!(overlap([0.0, 10.0], [20.0, 30.0]), 0.0);
+        assert_eq!(overlap([0.0, 10.0], [0.0, 10.0]), 1.0);
+        assert!((overlap([0.0, 10.0], [5.0, 15.0]) - 1.0 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn wrong_coefficients_are_judged_by_their_resistance() {
+        let truth = serde_json::json!({ "dr0": 1e-3, "dr1": 0.0, "dr2": 0.0 });
+        let found = DavisError { dr0: 1.1e-3, dr1: 0.0, dr2: 0.0 };
+        assert!((davis_error(&truth, &found).unwrap() - 0.1).abs() < 1e-9);
+    }
+}

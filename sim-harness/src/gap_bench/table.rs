@@ -1,0 +1,150 @@
+//! Many scores in tables that a person reads: Markdown.
+
+use crate::gap_bench::draw::{Ask, Size};
+use crate::gap_bench::score::Score;
+use rundown_gap::fit::median;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// A set that was investigated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Done {
+    /// What was asked.
+    pub ask: Ask,
+    /// The key's values, for people.
+    pub hidden: String,
+    /// Train, line, drivers, sampling, for people.
+    pub data: String,
+    /// What came of it.
+    pub score: Score,
+    /// Time of the investigation, s.
+    pub seconds: f64,
+}
+
+/// All tables.
+pub fn tables(done: &[Done]) -> String {
+    [false_alarms(done), sizes(done), confusion(done, true), confusion(done, false)].concat()
+}
+
+fn false_alarms(done: &[Done]) -> String {
+    let mut text = String::from(
+        "### Nothing hidden\n\n| effort column | sensors | sets | false alarms | p-value below 0.05 |\n|---|---|---|---|---|\n",
+    );
+    for effort in [true, false] {
+        for dirty in [false, true] {
+            let sets: Vec<&Done> = done
+                .iter()
+                .filter(|d| d.ask.kinds.is_empty() && d.ask.effort == effort && d.ask.dirty == dirty)
+                .collect();
+            if sets.is_empty() {
+                continue;
+            }
+            let alarms = sets.iter().filter(|d| !d.score.exact).count();
+            let low = sets.iter().filter(|d| d.score.p_value < 0.05).count();
+            text.push_str(&format!(
+                "| {} | {} | {} | {alarms} | {low} |\n",
+                yes(effort),
+                if dirty { "dirty" } else { "clean" },
+                sets.len()
+            ));
+        }
+    }
+    text.push('\n');
+    text
+}
+
+/// One row for each size, number of effects and kind of log.
+fn sizes(done: &[Done]) -> String {
+    let mut text = String::from(
+        "### Something hidden\n\n\
+        Named: all effects of the set and no other; something outside the catalogue as `unknown`. Shared: the same, or named beside at most two rivals. \
+        Errors and shares are medians. Removed: share of the removable gap on held-out runs.\n\n\
+        | effects | effort column | size | sets | named | named or shared | size error | place (IoU) | removed | intervals that hold | right coordinate of unknowns |\n\
+        |---|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for (count, effort) in [(1, true), (1, false), (2, true), (2, false)] {
+        for size in Size::ALL {
+            let sets: Vec<&Score> = done
+                .iter()
+                .filter(|d| d.ask.kinds.len() == count && d.ask.effort == effort && d.ask.size == size)
+                .map(|d| &d.score)
+                .collect();
+            if sets.is_empty() {
+                continue;
+            }
+            let all = |of: &dyn Fn(&Score) -> Vec<f64>| median(sets.iter().flat_map(|s| of(s)));
+            let [intervals, hold] = sets.iter().fold([0, 0], |[a, b], s| [a + s.intervals[0], b + s.intervals[1]]);
+            let unknown: Vec<bool> = sets.iter().filter_map(|s| s.coordinate).collect();
+            text.push_str(&format!(
+                "| {count} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+                yes(effort),
+                format!("{size:?}").to_lowercase(),
+                sets.len(),
+                share(sets.iter().filter(|s| s.exact).count(), sets.len()),
+                share(sets.iter().filter(|s| s.exact || s.shared).count(), sets.len()),
+                percent(all(&|s| s.size_errors.clone())),
+                all(&|s| s.places.clone()).map_or_else(nothing, |x| format!("{x:.2}")),
+                percent(all(&|s| s.removed.into_iter().collect())),
+                share(hold, intervals),
+                share(unknown.iter().filter(|right| **right).count(), unknown.len()),
+            ));
+        }
+    }
+    text.push('\n');
+    text
+}
+
+/// What was found where one kind was hidden, by size.
+fn confusion(done: &[Done], effort: bool) -> String {
+    let mut rows: BTreeMap<&str, [Vec<String>; 3]> = BTreeMap::new();
+    for one in done {
+        if let [kind] = one.ask.kinds[..]
+            && one.ask.effort == effort
+        {
+            let cell = &mut rows.entry(kind).or_default()[one.ask.size as usize];
+            let score = &one.score;
+            cell.push(if score.exact {
+                "✓".to_owned()
+            } else {
+                let mut text = if score.found.is_empty() { "nothing".to_owned() } else { score.found.join(" + ") };
+                if score.shared {
+                    text.push_str(" (shared)");
+                }
+                text
+            });
+        }
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    let mut text = format!(
+        "### What was named, {} effort column\n\n| hidden | clear | medium | faint |\n|---|---|---|---|\n",
+        if effort { "with" } else { "without" }
+    );
+    for (kind, cells) in rows {
+        text.push_str(&format!("| {kind} |"));
+        for mut cell in cells {
+            cell.sort();
+            text.push_str(&format!(" {} |", cell.join(", ")));
+        }
+        text.push('\n');
+    }
+    text.push('\n');
+    text
+}
+
+fn percent(value: Option<f64>) -> String {
+    value.map_or_else(nothing, |x| format!("{:.1} %", 100.0 * x))
+}
+
+fn share(count: usize, of: usize) -> String {
+    if of == 0 { nothing() } else { format!("{:.2} ({count}/{of})", count as f64 / of as f64) }
+}
+
+fn nothing() -> String {
+    "-".to_owned()
+}
+
+fn yes(effort: bool) -> &'static str {
+    if effort { "yes" } else { "no" }
+}

@@ -1,0 +1,379 @@
+//! What the recorder on board makes of the truth: samples with noise, rounding, delay and gaps.
+//!
+//! In: the trace of a run. Out: samples, and the truth at the same times, row by row.
+//!
+//! A reading at time t shows the train at t - latency. Noise comes before the rounding. A standing train reads 0 km/h without noise.
+
+use crate::driver::Regime;
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution, Normal};
+
+/// How the speed is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SpeedReading {
+    /// To the nearest km/h (or other quantum).
+    #[default]
+    Rounded,
+    /// To the km/h (or other quantum) below.
+    Truncated,
+    /// With all digits.
+    Exact,
+}
+
+/// Gaps of more than one sample: GPS and speed are both lost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bursts {
+    /// That one begins at a sample.
+    pub probability: f64,
+    /// Least and most samples.
+    pub samples: [usize; 2],
+}
+
+/// Gauss-Markov noise: a slow drift of the location.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocationWalk {
+    /// Standard deviation, m.
+    pub sd_m: f64,
+    /// Time constant, s.
+    pub tau_s: f64,
+}
+
+impl LocationWalk {
+    /// With the usual time constant of 60 s.
+    pub fn of(sd_m: f64) -> Self {
+        Self { sd_m, tau_s: 60.0 }
+    }
+}
+
+/// The recorder.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensors {
+    /// Time between samples, s; a multiple of the integration step.
+    pub sampling_s: f64,
+    /// How the speed is shown.
+    pub speed: SpeedReading,
+    /// White noise of the speed before rounding, standard deviation, km/h.
+    pub speed_noise_kmh: f64,
+    /// Shown over true speed, 1 for none: a worn wheel reads high.
+    pub speed_gain: f64,
+    /// White noise of the location, standard deviation, m.
+    pub location_noise_m: f64,
+    /// Slow noise of the location.
+    pub location_walk: Option<LocationWalk>,
+    /// Each reading is lost on its own with this probability.
+    pub dropout_probability: f64,
+    /// Longer gaps.
+    pub bursts: Option<Bursts>,
+    /// Age of location and speed when they are stamped, s.
+    pub latency_s: f64,
+    /// How much older the location is than that, s: a slow receiver.
+    pub location_lag_s: f64,
+    /// The step of a speed that is rounded or truncated, km/h.
+    pub speed_quantum_kmh: f64,
+    /// Shown over true effort, 1 for none.
+    pub effort_gain: f64,
+    /// The effort at the moment of the sample instead of the mean since the sample before.
+    pub effort_momentary: bool,
+    /// How much this gain differs from run to run, standard deviation; drawn where a run is simulated.
+    pub effort_gain_sd: f64,
+    /// White noise of the effort, standard deviation, N/kg.
+    pub effort_noise_n_per_kg: f64,
+}
+
+impl Default for Sensors {
+    /// The case study: every 10 s, rounded to 1 km/h, 4 m.
+    fn default() -> Self {
+        Self {
+            sampling_s: 10.0,
+            speed: SpeedReading::Rounded,
+            speed_noise_kmh: 0.0,
+            speed_gain: 1.0,
+            location_noise_m: 4.0,
+            location_walk: None,
+            dropout_probability: 0.0,
+            bursts: None,
+            latency_s: 0.0,
+            location_lag_s: 0.0,
+            speed_quantum_kmh: 1.0,
+            effort_gain: 1.0,
+            effort_momentary: false,
+            effort_gain_sd: 0.0,
+            effort_noise_n_per_kg: 0.0,
+        }
+    }
+}
+
+/// The end of one integration step. A standing train has the regime standstill, also in the step that stopped it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TraceStep {
+    /// s.
+    pub time_s: f64,
+    /// m.
+    pub location_m: f64,
+    /// m/s.
+    pub speed_mps: f64,
+    /// At the wheels, held over the step that ended here, N/kg.
+    pub effort_n_per_kg: f64,
+    /// What the train's computer makes of it, N/kg of described rotating mass.
+    pub reported_n_per_kg: f64,
+    /// In the step that ended here.
+    pub regime: Regime,
+    /// At this speed, with this wind and all effects, N/kg.
+    pub resistance_n_per_kg: f64,
+    /// What of it is due to effects other than wind, mass and Davis parameters, N/kg.
+    pub extra_n_per_kg: f64,
+    /// Gravity along the track, positive uphill in the direction of travel, N/kg.
+    pub gravity_n_per_kg: f64,
+    /// Ambient temperature, °C.
+    pub temperature_c: f64,
+}
+
+/// What the estimator may see.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// s.
+    pub time_s: f64,
+    /// m.
+    pub location_m: Option<f64>,
+    /// km/h.
+    pub speed_kmh: Option<f64>,
+    /// Mean effort since the sample before as the train's computer reports it, times the gain, plus noise, N/kg of described rotating mass.
+    /// 0 in the first sample.
+    pub effort_n_per_kg: f64,
+    /// Ambient temperature to 0.1 °C.
+    pub temperature_c: f64,
+}
+
+/// What was true at the time of the sample in the same row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TruthSample {
+    /// s.
+    pub time_s: f64,
+    /// m.
+    pub location_m: f64,
+    /// m/s.
+    pub speed_mps: f64,
+    /// At this moment, N/kg.
+    pub effort_n_per_kg: f64,
+    /// Mean since the sample before, N/kg.
+    pub mean_effort_n_per_kg: f64,
+    /// At this moment.
+    pub regime: Regime,
+    /// At this moment, wind and effects included, gravity not, N/kg.
+    pub resistance_n_per_kg: f64,
+    /// What of it is due to effects other than wind, mass and Davis parameters, N/kg.
+    pub extra_n_per_kg: f64,
+    /// Gravity along the track, positive uphill in the direction of travel, N/kg.
+    pub gravity_n_per_kg: f64,
+    /// Ambient temperature, °C.
+    pub temperature_c: f64,
+}
+
+impl Sensors {
+    /// Reads the trace, whose first row is time 0 and whose rows are `step_s` apart. Location and speed draw from `rng`, the effort from
+    /// `effort_rng`.
+    ///
+    /// # Panics
+    /// If the sampling is not a multiple of the step.
+    pub fn read(
+        &self,
+        trace: &[TraceStep],
+        step_s: f64,
+        rng: &mut impl Rng,
+        effort_rng: &mut impl Rng,
+    ) -> (Vec<Sample>, Vec<TruthSample>) {
+        let stride = (self.sampling_s / step_s).round() as usize;
+        assert!(
+            stride > 0 && (stride as f64 * step_s - self.sampling_s).abs() < 1e-9,
+            "sampling {} s must be a multiple of the step {step_s} s",
+            self.sampling_s
+        );
+        let unit = Normal::new(0.0, 1.0).expect("constant");
+        let mut walk_m = self.location_walk.map_or(0.0, |walk| walk.sd_m * unit.sample(rng));
+        let mut lost = 0_usize;
+        let mut samples = Vec::new();
+        let mut truth = Vec::new();
+        for (row, at) in trace.iter().enumerate().step_by(stride) {
+            // All draws are made whatever is used, so that one option does not move the noise of another.
+            let [speed_unit, location_unit, walk_unit] = std::array::from_fn(|_| unit.sample(rng));
+            let [drop_location, drop_speed, burst, extent]: [f64; 4] = std::array::from_fn(|_| rng.random());
+            if row > 0
+                && let Some(walk) = self.location_walk
+            {
+                let keep = (-self.sampling_s / walk.tau_s).exp();
+                walk_m = keep * walk_m + walk.sd_m * (1.0 - keep * keep).sqrt() * walk_unit;
+            }
+            if let Some(bursts) = self.bursts.filter(|b| lost == 0 && burst < b.probability) {
+                let [least, most] = bursts.samples;
+                lost = least + (extent * (most - least + 1) as f64) as usize;
+            }
+            let (_, speed_mps) = delayed(trace, row, self.latency_s / step_s);
+            let location_age_s = self.latency_s + self.location_lag_s;
+            let (location_m, _) = delayed(trace, row, location_age_s / step_s);
+            let heard = lost == 0;
+            let location_m = location_m + walk_m + self.location_noise_m * location_unit;
+            let speed_kmh = self.shown_kmh(speed_mps, speed_unit);
+
+            let begun = &trace[row.saturating_sub(stride) + 1..=row.max(1)];
+            let mean = |effort: fn(&TraceStep) -> f64| {
+                if row == 0 {
+                    return 0.0;
+                }
+                begun.iter().map(effort).sum::<f64>() / stride as f64
+            };
+            let mean_effort_n_per_kg = mean(|s| s.effort_n_per_kg);
+            let noise = if row == 0 { 0.0 } else { self.effort_noise_n_per_kg * unit.sample(effort_rng) };
+            samples.push(Sample {
+                time_s: at.time_s,
+                location_m: (heard && drop_location >= self.dropout_probability).then_some(location_m),
+                speed_kmh: (heard && drop_speed >= self.dropout_probability).then_some(speed_kmh),
+                effort_n_per_kg: self.effort_gain
+                    * if self.effort_momentary { at.reported_n_per_kg } else { mean(|s| s.reported_n_per_kg) }
+                    + noise,
+                temperature_c: (10.0 * at.temperature_c).round() / 10.0,
+            });
+            truth.push(TruthSample {
+                time_s: at.time_s,
+                location_m: at.location_m,
+                speed_mps: at.speed_mps,
+                effort_n_per_kg: at.effort_n_per_kg,
+                mean_effort_n_per_kg,
+                regime: at.regime,
+                resistance_n_per_kg: at.resistance_n_per_kg,
+                extra_n_per_kg: at.extra_n_per_kg,
+                gravity_n_per_kg: at.gravity_n_per_kg,
+                temperature_c: at.temperature_c,
+            });
+            lost = lost.saturating_sub(1);
+        }
+        (samples, truth)
+    }
+
+    fn shown_kmh(&self, speed_mps: f64, unit: f64) -> f64 {
+        if speed_mps == 0.0 {
+            return 0.0;
+        }
+        let kmh = (3.6 * speed_mps * self.speed_gain + self.speed_noise_kmh * unit).max(0.0);
+        let step = self.speed_quantum_kmh;
+        match self.speed {
+            SpeedReading::Rounded => step * (kmh / step).round(),
+            SpeedReading::Truncated => step * (kmh / step).floor(),
+            SpeedReading::Exact => kmh,
+        }
+    }
+}
+
+/// Location and speed `delay` steps before a row, between rows in proportion; before the start, the start.
+fn delayed(trace: &[TraceStep], row: usize, delay: f64) -> (f64, f64) {
+    let place = (row as f64 - delay).max(0.0);
+    let before = trace[place as usize];
+    let after = trace[(place as usize + 1).min(trace.len() - 1)];
+    let part = place.fract();
+    let between = |a: f64, b: f64| a + part * (b - a);
+    (between(before.location_m, after.location_m), between(before.speed_mps, after.speed_mps))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    fn steady(rows: usize) -> Vec<TraceStep> {
+        let at = |i: usize| TraceStep {
+            time_s: i as f64 * 0.1,
+            location_m: i as f64 * 3.0,
+            speed_mps: 30.0,
+            effort_n_per_kg: i as f64,
+            reported_n_per_kg: i as f64,
+            regime: Regime::Cruise,
+            resistance_n_per_kg: 0.05,
+            extra_n_per_kg: 0.0,
+            gravity_n_per_kg: 0.0,
+            temperature_c: 10.04,
+        };
+        (0..rows).map(at).collect()
+    }
+
+    fn read(sensors: &Sensors, rows: usize) -> Vec<Sample> {
+        sensors.read(&steady(rows), 0.1, &mut ChaCha8Rng::seed_from_u64(3), &mut ChaCha8Rng::seed_from_u64(4)).0
+    }
+
+    #[test]
+    fn latency_shows_an_older_location() {
+        let sensors = Sensors { sampling_s: 1.0, location_noise_m: 0.0, latency_s: 0.25, ..Sensors::default() };
+        let samples = read(&sensors, 31);
+        assert_eq!(samples[0].location_m, Some(0.0));
+        assert!((samples[2].location_m.unwrap() - (60.0 - 7.5)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_late_location_stands_beside_a_speed_of_now() {
+        let sensors = Sensors { sampling_s: 1.0, location_noise_m: 0.0, location_lag_s: 2.0, ..Sensors::default() };
+        let samples = read(&sensors, 51);
+        assert!((samples[4].location_m.unwrap() - (120.0 - 60.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn noise_of_the_effort_has_its_size_and_moves_nothing_else() {
+        let noisy = Sensors { sampling_s: 0.1, effort_noise_n_per_kg: 0.02, ..Sensors::default() };
+        let clean = Sensors { effort_noise_n_per_kg: 0.0, ..noisy.clone() };
+        let (a, b) = (read(&noisy, 20_000), read(&clean, 20_000));
+        let errors = a.iter().zip(&b).map(|(a, b)| a.effort_n_per_kg - b.effort_n_per_kg);
+        let sd = (errors.map(|e| e * e).sum::<f64>() / 20_000.0).sqrt();
+        assert!((sd - 0.02).abs() < 0.001, "{sd}");
+        assert!(a.iter().zip(&b).all(|(a, b)| a.location_m == b.location_m));
+    }
+
+    #[test]
+    fn effort_is_the_mean_since_the_sample_before() {
+        let sensors = Sensors { sampling_s: 1.0, effort_gain: 2.0, ..Sensors::default() };
+        let samples = read(&sensors, 31);
+        assert_eq!(samples[0].effort_n_per_kg, 0.0);
+        assert!((samples[1].effort_n_per_kg - 2.0 * 5.5).abs() < 1e-12);
+        assert!((samples[2].effort_n_per_kg - 2.0 * 15.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn speed_is_shown_as_the_recorder_does() {
+        let shown = |speed, mps| Sensors { speed, ..Sensors::default() }.shown_kmh(mps, 0.0);
+        assert_eq!(shown(SpeedReading::Rounded, 10.0 / 3.6 + 0.2), 11.0);
+        assert_eq!(shown(SpeedReading::Truncated, 10.0 / 3.6 + 0.2), 10.0);
+        assert!((shown(SpeedReading::Exact, 10.0) - 36.0).abs() < 1e-12);
+        let half = Sensors { speed_quantum_kmh: 0.5, ..Sensors::default() };
+        assert_eq!(half.shown_kmh(10.3 / 3.6, 0.0), 10.5);
+    }
+
+    #[test]
+    fn noise_and_gaps_have_the_stated_size() {
+        let sensors = Sensors {
+            sampling_s: 0.1,
+            speed: SpeedReading::Exact,
+            speed_noise_kmh: 1.0,
+            location_walk: Some(LocationWalk { sd_m: 3.0, tau_s: 1.0 }),
+            dropout_probability: 0.1,
+            ..Sensors::default()
+        };
+        let samples = read(&sensors, 50_000);
+        let sd = |errors: &[f64]| (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+        let speed: Vec<f64> = samples.iter().filter_map(|s| Some(s.speed_kmh? - 108.0)).collect();
+        let location: Vec<f64> = samples.iter().filter_map(|s| Some(s.location_m? - 30.0 * s.time_s)).collect();
+        assert!((sd(&speed) - 1.0).abs() < 0.02);
+        assert!((sd(&location) - 5.0).abs() < 0.1);
+        assert!((speed.len() as f64 / 50_000.0 - 0.9).abs() < 0.01);
+    }
+
+    #[test]
+    fn bursts_lose_both_readings_for_the_stated_number_of_samples() {
+        let sensors = Sensors {
+            sampling_s: 0.1,
+            bursts: Some(Bursts { probability: 0.001, samples: [4, 6] }),
+            ..Sensors::default()
+        };
+        let samples = read(&sensors, 50_000);
+        let lost: Vec<bool> = samples.iter().map(|s| s.location_m.is_none() && s.speed_kmh.is_none()).collect();
+        let lengths: Vec<usize> = lost.chunk_by(|a, b| a == b).filter(|c| c[0]).map(|c| c.len()).collect();
+        assert!(lengths.len() > 20);
+        assert!(lengths.iter().filter(|l| (4..=6).contains(*l)).count() + 2 > lengths.len(), "{lengths:?}");
+    }
+}

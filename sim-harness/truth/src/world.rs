@@ -1,0 +1,196 @@
+//! Everything that acts on the train in one run: the described world, its effects, today's wind, load and weather.
+//!
+//! In: a scenario and the plan of a run. Out: resistance, gravity and what traction and brake can do, at any moment.
+//!
+//! ```text
+//! dv/dt = effort - r(v, wind) - extras - g/γ * mean gradient         per true rotating mass
+//! ```
+//!
+//! Efforts act in newton: what traction gives, the air takes and a dragging brake holds does not depend on the mass; inertia, gravity and rolling
+//! resistance do. All locations here are along the way travelled: in direction `down` the line is reversed.
+
+use crate::effects::Effect;
+use crate::effects::limits::{brake_share, capability};
+use crate::effects::resistance::{Moment, Setting, extra_n_per_kg, is_resistance};
+use crate::line::Line;
+use crate::motion::Motion;
+use crate::plan::{Heading, RunPlan};
+use crate::scenario::{Scenario, stream};
+use crate::train::{GRAVITY_MPS2, TrainTruth};
+use crate::weather::Weather;
+use rand_distr::{Distribution, Normal};
+
+/// No driver plans to brake more gently than this, m/s².
+const LEAST_DECELERATION_MPS2: f64 = 0.1;
+
+/// What has happened in the run so far, as far as it matters for what acts now.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct History {
+    /// Time since the start of the log, s.
+    pub time_s: f64,
+    /// When the train first moved, s.
+    pub departed_s: Option<f64>,
+    /// A brake has been applied since.
+    pub braked: bool,
+}
+
+/// What acts in one run.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// The train as it is today: load, mass, length, Davis parameters.
+    pub train: TrainTruth,
+    /// The line as it is, in the direction of travel.
+    pub line: Line,
+    /// Wind against the direction of travel, m/s.
+    pub headwind_mps: f64,
+    /// Temperature.
+    pub weather: Weather,
+    /// Indicated over true speed: what the driver reads.
+    pub speed_scale: f64,
+    /// How late the location is beyond the sensors' latency, s.
+    pub location_lag_s: f64,
+    effects: Vec<Effect>,
+    /// Those of them that add to the resistance: asked for four times a step.
+    resisting: Vec<Effect>,
+    described_over_true_mass: f64,
+    season: f64,
+}
+
+impl World {
+    /// The world of a run. `load` is the mass over the described one, `headwind_mps` the wind of the day, both before any effect.
+    pub fn new(scenario: &Scenario, plan: &RunPlan, load: f64, headwind_mps: f64) -> Self {
+        let acting = |(effect, acts): (&Effect, &bool)| acts.then(|| effect.clone());
+        let effects: Vec<Effect> = scenario.effects.iter().zip(&plan.acting).filter_map(acting).collect();
+        let up = plan.heading == Heading::Up;
+        let sign = if up { 1.0 } else { -1.0 };
+        let described = &scenario.train;
+        let unit = Normal::new(0.0, 1.0).expect("constant");
+        let mut draws = stream(plan.seed, 5);
+        let mut train = TrainTruth { davis: described.davis.scaled(scenario.davis_scale), ..*described };
+        let mut line = scenario.line.clone();
+        let mut headwind_mps = headwind_mps;
+        let (mut speed_scale, mut location_lag_s) = (1.0, 0.0);
+        for effect in &effects {
+            match *effect {
+                Effect::GradientError { from_m, to_m, delta_permille } => {
+                    line = line.with_extra_gradient(from_m, to_m, delta_permille)
+                }
+                Effect::SteadyWind { wind_mps } => headwind_mps += sign * wind_mps,
+                Effect::RunWind { sd_mps } => {
+                    headwind_mps += sign * sd_mps * unit.sample(&mut draws);
+                }
+                Effect::MassError { relative } => train = train.heavier(1.0 + relative),
+                Effect::TrainLengthError { true_length_m } => train.length_m = true_length_m,
+                Effect::DavisError { dr0, dr1, dr2 } => {
+                    train.davis.r0 += dr0;
+                    train.davis.r1 += dr1;
+                    train.davis.r2 += dr2;
+                }
+                Effect::SpeedScale { measured_over_true } => speed_scale *= measured_over_true,
+                Effect::LocationLag { lag_s } => location_lag_s += lag_s,
+                _ => {}
+            }
+        }
+        let length_m = line.length_m();
+        let effects = match plan.heading {
+            Heading::Up => effects,
+            Heading::Down => {
+                line = line.reversed();
+                let mirrored = effects.into_iter().map(|e| e.mirrored(length_m));
+                mirrored.collect()
+            }
+        };
+        let train = train.loaded(load);
+        Self {
+            described_over_true_mass: described.rotating_mass_kg() / train.rotating_mass_kg(),
+            weather: scenario.climate.draw(plan.departure_s, &mut stream(plan.seed, 4)),
+            season: plan.season,
+            train,
+            line,
+            headwind_mps,
+            speed_scale,
+            location_lag_s,
+            resisting: effects.iter().filter(|e| is_resistance(e)).cloned().collect(),
+            effects,
+        }
+    }
+
+    fn moment(&self, history: History, motion: Motion) -> Moment {
+        Moment {
+            motion,
+            since_departure_s: history.departed_s.map_or(0.0, |from| history.time_s - from),
+            braked: history.braked,
+            temperature_c: self.weather.temperature_c(history.time_s),
+            season: self.season,
+        }
+    }
+
+    /// What the effects add to the resistance, N/kg.
+    pub fn extra_n_per_kg(&self, history: History, motion: Motion) -> f64 {
+        let at = self.moment(history, motion);
+        let setting =
+            Setting { train: &self.train, line: &self.line, described_over_true_mass: self.described_over_true_mass };
+        self.resisting.iter().map(|effect| extra_n_per_kg(effect, &setting, &at)).fold(0.0, |sum, extra| sum + extra)
+    }
+
+    /// Resistance with wind and effects, without gravity, N/kg.
+    pub fn resistance_n_per_kg(&self, history: History, motion: Motion) -> f64 {
+        self.train.resistance_n_per_kg(motion.speed_mps, self.headwind_mps) + self.extra_n_per_kg(history, motion)
+    }
+
+    /// Gravity along the track, N/kg, positive uphill.
+    pub fn gravity_n_per_kg(&self, motion: Motion) -> f64 {
+        let gradient = self.line.mean_gradient(motion.location_m, self.train.length_m);
+        GRAVITY_MPS2 / self.train.gamma * gradient
+    }
+
+    /// Everything that brakes a coasting train, N/kg.
+    pub fn load_n_per_kg(&self, history: History, motion: Motion) -> f64 {
+        self.resistance_n_per_kg(history, motion) + self.gravity_n_per_kg(motion)
+    }
+
+    /// Largest tractive effort for a lever at these shares of effort and power, N/kg: constant, then constant power; the smaller of what is asked and
+    /// what the effects leave.
+    pub fn max_effort_n_per_kg(&self, motion: Motion, effort_share: f64, power_share: f64) -> f64 {
+        let left = capability(&self.effects, motion);
+        let effort_n = self.train.max_tractive_effort_n * (effort_share * left.scale).min(left.effort_cap);
+        // At standstill the quotient is infinite and the constant effort wins.
+        let power_w = self.train.max_power_w * (power_share * left.scale).min(left.power_cap);
+        effort_n.min(power_w / motion.speed_mps) / self.train.rotating_mass_kg()
+    }
+
+    /// Largest brake effort, N/kg, positive.
+    pub fn max_brake_n_per_kg(&self) -> f64 {
+        self.train.max_brake_mps2 * self.described_over_true_mass
+    }
+
+    /// A deceleration that the brake can give everywhere on this line, with a tenth in reserve, m/s².
+    pub fn safe_deceleration_mps2(&self) -> f64 {
+        let steepest = self.line.gradients_permille().iter().map(|g| g.1).fold(0.0, f64::min);
+        let pull = GRAVITY_MPS2 / self.train.gamma * steepest / 1000.0;
+        (0.9 * self.max_brake_n_per_kg() + pull).max(LEAST_DECELERATION_MPS2)
+    }
+
+    /// What arrives at the wheels of a demanded effort, N/kg.
+    pub fn applied_n_per_kg(&self, demanded: f64, motion: Motion) -> f64 {
+        if demanded < 0.0 {
+            demanded * brake_share(&self.effects, motion.speed_mps)
+        } else {
+            demanded.min(self.max_effort_n_per_kg(motion, 1.0, 1.0))
+        }
+    }
+
+    /// What the train's computer reports for it, N/kg of *described* rotating mass: the traction that is applied, and the brake that is demanded
+    /// (it knows pressures, not friction).
+    pub fn reported_n_per_kg(&self, demanded: f64, applied: f64) -> f64 {
+        demanded.min(applied) / self.described_over_true_mass
+    }
+
+    /// One step under a constant effort at the wheels.
+    pub fn advance(&self, history: History, motion: Motion, applied: f64, step_s: f64) -> Motion {
+        motion.advance(step_s, |m, t| {
+            let then = History { time_s: history.time_s + t, ..history };
+            applied - self.load_n_per_kg(then, m)
+        })
+    }
+}

@@ -1,0 +1,107 @@
+//! Steps of the paper's filter and nothing else. Says over the serial line how long the longest took; `cargo xtask budget` starts it.
+//!
+//! Out: counts of the system timer, 4 bytes, little endian; 0 where a step failed.
+
+use core::hint::black_box;
+use core::panic::PanicInfo;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_rt::entry;
+// The linker script of the log asks for it.
+use defmt_rtt as _;
+use rundown::filter::gaussian::Gaussian;
+use rundown::filter::ukf::{Spread, Ukf};
+use rundown::model::direction::Direction;
+use rundown::model::line::Line;
+use rundown::model::motion::{Evaluate, Motion};
+use rundown::model::resistance::Davis;
+use rundown::model::state::SIZE;
+use rundown::model::track::{Gradient, Track};
+use rundown::model::train::{Train, TrainDescription};
+use rundown::tick::learning::LocationAndSpeed;
+// The vector table.
+use stm32l4 as _;
+
+const STEPS: u32 = 60;
+const DT_S: f64 = 10.0;
+const OBSERVATION: LocationAndSpeed = LocationAndSpeed { location_variance: 16.0, speed_variance: 1.0 / (3.6 * 3.6) };
+const FILTER: Ukf<SIZE, 2> = Ukf { spread: Spread::PAPER, gate: [None; 2], reuse_points: true };
+
+/// What is measured. Of its own, so that its code and its stack can be told from the rest.
+#[inline(never)]
+fn filter_step(
+    belief: &mut Gaussian<SIZE>,
+    line: &Line<'_>,
+    effort_n_per_kg: f64,
+    readings: &[Option<f64>; 2],
+) -> bool {
+    let motion = Motion::new(line, &belief.mean, effort_n_per_kg, DT_S, Evaluate::Beginning);
+    FILTER.step(belief, &motion, &OBSERVATION, readings).is_ok()
+}
+
+/// The board's stack is too small to make a track on it, which the firmware never does.
+#[entry]
+fn main() -> ! {
+    const WORDS: usize = 20 << 10;
+    static mut STACK: [u32; WORDS] = [0; WORDS];
+    let top = (&raw const STACK).cast::<u32>().wrapping_add(WORDS);
+    // SAFETY: nothing else uses the words below `top`, and `measure` never returns to the stack that is left.
+    unsafe { cortex_m::asm::bootstrap(top, measure as *const u32) }
+}
+
+extern "C" fn measure() -> ! {
+    say(longest().unwrap_or(0));
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// A train on a cruise over a track of the reference's kind.
+fn longest() -> Option<u32> {
+    let mut timer = cortex_m::Peripherals::take()?.SYST;
+    timer.set_clock_source(SystClkSource::Core);
+    timer.set_reload(0xFF_FFFF);
+    timer.clear_current();
+    timer.enable_counter();
+    let train = Train::try_new(TrainDescription { max_power_w: 2_036_377.8, ..TrainDescription::CASE_STUDY }).ok()?;
+    let gradients = (0..32_u32).map(|i| Gradient { from_m: 1000.0 * f64::from(i), permille: f64::from(i % 5) - 2.0 });
+    let track = Track::try_new(32e3, gradients).ok()?;
+    let line = Line { train: &train, track: &track, direction: Direction::Up };
+    let mut belief = Gaussian::independent([100.0, 38.0, 7.38e-3, 1.6e-4, 2.8e-5], [1.0, 0.0005, 1e-6, 1e-8, 1e-9]);
+    let mut longest = 0;
+    for step in 1..=STEPS {
+        let time_s = DT_S * f64::from(step);
+        let readings = black_box([Some(100.0 + 38.0 * time_s), Some(38.0)]);
+        let from = SYST::get_current();
+        let done = filter_step(black_box(&mut belief), &line, black_box(0.055), &readings);
+        // It counts down.
+        let taken = from.wrapping_sub(SYST::get_current()) & 0xFF_FFFF;
+        longest = longest.max(taken);
+        if !done {
+            return None;
+        }
+    }
+    Some(longest)
+}
+
+/// Over UART 0 of the board, which the emulator sends at once.
+fn say(counts: u32) {
+    const DATA: *mut u32 = 0x4000_4000 as *mut u32;
+    const CONTROL: *mut u32 = 0x4000_4008 as *mut u32;
+    const DIVIDER: *mut u32 = 0x4000_4010 as *mut u32;
+    // SAFETY: registers of the UART, which nothing else touches; the transmitter is enabled before it is given a byte.
+    unsafe {
+        DIVIDER.write_volatile(16);
+        CONTROL.write_volatile(1);
+        for byte in counts.to_le_bytes() {
+            DATA.write_volatile(byte.into());
+            // A register holds one byte until it has gone.
+            while DATA.add(1).read_volatile() & 1 != 0 {}
+        }
+    }
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    cortex_m::asm::udf()
+}

@@ -1,0 +1,232 @@
+//! Tasks and priorities (RTIC).
+//!
+//! | priority | task | woken by | does |
+//! |---|---|---|---|
+//! | 3 | `line` | serial port | bytes into the ring, bytes out of the outbox |
+//! | 2 | `timer` | system timer, 10 Hz | time, watchdog, wakes the two below |
+//! | 1 | `tick` | `timer` | every [`PERIOD_S`]: the application's tick |
+//! | 1 | `link` | `line`, `timer` | bytes of the ring into the application |
+//! | 0 | `idle` | | sleeps |
+//!
+//! `tick` and `link` have the same priority, so the application needs no lock; `tick` has the lower interrupt number and goes first. Both are woken through the
+//! interrupt controller: a wake-up that comes while the task runs makes it run again, none is lost.
+
+/// Period of the application's tick, s.
+pub const PERIOD_S: u32 = 10;
+
+#[rtic::app(device = crate::board::device, peripherals = false)]
+mod app {
+    use super::PERIOD_S;
+    use crate::board::stopwatch::{self, Stopwatch, TIMER_HZ};
+    use crate::board::{self, Board, DogTimer, Flash, Place, SerialPort, device::Interrupt, kept_ram};
+    use core::mem::MaybeUninit;
+    use core::sync::atomic::{AtomicU32, Ordering};
+    use heapless::spsc::{Consumer, Producer, Queue};
+    use rtic::mutex_prelude::TupleExt02;
+    use rundown::estimator::run_state::RunState;
+    use rundown::onboard::application::Application;
+    use rundown::onboard::auth::Provisioning;
+    use rundown::onboard::clock::Clock;
+    use rundown::onboard::crash_loop::Operation;
+    use rundown::onboard::kept::{Boot, Kept};
+    use rundown::onboard::outbox::Outbox;
+    use rundown::onboard::serial::{self, LineErrors};
+    use rundown::onboard::task::Room;
+    use rundown::onboard::watchdog::{Beats, FeedRule, Watchdog};
+    use rundown_wire::{Failure, Health};
+
+    /// Bytes from the line that may wait: 89 ms of it.
+    const RING: usize = 1024;
+    /// Bytes of frames that may wait: the most that a tick sends, 356 ms of the line.
+    const OUTBOX: usize = 4096;
+    /// Timer periods without a feed after which the reason is written down; the watchdog bites after 20.
+    const QUIET_PERIODS: u32 = 5;
+
+    static LINE_ERRORS: LineErrors = LineErrors::new();
+    static TICK_BEATS: AtomicU32 = AtomicU32::new(0);
+    /// Frames that the line did not take.
+    static DROPPED: AtomicU32 = AtomicU32::new(0);
+    static LINK_BEATS: AtomicU32 = AtomicU32::new(0);
+    /// Timer periods since boot; wraps after 13 years.
+    static PERIODS: AtomicU32 = AtomicU32::new(0);
+
+    /// What is known since the start.
+    #[derive(Clone, Copy)]
+    pub struct Start {
+        boot: Boot,
+        clock: Clock,
+    }
+
+    #[shared]
+    struct Shared {
+        /// With the line's interrupt.
+        port: SerialPort,
+        outbox: &'static mut Outbox<OUTBOX>,
+        #[lock_free]
+        start: Start,
+        #[lock_free]
+        application: &'static mut Application<'static, Flash>,
+    }
+
+    #[local]
+    struct Local {
+        ring_in: Producer<'static, u8>,
+        ring_out: Consumer<'static, u8>,
+        watchdog: DogTimer,
+        feed_rule: FeedRule,
+        quiet_periods: u32,
+        kept: Kept,
+        next_tick: u32,
+    }
+
+    #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<'static, Flash>> = MaybeUninit::uninit(), run: RunState = RunState::ZEROED, outbox: Outbox<OUTBOX> = Outbox::new(), room: Room = Room::EMPTY])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        // The chip's registers are taken once, here; if they were not free something is very wrong, and a reset is the answer.
+        let Some(Board { port, watchdog, flash, clock, cause }) = board::start(cx.core) else {
+            cortex_m::peripheral::SCB::sys_reset()
+        };
+        let (kept, boot) = Kept::boot(kept_ram::load(), cause);
+        kept_ram::store(&kept);
+        defmt::info!("boot, clock {=u32} Hz, resets {=u32}", clock.hz(), boot.resets);
+        let heartbeat_only = boot.operation == Operation::HeartbeatOnly;
+        let application = place(cx.local.application, flash, heartbeat_only, cx.local.run, cx.local.room);
+        let (ring_in, ring_out) = cx.local.ring.split();
+        rtic::pend(Interrupt::COMP);
+        rtic::pend(Interrupt::TSC);
+        (
+            Shared { port, outbox: cx.local.outbox, start: Start { boot, clock }, application },
+            Local { ring_in, ring_out, watchdog, feed_rule: FeedRule::default(), quiet_periods: 0, kept, next_tick: 0 },
+        )
+    }
+
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+
+    #[task(binds = USART1, priority = 3, shared = [port, outbox], local = [ring_in])]
+    fn line(cx: line::Context) {
+        let ring = cx.local.ring_in;
+        let came =
+            (cx.shared.port, cx.shared.outbox).lock(|port, outbox| serial::serve(port, ring, outbox, &LINE_ERRORS));
+        if came {
+            rtic::pend(Interrupt::TSC);
+        }
+    }
+
+    #[task(binds = SysTick, priority = 2, local = [watchdog, feed_rule, quiet_periods, kept])]
+    fn timer(cx: timer::Context) {
+        let local = cx.local;
+        let periods = PERIODS.load(Ordering::Relaxed).wrapping_add(1);
+        PERIODS.store(periods, Ordering::Relaxed);
+        if periods.is_multiple_of(TIMER_HZ) {
+            local.kept.crash_loop.second();
+            kept_ram::store(local.kept);
+        }
+        let beats = Beats { tick: TICK_BEATS.load(Ordering::Relaxed), link: LINK_BEATS.load(Ordering::Relaxed) };
+        match local.feed_rule.ask(beats) {
+            Ok(()) => {
+                local.watchdog.feed();
+                *local.quiet_periods = 0;
+                local.kept.failure = Failure::None;
+            }
+            Err(stalled) => {
+                *local.quiet_periods += 1;
+                if *local.quiet_periods >= QUIET_PERIODS {
+                    local.kept.failure = Failure::Stalled(stalled);
+                    kept_ram::store(local.kept);
+                }
+            }
+        }
+        rtic::pend(Interrupt::COMP);
+        rtic::pend(Interrupt::TSC);
+    }
+
+    #[task(binds = COMP, priority = 1, shared = [port, outbox, start, application], local = [next_tick])]
+    fn tick(cx: tick::Context) {
+        if cx.shared.start.boot.operation == Operation::Normal {
+            board::provoke(Place::Tick);
+        }
+        let periods = PERIODS.load(Ordering::Relaxed);
+        // The difference, because the counter wraps.
+        if periods.wrapping_sub(*cx.local.next_tick) < u32::MAX / 2 {
+            *cx.local.next_tick = cx.local.next_tick.wrapping_add(PERIOD_S * TIMER_HZ);
+            let (health, mut say) = (health(cx.shared.start), say(cx.shared.port, cx.shared.outbox));
+            let watch = Stopwatch::start();
+            cx.shared.application.tick(health, &mut say);
+            watch.stop();
+        }
+        TICK_BEATS.fetch_add(1, Ordering::Relaxed);
+    }
+
+    #[task(binds = TSC, priority = 1, shared = [port, outbox, start, application], local = [ring_out])]
+    fn link(cx: link::Context) {
+        if cx.shared.start.boot.operation == Operation::Normal {
+            board::provoke(Place::Link);
+        }
+        let health = health(cx.shared.start);
+        let mut say = say(cx.shared.port, cx.shared.outbox);
+        // At most one ring at a time: a line that babbles must not keep the other task waiting.
+        for _ in 0..RING {
+            let Some(byte) = cx.local.ring_out.dequeue() else {
+                break;
+            };
+            let watch = Stopwatch::start();
+            cx.shared.application.receive(byte, health, &mut say);
+            watch.stop();
+        }
+        if cx.local.ring_out.ready() {
+            rtic::pend(Interrupt::TSC);
+        }
+        LINK_BEATS.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// In a frame of its own, so that the stack of the start is given back.
+    #[inline(never)]
+    fn place(
+        slot: &'static mut MaybeUninit<Application<'static, Flash>>,
+        flash: Flash,
+        heartbeat_only: bool,
+        run: &'static mut RunState,
+        room: &'static mut Room,
+    ) -> &'static mut Application<'static, Flash> {
+        let provisioning = Provisioning::from_bytes(&board::provisioning::record());
+        slot.write(Application::new(provisioning, flash, heartbeat_only, run, room))
+    }
+
+    /// Puts a frame into the outbox and starts the line. When there is no room the oldest frame goes.
+    // One type for both tasks, so that the application is in the image once.
+    fn say(
+        port: impl rtic::Mutex<T = SerialPort>,
+        outbox: impl rtic::Mutex<T = &'static mut Outbox<OUTBOX>>,
+    ) -> impl FnMut(&[u8]) -> bool {
+        let mut wires = (port, outbox);
+        move |frame| {
+            wires.lock(|port, outbox| {
+                let taken = outbox.push(frame).is_ok();
+                DROPPED.store(outbox.dropped(), Ordering::Relaxed);
+                serial::send(port, outbox);
+                taken
+            })
+        }
+    }
+
+    fn health(start: &Start) -> impl Fn() -> Health + Copy {
+        let start = *start;
+        move || Health {
+            uptime_s: PERIODS.load(Ordering::Relaxed) / TIMER_HZ,
+            reset_cause: start.boot.cause,
+            failure: start.boot.failure,
+            resets: start.boot.resets,
+            slow_clock: start.clock != Clock::Fast,
+            stack_bytes: board::painted_stack::high_water(),
+            longest_us: stopwatch::longest_us(),
+            flash_errors: board::flash_errors(),
+            line: LINE_ERRORS.counts(),
+            not_sent: DROPPED.load(Ordering::Relaxed),
+            ..Health::default()
+        }
+    }
+}

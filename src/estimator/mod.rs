@@ -1,0 +1,647 @@
+//! The tick: measurement -> plausibility -> kinematics -> effort -> regime -> learning (ukf) -> features. Only this file knows the order.
+//!
+//! What is set once ([`Estimator`]: configuration, train, track) comes by `&`, what changes every tick ([`RunState`]) by `&mut`.
+//! The board, the replay and the tests run the same [`Estimator::step`].
+
+pub mod config;
+pub mod run_state;
+
+use crate::Real;
+use crate::coast_ahead::{self, CoastAhead};
+use crate::estimator::config::{Config, Mode};
+use crate::estimator::run_state::RunState;
+use crate::features::{Features, Observation};
+use crate::filter::gaussian::Gaussian;
+use crate::model::direction::Direction;
+use crate::model::effects::{Acting, Effects, Surroundings};
+use crate::model::effort;
+use crate::model::line::Line;
+use crate::model::point::Point;
+use crate::model::resistance::Davis;
+use crate::model::state::resistance_sd;
+use crate::model::state::{LOCATION, SPEED};
+use crate::model::track::Track;
+use crate::model::train::Train;
+use crate::tick::bounds::ConfigError;
+use crate::tick::estimate::{Cause, Counters, Estimate, Validity};
+use crate::tick::kinematics::Kinematics;
+use crate::tick::learning::Tick;
+use crate::tick::measurement::Measurement;
+use crate::tick::memory::{MemoryConfig, Vehicle};
+use crate::tick::paper::PaperLoop;
+use crate::tick::plausibility::Judged;
+use crate::tick::regime::{Evidence, Recogniser, Regime};
+use core::borrow::{Borrow, BorrowMut};
+use core::fmt;
+
+/// Without a location for longer than this the location is invalid; the same for the speed, s.
+const INVALID_AFTER_S: Real = 60.0;
+/// Without a speed for longer than this the regime is unknown, s.
+const LOST_S: Real = 60.0;
+
+/// What is set once: configuration, train, track, effects. The board lends its track and effects (`T = &mut Track`, `E = &mut Effects`), for they take 16 kB and 2 kB.
+#[derive(Clone, Debug)]
+pub struct Estimator<T = Track, E = Effects> {
+    config: Config,
+    train: Train,
+    track: T,
+    effects: E,
+}
+
+/// Why a measurement gave no estimate. Nothing has changed but its counter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The time of the measurement is not after the last one's.
+    TimeNotIncreasing {
+        /// Time of the last accepted measurement, s.
+        last_s: Real,
+        /// Time of this one, s.
+        found_s: Real,
+    },
+}
+
+impl fmt::Display for StepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TimeNotIncreasing { last_s, found_s } => {
+                write!(f, "time must increase: the last measurement was at {last_s} s, this one is at {found_s} s")
+            }
+        }
+    }
+}
+
+impl core::error::Error for StepError {}
+
+/// What is known at the end of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunSummary {
+    /// Features of the run.
+    pub features: Features,
+    /// Davis coefficients of this run's train (wind and load of the day included).
+    pub run_davis: Gaussian<3>,
+    /// Gain of the measured effort, true over measured, and its standard deviation (`measured` mode).
+    pub gain: (Real, Real),
+    /// How long the resistance was learned, s.
+    pub learned_s: Real,
+    /// How often each cause occurred.
+    pub counters: Counters,
+}
+
+impl RunSummary {
+    /// Of no run.
+    pub const NONE: Self = Self {
+        features: Features::NONE,
+        run_davis: Gaussian::ZEROED,
+        gain: (0.0, 0.0),
+        learned_s: 0.0,
+        counters: Counters::ZEROED,
+    };
+}
+
+impl<T: Borrow<Track>> Estimator<T> {
+    /// Checks the configuration. The model has no named effects yet.
+    ///
+    /// # Errors
+    /// [`ConfigError`] names the first field that is out of range.
+    pub fn try_new(config: Config, train: Train, track: T) -> Result<Self, ConfigError> {
+        config.check()?;
+        Ok(Self { config, train, track, effects: Effects::NONE })
+    }
+
+    /// The same with these effects in the model.
+    ///
+    /// ```
+    /// use rundown::estimator::Estimator;
+    /// use rundown::estimator::config::Config;
+    /// use rundown::model::effects::*;
+    /// use rundown::model::resistance::Davis;
+    /// use rundown::model::{direction::Direction, track::*};
+    /// use rundown::model::train::*;
+    ///
+    /// # let description = TrainDescription::CASE_STUDY;
+    /// let train = Train::try_new(description)?;
+    /// let track = Track::try_new(32e3, [])?;
+    /// let tunnel = Effect::TunnelDrag(TunnelDrag { from_m: 4e3, to_m: 9e3, k: 1e-5 });
+    /// let estimator = Estimator::try_new(Config::default(), train, track)?
+    ///     .with_effects(Effects::try_new([tunnel])?);
+    /// assert_eq!(estimator.effects().len(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_effects(self, effects: Effects) -> Self {
+        Self { effects, ..self }
+    }
+}
+
+impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
+    /// Without a train, for a board that is still to be told: not to be stepped before train and track are set.
+    pub(crate) fn undescribed(track: T, effects: E) -> Self {
+        Self { config: Config::default(), train: Train::undescribed(), track, effects }
+    }
+
+    /// The named effects of the model.
+    pub fn effects(&self) -> &Effects {
+        self.effects.borrow()
+    }
+
+    /// To be changed between runs only.
+    pub(crate) fn effects_mut(&mut self) -> &mut Effects
+    where
+        E: BorrowMut<Effects>,
+    {
+        self.effects.borrow_mut()
+    }
+
+    /// To be changed between runs only.
+    pub(crate) fn track_mut(&mut self) -> &mut Track
+    where
+        T: BorrowMut<Track>,
+    {
+        self.track.borrow_mut()
+    }
+
+    pub(crate) fn set_train(&mut self, train: Train) {
+        self.train = train;
+    }
+
+    /// Takes the track and gives back the one before. In place: a track takes 16 kB.
+    pub(crate) fn swap_track(&mut self, track: &mut Track)
+    where
+        T: BorrowMut<Track>,
+    {
+        core::mem::swap(self.track.borrow_mut(), track);
+    }
+
+    pub(crate) fn set_config(&mut self, config: Config) -> Result<(), ConfigError> {
+        config.check()?;
+        self.config = config;
+        Ok(())
+    }
+
+    /// The track as it was described.
+    pub fn track(&self) -> &Track {
+        self.track.borrow()
+    }
+
+    /// The train as it was described.
+    pub fn train(&self) -> &Train {
+        &self.train
+    }
+
+    /// The configuration in force.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The memory's settings; how windy the line is may be known as an effect.
+    pub fn memory_config(&self) -> MemoryConfig {
+        let memory = self.config.memory;
+        MemoryConfig { wind_sd_mps: self.effects().wind_sd_mps().unwrap_or(memory.wind_sd_mps), ..memory }
+    }
+
+    /// Largest tractive effort and largest brake effort, N/kg, both positive, as the model believes them at a location and speed.
+    pub fn limits_n_per_kg(&self, location_m: Real, speed_mps: Real) -> (Real, Real) {
+        if self.effects().is_empty() {
+            let train = &self.train;
+            return (train.max_effort_n_per_kg(speed_mps), train.max_brake_n_per_kg());
+        }
+        let limits = self.effects().limits(&self.train, location_m, speed_mps);
+        (limits.traction_n_per_kg(speed_mps), limits.brake_n_per_kg)
+    }
+
+    /// Temperature and date, for the effects that depend on them; from the next tick on, until they are told anew.
+    pub fn tell(&self, run: &mut RunState, surroundings: Surroundings) {
+        run.journey.surroundings = surroundings;
+    }
+
+    /// The vehicle as its manufacturer describes it, before any run.
+    pub fn new_vehicle(&self) -> Vehicle {
+        match self.config.mode {
+            Mode::Paper => Vehicle::independent(self.train.davis(), self.config.paper.initial_davis_sd),
+            Mode::Gated | Mode::Measured => Vehicle::new(&self.memory_config(), self.train.davis()),
+        }
+    }
+
+    /// Begins a run with what is known of the vehicle.
+    pub fn begin_run(&self, vehicle: &Vehicle, direction: Direction) -> RunState {
+        let mut run = RunState::idle();
+        self.begin_run_in(&mut run, vehicle, direction);
+        run
+    }
+
+    /// As [`Estimator::begin_run`], in the place of another run: a run takes 14 kB, which the board never has on its stack.
+    pub fn begin_run_in(&self, run: &mut RunState, vehicle: &Vehicle, direction: Direction) {
+        let begin = match self.config.mode {
+            Mode::Paper => vehicle.davis(),
+            Mode::Gated | Mode::Measured => vehicle.next_run(&self.memory_config()),
+        };
+        run.begin(&self.config.learning, begin, direction);
+    }
+
+    /// One tick.
+    ///
+    /// # Errors
+    /// [`StepError::TimeNotIncreasing`]: the measurement is dropped and counted, nothing else changes.
+    pub fn step(&self, run: &mut RunState, measurement: &Measurement) -> Result<Estimate, StepError> {
+        let config = &self.config;
+        let measurement = &self.corrected(run, measurement);
+        let judged = run
+            .plausibility
+            .judge(
+                &config.plausibility,
+                &config.sensor,
+                &self.train,
+                self.track().length_m(),
+                run.direction,
+                measurement,
+            )
+            .map_err(|last_s| {
+                run.counters.time_not_increasing = run.counters.time_not_increasing.saturating_add(1);
+                StepError::TimeNotIncreasing { last_s: last_s.unwrap_or(0.0), found_s: measurement.time_s }
+            })?;
+        let line = Line { train: &self.train, track: self.track(), direction: run.direction };
+        run.journey.measured(judged.time_s, judged.speed_mps.ok());
+        let acting = Acting::new(self.effects.borrow(), run.journey);
+        let validity = self.count(run, &judged);
+        let estimate = match config.mode {
+            Mode::Paper => self.paper_tick(run, &line, &acting, &judged, validity),
+            Mode::Gated | Mode::Measured => self.learning_tick(run, &line, &acting, &judged, validity),
+        };
+        self.observe(run, &line, &acting, &judged, &estimate);
+        // What the regime is at this tick may be taken back at the next one; a brake is not.
+        if estimate.confirmed == Some(Regime::Brake) {
+            run.journey.brake();
+        }
+        Ok(estimate)
+    }
+
+    /// The readings as the effects put them right. A location without a speed is carried on by the last one.
+    fn corrected(&self, run: &RunState, measurement: &Measurement) -> Measurement {
+        let effects = self.effects();
+        if effects.is_empty() {
+            return *measurement;
+        }
+        let speed_mps = measurement.speed_mps.map(|speed_mps| effects.true_speed_mps(speed_mps));
+        let last_mps = run.last.map_or(0.0, |last| last.speed_mps);
+        let location_m = measurement.location_m.map(|location_m| {
+            let now_mps = speed_mps.unwrap_or(last_mps);
+            effects.true_location_m(run.direction.sign(), location_m, now_mps)
+        });
+        Measurement { location_m, speed_mps, ..*measurement }
+    }
+
+    /// What coasting from the last tick's `estimate` on leads to, see [`crate::coast_ahead`]. Changes nothing.
+    pub fn coast_ahead(&self, run: &RunState, estimate: &Estimate) -> CoastAhead {
+        let line = Line { train: &self.train, track: self.track(), direction: run.direction };
+        let acting = Acting::new(self.effects.borrow(), run.journey);
+        // That of a tick of 10 s.
+        let noise_mps2 = self.config.learning.acceleration_noise_mps2;
+        let noise = 10.0 * noise_mps2 * noise_mps2;
+        coast_ahead::predict(&self.config.coast, &line, &acting, noise, estimate)
+    }
+
+    /// Ends a run: what it said about the train goes into the vehicle's memory.
+    pub fn end_run(&self, run: &mut RunState, vehicle: &mut Vehicle) -> RunSummary {
+        let mut summary = RunSummary::NONE;
+        self.end_run_in(run, vehicle, &mut summary);
+        summary
+    }
+
+    /// As [`Estimator::end_run`], in the place of another summary: it takes 3 kB, which the board does not have on its stack.
+    #[inline(never)]
+    pub fn end_run_in(&self, run: &mut RunState, vehicle: &mut Vehicle, summary: &mut RunSummary) {
+        summary.run_davis = run.davis();
+        match self.config.mode {
+            Mode::Paper => vehicle.replace(&summary.run_davis),
+            Mode::Gated | Mode::Measured => {
+                vehicle.learn(&self.memory_config(), &run.begin, &summary.run_davis);
+            }
+        }
+        if let Some(last) = run.unconfirmed.take() {
+            run.features.observe(&self.config.features, &last);
+        }
+        run.features.features_in(&self.config.features, &mut summary.features);
+        summary.gain = run.learner.gain();
+        summary.learned_s = run.learner.learned_s();
+        summary.counters = run.counters;
+    }
+
+    fn count(&self, run: &mut RunState, judged: &Judged) -> Validity {
+        if judged.anew && run.last.is_some() {
+            run.counters.count(Cause::LongGap);
+        }
+        if judged.shifted {
+            run.counters.count(Cause::Contradiction);
+        }
+        let mut age = |reading: &Result<Real, Cause>, age_s: &mut Real| {
+            *age_s = if reading.is_ok() { 0.0 } else { *age_s + judged.dt_s };
+            let cause = reading.err()?;
+            run.counters.count(cause);
+            Some(if *age_s > INVALID_AFTER_S { Validity::Invalid(cause) } else { Validity::Held(cause) })
+        };
+        let location = age(&judged.location_m, &mut run.without_location_s);
+        let speed = age(&judged.speed_mps, &mut run.without_speed_s);
+        if let Some(cause) = judged.contradiction {
+            if judged.speed_mps != Err(cause) {
+                run.counters.count(cause);
+            }
+            return Validity::Invalid(cause);
+        }
+        match (location, speed) {
+            (Some(invalid @ Validity::Invalid(_)), _) | (_, Some(invalid @ Validity::Invalid(_))) => invalid,
+            (Some(held), _) | (None, Some(held)) => held,
+            (None, None) => Validity::Valid,
+        }
+    }
+
+    fn paper_tick(
+        &self,
+        run: &mut RunState,
+        line: &Line<'_>,
+        acting: &Acting<'_>,
+        judged: &Judged,
+        validity: Validity,
+    ) -> Estimate {
+        let config = &self.config.paper;
+        let (location_m, speed_mps) = (judged.location_m.ok(), judged.speed_mps.ok());
+        let time_s = judged.time_s;
+        let davis = run.davis();
+        let mut innovation = None;
+        let mut validity = validity;
+        let mut next = match run.paper {
+            Some(paper) if !judged.anew => paper,
+            _ => PaperLoop::begin(config, line, acting, time_s, &davis, location_m, speed_mps),
+        };
+        if !judged.anew {
+            match next.step(config, line, acting, time_s, judged.dt_s, [location_m, speed_mps]) {
+                Ok(found) => innovation = Some(found),
+                Err(_) => {
+                    // The covariance is of no use any more: begin again with what was learned.
+                    run.counters.count(Cause::Numerics);
+                    validity = Validity::Held(Cause::Numerics);
+                    next = PaperLoop::begin(config, line, acting, time_s, &run.begin, location_m, speed_mps);
+                }
+            }
+        }
+        run.paper = Some(next);
+        run.last = Some(Point {
+            time_s: judged.time_s,
+            location_m: next.belief.mean[LOCATION],
+            speed_mps: next.belief.mean[SPEED],
+        });
+        let confirmed = run.unconfirmed.map(|_| run.regime);
+        run.regime = self.config.paper_rule.recognise(next.effort_n_per_kg, next.acceleration_mps2);
+        let regime = run.regime;
+        Estimate {
+            time_s: judged.time_s,
+            dt_s: judged.dt_s,
+            belief: next.belief,
+            effort_n_per_kg: Some(next.effort_n_per_kg),
+            acceleration_mps2: Some(next.acceleration_mps2),
+            gradient_n_per_kg: line.gradient_n_per_kg(next.belief.mean[LOCATION]),
+            regime,
+            confirmed,
+            learning: innovation.is_some(),
+            innovation,
+            validity,
+        }
+    }
+
+    fn learning_tick(
+        &self,
+        run: &mut RunState,
+        line: &Line<'_>,
+        acting: &Acting<'_>,
+        judged: &Judged,
+        validity: Validity,
+    ) -> Estimate {
+        let config = &self.config;
+        let (location_m, speed_mps) = (judged.location_m.ok(), judged.speed_mps.ok());
+        if judged.anew {
+            run.kinematics = Kinematics::begin(&config.sensor, location_m, speed_mps);
+            run.recogniser = Recogniser::default();
+            run.anchor = None;
+            run.last = None;
+            run.last_effort_n_per_kg = None;
+            run.learner.end();
+        } else {
+            let sign = line.direction.sign();
+            run.kinematics.step(&config.sensor, sign, judged.dt_s, location_m, speed_mps);
+            if let Some(location_m) = location_m
+                && (location_m - run.kinematics.belief().mean[LOCATION]).abs() > config.plausibility.location_jump_m
+            {
+                run.kinematics.anchor(&config.sensor, location_m);
+                run.learner.end();
+            }
+        }
+        let moving = run.kinematics.belief();
+        let now = Point { time_s: judged.time_s, location_m: moving.mean[LOCATION], speed_mps: moving.mean[SPEED] };
+
+        // Effort over the piece of evidence that ends now.
+        let read = speed_mps.is_some();
+        let standing = read && now.speed_mps <= 0.25 * config.sensor.speed_quantum_kmh / 3.6;
+        let recognised = self.recognise(run, line, acting, &now, read, standing);
+        let regime = run.regime;
+
+        // Learning.
+        let enough =
+            if run.learner.in_segment() { config.learning.end_probability } else { config.learning.begin_probability };
+        let coasting = config.mode == Mode::Gated && recognised.coasted > enough;
+        let fast = now.speed_mps > config.learning.min_speed_kmh / 3.6;
+        let known = match config.mode {
+            Mode::Gated if coasting && fast => Some((0.0, 0.0)),
+            Mode::Measured if !standing => self.measured(run, judged),
+            _ => None,
+        };
+        run.last_effort_n_per_kg = judged.effort_n_per_kg;
+        let mut innovation = None;
+        let mut learning = false;
+        let mut validity = validity;
+        match known {
+            Some((effort_n_per_kg, effort_sd_n_per_kg)) if judged.contradiction.is_none() => {
+                if run.learner.in_segment() {
+                    let tick = Tick {
+                        time_s: judged.time_s,
+                        dt_s: judged.dt_s,
+                        location_m,
+                        speed_mps,
+                        effort_n_per_kg,
+                        effort_sd_n_per_kg,
+                    };
+                    match run.learner.step(&config.learning, &config.sensor, line, acting, &tick) {
+                        Ok(found) => {
+                            innovation = found;
+                            learning = run.learner.in_segment();
+                        }
+                        Err(_) => {
+                            run.counters.count(Cause::Numerics);
+                            validity = Validity::Held(Cause::Numerics);
+                        }
+                    }
+                } else if read && location_m.is_some() {
+                    run.learner.begin(judged.time_s, &moving);
+                }
+            }
+            // A missing speed tells nothing about the regime: the segment waits for the next one.
+            _ if !read && run.learner.in_segment() && judged.contradiction.is_none() => {
+                let tick = Tick {
+                    time_s: judged.time_s,
+                    dt_s: judged.dt_s,
+                    location_m,
+                    speed_mps: None,
+                    effort_n_per_kg: 0.0,
+                    effort_sd_n_per_kg: 0.0,
+                };
+                if config.mode == Mode::Measured
+                    || run.learner.step(&config.learning, &config.sensor, line, acting, &tick).is_err()
+                {
+                    run.learner.end();
+                }
+            }
+            _ => run.learner.end(),
+        }
+
+        let belief = run.belief();
+        if read {
+            run.last = Some(now);
+        }
+        Estimate {
+            time_s: judged.time_s,
+            dt_s: judged.dt_s,
+            belief,
+            effort_n_per_kg: recognised.effort.map(|effort| effort.effort_n_per_kg),
+            acceleration_mps2: recognised.effort.map(|effort| effort.acceleration_mps2),
+            gradient_n_per_kg: line.gradient_n_per_kg(belief.mean[LOCATION]),
+            regime,
+            confirmed: recognised.confirmed,
+            learning,
+            innovation,
+            validity,
+        }
+    }
+
+    /// Effort and regime over the piece of evidence that ends now.
+    fn recognise(
+        &self,
+        run: &mut RunState,
+        line: &Line<'_>,
+        acting: &Acting<'_>,
+        now: &Point,
+        read: bool,
+        standing: bool,
+    ) -> Recognition {
+        let config = &self.config.recogniser;
+        let before = run.regime;
+        let belief = run.learner.provisional();
+        let over = run
+            .anchor
+            .filter(|_| read)
+            .map(|anchor| (anchor, effort::over_interval(line, acting, &davis_of(&belief), &anchor, now)));
+        let mut recognition = Recognition {
+            effort: over.map(|(_, effort)| effort),
+            confirmed: run.unconfirmed.map(|_| before),
+            coasted: 0.0,
+        };
+        if standing {
+            run.recogniser = Recogniser::standing();
+            run.regime = Regime::Standstill;
+            run.anchor = Some(*now);
+            return recognition;
+        }
+        let Some((anchor, effort)) = over else {
+            if read {
+                run.anchor = Some(*now);
+                run.regime = run.recogniser.regime();
+            } else if run.anchor.is_some_and(|anchor| now.time_s - anchor.time_s > LOST_S) {
+                run.anchor = None;
+                run.recogniser = Recogniser::default();
+            }
+            return recognition;
+        };
+        let interval_s = now.time_s - anchor.time_s;
+        let midway_mps = 0.5 * (anchor.speed_mps + now.speed_mps);
+        let recognised = run.recogniser.step(
+            config,
+            &Evidence {
+                interval_s,
+                acceleration_mps2: effort.acceleration_mps2,
+                acceleration_sd_mps2: core::f64::consts::SQRT_2 * self.config.sensor.speed_sd_mps() / interval_s,
+                resistance_n_per_kg: effort.resistance_n_per_kg,
+                resistance_sd_n_per_kg: resistance_sd(&belief, midway_mps),
+                max_effort_n_per_kg: self.limits_n_per_kg(now.location_m, midway_mps).0,
+            },
+        );
+        run.regime = recognised.now.regime();
+        recognition.coasted = recognised.coasted;
+        let slow_log = run.last.is_none_or(|last| last.time_s == anchor.time_s);
+        // In a fast log the regime a tick later is the answer; in a slow one the interval speaks for its beginning.
+        recognition.confirmed = run.unconfirmed.map(|last| match (last.regime, slow_log) {
+            (Regime::Standstill, _) => Regime::Standstill,
+            (_, true) => recognised.before.regime(),
+            (_, false) => run.regime,
+        });
+        if interval_s >= 0.95 * config.interval_s {
+            run.recogniser = recognised.now;
+            run.anchor = Some(*now);
+        }
+        recognition
+    }
+
+    /// Measured effort over the interval: its mean, and how uncertain that is. Not while braking, whose effort has another gain.
+    fn measured(&self, run: &RunState, judged: &Judged) -> Option<(Real, Real)> {
+        let (before, now) = (run.last_effort_n_per_kg?, judged.effort_n_per_kg?);
+        let share = self.config.learning.effort_change_share;
+        let applied = before.min(now) > -0.01 && judged.speed_mps.ok()? > 3.0;
+        applied.then_some((0.5 * (before + now), share * (now - before).abs()))
+    }
+
+    /// Hands the last tick to the features, now that its regime is confirmed, and keeps this one.
+    fn observe(&self, run: &mut RunState, line: &Line<'_>, acting: &Acting<'_>, judged: &Judged, estimate: &Estimate) {
+        if let (Some(mut last), Some(regime)) = (run.unconfirmed, estimate.confirmed) {
+            if last.regime != Regime::Standstill {
+                last.regime = regime;
+            }
+            run.features.observe(&self.config.features, &last);
+        }
+        let davis = estimate.davis();
+        let now = Point {
+            time_s: judged.time_s,
+            location_m: estimate.belief.mean[LOCATION],
+            speed_mps: estimate.belief.mean[SPEED],
+        };
+        // Readings, not filtered speeds: the paper's filtered speed lags by a sample.
+        let reading = judged.speed_mps.ok().map(|speed_mps| Point { speed_mps, ..now });
+        let effort = match (run.reading, reading) {
+            (Some(from), Some(to)) => Some(effort::over_interval(line, acting, &davis, &from, &to)),
+            _ => None,
+        };
+        run.reading = reading;
+        run.unconfirmed = Some(Observation {
+            time_s: now.time_s,
+            dt_s: judged.dt_s,
+            location_m: now.location_m,
+            speed_mps: judged.speed_mps.unwrap_or(now.speed_mps),
+            effort_n_per_kg: effort.map(|effort| effort.effort_n_per_kg),
+            acceleration_mps2: effort.map(|effort| effort.acceleration_mps2),
+            gradient_n_per_kg: estimate.gradient_n_per_kg,
+            davis,
+            // The paper's rule knows no standstill, but the features end their phases with one.
+            regime: match judged.speed_mps {
+                Ok(0.0) => Regime::Standstill,
+                _ => estimate.regime,
+            },
+        });
+    }
+}
+
+/// What the recogniser says at a tick.
+struct Recognition {
+    effort: Option<effort::Effort>,
+    confirmed: Option<Regime>,
+    coasted: Real,
+}
+
+fn davis_of(belief: &Gaussian<3>) -> Davis {
+    let [r0, r1, r2] = belief.mean.into();
+    Davis { r0, r1, r2 }
+}

@@ -1,0 +1,255 @@
+//! What changes every tick of a run, and its snapshot.
+//!
+//! In: nothing but what [`crate::estimator`] writes here. Out: the belief at any time; the whole state as bytes, from which the run goes on.
+
+use crate::Real;
+use crate::features::{FeatureExtractor, Observation};
+use crate::filter::gaussian::Gaussian;
+use crate::model::direction::Direction;
+use crate::model::effects::Journey;
+use crate::model::point::Point;
+use crate::model::state::{LOCATION, R0, SIZE};
+use crate::tick::estimate::Counters;
+use crate::tick::kinematics::Kinematics;
+use crate::tick::learning::{Learner, LearningConfig};
+use crate::tick::paper::PaperLoop;
+use crate::tick::plausibility::Plausibility;
+use crate::tick::regime::{Recogniser, Regime};
+use crate::tick::snapshot::{Source, take};
+use core::fmt;
+use serde::Serialize;
+
+/// What changes every tick of a run. Made by [`Estimator::begin_run`](crate::estimator::Estimator::begin_run).
+#[derive(Clone, Debug, Serialize)]
+pub struct RunState {
+    pub(crate) direction: Direction,
+    /// What was believed of this run's train when it began.
+    pub(crate) begin: Gaussian<3>,
+    pub(crate) plausibility: Plausibility,
+    pub(crate) kinematics: Kinematics,
+    pub(crate) paper: Option<PaperLoop>,
+    pub(crate) learner: Learner,
+    /// Regimes at the anchor.
+    pub(crate) recogniser: Recogniser,
+    /// Regime at the last tick.
+    pub(crate) regime: Regime,
+    /// Where the current piece of evidence began.
+    pub(crate) anchor: Option<Point>,
+    /// Last tick with a speed, for the effort of one interval.
+    pub(crate) last: Option<Point>,
+    pub(crate) last_effort_n_per_kg: Option<Real>,
+    /// Last speed reading, for the features.
+    pub(crate) reading: Option<Point>,
+    /// The last tick waits here until its regime is confirmed.
+    pub(crate) unconfirmed: Option<Observation>,
+    pub(crate) without_location_s: Real,
+    pub(crate) without_speed_s: Real,
+    pub(crate) counters: Counters,
+    pub(crate) journey: Journey,
+    pub(crate) features: FeatureExtractor,
+}
+
+/// Most bytes that a snapshot takes. Held by a test over a run that fills every buffer.
+pub const MAX_SNAPSHOT: usize = 12 * 1024;
+
+/// Why bytes are no snapshot. The run is idle afterwards: half a state is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoSnapshot;
+
+impl fmt::Display for NoSnapshot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the bytes are no snapshot of a run of this version")
+    }
+}
+
+impl core::error::Error for NoSnapshot {}
+
+impl RunState {
+    /// Zeros: as a static it takes no flash, and its start no stack. No run before [`RunState::reset`].
+    // `None` of a type with a regime or a flag in it is not stored as zeros; `Some` of zeros is.
+    pub const ZEROED: Self = Self {
+        direction: Direction::Up,
+        begin: Gaussian::ZEROED,
+        plausibility: Plausibility::ZEROED,
+        kinematics: Kinematics::ZEROED,
+        paper: Some(PaperLoop::ZEROED),
+        learner: Learner::ZEROED,
+        recogniser: Recogniser::ZEROED,
+        regime: Regime::Standstill,
+        anchor: None,
+        last: None,
+        last_effort_n_per_kg: None,
+        reading: None,
+        unconfirmed: Some(Observation::ZEROED),
+        without_location_s: 0.0,
+        without_speed_s: 0.0,
+        counters: Counters::ZEROED,
+        journey: Journey::ZEROED,
+        features: FeatureExtractor::ZEROED,
+    };
+
+    /// No run.
+    pub fn idle() -> Self {
+        let mut run = Self::ZEROED;
+        run.reset();
+        run
+    }
+
+    /// To no run, in place.
+    pub fn reset(&mut self) {
+        self.journey = Journey::ZEROED;
+        self.begin(&LearningConfig::default(), Gaussian::ZEROED, Direction::Up);
+    }
+
+    /// Begins with a belief of this run's train, in place and without a copy of the features' buffers.
+    pub(crate) fn begin(&mut self, config: &LearningConfig, begin: Gaussian<3>, direction: Direction) {
+        self.direction = direction;
+        self.begin = begin;
+        self.plausibility = Plausibility::default();
+        self.kinematics = Kinematics::default();
+        self.paper = None;
+        self.learner.begin_run(config, &begin);
+        self.recogniser = Recogniser::default();
+        self.regime = Regime::Standstill;
+        self.anchor = None;
+        self.last = None;
+        self.last_effort_n_per_kg = None;
+        self.reading = None;
+        self.unconfirmed = None;
+        self.without_location_s = 0.0;
+        self.without_speed_s = 0.0;
+        self.counters = Counters::default();
+        self.journey.begin();
+        self.features.clear();
+    }
+
+    /// Direction of travel.
+    pub fn direction(&self) -> Direction {
+        self.direction
+    }
+
+    /// Regime at the last tick.
+    pub fn regime(&self) -> Regime {
+        self.regime
+    }
+
+    /// How often each cause occurred in this run.
+    pub fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// Gain of the measured effort, true over measured, and its standard deviation.
+    pub fn gain(&self) -> (Real, Real) {
+        self.learner.gain()
+    }
+
+    /// What the features have seen of this run.
+    pub fn features(&self) -> &FeatureExtractor {
+        &self.features
+    }
+
+    /// Writes the whole state. The bytes are postcard's, of this version of the library only; at most [`MAX_SNAPSHOT`].
+    ///
+    /// # Errors
+    /// [`NoSnapshot`]: `buffer` is too small.
+    pub fn snapshot<'a>(&self, buffer: &'a mut [u8]) -> Result<&'a [u8], NoSnapshot> {
+        match postcard::to_slice(self, buffer) {
+            Ok(bytes) => Ok(bytes),
+            Err(_) => Err(NoSnapshot),
+        }
+    }
+
+    /// Goes on where the snapshot was taken. Field by field in place: a whole run on the stack would be 14 kB.
+    ///
+    /// # Errors
+    /// [`NoSnapshot`]; the run is idle then.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), NoSnapshot> {
+        let mut source = postcard::Deserializer::from_bytes(bytes);
+        let complete =
+            self.take_fields(&mut source).is_ok() && source.finalize().is_ok_and(<[u8]>::is_empty) && self.is_sound();
+        if !complete {
+            self.reset();
+            return Err(NoSnapshot);
+        }
+        Ok(())
+    }
+
+    /// In the order in which they are declared, which is the order in which they were written.
+    #[inline(never)]
+    fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        take(&mut self.direction, source)?;
+        take(&mut self.begin, source)?;
+        take(&mut self.plausibility, source)?;
+        take(&mut self.kinematics, source)?;
+        take(&mut self.paper, source)?;
+        self.learner.take_fields(source)?;
+        take(&mut self.recogniser, source)?;
+        take(&mut self.regime, source)?;
+        take(&mut self.anchor, source)?;
+        take(&mut self.last, source)?;
+        take(&mut self.last_effort_n_per_kg, source)?;
+        take(&mut self.reading, source)?;
+        take(&mut self.unconfirmed, source)?;
+        take(&mut self.without_location_s, source)?;
+        take(&mut self.without_speed_s, source)?;
+        take(&mut self.counters, source)?;
+        take(&mut self.journey, source)?;
+        self.features.take_fields(source)
+    }
+
+    /// What a filter needs to go on: finite numbers.
+    fn is_sound(&self) -> bool {
+        self.begin.is_finite() && self.davis().is_finite() && self.belief().is_finite()
+    }
+
+    /// This run's Davis coefficients.
+    pub(crate) fn davis(&self) -> Gaussian<3> {
+        match &self.paper {
+            Some(paper) => Gaussian {
+                mean: paper.belief.mean.fixed_rows::<3>(R0).into_owned(),
+                covariance: paper.belief.covariance.fixed_view::<3, 3>(R0, R0).into_owned(),
+            },
+            None => self.learner.davis(),
+        }
+    }
+
+    /// The whole state: location and speed of the segment where one runs, of the readings elsewhere; the coefficients as far as they are valid.
+    pub(crate) fn belief(&self) -> Gaussian<SIZE> {
+        let moving = self.learner.moving().unwrap_or_else(|| self.kinematics.belief());
+        let davis = self.learner.davis();
+        let mut belief = Gaussian::independent([0.0; SIZE], [0.0; SIZE]);
+        belief.mean.fixed_rows_mut::<2>(LOCATION).copy_from(&moving.mean);
+        belief.mean.fixed_rows_mut::<3>(R0).copy_from(&davis.mean);
+        belief.covariance.fixed_view_mut::<2, 2>(LOCATION, LOCATION).copy_from(&moving.covariance);
+        belief.covariance.fixed_view_mut::<3, 3>(R0, R0).copy_from(&davis.covariance);
+        belief
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    #[test]
+    fn a_snapshot_of_another_length_is_refused_and_leaves_an_idle_run() {
+        let mut buffer = std::vec![0; MAX_SNAPSHOT];
+        let bytes = RunState::idle().snapshot(&mut buffer).unwrap().to_vec();
+        let mut run = RunState::idle();
+        assert_eq!(run.restore(&bytes), Ok(()));
+        run.without_speed_s = 7.0;
+        for wrong in [&bytes[..bytes.len() - 1], &[&bytes[..], &[0]].concat()] {
+            assert_eq!(run.restore(wrong), Err(NoSnapshot));
+            assert_eq!(run.without_speed_s, 0.0);
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_refused() {
+        let mut run = RunState::idle();
+        run.begin.mean[1] = Real::NAN;
+        let mut buffer = std::vec![0; MAX_SNAPSHOT];
+        let bytes = run.snapshot(&mut buffer).unwrap().to_vec();
+        assert_eq!(RunState::idle().restore(&bytes), Err(NoSnapshot));
+    }
+}

@@ -1,0 +1,116 @@
+//! Square-root-free Cholesky factor of a covariance, its first columns: P = L D Lᵀ.
+//!
+//! In: a symmetric matrix. Out: the first K columns of L D with their pivots D, and the first K rows of the same columns of L (unit diagonal).
+//! With K = N it is the whole factor. A pivot that is not above zero stops it with its row.
+
+use crate::Real;
+use core::fmt;
+use nalgebra::{SMatrix, SVector};
+
+/// A matrix is not positive definite: pivot `row` was `pivot`, not above zero (or not a number).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NotPositiveDefinite {
+    /// Row of the pivot, counted from 0.
+    pub row: usize,
+    /// Its value.
+    pub pivot: Real,
+}
+
+impl fmt::Display for NotPositiveDefinite {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "covariance is not positive definite: pivot {} is {}", self.row, self.pivot)
+    }
+}
+
+impl core::error::Error for NotPositiveDefinite {}
+
+/// A column of the factor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Column<const N: usize, const K: usize> {
+    /// Pivot D, above zero.
+    pub d: Real,
+    /// First K rows of the column of L: 0 above the diagonal, 1 on it.
+    pub l: SVector<Real, K>,
+    /// The whole column of L, times D.
+    pub dl: SVector<Real, N>,
+}
+
+/// The first K columns of the factor of a covariance.
+///
+/// # Errors
+/// [`NotPositiveDefinite`] with the row and value of the first pivot that is not above zero.
+///
+/// ```
+/// use nalgebra::matrix;
+/// use rundown::filter::elimination::eliminate;
+///
+/// let [first, second] = eliminate::<2, 2>(&matrix![4.0, 2.0; 2.0, 3.0]).unwrap();
+/// assert_eq!((first.d, second.d), (4.0, 2.0));
+/// assert_eq!(first.l[1], 0.5);
+/// assert_eq!(first.dl[1], 2.0);
+/// ```
+#[inline]
+pub fn eliminate<const N: usize, const K: usize>(
+    covariance: &SMatrix<Real, N, N>,
+) -> Result<[Column<N, K>; K], NotPositiveDefinite> {
+    let mut columns = [Column { d: 0.0, l: SVector::zeros(), dl: SVector::zeros() }; K];
+    for j in 0..K {
+        // Not copied as a column, nor by an index, which may panic for all that the compiler knows.
+        let mut dl = SVector::<Real, N>::from_fn(|i, _| covariance.get((i, j)).copied().unwrap_or(Real::NAN));
+        for before in &columns[..j] {
+            dl -= before.dl * before.l[j];
+        }
+        dl.rows_mut(0, j).fill(0.0);
+        let d = above_zero(dl[j], j)?;
+        let mut l = SVector::zeros();
+        l[j] = 1.0;
+        for i in j + 1..K {
+            l[i] = dl[i] / d;
+        }
+        columns[j] = Column { d, l, dl };
+    }
+    Ok(columns)
+}
+
+/// Passes a pivot that is above zero.
+#[inline]
+pub(crate) fn above_zero(pivot: Real, row: usize) -> Result<Real, NotPositiveDefinite> {
+    // Also refuses NaN.
+    if pivot > 0.0 { Ok(pivot) } else { Err(NotPositiveDefinite { row, pivot }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::matrix;
+
+    #[test]
+    fn factor_gives_back_the_matrix() {
+        let p = matrix![4.0, 2.0, -1.0; 2.0, 3.0, 0.5; -1.0, 0.5, 2.0];
+        let columns = eliminate::<3, 3>(&p).unwrap();
+        let sum = columns.iter().map(|column| column.dl * column.l.transpose()).sum::<SMatrix<Real, 3, 3>>();
+        assert!((sum - p).amax() < 1e-15);
+        for column in &columns {
+            assert!((column.l * column.d - column.dl).amax() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_part_is_the_beginning_of_the_whole() {
+        let p = matrix![4.0, 2.0, -1.0; 2.0, 3.0, 0.5; -1.0, 0.5, 2.0];
+        let whole = eliminate::<3, 3>(&p).unwrap();
+        for (part, whole) in eliminate::<3, 2>(&p).unwrap().iter().zip(&whole) {
+            assert_eq!((part.d, part.dl), (whole.d, whole.dl));
+            assert_eq!(part.l, whole.l.fixed_rows::<2>(0));
+        }
+    }
+
+    #[test]
+    fn the_failing_pivot_is_named() {
+        let indefinite = matrix![1.0, 2.0; 2.0, 1.0];
+        let expected = NotPositiveDefinite { row: 1, pivot: -3.0 };
+        assert_eq!(eliminate::<2, 2>(&indefinite), Err(expected));
+        let not_a_number = matrix![Real::NAN, 0.0; 0.0, 1.0];
+        assert_eq!(eliminate::<2, 2>(&not_a_number).unwrap_err().row, 0);
+    }
+}

@@ -1,0 +1,5 @@
+//! The Unscented Kalman Filter and what it stands on. Knows no train.
+
+pub mod elimination;
+pub mod gaussian;
+pub mod ukf;

@@ -1,0 +1,53 @@
+//! Brake fade: the friction of hot blocks and pads falls with speed.
+//!
+//! ```text
+//! maximum brake = described x (1 - fade_at_140 (v - from) / (140 km/h - from))        above from_kmh; not below 0
+//! ```
+//!
+//! Linear from `from_kmh` on and beyond 140 km/h. How long the brake has been on is left out.
+
+use super::EffectError;
+use super::Limits;
+use super::error::within;
+use crate::Real;
+use serde::{Deserialize, Serialize};
+
+/// The brake weakens with speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BrakeFade {
+    /// Share of the brake effort that is lost at 140 km/h.
+    pub fade_at_140: Real,
+    /// Speed above which it fades, km/h.
+    pub from_kmh: Real,
+}
+
+impl BrakeFade {
+    /// Its name.
+    pub const NAME: &'static str = "brake_fade";
+
+    pub(super) fn check(&self) -> Result<(), EffectError> {
+        within(Self::NAME, "fade_at_140", self.fade_at_140, 0.0, 1.0)?;
+        within(Self::NAME, "from_kmh", self.from_kmh, 0.0, 139.0)
+    }
+
+    /// Brake effort at a speed over the one at low speed, 0 to 1.
+    ///
+    /// ```
+    /// use rundown::model::effects::BrakeFade;
+    ///
+    /// let fade = BrakeFade { fade_at_140: 0.3, from_kmh: 80.0 };
+    /// assert_eq!(fade.factor(80.0 / 3.6), 1.0);
+    /// assert!((fade.factor(110.0 / 3.6) - 0.85).abs() < 1e-12);
+    /// assert!((fade.factor(140.0 / 3.6) - 0.7).abs() < 1e-12);
+    /// ```
+    pub fn factor(&self, speed_mps: Real) -> Real {
+        let way = (3.6 * speed_mps - self.from_kmh) / (140.0 - self.from_kmh);
+        (1.0 - self.fade_at_140 * way.max(0.0)).max(0.0)
+    }
+
+    /// The limits at a speed.
+    pub fn limit(&self, limits: &Limits, speed_mps: Real) -> Limits {
+        Limits { brake_n_per_kg: limits.brake_n_per_kg * self.factor(speed_mps), ..*limits }
+    }
+}

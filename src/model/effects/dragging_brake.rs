@@ -1,0 +1,41 @@
+//! Dragging brake: a brake that does not release fully after it was applied.
+//!
+//! ```text
+//! extra = drag from the first brake application of the run on, before it 0
+//! ```
+//!
+//! In which runs it dragged is the analyst's knowledge (`runs` beside the effect in a model file); on board it is a state of the vehicle, in force until it is taken out.
+
+use super::EffectError;
+use super::error::within;
+use crate::Real;
+use serde::{Deserialize, Serialize};
+
+/// A brake that does not release.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DraggingBrake {
+    /// Extra resistance, N/kg.
+    pub drag_n_per_kg: Real,
+}
+
+impl DraggingBrake {
+    /// Its name.
+    pub const NAME: &'static str = "dragging_brake";
+
+    pub(super) fn check(&self) -> Result<(), EffectError> {
+        within(Self::NAME, "drag_n_per_kg", self.drag_n_per_kg, 0.0, 1.0)
+    }
+
+    /// Extra resistance in N/kg, by whether a brake was applied since the departure.
+    ///
+    /// ```
+    /// use rundown::model::effects::DraggingBrake;
+    ///
+    /// let stuck = DraggingBrake { drag_n_per_kg: 0.01 };
+    /// assert_eq!((stuck.resistance_n_per_kg(false), stuck.resistance_n_per_kg(true)), (0.0, 0.01));
+    /// ```
+    pub fn resistance_n_per_kg(&self, braked: bool) -> Real {
+        if braked { self.drag_n_per_kg } else { 0.0 }
+    }
+}

@@ -1,0 +1,48 @@
+//! Gradient error: the line has another gradient here than its description.
+//!
+//! ```text
+//! extra = σ g / γ x delta / 1000 x share of the train inside          σ = +1 up, -1 down
+//! ```
+//!
+//! `delta` is true minus described, uphill in the `up` direction positive: what it adds in one direction it takes away in the other, which tells it from a resistance.
+
+use super::EffectError;
+use super::error::within;
+use super::section;
+use crate::Real;
+use serde::{Deserialize, Serialize};
+
+/// The described gradient is wrong on a section.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GradientError {
+    /// Where it begins, m.
+    pub from_m: Real,
+    /// Where it ends, m.
+    pub to_m: Real,
+    /// True minus described gradient, ‰, uphill in the `up` direction positive.
+    pub delta_permille: Real,
+}
+
+impl GradientError {
+    /// Its name.
+    pub const NAME: &'static str = "gradient_error";
+
+    pub(super) fn check(&self) -> Result<(), EffectError> {
+        section::check(Self::NAME, self.from_m, self.to_m)?;
+        within(Self::NAME, "delta_permille", self.delta_permille, -50.0, 50.0)
+    }
+
+    /// Extra resistance in N/kg. `gravity_n_per_kg` is g / γ, `direction_sign` +1 for up.
+    ///
+    /// ```
+    /// use rundown::model::effects::GradientError;
+    ///
+    /// let dip = GradientError { from_m: 0.0, to_m: 500.0, delta_permille: -2.0 };
+    /// assert!((dip.resistance_n_per_kg(9.25, 1.0, 1.0) + 0.0185).abs() < 1e-15);
+    /// assert!((dip.resistance_n_per_kg(9.25, 1.0, -1.0) - 0.0185).abs() < 1e-15);
+    /// ```
+    pub fn resistance_n_per_kg(&self, gravity_n_per_kg: Real, share_inside: Real, direction_sign: Real) -> Real {
+        direction_sign * gravity_n_per_kg * (self.delta_permille / 1000.0) * share_inside
+    }
+}

@@ -1,0 +1,45 @@
+//! Traction scale: the train's maximum effort and power differ from the description everywhere (a motor cut out, another software).
+//!
+//! ```text
+//! maximum effort, maximum power = factor x described
+//! ```
+
+use super::EffectError;
+use super::Limits;
+use super::error::within;
+use crate::Real;
+use serde::{Deserialize, Serialize};
+
+/// Another maximum of effort and power everywhere.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TractionScale {
+    /// True over described.
+    pub factor: Real,
+}
+
+impl TractionScale {
+    /// Its name.
+    pub const NAME: &'static str = "traction_scale";
+
+    pub(super) fn check(&self) -> Result<(), EffectError> {
+        within(Self::NAME, "factor", self.factor, 0.05, 3.0)
+    }
+
+    /// The limits.
+    ///
+    /// ```
+    /// use rundown::model::effects::{Limits, TractionScale};
+    ///
+    /// let described = Limits { effort_n_per_kg: 0.5, power_w_per_kg: 5.0, brake_n_per_kg: 0.66 };
+    /// let three_of_four = TractionScale { factor: 0.75 };
+    /// assert_eq!(three_of_four.limit(&described).traction_n_per_kg(0.0), 0.375);
+    /// ```
+    pub fn limit(&self, limits: &Limits) -> Limits {
+        Limits {
+            effort_n_per_kg: self.factor * limits.effort_n_per_kg,
+            power_w_per_kg: self.factor * limits.power_w_per_kg,
+            ..*limits
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The running resistance as it is published: with a validity that does not flutter, and never a value that no train has.
+//!
+//! - *Not yet*, until the standard deviation of r(v) at [`JUDGED_KMH`] has fallen below [`LEARNED_SHARE`] of the description's; and again only above [`FORGOTTEN_SHARE`].
+//! - *Out of bounds*, when r(v) at one of [`BOUND_KMH`] leaves 0.5 to 2 times the manufacturer's; until all are back within 0.55 to 1.9 times. The curve is judged
+//!   and not each coefficient: a headwind alone may double r1 or make it negative. Out of bounds the published coefficients are cut off at 0.5 and 2 times; the filter goes on with its own.
+
+use crate::Real;
+use crate::filter::gaussian::Gaussian;
+use crate::model::resistance::Davis;
+use crate::model::state::resistance_sd;
+use crate::model::units::KmPerHour;
+use rundown_wire::Learned;
+use serde::{Deserialize, Serialize};
+
+/// Speed at which learning is judged, km/h: the middle of the speeds at which trains coast.
+pub const JUDGED_KMH: Real = 100.0;
+/// Share of the initial standard deviation below which the resistance counts as learned.
+pub const LEARNED_SHARE: Real = 0.5;
+/// Share above which it counts as forgotten.
+pub const FORGOTTEN_SHARE: Real = 0.6;
+/// Speeds at which the bounds are checked, km/h.
+pub const BOUND_KMH: [Real; 3] = [20.0, 80.0, 140.0];
+
+/// What is remembered from tick to tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Published {
+    learned: bool,
+    out_of_bounds: bool,
+}
+
+impl Published {
+    /// The estimate lies outside what a train can have.
+    pub fn is_out_of_bounds(&self) -> bool {
+        self.out_of_bounds
+    }
+
+    /// The coefficients to publish and how far they may be trusted. `initial_sd` is that of r at [`JUDGED_KMH`] by the description alone.
+    pub fn judge(&mut self, nominal: &Davis, initial_sd: Real, found: &Gaussian<3>) -> (Davis, Learned) {
+        let sd = resistance_sd(found, KmPerHour(JUDGED_KMH).to_mps());
+        let least = if self.learned { FORGOTTEN_SHARE } else { LEARNED_SHARE };
+        self.learned = sd < least * initial_sd;
+
+        let [r0, r1, r2] = found.mean.into();
+        let davis = Davis { r0, r1, r2 };
+        let (low, high) = if self.out_of_bounds { (0.55, 1.9) } else { (0.5, 2.0) };
+        self.out_of_bounds = !BOUND_KMH.iter().all(|kmh| {
+            let speed_mps = KmPerHour(*kmh).to_mps();
+            let share = davis.resistance_n_per_kg(speed_mps) / nominal.resistance_n_per_kg(speed_mps);
+            (low..=high).contains(&share)
+        });
+        if self.out_of_bounds {
+            let cut = |found: Real, nominal: Real| found.max(0.5 * nominal).min(2.0 * nominal);
+            let davis = Davis { r0: cut(r0, nominal.r0), r1: cut(r1, nominal.r1), r2: cut(r2, nominal.r2) };
+            return (davis, Learned::OutOfBounds);
+        }
+        let learned = if self.learned { Learned::Learned } else { Learned::NotYet };
+        (davis, learned)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    const NOMINAL: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
+
+    fn belief(scale: Real, sd: Real) -> Gaussian<3> {
+        let mean = [scale * NOMINAL.r0, scale * NOMINAL.r1, scale * NOMINAL.r2];
+        Gaussian::independent(mean, [sd, 0.0, 0.0])
+    }
+
+    #[test]
+    fn validity_has_hysteresis() {
+        let mut published = Published::default();
+        let mut say = |scale, sd| published.judge(&NOMINAL, 1e-3, &belief(scale, sd)).1;
+        assert_eq!(say(1.0, 5.5e-4), Learned::NotYet);
+        assert_eq!(say(1.0, 4.9e-4), Learned::Learned);
+        assert_eq!(say(1.0, 5.5e-4), Learned::Learned);
+        assert_eq!(say(1.0, 6.1e-4), Learned::NotYet);
+        assert_eq!(say(1.95, 1e-4), Learned::Learned);
+        assert_eq!(say(2.01, 1e-4), Learned::OutOfBounds);
+        assert_eq!(say(1.95, 1e-4), Learned::OutOfBounds);
+        assert_eq!(say(1.85, 1e-4), Learned::Learned);
+        assert_eq!(say(0.49, 1e-4), Learned::OutOfBounds);
+    }
+
+    #[test]
+    fn values_that_no_train_has_are_cut_off() {
+        let mut published = Published::default();
+        let mut wild = belief(1.0, 1e-4);
+        wild.mean = Vector3::new(-1.0, 1.0, NOMINAL.r2);
+        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &wild);
+        assert_eq!(learned, Learned::OutOfBounds);
+        assert_eq!((davis.r0, davis.r1, davis.r2), (0.5 * NOMINAL.r0, 2.0 * NOMINAL.r1, NOMINAL.r2));
+        let none = Gaussian::independent([Real::NAN; 3], [1.0; 3]);
+        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &none);
+        assert_eq!(learned, Learned::OutOfBounds);
+        assert!(davis.r0.is_finite() && davis.r1.is_finite() && davis.r2.is_finite());
+    }
+
+    #[test]
+    fn a_headwind_that_doubles_the_linear_term_is_no_fault() {
+        let mut wind = belief(1.0, 1e-4);
+        // 3 m/s against a quadratic term: 2 r2 w v and r2 w^2.
+        wind.mean[0] += NOMINAL.r2 * 9.0;
+        wind.mean[1] += 2.0 * NOMINAL.r2 * 3.0;
+        assert!(wind.mean[1] > 2.0 * NOMINAL.r1);
+        let (davis, learned) = Published::default().judge(&NOMINAL, 1e-3, &wind);
+        assert_eq!((davis.r1, learned), (wind.mean[1], Learned::Learned));
+    }
+}

@@ -1,0 +1,257 @@
+//! What the board keeps over a power cut, and how it is brought back.
+//!
+//! Restored only if train, layout and plausible range agree; else the caller begins with defaults and has the cause. The boot epoch is not here but in the header of every
+//! record: it has to outlive a change of layout.
+
+use super::{AppendError, EpochError, Identity, Refused, Store};
+use crate::listed::listed;
+use crate::model::effects::{Effect, Effects, MAX_EFFECTS, MAX_POINTS, UNKNOWN, Unknown};
+use crate::model::resistance::Davis;
+use crate::onboard::train_id::TrainId;
+use crate::tick::memory::{Implausible, Vehicle, VehicleRecord};
+use crate::tick::snapshot::{Source, take, take_each};
+use core::fmt;
+use embedded_storage::nor_flash::NorFlash;
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order, or [`SCALES`](crate::tick::memory::SCALES).
+pub const LAYOUT: u16 = 2;
+
+/// What survives a power cut.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Persisted {
+    /// What is known of the train's resistance.
+    pub vehicle: VehicleRecord,
+    /// What happened since the board was provisioned.
+    pub lifetime: Lifetime,
+    /// Effects that were added to the model, but for the unknown one.
+    pub effects: Vec<StoredEffect, MAX_EFFECTS>,
+    /// The unknown one.
+    pub table: Option<Unknown>,
+}
+
+/// Counts over the life of the board.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lifetime {
+    /// Starts of the firmware.
+    pub resets: u32,
+    /// Runs.
+    pub runs: u32,
+    /// Stops.
+    pub stops: u32,
+}
+
+/// A named effect in numbers, as in frames.
+pub use rundown_wire::Effect as StoredEffect;
+
+/// What was brought back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loaded {
+    /// The vehicle, checked.
+    pub vehicle: Vehicle,
+    /// The effects, checked.
+    pub effects: Effects,
+    /// All that was stored.
+    pub persisted: Persisted,
+    /// A newer record may be lost; see [`Restored`](super::Restored).
+    pub fallen_back: bool,
+}
+
+/// Why nothing was brought back, though something is stored: begin with defaults and report it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum NotRestored {
+    /// The store does not give it.
+    Refused(Refused),
+    /// The payload is not of this layout, though it says so.
+    NotDecoded,
+    /// The vehicle is not believed.
+    Vehicle(Implausible),
+    /// This effect is not believed.
+    Effect {
+        /// Its kind.
+        kind: u8,
+    },
+}
+
+impl fmt::Display for NotRestored {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Refused(cause) => cause.fmt(f),
+            Self::NotDecoded => write!(f, "store: payload is not of layout {LAYOUT}"),
+            Self::Vehicle(cause) => cause.fmt(f),
+            Self::Effect { kind } => {
+                write!(f, "stored effect {kind}: no effect of this model, or a parameter out of range")
+            }
+        }
+    }
+}
+
+impl core::error::Error for NotRestored {}
+
+impl Persisted {
+    /// Largest number of bytes it is stored in: 8 a number, 5 a count.
+    pub const MAX_SIZE: usize =
+        8 * 3 + 4 * 8 * 10 + 5 + 3 * 5 + 1 + MAX_EFFECTS * (1 + 1 + 2 * 8 + 1 + 4 * 8) + 1 + 1 + 1 + MAX_POINTS * 2 * 4;
+
+    /// Zeros.
+    pub(crate) const ZEROED: Self = Self {
+        vehicle: VehicleRecord::ZEROED,
+        lifetime: Lifetime { resets: 0, runs: 0, stops: 0 },
+        effects: Vec::new(),
+        table: None,
+    };
+
+    /// A vehicle and the effects of the model, nothing counted.
+    pub fn new(vehicle: &Vehicle, effects: &Effects) -> Self {
+        let table = effects.iter().find_map(|effect| match effect {
+            Effect::Unknown(unknown) => Some(unknown.clone()),
+            _ => None,
+        });
+        let named = effects.iter().filter(|effect| effect.kind() != UNKNOWN);
+        Self {
+            vehicle: vehicle.to_record(),
+            lifetime: Lifetime::default(),
+            effects: listed(named.map(Effect::to_frame)),
+            table,
+        }
+    }
+
+    fn effects_in(&self, effects: &mut Effects) -> Result<(), NotRestored> {
+        effects.clear();
+        for stored in &self.effects {
+            let kind = stored.kind;
+            let taken = Effect::from_frame(stored).map(|effect| effects.push(effect));
+            if !matches!(taken, Ok(Ok(()))) {
+                return Err(NotRestored::Effect { kind });
+            }
+        }
+        if let Some(table) = &self.table {
+            effects.push(Effect::Unknown(table.clone())).map_err(|_| NotRestored::Effect { kind: UNKNOWN })?;
+        }
+        Ok(())
+    }
+
+    /// Brings back what was stored last. `Ok(None)`: nothing was ever stored.
+    ///
+    /// # Errors
+    /// [`NotRestored`] says why not. Nothing is changed or erased.
+    pub fn load<F: NorFlash, const SLOT: usize>(
+        store: &mut Store<F, SLOT>,
+        train: TrainId,
+        manufacturer: &Davis,
+    ) -> Result<Option<Loaded>, NotRestored> {
+        let mut persisted = Self::ZEROED;
+        let restored = persisted.load_in(store, train)?;
+        let Some(fallen_back) = restored else {
+            return Ok(None);
+        };
+        let mut effects = Effects::NONE;
+        let vehicle = persisted.vehicle_and_effects(manufacturer, &mut effects)?;
+        Ok(Some(Loaded { vehicle, effects, persisted, fallen_back }))
+    }
+
+    /// The first half of [`Persisted::load`], in the place of another: whether a newer record may be lost.
+    #[inline(never)]
+    pub(crate) fn load_in<F: NorFlash, const SLOT: usize>(
+        &mut self,
+        store: &mut Store<F, SLOT>,
+        train: TrainId,
+    ) -> Result<Option<bool>, NotRestored> {
+        let restored = store.newest(identity(train)).map_err(NotRestored::Refused)?;
+        // The first boot stores its epoch with nothing.
+        let Some(restored) = restored.filter(|restored| !restored.payload.is_empty()) else {
+            return Ok(None);
+        };
+        let mut source = postcard::Deserializer::from_bytes(restored.payload);
+        let complete = self.take_fields(&mut source).is_ok() && source.finalize().is_ok_and(<[u8]>::is_empty);
+        complete.then_some(Some(restored.fallen_back)).ok_or(NotRestored::NotDecoded)
+    }
+
+    /// The second half: the vehicle and, in the place of others, the effects, if all of them are believed.
+    #[inline(never)]
+    pub(crate) fn vehicle_and_effects(
+        &self,
+        manufacturer: &Davis,
+        effects: &mut Effects,
+    ) -> Result<Vehicle, NotRestored> {
+        let vehicle = Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
+        self.effects_in(effects)?;
+        Ok(vehicle)
+    }
+
+    /// In place and in the order in which they are declared, for the sake of the stack.
+    fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        take(&mut self.vehicle, source)?;
+        take(&mut self.lifetime, source)?;
+        self.effects.clear();
+        take_each(source, |effect| self.effects.push(effect).is_ok())?;
+        take(&mut self.table, source)
+    }
+
+    /// Stores it; at each stop.
+    ///
+    /// # Errors
+    /// See [`Store::append`].
+    pub fn save<F: NorFlash, const SLOT: usize>(
+        &self,
+        store: &mut Store<F, SLOT>,
+        train: TrainId,
+    ) -> Result<u32, AppendError> {
+        const { assert!(Self::MAX_SIZE <= Store::<F, SLOT>::CAPACITY) };
+        let mut buffer = [0; Self::MAX_SIZE];
+        store.append(identity(train), self.encode(&mut buffer)?)
+    }
+
+    /// Stores it under a new boot epoch; once at each boot, before anything else is stored.
+    ///
+    /// # Errors
+    /// See [`Store::advance_epoch`].
+    pub fn begin_epoch<F: NorFlash, const SLOT: usize>(
+        &self,
+        store: &mut Store<F, SLOT>,
+        train: TrainId,
+    ) -> Result<u32, EpochError> {
+        const { assert!(Self::MAX_SIZE <= Store::<F, SLOT>::CAPACITY) };
+        let mut buffer = [0; Self::MAX_SIZE];
+        let payload = self.encode(&mut buffer).map_err(EpochError::NotStored)?;
+        store.advance_epoch(identity(train), payload)
+    }
+
+    /// Cannot fail as long as [`Persisted::MAX_SIZE`] is right.
+    fn encode<'a>(&self, buffer: &'a mut [u8; Self::MAX_SIZE]) -> Result<&'a [u8], AppendError> {
+        let bytes = postcard::to_slice(self, buffer)
+            .map_err(|_| AppendError::TooLong { most: Self::MAX_SIZE, found: Self::MAX_SIZE + 1 })?;
+        Ok(bytes)
+    }
+}
+
+fn identity(train: TrainId) -> Identity {
+    Identity { train, layout: LAYOUT }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::effects::Coordinate;
+    use crate::tick::memory::MemoryConfig;
+
+    #[test]
+    fn largest_size_is_the_one_stated() {
+        let davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
+        let vehicle = Vehicle::new(&MemoryConfig::default(), davis);
+        let mut full = Persisted::new(&vehicle, &Effects::NONE);
+        full.vehicle.runs = u32::MAX;
+        full.lifetime = Lifetime { resets: u32::MAX, runs: u32::MAX, stops: u32::MAX };
+        let effect =
+            StoredEffect { kind: u8::MAX, section_m: Some([f64::MAX; 2]), values: [f64::MAX; 4].into_iter().collect() };
+        full.effects = core::iter::repeat_n(effect, MAX_EFFECTS).collect();
+        full.table = Some(Unknown {
+            coordinate: Coordinate::Day,
+            table: core::iter::repeat_n((f32::MAX, f32::MAX), MAX_POINTS).collect(),
+        });
+        let mut buffer = [0; Persisted::MAX_SIZE];
+        assert_eq!(full.encode(&mut buffer).unwrap().len(), Persisted::MAX_SIZE);
+    }
+}

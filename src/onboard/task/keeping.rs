@@ -1,0 +1,161 @@
+//! What survives the power: read when the board starts and when its train is described, written at each end of a run.
+
+use super::snapshots::SnapshotBuffer;
+use super::{Room, SLOT, Task};
+use crate::coast_ahead::Steady;
+use crate::estimator::Estimator;
+use crate::estimator::run_state::RunState;
+use crate::onboard::auth::{Provisioning, ProvisioningError, Verifier};
+use crate::onboard::published::Published;
+use crate::onboard::store::persisted::{LAYOUT, Lifetime, NotRestored, Persisted};
+use crate::onboard::store::{EpochError, Identity, Refused, Store};
+use crate::onboard::train_id::TrainId;
+use crate::onboard::uplink::Pace;
+use crate::tick::memory::{MemoryConfig, Vehicle};
+use embedded_storage::nor_flash::NorFlash;
+use heapless::Vec;
+use rundown_wire::{Memory, REFUSALS};
+
+impl<'a, F: NorFlash> Task<'a, F> {
+    /// The task of a board that has just started. `heartbeat_only`: it has started too often in a short time, and only says how it is.
+    pub fn new(
+        provisioning: Result<Provisioning, ProvisioningError>,
+        flash: F,
+        heartbeat_only: bool,
+        run: &'a mut RunState,
+        room: &'a mut Room,
+    ) -> Self {
+        run.reset();
+        let estimator = Estimator::undescribed(&mut room.track, &mut room.effects);
+        let nominal = estimator.train().davis();
+        let mut store = Store::mount(flash).ok();
+        let train = provisioning.map(|provisioning| provisioning.train);
+        let epoch = match (&mut store, train) {
+            (Some(store), Ok(train)) => next_epoch(store, train),
+            _ => Err(EpochError::Lost { damaged_slots: 0 }),
+        };
+        let memory = match epoch {
+            Err(EpochError::NotStored(_)) => Memory::ReadOnly,
+            _ => Memory::Empty,
+        };
+        Self {
+            estimator,
+            train_id: None,
+            track_id: None,
+            setup: 0,
+            incoming: &mut room.incoming,
+            incoming_id: 0,
+            vehicle: Vehicle::new(&MemoryConfig::default(), nominal),
+            run,
+            summary: &mut room.summary,
+            kept_effects: &mut room.kept_effects,
+            running: false,
+            moved: false,
+            standing_since_s: None,
+            published: Published::default(),
+            coast: Steady::NONE,
+            initial_sd: 0.0,
+            pace: Pace::Clock,
+            newest: None,
+            last_time_s: None,
+            silent_ticks: 0,
+            tick: 0,
+            sequence: 0,
+            last_uplink: None,
+            last_message: None,
+            missed: 0,
+            duplicate: 0,
+            not_sent: 0,
+            refusals: [0; REFUSALS],
+            heartbeat_only,
+            verifier: Verifier::new(provisioning, epoch),
+            store,
+            lifetime: Lifetime::default(),
+            memory,
+            effects_told: false,
+            effects_unsaved: false,
+            records: [0; 2],
+            snapshot: SnapshotBuffer::new(&mut room.snapshot),
+        }
+    }
+
+    /// Gives the flash back.
+    pub fn release(self) -> Option<F> {
+        self.store.map(Store::release)
+    }
+
+    /// The vehicle of the train that was just described: as it was kept, or as its manufacturer describes it.
+    #[inline(never)]
+    pub(super) fn restore_vehicle(&mut self) {
+        self.vehicle = self.estimator.new_vehicle();
+        let (Some(store), Some(train)) = (&mut self.store, self.verifier.train()) else {
+            return;
+        };
+        let mut persisted = Persisted::ZEROED;
+        let loaded = persisted.load_in(store, train);
+        let loaded = match loaded {
+            Ok(Some(fallen_back)) => persisted
+                .vehicle_and_effects(&self.estimator.train().davis(), self.kept_effects)
+                .map(|vehicle| Some((vehicle, fallen_back))),
+            Ok(None) => Ok(None),
+            Err(cause) => Err(cause),
+        };
+        let found = match loaded {
+            Ok(Some((vehicle, fallen_back))) => {
+                self.vehicle = vehicle;
+                self.lifetime = persisted.lifetime;
+                if !self.effects_told {
+                    core::mem::swap(self.estimator.effects_mut(), self.kept_effects);
+                }
+                if fallen_back { Memory::RestoredOlder } else { Memory::Restored }
+            }
+            Ok(None) => Memory::Empty,
+            Err(NotRestored::Refused(Refused::Damaged { .. })) => Memory::Empty,
+            Err(NotRestored::Refused(_)) => Memory::Foreign,
+            Err(_) => Memory::Implausible,
+        };
+        if self.memory != Memory::ReadOnly {
+            self.memory = found;
+        }
+    }
+
+    /// Keeps the vehicle; once a run.
+    pub(super) fn keep(&mut self) {
+        self.lifetime.runs = self.lifetime.runs.saturating_add(1);
+        self.write();
+    }
+
+    /// Back to the manufacturer's description, in the flash too.
+    pub(super) fn forget(&mut self) {
+        self.vehicle = self.estimator.new_vehicle();
+        self.write();
+    }
+
+    pub(super) fn write(&mut self) {
+        let persisted =
+            Persisted { lifetime: self.lifetime, ..Persisted::new(&self.vehicle, self.estimator.effects()) };
+        let written = match (&mut self.store, self.verifier.train()) {
+            (Some(store), Some(train)) => persisted.save(store, train).is_ok(),
+            _ => false,
+        };
+        let [written_count, failed_count] = &mut self.records;
+        let count = if written { written_count } else { failed_count };
+        *count = count.saturating_add(1);
+        self.effects_unsaved &= !written;
+        if !written {
+            self.memory = Memory::ReadOnly;
+        }
+    }
+}
+
+/// The epoch of this start, stored with what was stored before.
+fn next_epoch<F: NorFlash>(store: &mut Store<F, SLOT>, train: TrainId) -> Result<u32, EpochError> {
+    let identity = Identity { train, layout: LAYOUT };
+    // Of another train or layout: it is of no use, and the epoch stands in the header of every record.
+    let mut payload: Vec<u8, SLOT> = Vec::new();
+    if let Ok(Some(restored)) = store.newest(identity) {
+        // A payload is shorter than its slot.
+        let _fits = payload.extend_from_slice(restored.payload).is_ok();
+    }
+    store.advance_epoch(identity, &payload)
+}

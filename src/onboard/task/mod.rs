@@ -1,0 +1,303 @@
+//! The tick task: what the board does with messages and with the clock. The board, the emulator and the host run the same.
+//!
+//! ```text
+//! message -> authentication -> request -+-> measurement -> newest -> tick -> Estimator::step -> frames
+//!                                       +-> train, track, settings, commands -> answer
+//! ```
+//!
+//! In: whole messages from the link, and the ticks of a clock. Out: whole messages to the link, records to the flash. No clock, no heap, no waiting: what finds no room in the link is
+//! counted and dropped.
+//!
+//! Each request gets one answer: a measurement the frames of its tick (at once in lockstep, at the next tick else), everything else an [`Answer`].
+//! A refused request has changed nothing but its counter.
+//!
+//! - `requests`: what may be asked, and when
+//! - `report`: which frames a tick sends
+//! - `snapshots`: the whole state, in pieces, out and in
+//! - `keeping`: what survives the power
+
+mod keeping;
+mod report;
+mod requests;
+mod snapshots;
+
+use crate::Real;
+use crate::coast_ahead::Steady;
+use crate::estimator::run_state::{MAX_SNAPSHOT, RunState};
+use crate::estimator::{Estimator, RunSummary};
+use crate::model::effects::Effects;
+use crate::model::track::Track;
+use crate::onboard::auth::Verifier;
+use crate::onboard::frames;
+use crate::onboard::published::Published;
+use crate::onboard::store::Store;
+use crate::onboard::store::persisted::Lifetime;
+use crate::onboard::uplink::{self, Command, Pace, Request, Uplink};
+use crate::tick::digest;
+use crate::tick::estimate::Estimate;
+use crate::tick::measurement::Measurement;
+use crate::tick::memory::Vehicle;
+use embedded_storage::nor_flash::NorFlash;
+use rundown_wire::{Answer, Body, Health, Memory, REFUSALS, Refusal};
+use snapshots::SnapshotBuffer;
+
+/// Bytes of a record of the store: two fit in a page of the STM32L4.
+pub const SLOT: usize = 1024;
+/// Kind of the secured messages for [`Verifier::open`].
+pub const DATA_ID: u16 = 1;
+
+/// Standing for as long as this ends a run, s: the stop at a terminus, and longer than any on the way.
+const LONG_STOP_S: Real = 300.0;
+/// Slower than this the train has not yet run, m/s.
+const MOVING_MPS: Real = 3.0;
+
+/// What the task needs of the board around it.
+pub trait Port {
+    /// Hands a message to the link; false when there is no room for it.
+    fn send(&mut self, message: &[u8]) -> bool;
+    /// How the hardware is.
+    fn health(&self) -> Health;
+}
+
+/// The room that a task needs beside itself; zeros, for a static. 56 kB.
+pub struct Room {
+    summary: RunSummary,
+    track: Track,
+    incoming: Track,
+    effects: Effects,
+    kept_effects: Effects,
+    snapshot: [u8; MAX_SNAPSHOT],
+}
+
+impl Room {
+    /// Nothing is in it.
+    pub const EMPTY: Self = Self {
+        summary: RunSummary::NONE,
+        track: Track::empty(),
+        incoming: Track::empty(),
+        effects: Effects::NONE,
+        kept_effects: Effects::NONE,
+        snapshot: [0; MAX_SNAPSHOT],
+    };
+}
+
+/// The state of the board's application.
+pub struct Task<'a, F> {
+    estimator: Estimator<&'a mut Track, &'a mut Effects>,
+    train_id: Option<u64>,
+    track_id: Option<u32>,
+    /// Digest of train, track, configuration and effects.
+    setup: u32,
+    /// The track that is coming in, and its id.
+    incoming: &'a mut Track,
+    incoming_id: u32,
+
+    vehicle: Vehicle,
+    run: &'a mut RunState,
+    /// Features of the run under way, and at its end what it has taught.
+    summary: &'a mut RunSummary,
+    /// Effects that are read from the store, before they are believed.
+    kept_effects: &'a mut Effects,
+    running: bool,
+    /// The train has run since the run began.
+    moved: bool,
+    standing_since_s: Option<Real>,
+    published: Published,
+    /// The coast-ahead prediction that was published last.
+    coast: Steady,
+    /// Standard deviation of r by the description alone, which `published` is judged by.
+    initial_sd: Real,
+
+    pace: Pace,
+    newest: Option<Measurement>,
+    /// Time of the last measurement taken.
+    last_time_s: Option<Real>,
+    silent_ticks: u32,
+    tick: u32,
+    sequence: u16,
+    last_uplink: Option<u16>,
+    last_message: Option<u32>,
+    missed: u32,
+    duplicate: u32,
+    not_sent: u32,
+    refusals: [u32; REFUSALS],
+    heartbeat_only: bool,
+
+    verifier: Verifier,
+    store: Option<Store<F, SLOT>>,
+    lifetime: Lifetime,
+    memory: Memory,
+    /// Effects were told since the start: those in the store are of the past.
+    effects_told: bool,
+    /// They are not in the store yet.
+    effects_unsaved: bool,
+    records: [u32; 2],
+    snapshot: SnapshotBuffer<'a>,
+}
+
+impl<F: NorFlash> Task<'_, F> {
+    /// One message from the link.
+    pub fn receive(&mut self, message: &[u8], port: &mut impl Port) {
+        let digest = digest::of_bytes(message);
+        if self.last_message.replace(digest) == Some(digest) {
+            self.duplicate = self.duplicate.saturating_add(1);
+            return;
+        }
+        match self.read(message) {
+            Ok(uplink) => self.take(&uplink, port),
+            Err(refusal) => self.answer(0, Err(refusal), port),
+        }
+    }
+
+    // Of its own: the bytes that a message is read from are gone from the stack.
+    #[inline(never)]
+    fn take(&mut self, uplink: &Uplink, port: &mut impl Port) {
+        if let Err(refusal) = self.permit(uplink) {
+            return self.answer(0, Err(refusal), port);
+        }
+        self.count_missed(uplink.sequence);
+        let result = match &uplink.request {
+            Request::Measurement(measurement) => match self.measurement(measurement, port) {
+                Ok(()) => return,
+                refused => refused,
+            },
+            other => self.carry_out(other, port),
+        };
+        self.answer(uplink.sequence, result, port);
+    }
+
+    /// One tick of the board's clock.
+    pub fn tick(&mut self, port: &mut impl Port) {
+        match self.newest.take() {
+            _ if self.heartbeat_only => self.send_status(port),
+            Some(measurement) => {
+                if let Err(refusal) = self.step(&measurement, port) {
+                    self.answer(0, Err(refusal), port);
+                }
+            }
+            None if self.pace == Pace::Clock => {
+                self.silent_ticks = self.silent_ticks.saturating_add(1);
+                self.send_status(port);
+            }
+            None => {}
+        }
+    }
+
+    /// The request inside a message, if it may come this way.
+    #[inline(never)]
+    fn read(&mut self, message: &[u8]) -> Result<Uplink, Refusal> {
+        let [version, protection, open @ ..] = message else {
+            return Err(Refusal::Malformed);
+        };
+        if *version != uplink::VERSION {
+            return Err(Refusal::Version);
+        }
+        match *protection {
+            uplink::OPEN => {
+                let uplink = uplink::decode(open).ok_or(Refusal::Malformed)?;
+                match uplink.request {
+                    Request::Measurement(_) | Request::Command(Command::Status) => Ok(uplink),
+                    _ => Err(Refusal::NotSecured),
+                }
+            }
+            uplink::SECURED => {
+                let checked = self.verifier.open(DATA_ID, message).map_err(refusal_of)?;
+                let payload = checked.get(2..).ok_or(Refusal::Malformed)?;
+                uplink::decode(payload).ok_or(Refusal::Malformed)
+            }
+            _ => Err(Refusal::Malformed),
+        }
+    }
+
+    /// A board in a crash loop only says how it is.
+    fn permit(&self, uplink: &Uplink) -> Result<(), Refusal> {
+        match uplink.request {
+            Request::Command(Command::Status) => Ok(()),
+            _ if self.heartbeat_only => Err(Refusal::HeartbeatOnly),
+            _ => Ok(()),
+        }
+    }
+
+    fn measurement(&mut self, measurement: &Measurement, port: &mut impl Port) -> Result<(), Refusal> {
+        if !self.described() {
+            return Err(Refusal::NotDescribed);
+        }
+        if !self.running {
+            return Err(Refusal::NotRunning);
+        }
+        match self.pace {
+            Pace::Lockstep => self.step(measurement, port),
+            Pace::Clock => {
+                let waiting_s = self.newest.map(|newest| newest.time_s);
+                let last_s = waiting_s.or(self.last_time_s);
+                // NaN is not later than anything.
+                let later = last_s.is_none_or(|last_s| measurement.time_s > last_s);
+                if !(later && measurement.time_s.is_finite()) {
+                    return Err(Refusal::TimeNotIncreasing);
+                }
+                self.newest = Some(*measurement);
+                Ok(())
+            }
+        }
+    }
+
+    /// A tick with a measurement.
+    #[inline(never)]
+    fn step(&mut self, measurement: &Measurement, port: &mut impl Port) -> Result<(), Refusal> {
+        let estimate = self.estimate(measurement)?;
+        self.last_time_s = Some(measurement.time_s);
+        self.silent_ticks = 0;
+        self.tick = self.tick.wrapping_add(1);
+        self.report(&estimate, port);
+        let over = self.is_over(&estimate);
+        if over {
+            self.end(port);
+        }
+        self.send(Body::Estimate(frames::estimate(&estimate)), port);
+        if over {
+            // The next run begins at once: nothing that is to be learned waits for somebody to say so.
+            self.begin(self.run.direction());
+        }
+        Ok(())
+    }
+
+    // Of its own: what the estimator takes on the stack is given back before the frames are made.
+    #[inline(never)]
+    fn estimate(&mut self, measurement: &Measurement) -> Result<Estimate, Refusal> {
+        self.estimator.step(self.run, measurement).map_err(|_| Refusal::TimeNotIncreasing)
+    }
+
+    fn count_missed(&mut self, sequence: u16) {
+        if let Some(last) = self.last_uplink.replace(sequence) {
+            let gap = sequence.wrapping_sub(last).wrapping_sub(1);
+            // A sender that begins anew is not a loss.
+            if gap < 1000 {
+                self.missed = self.missed.saturating_add(u32::from(gap));
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn answer(&mut self, to: u16, result: Result<(), Refusal>, port: &mut impl Port) {
+        if let Err(refusal) = result
+            && let Some(count) = self.refusals.get_mut(refusal as usize)
+        {
+            *count = count.saturating_add(1);
+        }
+        self.send(Body::Answer(Answer { to, result }), port);
+    }
+
+    fn described(&self) -> bool {
+        self.train_id.is_some() && self.track_id.is_some()
+    }
+}
+
+fn refusal_of(refused: crate::onboard::auth::Refusal) -> Refusal {
+    use crate::onboard::auth::Refusal as Auth;
+    match refused {
+        Auth::Unprovisioned(_) | Auth::NoEpoch(_) => Refusal::Unprovisioned,
+        Auth::WrongLength { .. } => Refusal::Malformed,
+        Auth::Stale { .. } | Auth::OtherEpoch { .. } => Refusal::Stale,
+        _ => Refusal::WrongMac,
+    }
+}

@@ -1,0 +1,152 @@
+//! Which frames a tick sends beside the estimate, which closes it.
+
+use super::{Port, Task};
+use crate::coast_ahead::Outcome;
+use crate::estimator::config::Mode;
+use crate::filter::gaussian::Gaussian;
+use crate::model::state::{LOCATION, R0, SPEED};
+use crate::onboard::frames;
+use crate::tick::estimate::{Cause, Estimate};
+use embedded_storage::nor_flash::NorFlash;
+use rundown_wire::{Body, CAUSES, Downlink, MAX_MESSAGE, SWITCHING_POINTS, Status};
+
+/// Ticks from one features frame and status to the next: a minute.
+const MINUTE_TICKS: u32 = 6;
+/// Ticks from one snapshot to the next: a brown-out loses two minutes at most.
+const SNAPSHOT_TICKS: u32 = 12;
+
+impl<F: NorFlash> Task<'_, F> {
+    pub(super) fn report(&mut self, estimate: &Estimate, port: &mut impl Port) {
+        self.send_parameters(estimate, port);
+        let mean = &estimate.belief.mean;
+        let limits = self.estimator.limits_n_per_kg(mean[LOCATION], mean[SPEED]);
+        let effort = frames::effort(estimate, limits);
+        self.send(Body::Effort(effort), port);
+        self.send_coast_ahead(estimate, port);
+        if self.tick.is_multiple_of(MINUTE_TICKS) {
+            self.send_features(port);
+            self.send_status(port);
+            if !self.estimator.effects().is_empty() {
+                self.send(Body::Effects(self.estimator.effects().to_frame()), port);
+            }
+        }
+        // Between the minutes: no tick does everything.
+        if self.takes_snapshot() {
+            self.take_snapshot_of_the_run();
+        }
+        self.send_snapshot_parts(port);
+    }
+
+    #[inline(never)]
+    fn send_parameters(&mut self, estimate: &Estimate, port: &mut impl Port) {
+        let davis = Gaussian {
+            mean: estimate.belief.mean.fixed_rows::<3>(R0).into_owned(),
+            covariance: estimate.belief.covariance.fixed_view::<3, 3>(R0, R0).into_owned(),
+        };
+        let nominal = self.estimator.train().davis();
+        let (published, learned) = self.published.judge(&nominal, self.initial_sd, &davis);
+        let gain = match self.estimator.config().mode {
+            Mode::Measured => Some(self.run.gain()),
+            Mode::Gated | Mode::Paper => None,
+        };
+        let parameters = frames::parameters(estimate, &published, learned, gain);
+        self.send(Body::Parameters(parameters), port);
+    }
+
+    fn takes_snapshot(&self) -> bool {
+        self.tick % SNAPSHOT_TICKS == MINUTE_TICKS / 2
+    }
+
+    /// Where the track has targets. Not in the tick of the minute and not in that of a snapshot, which are the longest ones; what was said last is said again in the tick after
+    /// the minute's, for a display that missed it.
+    #[inline(never)]
+    fn send_coast_ahead(&mut self, estimate: &Estimate, port: &mut impl Port) {
+        let long = self.tick.is_multiple_of(MINUTE_TICKS) || self.takes_snapshot();
+        if long || self.estimator.track().targets() == 0 {
+            return;
+        }
+        let mut ahead = self.estimator.coast_ahead(self.run, estimate);
+        if self.published.is_out_of_bounds() {
+            ahead.outcome = Outcome::Unknown;
+        }
+        let news = self.coast.is_news(&self.estimator.config().coast, &ahead);
+        let again = self.tick % MINUTE_TICKS == 1;
+        if let Some(said) = self.coast.said().filter(|_| news || again) {
+            let frame = frames::coast_ahead(said);
+            self.send(Body::CoastAhead(frame), port);
+        }
+    }
+
+    fn send_features(&mut self, port: &mut impl Port) {
+        let config = &self.estimator.config().features;
+        let features = &mut self.summary.features;
+        self.run.features().features_in(config, features);
+        // The last ones: the places of older points are known.
+        let first = features.switching_points.len().saturating_sub(SWITCHING_POINTS);
+        self.send_features_frame(port);
+        self.send_switching_points(first, port);
+    }
+
+    #[inline(never)]
+    fn send_features_frame(&mut self, port: &mut impl Port) {
+        let frame = frames::features(&self.summary.features);
+        self.send(Body::Features(frame), port);
+    }
+
+    #[inline(never)]
+    fn send_switching_points(&mut self, first: usize, port: &mut impl Port) {
+        let points = frames::switching_points(&self.summary.features, first);
+        self.send(Body::SwitchingPoints(points), port);
+    }
+
+    pub(super) fn send_summary(&mut self, port: &mut impl Port) {
+        self.send_features_frame(port);
+        for first in (0..self.summary.features.switching_points.len()).step_by(SWITCHING_POINTS) {
+            self.send_switching_points(first, port);
+        }
+        let wind_sd_mps = self.vehicle.wind_sd_mps(&self.estimator.memory_config());
+        let frame = frames::run_summary(self.summary, &self.vehicle, wind_sd_mps);
+        self.send(Body::RunSummary(frame), port);
+        self.send_status(port);
+    }
+
+    #[inline(never)]
+    pub(super) fn send_status(&mut self, port: &mut impl Port) {
+        let counters = self.run.counters();
+        let mut causes = [0; CAUSES];
+        for (count, cause) in causes.iter_mut().zip(Cause::ALL) {
+            *count = counters.of(cause);
+        }
+        let status = Status {
+            announcement: self.verifier.announcement(),
+            train_id: self.train_id,
+            track_id: self.track_id,
+            setup: self.setup,
+            running: self.running,
+            silent_ticks: self.silent_ticks,
+            causes,
+            time_not_increasing: counters.time_not_increasing,
+            refusals: self.refusals,
+            missed: self.missed,
+            duplicate: self.duplicate,
+            not_sent: self.not_sent,
+            memory: self.memory,
+            records: self.records,
+        };
+        self.send(Body::Status(status), port);
+        let health = port.health();
+        self.send(Body::Health(health), port);
+    }
+
+    #[inline(never)]
+    pub(super) fn send(&mut self, body: Body, port: &mut impl Port) {
+        let frame = Downlink { sequence: self.sequence, tick: self.tick, body };
+        // A frame that finds no room is a gap in the sequence for the other side.
+        self.sequence = self.sequence.wrapping_add(1);
+        let mut buffer = [0; MAX_MESSAGE];
+        let sent = frame.encode(&mut buffer).is_ok_and(|message| port.send(message));
+        if !sent {
+            self.not_sent = self.not_sent.saturating_add(1);
+        }
+    }
+}

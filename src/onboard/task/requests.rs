@@ -1,0 +1,287 @@
+//! What may be asked of the board, and when: the description between runs, commands at any time.
+
+use super::{LONG_STOP_S, MOVING_MPS, Port, Task};
+use crate::coast_ahead::Steady;
+use crate::estimator::config::Mode;
+use crate::model::direction::Direction;
+use crate::model::effects::{self, Effects, FrameError};
+use crate::model::state::SPEED;
+use crate::model::state::resistance_sd;
+use crate::model::train::Train;
+use crate::model::units::KmPerHour;
+use crate::onboard::published::JUDGED_KMH;
+use crate::onboard::uplink::{Command, CurvePart, Pace, Request, Setting, TargetPart, TrackPart, TrainFrame};
+use crate::tick::digest;
+use crate::tick::estimate::Estimate;
+use crate::tick::regime::Regime;
+use embedded_storage::nor_flash::NorFlash;
+use rundown_wire::{Body, Effect, Refusal};
+use serde::ser::{Serialize, SerializeSeq, Serializer};
+
+impl<F: NorFlash> Task<'_, F> {
+    #[inline(never)]
+    pub(super) fn carry_out(&mut self, request: &Request, port: &mut impl Port) -> Result<(), Refusal> {
+        match request {
+            Request::Command(command) => self.command(*command, port),
+            Request::Surroundings(surroundings) if !surroundings.are_plausible() => Err(Refusal::OutOfRange),
+            Request::Surroundings(surroundings) => {
+                self.estimator.tell(self.run, *surroundings);
+                Ok(())
+            }
+            _ if self.running => Err(Refusal::Running),
+            Request::Train(frame) => self.take_train(frame),
+            Request::Track(part) => self.take_track(part),
+            Request::Setting(setting) => self.take_setting(setting),
+            Request::Snapshot(part) => self.take_snapshot(part),
+            Request::Effect(effect) => self.take_effect(effect, port),
+            Request::Curves(part) => self.take_curves(part),
+            Request::Targets(part) => self.take_targets(part),
+            // Taken care of before.
+            Request::Measurement(_) => Err(Refusal::Malformed),
+        }
+    }
+
+    fn command(&mut self, command: Command, port: &mut impl Port) -> Result<(), Refusal> {
+        match command {
+            Command::Begin { direction, track_id } => {
+                if !self.described() {
+                    return Err(Refusal::NotDescribed);
+                }
+                if self.track_id != Some(track_id) {
+                    return Err(Refusal::OtherTrack);
+                }
+                if self.running {
+                    self.end(port);
+                }
+                self.begin(direction);
+            }
+            Command::End if self.running => self.end(port),
+            Command::End => return Err(Refusal::NotRunning),
+            Command::Pace(pace) => {
+                self.pace = pace;
+                // What waits for a tick of the clock would wait for ever.
+                if pace == Pace::Lockstep {
+                    self.newest = None;
+                }
+            }
+            Command::Status => self.send_status(port),
+            Command::Snapshot if self.running => {
+                self.take_snapshot_of_the_run();
+                self.send_snapshot_parts(port);
+            }
+            Command::Snapshot => return Err(Refusal::NotRunning),
+            Command::Forget if self.running => return Err(Refusal::Running),
+            Command::Forget => self.forget(),
+            Command::ClearEffects if self.running => return Err(Refusal::Running),
+            Command::ClearEffects => {
+                self.estimator.effects_mut().clear();
+                self.effects_changed(port);
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn begin(&mut self, direction: Direction) {
+        // Once, and not with each of their frames.
+        if self.effects_unsaved {
+            self.write();
+        }
+        self.judge_by_description();
+        self.estimator.begin_run_in(self.run, &self.vehicle, direction);
+        self.running = true;
+        // So that a run gives the same frames whatever was before it.
+        self.tick = 0;
+        self.sequence = 0;
+        self.moved = false;
+        self.standing_since_s = None;
+        self.coast = Steady::NONE;
+        self.newest = None;
+        self.last_time_s = None;
+    }
+
+    /// How well r is known by the description alone; the same all through a run.
+    #[inline(never)]
+    pub(super) fn judge_by_description(&mut self) {
+        let described = self.estimator.new_vehicle().davis();
+        self.initial_sd = resistance_sd(&described, KmPerHour(JUDGED_KMH).to_mps());
+    }
+
+    /// Ends the run: its summary goes out, what it taught into the vehicle and the flash.
+    #[inline(never)]
+    pub(super) fn end(&mut self, port: &mut impl Port) {
+        self.estimator.end_run_in(self.run, &mut self.vehicle, self.summary);
+        self.running = false;
+        self.newest = None;
+        self.keep();
+        self.send_summary(port);
+    }
+
+    /// A long stop ends the run.
+    pub(super) fn is_over(&mut self, estimate: &Estimate) -> bool {
+        if estimate.belief.mean[SPEED] > MOVING_MPS {
+            self.moved = true;
+        }
+        if estimate.regime != Regime::Standstill {
+            self.standing_since_s = None;
+            return false;
+        }
+        let since_s = *self.standing_since_s.get_or_insert(estimate.time_s);
+        self.moved && estimate.time_s - since_s >= LONG_STOP_S
+    }
+
+    #[inline(never)]
+    fn take_train(&mut self, frame: &TrainFrame) -> Result<(), Refusal> {
+        if self.verifier.train().is_some_and(|train| train.0 != frame.id) {
+            return Err(Refusal::OtherTrain);
+        }
+        let train = Train::try_new(frame.description).map_err(|_| Refusal::OutOfRange)?;
+        // A train that is described once more keeps what was learned of it.
+        let known = self.train_id == Some(frame.id) && *self.estimator.train() == train;
+        if !known {
+            self.estimator.set_train(train);
+            self.train_id = Some(frame.id);
+            self.restore_vehicle();
+            self.settle();
+        }
+        Ok(())
+    }
+
+    /// Parts come in order; the old track stays in force until the last one is there.
+    fn take_track(&mut self, part: &TrackPart) -> Result<(), Refusal> {
+        if part.first == 0 {
+            self.incoming.restart(part.length_m).map_err(|_| Refusal::OutOfRange)?;
+            self.incoming_id = part.id;
+        }
+        let there = usize::from(part.first);
+        let same = part.id == self.incoming_id
+            && part.length_m == self.incoming.length_m()
+            && there == self.incoming.entries();
+        if !same {
+            return Err(Refusal::OutOfOrder);
+        }
+        for gradient in &part.gradients {
+            self.incoming.push(*gradient).map_err(|_| Refusal::OutOfRange)?;
+        }
+        if self.incoming.entries() > usize::from(part.total) {
+            return Err(Refusal::OutOfOrder);
+        }
+        if self.incoming.entries() == usize::from(part.total) {
+            self.estimator.swap_track(self.incoming);
+            self.track_id = Some(part.id);
+            self.settle();
+        }
+        Ok(())
+    }
+
+    #[inline(never)]
+    fn take_curves(&mut self, part: &CurvePart) -> Result<(), Refusal> {
+        if self.track_id != Some(part.track_id) {
+            return Err(Refusal::OtherTrack);
+        }
+        let track = self.estimator.track_mut();
+        if part.first == 0 {
+            track.clear_curves();
+        }
+        let taken = if track.curves() == usize::from(part.first) {
+            let mut curves = part.curves.iter();
+            curves.try_for_each(|curve| track.push_curve(*curve).map_err(|_| Refusal::OutOfRange))
+        } else {
+            Err(Refusal::OutOfOrder)
+        };
+        if taken == Err(Refusal::OutOfRange) {
+            // Half of a description is none.
+            track.clear_curves();
+        }
+        self.settle();
+        taken
+    }
+
+    #[inline(never)]
+    fn take_targets(&mut self, part: &TargetPart) -> Result<(), Refusal> {
+        if self.track_id != Some(part.track_id) {
+            return Err(Refusal::OtherTrack);
+        }
+        let track = self.estimator.track_mut();
+        if part.first == 0 {
+            track.clear_targets();
+        }
+        let taken = if track.targets() == usize::from(part.first) {
+            let mut targets = part.targets.iter();
+            targets.try_for_each(|target| track.push_target(*target).map_err(|_| Refusal::OutOfRange))
+        } else {
+            Err(Refusal::OutOfOrder)
+        };
+        if taken == Err(Refusal::OutOfRange) {
+            // Half of a description is none.
+            track.clear_targets();
+        }
+        self.settle();
+        taken
+    }
+
+    #[inline(never)]
+    fn take_effect(&mut self, effect: &Effect, port: &mut impl Port) -> Result<(), Refusal> {
+        self.estimator.effects_mut().take(effect).map_err(|error| match error {
+            FrameError::UnknownKind => Refusal::UnknownEffect,
+            FrameError::OutOfOrder => Refusal::OutOfOrder,
+            _ => Refusal::OutOfRange,
+        })?;
+        self.effects_changed(port);
+        Ok(())
+    }
+
+    fn effects_changed(&mut self, port: &mut impl Port) {
+        self.effects_told = true;
+        self.effects_unsaved = true;
+        self.settle();
+        self.send(Body::Effects(self.estimator.effects().to_frame()), port);
+    }
+
+    // Of its own: the whole configuration is gone from the stack before a vehicle is restored.
+    #[inline(never)]
+    fn set(&mut self, setting: &Setting) -> Result<(), Refusal> {
+        let mut config = *self.estimator.config();
+        setting.apply(&mut config);
+        self.estimator.set_config(config).map_err(|_| Refusal::OutOfRange)
+    }
+
+    fn take_setting(&mut self, setting: &Setting) -> Result<(), Refusal> {
+        let before = self.estimator.config().mode;
+        self.set(setting)?;
+        let now = self.estimator.config().mode;
+        // The paper's vehicle begins with deviations of its own.
+        if (before == Mode::Paper) != (now == Mode::Paper) && self.train_id.is_some() {
+            self.restore_vehicle();
+        }
+        self.settle();
+        Ok(())
+    }
+
+    /// Train, track, configuration or effects in force have changed.
+    pub(super) fn settle(&mut self) {
+        let estimator = &self.estimator;
+        self.setup = digest::of(&(
+            self.train_id,
+            self.track_id,
+            estimator.config(),
+            estimator.train().description(),
+            estimator.track(),
+        ));
+        if !estimator.effects().is_empty() {
+            self.setup = digest::of(&(self.setup, Parts(estimator.effects())));
+        }
+    }
+}
+
+/// All frames of all effects, for their digest.
+struct Parts<'a>(&'a Effects);
+
+impl Serialize for Parts<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut sequence = serializer.serialize_seq(Some(self.0.len()))?;
+        for part in self.0.iter().flat_map(effects::Effect::parts) {
+            sequence.serialize_element(&part)?;
+        }
+        sequence.end()
+    }
+}

@@ -1,0 +1,241 @@
+//! Uplink: what the board is told. What only asks (a measurement, [`Command::Status`]) comes open or secured; all else changes the board and must be secured.
+//!
+//! ```text
+//! open       version, 0, postcard of Uplink
+//! secured    version, 1, postcard of Uplink, then the trailer of `auth`: epoch, counter, MAC
+//! ```
+//!
+//! The MAC is checked before anything behind the second byte is read.
+
+use crate::Real;
+use crate::coast_ahead::CoastConfig;
+use crate::estimator::config::{Config, Mode};
+use crate::features::FeatureConfig;
+use crate::model::direction::Direction;
+use crate::model::effects::Surroundings;
+use crate::model::track::{Curve, Gradient, Target};
+use crate::model::train::TrainDescription;
+use crate::tick::learning::LearningConfig;
+use crate::tick::measurement::Measurement;
+use crate::tick::memory::MemoryConfig;
+use crate::tick::paper::PaperConfig;
+use crate::tick::plausibility::PlausibilityConfig;
+use crate::tick::regime::{PaperRule, RecogniserConfig};
+use crate::tick::sensor::SensorConfig;
+use heapless::Vec;
+use rundown_wire::{Effect, SnapshotPart};
+use serde::{Deserialize, Serialize};
+
+/// Version of the uplink messages.
+pub const VERSION: u8 = 1;
+/// Second byte of an open message.
+pub const OPEN: u8 = 0;
+/// Second byte of a secured message.
+pub const SECURED: u8 = 1;
+/// Gradients in one [`TrackPart`].
+pub const GRADIENTS: usize = 24;
+
+/// One frame to the board.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Uplink {
+    /// Counts the sender's frames; wraps. The board answers with it.
+    pub sequence: u16,
+    /// What it asks.
+    pub request: Request,
+}
+
+/// The frames. New ones are appended, so that the numbers of the old ones stay.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Request {
+    /// 0: one measurement.
+    Measurement(Measurement),
+    /// 1: the train, between runs.
+    Train(TrainFrame),
+    /// 2: a part of the track, between runs; it is in force once the last part has come.
+    Track(TrackPart),
+    /// 3: a section of the configuration, between runs.
+    Setting(Setting),
+    /// 4: a named effect for the model, between runs.
+    Effect(Effect),
+    /// 5: something to do.
+    Command(Command),
+    /// 6: a part of a snapshot to go on from.
+    Snapshot(SnapshotPart),
+    /// 7: temperature and date, for the effects that depend on them; at any time.
+    Surroundings(Surroundings),
+    /// 8: curves of the track in force, between runs.
+    Curves(CurvePart),
+    /// 9: stops and permitted speeds of the track in force, between runs.
+    Targets(TargetPart),
+}
+
+/// The train.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrainFrame {
+    /// Which train; must be the one that the board is provisioned for.
+    pub id: u64,
+    /// Its description.
+    pub description: TrainDescription,
+}
+
+/// A part of the track.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrackPart {
+    /// Which track, and which version of it.
+    pub id: u32,
+    /// Length of the track, m.
+    pub length_m: Real,
+    /// Gradients of the whole track.
+    pub total: u16,
+    /// Number of the first one here; parts come in order.
+    pub first: u16,
+    /// The gradients.
+    pub gradients: Vec<Gradient, GRADIENTS>,
+}
+
+/// Curves in one [`CurvePart`].
+pub const CURVES: usize = 16;
+
+/// Curves of the track in force. Each part is in force as soon as it has come.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CurvePart {
+    /// The track that the sender means.
+    pub track_id: u32,
+    /// Number of the first one here; parts come in order, and 0 begins anew.
+    pub first: u16,
+    /// The curves.
+    pub curves: Vec<Curve, CURVES>,
+}
+
+/// Stops and permitted speeds in one [`TargetPart`].
+pub const TARGETS: usize = 24;
+
+/// Stops and permitted speeds of the track in force. Each part is in force as soon as it has come.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TargetPart {
+    /// The track that the sender means.
+    pub track_id: u32,
+    /// Number of the first one here; parts come in order, and 0 begins anew.
+    pub first: u16,
+    /// The places.
+    pub targets: Vec<Target, TARGETS>,
+}
+
+/// A section of the configuration; the whole is checked before it takes the old one's place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Setting {
+    /// 0: source of the effort.
+    Mode(Mode),
+    /// 1: what the readings are worth.
+    Sensor(SensorConfig),
+    /// 2: the paper's filter.
+    Paper(PaperConfig),
+    /// 3: learning.
+    Learning(LearningConfig),
+    /// 4: what is carried from run to run.
+    Memory(MemoryConfig),
+    /// 5: the paper's regime rule.
+    PaperRule(PaperRule),
+    /// 6: the recogniser.
+    Recogniser(RecogniserConfig),
+    /// 7: windows of the features.
+    Features(FeatureConfig),
+    /// 8: when a reading is not believed.
+    Plausibility(PlausibilityConfig),
+    /// 9: coast-ahead prediction.
+    Coast(CoastConfig),
+}
+
+impl Setting {
+    /// All sections of a configuration.
+    pub fn all(config: &Config) -> [Self; 10] {
+        [
+            Self::Mode(config.mode),
+            Self::Sensor(config.sensor),
+            Self::Paper(config.paper),
+            Self::Learning(config.learning),
+            Self::Memory(config.memory),
+            Self::PaperRule(config.paper_rule),
+            Self::Recogniser(config.recogniser),
+            Self::Features(config.features),
+            Self::Plausibility(config.plausibility),
+            Self::Coast(config.coast),
+        ]
+    }
+
+    /// Puts the section into a configuration.
+    pub fn apply(&self, config: &mut Config) {
+        match *self {
+            Self::Mode(mode) => config.mode = mode,
+            Self::Sensor(section) => config.sensor = section,
+            Self::Paper(section) => config.paper = section,
+            Self::Learning(section) => config.learning = section,
+            Self::Memory(section) => config.memory = section,
+            Self::PaperRule(section) => config.paper_rule = section,
+            Self::Recogniser(section) => config.recogniser = section,
+            Self::Features(section) => config.features = section,
+            Self::Plausibility(section) => config.plausibility = section,
+            Self::Coast(section) => config.coast = section,
+        }
+    }
+}
+
+/// When a tick happens.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Pace {
+    /// By the board's clock, with the newest measurement.
+    #[default]
+    Clock,
+    /// With each measurement, at once: logs are played faster than they were recorded.
+    Lockstep,
+}
+
+/// Something to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Command {
+    /// 0: begin a run; one that is under way ends first.
+    Begin {
+        /// Direction of travel.
+        direction: Direction,
+        /// The track that the sender means.
+        track_id: u32,
+    },
+    /// 1: end the run; what it said goes into the vehicle's memory.
+    End,
+    /// 2: when ticks happen.
+    Pace(Pace),
+    /// 3: say how you are.
+    Status,
+    /// 4: send the next pieces of the snapshot that is on its way, or the first ones of a new one.
+    Snapshot,
+    /// 5: forget what was learned of the vehicle, between runs.
+    Forget,
+    /// 6: take all named effects out of the model, between runs.
+    ClearEffects,
+}
+
+/// Reads the payload of a message whose MAC was checked, or that may come open.
+pub fn decode(payload: &[u8]) -> Option<Uplink> {
+    match postcard::take_from_bytes(payload) {
+        Ok((uplink, [])) => Some(uplink),
+        _ => None,
+    }
+}
+
+/// Writes version, protection ([`OPEN`] or [`SECURED`]) and payload; a secured message still lacks its trailer.
+///
+/// # Errors
+/// [`rundown_wire::EncodeError`]: the buffer is too short.
+pub fn encode<'a>(
+    uplink: &Uplink,
+    protection: u8,
+    buffer: &'a mut [u8],
+) -> Result<&'a [u8], rundown_wire::EncodeError> {
+    let (head, rest) = buffer.split_at_mut_checked(2).ok_or(rundown_wire::EncodeError)?;
+    head.copy_from_slice(&[VERSION, protection]);
+    let length = postcard::to_slice(uplink, rest).map_err(|_| rundown_wire::EncodeError)?.len();
+    buffer.get(..2 + length).ok_or(rundown_wire::EncodeError)
+}

@@ -1,0 +1,92 @@
+//! Location and speed from the readings alone: what is known while the effort is not.
+//!
+//! In: judged readings. Out: location and speed with their covariance, independent of any resistance.
+//! The speed is the reading; the location is carried on by the mean speed and corrected by the location reading.
+//! Without a speed the last one is carried on; its standard deviation grows by 0.3 m/s² x time, what a driver may do meanwhile.
+
+use crate::Real;
+use crate::filter::gaussian::Gaussian;
+use crate::tick::sensor::SensorConfig;
+use nalgebra::{Matrix2, Vector2};
+use serde::{Deserialize, Serialize};
+
+/// What a driver may do to the speed while nobody reads it, m/s².
+const UNKNOWN_ACCELERATION_MPS2: Real = 0.3;
+/// Share by which a distance by speed may be wrong (worn wheels).
+const DISTANCE_SHARE: Real = 0.01;
+
+/// Location and speed by dead reckoning.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Kinematics {
+    location_m: Real,
+    location_variance: Real,
+    speed_mps: Real,
+    speed_variance: Real,
+}
+
+impl Kinematics {
+    /// Zeros, as by default.
+    pub(crate) const ZEROED: Self =
+        Self { location_m: 0.0, location_variance: 0.0, speed_mps: 0.0, speed_variance: 0.0 };
+
+    /// Begins anew; a missing location or speed begins at 0 with a standard deviation that says so.
+    pub fn begin(sensor: &SensorConfig, location_m: Option<Real>, speed_mps: Option<Real>) -> Self {
+        let location_sd_m = location_m.map_or(1e5, |_| sensor.location_sd_m);
+        let speed_sd_mps = speed_mps.map_or(30.0, |_| sensor.speed_sd_mps());
+        Self {
+            location_m: location_m.unwrap_or(0.0),
+            location_variance: location_sd_m * location_sd_m,
+            speed_mps: speed_mps.unwrap_or(0.0),
+            speed_variance: speed_sd_mps * speed_sd_mps,
+        }
+    }
+
+    /// One tick. `sign` is +1 where locations grow.
+    pub fn step(
+        &mut self,
+        sensor: &SensorConfig,
+        sign: Real,
+        dt_s: Real,
+        location_m: Option<Real>,
+        speed_mps: Option<Real>,
+    ) {
+        let before_mps = self.speed_mps;
+        let sensor_sd_mps = sensor.speed_sd_mps();
+        match speed_mps {
+            Some(speed_mps) => {
+                self.speed_mps = speed_mps;
+                self.speed_variance = sensor_sd_mps * sensor_sd_mps;
+            }
+            None => {
+                // Bounded: no train is further from its last speed than this.
+                let grown = UNKNOWN_ACCELERATION_MPS2 * dt_s;
+                self.speed_variance = (self.speed_variance + grown * grown).min(900.0);
+            }
+        }
+        let run_m = 0.5 * (before_mps + self.speed_mps) * dt_s;
+        self.location_m += sign * run_m;
+        let wrong_m = DISTANCE_SHARE * run_m;
+        let reading = if run_m == 0.0 { 0.0 } else { 0.5 * self.speed_variance * dt_s * dt_s };
+        self.location_variance = (self.location_variance + wrong_m * wrong_m + reading).min(1e10);
+        if let Some(location_m) = location_m {
+            let sensor_variance = sensor.location_sd_m * sensor.location_sd_m;
+            let gain = self.location_variance / (self.location_variance + sensor_variance);
+            self.location_m += gain * (location_m - self.location_m);
+            self.location_variance *= 1.0 - gain;
+        }
+    }
+
+    /// Location is taken up anew after a jump that turned out to be true.
+    pub fn anchor(&mut self, sensor: &SensorConfig, location_m: Real) {
+        self.location_m = location_m;
+        self.location_variance = sensor.location_sd_m * sensor.location_sd_m;
+    }
+
+    /// Location and speed, independent of each other.
+    pub fn belief(&self) -> Gaussian<2> {
+        Gaussian {
+            mean: Vector2::new(self.location_m, self.speed_mps),
+            covariance: Matrix2::from_diagonal(&Vector2::new(self.location_variance, self.speed_variance)),
+        }
+    }
+}

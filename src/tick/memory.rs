@@ -1,0 +1,270 @@
+//! Two-level memory: the vehicle's resistance, carried from run to run, and each run's deviation from it.
+//!
+//! In: what one run said about its train. Out: the vehicle's Davis coefficients, and the belief with which the next run begins.
+//!
+//! A run's train is the vehicle plus a deviation of that day, δ. It has the shape of wind and load: with a headwind w ~ N(0, σ²) and σ = s x `wind_sd_mps`,
+//!
+//! ```text
+//! r2 (v + w)² = r2 v² + 2 r2 w v + r2 w²        δ = (r2 w², 2 r2 w, load share of r2)
+//! mean of δ = (r2 σ², 0, 0)                     variances of δ = (2 r2² σ⁴, 4 r2² σ², s² load²)
+//! ```
+//!
+//! The mean is not zero: wind from either side adds to r0. Left out, it would stay in the vehicle, +1.2 % of r at 20 km/h for σ = 2 m/s.
+//!
+//! How windy a line is, is not known beforehand, and both wrong answers hurt: taken too calm, the first windy run is believed to be
+//! the vehicle; taken too windy, 67 calm runs teach little to the next one. So a few scales s are carried side by side, each with its own vehicle,
+//! weighted by how well it foresaw the runs (Bayesian model averaging), in fixed memory.
+//!
+//! Everything is in shares of the manufacturer's coefficients (1 = as described), which keeps the numbers near one. What a run said is a
+//! normal likelihood: the difference of information between the end and the beginning of its filter.
+
+mod record;
+
+pub use record::{HypothesisRecord, Implausible, LEAST_SHARE, MOST_SHARE, VehicleRecord};
+
+use crate::Real;
+use crate::filter::gaussian::Gaussian;
+use crate::model::resistance::Davis;
+use crate::tick::bounds::{ConfigError, between};
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Scales of the run-to-run deviation that are carried side by side.
+pub const SCALES: [Real; 4] = [0.0, 0.3, 0.7, 1.5];
+/// What is believed of them before the first run.
+const SCALE_WEIGHTS: [Real; 4] = [0.4, 0.3, 0.2, 0.1];
+
+/// What may differ between vehicles, and between runs of one vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MemoryConfig {
+    /// Standard deviation of a vehicle's whole resistance from its description, share.
+    pub vehicle_scale_sd: Real,
+    /// Standard deviation of each coefficient beyond that, share.
+    pub vehicle_shape_sd: Real,
+    /// Run-to-run standard deviation of the wind along the line at scale 1, m/s.
+    pub wind_sd_mps: Real,
+    /// Run-to-run standard deviation of the quadratic term by load at scale 1, share.
+    pub load_sd: Real,
+    /// Standard deviation by which the vehicle itself changes from one run to the next, share.
+    pub drift_sd: Real,
+}
+
+impl Default for MemoryConfig {
+    fn default() -> Self {
+        Self { vehicle_scale_sd: 0.15, vehicle_shape_sd: 0.10, wind_sd_mps: 2.0, load_sd: 0.02, drift_sd: 5e-4 }
+    }
+}
+
+impl MemoryConfig {
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
+        between("memory.vehicle_scale_sd", self.vehicle_scale_sd, 0.0, 2.0)?;
+        between("memory.vehicle_shape_sd", self.vehicle_shape_sd, 1e-3, 2.0)?;
+        between("memory.wind_sd_mps", self.wind_sd_mps, 0.0, 20.0)?;
+        between("memory.load_sd", self.load_sd, 0.0, 1.0)?;
+        between("memory.drift_sd", self.drift_sd, 0.0, 0.1)
+    }
+
+    /// A run's deviation at a scale, in shares.
+    fn deviation(&self, nominal: &Davis, scale: Real) -> Gaussian<3> {
+        let wind_sd_mps = scale * self.wind_sd_mps;
+        let constant = nominal.r2 * wind_sd_mps * wind_sd_mps / guarded(nominal.r0);
+        let linear = 2.0 * nominal.r2 * wind_sd_mps / guarded(nominal.r1);
+        let sd = [core::f64::consts::SQRT_2 * constant, linear, scale * self.load_sd];
+        Gaussian::independent([constant, 0.0, 0.0], sd)
+    }
+}
+
+/// A coefficient by which shares are taken; a description may state 0 for r1 or r2, and a share of 0 says nothing.
+fn guarded(coefficient: Real) -> Real {
+    coefficient.max(1e-9)
+}
+
+/// One scale of the deviation with its vehicle, in shares of the manufacturer's coefficients.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Hypothesis {
+    scale: Real,
+    weight: Real,
+    vehicle: Gaussian<3>,
+}
+
+/// What is known of the vehicle. Survives the run; the only thing that is persisted of the resistance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Vehicle {
+    nominal: Davis,
+    hypotheses: [Hypothesis; SCALES.len()],
+    runs: u32,
+}
+
+impl Vehicle {
+    /// A vehicle as its manufacturer describes it.
+    pub fn new(config: &MemoryConfig, nominal: Davis) -> Self {
+        let common = config.vehicle_scale_sd * config.vehicle_scale_sd;
+        let own = config.vehicle_shape_sd * config.vehicle_shape_sd;
+        let covariance = Matrix3::from_element(common) + Matrix3::from_diagonal_element(own);
+        Self::with_prior(nominal, Gaussian { mean: Vector3::from_element(1.0), covariance })
+    }
+
+    /// A vehicle with independent standard deviations of its coefficients (SI units), as Table 1 states them.
+    pub fn independent(nominal: Davis, sd: [Real; 3]) -> Self {
+        let unit = shares(&nominal);
+        let relative = [sd[0] / unit[0], sd[1] / unit[1], sd[2] / unit[2]];
+        Self::with_prior(nominal, Gaussian::independent([1.0; 3], relative))
+    }
+
+    fn with_prior(nominal: Davis, vehicle: Gaussian<3>) -> Self {
+        let hypothesis = |(scale, weight)| Hypothesis { scale, weight, vehicle };
+        let mut hypotheses = [hypothesis((0.0, 0.0)); SCALES.len()];
+        for (slot, entry) in hypotheses.iter_mut().zip(SCALES.into_iter().zip(SCALE_WEIGHTS)) {
+            *slot = hypothesis(entry);
+        }
+        Self { nominal, hypotheses, runs: 0 }
+    }
+
+    /// The vehicle's Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²).
+    pub fn davis(&self) -> Gaussian<3> {
+        self.in_si(&self.mixture(|hypothesis| hypothesis.vehicle))
+    }
+
+    /// What is believed of the train of the next run: the vehicle and the deviation of a day.
+    pub fn next_run(&self, config: &MemoryConfig) -> Gaussian<3> {
+        let of_run = |hypothesis: &Hypothesis| hypothesis.of_run(&config.deviation(&self.nominal, hypothesis.scale));
+        self.in_si(&self.mixture(of_run))
+    }
+
+    /// Number of runs that said something.
+    pub fn runs(&self) -> u32 {
+        self.runs
+    }
+
+    /// Standard deviation of the wind from run to run as learned so far, m/s.
+    pub fn wind_sd_mps(&self, config: &MemoryConfig) -> Real {
+        let variance: Real =
+            self.hypotheses.iter().map(|hypothesis| hypothesis.weight * hypothesis.scale * hypothesis.scale).sum();
+        config.wind_sd_mps * libm::sqrt(variance)
+    }
+
+    /// Takes up what a run said: its belief at the beginning and at the end. A run that learned nothing changes nothing.
+    #[inline(never)]
+    pub fn learn(&mut self, config: &MemoryConfig, begin: &Gaussian<3>, end: &Gaussian<3>) {
+        if begin == end {
+            return;
+        }
+        let Some((information, vector)) = self.likelihood(begin, end) else {
+            return;
+        };
+        let drift = Matrix3::from_diagonal_element(config.drift_sd * config.drift_sd);
+        let mut next = *self;
+        let mut log_weights = [0.0; SCALES.len()];
+        for (hypothesis, log_weight) in next.hypotheses.iter_mut().zip(&mut log_weights) {
+            hypothesis.vehicle.covariance += drift;
+            let deviation = config.deviation(&self.nominal, hypothesis.scale);
+            let Some(evidence) = hypothesis.learn(&deviation, &information, &vector) else {
+                return;
+            };
+            *log_weight = libm::log(hypothesis.weight) + evidence;
+        }
+        let largest = log_weights.iter().copied().fold(Real::MIN, Real::max);
+        let mut sum = 0.0;
+        for (hypothesis, log_weight) in next.hypotheses.iter_mut().zip(log_weights) {
+            // A scale is never given up for good: winds change with the seasons.
+            hypothesis.weight = libm::exp(log_weight - largest).max(1e-3);
+            sum += hypothesis.weight;
+        }
+        for hypothesis in &mut next.hypotheses {
+            hypothesis.weight /= sum;
+        }
+        next.runs = next.runs.saturating_add(1);
+        if next.davis().is_finite() {
+            *self = next;
+        }
+    }
+
+    /// The paper has one level: what the run ended with is the vehicle.
+    pub fn replace(&mut self, end: &Gaussian<3>) {
+        let mut vehicle = self.in_shares(end);
+        // The change of units rounds the two halves differently.
+        vehicle.covariance = (vehicle.covariance + vehicle.covariance.transpose()) * 0.5;
+        for hypothesis in &mut self.hypotheses {
+            hypothesis.vehicle = vehicle;
+        }
+        self.runs = self.runs.saturating_add(1);
+    }
+
+    /// What the run itself said, free of the belief it began with: information matrix and vector, in shares.
+    fn likelihood(&self, begin: &Gaussian<3>, end: &Gaussian<3>) -> Option<(Matrix3<Real>, Vector3<Real>)> {
+        let begin = self.in_shares(begin);
+        let end = self.in_shares(end);
+        let before = begin.covariance.try_inverse()?;
+        let after = end.covariance.try_inverse()?;
+        let information = after - before;
+        let information = (information + information.transpose()) * 0.5;
+        Some((information, after * end.mean - before * begin.mean))
+    }
+
+    /// One normal distribution with the mean and the covariance of the weighted hypotheses.
+    fn mixture(&self, of: impl Fn(&Hypothesis) -> Gaussian<3>) -> Gaussian<3> {
+        let mean: Vector3<Real> =
+            self.hypotheses.iter().map(|hypothesis| of(hypothesis).mean * hypothesis.weight).sum();
+        let covariance = self
+            .hypotheses
+            .iter()
+            .map(|hypothesis| {
+                let one = of(hypothesis);
+                let apart = one.mean - mean;
+                (one.covariance + apart * apart.transpose()) * hypothesis.weight
+            })
+            .sum();
+        Gaussian { mean, covariance }
+    }
+
+    fn in_si(&self, relative: &Gaussian<3>) -> Gaussian<3> {
+        let unit = Matrix3::from_diagonal(&shares(&self.nominal));
+        Gaussian { mean: unit * relative.mean, covariance: unit * relative.covariance * unit }
+    }
+
+    fn in_shares(&self, si: &Gaussian<3>) -> Gaussian<3> {
+        let unit = Matrix3::from_diagonal(&shares(&self.nominal).map(|u| 1.0 / u));
+        Gaussian { mean: unit * si.mean, covariance: unit * si.covariance * unit }
+    }
+}
+
+/// What is one share of each coefficient.
+fn shares(nominal: &Davis) -> Vector3<Real> {
+    Vector3::new(nominal.r0, nominal.r1, nominal.r2).map(guarded)
+}
+
+impl Hypothesis {
+    /// The train of a run: the vehicle and its deviation of the day.
+    fn of_run(&self, deviation: &Gaussian<3>) -> Gaussian<3> {
+        Gaussian {
+            mean: self.vehicle.mean + deviation.mean,
+            covariance: self.vehicle.covariance + deviation.covariance,
+        }
+    }
+
+    /// Takes up a likelihood exp(-½ rᵀΛr + ηᵀr) of a run whose train is the vehicle plus a deviation.
+    /// Returns the logarithm of how well it was foreseen.
+    fn learn(&mut self, deviation: &Gaussian<3>, information: &Matrix3<Real>, vector: &Vector3<Real>) -> Option<Real> {
+        let one = Matrix3::identity();
+        let of_run = self.of_run(deviation);
+        let mean = of_run.mean;
+        let eta = vector - information * mean;
+        let foreseen = one + information * of_run.covariance;
+        let pull = of_run.covariance * foreseen.try_inverse()?;
+        let evidence = -0.5 * libm::log(foreseen.determinant().max(Real::MIN_POSITIVE))
+            + 0.5 * eta.dot(&(pull * eta))
+            + vector.dot(&mean)
+            - 0.5 * mean.dot(&(information * mean));
+
+        // What is left of the run's information once its own deviation is integrated out.
+        let blurred = (one + information * deviation.covariance).try_inverse()?;
+        let information = blurred * information;
+        let covariance = self.vehicle.covariance * (one + information * self.vehicle.covariance).try_inverse()?;
+        self.vehicle = Gaussian {
+            mean: self.vehicle.mean + covariance * (blurred * eta),
+            covariance: (covariance + covariance.transpose()) * 0.5,
+        };
+        Some(evidence)
+    }
+}

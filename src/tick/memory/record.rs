@@ -1,0 +1,235 @@
+//! The vehicle as it is stored: plain numbers, each once, and the check before they are believed again.
+
+use super::{Hypothesis, SCALES, Vehicle, shares};
+use crate::Real;
+use crate::filter::elimination::{NotPositiveDefinite, eliminate};
+use crate::filter::gaussian::Gaussian;
+use crate::model::resistance::Davis;
+use core::fmt;
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// A stored coefficient is believed from this share of the manufacturer's coefficient ...
+pub const LEAST_SHARE: Real = 0.2;
+/// ... to this one.
+pub const MOST_SHARE: Real = 5.0;
+
+/// A [`Vehicle`] in numbers; unchecked. The scales are [`SCALES`] and not repeated.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VehicleRecord {
+    /// The manufacturer's coefficients r0, r1, r2 by which the shares are taken.
+    pub nominal: [Real; 3],
+    /// One for each of [`SCALES`].
+    pub hypotheses: [HypothesisRecord; SCALES.len()],
+    /// Number of runs that said something.
+    pub runs: u32,
+}
+
+/// What is believed if the run-to-run deviation has one scale.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HypothesisRecord {
+    /// Probability of the scale.
+    pub weight: Real,
+    /// Coefficients, shares.
+    pub mean: [Real; 3],
+    /// Upper triangle of their covariance by rows: 00, 01, 02, 11, 12, 22.
+    pub covariance: [Real; 6],
+}
+
+/// Why a stored vehicle is not believed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Implausible {
+    /// A number is infinite or not a number.
+    NotFinite,
+    /// Probabilities are not above 0, or their sum is not 1.
+    Weights {
+        /// Their sum.
+        sum: Real,
+    },
+    /// A covariance is none.
+    Covariance {
+        /// Which of the hypotheses.
+        hypothesis: usize,
+        /// Its first wrong pivot.
+        cause: NotPositiveDefinite,
+    },
+    /// A coefficient is too far from the manufacturer's.
+    Coefficient {
+        /// `r0`, `r1` or `r2`.
+        name: &'static str,
+        /// Share of the manufacturer's coefficient, expected from [`LEAST_SHARE`] to [`MOST_SHARE`].
+        share: Real,
+    },
+}
+
+impl fmt::Display for Implausible {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite => write!(f, "stored vehicle: a number is not finite"),
+            Self::Weights { sum } => write!(f, "stored vehicle: weights above 0 with sum 1 expected, found sum {sum}"),
+            Self::Covariance { hypothesis, cause } => {
+                write!(f, "stored vehicle: hypothesis {hypothesis}: {cause}")
+            }
+            Self::Coefficient { name, share } => write!(
+                f,
+                "stored vehicle: {name} must be {LEAST_SHARE} to {MOST_SHARE} of the manufacturer's, found {share}"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for Implausible {}
+
+impl VehicleRecord {
+    /// Zeros; of no vehicle.
+    pub(crate) const ZEROED: Self = Self {
+        nominal: [0.0; 3],
+        hypotheses: [HypothesisRecord { weight: 0.0, mean: [0.0; 3], covariance: [0.0; 6] }; SCALES.len()],
+        runs: 0,
+    };
+}
+
+impl Vehicle {
+    /// The vehicle in numbers, to be stored.
+    pub fn to_record(&self) -> VehicleRecord {
+        let Davis { r0, r1, r2 } = self.nominal;
+        VehicleRecord {
+            nominal: [r0, r1, r2],
+            hypotheses: self.hypotheses.map(|hypothesis| HypothesisRecord {
+                weight: hypothesis.weight,
+                mean: hypothesis.vehicle.mean.into(),
+                covariance: upper(&hypothesis.vehicle.covariance),
+            }),
+            runs: self.runs,
+        }
+    }
+
+    /// The vehicle that a record describes, bit for bit, if it can be believed of a train with these manufacturer's coefficients.
+    ///
+    /// # Errors
+    /// [`Implausible`] names the first number that cannot be.
+    ///
+    /// ```
+    /// use rundown::tick::memory::{Implausible, MemoryConfig, Vehicle};
+    /// use rundown::model::resistance::Davis;
+    ///
+    /// let davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
+    /// let vehicle = Vehicle::new(&MemoryConfig::default(), davis);
+    /// assert_eq!(Vehicle::from_record(&vehicle.to_record(), &davis), Ok(vehicle));
+    ///
+    /// let other_train = Davis { r2: 1e-6, ..davis };
+    /// let refused = Vehicle::from_record(&vehicle.to_record(), &other_train);
+    /// assert!(matches!(refused, Err(Implausible::Coefficient { name: "r2", .. })));
+    /// ```
+    pub fn from_record(record: &VehicleRecord, manufacturer: &Davis) -> Result<Self, Implausible> {
+        let [r0, r1, r2] = record.nominal;
+        let mut vehicle = Self {
+            nominal: Davis { r0, r1, r2 },
+            hypotheses: record.hypotheses.map(|stored| Hypothesis {
+                scale: 0.0,
+                weight: stored.weight,
+                vehicle: Gaussian { mean: Vector3::from(stored.mean), covariance: symmetric(&stored.covariance) },
+            }),
+            runs: record.runs,
+        };
+        for (hypothesis, scale) in vehicle.hypotheses.iter_mut().zip(SCALES) {
+            hypothesis.scale = scale;
+        }
+        vehicle.check(manufacturer)?;
+        Ok(vehicle)
+    }
+
+    fn check(&self, manufacturer: &Davis) -> Result<(), Implausible> {
+        let Davis { r0, r1, r2 } = self.nominal;
+        // The shares' guard against a coefficient of 0 would hide a nominal that is not a number.
+        let nominal_is_finite = r0.is_finite() && r1.is_finite() && r2.is_finite();
+        if !nominal_is_finite || !self.davis().is_finite() {
+            return Err(Implausible::NotFinite);
+        }
+        let sum: Real = self.hypotheses.iter().map(|h| h.weight).sum();
+        let above_zero = self.hypotheses.iter().all(|h| h.weight > 0.0);
+        if !above_zero || libm::fabs(sum - 1.0) > 1e-6 {
+            return Err(Implausible::Weights { sum });
+        }
+        for (hypothesis, held) in self.hypotheses.iter().enumerate() {
+            eliminate::<3, 3>(&held.vehicle.covariance)
+                .map_err(|cause| Implausible::Covariance { hypothesis, cause })?;
+        }
+        let share = self.davis().mean.component_div(&shares(manufacturer));
+        for (name, share) in ["r0", "r1", "r2"].into_iter().zip(share.iter().copied()) {
+            if !(LEAST_SHARE..=MOST_SHARE).contains(&share) {
+                return Err(Implausible::Coefficient { name, share });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn upper(matrix: &Matrix3<Real>) -> [Real; 6] {
+    let m = |row, column| matrix[(row, column)];
+    [m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)]
+}
+
+fn symmetric([a, b, c, d, e, f]: &[Real; 6]) -> Matrix3<Real> {
+    Matrix3::new(*a, *b, *c, *b, *d, *e, *c, *e, *f)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::MemoryConfig;
+    use super::*;
+
+    const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
+
+    fn learned() -> Vehicle {
+        let config = MemoryConfig::default();
+        let mut vehicle = Vehicle::new(&config, DAVIS);
+        let begin = vehicle.next_run(&config);
+        let mut end = begin;
+        end.mean *= 1.1;
+        end.covariance *= 0.3;
+        vehicle.learn(&config, &begin, &end);
+        assert_eq!(vehicle.runs(), 1);
+        vehicle
+    }
+
+    #[test]
+    fn a_vehicle_comes_back_bit_for_bit() {
+        let learned = learned();
+        let mut paper = learned;
+        paper.replace(&learned.davis());
+        for vehicle in [learned, paper] {
+            let back = Vehicle::from_record(&vehicle.to_record(), &DAVIS);
+            assert_eq!(back, Ok(vehicle));
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_named() {
+        let good = learned().to_record();
+        let refused = |change: fn(&mut VehicleRecord)| {
+            let mut record = good;
+            change(&mut record);
+            Vehicle::from_record(&record, &DAVIS).unwrap_err()
+        };
+        assert_eq!(refused(|r| r.hypotheses[2].mean[1] = Real::NAN), Implausible::NotFinite);
+        assert_eq!(refused(|r| r.nominal[0] = Real::INFINITY), Implausible::NotFinite);
+        assert_eq!(refused(|r| r.nominal[1] = Real::NAN), Implausible::NotFinite);
+        assert_eq!(refused(|r| r.hypotheses[3].covariance[4] = Real::INFINITY), Implausible::NotFinite);
+        assert!(matches!(refused(|r| r.hypotheses[0].weight += 0.1), Implausible::Weights { .. }));
+        assert!(matches!(refused(|r| r.hypotheses[1].weight = -r.hypotheses[1].weight), Implausible::Weights { .. }));
+        assert!(matches!(
+            refused(|r| r.hypotheses[1].covariance[5] = 0.0),
+            Implausible::Covariance { hypothesis: 1, cause } if cause.row == 2
+        ));
+        assert!(matches!(
+            refused(|r| r.hypotheses.iter_mut().for_each(|h| h.mean[0] = 5.1)),
+            Implausible::Coefficient { name: "r0", .. }
+        ));
+        assert!(matches!(
+            refused(|r| r.hypotheses.iter_mut().for_each(|h| h.mean[1] = 0.19)),
+            Implausible::Coefficient { name: "r1", .. }
+        ));
+    }
+}

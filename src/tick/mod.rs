@@ -1,0 +1,14 @@
+//! The stages of a tick, from a measurement to an estimate. No stage calls the next one: [`crate::estimator`] knows their order.
+
+pub mod bounds;
+pub mod digest;
+pub mod estimate;
+pub mod kinematics;
+pub mod learning;
+pub mod measurement;
+pub mod memory;
+pub mod paper;
+pub mod plausibility;
+pub mod regime;
+pub mod sensor;
+pub(crate) mod snapshot;

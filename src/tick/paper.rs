@@ -1,0 +1,197 @@
+//! The paper's loop: effort calculated from the readings drives the filter that is to explain them.
+//!
+//! In: readings. Out: state, effort, acceleration, innovation. The order inside a step, found by running eight readings of the paper:
+//!
+//! 1. predict from `x[k-1]` with `u[k-1]`,
+//! 2. update,
+//! 3. `u[k] = (z_v[k] - z_v[k-1]) / Δt + r(v) + g(s)` at the filtered state.
+//!
+//! Kept exact, as the reference. Its true resistance cancels out: the estimate does not follow it.
+
+use crate::Real;
+use crate::filter::elimination::NotPositiveDefinite;
+use crate::filter::gaussian::Gaussian;
+use crate::filter::ukf::Spread;
+use crate::filter::ukf::{Innovation, Ukf};
+use crate::model::effects::Acting;
+use crate::model::effort;
+use crate::model::line::Line;
+use crate::model::motion::Evaluate;
+use crate::model::motion::Motion;
+use crate::model::point::Point;
+use crate::model::state::{self, LOCATION, R0, SIZE, SPEED};
+use crate::tick::learning::LocationAndSpeed;
+use serde::{Deserialize, Serialize};
+
+/// Over which difference of speeds the calculated effort acts (the `paper` mode).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Difference {
+    /// The difference up to a sample drives the step after it: the reading that gives the paper's figures.
+    #[default]
+    Backward,
+    /// The difference over a step drives that very step.
+    Forward,
+}
+
+/// Table 1 and what section 4.2 says about noise: the filter of the `paper` mode.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PaperConfig {
+    /// Sigma-point spread α, β, κ.
+    pub spread: Spread,
+    /// Initial standard deviation of the location, m.
+    pub initial_location_sd_m: Real,
+    /// Initial standard deviation of the speed, km/h.
+    pub initial_speed_sd_kmh: Real,
+    /// Initial standard deviations of r0, r1, r2, SI units.
+    pub initial_davis_sd: [Real; 3],
+    /// Measurement noise of the location, m.
+    pub location_sd_m: Real,
+    /// Measurement noise of the speed, km/h.
+    pub speed_sd_kmh: Real,
+    /// Standard deviation of the acceleration noise, m/s² (Q); zero in the paper.
+    pub acceleration_noise_mps2: Real,
+    /// Form the gain from the propagated points, which leave Q out, as Eq. (12)-(15) are printed.
+    pub reuse_points: bool,
+    /// Difference of the calculated effort.
+    pub difference: Difference,
+    /// Where in a step Eq. (5) is evaluated.
+    pub evaluate: Evaluate,
+    /// Longest sub-step, s; longer than the sampling time means the single step of Eq. (4).
+    pub sub_step_s: Real,
+}
+
+impl Default for PaperConfig {
+    fn default() -> Self {
+        Self {
+            spread: Spread::PAPER,
+            initial_location_sd_m: 1.0,
+            initial_speed_sd_kmh: 0.0018,
+            initial_davis_sd: [1e-6, 1e-8, 1e-9],
+            location_sd_m: 4.0,
+            speed_sd_kmh: 1.0,
+            acceleration_noise_mps2: 0.0,
+            reuse_points: true,
+            difference: Difference::Backward,
+            evaluate: Evaluate::Beginning,
+            sub_step_s: 1e9,
+        }
+    }
+}
+
+/// State of the paper's loop.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PaperLoop {
+    /// State and covariance.
+    pub belief: Gaussian<SIZE>,
+    /// Effort that drives the next step, N/kg.
+    pub effort_n_per_kg: Real,
+    /// Acceleration of the filtered speed, m/s².
+    pub acceleration_mps2: Real,
+    reading_mps: Option<Real>,
+    since_reading_s: Real,
+}
+
+impl PaperLoop {
+    /// Zeros.
+    pub(crate) const ZEROED: Self = Self {
+        belief: Gaussian::ZEROED,
+        effort_n_per_kg: 0.0,
+        acceleration_mps2: 0.0,
+        reading_mps: None,
+        since_reading_s: 0.0,
+    };
+
+    /// Begins with the first readings, Table 1's standard deviations and a belief of the Davis coefficients.
+    pub fn begin(
+        config: &PaperConfig,
+        line: &Line<'_>,
+        acting: &Acting<'_>,
+        time_s: Real,
+        davis: &Gaussian<3>,
+        location_m: Option<Real>,
+        speed_mps: Option<Real>,
+    ) -> Self {
+        let mut mean = [0.0; SIZE];
+        mean[LOCATION] = location_m.unwrap_or(0.0);
+        mean[SPEED] = speed_mps.unwrap_or(0.0);
+        let mut sd = [0.0; SIZE];
+        sd[LOCATION] = config.initial_location_sd_m;
+        sd[SPEED] = config.initial_speed_sd_kmh / 3.6;
+        let mut belief = Gaussian::independent(mean, sd);
+        belief.mean.fixed_rows_mut::<3>(R0).copy_from(&davis.mean);
+        belief.covariance.fixed_view_mut::<3, 3>(R0, R0).copy_from(&davis.covariance);
+        let effort_n_per_kg = effort::of_paper(line, acting, &state::davis(&belief.mean), 0.0, &point(time_s, &belief));
+        Self { belief, effort_n_per_kg, acceleration_mps2: 0.0, reading_mps: speed_mps, since_reading_s: 0.0 }
+    }
+
+    /// One step of `dt_s` up to `time_s`, with the readings of location and speed.
+    ///
+    /// # Errors
+    /// [`NotPositiveDefinite`]; the loop is then as it was.
+    pub fn step(
+        &mut self,
+        config: &PaperConfig,
+        line: &Line<'_>,
+        acting: &Acting<'_>,
+        time_s: Real,
+        dt_s: Real,
+        readings: [Option<Real>; 2],
+    ) -> Result<Innovation<2>, NotPositiveDefinite> {
+        let [_, speed_mps] = readings;
+        let ukf = Ukf { spread: config.spread, gate: [None; 2], reuse_points: config.reuse_points };
+        let since_reading_s = self.since_reading_s + dt_s;
+        let by_readings = match (self.reading_mps, speed_mps) {
+            (Some(before), Some(now)) => Some((now - before) / since_reading_s),
+            _ => None,
+        };
+        let before_mps = self.belief.mean[SPEED];
+        let effort_of = |belief: &Gaussian<SIZE>, acceleration_mps2| {
+            effort::of_paper(line, acting, &state::davis(&belief.mean), acceleration_mps2, &point(time_s, belief))
+        };
+        let driving_n_per_kg = match (config.difference, by_readings) {
+            (Difference::Forward, Some(a)) => effort_of(&self.belief, a),
+            _ => self.effort_n_per_kg,
+        };
+
+        let mut belief = self.belief;
+        let sub_steps = libm::ceil(dt_s / config.sub_step_s).clamp(1.0, 1000.0);
+        let h_s = dt_s / sub_steps;
+        let motion = |belief: &Gaussian<SIZE>, step: u32| {
+            let (x, evaluate) = (&belief.mean, config.evaluate);
+            let begin_s = time_s - dt_s + Real::from(step) * h_s;
+            Motion::new(line, x, driving_n_per_kg, h_s, evaluate)
+                .with_effects(line, acting, x, begin_s, evaluate)
+                .with_noise(config.acceleration_noise_mps2)
+        };
+        let last = sub_steps as u32 - 1;
+        for step in 0..last {
+            let motion = motion(&belief, step);
+            ukf.predict(&mut belief, &motion)?;
+        }
+        let speed_sd_mps = config.speed_sd_kmh / 3.6;
+        let observation = LocationAndSpeed {
+            location_variance: config.location_sd_m * config.location_sd_m,
+            speed_variance: speed_sd_mps * speed_sd_mps,
+        };
+        let last = motion(&belief, last);
+        let innovation = ukf.step(&mut belief, &last, &observation, &readings)?;
+
+        self.belief = belief;
+        self.acceleration_mps2 = (belief.mean[SPEED] - before_mps) / dt_s;
+        self.since_reading_s = since_reading_s;
+        if let Some(a) = by_readings {
+            self.effort_n_per_kg = effort_of(&belief, a);
+        }
+        if speed_mps.is_some() {
+            self.reading_mps = speed_mps;
+            self.since_reading_s = 0.0;
+        }
+        Ok(innovation)
+    }
+}
+
+fn point(time_s: Real, belief: &Gaussian<SIZE>) -> Point {
+    Point { time_s, location_m: belief.mean[LOCATION], speed_mps: belief.mean[SPEED] }
+}

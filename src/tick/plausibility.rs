@@ -1,0 +1,317 @@
+//! Which readings to believe.
+//!
+//! In: a measurement. Out: the time since the last one, and location and speed, each with its value or the cause why there is none.
+//!
+//! | input | behaviour |
+//! |---|---|
+//! | time equal or back | the measurement is dropped and counted |
+//! | no measurement for more than `long_gap_s` | location and speed are taken up anew, what was learned stays |
+//! | not finite, negative, off the track, faster than any train | the field is dropped, the other one is used |
+//! | location far from where the speed leads | dropped; three in a row that agree with each other are believed, counted as `Contradiction` |
+//! | the same location while the train runs | dropped for as long as it lasts |
+//! | locations that go back as fast as the speed goes on | `Reversing`: location and speed are used, nothing is learned |
+//! | the same speed while the locations say otherwise | speed dropped |
+//! | speed changes faster than a train can | dropped; three in a row that agree with each other are believed |
+
+use crate::Real;
+use crate::model::direction::Direction;
+use crate::model::train::Train;
+use crate::tick::bounds::{ConfigError, between};
+use crate::tick::estimate::Cause;
+use crate::tick::measurement::Measurement;
+use crate::tick::sensor::SensorConfig;
+use serde::{Deserialize, Serialize};
+
+/// Gravity on a descent of 30 permille, N/kg.
+const DESCENT_N_PER_KG: Real = 0.3;
+
+/// When a reading is not believed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PlausibilityConfig {
+    /// Fastest believable speed, km/h.
+    pub max_speed_kmh: Real,
+    /// Largest believable change of speed, m/s², and not more than twice the train's effort upwards; slip and slide lie beyond.
+    pub max_acceleration_mps2: Real,
+    /// How far a location may lie from where the speed leads, m, beyond `location_share`.
+    pub location_jump_m: Real,
+    /// The same as a share of the distance run since the last location.
+    pub location_share: Real,
+    /// How far a location may lie beyond the ends of the track, m.
+    pub off_track_m: Real,
+    /// A longer pause is a new beginning, s.
+    pub long_gap_s: Real,
+    /// Rejected readings in a row which, agreeing with each other, are believed.
+    pub agreeing: u32,
+}
+
+impl Default for PlausibilityConfig {
+    fn default() -> Self {
+        Self {
+            max_speed_kmh: 400.0,
+            max_acceleration_mps2: 2.0,
+            location_jump_m: 120.0,
+            location_share: 0.2,
+            off_track_m: 2000.0,
+            long_gap_s: 600.0,
+            agreeing: 3,
+        }
+    }
+}
+
+impl PlausibilityConfig {
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
+        between("plausibility.max_speed_kmh", self.max_speed_kmh, 1.0, 1000.0)?;
+        between("plausibility.max_acceleration_mps2", self.max_acceleration_mps2, 0.1, 100.0)?;
+        between("plausibility.location_jump_m", self.location_jump_m, 1.0, 1e6)?;
+        between("plausibility.location_share", self.location_share, 0.0, 10.0)?;
+        between("plausibility.off_track_m", self.off_track_m, 0.0, 1e9)?;
+        between("plausibility.long_gap_s", self.long_gap_s, 10.0, 1e6)?;
+        between("plausibility.agreeing", Real::from(self.agreeing), 1.0, 100.0)
+    }
+}
+
+/// A measurement with every field judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged {
+    /// Time, s.
+    pub time_s: Real,
+    /// Time since the last measurement, s; 0 when location and speed begin anew.
+    pub dt_s: Real,
+    /// Location and speed begin anew: first measurement, or a long gap.
+    pub anew: bool,
+    /// Location, m.
+    pub location_m: Result<Real, Cause>,
+    /// Speed, m/s: the middle of the reading's interval.
+    pub speed_mps: Result<Real, Cause>,
+    /// Measured effort, N/kg.
+    pub effort_n_per_kg: Option<Real>,
+    /// Location and speed were both read, but contradict each other.
+    pub contradiction: Option<Cause>,
+    /// Locations that the speed does not lead to agreed with each other: the location is taken up anew.
+    pub shifted: bool,
+}
+
+/// What must be remembered to judge the next measurement.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Plausibility {
+    last_time_s: Option<Real>,
+    /// Last believed speed, and for how long it has been carried on.
+    speed: Option<(Real, Real)>,
+    /// Where the train should be by now.
+    expected_m: Option<Real>,
+    /// Distance run by speed since the last believed location.
+    since_location_m: Real,
+    /// Last location read, whether believed or not.
+    raw_location_m: Option<Real>,
+    /// Rejected locations in a row that agree with each other.
+    agreeing_locations: u32,
+    /// Last rejected speed, and how many in a row agree.
+    rejected_speed: Option<(Real, u32)>,
+    /// How many times in a row the very same speed was read.
+    same_speed: u32,
+    /// While the speed reads the same: how far the locations have run ahead of it, and how far it has run itself, m.
+    drift_m: Real,
+    same_speed_run_m: Real,
+    /// Steps in a row that went backwards.
+    backward: u32,
+}
+
+impl Plausibility {
+    /// Zeros, as by default.
+    pub(crate) const ZEROED: Self = Self {
+        last_time_s: None,
+        speed: None,
+        expected_m: None,
+        since_location_m: 0.0,
+        raw_location_m: None,
+        agreeing_locations: 0,
+        rejected_speed: None,
+        same_speed: 0,
+        drift_m: 0.0,
+        same_speed_run_m: 0.0,
+        backward: 0,
+    };
+
+    /// Judges one measurement; `None`: its time is not after the last one's, nothing has changed.
+    pub fn judge(
+        &mut self,
+        config: &PlausibilityConfig,
+        sensor: &SensorConfig,
+        train: &Train,
+        track_length_m: Real,
+        direction: Direction,
+        measurement: &Measurement,
+    ) -> Result<Judged, Option<Real>> {
+        let time_s = measurement.time_s;
+        if !time_s.is_finite() || self.last_time_s.is_some_and(|last_s| time_s <= last_s) {
+            return Err(self.last_time_s);
+        }
+        let gap_s = self.last_time_s.map(|last_s| time_s - last_s);
+        let anew = gap_s.is_none_or(|gap_s| gap_s > config.long_gap_s);
+        if anew {
+            *self = Self::default();
+        }
+        let dt_s = if anew { 0.0 } else { gap_s.unwrap_or(0.0) };
+        self.last_time_s = Some(time_s);
+
+        let before_mps = self.speed.map(|(speed_mps, _)| speed_mps);
+        let mut speed_mps = self.judge_speed(config, sensor, train, dt_s, measurement.speed_mps);
+        let now_mps = speed_mps.ok().or(before_mps);
+        let run_m = match (before_mps, now_mps) {
+            (Some(before), Some(now)) => 0.5 * (before + now) * dt_s,
+            _ => 0.0,
+        };
+        if let Some(expected_m) = &mut self.expected_m {
+            *expected_m += direction.sign() * run_m;
+        }
+        self.since_location_m += run_m;
+
+        let before_m = self.raw_location_m;
+        let mut contradiction = None;
+        let mut shifted = false;
+        let location_m = match measurement.location_m {
+            None => Err(Cause::NoLocation),
+            Some(m) if !m.is_finite() => Err(Cause::LocationOutOfRange),
+            Some(m) if m < -config.off_track_m || m > track_length_m + config.off_track_m => {
+                Err(Cause::LocationOutOfRange)
+            }
+            Some(m) => {
+                self.raw_location_m = Some(m);
+                let step_m = before_m.map(|before_m| direction.sign() * (m - before_m));
+                let (location_m, against_speed) = self.judge_location(config, m, step_m, run_m);
+                shifted = against_speed == Some(Cause::Contradiction);
+                contradiction = against_speed.filter(|_| !shifted);
+                if contradiction == Some(Cause::StuckSpeed) && speed_mps.is_ok() {
+                    speed_mps = Err(Cause::StuckSpeed);
+                }
+                location_m
+            }
+        };
+        let effort_n_per_kg = measurement.effort_n_per_kg.filter(|effort| effort.abs() < 10.0);
+        Ok(Judged { time_s, dt_s, anew, location_m, speed_mps, effort_n_per_kg, contradiction, shifted })
+    }
+
+    fn judge_speed(
+        &mut self,
+        config: &PlausibilityConfig,
+        sensor: &SensorConfig,
+        train: &Train,
+        dt_s: Real,
+        reading_mps: Option<Real>,
+    ) -> Result<Real, Cause> {
+        if let Some((_, age_s)) = &mut self.speed {
+            *age_s += dt_s;
+        }
+        let reading_mps = reading_mps.ok_or(Cause::NoSpeed)?;
+        if !(0.0..=config.max_speed_kmh / 3.6).contains(&reading_mps) {
+            return Err(Cause::SpeedOutOfRange);
+        }
+        let speed_mps = sensor.centre_mps(reading_mps);
+        let quantum_mps = sensor.speed_quantum_kmh / 3.6;
+        let possible = |from_mps: Real, age_s: Real| {
+            let margin_mps = quantum_mps + 6.0 * sensor.speed_noise_kmh / 3.6;
+            // Twice what the train is described to do and a steep descent: descriptions are rough.
+            let by_train = 2.0 * train.max_effort_n_per_kg(from_mps) + DESCENT_N_PER_KG;
+            let up = config.max_acceleration_mps2.min(by_train);
+            let change_mps = speed_mps - from_mps;
+            -config.max_acceleration_mps2 * age_s <= change_mps + margin_mps && change_mps <= up * age_s + margin_mps
+        };
+        if let Some((last_mps, age_s)) = self.speed {
+            if !possible(last_mps, age_s) {
+                let agreeing = match self.rejected_speed {
+                    Some((rejected_mps, count)) if possible(rejected_mps, dt_s) => count + 1,
+                    _ => 1,
+                };
+                self.rejected_speed = Some((speed_mps, agreeing));
+                if agreeing < config.agreeing {
+                    return Err(Cause::SpeedJump);
+                }
+            }
+            if speed_mps == last_mps && speed_mps > 0.0 {
+                self.same_speed = self.same_speed.saturating_add(1);
+            } else {
+                self.same_speed = 0;
+                self.drift_m = 0.0;
+                self.same_speed_run_m = 0.0;
+            }
+        }
+        self.rejected_speed = None;
+        self.speed = Some((speed_mps, 0.0));
+        Ok(speed_mps)
+    }
+
+    /// The location, and how it contradicts the speed; `Contradiction`: by a shift that is believed.
+    fn judge_location(
+        &mut self,
+        config: &PlausibilityConfig,
+        location_m: Real,
+        step_m: Option<Real>,
+        run_m: Real,
+    ) -> (Result<Real, Cause>, Option<Cause>) {
+        let Some(expected_m) = self.expected_m else {
+            self.believe(location_m, 1.0);
+            return (Ok(location_m), None);
+        };
+        let allowed_m = config.location_jump_m + config.location_share * self.since_location_m;
+        let step_m = step_m.unwrap_or(run_m);
+        let agrees = |a: Real, b: Real| (a - b).abs() <= 0.3 * b.abs().max(a.abs()) + 15.0;
+
+        if run_m > 15.0 && step_m < -10.0 && agrees(-step_m, run_m) {
+            self.backward = self.backward.saturating_add(1);
+        } else if step_m > 0.0 || run_m == 0.0 {
+            self.backward = 0;
+        }
+        if self.backward >= config.agreeing {
+            self.believe(location_m, 1.0);
+            return (Ok(location_m), Some(Cause::Reversing));
+        }
+
+        // A speed that never changes is believed as long as the locations go along with it, up to a twentieth (rounding, worn wheels).
+        if self.same_speed > 0 && step_m.abs() < 0.5 * config.location_jump_m + 2.0 * run_m {
+            self.drift_m += step_m - run_m;
+            self.same_speed_run_m += run_m;
+        }
+        let stuck_m = 0.5 * config.location_jump_m + 0.05 * self.same_speed_run_m;
+        let moves = step_m.abs() > 1e-3;
+        if self.same_speed + 1 >= config.agreeing && self.drift_m.abs() > stuck_m && moves {
+            self.believe(location_m, 1.0);
+            return (Ok(location_m), Some(Cause::StuckSpeed));
+        }
+
+        if (location_m - expected_m).abs() <= allowed_m {
+            self.believe(location_m, 0.3);
+            return (Ok(location_m), None);
+        }
+        if step_m.abs() < 0.05 * run_m {
+            self.agreeing_locations = 0;
+            return (Err(Cause::StuckLocation), None);
+        }
+        self.agreeing_locations = if agrees(step_m, run_m) { self.agreeing_locations.saturating_add(1) } else { 1 };
+        if self.agreeing_locations >= config.agreeing {
+            self.believe(location_m, 1.0);
+            return (Ok(location_m), Some(Cause::Contradiction));
+        }
+        (Err(Cause::LocationJump), None)
+    }
+
+    fn believe(&mut self, location_m: Real, share: Real) {
+        let expected_m = self.expected_m.unwrap_or(location_m);
+        self.expected_m = Some(expected_m + share * (location_m - expected_m));
+        self.since_location_m = 0.0;
+        self.agreeing_locations = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn agreeing_readings_are_at_least_one_and_not_a_whole_run() {
+        for (agreeing, accepted) in [(0, false), (1, true), (100, true), (101, false)] {
+            let config = PlausibilityConfig { agreeing, ..PlausibilityConfig::default() };
+            assert_eq!(config.check().is_ok(), accepted, "{agreeing}");
+        }
+    }
+}
