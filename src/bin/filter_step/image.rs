@@ -14,7 +14,6 @@ use rundown::filter::ukf::{Spread, Ukf};
 use rundown::model::direction::Direction;
 use rundown::model::line::Line;
 use rundown::model::motion::{Evaluate, Motion};
-use rundown::model::resistance::Davis;
 use rundown::model::state::SIZE;
 use rundown::model::track::{Gradient, Track};
 use rundown::model::train::{Train, TrainDescription};
