@@ -365,6 +365,11 @@ fn the_largest_sizes_are_those_of_the_document() {
     }
     assert_eq!(found, expected);
     assert_eq!((MAX_MESSAGE, serial::MAX_SERIAL), (512, 520));
+    let fields: Vec<_> = largest().into_iter().flat_map(|(_, frame)| frame.fields().fields).collect();
+    for (list, most) in tables.lists() {
+        let mut lists = fields.iter().filter(|field| field.path.rsplit('.').next() == Some(list));
+        assert!(lists.any(|field| field.value == format!("{most} of them")), "{list} does not hold {most}");
+    }
 }
 
 /// Old frames stay readable, and are written as they were.

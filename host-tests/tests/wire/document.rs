@@ -62,6 +62,13 @@ impl Tables {
         tables.flat_map(|table| table.cells(["range"])).filter(|[cell]| cell.contains(" .. ")).count()
     }
 
+    /// Fields that are lists, with the most items that they hold.
+    pub fn lists(&self) -> impl Iterator<Item = (&str, &str)> {
+        let tables = self.0.values().filter(|table| table.has("field"));
+        let rows = tables.flat_map(|table| table.cells(["field", "type"]));
+        rows.filter_map(|[field, kind]| Some((field, kind.split_once(" up to ")?.1)))
+    }
+
     /// Number and word of each value of an enum, in its own table or in the one of all enums.
     pub fn numbers(&self, name: &str) -> Vec<(String, String)> {
         let own = |[number, word]: [&str; 2]| (number.to_owned(), word.to_owned());
