@@ -1,0 +1,225 @@
+//! Can the documents be trusted? Links lead somewhere, tests that are named exist, the library's snippet runs; lines are short, words are the field's.
+
+#[path = "documents/snippet.rs"]
+mod snippet;
+
+use rundown::model::resistance::Davis;
+use rundown::model::train::{Train, TrainDescription};
+use rundown::tick::measurement::Measurement;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Longest line of prose. Tables, code and headings may be longer.
+const LINE: usize = 120;
+
+/// Words of nobody's field, and what to write instead. Whole words, not in code.
+const NOT: &[(&str, &str)] = &[
+    ("took no part", "hold-out runs"),
+    ("held-out", "hold-out"),
+    ("drawn anew", "resampled, bootstrap"),
+    ("anew", "again"),
+    ("signs of whole runs", "sign-flip test over runs"),
+    ("cannot be told", "not distinguishable from, cannot be written"),
+    ("told from", "distinguished from"),
+    ("told apart", "distinguished"),
+    ("is told", "is found, is reported"),
+    ("would tell", "would separate them"),
+    ("has for itself", "per-run random effects"),
+    ("second thoughts", "backward re-check"),
+    ("the way ahead", "the distance ahead"),
+    ("ways between stops", "distances between stops"),
+    ("gauge", "gain of the effort sensor"),
+    ("turn of power", "on/off cycle"),
+    ("turns of power", "on/off cycles"),
+    ("pull", "powering phase"),
+    ("pulls", "powering phases"),
+    ("witness", "reference implementation, probe regressor"),
+    ("witnesses", "evidence, probe regressors"),
+    ("chance leaves", "is consistent with noise"),
+    ("flutters", "publishing hysteresis"),
+    ("by luck", "unreliably"),
+];
+
+fn root() -> PathBuf {
+    fs::canonicalize(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).expect("the project")
+}
+
+/// All files of the project whose names end so, without what is built, kept by git or downloaded.
+fn files(folder: &Path, end: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+        let name = entry.file_name().unwrap_or_default().to_string_lossy();
+        if entry.is_dir() && !name.starts_with('.') && !["target", "out", "corpus", "assets"].contains(&&*name) {
+            found.extend(files(&entry, end));
+        } else if name.ends_with(end) {
+            found.push(entry);
+        }
+    }
+    found
+}
+
+/// The documents: path and text.
+fn documents() -> Vec<(PathBuf, String)> {
+    let read = |path: PathBuf| (path.clone(), fs::read_to_string(path).expect("UTF-8"));
+    files(&root(), ".md").into_iter().map(read).collect()
+}
+
+/// The lines outside of code blocks, with their numbers.
+fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut code = false;
+    text.lines().enumerate().filter_map(move |(index, line)| {
+        let fence = line.trim_start().starts_with("```");
+        code ^= fence;
+        (!code && !fence).then_some((index + 1, line))
+    })
+}
+
+/// A line without what stands between backticks.
+fn without_code(line: &str) -> String {
+    line.split('`').step_by(2).collect::<Vec<_>>().join("`")
+}
+
+/// As GitHub makes it of a heading: small letters, digits, `_` and `-`, blanks as `-`.
+fn anchor(heading: &str) -> String {
+    let kept = heading.trim_start_matches('#').trim().to_lowercase();
+    kept.chars()
+        .filter(|letter| letter.is_alphanumeric() || " -_".contains(*letter))
+        .map(|letter| if letter == ' ' { '-' } else { letter })
+        .collect()
+}
+
+fn anchors(text: &str) -> BTreeSet<String> {
+    lines(text).filter(|(_, line)| line.starts_with('#')).map(|(_, line)| anchor(line)).collect()
+}
+
+/// All findings at once, each as `file:line: ..`.
+fn report(findings: &[String]) {
+    assert!(findings.is_empty(), "\n{}", findings.join("\n"));
+}
+
+fn place(path: &Path, line: usize) -> String {
+    format!("{}:{line}", path.strip_prefix(root()).unwrap_or(path).display())
+}
+
+#[test]
+fn lines_of_prose_end_at_120_characters() {
+    let mut findings = Vec::new();
+    for (path, text) in documents() {
+        for (number, line) in lines(&text).filter(|(_, line)| !line.starts_with(['|', '#'])) {
+            let length = line.chars().count();
+            if length > LINE {
+                findings.push(format!("{}: {length} characters, at most {LINE}", place(&path, number)));
+            }
+        }
+    }
+    report(&findings);
+}
+
+#[test]
+fn links_lead_to_files_and_headings() {
+    let mut findings = Vec::new();
+    for (path, text) in documents() {
+        for (number, line) in lines(&text) {
+            // A link may end on the next line, but its target does not.
+            for link in line.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+                if link.contains("://") {
+                    continue;
+                }
+                let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+                let target = if file.is_empty() { path.clone() } else { path.with_file_name("").join(file) };
+                let there = fs::exists(&target).unwrap_or(false);
+                let found = || heading.is_empty() || anchors(&fs::read_to_string(&target).unwrap()).contains(heading);
+                if !there || !found() {
+                    findings.push(format!("{}: {link} does not exist", place(&path, number)));
+                }
+            }
+        }
+    }
+    report(&findings);
+}
+
+#[test]
+fn words_are_those_of_the_field() {
+    let words = |line: &str| {
+        let line = without_code(line).to_lowercase();
+        let letters = line.replace(|letter: char| !letter.is_alphanumeric() && !"-'".contains(letter), " ");
+        letters.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let mut findings = Vec::new();
+    for (path, text) in documents() {
+        let lines: Vec<(usize, String)> = lines(&text).map(|(number, line)| (number, words(line))).collect();
+        for (index, (number, line)) in lines.iter().enumerate() {
+            // A phrase may go on in the next line.
+            let next = lines.get(index + 1).map_or("", |(_, next)| next);
+            let (both, next) = (format!(" {line} {next} "), format!(" {next} "));
+            for (not, instead) in NOT {
+                let phrase = format!(" {not} ");
+                if both.contains(&phrase) && !next.contains(&phrase) {
+                    findings.push(format!("{}: \"{not}\": write {instead}", place(&path, *number)));
+                }
+            }
+        }
+    }
+    report(&findings);
+}
+
+/// A test is named `file.rs::name`, wherever the file lies.
+#[test]
+fn tests_that_are_named_exist() {
+    let sources: Vec<(PathBuf, String)> =
+        files(&root(), ".rs").into_iter().map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect();
+    let mut findings = Vec::new();
+    let mut count = 0;
+    for (path, text) in documents() {
+        for (number, line) in lines(&text) {
+            for (file, test) in line.split('`').skip(1).step_by(2).filter_map(|code| code.split_once(".rs::")) {
+                let file = format!("{}.rs", file.rsplit('/').next().unwrap());
+                let test = format!("fn {test}(");
+                let named = |(source, text): &(PathBuf, String)| source.ends_with(&file) && text.contains(&test);
+                count += 1;
+                if !sources.iter().any(named) {
+                    findings.push(format!("{}: no {test}) in a {file}", place(&path, number)));
+                }
+            }
+        }
+    }
+    assert!(count > 50, "{count}");
+    report(&findings);
+}
+
+#[test]
+fn the_snippet_of_the_readme_learns_the_resistance_of_a_coasting_train() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let shown = readme.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next());
+    assert_eq!(shown, Some(include_str!("documents/snippet.rs")));
+
+    let davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
+    let train = Train::try_new(TrainDescription {
+        mass_kg: 364e3,
+        rotating_mass_factor: 1.06,
+        length_m: 162.0,
+        davis,
+        max_tractive_effort_n: 192.92e3,
+        max_power_w: 2.036e6,
+        max_brake_mps2: 0.66,
+    });
+    // It coasts from 140 km/h with a tenth less resistance than described.
+    let (mut location_m, mut speed_mps) = (0.0, 140.0 / 3.6);
+    let mut log = Vec::new();
+    for tick in 0..30 {
+        log.push(Measurement {
+            time_s: 10.0 * f64::from(tick),
+            location_m: Some(location_m),
+            speed_mps: Some((speed_mps * 3.6_f64).round() / 3.6),
+            effort_n_per_kg: None,
+        });
+        for _ in 0..100 {
+            location_m += 0.1 * speed_mps;
+            speed_mps -= 0.1 * 0.9 * davis.resistance_n_per_kg(speed_mps);
+        }
+    }
+    let learned = snippet::learn(train.unwrap(), &log).unwrap();
+    let share = learned.resistance_n_per_kg(30.0) / davis.resistance_n_per_kg(30.0);
+    assert!((share - 0.9).abs() < 0.02, "{share}");
+}
