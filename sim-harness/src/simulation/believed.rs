@@ -51,7 +51,6 @@ pub fn line_of(track: &TrackFile) -> Line {
     line
 }
 
-/// The train as described.
 pub fn train_file(train: &TrainTable) -> TrainFile {
     TrainFile {
         effect: Vec::new(),

@@ -9,7 +9,6 @@ use rundown_truth::facts::{Facts, Mark};
 use rundown_truth::train::{DavisTruth, TrainTruth};
 use serde_json::{Value, json};
 
-/// The whole file.
 pub fn value(simulation: &Simulation, facts: &[Facts]) -> Value {
     let scenario = &simulation.scenario;
     let effects: Vec<Value> = scenario

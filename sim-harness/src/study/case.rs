@@ -17,7 +17,7 @@ const CASE_STUDY: &str = include_str!("../../../data/scenarios/paper_study.toml"
 /// A further unit's resistance is this share above or below the first one's, at most.
 const UNIT_SPREAD: f64 = 0.15;
 
-/// One run.
+/// A run as the study takes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// What the estimator gets.
@@ -105,17 +105,11 @@ impl Case {
 
 /// The paper's 67 runs, simulated: one unit with 8 % less resistance than its manufacturer says, wind of 2 m/s and load of 3 % standard deviation
 /// from run to run, and a feeding section at the departure that gives less power than the motors can take.
-///
-/// # Errors
-/// None: the scenario is built in. The type is that of a file.
 pub fn case_study() -> Result<Simulation, TomlError> {
     Simulation::parse(Path::new("paper_study.toml"), CASE_STUDY)
 }
 
 /// The same line, train and driver in still air and with the described load, and no effect: where a bound is asked for.
-///
-/// # Errors
-/// As [`case_study`].
 pub fn calm() -> Result<Simulation, TomlError> {
     Simulation::parse(Path::new("calm.toml"), "name = \"calm\"\n")
 }
@@ -149,9 +143,6 @@ impl FleetUnit {
 
     /// Drives a run, counted from 0.
     ///
-    /// # Errors
-    /// [`DriveError`] if the train does not arrive.
-    ///
     /// # Panics
     /// If the unit has fewer runs.
     pub fn drive(&self, run: usize) -> Result<Case, DriveError> {
@@ -165,9 +156,6 @@ impl FleetUnit {
 }
 
 /// Run `index` of a fleet, unit after unit.
-///
-/// # Errors
-/// [`DriveError`] if the train does not arrive.
 pub fn fleet_run(simulation: &Simulation, seed: u64, index: usize) -> Result<Case, DriveError> {
     let runs = FleetUnit::runs(simulation);
     FleetUnit::new(simulation, seed, index / runs).drive(index % runs)

@@ -15,7 +15,6 @@ use rundown::model::train::Train;
 use rundown_files::table::{Cell, Record};
 use rundown_pages::numbers::{NOTHING, number};
 
-/// A claim and what came of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     /// Figure or section of the paper: `2` to `9`, or `3.2`, `4.1`, `4.2`.
@@ -28,25 +27,20 @@ pub struct Claim {
     pub gated: String,
     /// What is true, where it is known.
     pub truth: String,
-    /// Whether it is reproduced.
     pub verdict: Verdict,
     /// By which criterion, or why not.
     pub why: String,
 }
 
-/// Whether a claim is reproduced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The criterion holds.
     Reproduced,
-    /// It does not.
     Not,
     /// These runs have nothing to judge it by.
     NoData,
 }
 
 impl Verdict {
-    /// The word in tables.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Reproduced => "reproduced",
@@ -81,7 +75,6 @@ pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim>
     claims
 }
 
-/// A row for each claim.
 pub fn records(claims: &[Claim]) -> Vec<Record> {
     let row = |claim: &Claim| {
         [

@@ -24,22 +24,13 @@ pub struct TruthFolder {
     runs: HashMap<String, RunTruth>,
 }
 
-/// Why a truth that is there cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TruthError {
-    /// A file cannot be read, or is not what `rundown simulate` writes.
     #[error("{}: cannot be read as truth: {message}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        message: String,
-    },
-    /// The log has a reading at a time that its truth does not have.
+    File { path: PathBuf, message: String },
     #[error("{}: expected the truth at {time_s} s, as in the log; found none", path.display())]
     OtherTimes {
-        /// The file.
         path: PathBuf,
         /// Time of the reading, s.
         time_s: f64,
@@ -52,9 +43,6 @@ fn file_error(path: &Path, error: impl ToString) -> TruthError {
 
 impl TruthFolder {
     /// The folder `truth` beside a folder of logs; `None` where there is none.
-    ///
-    /// # Errors
-    /// [`TruthError`] when its `truth.json` cannot be read.
     pub fn beside(logs: &Path) -> Result<Option<Self>, TruthError> {
         // Not `logs/../truth`: the folder may be a link, and the name of one in the working folder has no parent.
         let Some(parent) = logs.parent().filter(|_| logs.file_name().is_some()) else {
@@ -79,9 +67,6 @@ impl TruthFolder {
     }
 
     /// The truth of a log, a row for each of its rows; `None` when the log is not one of this data set.
-    ///
-    /// # Errors
-    /// [`TruthError`] when the rows cannot be read or are of other times.
     pub fn of(&self, log: &Path, rows: &[Row]) -> Result<Option<CaseTruth>, TruthError> {
         let Some(name) = log.file_name().and_then(|name| name.to_str()) else {
             return Ok(None);

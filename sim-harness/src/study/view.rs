@@ -31,11 +31,10 @@ const OVER_KMH: f64 = 50.0;
 /// A run in a few numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// Median speed while cruising, km/h.
+    /// Median.
     pub cruise_kmh: Option<f64>,
     /// Length of the coast before the final brake, s.
     pub coast_s: Option<f64>,
-    /// Length of the final brake, s.
     pub brake_s: Option<f64>,
     /// Share of the running time in traction, cruise, coast and brake; standing time is no running time.
     pub shares: Option<[f64; 4]>,
@@ -71,25 +70,20 @@ pub struct Points {
 /// Tractive power in one interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerPoint {
-    /// km/h.
     pub speed_kmh: f64,
     /// kW, at the wheel.
     pub power_kw: f64,
-    /// m.
     pub location_m: f64,
 }
 
 /// A run through one pair of eyes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct View {
-    /// In a few numbers.
     pub outcome: Outcome,
-    /// For the figures.
     pub points: Points,
 }
 
 impl View {
-    /// What the estimator says.
     pub fn of_replay(run: &ReplayedRun, train: &Train) -> Self {
         let features = &run.summary.features;
         let kw = train.rotating_mass_kg() / 1000.0;
@@ -264,12 +258,6 @@ fn in_both_clouds(points: &[PowerPoint], described: &Train) -> Option<bool> {
 }
 
 /// Index of the ATB-EG step of a speed.
-///
-/// ```
-/// use sim_harness::study::view::atb_step;
-///
-/// assert_eq!([140.0, 130.0, 61.0, 40.0, 5.0].map(atb_step), [0, 1, 2, 4, 4]);
-/// ```
 pub fn atb_step(speed_kmh: f64) -> usize {
     ATB_STEPS_KMH.iter().position(|edge| speed_kmh > *edge).unwrap_or(ATB_STEPS_KMH.len())
 }
@@ -304,6 +292,11 @@ impl Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_edge_belongs_to_the_slower_step() {
+        assert_eq!([140.0, 130.0, 61.0, 40.0, 5.0].map(atb_step), [0, 1, 2, 4, 4]);
+    }
 
     #[test]
     fn one_misjudged_sample_does_not_end_the_first_acceleration() {

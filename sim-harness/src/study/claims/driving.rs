@@ -55,7 +55,6 @@ pub(super) fn setting(train: &Train) -> Vec<Claim> {
     ]
 }
 
-/// What was recorded.
 pub(super) fn runs(gathered: &Gathered) -> Claim {
     let runs = gathered.top_kmh.count;
     let travelled_m = gathered.travelled_m.mean();

@@ -12,13 +12,6 @@ use std::ops::Range;
 const BINS: usize = 40;
 
 /// Counts values in bins of one width; the edges are whole multiples of it.
-///
-/// ```
-/// use sim_harness::study::figures::histograms::bins;
-///
-/// let found = bins(&[0.9, 1.0, 2.5, 2.6], 1.0);
-/// assert_eq!(found, [(0.0..1.0, 1.0), (1.0..2.0, 1.0), (2.0..3.0, 2.0)]);
-/// ```
 pub fn bins(values: &[f64], width: f64) -> Vec<(Range<f64>, f64)> {
     let place = |value: f64| (value / width).floor();
     let finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
@@ -176,4 +169,15 @@ fn counts(name: &str, of: &str, bins: &[(Range<f64>, f64)], unit: f64) -> impl I
             text("of", of),
         ]
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_belongs_to_the_bin_above() {
+        let found = bins(&[0.9, 1.0, 2.5, 2.6], 1.0);
+        assert_eq!(found, [(0.0..1.0, 1.0), (1.0..2.0, 1.0), (2.0..3.0, 2.0)]);
+    }
 }

@@ -9,7 +9,6 @@ use rundown_pages::colours;
 /// Right end of the axis, km/h.
 const END_KMH: f64 = 145.0;
 
-/// The picture.
 pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let stated_kw = train.description().max_power_w / 1000.0;
     let place = |p: &PowerPoint| (p.speed_kmh, p.power_kw);

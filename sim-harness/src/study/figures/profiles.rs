@@ -4,7 +4,6 @@ use super::{Drawn, Picture, number, text};
 use rundown_pages::chart::{Axes, Figure, Layer, Panel, range_of};
 use rundown_pages::colours;
 
-/// The picture.
 pub fn profiles(drawn: &[Drawn], all: u64) -> Picture {
     let lines: Vec<Vec<Option<(f64, f64)>>> =
         drawn.iter().map(|run| run.profile().map(|p| p.map(|(m, kmh)| (m / 1000.0, kmh))).collect()).collect();

@@ -14,7 +14,6 @@ const KMH: f64 = 100.0;
 /// Ends of both axes, %.
 const ENDS: std::ops::Range<f64> = -40.0..40.0;
 
-/// The picture after so many runs.
 pub fn slope(looks: &[Look], runs: usize, described: &Davis) -> Picture {
     let (mut figures, mut records) = (Vec::new(), Vec::new());
     for mode in MODES {
