@@ -69,7 +69,7 @@ mod tests {
     #[test]
     fn four_values_have_these_moments() {
         let mut moments = Moments::default();
-        [2.0, 4.0, 4.0, 6.0].map(|value| moments.add(value));
+        [2.0, 4.0, 4.0, 6.0].into_iter().for_each(|value| moments.add(value));
         assert_eq!((moments.mean(), moments.skewness()), (Some(4.0), Some(0.0)));
         assert!((moments.sd().unwrap() - (8.0_f64 / 3.0).sqrt()).abs() < 1e-12);
     }
