@@ -15,3 +15,4 @@ pub(crate) mod believed;
 pub mod folder;
 mod key;
 pub mod scenario_file;
+mod train_table;

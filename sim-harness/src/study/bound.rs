@@ -151,7 +151,7 @@ impl Stretch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rundown_truth::driver::Regime;
+    use rundown_truth::regime::Regime;
 
     /// A train that coasts against a constant resistance: v = v0 - r0 t, s = s0 + v0 t - r0 t²/2.
     fn coasting(count: usize, effort_n_per_kg: f64) -> (Vec<TruthSample>, Vec<Sample>) {

@@ -11,6 +11,8 @@ use rundown_truth::plan::{Heading, RunPlan, plan};
 use rundown_truth::scenario::{DriveError, Run, Scenario, simulate_planned};
 use rundown_truth::sensors::{Sample, TruthSample};
 use rundown_truth::train::DavisTruth;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 use std::path::{Path, PathBuf};
 
 const CASE_STUDY: &str = include_str!("../../../data/scenarios/paper_study.toml");
@@ -35,12 +37,14 @@ pub struct CaseTruth {
     pub facts: RunTruth,
 }
 
-/// The truth of a run as a whole, as far as the study shows it: a data set on disk has it too.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The truth of a run as a whole, as far as the study shows it: in `truth.json` of a data set on disk it has the same names.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct RunTruth {
     /// Running resistance of this run as still air would have it: load and wind included.
+    #[serde(rename = "davis_with_wind")]
     pub davis: DavisTruth,
     /// Rotating mass of this run, kg.
+    #[serde(rename = "train", deserialize_with = "rotating_mass_kg")]
     pub rotating_mass_kg: f64,
     /// The speed the driver wanted to keep, m/s.
     pub cruise_mps: f64,
@@ -49,11 +53,27 @@ pub struct RunTruth {
     /// Start of the final brake.
     pub final_brake: Mark,
     /// Standstill at the last stop.
+    #[serde(rename = "stops", deserialize_with = "last")]
     pub stop: Mark,
     /// Mean power while accelerating, 50 to 130 km/h, W/kg.
     pub mean_power_50_130_w_per_kg: Option<f64>,
     /// Largest there, 50 to 90 km/h, W/kg.
     pub max_power_50_90_w_per_kg: Option<f64>,
+}
+
+fn rotating_mass_kg<'de, D: Deserializer<'de>>(train: D) -> Result<f64, D::Error> {
+    #[derive(Deserialize)]
+    struct Train {
+        mass_kg: f64,
+        rotating_mass_factor: f64,
+    }
+    let train = Train::deserialize(train)?;
+    Ok(train.mass_kg * train.rotating_mass_factor)
+}
+
+fn last<'de, D: Deserializer<'de>>(stops: D) -> Result<Mark, D::Error> {
+    let stops = Vec::<Mark>::deserialize(stops)?;
+    stops.last().copied().ok_or_else(|| D::Error::custom("expected at least one stop, found none"))
 }
 
 impl From<&Facts> for RunTruth {

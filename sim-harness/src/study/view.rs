@@ -11,7 +11,7 @@ use rundown::model::train::Train;
 use rundown::tick::regime::Regime;
 use rundown_files::replay::ReplayedRun;
 use rundown_files::table::{Cell, Record};
-use rundown_truth::driver::Regime as TrueRegime;
+use rundown_truth::regime::Regime as TrueRegime;
 
 /// Steps of ATB-EG, km/h, from the fastest (section 3.3).
 pub const ATB_STEPS_KMH: [f64; 4] = [130.0, 80.0, 60.0, 40.0];
