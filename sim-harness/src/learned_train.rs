@@ -21,53 +21,27 @@ use thiserror::Error;
 /// Runs that must have shown a limit before it takes the described one's place.
 pub const LEAST_RUNS: usize = 3;
 
-/// Why there is no learned train.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LearnedTrainError {
-    /// The results cannot be read.
     #[error("{}: {reason}; expected the results of `rundown replay`", path.display())]
-    Replay {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        reason: String,
-    },
-    /// The train file.
+    Replay { path: PathBuf, reason: String },
     #[error(transparent)]
     Train(#[from] TomlError),
-    /// The replay was made with another train.
     #[error("the replay is one of the train `{found}`, expected that of the train file, `{expected}`")]
-    OtherTrain {
-        /// Name in the train file.
-        expected: String,
-        /// Name in the results.
-        found: String,
-    },
-    /// Each run began anew, so that nothing was gathered.
+    OtherTrain { expected: String, found: String },
     #[error("the replay was made with --no-carry: expected one in which the vehicle is carried from run to run")]
     NotCarried,
-    /// Not one unit.
     #[error("expected one of the units {found:?} to be named, found {named:?}")]
-    Unit {
-        /// What was named.
-        named: Option<String>,
-        /// Those of the replay.
-        found: Vec<String>,
-    },
-    /// What was learned is no train.
+    Unit { named: Option<String>, found: Vec<String> },
     #[error("what was learned is no train: {0}")]
     NoTrain(TrainError),
 }
 
-/// Where a value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// Learned in so many runs.
-    Learned {
-        /// Number of runs.
-        runs: usize,
-    },
+    Learned { runs: usize },
     /// As described: too few runs have shown it.
     Described,
 }
@@ -75,15 +49,12 @@ pub enum Source {
 /// A train as its runs have shown it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnedTrain {
-    /// What a replay takes.
     pub train: TrainFile,
     /// Standard deviations of r0, r1, r2.
     pub davis_sd: [f64; 3],
     /// Of r0, r1, r2: the number of the unit's runs.
     pub runs: usize,
-    /// Of the largest tractive effort.
     pub effort: Source,
-    /// Of the largest power.
     pub power: Source,
 }
 
@@ -119,9 +90,6 @@ struct Features {
 }
 
 /// Reads the results in `folder`; `unit` where the replay has several.
-///
-/// # Errors
-/// [`LearnedTrainError`].
 pub fn read(folder: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTrain, LearnedTrainError> {
     let (described, _) = TrainFile::read(train)?;
     let path = folder.join("replay.json");

@@ -97,11 +97,6 @@ where
         &self.desk
     }
 
-    /// The link below.
-    pub fn link_mut(&mut self) -> &mut L {
-        &mut self.link
-    }
-
     /// The next frame, if one has come.
     ///
     /// # Errors

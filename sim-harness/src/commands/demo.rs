@@ -18,7 +18,6 @@ const SPEEDS_KMH: [f64; 3] = [60.0, 100.0, 140.0];
 /// The same runs every time.
 const SEED: u64 = 1;
 
-/// Arguments of `rundown demo`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Folder for the results; made when it does not exist

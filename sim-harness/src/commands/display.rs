@@ -49,7 +49,6 @@ large, 0 all parts, n day or night colours, ? help.
 A source that fails is opened again until it is there. Lost, damaged and late frames are counted and shown; values that
 have grown old are marked. The display never sends, but for the flow control that a CAN bus needs.";
 
-/// Arguments of `rundown display`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 #[command(group = clap::ArgGroup::new("source").required(true))]
@@ -181,7 +180,6 @@ impl Arguments {
     }
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let source = arguments.source()?;
     let setup = arguments.setup()?;

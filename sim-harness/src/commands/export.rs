@@ -23,7 +23,6 @@ The resistance is that of the vehicle after the unit's last run. Largest effort 
 what the drivers asked for; below three runs they stay as described. Named effects of the train file are kept in
 train.toml; sfera.xml has no place for them.";
 
-/// Arguments of `rundown export`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
@@ -59,7 +58,6 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let learned = learned_train::read(&arguments.replay, &arguments.train, arguments.unit.as_deref())
         .map_err(Failure::refused)?;

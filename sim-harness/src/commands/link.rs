@@ -38,7 +38,6 @@ Examples:
 --key is the provisioning record that the board was given (`rundown provision`).
 --record keeps every message of both directions (docs/formats.md).";
 
-/// Arguments of `rundown link`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
@@ -74,7 +73,6 @@ pub struct Arguments {
     direction: DirectionChoice,
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let (train_file, train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
     let (track, _) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;

@@ -2,26 +2,29 @@
 //!
 //! Exit codes: see [`AFTER_HELP`]. Errors are one line each on stderr: what, where, what to do.
 
-pub mod demo;
-pub mod display;
-pub mod export;
-pub mod gap;
-pub mod gap_bench;
-pub mod link;
-pub mod provision;
+mod demo;
+#[cfg(feature = "link")]
+mod display;
+mod export;
+mod gap;
+mod gap_bench;
+#[cfg(feature = "link")]
+mod link;
+#[cfg(feature = "link")]
+mod provision;
 mod recorded;
-pub mod replay;
+mod replay;
 mod screen;
-pub mod simulate;
-pub mod study;
-pub mod tune;
+mod simulate;
+mod study;
+mod tune;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// What `--help` says about exit codes.
-pub const AFTER_HELP: &str = "\
+const AFTER_HELP: &str = "\
 Exit codes:
   0  everything was done
   1  a run could not be used; the others were replayed and written
@@ -39,6 +42,7 @@ const DESCRIPTION_REFUSED: u8 = 3;
 /// An output could not be written.
 const NOT_WRITTEN: u8 = 4;
 /// The board did not answer, or refused.
+#[cfg(feature = "link")]
 const BOARD: u8 = 5;
 
 /// On-board train motion estimator: learns running resistance, regimes and limits of a train from location and speed.
@@ -60,8 +64,10 @@ enum Command {
     /// Tune the paper's filter by its two criteria: likelihood, and coefficients that are not negative
     Tune(Box<tune::Arguments>),
     /// Play recorded runs to a board, real or emulated
+    #[cfg(feature = "link")]
     Link(Box<link::Arguments>),
     /// Show what a board says, live: in a browser, in the terminal, or as lines
+    #[cfg(feature = "link")]
     Display(Box<display::Arguments>),
     /// Find which effect a model lacks, add it, and show the gap shrink
     Gap(Box<gap::Arguments>),
@@ -70,6 +76,7 @@ enum Command {
     /// Write what was learned of a train for other tools
     Export(export::Arguments),
     /// Make the record with a new key that a board is given
+    #[cfg(feature = "link")]
     Provision(provision::Arguments),
     /// The case study in short: simulate its 67 runs, replay them, write the report; then find a hidden effect
     Demo(demo::Arguments),
@@ -94,6 +101,7 @@ impl Failure {
         Self { message: error.to_string(), code: DESCRIPTION_REFUSED }
     }
 
+    #[cfg(feature = "link")]
     fn board(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), code: BOARD }
     }
@@ -115,11 +123,14 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
+        #[cfg(feature = "link")]
         Command::Link(arguments) => link::run(&arguments),
+        #[cfg(feature = "link")]
         Command::Display(arguments) => display::run(&arguments),
         Command::Gap(arguments) => gap::run(&arguments),
         Command::GapBench(arguments) => gap_bench::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        #[cfg(feature = "link")]
         Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Completions { shell } => {

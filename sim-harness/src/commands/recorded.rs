@@ -9,7 +9,6 @@ use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use std::path::PathBuf;
 
-/// Which runs.
 #[derive(Debug, clap::Args)]
 pub struct Recorded {
     /// Recorded runs: logs or Parquet files, or folders of them; without it the case study is simulated

@@ -48,7 +48,6 @@ Files in the output folder:
 A folder stands for all its *.csv in the order of their names. An index runs.csv beside the
 logs (columns file, departure_utc, unit, direction) gives their order, unit and direction.";
 
-/// Arguments of `rundown replay`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
@@ -87,7 +86,6 @@ pub struct Arguments {
     json: bool,
 }
 
-/// `--mode`.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum ModeChoice {
     /// The paper: effort calculated from the change of speed
@@ -116,7 +114,6 @@ fn period(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What all runs of one replay have in common.
 pub(super) struct Setup {
     pub(super) config: Config,
     pub(super) train: TrainFile,
@@ -126,7 +123,6 @@ pub(super) struct Setup {
     pub(super) estimator: Estimator,
 }
 
-/// What came of a replay.
 pub(super) struct Results {
     pub(super) runs: Vec<ReplayedRun>,
     pub(super) failed: Vec<Failed>,
@@ -135,7 +131,6 @@ pub(super) struct Results {
     pub(super) tick: Tick,
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let setup = setup(arguments)?;
     let results = replay(arguments, &setup)?;

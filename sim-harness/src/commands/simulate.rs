@@ -31,7 +31,6 @@ Files in the output folder:
 
 Whoever looks for an effect gets all but truth/. The same scenario and seed give the same bytes.";
 
-/// Arguments of `rundown simulate`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
@@ -73,7 +72,6 @@ impl Example {
     }
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let out = match (&arguments.out, arguments.example) {
         (Some(out), None) => out,

@@ -59,7 +59,6 @@ const SEED: u64 = 1;
 /// Runs on which other settings of the filter are tried.
 const SENSITIVITY_RUNS: usize = 67;
 
-/// Arguments of `rundown study`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
@@ -119,7 +118,6 @@ pub(super) struct Study {
     pub(super) answers: Vec<Answer>,
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let config = match &arguments.config {
         Some(path) => config_file::read(path).map_err(Failure::refused)?,

@@ -37,7 +37,6 @@ Files in the output folder:
 /// Vehicles on which the slope at the optimum is looked at.
 const VEHICLES: usize = 15;
 
-/// Arguments of `rundown tune`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
@@ -60,7 +59,6 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let base = match &arguments.config {
         Some(path) => config_file::read(path).map_err(Failure::refused)?,

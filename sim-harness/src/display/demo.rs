@@ -32,26 +32,17 @@ const PROVISIONING: Provisioning =
     Provisioning { key_id: 1, key: Key::new(*b"not a secret key"), train: TrainId(0x2451) };
 
 /// Train and track of the runs, as described.
-///
-/// # Errors
-/// None: the scenario is built in. The type is that of a file.
 pub fn described() -> Result<(TrainFile, TrackFile), String> {
     let simulation = case_study().map_err(|error| error.to_string())?;
     Ok((simulation.train, simulation.track))
 }
 
 /// Plays all runs; each message of the board is given to `say`.
-///
-/// # Errors
-/// In words; the scenario is built in, so there is none.
 pub fn play(say: impl FnMut(&[u8])) -> Result<(), String> {
     play_runs(RUNS, say)
 }
 
 /// Plays the first runs.
-///
-/// # Errors
-/// As [`play`].
 pub fn play_runs(runs: usize, mut say: impl FnMut(&[u8])) -> Result<(), String> {
     let simulation = case_study().map_err(|error| error.to_string())?;
     let train = simulation.train.train().map_err(|error| error.to_string())?;

@@ -21,11 +21,11 @@
 
 pub mod demo;
 pub mod hub;
-pub mod page;
-pub mod player;
+pub(crate) mod page;
+pub(crate) mod player;
 pub mod setup;
 pub mod source;
 pub mod state;
 pub mod terminal;
 pub mod text;
-pub mod told;
+pub(crate) mod told;

@@ -111,15 +111,11 @@ pub struct Page {
 
 impl Page {
     /// On this port of the loopback interface; 0 takes a free one.
-    ///
-    /// # Errors
-    /// The port is taken.
     pub fn bind(port: u16, hub: Arc<Hub>) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         Ok(Self { address: listener.local_addr()?, listener, hub, connections: AtomicUsize::new(0) })
     }
 
-    /// Where it is.
     pub fn url(&self) -> String {
         format!("http://{}/", self.address)
     }

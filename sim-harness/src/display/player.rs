@@ -26,7 +26,6 @@ impl<'a> Player<'a> {
         Self { hub, speed, tick: Vec::new(), last: None }
     }
 
-    /// The next message.
     pub fn message(&mut self, message: &[u8]) {
         let Some(speed) = self.speed else {
             self.hub.message(message);

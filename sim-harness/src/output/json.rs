@@ -20,15 +20,11 @@ use std::path::PathBuf;
 /// What a replay was made with, and what came of it.
 #[derive(Clone, Debug)]
 pub struct Replay<'a> {
-    /// Configuration in force.
     pub config: &'a Config,
-    /// Name in the train file.
     pub train: &'a str,
-    /// Name in the track file.
     pub track: &'a str,
     /// The vehicle was carried from run to run.
     pub carried: bool,
-    /// Which rows were steps.
     pub tick: Tick,
     /// The runs that could be used.
     pub runs: &'a [ReplayedRun],
@@ -41,9 +37,7 @@ pub struct Replay<'a> {
 /// A log that gave no run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failed {
-    /// The log.
     pub file: PathBuf,
-    /// Why.
     pub error: String,
 }
 
@@ -56,7 +50,6 @@ pub const fn mode_word(mode: Mode) -> &'static str {
     }
 }
 
-/// The whole replay.
 pub fn value(replay: &Replay<'_>) -> Value {
     let tick_s = match replay.tick {
         Tick::EverySample => None,

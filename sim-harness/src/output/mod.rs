@@ -9,11 +9,11 @@
 //! | `switching_points.csv` | one row for each change of regime ([`features`]) |
 //! | `replay.json` | all but the estimates in one file for machines ([`json`]) |
 
-pub mod coast_ahead;
-pub mod estimates;
-pub mod features;
-pub mod json;
-pub mod parameters;
+pub(crate) mod coast_ahead;
+pub(crate) mod estimates;
+pub(crate) mod features;
+pub(crate) mod json;
+pub(crate) mod parameters;
 
 use rayon::prelude::*;
 use rundown::estimator::config::Config;
@@ -26,9 +26,6 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// Writes all tables of a replay into `folder`, which is made when it does not exist.
-///
-/// # Errors
-/// [`WriteError`] names the first file that could not be written.
 pub fn write_tables(folder: &Path, runs: &[ReplayedRun], config: &Config, json: &Value) -> Result<(), WriteError> {
     std::fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.to_owned(), source })?;
     runs.par_iter().try_for_each(|run| {

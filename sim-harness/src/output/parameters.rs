@@ -31,7 +31,6 @@ pub fn record(run: &ReplayedRun) -> Record {
     record
 }
 
-/// How often each cause occurred.
 pub fn counters(run: &ReplayedRun) -> Record {
     let counters = &run.summary.counters;
     let dropped = ("time_not_increasing".to_owned(), Cell::from(counters.time_not_increasing));

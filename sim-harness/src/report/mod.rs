@@ -11,9 +11,9 @@
 //! A missing value is a gap in a figure and a dash in a table, with its reason beside it; a number that is not finite is never shown.
 
 mod axis;
-pub mod figures;
-pub mod page;
-pub mod resistance;
+pub(crate) mod figures;
+pub(crate) mod page;
+pub(crate) mod resistance;
 
 #[cfg(test)]
 pub(crate) mod example;
@@ -35,16 +35,12 @@ use std::path::Path;
 /// Runs that have figures; all are in the tables.
 pub const RUNS_IN_FULL: usize = 12;
 
-/// What is told.
 #[derive(Clone, Debug)]
 pub struct Report<'a> {
-    /// Heading of the page.
     pub title: String,
     /// The train as its manufacturer describes it.
     pub train: &'a Train,
-    /// The runs, in order.
     pub runs: Vec<RunView<'a>>,
-    /// `paper`, `gated` or `measured`.
     pub mode: &'static str,
     /// Windows and steps of the features, for their labels.
     pub features: FeatureConfig,
@@ -52,31 +48,23 @@ pub struct Report<'a> {
     pub vehicle: Vec<(String, Gaussian<3>)>,
 }
 
-/// One run.
 #[derive(Clone, Copy, Debug)]
 pub struct RunView<'a> {
-    /// Its name in every output.
     pub name: &'a str,
-    /// The accepted measurements, one for each estimate.
     pub measurements: &'a [Measurement],
-    /// The estimates.
     pub estimates: &'a [Estimate],
     /// What coasting from each estimate on leads to; none where the track has no targets.
     pub coast_ahead: &'a [CoastAhead],
-    /// The confirmed regime of each estimate.
     pub regimes: &'a [Regime],
     /// What section 3.3 asks.
     pub features: &'a Features,
-    /// How often each cause occurred.
     pub counters: &'a Counters,
     /// What looked wrong in the log.
     pub warnings: &'a [String],
-    /// What was true, of a simulated run.
     pub truth: Option<&'a TruthView>,
 }
 
 impl<'a> RunView<'a> {
-    /// Of a replayed run.
     pub fn of(run: &'a ReplayedRun, truth: Option<&'a TruthView>) -> Self {
         Self {
             name: &run.name,
@@ -95,20 +83,15 @@ impl<'a> RunView<'a> {
 /// What was true of a run, a value for each estimate; drawn where it has as many.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TruthView {
-    /// Davis coefficients of this run's train.
     pub davis: Davis,
     /// Mean effort since the sample before, N/kg.
     pub effort_n_per_kg: Vec<Real>,
-    /// Running resistance, N/kg.
     pub resistance_n_per_kg: Vec<Real>,
     /// Location in m and speed in m/s where the final coast and the final brake began.
     pub starts: Vec<(Real, Real)>,
 }
 
 /// Writes the page.
-///
-/// # Errors
-/// When the file cannot be written.
 pub fn write_report(path: &Path, report: &Report) -> std::io::Result<()> {
     std::fs::write(path, page::html(report))
 }

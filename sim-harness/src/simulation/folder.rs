@@ -16,7 +16,6 @@ use super::scenario_file::Simulation;
 use jiff::Timestamp;
 use rayon::prelude::*;
 use rundown_files::run_set::INDEX;
-use rundown_truth::driver::Regime;
 use rundown_truth::facts::Facts;
 use rundown_truth::plan::{Heading, RunPlan, plan};
 use rundown_truth::scenario::{DriveError, Run, simulate_planned};
@@ -190,7 +189,7 @@ fn write_truth(csv: &mut Csv, run: &Run) -> io::Result<()> {
             time(at.time_s),
             format!("{:.3}", at.location_m),
             format!("{:.6}", at.speed_mps),
-            regime_word(at.regime).to_owned(),
+            at.regime.as_str().to_owned(),
             format!("{:.7}", at.effort_n_per_kg),
             format!("{:.7}", at.mean_effort_n_per_kg),
             format!("{:.1}", at.effort_n_per_kg * rotating_mass_kg),
@@ -227,24 +226,6 @@ pub(super) const fn heading_word(heading: Heading) -> &'static str {
         Heading::Up => "up",
         Heading::Down => "down",
     }
-}
-
-/// The word for a true regime, as the estimator's.
-const fn regime_word(regime: Regime) -> &'static str {
-    match regime {
-        Regime::Standstill => "standstill",
-        Regime::Traction => "traction",
-        Regime::Cruise => "cruise",
-        Regime::Coast => "coast",
-        Regime::Brake => "brake",
-    }
-}
-
-/// The regime of a word in `truth/runNNN.csv`.
-pub fn regime_of_word(word: &str) -> Option<Regime> {
-    use Regime::{Brake, Coast, Cruise, Standstill, Traction};
-    let mut all = [Standstill, Traction, Cruise, Coast, Brake].into_iter();
-    all.find(|regime| regime_word(*regime) == word)
 }
 
 /// To the millisecond, without needless zeros.

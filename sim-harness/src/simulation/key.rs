@@ -5,11 +5,9 @@
 
 use super::folder::{departure_utc, file_name, heading_word};
 use super::scenario_file::Simulation;
-use rundown_truth::facts::{Facts, Mark};
-use rundown_truth::train::{DavisTruth, TrainTruth};
+use rundown_truth::facts::Facts;
 use serde_json::{Value, json};
 
-/// The whole file.
 pub fn value(simulation: &Simulation, facts: &[Facts]) -> Value {
     let scenario = &simulation.scenario;
     let effects: Vec<Value> = scenario
@@ -32,8 +30,8 @@ pub fn value(simulation: &Simulation, facts: &[Facts]) -> Value {
         "seed": simulation.seed,
         "effects": effects,
         "described": {
-            "train": train(&scenario.train),
-            "davis": davis(&scenario.train.davis),
+            "train": scenario.train,
+            "davis": scenario.train.davis,
         },
         "true_davis_over_described": scenario.davis_scale,
         "runs": facts.iter().map(|f| run(f, facts.len())).collect::<Vec<Value>>(),
@@ -46,29 +44,6 @@ fn parameters(effect: &impl serde::Serialize) -> Value {
         map.remove("name");
     }
     value
-}
-
-fn train(train: &TrainTruth) -> Value {
-    json!({
-        "mass_kg": train.mass_kg,
-        "rotating_mass_factor": train.gamma,
-        "length_m": train.length_m,
-        "max_tractive_effort_n": train.max_tractive_effort_n,
-        "max_power_w": train.max_power_w,
-        "max_brake_mps2": train.max_brake_mps2,
-    })
-}
-
-fn davis(davis: &DavisTruth) -> Value {
-    json!({"r0": davis.r0, "r1": davis.r1, "r2": davis.r2})
-}
-
-fn mark(mark: &Mark) -> Value {
-    json!({
-        "time_s": mark.time_s,
-        "location_m": mark.location_m,
-        "speed_mps": mark.speed_mps,
-    })
 }
 
 fn run(facts: &Facts, runs: usize) -> Value {
@@ -87,14 +62,14 @@ fn run(facts: &Facts, runs: usize) -> Value {
             "start": facts.weather.start_c,
             "drift_per_h": facts.weather.drift_c_per_h,
         },
-        "train": train(&facts.train),
-        "davis": davis(&facts.train.davis),
-        "davis_with_wind": davis(&facts.davis),
+        "train": facts.train,
+        "davis": facts.train.davis,
+        "davis_with_wind": facts.davis,
         "cruise_mps": facts.cruise_mps,
-        "final_coast": facts.final_coast.as_ref().map(mark),
-        "final_brake": mark(&facts.final_brake),
-        "stop_brake": mark(&facts.stop_brake),
-        "stops": facts.stops.iter().map(mark).collect::<Vec<Value>>(),
+        "final_coast": facts.final_coast,
+        "final_brake": facts.final_brake,
+        "stop_brake": facts.stop_brake,
+        "stops": facts.stops,
         "mean_power_50_130_w_per_kg": facts.mean_power_50_130_w_per_kg,
         "max_power_50_90_w_per_kg": facts.max_power_50_90_w_per_kg,
         "max_power_w_per_kg": facts.max_power_w_per_kg,

@@ -11,7 +11,8 @@
 //! | [`folder`] | the run logs, the descriptions and the truth on disk |
 //! | [`key`] | `truth.json`: what was true, for those who judge |
 
-pub mod believed;
+pub(crate) mod believed;
 pub mod folder;
-pub mod key;
+mod key;
 pub mod scenario_file;
+mod train_table;

@@ -26,24 +26,18 @@ const NO_EFFORT_N_PER_KG: f64 = 1e-12;
 
 type Sensitivity = SMatrix<f64, 2, SIZE>;
 
-/// Where the effort is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Known {
     /// Where it is zero: while coasting.
     Coasting,
     /// Everywhere but at standstill, up to a constant gain of this standard deviation.
-    Measured {
-        /// Standard deviation of the gain.
-        gain_sd: f64,
-    },
+    Measured { gain_sd: f64 },
 }
 
 /// What the readings are worth, as variances in m² and (m/s)².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Worth {
-    /// Of the location.
     pub location: f64,
-    /// Of the speed.
     pub speed: f64,
 }
 
@@ -157,7 +151,7 @@ impl Stretch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rundown_truth::driver::Regime;
+    use rundown_truth::regime::Regime;
 
     /// A train that coasts against a constant resistance: v = v0 - r0 t, s = s0 + v0 t - r0 t²/2.
     fn coasting(count: usize, effort_n_per_kg: f64) -> (Vec<TruthSample>, Vec<Sample>) {

@@ -9,34 +9,24 @@ use rundown_files::train_file::TrainFile;
 use std::path::Path;
 use thiserror::Error;
 
-/// Train and track as described.
 #[derive(Clone, Debug)]
 pub struct Description {
-    /// The train.
     pub train: Train,
-    /// The track.
     pub track: Track,
 }
 
-/// Why a simulation has none that an estimator takes.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DescriptionError {
-    /// Of the train.
     #[error(transparent)]
     Train(#[from] TrainError),
-    /// Of the track.
     #[error(transparent)]
     Track(#[from] TomlError),
-    /// A description that no file can hold.
     #[error("{0}")]
     Text(#[from] toml::ser::Error),
 }
 
 /// Of a simulation.
-///
-/// # Errors
-/// [`DescriptionError`] when the estimator does not take its train or its track.
 pub fn of(simulation: &Simulation) -> Result<Description, DescriptionError> {
     // The track is written and read, so that what is simulated is described by a file that a person could write.
     let text = toml::to_string(&simulation.track)?;

@@ -31,7 +31,6 @@ use std::collections::HashMap;
 /// Runs whose points are drawn.
 pub const DRAWN: usize = 200;
 
-/// The estimators of a study.
 #[derive(Clone, Debug)]
 pub struct Estimators {
     /// The paper's loop.
@@ -42,9 +41,6 @@ pub struct Estimators {
 
 impl Estimators {
     /// Both modes of one configuration.
-    ///
-    /// # Errors
-    /// [`ConfigError`] names the first field that is out of range.
     pub fn try_new(config: Config, train: Train, track: &Track) -> Result<Self, ConfigError> {
         let of = |mode| Estimator::try_new(Config { mode, ..config }, train, track.clone());
         Ok(Self { paper: of(Mode::Paper)?, gated: of(Mode::Gated)? })
@@ -54,18 +50,14 @@ impl Estimators {
 /// What was measured and what is drawn of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawn {
-    /// What was recorded.
     pub recording: Recording,
-    /// As the paper's mode sees it.
     pub paper: View,
-    /// As the gated mode sees it.
     pub gated: View,
     /// As it was.
     pub truth: Option<View>,
 }
 
 impl Drawn {
-    /// Its name.
     pub fn name(&self) -> &str {
         &self.recording.name
     }
@@ -80,20 +72,14 @@ impl Drawn {
 /// The run of Figs. 3, 5 and 6, whole.
 #[derive(Clone, Debug)]
 pub struct Example {
-    /// Replayed in the paper's mode.
     pub paper: ReplayedRun,
-    /// Replayed in the gated mode.
     pub gated: ReplayedRun,
-    /// What was true.
     pub truth: Option<CaseTruth>,
 }
 
-/// What all runs gave.
 #[derive(Clone, Debug, Default)]
 pub struct Gathered {
-    /// Through the paper's mode.
     pub paper: Tallies,
-    /// Through the gated mode.
     pub gated: Tallies,
     /// As it was; its `runs` are those whose truth is known.
     pub truth: Tallies,
@@ -107,29 +93,23 @@ pub struct Gathered {
     pub travelled_m: Moments,
     /// Mean time between the readings of each run, s.
     pub interval_s: Moments,
-    /// Rows of all logs.
     pub rows: u64,
-    /// Runs for figures.
     pub drawn: Vec<Drawn>,
     /// The run of Figs. 3, 5 and 6.
     pub example: Option<Example>,
     /// What the gated mode knows of each unit after its last run, by name.
     pub units: Vec<(String, Gaussian<3>)>,
-    /// Runs that could not be used.
     pub failed: Vec<Failed>,
 }
 
 /// What happens with the runs of a chunk and their rows of results.
 pub type Sink<'a> = dyn FnMut(&[Case], &[Record]) -> std::io::Result<()> + 'a;
 
-/// Why a study ended early.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GatherError {
-    /// The runs cannot be read.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// The rows of results cannot be written.
     #[error("{0}")]
     Sink(#[from] std::io::Error),
 }

@@ -16,19 +16,19 @@
 //! | where is it told? | [`page`], [`write`](mod@write) |
 //! | does the estimate follow the truth, how closely could it? | [`slope`], [`bound`] |
 
-pub mod bound;
+pub(crate) mod bound;
 pub mod case;
-pub mod claims;
-pub mod description;
-pub mod figures;
-pub mod gather;
-pub mod moments;
-pub mod page;
-pub mod sensitivity;
-pub mod slope;
-pub mod source;
-pub mod tallies;
-pub mod trials;
-pub mod truth_folder;
-pub mod view;
-pub mod write;
+pub(crate) mod claims;
+pub(crate) mod description;
+pub(crate) mod figures;
+pub(crate) mod gather;
+pub(crate) mod moments;
+pub(crate) mod page;
+pub(crate) mod sensitivity;
+pub(crate) mod slope;
+pub(crate) mod source;
+pub(crate) mod tallies;
+pub(crate) mod trials;
+pub(crate) mod truth_folder;
+pub(crate) mod view;
+pub(crate) mod write;

@@ -11,24 +11,18 @@ use maud::{Markup, html};
 use rundown_pages::numbers::{NOTHING, counted, number};
 use rundown_pages::shell::{document, figure};
 
-/// What the page tells.
 #[derive(Clone, Debug)]
 pub struct Page<'a> {
-    /// Name of the train.
     pub train: &'a str,
-    /// Name of the track.
     pub track: &'a str,
     /// Where the runs come from, in words.
     pub source: String,
-    /// What all runs gave.
     pub gathered: &'a Gathered,
     /// Figs. 2 to 9, in order.
     pub pictures: &'a [Picture],
     /// Estimated over true deviation.
     pub slopes: &'a [Picture],
-    /// The same in numbers.
     pub answers: &'a [Answer],
-    /// The claims of the paper.
     pub claims: &'a [Claim],
     /// The paper's remark on the initial covariances.
     pub sensitivity: &'a [Sensitivity],
@@ -46,7 +40,6 @@ const FIGURES: [(&str, &str); 8] = [
     ("9", "Fig. 9: tractive power"),
 ];
 
-/// The whole page.
 pub fn page(page: &Page) -> String {
     let body = html! {
         (summary(page))

@@ -33,16 +33,12 @@ pub struct Sensitivity {
     pub factor: f64,
     /// Runs in which a coefficient fell below zero.
     pub negative_runs: usize,
-    /// Of so many.
     pub runs: usize,
     /// Least value of each coefficient over all samples, as a share of the manufacturer's.
     pub least_share: [f64; 3],
 }
 
 /// Tries every change.
-///
-/// # Errors
-/// [`ConfigError`] when a changed configuration is out of range.
 pub fn sensitivity(
     config: &Config,
     train: Train,

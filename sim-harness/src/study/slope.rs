@@ -40,16 +40,12 @@ pub const MODES: [Mode; 3] = [Mode::Paper, Mode::Gated, Mode::Measured];
 /// Runs after which is looked, before the last.
 const STAGES: [usize; 2] = [1, 10];
 
-/// What is tested.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The vehicles' line, driver and sensors; without wind, load or effects, or the bound is none.
     pub simulation: Simulation,
-    /// Number of vehicles.
     pub vehicles: usize,
-    /// Runs of each.
     pub runs: usize,
-    /// Seed.
     pub seed: u64,
 }
 
@@ -81,17 +77,12 @@ impl Plan {
 /// One vehicle in one mode after some runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
-    /// The mode.
     pub mode: Mode,
-    /// Number of the vehicle.
     pub vehicle: usize,
-    /// Its true over described r0, r1, r2.
     pub scales: [f64; 3],
-    /// Runs so far.
     pub runs: usize,
     /// What the mode believes.
     pub believed: Gaussian<3>,
-    /// What is true.
     pub truth: Davis,
     /// Smallest possible covariance, with the prior of the memory.
     pub bound: Matrix3<f64>,
@@ -100,11 +91,8 @@ pub struct Look {
 /// A row of the answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
-    /// `paper`, `gated` or `measured`.
     pub mode: &'static str,
-    /// Runs after which.
     pub runs: usize,
-    /// Number of vehicles.
     pub vehicles: usize,
     /// Slope of estimated on true deviation at [`SLOPE_KMH`].
     pub slope: [f64; 3],
@@ -121,9 +109,6 @@ pub struct Answer {
 }
 
 /// Simulates and replays every vehicle, side by side. `done` is called once a run.
-///
-/// # Errors
-/// What is wrong with the configuration.
 pub fn look(plan: &Plan, config: Config, done: impl Fn() + Sync) -> Result<Vec<Look>, String> {
     let mut estimators = Vec::new();
     let description = super::description::of(&plan.simulation).map_err(|e| e.to_string())?;
@@ -260,21 +245,12 @@ fn answer(mode: Mode, runs: usize, looks: &[&Look], described: &Davis) -> Answer
 pub struct Fit {
     /// Its height at 0.
     pub offset: f64,
-    /// Its slope.
     pub slope: f64,
     /// Standard deviation of the points about it.
     pub spread: f64,
 }
 
 /// Least squares; the spread has n - 2 in the denominator. Not a number for fewer than three points.
-///
-/// ```
-/// use sim_harness::study::slope::fit;
-///
-/// let line = fit(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]);
-/// assert!((line.slope - 2.0).abs() < 1e-12 && (line.offset - 1.0).abs() < 1e-12);
-/// assert!(line.spread < 1e-12);
-/// ```
 pub fn fit(points: &[(f64, f64)]) -> Fit {
     let n = points.len() as f64;
     if points.len() < 3 {
@@ -290,7 +266,6 @@ pub fn fit(points: &[(f64, f64)]) -> Fit {
     Fit { offset, slope, spread: (rest.sum::<f64>() / (n - 2.0)).sqrt() }
 }
 
-/// A row for each answer.
 pub fn records(answers: &[Answer]) -> Vec<Record> {
     let row = |answer: &Answer| {
         let mut record = vec![
@@ -336,4 +311,16 @@ pub fn table(answers: &[Answer]) -> String {
         );
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_on_a_line_give_that_line() {
+        let line = fit(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]);
+        assert!((line.slope - 2.0).abs() < 1e-12 && (line.offset - 1.0).abs() < 1e-12);
+        assert!(line.spread < 1e-12);
+    }
 }

@@ -21,7 +21,6 @@ pub const CHUNK: usize = 256;
 pub enum Source {
     /// A fleet of units.
     Simulated(Box<Simulated>),
-    /// Logs.
     Logs(Logs),
     /// Files, one after the other.
     Parquet(Files),
@@ -53,27 +52,17 @@ pub struct Files {
     runs: usize,
 }
 
-/// Why there are no runs.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SourceError {
-    /// A file of runs is broken.
     #[error(transparent)]
     Parquet(#[from] ParquetError),
-    /// A folder or an index of logs cannot be read.
     #[error(transparent)]
     Logs(#[from] RunSetError),
-    /// The truth beside logs is broken.
     #[error(transparent)]
     Truth(#[from] TruthError),
-    /// A folder cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
-    Io {
-        /// The folder.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
+    Io { path: PathBuf, source: std::io::Error },
 }
 
 impl Source {
@@ -83,9 +72,6 @@ impl Source {
     }
 
     /// Parquet files of runs, in this order.
-    ///
-    /// # Errors
-    /// [`SourceError`] when one cannot be read.
     pub fn parquet(paths: &[PathBuf]) -> Result<Self, SourceError> {
         let readers = paths.iter().map(|path| RunReader::open(path));
         let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
@@ -96,9 +82,6 @@ impl Source {
     /// Recorded runs: Parquet files, folders of them (also deeper, in the order of their paths), or else logs and folders of logs.
     /// Where the truth of logs lies beside them, as `rundown simulate` writes it, the runs have it.
     /// What a person may want to know is handed to `note`.
-    ///
-    /// # Errors
-    /// [`SourceError`] when a file or folder cannot be read.
     pub fn recorded(arguments: &[PathBuf], line: Option<CentreLine>, note: impl Fn(&str)) -> Result<Self, SourceError> {
         let mut files = Vec::new();
         for argument in arguments {
@@ -121,7 +104,6 @@ impl Source {
         Ok(Self::Logs(Logs { files: set.files, line, truths, next: 0 }))
     }
 
-    /// Number of runs.
     pub fn total(&self) -> usize {
         match self {
             Self::Simulated(simulated) => simulated.runs,
@@ -131,9 +113,6 @@ impl Source {
     }
 
     /// The next runs, at most [`CHUNK`]; none after the last. A log that cannot be used is in its place.
-    ///
-    /// # Errors
-    /// [`SourceError`] when a file of runs is broken.
     pub fn next_chunk(&mut self) -> Result<Option<Vec<Result<Case, Failed>>>, SourceError> {
         let chunk: Vec<Result<Case, Failed>> = match self {
             Self::Simulated(simulated) => {

@@ -16,7 +16,6 @@ pub const LIMIT_KMH: f64 = 140.0;
 /// Statistics over runs, and over samples where the name says so.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tallies {
-    /// Number of runs.
     pub runs: u64,
     /// r0, r1, r2 of all samples.
     pub davis_samples: [Moments; 3],
@@ -26,19 +25,14 @@ pub struct Tallies {
     pub negative_runs: u64,
     /// Samples whose r0 lies in [`R0_BAND`].
     pub r0_in_band: u64,
-    /// km/h.
     pub cruise_kmh: Moments,
     /// Runs whose cruise speed is above the limit of 140 km/h.
     pub cruise_over_limit: u64,
-    /// s.
     pub coast_s: Moments,
-    /// s.
     pub brake_s: Moments,
     /// Traction, cruise, coast, brake.
     pub shares: [Moments; 4],
-    /// kW.
     pub power_kw: Moments,
-    /// kW.
     pub max_power_kw: Moments,
     /// Deceleration of coasting trains, m/s².
     pub coast_mps2: Moments,
@@ -59,7 +53,6 @@ pub struct Tallies {
 }
 
 impl Tallies {
-    /// Adds a run.
     pub fn add(&mut self, view: &View) {
         let (outcome, points) = (&view.outcome, &view.points);
         self.runs += 1;

@@ -28,12 +28,10 @@ pub const KEPT: usize = 2;
 /// Passes whose shortest counts: other programs only make one longer.
 const PASSES: usize = 5;
 
-/// What was tried.
 #[derive(Clone, Debug, Default)]
 pub struct Trials {
     /// Larger initial deviations.
     pub sensitivity: Vec<Sensitivity>,
-    /// Noise of the acceleration.
     pub noise: Vec<Noise>,
     /// All samples, and every second one; none without truth.
     pub thinned: Option<[Misses; 2]>,
@@ -44,36 +42,26 @@ pub struct Trials {
 /// What noise of the acceleration does to the paper's coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// Standard deviation, m/s².
     pub sd_mps2: f64,
-    /// Runs with a coefficient below zero.
     pub negative_runs: usize,
-    /// Of so many.
     pub runs: usize,
 }
 
 /// How far lengths are from the truth: final coast and final brake, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Misses {
-    /// In the paper's mode.
     pub paper: [Moments; 2],
-    /// In the gated mode.
     pub gated: [Moments; 2],
 }
 
 /// How long it takes here at most: a step in whole ms, a run in whole s. Coarse, so that the same seed gives the same report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pace {
-    /// One step, ms.
     pub step_ms: u64,
-    /// The longest run, s.
     pub run_s: u64,
 }
 
 /// Tries noises of the acceleration in the paper's mode.
-///
-/// # Errors
-/// [`ConfigError`] when a changed configuration is out of range.
 pub fn noise(config: &Config, train: Train, track: &Track, runs: &[Recording]) -> Result<Vec<Noise>, ConfigError> {
     let of = |sd_mps2: f64| {
         let mut config = Config { mode: Mode::Paper, ..*config };

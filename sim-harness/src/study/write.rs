@@ -9,21 +9,14 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// A row for each run.
 pub const RUNS: &str = "runs";
 
 /// Makes a folder with those above it.
-///
-/// # Errors
-/// [`WriteError`] names it.
 pub fn folder(path: &Path) -> Result<(), WriteError> {
     std::fs::create_dir_all(path).map_err(|source| failed(path, source))
 }
 
 /// Writes each picture and what it draws.
-///
-/// # Errors
-/// [`WriteError`] names the first file that could not be written.
 pub fn pictures(folder: &Path, pictures: &[Picture]) -> Result<(), WriteError> {
     for picture in pictures {
         text(&folder.join(format!("{}.svg", picture.name)), &standalone(&picture.svg))?;
@@ -33,17 +26,11 @@ pub fn pictures(folder: &Path, pictures: &[Picture]) -> Result<(), WriteError> {
 }
 
 /// Writes a text.
-///
-/// # Errors
-/// [`WriteError`] names the file.
 pub fn text(path: &Path, text: &str) -> Result<(), WriteError> {
     std::fs::write(path, text).map_err(|source| failed(path, source))
 }
 
 /// Writes a table.
-///
-/// # Errors
-/// [`WriteError`] names the file.
 pub fn records(path: &Path, records: &[Record]) -> Result<(), WriteError> {
     let written = File::create(path).and_then(|file| {
         let mut file = BufWriter::new(file);
@@ -69,9 +56,6 @@ pub struct RunTable {
 
 impl RunTable {
     /// Begins the files in a folder.
-    ///
-    /// # Errors
-    /// [`WriteError`] names the file.
     pub fn begin(folder: &Path) -> Result<Self, WriteError> {
         let csv_path = folder.join(format!("{RUNS}.csv"));
         let file = File::create(&csv_path).map_err(|source| failed(&csv_path, source))?;
@@ -84,9 +68,6 @@ impl RunTable {
     }
 
     /// Adds rows.
-    ///
-    /// # Errors
-    /// What the system says, with the name of the file.
     pub fn add(&mut self, records: &[Record]) -> io::Result<()> {
         for record in records {
             if !self.has_header {
@@ -99,9 +80,6 @@ impl RunTable {
     }
 
     /// Ends the files.
-    ///
-    /// # Errors
-    /// [`WriteError`] names the file.
     pub fn end(mut self) -> Result<(), WriteError> {
         self.csv.flush().map_err(|source| failed(&self.csv_path, source))?;
         let parquet = self.parquet.close().map_err(io::Error::other);

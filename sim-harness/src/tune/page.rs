@@ -11,16 +11,13 @@ use maud::{Markup, html};
 use rundown_pages::numbers::number;
 use rundown_pages::shell::{document, figure};
 
-/// What the page tells.
 #[derive(Clone, Debug)]
 pub struct Page<'a> {
     /// What was tuned on, in words.
     pub source: String,
     /// Table 1 and its score.
     pub table1: (Place, Score),
-    /// The optimum.
     pub found: Found,
-    /// Its score.
     pub score: Score,
     /// The surface around it.
     pub pictures: &'a [Picture],
@@ -30,7 +27,6 @@ pub struct Page<'a> {
     pub slopes: Option<[Answer; 2]>,
 }
 
-/// The whole page.
 pub fn page(page: &Page) -> String {
     let body = html! {
         p.lead {

@@ -4,18 +4,15 @@ use rundown::estimator::config::{Config, Mode};
 use rundown::filter::ukf::{Spread, SpreadError};
 use rundown::tick::paper::PaperConfig;
 
-/// Number of parameters.
 pub const COUNT: usize = 11;
 
 /// A point of the search.
 pub type Place = [f64; COUNT];
 
-/// One parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
     /// Name in tables and files.
     pub name: &'static str,
-    /// Unit.
     pub unit: &'static str,
     /// Least and largest value of the search, in its own unit.
     pub range: [f64; 2],
@@ -27,7 +24,6 @@ pub struct Parameter {
 enum Scale {
     /// log10 of it.
     Decades,
-    /// Itself.
     Linear,
     /// log10 of 5 + κ, which must be above zero.
     Kappa,
@@ -111,9 +107,6 @@ pub fn values(place: &Place) -> Place {
 }
 
 /// The configuration at a place: the paper's mode, all else as it was.
-///
-/// # Errors
-/// [`SpreadError`] when α or 5 + κ is not above zero; not within the ranges of the search.
 pub fn config(base: &Config, place: &Place) -> Result<Config, SpreadError> {
     let [alpha, beta, kappa, s, v, r0, r1, r2, location_sd_m, speed_sd_kmh, noise] = values(place);
     let has_noise = noise > 1.001 * LEAST_NOISE;

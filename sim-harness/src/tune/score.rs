@@ -26,16 +26,12 @@ const REPAIRED_COST: f64 = 1e3;
 /// Cost of a place that is no filter.
 const NO_FILTER: f64 = 1e9;
 
-/// What is tuned on.
 #[derive(Clone, Debug)]
 pub struct Bench {
     /// What is not tuned.
     pub base: Config,
-    /// The train as described.
     pub train: Train,
-    /// The track as described.
     pub track: Track,
-    /// The runs.
     pub runs: Vec<Recording>,
 }
 
@@ -88,7 +84,6 @@ impl Bench {
         Some(all)
     }
 
-    /// Cost at a place.
     pub fn cost(&self, place: &Place) -> f64 {
         self.score(place).map_or(NO_FILTER, |score| score.cost())
     }

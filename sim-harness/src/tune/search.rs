@@ -12,18 +12,14 @@ const STEP: f64 = 0.5;
 /// Standard deviation of the costs of the simplex at which the search ends.
 const TOLERANCE: f64 = 1e-6;
 
-/// What the search found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
-    /// The best place.
     pub place: Place,
-    /// Its cost.
     pub cost: f64,
     /// Costs that were asked for.
     pub evaluations: u64,
 }
 
-/// Why there is no optimum.
 #[derive(Debug, thiserror::Error)]
 #[error("the search ended without a result: {0}")]
 pub struct SearchError(String);
@@ -63,9 +59,6 @@ pub fn starts() -> [Place; 2] {
 }
 
 /// Searches from each start with about so many evaluations in all; `done` is called at each.
-///
-/// # Errors
-/// [`SearchError`] when the optimiser gives no place.
 pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Found, SearchError> {
     let failed = |error: Error| SearchError(error.to_string());
     let starts = starts();

@@ -12,6 +12,7 @@
 
 use crate::habits::{Cruising, Habits, Plateau};
 use crate::motion::Motion;
+pub use crate::regime::Regime;
 use crate::world::{History, World};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -40,21 +41,6 @@ const OVERSPEED_MPS: f64 = 0.6;
 
 /// The trial of the brake takes this much speed off, m/s.
 const BRAKE_TEST_MPS: f64 = 10.0 / 3.6;
-
-/// What the driver does, as true label of a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Regime {
-    /// Speed 0.
-    Standstill,
-    /// Power to gain speed.
-    Traction,
-    /// Speed held, by power or on a downgrade by the brake.
-    Cruise,
-    /// Effort exactly 0.
-    Coast,
-    /// Brake to lose speed.
-    Brake,
-}
 
 /// A place to stop at.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,16 +2,17 @@
 //!
 //! In: every step of the run. Out: [`Facts`]. Marks are exact to one step.
 
-use crate::driver::Regime;
 use crate::habits::Habits;
 use crate::plan::RunPlan;
+use crate::regime::Regime;
 use crate::sensors::TraceStep;
 use crate::train::{DavisTruth, TrainTruth};
 use crate::weather::Weather;
 use crate::world::World;
+use serde::{Deserialize, Serialize};
 
 /// When, where and how fast.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mark {
     /// s.
     pub time_s: f64,

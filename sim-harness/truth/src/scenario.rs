@@ -3,18 +3,18 @@
 //! The seed feeds separate streams for the world (load, wind, stops), the driver, the driver's wander, and the sensors. So another recorder
 //! sees the same run, and another driver meets the same wind.
 
-use crate::driver::{Driver, Regime, Stop};
-use crate::effects::Effect;
+pub use crate::conditions::{Scenario, UnscheduledStop};
+use crate::driver::{Driver, Stop};
 use crate::facts::{Facts, Recorder};
 use crate::habits::{DriverKind, Habits};
-use crate::line::Line;
 use crate::motion::Motion;
-use crate::plan::{Dates, Heading, Headings, RunPlan, plan};
+use crate::plan::{RunPlan, plan};
+use crate::regime::Regime;
+use crate::seeds::stream;
 use crate::sensors::{Sample, Sensors, TraceStep, TruthSample};
-use crate::train::TrainTruth;
-use crate::weather::Climate;
+use crate::timetable::Heading;
 use crate::world::{History, World};
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use thiserror::Error;
@@ -23,78 +23,6 @@ use thiserror::Error;
 const LONGEST_RUN_S: f64 = 4.0 * 3600.0;
 /// Standstill at a platform, s.
 const DWELL_S: std::ops::Range<f64> = 30.0..60.0;
-
-/// A red signal in mid-run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UnscheduledStop {
-    /// Where along the way travelled, m.
-    pub at_m: f64,
-    /// How long, s.
-    pub dwell_s: f64,
-    /// Share of the runs that meet it.
-    pub share: f64,
-}
-
-/// What is simulated. The default is the case study.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Scenario {
-    /// The train before load and Davis scale.
-    pub train: TrainTruth,
-    /// The line.
-    pub line: Line,
-    /// What kind of service.
-    pub driver: DriverKind,
-    /// Probability that a driver cruises by cycles of power and coast.
-    pub cycle_share: f64,
-    /// Probability that a driver tries the brake after the departure.
-    pub brake_test_share: f64,
-    /// Whether the run goes on for 30 to 60 s at the last platform. Without, it ends up to one sampling time after the stop.
-    pub final_dwell: bool,
-    /// A red signal.
-    pub unscheduled_stop: Option<UnscheduledStop>,
-    /// True over described r0, r1, r2.
-    pub davis_scale: [f64; 3],
-    /// Wind along the line, one draw a run, standard deviation, m/s.
-    pub wind_sd_mps: f64,
-    /// Load, one draw a run, standard deviation as a share of the mass.
-    pub load_sd: f64,
-    /// Directions of the runs.
-    pub headings: Headings,
-    /// When the runs are.
-    pub dates: Dates,
-    /// Temperatures.
-    pub climate: Climate,
-    /// What the description does not have.
-    pub effects: Vec<Effect>,
-    /// Integration step, s; divides 1 s and the sampling time.
-    pub step_s: f64,
-    /// The recorder.
-    pub sensors: Sensors,
-}
-
-impl Default for Scenario {
-    /// The case study: flat corridor, still air, described load, every 10 s, rounded speed, location noise 4 m.
-    fn default() -> Self {
-        Self {
-            train: TrainTruth::default(),
-            line: Line::flat_corridor(),
-            driver: DriverKind::CaseStudy,
-            cycle_share: 0.4,
-            brake_test_share: 0.0,
-            final_dwell: false,
-            unscheduled_stop: None,
-            davis_scale: [1.0; 3],
-            wind_sd_mps: 0.0,
-            load_sd: 0.0,
-            headings: Headings::Up,
-            dates: Dates::default(),
-            climate: Climate::default(),
-            effects: Vec::new(),
-            step_s: 0.05,
-            sensors: Sensors::default(),
-        }
-    }
-}
 
 /// Why a run could not be driven.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
@@ -163,7 +91,7 @@ pub fn simulate_planned(scenario: &Scenario, plan: &RunPlan) -> Result<Run, Driv
     Ok(Run { samples, truth, facts })
 }
 
-/// Many runs of the same train; run `i` has the seed [`run_seed`]`(seed, i)`. `davis_scale` takes the place of the scenario's.
+/// Many runs of the same train; run `i` has the seed [`run_seed`](crate::seeds::run_seed)`(seed, i)`. `davis_scale` takes the place of the scenario's.
 ///
 /// # Panics
 /// As [`simulate`].
@@ -173,12 +101,6 @@ pub fn fleet(scenario: &Scenario, davis_scale: [f64; 3], runs: usize, seed: u64)
         .iter()
         .map(|plan| simulate_planned(&scenario, plan).unwrap_or_else(|e| panic!("{e}")))
         .collect()
-}
-
-/// Seed of one run of a fleet.
-pub fn run_seed(seed: u64, run: usize) -> u64 {
-    // The golden ratio keeps neighbouring fleets apart.
-    seed.wrapping_add((run as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15))
 }
 
 /// Drives one run: every integration step, before any sensor.
@@ -320,17 +242,13 @@ fn stops(scenario: &Scenario, world: &World, seed: u64, rng: &mut ChaCha8Rng) ->
     stops
 }
 
-pub(super) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(number);
-    rng
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::line::Line;
+    use crate::seeds::run_seed;
     use crate::sensors::SpeedReading;
-    use crate::train::{DavisTruth, GRAVITY_MPS2};
+    use crate::train::{DavisTruth, GRAVITY_MPS2, TrainTruth};
     use rayon::prelude::*;
 
     fn scenarios() -> [(&'static str, Scenario); 4] {

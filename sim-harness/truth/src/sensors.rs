@@ -4,12 +4,14 @@
 //!
 //! A reading at time t shows the train at t - latency. Noise comes before the rounding. A standing train reads 0 km/h without noise.
 
-use crate::driver::Regime;
+use crate::regime::Regime;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Normal};
+use serde::Deserialize;
 
 /// How the speed is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum SpeedReading {
     /// To the nearest km/h (or other quantum).
     #[default]
@@ -145,7 +147,7 @@ pub struct Sample {
 }
 
 /// What was true at the time of the sample in the same row.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct TruthSample {
     /// s.
     pub time_s: f64,
@@ -166,6 +168,7 @@ pub struct TruthSample {
     /// Gravity along the track, positive uphill in the direction of travel, N/kg.
     pub gravity_n_per_kg: f64,
     /// Ambient temperature, °C.
+    #[serde(rename = "ambient_temperature_c")]
     pub temperature_c: f64,
 }
 

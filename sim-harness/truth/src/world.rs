@@ -9,13 +9,15 @@
 //! Efforts act in newton: what traction gives, the air takes and a dragging brake holds does not depend on the mass; inertia, gravity and rolling
 //! resistance do. All locations here are along the way travelled: in direction `down` the line is reversed.
 
+use crate::conditions::Scenario;
 use crate::effects::Effect;
 use crate::effects::limits::{brake_share, capability};
 use crate::effects::resistance::{Moment, Setting, extra_n_per_kg, is_resistance};
 use crate::line::Line;
 use crate::motion::Motion;
-use crate::plan::{Heading, RunPlan};
-use crate::scenario::{Scenario, stream};
+use crate::plan::RunPlan;
+use crate::seeds::stream;
+use crate::timetable::Heading;
 use crate::train::{GRAVITY_MPS2, TrainTruth};
 use crate::weather::Weather;
 use rand_distr::{Distribution, Normal};

@@ -3,14 +3,14 @@
 //! While a train coasts its prediction should stay where it is; under power or brake each place has another one.
 
 use super::super::RunView;
-use super::{BACKGROUND, BAND, KMH, figure, line};
+use super::{BACKGROUND, BAND, KMH, figure};
 use crate::report::axis::Axis;
 use rundown::Real;
 use rundown::coast_ahead::{Arrival, CoastAhead, NINETY_PERCENT, Outcome};
 use rundown::model::state;
 use rundown::model::track::Target;
 use rundown::tick::regime::Regime;
-use rundown_pages::chart::{Axes, Layer, Panel, Point, Stroke};
+use rundown_pages::chart::{Layer, Panel, Point, Stroke};
 use rundown_pages::colours;
 
 const MINUTE_S: Real = 60.0;
@@ -31,7 +31,7 @@ pub fn coast_ahead(run: &RunView) -> Option<String> {
         let (target, _) = arrival(run, index)?;
         Some((x, KMH * target.limit_mps.unwrap_or(0.0)))
     });
-    speed.layers.push(line("permitted there", colours::LIMIT, Stroke::Dashed, permitted));
+    speed.layers.push(Layer::line("permitted there", colours::LIMIT, Stroke::Dashed, permitted));
     let label = "there, min since the first sample";
     let time = panel(run, &axis, label, times, |arrival| {
         let after_s = arrival.time_s - first_s;
@@ -66,22 +66,22 @@ fn panel(run: &RunView, axis: &Axis, label: &str, came: Vec<Point>, value: impl 
     });
     let mean = axis.series(run.estimates, |index, _, x| Some((x, at(index)?.0)));
     let mut layers = vec![
-        Layer::Spans {
-            legend: "the train coasts".to_owned(),
-            colour: colours::of_regime(Regime::Coast),
-            opacity: BACKGROUND,
-            spans: axis.spans(run.estimates, |index, _| run.regime(index) == Regime::Coast),
-        },
-        Layer::Band { legend: "90 % band".to_owned(), colour: colours::ESTIMATED, opacity: BAND, points: band },
-        line("if it coasts from here on", colours::ESTIMATED, Stroke::Solid, mean),
-        Layer::Marks { legend: "as it came".to_owned(), colour: colours::MEASURED, points: came },
+        Layer::spans(
+            "the train coasts",
+            colours::of_regime(Regime::Coast),
+            BACKGROUND,
+            axis.spans(run.estimates, |index, _| run.regime(index) == Regime::Coast),
+        ),
+        Layer::band("90 % band", colours::ESTIMATED, BAND, band),
+        Layer::line("if it coasts from here on", colours::ESTIMATED, Stroke::Solid, mean),
+        Layer::marks("as it came", colours::MEASURED, came),
     ];
     layers.retain(|layer| match layer {
         Layer::Spans { spans, .. } => !spans.is_empty(),
         Layer::Marks { points, .. } => !points.is_empty(),
         _ => true,
     });
-    Panel { label: label.to_owned(), height: 260, y: None, axes: Axes::Left, layers, empty: "no prediction".to_owned() }
+    Panel::new(label, 260, layers, "no prediction")
 }
 
 /// Each target that the train went past: location in km, speed in km/h, time in s, between two estimates.

@@ -24,10 +24,9 @@ pub use resistance::{resistance_curve, resistance_terms, vehicle_history};
 
 use super::RunView;
 use crate::report::axis::Axis;
-use plotters::style::RGBColor;
 use rundown::Real;
 use rundown::tick::estimate::{Estimate, Validity};
-use rundown_pages::chart::{Figure, Layer, Panel, Point, Stroke};
+use rundown_pages::chart::{Figure, Panel};
 
 const KMH: Real = 3.6;
 
@@ -41,14 +40,7 @@ const BAND: Real = 0.18;
 const BACKGROUND: Real = 0.16;
 
 fn figure(title: String, description: &str, axis: &Axis, panels: Vec<Panel>) -> String {
-    let figure = Figure {
-        title,
-        description: description.to_owned(),
-        x_label: axis.label.to_owned(),
-        x: axis.range.clone(),
-        panels,
-    };
-    figure.to_svg()
+    Figure::new(title, description, axis.label, axis.range.clone(), panels).to_svg()
 }
 
 fn nothing_estimated(run: &RunView) -> String {
@@ -61,8 +53,4 @@ fn nothing_estimated(run: &RunView) -> String {
 /// Not where nothing can be said: there the line is broken.
 fn trusted(estimate: &Estimate) -> bool {
     !matches!(estimate.validity, Validity::Invalid(_))
-}
-
-fn line(legend: &str, colour: RGBColor, stroke: Stroke, points: Vec<Option<Point>>) -> Layer {
-    Layer::Line { legend: legend.to_owned(), colour, stroke, points }
 }

@@ -2,12 +2,12 @@
 
 use super::super::RunView;
 use super::super::resistance::NINETY_FIVE;
-use super::{BACKGROUND, BAND, KMH, figure, line, nothing_estimated, trusted};
+use super::{BACKGROUND, BAND, KMH, figure, nothing_estimated, trusted};
 use crate::report::axis::Axis;
 use rundown::Real;
 use rundown::model::state;
 use rundown::model::train::Train;
-use rundown_pages::chart::{Axes, Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;
 
@@ -45,17 +45,16 @@ fn speed_panel(run: &RunView, axis: &Axis) -> Panel {
     let estimated = axis.series(run.estimates, |_, estimate, x| {
         trusted(estimate).then_some((x, KMH * estimate.belief.mean[state::SPEED]))
     });
-    Panel {
-        label: "speed, km/h".to_owned(),
-        height: 380,
-        y: Some(speed_range(run)),
-        axes: Axes::Left,
-        layers: vec![
-            line("estimated", colours::ESTIMATED, Stroke::Solid, estimated),
-            line("measured", colours::MEASURED, Stroke::Dotted, measured),
+    Panel::new(
+        "speed, km/h",
+        380,
+        vec![
+            Layer::line("estimated", colours::ESTIMATED, Stroke::Solid, estimated),
+            Layer::line("measured", colours::MEASURED, Stroke::Dotted, measured),
         ],
-        empty: nothing_estimated(run),
-    }
+        nothing_estimated(run),
+    )
+    .within(speed_range(run))
 }
 
 /// From 0 to a little above everything; a wild reading does not flatten the run.
@@ -70,18 +69,15 @@ pub(super) fn speed_range(run: &RunView) -> Range<Real> {
 fn acceleration_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
     let values = axis.series(run.estimates, |_, estimate, x| Some((x, estimate.acceleration_mps2?)));
     let limit = -train.description().max_brake_mps2;
-    let ends = [axis.range.start, axis.range.end];
-    Panel {
-        label: "acceleration, m/s\u{b2}".to_owned(),
-        height: 260,
-        y: None,
-        axes: Axes::Left,
-        layers: vec![
-            line("mean since the sample before", colours::ESTIMATED, Stroke::Thin, values),
-            line("largest deceleration", colours::LIMIT, Stroke::Dashed, ends.map(|x| Some((x, limit))).to_vec()),
+    Panel::new(
+        "acceleration, m/s\u{b2}",
+        260,
+        vec![
+            Layer::line("mean since the sample before", colours::ESTIMATED, Stroke::Thin, values),
+            Layer::level("largest deceleration", colours::LIMIT, Stroke::Dashed, &axis.range, limit),
         ],
-        empty: no_difference(run),
-    }
+        no_difference(run),
+    )
 }
 
 fn effort_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
@@ -94,20 +90,13 @@ fn effort_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
     let mut layers = Vec::new();
     if let Some(truth) = run.truth() {
         let points = axis.series(run.estimates, |index, _, x| Some((x, truth.effort_n_per_kg[index])));
-        layers.push(line("true", colours::TRUTH, Stroke::Solid, points));
+        layers.push(Layer::line("true", colours::TRUTH, Stroke::Solid, points));
     }
     layers.extend([
-        line("mean since the sample before", colours::ESTIMATED, Stroke::Thin, values),
-        line("largest tractive effort", colours::LIMIT, Stroke::Dashed, limit),
+        Layer::line("mean since the sample before", colours::ESTIMATED, Stroke::Thin, values),
+        Layer::line("largest tractive effort", colours::LIMIT, Stroke::Dashed, limit),
     ]);
-    Panel {
-        label: "effort, N/kg".to_owned(),
-        height: 260,
-        y: None,
-        axes: Axes::Left,
-        layers,
-        empty: no_difference(run),
-    }
+    Panel::new("effort, N/kg", 260, layers, no_difference(run))
 }
 
 fn no_difference(run: &RunView) -> String {
@@ -125,28 +114,17 @@ fn coefficient_panel(run: &RunView, axis: &Axis, component: usize, label: &str, 
         let width = NINETY_FIVE * per_unit * estimate.belief.sd(component);
         Some((x, mean - width, mean + width))
     });
-    let ends = [axis.range.start, axis.range.end];
     let learned = axis.spans(run.estimates, |_, estimate| estimate.learning);
     let mut layers = Vec::new();
     // Where all of the run is learning, as in the paper's mode, the background says nothing.
     let always = run.estimates.iter().skip(1).all(|e| e.learning);
     if !learned.is_empty() && !always {
-        layers.push(Layer::Spans {
-            legend: "learned".to_owned(),
-            colour: colours::LEARNING,
-            opacity: BACKGROUND,
-            spans: learned,
-        });
+        layers.push(Layer::spans("learned", colours::LEARNING, BACKGROUND, learned));
     }
     layers.extend([
-        Layer::Band { legend: "95 % band".to_owned(), colour: colours::ESTIMATED, opacity: BAND, points: band },
-        line("estimated", colours::ESTIMATED, Stroke::Solid, mean),
-        line(
-            "manufacturer",
-            colours::MANUFACTURER,
-            Stroke::Dashed,
-            ends.map(|x| Some((x, per_unit * stated))).to_vec(),
-        ),
+        Layer::band("95 % band", colours::ESTIMATED, BAND, band),
+        Layer::line("estimated", colours::ESTIMATED, Stroke::Solid, mean),
+        Layer::level("manufacturer", colours::MANUFACTURER, Stroke::Dashed, &axis.range, per_unit * stated),
     ]);
     let mut y = None;
     if let Some(truth) = run.truth() {
@@ -156,21 +134,16 @@ fn coefficient_panel(run: &RunView, axis: &Axis, component: usize, label: &str, 
         let near = range_of(drawn);
         let reach = TRUTH_REACH * (near.end - near.start);
         let is_near = (near.start - reach..=near.end + reach).contains(&true_value);
-        let legend = match is_near {
-            true => "true".to_owned(),
-            false => format!("true {true_value:.2}, outside"),
-        };
-        let points = match is_near {
-            true => ends.map(|x| Some((x, true_value))).to_vec(),
-            false => Vec::new(),
-        };
-        layers.push(line(&legend, colours::TRUTH, Stroke::Dotted, points));
-        if !is_near {
+        if is_near {
+            layers.push(Layer::level("true", colours::TRUTH, Stroke::Dotted, &axis.range, true_value));
+        } else {
+            let legend = format!("true {true_value:.2}, outside");
+            layers.push(Layer::line(legend, colours::TRUTH, Stroke::Dotted, Vec::new()));
             let air = 0.06 * (near.end - near.start);
             y = Some(near.start - air..near.end + air);
         }
     }
-    Panel { label: label.to_owned(), height: 220, y, axes: Axes::Left, layers, empty: nothing_estimated(run) }
+    Panel { y, ..Panel::new(label, 220, layers, nothing_estimated(run)) }
 }
 
 #[cfg(test)]

@@ -34,37 +34,21 @@ pub fn innovations(run: &RunView) -> String {
         });
         let gated: Vec<Point> = gated.into_iter().flatten().collect();
         let mut layers = vec![
-            Layer::Band {
-                legend: "\u{b1}2 standard deviations".to_owned(),
-                colour: colours::MEASURED,
-                opacity: BAND,
-                points: band,
-            },
-            Layer::Line {
-                legend: "measured less expected".to_owned(),
-                colour: colours::ESTIMATED,
-                stroke: Stroke::Thin,
-                points: values,
-            },
+            Layer::band("\u{b1}2 standard deviations", colours::MEASURED, BAND, band),
+            Layer::line("measured less expected", colours::ESTIMATED, Stroke::Thin, values),
         ];
         if !gated.is_empty() {
-            layers.push(Layer::Marks {
-                legend: "outside the gate, not used".to_owned(),
-                colour: colours::LIMIT,
-                points: gated,
-            });
+            layers.push(Layer::marks("outside the gate, not used", colours::LIMIT, gated));
         }
-        Panel {
-            label: label.to_owned(),
-            height: 220,
-            y: None,
-            axes: Axes::Left,
+        Panel::new(
+            label,
+            220,
             layers,
-            empty: match nothing_estimated(run) {
-                reason if run.estimates.is_empty() => reason,
-                _ => "no innovation: nothing was expected of any sample of this run".to_owned(),
+            match run.estimates.is_empty() {
+                true => nothing_estimated(run),
+                false => "no innovation: nothing was expected of any sample of this run".to_owned(),
             },
-        }
+        )
     };
     let panels = vec![
         panel(state::LOCATION, "innovation of the location, m", 1.0),
@@ -128,14 +112,9 @@ pub fn readings(run: &RunView) -> String {
         }
         layers.push(Layer::Word { text: name, y: foot + 0.52 });
     }
-    let panel = Panel {
-        label: "readings".to_owned(),
-        height: 76 * count as u32,
-        y: Some(0.0..count as Real),
-        axes: Axes::Strip,
-        layers,
-        empty: nothing_estimated(run),
-    };
+    let panel = Panel::new("readings", 76 * count as u32, layers, nothing_estimated(run))
+        .within(0.0..count as Real)
+        .labelled(Axes::Strip);
     figure(
         format!("Use of the readings of {}", run.name),
         "Strips over time: whether the estimate is valid, where the resistance was learned, the regime, and each cause for which a reading was not used",

@@ -26,7 +26,6 @@ const HISTORY_KMH: Real = 100.0;
 
 const KMH: Real = 3.6;
 
-/// The whole page.
 pub fn html(report: &Report) -> String {
     let body = html! {
         (summary(report))
@@ -46,7 +45,6 @@ fn learned(report: &Report) -> Learned {
     runs.fold(Learned::default(), |all, run| all.and(&run))
 }
 
-/// The headline in words.
 fn summary(report: &Report) -> Markup {
     let duration_s: Real = report.runs.iter().map(RunView::duration_s).sum();
     let distance_m: Real = report.runs.iter().map(RunView::distance_m).sum();

@@ -4,7 +4,7 @@ use super::{Drawn, Eyes, Picture, number, text};
 use crate::study::tallies::Tallies;
 use crate::study::view::{ATB_NAMES, ATB_STEPS_KMH};
 use plotters::style::RGBColor;
-use rundown_pages::chart::{Axes, Figure, Layer, Panel, Stroke};
+use rundown_pages::chart::{Figure, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
 const BLACK: RGBColor = RGBColor(0, 0, 0);
@@ -60,49 +60,21 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
         }));
     }
     let mut layers = vec![
-        Layer::Band {
-            legend: "standard deviation".to_owned(),
-            colour: colours::ESTIMATED,
-            opacity: 0.18,
-            points: bands,
-        },
-        Layer::Dots { legend: "observed".to_owned(), colour: colours::MEASURED, opacity: 0.5, points: dots },
-        Layer::Line {
-            legend: "mean of the step".to_owned(),
-            colour: colours::ESTIMATED,
-            stroke: Stroke::Solid,
-            points: means,
-        },
+        Layer::band("standard deviation", colours::ESTIMATED, 0.18, bands),
+        Layer::dots("observed", colours::MEASURED, 0.5, dots),
+        Layer::line("mean of the step", colours::ESTIMATED, Stroke::Solid, means),
     ];
     if !true_means.is_empty() {
-        layers.push(Layer::Line {
-            legend: "true mean".to_owned(),
-            colour: colours::TRUTH,
-            stroke: Stroke::Dashed,
-            points: true_means,
-        });
+        layers.push(Layer::line("true mean", colours::TRUTH, Stroke::Dashed, true_means));
     }
-    layers.push(Layer::Verticals {
-        legend: "ATB-EG steps".to_owned(),
-        colour: BLACK,
-        stroke: Stroke::Thin,
-        at: ATB_STEPS_KMH.to_vec(),
-    });
-    let figure = Figure {
-        title: "Fig. 8: brake rates".to_owned(),
-        description: "Brake rate of each interval over its speed, mean and standard deviation of each ATB-EG step"
-            .to_owned(),
-        x_label: "speed, km/h".to_owned(),
-        x: 0.0..END_KMH,
-        panels: vec![Panel {
-            label: "brake rate, m/s\u{b2}".to_owned(),
-            height: 620,
-            y: None,
-            axes: Axes::Left,
-            layers,
-            empty: "no brake was seen".to_owned(),
-        }],
-    };
+    layers.push(Layer::verticals("ATB-EG steps", BLACK, Stroke::Thin, ATB_STEPS_KMH.to_vec()));
+    let figure = Figure::new(
+        "Fig. 8: brake rates",
+        "Brake rate of each interval over its speed, mean and standard deviation of each ATB-EG step",
+        "speed, km/h",
+        0.0..END_KMH,
+        [Panel::new("brake rate, m/s\u{b2}", 620, layers, "no brake was seen")],
+    );
     Picture {
         name: format!("fig8_brake_rates_{}", eyes.word()),
         caption: format!(

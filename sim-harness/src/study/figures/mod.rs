@@ -9,12 +9,12 @@
 //! | [`power`] | 9: tractive power over speed |
 //! | [`slope`] | none of the paper: estimated over true deviation |
 
-pub mod brake;
-pub mod histograms;
-pub mod power;
-pub mod profiles;
-pub mod run;
-pub mod slope;
+pub(crate) mod brake;
+pub(crate) mod histograms;
+pub(crate) mod power;
+pub(crate) mod profiles;
+pub(crate) mod run;
+pub(crate) mod slope;
 
 use super::gather::Drawn;
 use super::view::View;
@@ -27,7 +27,6 @@ pub struct Picture {
     pub name: String,
     /// What is seen, for the reader.
     pub caption: String,
-    /// Inline SVG.
     pub svg: String,
     /// A row for each thing drawn.
     pub records: Vec<Record>,
@@ -36,9 +35,7 @@ pub struct Picture {
 /// Whose eyes a figure looks through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Eyes {
-    /// The paper's mode.
     Paper,
-    /// The gated mode.
     Gated,
 }
 

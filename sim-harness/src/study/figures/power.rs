@@ -3,13 +3,12 @@
 use super::{Drawn, Eyes, Picture, number, text};
 use crate::study::view::{CROSS_KMH, PowerPoint};
 use rundown::model::train::Train;
-use rundown_pages::chart::{Axes, Figure, Layer, Panel, Stroke};
+use rundown_pages::chart::{Figure, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
 /// Right end of the axis, km/h.
 const END_KMH: f64 = 145.0;
 
-/// The picture.
 pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let stated_kw = train.description().max_power_w / 1000.0;
     let place = |p: &PowerPoint| (p.speed_kmh, p.power_kw);
@@ -51,41 +50,20 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let true_points: Vec<(f64, f64)> = true_points.collect();
     let mut layers = Vec::new();
     if !true_points.is_empty() {
-        layers.push(Layer::Dots {
-            legend: "true".to_owned(),
-            colour: colours::TRUTH,
-            opacity: 0.25,
-            points: true_points,
-        });
+        layers.push(Layer::dots("true", colours::TRUTH, 0.25, true_points));
     }
     layers.extend([
-        Layer::Dots { legend: "observed".to_owned(), colour: colours::MEASURED, opacity: 0.55, points: dots },
-        Layer::Line {
-            legend: "manufacturer".to_owned(),
-            colour: colours::LIMIT,
-            stroke: Stroke::Dashed,
-            points: vec![Some((0.0, stated_kw)), Some((END_KMH, stated_kw))],
-        },
-        Layer::Marks {
-            legend: "largest of each run, 50 to 90 km/h".to_owned(),
-            colour: colours::ESTIMATED,
-            points: crosses,
-        },
+        Layer::dots("observed", colours::MEASURED, 0.55, dots),
+        Layer::level("manufacturer", colours::LIMIT, Stroke::Dashed, &(0.0..END_KMH), stated_kw),
+        Layer::marks("largest of each run, 50 to 90 km/h", colours::ESTIMATED, crosses),
     ]);
-    let figure = Figure {
-        title: "Fig. 9: tractive power".to_owned(),
-        description: "Tractive power of each interval of the first acceleration over its speed".to_owned(),
-        x_label: "speed, km/h".to_owned(),
-        x: 0.0..END_KMH,
-        panels: vec![Panel {
-            label: "tractive power, kW".to_owned(),
-            height: 620,
-            y: None,
-            axes: Axes::Left,
-            layers,
-            empty: "no acceleration was seen".to_owned(),
-        }],
-    };
+    let figure = Figure::new(
+        "Fig. 9: tractive power",
+        "Tractive power of each interval of the first acceleration over its speed",
+        "speed, km/h",
+        0.0..END_KMH,
+        [Panel::new("tractive power, kW", 620, layers, "no acceleration was seen")],
+    );
     Picture {
         name: format!("fig9_power_{}", eyes.word()),
         caption: format!(
