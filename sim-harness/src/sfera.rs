@@ -111,9 +111,10 @@ pub fn stated_mass_kg(train: &TrainFile) -> f64 {
 /// A, B, C in N, N s/m, N s²/m² with the stated mass.
 ///
 /// ```
-/// # use rundown_files::train_file::{DavisTable, TrainFile};
+/// # use rundown::model::resistance::Davis;
+/// # use rundown_files::train_file::TrainFile;
 /// # let train = TrainFile { name: "unit".into(), mass_kg: 363_900.0, rotating_mass_factor: 1.06, length_m: 162.0, max_tractive_effort_n: 192_920.0,
-/// #     max_power_w: 2.036e6, max_brake_mps2: 0.66, davis: DavisTable { r0: 7.0e-3, r1: 1.5e-4, r2: 2.7e-5 }, effect: Vec::new() };
+/// #     max_power_w: 2.036e6, max_brake_mps2: 0.66, davis: Davis { r0: 7.0e-3, r1: 1.5e-4, r2: 2.7e-5 }, effect: Vec::new() };
 /// let [a, b, c] = sim_harness::sfera::rollout_coefficients(&train);
 /// // 364 t with 6 % of rotating mass.
 /// assert!((a - 385_840.0 * 7.0e-3).abs() < 1e-9 && (b - 57.876).abs() < 1e-9 && (c - 10.417_68).abs() < 1e-9);
@@ -222,7 +223,7 @@ fn decimal(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rundown_files::train_file::DavisTable;
+    use rundown::model::resistance::Davis;
 
     fn train() -> TrainFile {
         TrainFile {
@@ -233,7 +234,7 @@ mod tests {
             max_tractive_effort_n: 192_920.0,
             max_power_w: 2_036_377.8,
             max_brake_mps2: 0.66,
-            davis: DavisTable { r0: 7.1e-3, r1: 1.5e-4, r2: 2.7e-5 },
+            davis: Davis { r0: 7.1e-3, r1: 1.5e-4, r2: 2.7e-5 },
             effect: Vec::new(),
         }
     }

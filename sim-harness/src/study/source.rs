@@ -8,8 +8,9 @@ use rayon::prelude::*;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::parquet::{ParquetError, RunReader};
 use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::refusal::ReadError;
 use rundown_files::run_log::{BadRows, RunLog};
-use rundown_files::run_set::{RunFile, RunSet, RunSetError};
+use rundown_files::run_set::{RunFile, RunSet};
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 
@@ -62,7 +63,7 @@ pub enum SourceError {
     Parquet(#[from] ParquetError),
     /// A folder or an index of logs cannot be read.
     #[error(transparent)]
-    Logs(#[from] RunSetError),
+    Logs(#[from] ReadError),
     /// The truth beside logs is broken.
     #[error(transparent)]
     Truth(#[from] TruthError),
@@ -86,8 +87,8 @@ impl Source {
     ///
     /// # Errors
     /// [`SourceError`] when one cannot be read.
-    pub fn parquet(paths: &[PathBuf]) -> Result<Self, SourceError> {
-        let readers = paths.iter().map(|path| RunReader::open(path));
+    pub fn parquet(paths: &[PathBuf], line: Option<&CentreLine>) -> Result<Self, SourceError> {
+        let readers = paths.iter().map(|path| RunReader::open(path, line));
         let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
         let runs = readers.iter().map(RunReader::runs).sum();
         Ok(Self::Parquet(Files { readers, runs }))
@@ -105,7 +106,7 @@ impl Source {
             parquet_files(argument, &mut files)?;
         }
         if !files.is_empty() {
-            return Self::parquet(&files);
+            return Self::parquet(&files, line.as_ref());
         }
         let set = RunSet::find(arguments)?;
         set.notes.iter().for_each(|text| note(text));

@@ -5,7 +5,7 @@
 
 use super::case::{CaseTruth, RunTruth};
 use crate::simulation::folder::regime_of_word;
-use rundown_files::recording::Row;
+use rundown_files::sample::Sample;
 use rundown_truth::facts::Mark;
 use rundown_truth::sensors::TruthSample;
 use rundown_truth::train::DavisTruth;
@@ -82,7 +82,7 @@ impl TruthFolder {
     ///
     /// # Errors
     /// [`TruthError`] when the rows cannot be read or are of other times.
-    pub fn of(&self, log: &Path, rows: &[Row]) -> Result<Option<CaseTruth>, TruthError> {
+    pub fn of(&self, log: &Path, rows: &[Sample]) -> Result<Option<CaseTruth>, TruthError> {
         let Some(name) = log.file_name().and_then(|name| name.to_str()) else {
             return Ok(None);
         };
@@ -93,8 +93,8 @@ impl TruthFolder {
         let all = samples(&path)?;
         // The log may have lost rows since; the truth keeps its own.
         let mut rest = all.iter();
-        let sample = |row: &Row| {
-            let time_s = row.measurement.time_s;
+        let sample = |row: &Sample| {
+            let time_s = row.time_s;
             let found = rest.find(|sample| sample.time_s > time_s - SAME_TIME_S);
             let found = found.filter(|sample| sample.time_s < time_s + SAME_TIME_S);
             found.copied().ok_or_else(|| TruthError::OtherTimes { path: path.clone(), time_s })
