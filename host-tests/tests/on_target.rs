@@ -11,6 +11,7 @@ use rundown::model::track::Curve;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::run_log::{BadRows, RunLog};
 use rundown_files::run_set::RunSet;
+use rundown_files::sample::Sample;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use rundown_truth::line::Line;
@@ -119,7 +120,7 @@ fn a_recorded_run() {
     let file = RunSet::find(&[folder.join("runs")]).unwrap().files.remove(0);
     let log = RunLog::read(&file.path, BadRows::Refuse).unwrap();
     let recording = Recording::new(&file, &log, None, DirectionChoice::Auto).unwrap();
-    let rows = recording.rows.iter().map(|row| row.measurement);
+    let rows = recording.rows.iter().map(Sample::measurement);
     let log: Vec<_> = rows.collect();
     let description = Description::new(&train, &track, Config::default());
     let same = compare(&settings, &description, recording.direction, &log).unwrap();

@@ -11,9 +11,10 @@
 //!
 //! A limit that fewer than [`LEAST_RUNS`] runs have shown stays as described. What drivers did not ask for nobody has seen: a learned limit is what the runs have used.
 
+use rundown::model::resistance::Davis;
 use rundown::model::train::TrainError;
-use rundown_files::toml_file::TomlError;
-use rundown_files::train_file::{DavisTable, TrainFile};
+use rundown_files::refusal::ReadError;
+use rundown_files::train_file::TrainFile;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -27,7 +28,7 @@ pub enum LearnedTrainError {
     #[error("{}: {reason}; expected the results of `rundown replay`", path.display())]
     Replay { path: PathBuf, reason: String },
     #[error(transparent)]
-    Train(#[from] TomlError),
+    Train(#[from] ReadError),
     #[error("the replay is one of the train `{found}`, expected that of the train file, `{expected}`")]
     OtherTrain { expected: String, found: String },
     #[error("the replay was made with --no-carry: expected one in which the vehicle is carried from run to run")]
@@ -136,7 +137,7 @@ fn learn(
     let (max_tractive_effort_n, effort) =
         seen(|f| f.max_effort_mean_n_per_kg).unwrap_or(described_as(described.max_tractive_effort_n));
     let (max_power_w, power) = seen(|f| f.power_max_w_per_kg).unwrap_or(described_as(described.max_power_w));
-    let train = TrainFile { davis: DavisTable { r0, r1, r2 }, max_tractive_effort_n, max_power_w, ..described };
+    let train = TrainFile { davis: Davis { r0, r1, r2 }, max_tractive_effort_n, max_power_w, ..described };
     train.train().map_err(LearnedTrainError::NoTrain)?;
     Ok(LearnedTrain {
         train,

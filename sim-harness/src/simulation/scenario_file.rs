@@ -6,7 +6,8 @@ use super::believed;
 pub(crate) use super::train_table::TrainTable;
 use jiff::civil::Date;
 use rundown::model::train::TrainError;
-use rundown_files::toml_file::{Step, TomlError, TomlFile};
+use rundown_files::refusal::ReadError;
+use rundown_files::toml_file::{Step, TomlFile};
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use rundown_truth::effects::Effect;
@@ -261,9 +262,9 @@ impl Simulation {
     /// Reads and checks a scenario file; a track file that it names lies beside it.
     ///
     /// # Errors
-    /// [`TomlError`] names file, line and column.
-    pub fn read(path: &Path) -> Result<Self, TomlError> {
-        let text = std::fs::read_to_string(path).map_err(|source| TomlError::Io { path: path.to_owned(), source })?;
+    /// [`ReadError`] names file, line and column.
+    pub fn read(path: &Path) -> Result<Self, ReadError> {
+        let text = std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
         Self::parse(path, &text)
     }
 
@@ -280,16 +281,18 @@ impl Simulation {
     /// assert_eq!(simulation.scenario.effects[0].name(), "steady_wind");
     /// let error = Simulation::parse("s.toml".as_ref(), "rums = 3\n").unwrap_err().to_string();
     /// assert!(error.starts_with("s.toml:1:1: unknown field `rums`"));
-    /// # Ok::<(), rundown_files::toml_file::TomlError>(())
+    /// # Ok::<(), rundown_files::refusal::ReadError>(())
     /// ```
-    pub fn parse(path: &Path, text: &str) -> Result<Self, TomlError> {
+    pub fn parse(path: &Path, text: &str) -> Result<Self, ReadError> {
         let file: TomlFile<ScenarioFile> = TomlFile::parse(path, text)?;
         check_numbers(&file)?;
         let values = &file.values;
         let (line, track) = line(&file, path)?;
         let train = believed::train_file(&values.train);
         train.train().map_err(|error| match error {
-            TrainError::OutOfRange { field, .. } => file.refuse_dotted(&format!("train.{field}"), error.to_string()),
+            TrainError::OutOfRange { field, least, most, found } => {
+                file.refuse_dotted(&format!("train.{field}"), format!("expected {least} to {most}, found {found}"))
+            }
             _ => file.refuse_dotted("train", error.to_string()),
         })?;
         for (index, effect) in values.effect.iter().enumerate() {
@@ -335,7 +338,7 @@ fn scenario(values: &ScenarioFile, line: Line, dates: Dates) -> Scenario {
 }
 
 /// Ranges of the plain numbers.
-fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), TomlError> {
+fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), ReadError> {
     let ScenarioFile { driver, sensors, effort, temperature, .. } = &file.values;
     let v = &file.values;
     within(file, &[("runs", v.runs as f64, 1.0, 1e6), ("step_s", v.step_s, 0.005, 0.05)])?;
@@ -369,13 +372,13 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), TomlError> {
     within(file, &numbers)?;
     let [least, most] = sensors.gap_samples;
     if least == 0 || most < least {
-        let message = format!("scenario: expected gap_samples = [least, most] with 1 or more, found [{least}, {most}]");
+        let message = format!("expected gap_samples = [least, most] with 1 or more, found [{least}, {most}]");
         return Err(file.refuse_dotted("sensors.gap_samples", message));
     }
     for (index, scale) in v.train.true_davis_over_described.into_iter().enumerate() {
         if !(0.0..=10.0).contains(&scale) {
             let place = [Step::Name("train"), Step::Name("true_davis_over_described"), Step::Index(index)];
-            let message = format!("scenario: expected a factor within 0 to 10, found {scale}");
+            let message = format!("expected a factor within 0 to 10, found {scale}");
             return Err(file.refuse(&place, message));
         }
     }
@@ -389,7 +392,7 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), TomlError> {
 }
 
 /// Each number lies between its least and its most; also taken by NaN.
-fn within(file: &TomlFile<ScenarioFile>, numbers: &[(&str, f64, f64, f64)]) -> Result<(), TomlError> {
+fn within(file: &TomlFile<ScenarioFile>, numbers: &[(&str, f64, f64, f64)]) -> Result<(), ReadError> {
     for &(field, found, least, most) in numbers {
         if !(least..=most).contains(&found) {
             let message = format!("scenario: expected {field} within {least} to {most}, found {found}");
@@ -400,30 +403,30 @@ fn within(file: &TomlFile<ScenarioFile>, numbers: &[(&str, f64, f64, f64)]) -> R
 }
 
 /// The step divides a whole number of times, so that rows and samples fall on it.
-fn divides(file: &TomlFile<ScenarioFile>, field: &str, name: &str, whole: f64) -> Result<(), TomlError> {
+fn divides(file: &TomlFile<ScenarioFile>, field: &str, name: &str, whole: f64) -> Result<(), ReadError> {
     let step_s = file.values.step_s;
     let count = (whole / step_s).round();
     if count >= 1.0 && (count * step_s - whole).abs() < 1e-9 {
         return Ok(());
     }
-    let message = format!("scenario: expected step_s = {step_s} to divide {name}, found {whole} s");
+    let message = format!("expected step_s = {step_s} to divide {name}, found {whole} s");
     Err(file.refuse_dotted(field, message))
 }
 
-fn dates(file: &TomlFile<ScenarioFile>) -> Result<Dates, TomlError> {
+fn dates(file: &TomlFile<ScenarioFile>) -> Result<Dates, ReadError> {
     let DatesTable { start, days } = &file.values.dates;
     let start_s = start
         .parse::<Date>()
         .and_then(|date| date.to_zoned(jiff::tz::TimeZone::UTC))
         .map(|midnight| midnight.timestamp().as_second())
         .map_err(|_| {
-            let message = format!("scenario: expected start as \"2024-01-08\", found \"{start}\"");
+            let message = format!("expected start as \"2024-01-08\", found \"{start}\"");
             file.refuse_dotted("dates.start", message)
         })?;
     Ok(Dates { start_s, days: *days })
 }
 
-fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile), TomlError> {
+fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile), ReadError> {
     let LineTable { name, seed, file: track } = &file.values.line;
     let Some(track) = track else {
         let (line, title) = match name.unwrap_or(LineName::CaseStudy) {
@@ -434,14 +437,13 @@ fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile),
         return Ok((line, track));
     };
     if name.is_some() {
-        let message = "scenario: expected a name or a file of the line, found both";
+        let message = "expected a name or a file of the line, found both";
         return Err(file.refuse_dotted("line.file", message));
     }
     let track_path = path.parent().unwrap_or(Path::new("")).join(track);
     let (track, _) = TrackFile::read(&track_path)?;
     if track.speed_limit.is_empty() {
-        let message =
-            format!("scenario: expected a track with [[speed_limit]], found none in {}", track_path.display());
+        let message = format!("expected a track with [[speed_limit]], found none in {}", track_path.display());
         return Err(file.refuse_dotted("line.file", message));
     }
     Ok((believed::line_of(&track), track))
@@ -451,7 +453,7 @@ fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile),
 mod tests {
     use super::*;
 
-    fn parse(text: &str) -> Result<Simulation, TomlError> {
+    fn parse(text: &str) -> Result<Simulation, ReadError> {
         Simulation::parse(Path::new("s.toml"), text)
     }
 
@@ -478,16 +480,16 @@ mod tests {
         let error = |text: &str| parse(text).unwrap_err().to_string();
         assert_eq!(
             error("[dates]\nstart = \"monday\"\n"),
-            "s.toml:2:9: scenario: expected start as \"2024-01-08\", found \"monday\""
+            "s.toml:2:9: dates.start: expected start as \"2024-01-08\", found \"monday\""
         );
         assert_eq!(
             error("[sensors]\nsampling_s = 5.01\n"),
-            "s.toml:2:14: scenario: expected step_s = 0.05 to divide sampling_s, found 5.01 s"
+            "s.toml:2:14: sensors.sampling_s: expected step_s = 0.05 to divide sampling_s, found 5.01 s"
         );
-        assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train: mass_kg must be 1000 to 100000000, found 5");
+        assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train.mass_kg: expected 1000 to 100000000, found 5");
         assert_eq!(
             error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),
-            "s.toml:2:1: tunnel_drag: expected to_m beyond from_m, found 4"
+            "s.toml:2:1: effect[0]: tunnel_drag: expected to_m beyond from_m, found 4"
         );
         assert!(error("[line]\nfile = \"no.toml\"\n").starts_with("no.toml: cannot be read"));
         assert!(error("[driver]\nkindd = 1\n").starts_with("s.toml:2:1: unknown field `kindd`"));

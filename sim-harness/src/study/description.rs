@@ -3,7 +3,7 @@
 use crate::simulation::scenario_file::Simulation;
 use rundown::model::track::Track;
 use rundown::model::train::{Train, TrainError};
-use rundown_files::toml_file::TomlError;
+use rundown_files::refusal::ReadError;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use std::path::Path;
@@ -21,7 +21,7 @@ pub enum DescriptionError {
     #[error(transparent)]
     Train(#[from] TrainError),
     #[error(transparent)]
-    Track(#[from] TomlError),
+    Track(#[from] ReadError),
     #[error("{0}")]
     Text(#[from] toml::ser::Error),
 }

@@ -8,8 +8,9 @@ use rayon::prelude::*;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::parquet::{ParquetError, RunReader};
 use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::refusal::ReadError;
 use rundown_files::run_log::{BadRows, RunLog};
-use rundown_files::run_set::{RunFile, RunSet, RunSetError};
+use rundown_files::run_set::{RunFile, RunSet};
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 
@@ -58,7 +59,7 @@ pub enum SourceError {
     #[error(transparent)]
     Parquet(#[from] ParquetError),
     #[error(transparent)]
-    Logs(#[from] RunSetError),
+    Logs(#[from] ReadError),
     #[error(transparent)]
     Truth(#[from] TruthError),
     #[error("{}: cannot be read: {source}", path.display())]
@@ -72,8 +73,8 @@ impl Source {
     }
 
     /// Parquet files of runs, in this order.
-    pub fn parquet(paths: &[PathBuf]) -> Result<Self, SourceError> {
-        let readers = paths.iter().map(|path| RunReader::open(path));
+    pub fn parquet(paths: &[PathBuf], line: Option<&CentreLine>) -> Result<Self, SourceError> {
+        let readers = paths.iter().map(|path| RunReader::open(path, line));
         let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
         let runs = readers.iter().map(RunReader::runs).sum();
         Ok(Self::Parquet(Files { readers, runs }))
@@ -88,7 +89,7 @@ impl Source {
             parquet_files(argument, &mut files)?;
         }
         if !files.is_empty() {
-            return Self::parquet(&files);
+            return Self::parquet(&files, line.as_ref());
         }
         let set = RunSet::find(arguments)?;
         set.notes.iter().for_each(|text| note(text));
