@@ -19,17 +19,16 @@ pub(crate) mod resistance;
 pub(crate) mod example;
 
 use rundown::Real;
-use rundown::coast_ahead::CoastAhead;
-use rundown::features::{FeatureConfig, Features};
+use rundown::features::FeatureConfig;
 use rundown::filter::gaussian::Gaussian;
 use rundown::model::resistance::Davis;
 use rundown::model::state;
 use rundown::model::train::Train;
-use rundown::tick::estimate::{Counters, Estimate};
+use rundown::tick::estimate::Estimate;
 use rundown::tick::measurement::Measurement;
 use rundown::tick::regime::Regime;
 use rundown_files::replay::ReplayedRun;
-use std::ops::Range;
+use std::ops::{Deref, Range};
 use std::path::Path;
 
 /// Runs that have figures; all are in the tables.
@@ -48,35 +47,24 @@ pub struct Report<'a> {
     pub vehicle: Vec<(String, Gaussian<3>)>,
 }
 
+/// A replayed run, and what was true of a simulated one.
 #[derive(Clone, Copy, Debug)]
 pub struct RunView<'a> {
-    pub name: &'a str,
-    pub measurements: &'a [Measurement],
-    pub estimates: &'a [Estimate],
-    /// What coasting from each estimate on leads to; none where the track has no targets.
-    pub coast_ahead: &'a [CoastAhead],
-    pub regimes: &'a [Regime],
-    /// What section 3.3 asks.
-    pub features: &'a Features,
-    pub counters: &'a Counters,
-    /// What looked wrong in the log.
-    pub warnings: &'a [String],
-    pub truth: Option<&'a TruthView>,
+    run: &'a ReplayedRun,
+    truth: Option<&'a TruthView>,
+}
+
+impl Deref for RunView<'_> {
+    type Target = ReplayedRun;
+
+    fn deref(&self) -> &ReplayedRun {
+        self.run
+    }
 }
 
 impl<'a> RunView<'a> {
-    pub fn of(run: &'a ReplayedRun, truth: Option<&'a TruthView>) -> Self {
-        Self {
-            name: &run.name,
-            measurements: &run.measurements,
-            estimates: &run.estimates,
-            coast_ahead: &run.coast_ahead,
-            regimes: &run.regimes,
-            features: &run.summary.features,
-            counters: &run.summary.counters,
-            warnings: &run.warnings,
-            truth,
-        }
+    pub const fn of(run: &'a ReplayedRun, truth: Option<&'a TruthView>) -> Self {
+        Self { run, truth }
     }
 }
 
@@ -176,20 +164,20 @@ impl Learned {
 
 /// Share of the time in each regime, indexed by `Regime as usize`; none when no time went by.
 fn regime_shares(run: &RunView) -> Option<[Real; 5]> {
-    let times_s = run.features.regime_time_s;
+    let times_s = run.summary.features.regime_time_s;
     let total_s: Real = times_s.iter().sum();
     (total_s > 0.0 && total_s.is_finite()).then(|| times_s.map(|time_s| time_s / total_s))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::example::{Example, report, train};
+    use super::example::{self, report, train};
     use super::*;
 
     #[test]
     fn the_page_is_written() {
         let path = std::env::temp_dir().join(format!("rundown-report-{}.html", std::process::id()));
-        write_report(&path, &report(&[Example::run()], &train())).unwrap();
+        write_report(&path, &report(&[example::run()], &train())).unwrap();
         let written = std::fs::read_to_string(&path);
         std::fs::remove_file(&path).unwrap();
         assert!(written.unwrap().starts_with("<!DOCTYPE html>"));
@@ -198,8 +186,8 @@ mod tests {
 
     #[test]
     fn learned_is_time_distance_and_range_of_speeds() {
-        let example = Example::run();
-        let learned = example.view().learned();
+        let example = example::run();
+        let learned = RunView::of(&example, None).learned();
         assert_eq!(learned.samples, 44);
         assert!((learned.time_s - 440.0).abs() < 1e-9);
         // Mean speed of the learning samples is near (36.1 + 22.3) / 2 m/s.
