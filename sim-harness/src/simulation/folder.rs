@@ -66,9 +66,6 @@ pub fn file_name(number: usize, runs: usize) -> String {
 
 /// Drives all runs side by side and writes the data set. What is written depends on scenario and seed alone, not on the number of threads.
 /// With `force` the files of an earlier data set are removed first.
-///
-/// # Errors
-/// [`FolderError`] names the file or the run.
 pub fn write(
     simulation: &Simulation,
     folder: &Path,

@@ -259,9 +259,6 @@ impl SensorTable {
 
 impl Simulation {
     /// Reads and checks a scenario file; a track file that it names lies beside it.
-    ///
-    /// # Errors
-    /// [`TomlError`] names file, line and column.
     pub fn read(path: &Path) -> Result<Self, TomlError> {
         let text = std::fs::read_to_string(path).map_err(|source| TomlError::Io { path: path.to_owned(), source })?;
         Self::parse(path, &text)
