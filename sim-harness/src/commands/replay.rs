@@ -240,9 +240,7 @@ pub(super) fn write(folder: &Path, setup: &Setup, results: &Results) -> Result<V
         notes: &results.notes,
     });
     write_tables(folder, &results.runs, &setup.config, &json).map_err(Failure::not_written)?;
-    let path = folder.join("report.html");
-    let report = report(setup, results);
-    write_report(&path, &report).map_err(|source| Failure::not_written(rundown_files::WriteError { path, source }))?;
+    write_report(&folder.join("report.html"), &report(setup, results)).map_err(Failure::not_written)?;
     Ok(json)
 }
 

@@ -18,6 +18,7 @@ pub(crate) mod resistance;
 #[cfg(test)]
 pub(crate) mod example;
 
+use crate::output::files;
 use rundown::Real;
 use rundown::features::FeatureConfig;
 use rundown::filter::gaussian::Gaussian;
@@ -27,6 +28,7 @@ use rundown::model::train::Train;
 use rundown::tick::estimate::Estimate;
 use rundown::tick::measurement::Measurement;
 use rundown::tick::regime::Regime;
+use rundown_files::WriteError;
 use rundown_files::replay::ReplayedRun;
 use std::ops::{Deref, Range};
 use std::path::Path;
@@ -80,8 +82,8 @@ pub struct TruthView {
 }
 
 /// Writes the page.
-pub fn write_report(path: &Path, report: &Report) -> std::io::Result<()> {
-    std::fs::write(path, page::html(report))
+pub fn write_report(path: &Path, report: &Report) -> Result<(), WriteError> {
+    files::text(path, &page::html(report))
 }
 
 impl RunView<'_> {
@@ -163,7 +165,7 @@ impl Learned {
 }
 
 /// Share of the time in each regime, indexed by `Regime as usize`; none when no time went by.
-fn regime_shares(run: &RunView) -> Option<[Real; 5]> {
+pub fn regime_shares(run: &ReplayedRun) -> Option<[Real; 5]> {
     let times_s = run.summary.features.regime_time_s;
     let total_s: Real = times_s.iter().sum();
     (total_s > 0.0 && total_s.is_finite()).then(|| times_s.map(|time_s| time_s / total_s))

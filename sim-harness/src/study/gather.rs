@@ -8,9 +8,10 @@
 //! The paper's filter begins each run with the manufacturer's values, as the paper does; the gated mode carries each unit's vehicle.
 //! What is kept does not grow with the number of runs: [`DRAWN`] runs for figures at most, evenly spread, and one vehicle for each unit.
 
+use super::Refused;
 use super::case::{Case, CaseTruth};
 use super::moments::Moments;
-use super::source::{Source, SourceError};
+use super::source::Source;
 use super::tallies::{LIMIT_KMH, Tallies};
 use super::view::View;
 use crate::output::json::Failed;
@@ -108,8 +109,8 @@ pub type Sink<'a> = dyn FnMut(&[Case], &[Record]) -> std::io::Result<()> + 'a;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GatherError {
-    #[error(transparent)]
-    Source(#[from] SourceError),
+    #[error("{0}")]
+    Source(#[from] Refused),
     #[error("{0}")]
     Sink(#[from] std::io::Error),
 }
