@@ -27,19 +27,15 @@ pub enum Source {
     Described,
 }
 
-/// A train as its runs have shown it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnedTrain {
     pub train: TrainFile,
-    /// Standard deviations of r0, r1, r2.
     pub davis_sd: [f64; 3],
-    /// Of r0, r1, r2: the number of the unit's runs.
     pub runs: usize,
     pub effort: Source,
     pub power: Source,
 }
 
-/// What is read of `replay.json`.
 #[derive(Debug, Deserialize)]
 struct Results {
     train: String,
@@ -129,7 +125,6 @@ fn learn(
     })
 }
 
-/// Of a list that is not empty.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;

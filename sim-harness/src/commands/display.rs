@@ -151,7 +151,6 @@ impl Arguments {
         Ok(setup)
     }
 
-    /// Prints and records messages as they come.
     fn on_message(&self) -> Result<OnMessage, Failure> {
         let (text, json) = (self.text, self.json);
         let mut log = match &self.record {

@@ -22,7 +22,6 @@ pub struct Recorded {
     track: Option<PathBuf>,
 }
 
-/// Descriptions, and where the runs come from.
 pub(super) struct Opened {
     pub(super) train_file: TrainFile,
     pub(super) train: Train,

@@ -31,12 +31,10 @@ pub(super) fn error(message: &str) {
     }
 }
 
-/// A note or warning, on stderr.
 pub(super) fn note(message: &str) {
     eprintln!("note: {message}");
 }
 
-/// The first warnings of each run, on stderr.
 pub(super) fn warnings(runs: &[ReplayedRun]) {
     for run in runs {
         for warning in run.warnings.iter().take(WARNINGS_PRINTED) {

@@ -54,7 +54,6 @@ pub struct Arguments {
     example: Option<Example>,
 }
 
-/// Scenarios to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Example {
     /// The case study with the loads and winds of everyday; every field there is

@@ -54,7 +54,6 @@ Files in the output folder:
 
 /// Vehicles of the slope in the report.
 const FEW_VEHICLES: usize = 30;
-/// Seed where none is given.
 const SEED: u64 = 1;
 /// Runs on which other settings of the filter are tried.
 const SENSITIVITY_RUNS: usize = 67;
@@ -99,7 +98,6 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What a study needs to know of train and track.
 struct Described {
     train_name: String,
     track_name: String,
@@ -111,7 +109,6 @@ struct Described {
     files: Option<(TrainFile, TrackFile)>,
 }
 
-/// What a study found.
 pub(super) struct Study {
     pub(super) gathered: Gathered,
     pub(super) claims: Vec<Claim>,
@@ -307,7 +304,6 @@ fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
     pictures
 }
 
-/// The claims and the slopes, in lines.
 pub(super) fn table(study: &Study) -> String {
     let (runs, known) = (study.gathered.paper.runs, known(&study.gathered));
     let runs = counted(runs as usize, "run", "runs");

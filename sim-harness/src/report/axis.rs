@@ -19,15 +19,11 @@ const IN_MINUTES_S: Real = 300.0;
 /// The x axis of a run, one place for each estimate.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    /// Name and unit.
     pub label: &'static str,
     /// Place of each estimate; none where it is unknown.
     pub x: Vec<Option<Real>>,
-    /// Both ends.
     pub range: Range<Real>,
-    /// Places are locations.
     pub is_location: bool,
-    /// There was a pause before this estimate.
     pauses: Vec<bool>,
 }
 

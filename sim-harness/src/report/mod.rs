@@ -39,7 +39,6 @@ pub const RUNS_IN_FULL: usize = 12;
 #[derive(Clone, Debug)]
 pub struct Report<'a> {
     pub title: String,
-    /// The train as its manufacturer describes it.
     pub train: &'a Train,
     pub runs: Vec<RunView<'a>>,
     pub mode: &'static str,
@@ -93,7 +92,6 @@ impl RunView<'_> {
         self.regimes.get(index).copied().or_else(first).unwrap_or_default()
     }
 
-    /// What was true, if there is a value for each estimate.
     fn truth(&self) -> Option<&TruthView> {
         let count = self.estimates.len();
         self.truth
@@ -101,21 +99,18 @@ impl RunView<'_> {
             .filter(|truth| truth.resistance_n_per_kg.len() == count)
     }
 
-    /// The measurement an estimate answers.
     fn measurement(&self, index: usize) -> Option<&Measurement> {
         let time_s = self.estimates.get(index)?.time_s;
         let same = |measurement: &&Measurement| measurement.time_s == time_s;
         self.measurements.get(index).filter(same)
     }
 
-    /// From the first to the last estimate, s.
     fn duration_s(&self) -> Real {
         let times_s = || self.estimates.iter().map(|e| e.time_s).filter(|t| t.is_finite());
         let ends = times_s().next().zip(times_s().next_back());
         ends.map_or(0.0, |(first, last)| last - first)
     }
 
-    /// Between the first and the last estimated location, m.
     fn distance_m(&self) -> Real {
         let location_m = |estimate: &Estimate| estimate.belief.mean[state::LOCATION];
         let locations_m = || self.estimates.iter().map(location_m).filter(|s| s.is_finite());
@@ -148,7 +143,6 @@ struct Learned {
     samples: usize,
     time_s: Real,
     distance_m: Real,
-    /// Lowest to highest speed.
     speeds_mps: Option<Range<Real>>,
 }
 

@@ -17,7 +17,6 @@ use rundown_truth::sensors::{Sample, Sensors, SpeedReading, TruthSample};
 
 /// s0, v0, r0, r1, r2, gain.
 const SIZE: usize = 6;
-/// Step of the integration between samples, s.
 const STEP_S: f64 = 0.5;
 /// Slower trains stand, m/s.
 const STANDING_MPS: f64 = 1e-6;
@@ -57,7 +56,6 @@ impl Worth {
     }
 }
 
-/// Information of r0, r1, r2 in one run.
 pub fn information(
     truth: &[TruthSample],
     samples: &[Sample],
@@ -96,7 +94,6 @@ pub fn information(
     }
 }
 
-/// Consecutive intervals of known effort.
 struct Stretch {
     sensitivity: Sensitivity,
     information: SMatrix<f64, SIZE, SIZE>,

@@ -34,9 +34,7 @@ pub const DRAWN: usize = 200;
 
 #[derive(Clone, Debug)]
 pub struct Estimators {
-    /// The paper's loop.
     pub paper: Estimator,
-    /// Learning while coasting.
     pub gated: Estimator,
 }
 
@@ -48,13 +46,11 @@ impl Estimators {
     }
 }
 
-/// What was measured and what is drawn of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawn {
     pub recording: Recording,
     pub paper: View,
     pub gated: View,
-    /// As it was.
     pub truth: Option<View>,
 }
 
@@ -70,7 +66,6 @@ impl Drawn {
     }
 }
 
-/// The run of Figs. 3, 5 and 6, whole.
 #[derive(Clone, Debug)]
 pub struct Example {
     pub paper: ReplayedRun,
@@ -96,7 +91,6 @@ pub struct Gathered {
     pub interval_s: Moments,
     pub rows: u64,
     pub drawn: Vec<Drawn>,
-    /// The run of Figs. 3, 5 and 6.
     pub example: Option<Example>,
     /// What the gated mode knows of each unit after its last run, by name.
     pub units: Vec<(String, Gaussian<3>)>,
@@ -238,7 +232,6 @@ impl Gathered {
     }
 }
 
-/// Each run for itself.
 fn apart(estimator: &Estimator, cases: &[Case]) -> Vec<ReplayedRun> {
     let one = |case: &Case| {
         let mut vehicle = estimator.new_vehicle();

@@ -15,20 +15,15 @@ use rundown_pages::shell::{document, figure};
 pub struct Page<'a> {
     pub train: &'a str,
     pub track: &'a str,
-    /// Where the runs come from, in words.
     pub source: String,
     pub gathered: &'a Gathered,
-    /// Figs. 2 to 9, in order.
     pub pictures: &'a [Picture],
-    /// Estimated over true deviation.
     pub slopes: &'a [Picture],
     pub answers: &'a [Answer],
     pub claims: &'a [Claim],
-    /// The paper's remark on the initial covariances.
     pub sensitivity: &'a [Sensitivity],
 }
 
-/// Headings of the figures by their number.
 const FIGURES: [(&str, &str); 8] = [
     ("2", "Fig. 2: speed profiles"),
     ("3", "Fig. 3: the filter on a single run"),
@@ -87,7 +82,6 @@ fn summary(page: &Page) -> Markup {
     }
 }
 
-/// Of how many runs the truth is known.
 pub fn known(gathered: &Gathered) -> String {
     let (runs, known) = (gathered.paper.runs, gathered.truth.runs);
     match (known, runs) {
@@ -257,7 +251,6 @@ fn all_claims(claims: &[Claim]) -> Markup {
     }
 }
 
-/// Statistics of all runs, drawn or not.
 fn fleet(gathered: &Gathered) -> Markup {
     type Of = fn(&Tallies) -> &Moments;
     let rows: [(&str, f64, usize, Of); 12] = [

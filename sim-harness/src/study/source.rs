@@ -17,17 +17,13 @@ use std::path::{Path, PathBuf};
 /// Runs that are in memory at a time.
 pub const CHUNK: usize = 256;
 
-/// Runs, in order.
 #[derive(Debug)]
 pub enum Source {
-    /// A fleet of units.
     Simulated(Box<Simulated>),
     Logs(Logs),
-    /// Files, one after the other.
     Parquet(Files),
 }
 
-/// A fleet of units, simulated as it is needed.
 #[derive(Clone, Debug)]
 pub struct Simulated {
     simulation: Simulation,
@@ -36,7 +32,6 @@ pub struct Simulated {
     next: usize,
 }
 
-/// Logs in folders.
 #[derive(Clone, Debug)]
 pub struct Logs {
     files: Vec<RunFile>,

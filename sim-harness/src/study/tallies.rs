@@ -17,9 +17,7 @@ pub const LIMIT_KMH: f64 = 140.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tallies {
     pub runs: u64,
-    /// r0, r1, r2 of all samples.
     pub davis_samples: [Moments; 3],
-    /// r0, r1, r2 at the end of each run.
     pub davis: [Moments; 3],
     /// Runs in which a coefficient fell below zero.
     pub negative_runs: u64,
@@ -30,11 +28,9 @@ pub struct Tallies {
     pub cruise_over_limit: u64,
     pub coast_s: Moments,
     pub brake_s: Moments,
-    /// Traction, cruise, coast, brake.
     pub shares: [Moments; 4],
     pub power_kw: Moments,
     pub max_power_kw: Moments,
-    /// Deceleration of coasting trains, m/s².
     pub coast_mps2: Moments,
     /// Brake rate of the samples of each ATB-EG step, m/s².
     pub brake_steps: [Moments; 5],

@@ -30,7 +30,6 @@ const PASSES: usize = 5;
 
 #[derive(Clone, Debug, Default)]
 pub struct Trials {
-    /// Larger initial deviations.
     pub sensitivity: Vec<Sensitivity>,
     pub noise: Vec<Noise>,
     /// All samples, and every second one; none without truth.
@@ -39,7 +38,6 @@ pub struct Trials {
     pub pace: Option<[Pace; 2]>,
 }
 
-/// What noise of the acceleration does to the paper's coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     pub sd_mps2: f64,
@@ -98,7 +96,6 @@ pub fn thinned(estimators: &Estimators, drawn: &[Drawn]) -> Option<[Misses; 2]> 
     (!known.is_empty()).then(|| [1, KEPT].map(of))
 }
 
-/// Times both modes.
 pub fn pace(estimators: &Estimators, runs: &[Recording]) -> Option<[Pace; 2]> {
     let longest = runs.iter().max_by_key(|run| run.rows.len())?;
     let of = |estimator: &Estimator| {

@@ -15,7 +15,6 @@ use std::path::{Path, PathBuf};
 /// Times of a log and of its truth are printed to the millisecond.
 const SAME_TIME_S: f64 = 1e-3;
 
-/// The truth of a folder of logs.
 #[derive(Clone, Debug)]
 pub struct TruthFolder {
     folder: PathBuf,
@@ -73,7 +72,6 @@ fn samples(path: &Path) -> Result<Vec<TruthSample>, String> {
     read().map_err(|error| file_error(path, error))
 }
 
-/// What is read of `truth.json`.
 #[derive(Deserialize)]
 struct Key {
     runs: Vec<KeyRun>,

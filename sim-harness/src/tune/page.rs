@@ -13,15 +13,11 @@ use rundown_pages::shell::{document, figure};
 
 #[derive(Clone, Debug)]
 pub struct Page<'a> {
-    /// What was tuned on, in words.
     pub source: String,
-    /// Table 1 and its score.
     pub table1: (Place, Score),
     pub found: Found,
     pub score: Score,
-    /// The surface around it.
     pub pictures: &'a [Picture],
-    /// The remark of section 4.2, with Table 1.
     pub sensitivity: &'a [Sensitivity],
     /// Slopes of the paper's mode: with Table 1, and at the optimum.
     pub slopes: Option<[Answer; 2]>,

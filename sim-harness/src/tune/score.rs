@@ -28,17 +28,14 @@ const NO_FILTER: f64 = 1e9;
 
 #[derive(Clone, Debug)]
 pub struct Bench {
-    /// What is not tuned.
     pub base: Config,
     pub train: Train,
     pub track: Track,
     pub runs: Vec<Recording>,
 }
 
-/// A configuration judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Score {
-    /// Summed logarithm of the conditional likelihood.
     pub log_likelihood: f64,
     /// Samples that have one.
     pub samples: u64,
@@ -51,7 +48,6 @@ pub struct Score {
 }
 
 impl Score {
-    /// Mean likelihood of a sample.
     pub fn per_sample(&self) -> f64 {
         self.log_likelihood / self.samples as f64
     }

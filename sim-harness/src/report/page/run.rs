@@ -80,7 +80,6 @@ fn run_words(run: &RunView, report: &Report) -> String {
     words
 }
 
-/// Why samples have no innovation.
 fn missing_innovations(run: &RunView) -> Markup {
     let mut first = 0;
     let mut unread = 0;

@@ -113,7 +113,6 @@ pub(super) fn gated(run: &RunView) -> usize {
     gated.sum()
 }
 
-/// Where the runs without figures are.
 pub(super) fn others(report: &Report) -> Markup {
     let others = report.runs.get(RUNS_IN_FULL..).unwrap_or_default();
     html! {

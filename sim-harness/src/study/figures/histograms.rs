@@ -8,7 +8,6 @@ use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;
 
-/// Columns of a histogram of coefficients.
 const BINS: usize = 40;
 
 /// Counts values in bins of one width; the edges are whole multiples of it.
