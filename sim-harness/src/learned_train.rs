@@ -20,7 +20,7 @@ use std::path::Path;
 pub const LEAST_RUNS: usize = 3;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum Origin {
     /// Learned in so many runs.
     Learned { runs: usize },
     /// As described: too few runs have shown it.
@@ -32,12 +32,12 @@ pub struct LearnedTrain {
     pub train: TrainFile,
     pub davis_sd: [f64; 3],
     pub runs: usize,
-    pub effort: Source,
-    pub power: Source,
+    pub effort: Origin,
+    pub power: Origin,
 }
 
 #[derive(Debug, Deserialize)]
-struct Results {
+struct ReplayJson {
     train: String,
     carried: bool,
     runs: Vec<Run>,
@@ -82,7 +82,7 @@ fn learn(
     unit: Option<&str>,
     expected: impl Fn(&dyn Display) -> String,
 ) -> Result<LearnedTrain, String> {
-    let results: Results = serde_json::from_str(text).map_err(|error| expected(&error))?;
+    let results: ReplayJson = serde_json::from_str(text).map_err(|error| expected(&error))?;
     if results.train != described.name {
         let (found, expected) = (results.train, described.name);
         return Err(format!("the replay is one of the train `{found}`, expected that of the train file, `{expected}`"));
@@ -108,9 +108,9 @@ fn learn(
     let seen = |value: fn(&Features) -> Option<f64>| {
         let values: Vec<f64> = runs.iter().filter_map(|run| value(&run.features)).collect();
         let runs = values.len();
-        (runs >= LEAST_RUNS).then(|| (rotating_mass_kg * median(values), Source::Learned { runs }))
+        (runs >= LEAST_RUNS).then(|| (rotating_mass_kg * median(values), Origin::Learned { runs }))
     };
-    let described_as = |value: f64| (value, Source::Described);
+    let described_as = |value: f64| (value, Origin::Described);
     let (max_tractive_effort_n, effort) =
         seen(|f| f.max_effort_mean_n_per_kg).unwrap_or(described_as(described.max_tractive_effort_n));
     let (max_power_w, power) = seen(|f| f.power_max_w_per_kg).unwrap_or(described_as(described.max_power_w));
@@ -159,10 +159,10 @@ mod tests {
         assert_eq!(found.train.davis.r0, 0.0072);
         assert_eq!((found.runs, found.davis_sd[0]), (3, 1e-4));
         assert!((found.train.max_tractive_effort_n - 0.5 * 385_840.0).abs() < 1e-6);
-        assert_eq!(found.effort, Source::Learned { runs: 3 });
+        assert_eq!(found.effort, Origin::Learned { runs: 3 });
         // Two runs have shown a power.
         assert_eq!(found.train.max_power_w, 2_036_377.8);
-        assert_eq!(found.power, Source::Described);
+        assert_eq!(found.power, Origin::Described);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `rundown export`: the results of a replay in; the learned train as other tools take it out.
 
 use super::{Failure, screen};
-use crate::learned_train::{self, LearnedTrain, Source};
+use crate::learned_train::{self, LearnedTrain, Origin};
 use crate::output::files;
 use crate::sfera::{self, Identity, Traction};
 use std::path::{Path, PathBuf};
@@ -91,9 +91,9 @@ fn summary(learned: &LearnedTrain, folder: &Path) -> String {
         .zip([("A", "N"), ("B", "N s/m"), ("C", "N s2/m2")])
         .map(|((value, sd), (name, unit))| format!("{name} = {value:.6} {unit}, s.d. {sd:.6}\n"))
         .collect::<String>();
-    let source = |source: Source| match source {
-        Source::Learned { runs } => format!("learned in {runs} runs"),
-        Source::Described => "as described".to_owned(),
+    let source = |source: Origin| match source {
+        Origin::Learned { runs } => format!("learned in {runs} runs"),
+        Origin::Described => "as described".to_owned(),
     };
     format!(
         "train: {}, {:.0} t, rotating mass factor {}, {} runs\n{rows}largest effort {:.0} N, {}\nlargest power {:.0} W, {}\nfiles: {}\n",

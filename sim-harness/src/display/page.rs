@@ -99,14 +99,14 @@ impl Cursor {
 }
 
 /// The page's server: a thread for each connection, a connection for each request.
-pub struct Page {
+pub struct PageServer {
     listener: TcpListener,
     address: SocketAddr,
     hub: Arc<Hub>,
     connections: AtomicUsize,
 }
 
-impl Page {
+impl PageServer {
     /// On this port of the loopback interface; 0 takes a free one.
     pub fn bind(port: u16, hub: Arc<Hub>) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;

@@ -23,7 +23,7 @@ const STANDING_MPS: f64 = 1e-6;
 /// A mean effort below this is that of an interval of coasting, N/kg.
 const NO_EFFORT_N_PER_KG: f64 = 1e-12;
 
-type Sensitivity = SMatrix<f64, 2, SIZE>;
+type Jacobian = SMatrix<f64, 2, SIZE>;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Known {
@@ -95,13 +95,13 @@ pub fn information(
 }
 
 struct Stretch {
-    sensitivity: Sensitivity,
+    sensitivity: Jacobian,
     information: SMatrix<f64, SIZE, SIZE>,
 }
 
 impl Stretch {
     fn begin(sample: &Sample, worth: Worth) -> Self {
-        let mut begun = Self { sensitivity: Sensitivity::identity(), information: SMatrix::zeros() };
+        let mut begun = Self { sensitivity: Jacobian::identity(), information: SMatrix::zeros() };
         begun.read(sample, worth);
         begun
     }

@@ -8,17 +8,17 @@ use rundown_files::track_file::TrackFile;
 use std::path::Path;
 
 #[derive(Clone, Debug)]
-pub struct Description {
+pub struct Believed {
     pub train: Train,
     pub track: Track,
 }
 
 /// Of a simulation, as far as the estimator takes its train and its track.
-pub fn of(simulation: &Simulation) -> Result<Description, Refused> {
+pub fn of(simulation: &Simulation) -> Result<Believed, Refused> {
     // The track is written and read, so that what is simulated is described by a file that a person could write.
     let text = toml::to_string(&simulation.track)?;
     let (_, track) = TrackFile::parse(Path::new("track.toml"), &text)?;
-    Ok(Description { train: simulation.train.train()?, track })
+    Ok(Believed { train: simulation.train.train()?, track })
 }
 
 #[cfg(test)]

@@ -11,9 +11,9 @@
 use super::Refused;
 use super::case::{Case, CaseTruth};
 use super::moments::Moments;
-use super::source::Source;
+use super::source::RunSource;
 use super::tallies::{LIMIT_KMH, Tallies};
-use super::view::View;
+use super::view::Seen;
 use crate::output::json::Failed;
 use rayon::prelude::*;
 use rundown::estimator::Estimator;
@@ -49,9 +49,9 @@ impl Estimators {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawn {
     pub recording: Recording,
-    pub paper: View,
-    pub gated: View,
-    pub truth: Option<View>,
+    pub paper: Seen,
+    pub gated: Seen,
+    pub truth: Option<Seen>,
 }
 
 impl Drawn {
@@ -104,7 +104,7 @@ pub type Sink<'a> = dyn FnMut(&[Case], &[Record]) -> std::io::Result<()> + 'a;
 #[non_exhaustive]
 pub enum GatherError {
     #[error("{0}")]
-    Source(#[from] Refused),
+    Runs(#[from] Refused),
     #[error("{0}")]
     Sink(#[from] std::io::Error),
 }
@@ -115,7 +115,7 @@ pub enum GatherError {
 /// # Errors
 /// [`GatherError`] when runs cannot be read or rows cannot be written. A single bad log is no error: it is in `failed`.
 pub fn gather(
-    source: &mut Source,
+    source: &mut RunSource,
     estimators: &Estimators,
     wanted: Option<&str>,
     sink: &mut Sink,
@@ -138,11 +138,11 @@ pub fn gather(
         let (paper, gated) =
             rayon::join(|| apart(&estimators.paper, &cases), || carried(&estimators.gated, &cases, &mut vehicles));
         let train = estimators.paper.train();
-        let views = |run: &ReplayedRun| View::of_replay(run, train);
-        let of_paper: Vec<View> = paper.par_iter().map(views).collect();
-        let of_gated: Vec<View> = gated.par_iter().map(views).collect();
-        let truths: Vec<Option<View>> =
-            cases.par_iter().map(|case| case.truth.as_ref().map(|t| View::of_truth(t, train))).collect();
+        let views = |run: &ReplayedRun| Seen::of_replay(run, train);
+        let of_paper: Vec<Seen> = paper.par_iter().map(views).collect();
+        let of_gated: Vec<Seen> = gated.par_iter().map(views).collect();
+        let truths: Vec<Option<Seen>> =
+            cases.par_iter().map(|case| case.truth.as_ref().map(|t| Seen::of_truth(t, train))).collect();
         let views = of_paper.iter().zip(&of_gated).zip(&truths);
         let records: Vec<Record> = cases
             .iter()
@@ -282,7 +282,7 @@ fn top_kmh(case: &Case) -> f64 {
     kmh.fold(0.0, f64::max)
 }
 
-fn record(case: &Case, views: [&View; 2], truth: Option<&View>) -> Record {
+fn record(case: &Case, views: [&Seen; 2], truth: Option<&Seen>) -> Record {
     let text = |name: &str, text: &str| (name.to_owned(), Cell::from(text));
     let mut record = vec![
         text("run", &case.recording.name),
@@ -294,9 +294,9 @@ fn record(case: &Case, views: [&View; 2], truth: Option<&View>) -> Record {
         record.extend(view.outcome.record(prefix));
     }
     // The same columns for every run, so that a table of recorded and simulated runs is one.
-    let nothing = View {
+    let nothing = Seen {
         outcome: super::view::Outcome { davis: [f64::NAN; 3], ..super::view::Outcome::default() },
-        ..View::default()
+        ..Seen::default()
     };
     record.extend(truth.unwrap_or(&nothing).outcome.record("true"));
     record

@@ -12,7 +12,7 @@ use rundown_pages::numbers::{NOTHING, counted, number};
 use rundown_pages::shell::{document, figure};
 
 #[derive(Clone, Debug)]
-pub struct Page<'a> {
+pub struct StudyPage<'a> {
     pub train: &'a str,
     pub track: &'a str,
     pub source: String,
@@ -35,7 +35,7 @@ const FIGURES: [(&str, &str); 8] = [
     ("9", "Fig. 9: tractive power"),
 ];
 
-pub fn page(page: &Page) -> String {
+pub fn page(page: &StudyPage) -> String {
     let body = html! {
         (summary(page))
         (truth(page))
@@ -55,7 +55,7 @@ pub fn page(page: &Page) -> String {
     document(&format!("Case study: {} on {}", page.train, page.track), &body)
 }
 
-fn summary(page: &Page) -> Markup {
+fn summary(page: &StudyPage) -> Markup {
     let count = |verdict| page.claims.iter().filter(|c| c.verdict == verdict).count();
     let gathered = page.gathered;
     let runs = gathered.paper.runs as usize;
@@ -94,7 +94,7 @@ pub fn known(gathered: &Gathered) -> String {
 }
 
 /// The paper's loop and the truth, before anything else is believed.
-fn truth(page: &Page) -> Markup {
+fn truth(page: &StudyPage) -> Markup {
     let slopes = |mode: &str, runs| {
         let answer = page.answers.iter().find(|a| a.mode == mode && a.runs == runs);
         answer.map_or_else(|| NOTHING.to_owned(), |answer| answer.slope.map(|slope| number(slope, 2)).join(" / "))

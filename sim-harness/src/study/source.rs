@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub const CHUNK: usize = 256;
 
 #[derive(Debug)]
-pub enum Source {
+pub enum RunSource {
     Simulated(Box<Simulated>),
     Logs(Logs),
     Parquet(Files),
@@ -48,7 +48,7 @@ pub struct Files {
     runs: usize,
 }
 
-impl Source {
+impl RunSource {
     /// So many runs; a unit for each as many as the simulation says.
     pub fn simulated(simulation: Simulation, seed: u64, runs: usize) -> Self {
         Self::Simulated(Box::new(Simulated { simulation, seed, runs, next: 0 }))

@@ -1,7 +1,7 @@
 //! What all runs say together, through one pair of eyes: in as few numbers as one run.
 
 use super::moments::Moments;
-use super::view::{PowerPoint, View, atb_step};
+use super::view::{PowerPoint, Seen, atb_step};
 
 /// Window of the largest power, km/h (section 3.3): near 140 km/h the driver lets go.
 pub const POWER_KMH: std::ops::RangeInclusive<f64> = 50.0..=130.0;
@@ -49,7 +49,7 @@ pub struct Tallies {
 }
 
 impl Tallies {
-    pub fn add(&mut self, view: &View) {
+    pub fn add(&mut self, view: &Seen) {
         let (outcome, points) = (&view.outcome, &view.points);
         self.runs += 1;
         for davis in &points.davis {

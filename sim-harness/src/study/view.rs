@@ -72,7 +72,7 @@ pub struct PowerPoint {
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct View {
+pub struct Seen {
     pub outcome: Outcome,
     pub points: Points,
 }
@@ -124,7 +124,7 @@ impl Points {
     }
 }
 
-impl View {
+impl Seen {
     pub fn of_replay(run: &ReplayedRun, train: &Train) -> Self {
         let features = &run.summary.features;
         let kw = train.rotating_mass_kg() / 1000.0;

@@ -17,7 +17,7 @@ pub(crate) mod run;
 pub(crate) mod slope;
 
 use super::gather::Drawn;
-use super::view::View;
+use super::view::Seen;
 use rundown_files::table::{Cell, Record};
 
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl Eyes {
         }
     }
 
-    pub fn of(self, run: &Drawn) -> &View {
+    pub fn of(self, run: &Drawn) -> &Seen {
         match self {
             Self::Paper => &run.paper,
             Self::Gated => &run.gated,
