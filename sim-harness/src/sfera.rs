@@ -20,7 +20,6 @@ use rundown_files::train_file::TrainFile;
 use std::io;
 use std::str::FromStr;
 
-/// Step of the traction curve, km/h.
 const CURVE_STEP_KMH: f64 = 5.0;
 
 /// What the schema demands and no run can tell.
@@ -38,7 +37,6 @@ pub struct Identity {
     pub max_speed_kmh: u16,
 }
 
-/// Where the energy comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Traction {
     /// Overhead line or third rail.

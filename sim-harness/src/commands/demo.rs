@@ -13,7 +13,6 @@ use rundown_truth::scenario::Scenario;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Speeds of the table, km/h.
 const SPEEDS_KMH: [f64; 3] = [60.0, 100.0, 140.0];
 /// The same runs every time.
 const SEED: u64 = 1;

@@ -3,7 +3,7 @@
 use super::{Failure, screen};
 use crate::display::demo;
 use crate::display::hub::{Connection, Hub, OnMessage};
-use crate::display::page::Page;
+use crate::display::page::PageServer;
 use crate::display::setup::Setup;
 use crate::display::source::Source;
 use crate::display::{terminal, text};
@@ -151,7 +151,6 @@ impl Arguments {
         Ok(setup)
     }
 
-    /// Prints and records messages as they come.
     fn on_message(&self) -> Result<OnMessage, Failure> {
         let (text, json) = (self.text, self.json);
         let mut log = match &self.record {
@@ -203,7 +202,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let page = if arguments.tui {
         None
     } else {
-        let bound = Page::bind(arguments.http, Arc::clone(&hub));
+        let bound = PageServer::bind(arguments.http, Arc::clone(&hub));
         Some(bound.map_err(|error| {
             Failure::not_written(format!(
                 "port {} of this computer: {error}; --http takes another one, --http 0 a free one",

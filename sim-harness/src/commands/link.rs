@@ -181,7 +181,6 @@ where
     Ok(())
 }
 
-/// What a board said in one run.
 #[derive(Default)]
 struct Said {
     frames: usize,

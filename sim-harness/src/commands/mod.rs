@@ -89,7 +89,6 @@ enum Command {
     },
 }
 
-/// A one-line message and the exit code that goes with it.
 #[derive(Debug)]
 struct Failure {
     message: String,

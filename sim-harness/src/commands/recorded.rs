@@ -1,7 +1,7 @@
-//! Recorded runs as `study` and `tune` take them: with the descriptions of their train and track, or not at all.
+//! RecordedRuns runs as `study` and `tune` take them: with the descriptions of their train and track, or not at all.
 
 use super::{Failure, screen};
-use crate::study::source::Source;
+use crate::study::source::RunSource;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown_files::map_matching::CentreLine;
@@ -10,8 +10,8 @@ use rundown_files::train_file::TrainFile;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
-pub struct Recorded {
-    /// Recorded runs: logs or Parquet files, or folders of them; without it the case study is simulated
+pub struct RecordedRuns {
+    /// RecordedRuns runs: logs or Parquet files, or folders of them; without it the case study is simulated
     #[arg(long, value_name = "DIR", num_args = 1.., requires_all = ["train", "track"])]
     runs: Vec<PathBuf>,
     /// Description of the train of recorded runs
@@ -22,16 +22,15 @@ pub struct Recorded {
     track: Option<PathBuf>,
 }
 
-/// Descriptions, and where the runs come from.
 pub(super) struct Opened {
     pub(super) train_file: TrainFile,
     pub(super) train: Train,
     pub(super) track_file: TrackFile,
     pub(super) track: Track,
-    pub(super) source: Source,
+    pub(super) source: RunSource,
 }
 
-impl Recorded {
+impl RecordedRuns {
     /// Reads the descriptions and finds the runs; `None` when none are asked for.
     pub(super) fn open(&self) -> Result<Option<Opened>, Failure> {
         let (Some(train), Some(track)) = (&self.train, &self.track) else {
@@ -40,7 +39,7 @@ impl Recorded {
         let (train_file, train) = TrainFile::read(train).map_err(Failure::refused)?;
         let (track_file, track) = TrackFile::read(track).map_err(Failure::refused)?;
         let line = CentreLine::new(&track_file.centre_line);
-        let source = Source::recorded(&self.runs, line, screen::note).map_err(Failure::refused)?;
+        let source = RunSource::recorded(&self.runs, line, screen::note).map_err(Failure::refused)?;
         Ok(Some(Opened { train_file, train, track_file, track, source }))
     }
 }

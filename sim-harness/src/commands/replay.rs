@@ -114,7 +114,7 @@ fn period(text: &str) -> Result<f64, String> {
     }
 }
 
-pub(super) struct Setup {
+pub(super) struct ReplaySetup {
     pub(super) config: Config,
     pub(super) train: TrainFile,
     pub(super) core_train: Train,
@@ -158,7 +158,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(if results.failed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
 }
 
-fn setup(arguments: &Arguments) -> Result<Setup, Failure> {
+fn setup(arguments: &Arguments) -> Result<ReplaySetup, Failure> {
     let (train, core_train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
     let (track, core_track) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;
     let mut config = match &arguments.config {
@@ -170,10 +170,10 @@ fn setup(arguments: &Arguments) -> Result<Setup, Failure> {
     }
     let effects = effect_file::effects(&track.effect, &train.effect, None).map_err(Failure::refused)?;
     let estimator = Estimator::try_new(config, core_train, core_track).map_err(Failure::refused)?.with_effects(effects);
-    Ok(Setup { config, train, core_train, track, estimator })
+    Ok(ReplaySetup { config, train, core_train, track, estimator })
 }
 
-fn replay(arguments: &Arguments, setup: &Setup) -> Result<Results, Failure> {
+fn replay(arguments: &Arguments, setup: &ReplaySetup) -> Result<Results, Failure> {
     let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
     let line = CentreLine::new(&setup.track.centre_line);
     let bad_rows = if arguments.skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse };
@@ -203,7 +203,7 @@ fn replay(arguments: &Arguments, setup: &Setup) -> Result<Results, Failure> {
 }
 
 /// The estimators of the runs in which not the same effects act as in all.
-fn own_estimators(setup: &Setup, recordings: &[Recording]) -> Result<HashMap<String, Estimator>, Failure> {
+fn own_estimators(setup: &ReplaySetup, recordings: &[Recording]) -> Result<HashMap<String, Estimator>, Failure> {
     let mut own = HashMap::new();
     for recording in recordings {
         let effects = effect_file::effects(&setup.track.effect, &setup.train.effect, Some(&recording.name))
@@ -228,7 +228,7 @@ fn read(
 }
 
 /// Writes the tables and the report; returns what `--json` prints.
-pub(super) fn write(folder: &Path, setup: &Setup, results: &Results) -> Result<Value, Failure> {
+pub(super) fn write(folder: &Path, setup: &ReplaySetup, results: &Results) -> Result<Value, Failure> {
     let json = json::value(&json::Replay {
         config: &setup.config,
         train: &setup.train.name,
@@ -240,13 +240,11 @@ pub(super) fn write(folder: &Path, setup: &Setup, results: &Results) -> Result<V
         notes: &results.notes,
     });
     write_tables(folder, &results.runs, &setup.config, &json).map_err(Failure::not_written)?;
-    let path = folder.join("report.html");
-    let report = report(setup, results);
-    write_report(&path, &report).map_err(|source| Failure::not_written(rundown_files::WriteError { path, source }))?;
+    write_report(&folder.join("report.html"), &report(setup, results)).map_err(Failure::not_written)?;
     Ok(json)
 }
 
-fn report<'a>(setup: &'a Setup, results: &'a Results) -> Report<'a> {
+fn report<'a>(setup: &'a ReplaySetup, results: &'a Results) -> Report<'a> {
     let view = |run: &'a ReplayedRun| RunView::of(run, None);
     let vehicle = |run: &ReplayedRun| (run.name.clone(), run.vehicle_after);
     Report {

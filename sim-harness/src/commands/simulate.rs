@@ -51,19 +51,18 @@ pub struct Arguments {
     force: bool,
     /// Print a commented scenario file, and do nothing else
     #[arg(long, value_name = "WHICH", value_enum, num_args = 0..=1, default_missing_value = "case-study")]
-    example: Option<Example>,
+    example: Option<ExampleScenario>,
 }
 
-/// Scenarios to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Example {
+enum ExampleScenario {
     /// The case study with the loads and winds of everyday; every field there is
     CaseStudy,
     /// Runs on a line with a tunnel that nobody described, for `rundown gap`
     HiddenEffect,
 }
 
-impl Example {
+impl ExampleScenario {
     fn text(self) -> &'static str {
         match self {
             Self::CaseStudy => EXAMPLE,
@@ -76,7 +75,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let out = match (&arguments.out, arguments.example) {
         (Some(out), None) => out,
         (_, example) => {
-            screen::print(example.unwrap_or(Example::CaseStudy).text());
+            screen::print(example.unwrap_or(ExampleScenario::CaseStudy).text());
             return Ok(ExitCode::SUCCESS);
         }
     };

@@ -1,16 +1,16 @@
 //! `rundown study`: the paper's case study on simulated or recorded runs, and the self-test of learning.
 
-use super::recorded::{Opened, Recorded};
+use super::recorded::{Opened, RecordedRuns};
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::simulation::scenario_file::Simulation;
 use crate::study::case::{calm, case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, gather};
-use crate::study::page::{Page, known, page};
+use crate::study::page::{StudyPage, known, page};
 use crate::study::sensitivity::sensitivity;
 use crate::study::slope::{Answer, Look, Plan};
-use crate::study::source::Source;
+use crate::study::source::RunSource;
 use crate::study::trials::{self, Trials};
 use crate::study::write::RunTable;
 use crate::study::{claims, description, slope as self_test, write};
@@ -31,7 +31,7 @@ Examples:
   The paper's 67 runs, simulated, with the truth beside every figure:
     rundown study --out study
 
-  Recorded runs, folders of logs or of Parquet files:
+  RecordedRuns runs, folders of logs or of Parquet files:
     rundown study --runs logs/ --train train.toml --track track.toml --out study
 
   Runs of rundown simulate, whose truth lies beside them and is shown:
@@ -54,7 +54,6 @@ Files in the output folder:
 
 /// Vehicles of the slope in the report.
 const FEW_VEHICLES: usize = 30;
-/// Seed where none is given.
 const SEED: u64 = 1;
 /// Runs on which other settings of the filter are tried.
 const SENSITIVITY_RUNS: usize = 67;
@@ -63,7 +62,7 @@ const SENSITIVITY_RUNS: usize = 67;
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
     #[command(flatten)]
-    recorded: Recorded,
+    recorded: RecordedRuns,
     /// Scenario of simulated runs, as for rundown simulate; without it the case study
     #[arg(long, value_name = "S.toml", conflicts_with = "runs")]
     scenario: Option<PathBuf>,
@@ -99,19 +98,17 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What a study needs to know of train and track.
 struct Described {
     train_name: String,
     track_name: String,
     train: Train,
     track: Track,
-    source: Source,
+    source: RunSource,
     words: String,
     /// Of simulated runs: what recorded ones bring with them.
     files: Option<(TrainFile, TrackFile)>,
 }
 
-/// What a study found.
 pub(super) struct Study {
     pub(super) gathered: Gathered,
     pub(super) claims: Vec<Claim>,
@@ -197,7 +194,7 @@ fn simulated(simulation: Simulation, seed: u64, count: usize) -> Result<Describe
         train: of_scenario.train,
         track: of_scenario.track,
         words: format!("simulated with seed {seed}"),
-        source: Source::simulated(simulation, seed, count),
+        source: RunSource::simulated(simulation, seed, count),
     })
 }
 
@@ -243,7 +240,7 @@ fn study(
         |count| bar.inc(count as u64),
     )
     .map_err(|error| match error {
-        GatherError::Source(error) => Failure::refused(error),
+        GatherError::Runs(error) => Failure::refused(error),
         other => Failure::not_written(other),
     })?;
     bar.finish_and_clear();
@@ -268,7 +265,7 @@ fn study(
     let answers = self_test::answers(&plan, &looks, &stated);
     let slopes = vec![slope::slope(&looks, 1, &stated)];
     let pictures = pictures(&gathered, &train);
-    let text = page(&Page {
+    let text = page(&StudyPage {
         train: &described.train_name,
         track: &described.track_name,
         source: described.words,
@@ -307,7 +304,6 @@ fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
     pictures
 }
 
-/// The claims and the slopes, in lines.
 pub(super) fn table(study: &Study) -> String {
     let (runs, known) = (study.gathered.paper.runs, known(&study.gathered));
     let runs = counted(runs as usize, "run", "runs");

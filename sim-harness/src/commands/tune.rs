@@ -1,13 +1,13 @@
 //! `rundown tune`: the paper's filter tuned by the two criteria of section 4.2.
 
-use super::recorded::Recorded;
+use super::recorded::RecordedRuns;
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::study::case::{calm, case_study};
 use crate::study::sensitivity::sensitivity;
 use crate::study::slope::{Answer, Plan};
-use crate::study::source::Source;
+use crate::study::source::RunSource;
 use crate::study::{description, slope, write};
-use crate::tune::page::{Page, page, short};
+use crate::tune::page::{TuningPage, page, short};
 use crate::tune::parameters::{PARAMETERS, config, place, values};
 use crate::tune::score::Bench;
 use crate::tune::search::{Found, search};
@@ -41,7 +41,7 @@ const VEHICLES: usize = 15;
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
     #[command(flatten)]
-    recorded: Recorded,
+    recorded: RecordedRuns,
     /// Runs that are tuned on, at most
     #[arg(long, value_name = "N", default_value_t = 67, value_parser = clap::value_parser!(u16).range(1..=5000))]
     count: u16,
@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         "sensitivity": sensitivity,
         "slope": slopes.as_ref().map(|[a, b]| json!({ "table1": a, "optimum": b })),
     });
-    let html = page(&Page {
+    let html = page(&TuningPage {
         source: source.clone(),
         table1: (table1, score1),
         found,
@@ -137,7 +137,7 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure
         None => {
             let simulation = case_study().map_err(Failure::refused)?;
             let described = description::of(&simulation).map_err(Failure::refused)?;
-            let source = Source::simulated(simulation, arguments.seed, count);
+            let source = RunSource::simulated(simulation, arguments.seed, count);
             (described.train, described.track, source, "simulated")
         }
     };

@@ -50,7 +50,7 @@ pub fn play_runs(runs: usize, mut say: impl FnMut(&[u8])) -> Result<(), String> 
         Description { effects: effects()?, ..Description::new(&train, &simulation.track, Config::default()) };
     let (mut run, mut room) = (Box::new(RunState::idle()), Box::new(Room::EMPTY));
     let task = Task::new(Ok(PROVISIONING), RamFlash::default(), false, &mut run, &mut room);
-    let board = Board { task, wire: Wire::default() };
+    let board = Board { task, wire: Outbox::default() };
     let mut session = Session::new(board, Desk::new(PROVISIONING));
     let mut tell = |heard: &[Heard]| heard.iter().for_each(|heard| say(&heard.message));
     for index in 0..runs {
@@ -74,9 +74,9 @@ fn effects() -> Result<Effects, String> {
 
 /// What the task says.
 #[derive(Default)]
-struct Wire(VecDeque<Message>);
+struct Outbox(VecDeque<Message>);
 
-impl Port for Wire {
+impl Port for Outbox {
     fn send(&mut self, message: &[u8]) -> bool {
         Message::from_slice(message).is_ok_and(|message| {
             self.0.push_back(message);
@@ -92,7 +92,7 @@ impl Port for Wire {
 /// The task as a link: what is sent goes in, what comes out is received.
 struct Board<'a> {
     task: Task<'a, RamFlash>,
-    wire: Wire,
+    wire: Outbox,
 }
 
 impl Link for Board<'_> {

@@ -29,7 +29,6 @@ pub const LONGEST_PAUSE: Duration = Duration::from_secs(1);
 const MOST_CONNECTIONS: usize = 64;
 /// A browser that takes longer to ask, or to take an answer, has gone.
 const REQUEST_TIME: Duration = Duration::from_secs(10);
-/// Longest head of a request, bytes.
 const LONGEST_REQUEST: usize = 16 * 1024;
 
 const JSON: &str = "application/json";
@@ -56,7 +55,6 @@ const ASSETS: [Asset; 7] = [
     asset!("/uplot.txt", "text/plain", "uplot/LICENSE"),
 ];
 
-/// What a browser is told.
 #[derive(Debug, Serialize)]
 pub struct Update<'a> {
     epoch: u32,
@@ -72,7 +70,6 @@ pub struct Update<'a> {
     past: Option<&'a [PastRun]>,
 }
 
-/// What a browser has.
 #[derive(Clone, Copy, Debug, Default)]
 struct Cursor {
     version: u64,
@@ -102,14 +99,14 @@ impl Cursor {
 }
 
 /// The page's server: a thread for each connection, a connection for each request.
-pub struct Page {
+pub struct PageServer {
     listener: TcpListener,
     address: SocketAddr,
     hub: Arc<Hub>,
     connections: AtomicUsize,
 }
 
-impl Page {
+impl PageServer {
     /// On this port of the loopback interface; 0 takes a free one.
     pub fn bind(port: u16, hub: Arc<Hub>) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
@@ -120,7 +117,6 @@ impl Page {
         format!("http://{}/", self.address)
     }
 
-    /// Answers until the process ends.
     pub fn serve(self) {
         let page = Arc::new(self);
         loop {

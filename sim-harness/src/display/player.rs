@@ -11,7 +11,6 @@ use std::time::{Duration, Instant};
 /// Longest pause between two ticks, s of the recording.
 pub const LONGEST_S: f64 = 30.0;
 
-/// Hands messages to a hub.
 pub struct Player<'a> {
     hub: &'a Hub,
     // None: as fast as it goes.

@@ -76,9 +76,6 @@ impl Source {
     }
 
     /// Opens what must be there at once: a file that does not grow. All others may come later.
-    ///
-    /// # Errors
-    /// The file cannot be opened.
     pub fn open(self) -> io::Result<Open> {
         let named =
             |path: &PathBuf, error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));

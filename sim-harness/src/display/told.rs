@@ -11,7 +11,6 @@ use rundown_files::train_file::TrainFile;
 
 const NAME: &str = "as the board was told";
 
-/// Listens to what the board is told.
 #[derive(Clone, Debug, Default)]
 pub struct Told {
     setup: Setup,

@@ -140,9 +140,6 @@ impl fmt::Display for Address {
 
 impl PortAddress {
     /// Opens the port.
-    ///
-    /// # Errors
-    /// Those of the system, with the address in front.
     pub fn open(&self) -> io::Result<HostPort> {
         let port = match self {
             Self::Serial { path, baud } => HostPort::serial(path, *baud),
@@ -172,9 +169,6 @@ impl Address {
 
 impl Address {
     /// Opens the link and sends no frame on a CAN bus: another computer there answers the board.
-    ///
-    /// # Errors
-    /// As [`Address::open`].
     pub fn listen(&self) -> io::Result<HostLink> {
         match self {
             Self::Serial(_) => self.open(),

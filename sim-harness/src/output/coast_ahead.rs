@@ -20,7 +20,6 @@ pub fn file_name(run: &ReplayedRun) -> String {
     format!("{}.coast_ahead.csv", run.name)
 }
 
-/// The word for an outcome, as on the wire.
 pub const fn outcome_word(outcome: &Outcome) -> &'static str {
     match outcome {
         Outcome::Unknown => "unknown",

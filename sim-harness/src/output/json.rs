@@ -17,31 +17,25 @@ use rundown_files::table::{Record, to_json};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// What a replay was made with, and what came of it.
 #[derive(Clone, Debug)]
 pub struct Replay<'a> {
     pub config: &'a Config,
     pub train: &'a str,
     pub track: &'a str,
-    /// The vehicle was carried from run to run.
     pub carried: bool,
     pub tick: Tick,
-    /// The runs that could be used.
     pub runs: &'a [ReplayedRun],
-    /// Those that could not, and why.
     pub failed: &'a [Failed],
     /// What a person should know about all of them: [`crate::advice`], and their order.
     pub notes: &'a [String],
 }
 
-/// A log that gave no run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failed {
     pub file: PathBuf,
     pub error: String,
 }
 
-/// The word for a mode in every output.
 pub const fn mode_word(mode: Mode) -> &'static str {
     match mode {
         Mode::Paper => "paper",

@@ -11,13 +11,12 @@
 //!
 //! Who looks for effects gets all but `truth/`.
 
-use super::key;
+use super::key::{self, departure_utc, file_name};
 use super::scenario_file::Simulation;
-use jiff::Timestamp;
 use rayon::prelude::*;
 use rundown_files::run_set::INDEX;
 use rundown_truth::facts::Facts;
-use rundown_truth::plan::{Heading, RunPlan, plan};
+use rundown_truth::plan::{RunPlan, plan};
 use rundown_truth::scenario::{DriveError, Run, simulate_planned};
 use rundown_truth::sensors::SpeedReading;
 use serde::Serialize;
@@ -54,21 +53,8 @@ fn io_at(path: &Path) -> impl FnOnce(io::Error) -> FolderError {
     move |source| FolderError::Io { path, source }
 }
 
-/// Name of a run's files.
-///
-/// ```
-/// assert_eq!(sim_harness::simulation::folder::file_name(7, 67), "run007.csv");
-/// ```
-pub fn file_name(number: usize, runs: usize) -> String {
-    let width = runs.to_string().len().max(3);
-    format!("run{number:0width$}.csv")
-}
-
 /// Drives all runs side by side and writes the data set. What is written depends on scenario and seed alone, not on the number of threads.
 /// With `force` the files of an earlier data set are removed first.
-///
-/// # Errors
-/// [`FolderError`] names the file or the run.
 pub fn write(
     simulation: &Simulation,
     folder: &Path,
@@ -209,23 +195,10 @@ fn write_index(csv: &mut Csv, simulation: &Simulation, plans: &[RunPlan]) -> io:
             file_name(plan.number, plans.len()).as_str(),
             &departure_utc(plan),
             &simulation.unit,
-            heading_word(plan.heading),
+            plan.heading.as_str(),
         ])?;
     }
     Ok(())
-}
-
-/// Start of the log as in the index.
-pub(super) fn departure_utc(plan: &RunPlan) -> String {
-    Timestamp::from_second(plan.departure_s).map_or(String::new(), |at| at.to_string())
-}
-
-/// The word for a direction.
-pub(super) const fn heading_word(heading: Heading) -> &'static str {
-    match heading {
-        Heading::Up => "up",
-        Heading::Down => "down",
-    }
 }
 
 /// To the millisecond, without needless zeros.

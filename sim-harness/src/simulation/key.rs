@@ -3,10 +3,22 @@
 //! Sums up what no log says: the effects with the files of the runs they acted in, the true train, and for each run its wind, load, temperature,
 //! Davis parameters in still air, and the marks of its phases. Locations are those of the line, N/kg are per true rotating mass of the run.
 
-use super::folder::{departure_utc, file_name, heading_word};
 use super::scenario_file::Simulation;
+use jiff::Timestamp;
 use rundown_truth::facts::Facts;
+use rundown_truth::plan::RunPlan;
 use serde_json::{Value, json};
+
+/// Name of a run's files.
+pub fn file_name(number: usize, runs: usize) -> String {
+    let width = runs.to_string().len().max(3);
+    format!("run{number:0width$}.csv")
+}
+
+/// Start of the log as in the index.
+pub fn departure_utc(plan: &RunPlan) -> String {
+    Timestamp::from_second(plan.departure_s).map_or(String::new(), |at| at.to_string())
+}
 
 pub fn value(simulation: &Simulation, facts: &[Facts]) -> Value {
     let scenario = &simulation.scenario;
@@ -54,7 +66,7 @@ fn run(facts: &Facts, runs: usize) -> Value {
         // A number of 64 bits does not fit into every reader's numbers.
         "seed": plan.seed.to_string(),
         "departure_utc": departure_utc(plan),
-        "direction": heading_word(plan.heading),
+        "direction": plan.heading.as_str(),
         "season": plan.season,
         "headwind_mps": facts.headwind_mps,
         "load": facts.load,
@@ -77,4 +89,15 @@ fn run(facts: &Facts, runs: usize) -> Value {
         "power_share": habits.power_share,
         "brake_rates_mps2": habits.brake.rates_mps2,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_files_sort_as_the_runs_do() {
+        assert_eq!(file_name(7, 67), "run007.csv");
+        assert_eq!(file_name(7, 1200), "run0007.csv");
+    }
 }

@@ -260,9 +260,6 @@ impl SensorTable {
 
 impl Simulation {
     /// Reads and checks a scenario file; a track file that it names lies beside it.
-    ///
-    /// # Errors
-    /// [`ReadError`] names file, line and column.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let text = std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
         Self::parse(path, &text)

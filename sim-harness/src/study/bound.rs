@@ -17,14 +17,13 @@ use rundown_truth::sensors::{Sample, Sensors, SpeedReading, TruthSample};
 
 /// s0, v0, r0, r1, r2, gain.
 const SIZE: usize = 6;
-/// Step of the integration between samples, s.
 const STEP_S: f64 = 0.5;
 /// Slower trains stand, m/s.
 const STANDING_MPS: f64 = 1e-6;
 /// A mean effort below this is that of an interval of coasting, N/kg.
 const NO_EFFORT_N_PER_KG: f64 = 1e-12;
 
-type Sensitivity = SMatrix<f64, 2, SIZE>;
+type Jacobian = SMatrix<f64, 2, SIZE>;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Known {
@@ -57,7 +56,6 @@ impl Worth {
     }
 }
 
-/// Information of r0, r1, r2 in one run.
 pub fn information(
     truth: &[TruthSample],
     samples: &[Sample],
@@ -96,15 +94,14 @@ pub fn information(
     }
 }
 
-/// Consecutive intervals of known effort.
 struct Stretch {
-    sensitivity: Sensitivity,
+    sensitivity: Jacobian,
     information: SMatrix<f64, SIZE, SIZE>,
 }
 
 impl Stretch {
     fn begin(sample: &Sample, worth: Worth) -> Self {
-        let mut begun = Self { sensitivity: Sensitivity::identity(), information: SMatrix::zeros() };
+        let mut begun = Self { sensitivity: Jacobian::identity(), information: SMatrix::zeros() };
         begun.read(sample, worth);
         begun
     }

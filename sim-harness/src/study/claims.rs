@@ -19,16 +19,11 @@ use rundown_pages::numbers::{NOTHING, number};
 pub struct Claim {
     /// Figure or section of the paper: `2` to `9`, or `3.2`, `4.1`, `4.2`.
     pub place: &'static str,
-    /// What the paper says.
     pub statement: &'static str,
-    /// The paper's mode on these runs.
     pub paper: String,
-    /// The gated mode on these runs.
     pub gated: String,
-    /// What is true, where it is known.
     pub truth: String,
     pub verdict: Verdict,
-    /// By which criterion, or why not.
     pub why: String,
 }
 
@@ -58,7 +53,6 @@ impl Verdict {
     }
 }
 
-/// All claims, in the order of the paper.
 pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim> {
     let mut claims = Vec::from(driving::setting(train));
     claims.push(driving::runs(gathered));
@@ -117,7 +111,6 @@ fn three(gathered: &Gathered, of: impl Fn(&Tallies) -> Option<String>) -> Column
     [of(&gathered.paper), of(&gathered.gated), truth.flatten()]
 }
 
-/// Within so much of a number.
 fn near(found: Option<f64>, wanted: f64, margin: f64) -> Option<bool> {
     found.map(|found| (found - wanted).abs() <= margin)
 }

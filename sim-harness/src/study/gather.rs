@@ -8,11 +8,12 @@
 //! The paper's filter begins each run with the manufacturer's values, as the paper does; the gated mode carries each unit's vehicle.
 //! What is kept does not grow with the number of runs: [`DRAWN`] runs for figures at most, evenly spread, and one vehicle for each unit.
 
+use super::Refused;
 use super::case::{Case, CaseTruth};
 use super::moments::Moments;
-use super::source::{Source, SourceError};
+use super::source::RunSource;
 use super::tallies::{LIMIT_KMH, Tallies};
-use super::view::View;
+use super::view::Seen;
 use crate::output::json::Failed;
 use rayon::prelude::*;
 use rundown::estimator::Estimator;
@@ -33,9 +34,7 @@ pub const DRAWN: usize = 200;
 
 #[derive(Clone, Debug)]
 pub struct Estimators {
-    /// The paper's loop.
     pub paper: Estimator,
-    /// Learning while coasting.
     pub gated: Estimator,
 }
 
@@ -47,14 +46,12 @@ impl Estimators {
     }
 }
 
-/// What was measured and what is drawn of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawn {
     pub recording: Recording,
-    pub paper: View,
-    pub gated: View,
-    /// As it was.
-    pub truth: Option<View>,
+    pub paper: Seen,
+    pub gated: Seen,
+    pub truth: Option<Seen>,
 }
 
 impl Drawn {
@@ -68,7 +65,6 @@ impl Drawn {
     }
 }
 
-/// The run of Figs. 3, 5 and 6, whole.
 #[derive(Clone, Debug)]
 pub struct Example {
     pub paper: ReplayedRun,
@@ -94,7 +90,6 @@ pub struct Gathered {
     pub interval_s: Moments,
     pub rows: u64,
     pub drawn: Vec<Drawn>,
-    /// The run of Figs. 3, 5 and 6.
     pub example: Option<Example>,
     /// What the gated mode knows of each unit after its last run, by name.
     pub units: Vec<(String, Gaussian<3>)>,
@@ -107,8 +102,8 @@ pub type Sink<'a> = dyn FnMut(&[Case], &[Record]) -> std::io::Result<()> + 'a;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GatherError {
-    #[error(transparent)]
-    Source(#[from] SourceError),
+    #[error("{0}")]
+    Runs(#[from] Refused),
     #[error("{0}")]
     Sink(#[from] std::io::Error),
 }
@@ -119,7 +114,7 @@ pub enum GatherError {
 /// # Errors
 /// [`GatherError`] when runs cannot be read or rows cannot be written. A single bad log is no error: it is in `failed`.
 pub fn gather(
-    source: &mut Source,
+    source: &mut RunSource,
     estimators: &Estimators,
     wanted: Option<&str>,
     sink: &mut Sink,
@@ -142,11 +137,11 @@ pub fn gather(
         let (paper, gated) =
             rayon::join(|| apart(&estimators.paper, &cases), || carried(&estimators.gated, &cases, &mut vehicles));
         let train = estimators.paper.train();
-        let views = |run: &ReplayedRun| View::of_replay(run, train);
-        let of_paper: Vec<View> = paper.par_iter().map(views).collect();
-        let of_gated: Vec<View> = gated.par_iter().map(views).collect();
-        let truths: Vec<Option<View>> =
-            cases.par_iter().map(|case| case.truth.as_ref().map(|t| View::of_truth(t, train))).collect();
+        let views = |run: &ReplayedRun| Seen::of_replay(run, train);
+        let of_paper: Vec<Seen> = paper.par_iter().map(views).collect();
+        let of_gated: Vec<Seen> = gated.par_iter().map(views).collect();
+        let truths: Vec<Option<Seen>> =
+            cases.par_iter().map(|case| case.truth.as_ref().map(|t| Seen::of_truth(t, train))).collect();
         let views = of_paper.iter().zip(&of_gated).zip(&truths);
         let records: Vec<Record> = cases
             .iter()
@@ -235,7 +230,6 @@ impl Gathered {
     }
 }
 
-/// Each run for itself.
 fn apart(estimator: &Estimator, cases: &[Case]) -> Vec<ReplayedRun> {
     let one = |case: &Case| {
         let mut vehicle = estimator.new_vehicle();
@@ -286,7 +280,7 @@ fn top_kmh(case: &Case) -> f64 {
     kmh.fold(0.0, f64::max)
 }
 
-fn record(case: &Case, views: [&View; 2], truth: Option<&View>) -> Record {
+fn record(case: &Case, views: [&Seen; 2], truth: Option<&Seen>) -> Record {
     let text = |name: &str, text: &str| (name.to_owned(), Cell::from(text));
     let mut record = vec![
         text("run", &case.recording.name),
@@ -298,9 +292,9 @@ fn record(case: &Case, views: [&View; 2], truth: Option<&View>) -> Record {
         record.extend(view.outcome.record(prefix));
     }
     // The same columns for every run, so that a table of recorded and simulated runs is one.
-    let nothing = View {
+    let nothing = Seen {
         outcome: super::view::Outcome { davis: [f64::NAN; 3], ..super::view::Outcome::default() },
-        ..View::default()
+        ..Seen::default()
     };
     record.extend(truth.unwrap_or(&nothing).outcome.record("true"));
     record

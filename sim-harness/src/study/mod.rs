@@ -32,3 +32,6 @@ pub(crate) mod trials;
 pub(crate) mod truth_folder;
 pub(crate) mod view;
 pub(crate) mod write;
+
+/// Why something is not studied, in words.
+pub(crate) type Refused = Box<dyn std::error::Error + Send + Sync>;

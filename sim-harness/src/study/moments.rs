@@ -6,9 +6,7 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Moments {
     pub count: u64,
-    /// Least value; infinite without one.
     pub least: f64,
-    /// Largest value; infinite without one.
     pub largest: f64,
     mean: f64,
     squares: f64,

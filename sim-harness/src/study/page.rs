@@ -12,23 +12,18 @@ use rundown_pages::numbers::{NOTHING, counted, number};
 use rundown_pages::shell::{document, figure};
 
 #[derive(Clone, Debug)]
-pub struct Page<'a> {
+pub struct StudyPage<'a> {
     pub train: &'a str,
     pub track: &'a str,
-    /// Where the runs come from, in words.
     pub source: String,
     pub gathered: &'a Gathered,
-    /// Figs. 2 to 9, in order.
     pub pictures: &'a [Picture],
-    /// Estimated over true deviation.
     pub slopes: &'a [Picture],
     pub answers: &'a [Answer],
     pub claims: &'a [Claim],
-    /// The paper's remark on the initial covariances.
     pub sensitivity: &'a [Sensitivity],
 }
 
-/// Headings of the figures by their number.
 const FIGURES: [(&str, &str); 8] = [
     ("2", "Fig. 2: speed profiles"),
     ("3", "Fig. 3: the filter on a single run"),
@@ -40,7 +35,7 @@ const FIGURES: [(&str, &str); 8] = [
     ("9", "Fig. 9: tractive power"),
 ];
 
-pub fn page(page: &Page) -> String {
+pub fn page(page: &StudyPage) -> String {
     let body = html! {
         (summary(page))
         (truth(page))
@@ -60,7 +55,7 @@ pub fn page(page: &Page) -> String {
     document(&format!("Case study: {} on {}", page.train, page.track), &body)
 }
 
-fn summary(page: &Page) -> Markup {
+fn summary(page: &StudyPage) -> Markup {
     let count = |verdict| page.claims.iter().filter(|c| c.verdict == verdict).count();
     let gathered = page.gathered;
     let runs = gathered.paper.runs as usize;
@@ -87,7 +82,6 @@ fn summary(page: &Page) -> Markup {
     }
 }
 
-/// Of how many runs the truth is known.
 pub fn known(gathered: &Gathered) -> String {
     let (runs, known) = (gathered.paper.runs, gathered.truth.runs);
     match (known, runs) {
@@ -100,7 +94,7 @@ pub fn known(gathered: &Gathered) -> String {
 }
 
 /// The paper's loop and the truth, before anything else is believed.
-fn truth(page: &Page) -> Markup {
+fn truth(page: &StudyPage) -> Markup {
     let slopes = |mode: &str, runs| {
         let answer = page.answers.iter().find(|a| a.mode == mode && a.runs == runs);
         answer.map_or_else(|| NOTHING.to_owned(), |answer| answer.slope.map(|slope| number(slope, 2)).join(" / "))
@@ -257,7 +251,6 @@ fn all_claims(claims: &[Claim]) -> Markup {
     }
 }
 
-/// Statistics of all runs, drawn or not.
 fn fleet(gathered: &Gathered) -> Markup {
     type Of = fn(&Tallies) -> &Moments;
     let rows: [(&str, f64, usize, Of); 12] = [

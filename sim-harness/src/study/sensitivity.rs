@@ -24,12 +24,10 @@ const WHICH: [(&str, [bool; 3]); 4] = [
     ("r0, r1, r2", [true; 3]),
 ];
 
-/// What a changed beginning does to the paper's filter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// The coefficients whose initial deviation is changed.
     pub which: &'static str,
-    /// By what it is multiplied.
     pub factor: f64,
     /// Runs in which a coefficient fell below zero.
     pub negative_runs: usize,
@@ -73,7 +71,6 @@ pub fn sensitivity(
     Ok(found)
 }
 
-/// Runs in which a coefficient falls below zero.
 pub(super) fn negative_runs(estimator: &Estimator, runs: &[Recording]) -> usize {
     let is_negative = |run: &&Recording| least(estimator, run).iter().any(|share| *share < 0.0);
     runs.par_iter().filter(is_negative).count()

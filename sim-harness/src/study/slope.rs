@@ -27,15 +27,11 @@ use rundown_truth::scenario::{DriveError, Scenario, simulate_planned};
 use rundown_truth::sensors::Sample;
 use serde::Serialize;
 
-/// Speeds of the slopes, km/h.
 pub const SLOPE_KMH: [f64; 3] = [60.0, 100.0, 140.0];
-/// Speeds of the errors, km/h.
 pub const ERROR_KMH: [f64; 7] = [20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0];
-/// Smallest and largest true over described resistance.
 pub const SCALES: [f64; 2] = [0.7, 1.3];
 /// Standard deviation by which each coefficient differs beyond the whole, share: that of the memory's prior.
 pub const SHAPE_SD: f64 = 0.10;
-/// The modes that are tested.
 pub const MODES: [Mode; 3] = [Mode::Paper, Mode::Gated, Mode::Measured];
 /// Runs after which is looked, before the last.
 const STAGES: [usize; 2] = [1, 10];
@@ -74,27 +70,23 @@ impl Plan {
     }
 }
 
-/// One vehicle in one mode after some runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     pub mode: Mode,
     pub vehicle: usize,
     pub scales: [f64; 3],
     pub runs: usize,
-    /// What the mode believes.
     pub believed: Gaussian<3>,
     pub truth: Davis,
     /// Smallest possible covariance, with the prior of the memory.
     pub bound: Matrix3<f64>,
 }
 
-/// A row of the answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
     pub mode: &'static str,
     pub runs: usize,
     pub vehicles: usize,
-    /// Slope of estimated on true deviation at [`SLOPE_KMH`].
     pub slope: [f64; 3],
     /// Standard deviation about the line at the same speeds, % of the described resistance.
     pub spread_percent: [f64; 3],
@@ -102,9 +94,7 @@ pub struct Answer {
     pub rmse_percent: f64,
     /// Root mean square of the Cramér-Rao bound over the same, %.
     pub bound_percent: f64,
-    /// Square of bound over error.
     pub efficiency: f64,
-    /// Share of the truths inside the reported 95 % interval.
     pub coverage: f64,
 }
 
@@ -192,7 +182,6 @@ impl Look {
     }
 }
 
-/// The answer in each mode at each stage.
 pub fn answers(plan: &Plan, looks: &[Look], described: &Davis) -> Vec<Answer> {
     let mut answers = Vec::new();
     for mode in MODES {
@@ -240,10 +229,8 @@ fn answer(mode: Mode, runs: usize, looks: &[&Look], described: &Davis) -> Answer
     }
 }
 
-/// A straight line through points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
-    /// Its height at 0.
     pub offset: f64,
     pub slope: f64,
     /// Standard deviation of the points about it.
@@ -290,7 +277,6 @@ pub fn records(answers: &[Answer]) -> Vec<Record> {
     answers.iter().map(row).collect()
 }
 
-/// The answers as a table for the terminal.
 pub fn table(answers: &[Answer]) -> String {
     let mut text = format!(
         "{:9} {:>4}  {:>22}  {:>20}  {:>7} {:>7} {:>10}  {:>9}\n",

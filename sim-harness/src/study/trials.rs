@@ -10,7 +10,7 @@
 use super::gather::{Drawn, Estimators};
 use super::moments::Moments;
 use super::sensitivity::{Sensitivity, negative_runs};
-use super::view::View;
+use super::view::Seen;
 use rayon::prelude::*;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
@@ -30,7 +30,6 @@ const PASSES: usize = 5;
 
 #[derive(Clone, Debug, Default)]
 pub struct Trials {
-    /// Larger initial deviations.
     pub sensitivity: Vec<Sensitivity>,
     pub noise: Vec<Noise>,
     /// All samples, and every second one; none without truth.
@@ -39,7 +38,6 @@ pub struct Trials {
     pub pace: Option<[Pace; 2]>,
 }
 
-/// What noise of the acceleration does to the paper's coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     pub sd_mps2: f64,
@@ -74,15 +72,15 @@ pub fn noise(config: &Config, train: Train, track: &Track, runs: &[Recording]) -
 
 /// Replays the runs whose truth is known with all their samples and with every [`KEPT`]th, each for itself.
 pub fn thinned(estimators: &Estimators, drawn: &[Drawn]) -> Option<[Misses; 2]> {
-    let known: Vec<(&Recording, &View)> =
+    let known: Vec<(&Recording, &Seen)> =
         drawn.iter().filter_map(|run| Some((&run.recording, run.truth.as_ref()?))).collect();
     let misses = |estimator: &Estimator, every: usize| {
-        let of_run = |(recording, truth): &(&Recording, &View)| {
+        let of_run = |(recording, truth): &(&Recording, &Seen)| {
             let mut recording = (*recording).clone();
             recording.rows = recording.rows.into_iter().step_by(every).collect();
             let mut vehicle = estimator.new_vehicle();
             let run = replay(estimator, &mut vehicle, &recording, Tick::EverySample);
-            let (seen, was) = (View::of_replay(&run, estimator.train()).outcome, &truth.outcome);
+            let (seen, was) = (Seen::of_replay(&run, estimator.train()).outcome, &truth.outcome);
             [(seen.coast_s, was.coast_s), (seen.brake_s, was.brake_s)].map(|(seen, was)| Some((seen? - was?).abs()))
         };
         let of_runs: Vec<_> = known.par_iter().map(of_run).collect();
@@ -98,7 +96,6 @@ pub fn thinned(estimators: &Estimators, drawn: &[Drawn]) -> Option<[Misses; 2]> 
     (!known.is_empty()).then(|| [1, KEPT].map(of))
 }
 
-/// Times both modes.
 pub fn pace(estimators: &Estimators, runs: &[Recording]) -> Option<[Pace; 2]> {
     let longest = runs.iter().max_by_key(|run| run.rows.len())?;
     let of = |estimator: &Estimator| {

@@ -8,39 +8,26 @@ use rundown_files::sample::Sample;
 use rundown_truth::sensors::TruthSample;
 use serde::Deserialize;
 use std::collections::HashMap;
+use std::fmt::Display;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Times of a log and of its truth are printed to the millisecond.
 const SAME_TIME_S: f64 = 1e-3;
 
-/// The truth of a folder of logs.
 #[derive(Clone, Debug)]
 pub struct TruthFolder {
     folder: PathBuf,
     runs: HashMap<String, RunTruth>,
 }
 
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum TruthError {
-    #[error("{}: cannot be read as truth: {message}", path.display())]
-    File { path: PathBuf, message: String },
-    #[error("{}: expected the truth at {time_s} s, as in the log; found none", path.display())]
-    OtherTimes {
-        path: PathBuf,
-        /// Time of the reading, s.
-        time_s: f64,
-    },
-}
-
-fn file_error(path: &Path, error: impl ToString) -> TruthError {
-    TruthError::File { path: path.to_owned(), message: error.to_string() }
+fn file_error(path: &Path, error: impl Display) -> String {
+    format!("{}: cannot be read as truth: {error}", path.display())
 }
 
 impl TruthFolder {
     /// The folder `truth` beside a folder of logs; `None` where there is none.
-    pub fn beside(logs: &Path) -> Result<Option<Self>, TruthError> {
+    pub fn beside(logs: &Path) -> Result<Option<Self>, String> {
         // Not `logs/../truth`: the folder may be a link, and the name of one in the working folder has no parent.
         let Some(parent) = logs.parent().filter(|_| logs.file_name().is_some()) else {
             return Ok(None);
@@ -57,7 +44,7 @@ impl TruthFolder {
     }
 
     /// The truth of a log, a row for each of its rows; `None` when the log is not one of this data set.
-    pub fn of(&self, log: &Path, rows: &[Sample]) -> Result<Option<CaseTruth>, TruthError> {
+    pub fn of(&self, log: &Path, rows: &[Sample]) -> Result<Option<CaseTruth>, String> {
         let Some(name) = log.file_name().and_then(|name| name.to_str()) else {
             return Ok(None);
         };
@@ -72,18 +59,19 @@ impl TruthFolder {
             let time_s = row.time_s;
             let found = rest.find(|sample| sample.time_s > time_s - SAME_TIME_S);
             let found = found.filter(|sample| sample.time_s < time_s + SAME_TIME_S);
-            found.copied().ok_or_else(|| TruthError::OtherTimes { path: path.clone(), time_s })
+            found.copied().ok_or_else(|| {
+                format!("{}: expected the truth at {time_s} s, as in the log; found none", path.display())
+            })
         };
         Ok(Some(CaseTruth { samples: rows.iter().map(sample).collect::<Result<_, _>>()?, facts: *facts }))
     }
 }
 
-fn samples(path: &Path) -> Result<Vec<TruthSample>, TruthError> {
+fn samples(path: &Path) -> Result<Vec<TruthSample>, String> {
     let read = || csv::Reader::from_path(path)?.into_deserialize().collect::<Result<Vec<TruthSample>, csv::Error>>();
     read().map_err(|error| file_error(path, error))
 }
 
-/// What is read of `truth.json`.
 #[derive(Deserialize)]
 struct Key {
     runs: Vec<KeyRun>,

@@ -17,7 +17,6 @@ use rundown_truth::sensors::TruthSample;
 
 /// Steps of ATB-EG, km/h, from the fastest (section 3.3).
 pub const ATB_STEPS_KMH: [f64; 4] = [130.0, 80.0, 60.0, 40.0];
-/// Names of the five steps.
 pub const ATB_NAMES: [&str; 5] = ["above_130", "130_to_80", "80_to_60", "60_to_40", "below_40"];
 /// Speeds of the red crosses of Fig. 9, km/h.
 pub const CROSS_KMH: std::ops::RangeInclusive<f64> = 50.0..=90.0;
@@ -30,12 +29,10 @@ const OVER_SAMPLES: usize = 2;
 /// Slower, the train may hold the speed of the departure zone, km/h.
 const OVER_KMH: f64 = 50.0;
 
-/// A run in a few numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Median.
     pub cruise_kmh: Option<f64>,
-    /// Length of the coast before the final brake, s.
     pub coast_s: Option<f64>,
     pub brake_s: Option<f64>,
     /// Share of the running time in traction, cruise, coast and brake; standing time is no running time.
@@ -48,7 +45,6 @@ pub struct Outcome {
     pub coast_mps2: Option<f64>,
     /// Intervals that say something of the largest tractive effort at low speed.
     pub effort_samples: Option<f64>,
-    /// Davis coefficients of this run's train at its end.
     pub davis: [f64; 3],
     /// Root mean square of filtered less measured speed, km/h.
     pub speed_rms_kmh: Option<f64>,
@@ -58,10 +54,8 @@ pub struct Outcome {
     pub learned_share: Option<f64>,
 }
 
-/// What the figures draw of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points {
-    /// r0, r1, r2 at each sample.
     pub davis: Vec<[f64; 3]>,
     /// Speed in km/h and brake rate in m/s² of each interval of braking.
     pub brake: Vec<(f64, f64)>,
@@ -69,7 +63,6 @@ pub struct Points {
     pub power: Vec<PowerPoint>,
 }
 
-/// Tractive power in one interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerPoint {
     pub speed_kmh: f64,
@@ -78,9 +71,8 @@ pub struct PowerPoint {
     pub location_m: f64,
 }
 
-/// A run through one pair of eyes.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct View {
+pub struct Seen {
     pub outcome: Outcome,
     pub points: Points,
 }
@@ -132,7 +124,7 @@ impl Points {
     }
 }
 
-impl View {
+impl Seen {
     pub fn of_replay(run: &ReplayedRun, train: &Train) -> Self {
         let features = &run.summary.features;
         let kw = train.rotating_mass_kg() / 1000.0;

@@ -1,20 +1,17 @@
 //! Files of a study: pictures as SVG, their numbers as CSV, a row for each run as CSV and Parquet, the page.
 
 use super::figures::Picture;
+use crate::output::files::failed;
+pub use crate::output::files::{folder, records, text};
 use rundown_files::WriteError;
 use rundown_files::parquet::TableWriter;
-use rundown_files::table::{self, Record};
+use rundown_files::table::Record;
 use rundown_pages::chart::standalone;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 pub const RUNS: &str = "runs";
-
-/// Makes a folder with those above it.
-pub fn folder(path: &Path) -> Result<(), WriteError> {
-    std::fs::create_dir_all(path).map_err(|source| failed(path, source))
-}
 
 /// Writes each picture and what it draws.
 pub fn pictures(folder: &Path, pictures: &[Picture]) -> Result<(), WriteError> {
@@ -23,26 +20,6 @@ pub fn pictures(folder: &Path, pictures: &[Picture]) -> Result<(), WriteError> {
         records(&folder.join(format!("{}.csv", picture.name)), &picture.records)?;
     }
     Ok(())
-}
-
-/// Writes a text.
-pub fn text(path: &Path, text: &str) -> Result<(), WriteError> {
-    std::fs::write(path, text).map_err(|source| failed(path, source))
-}
-
-/// Writes a table.
-pub fn records(path: &Path, records: &[Record]) -> Result<(), WriteError> {
-    let written = File::create(path).and_then(|file| {
-        let mut file = BufWriter::new(file);
-        table::write_csv(&mut file, records)?;
-        file.flush()
-    });
-    written.map_err(|source| failed(path, source))
-}
-
-fn failed(path: &Path, source: io::Error) -> WriteError {
-    let path = path.to_owned();
-    WriteError { path, source }
 }
 
 /// The table of all runs, written as the runs come: `runs.csv` and `runs.parquet`.

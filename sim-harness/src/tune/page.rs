@@ -1,7 +1,7 @@
 //! `report.html` of a tuning.
 
 use super::parameters::{PARAMETERS, Place, values};
-use super::score::Score;
+use super::score::FilterScore;
 use super::search::Found;
 use crate::study::figures::Picture;
 use crate::study::page::initial;
@@ -12,22 +12,18 @@ use rundown_pages::numbers::number;
 use rundown_pages::shell::{document, figure};
 
 #[derive(Clone, Debug)]
-pub struct Page<'a> {
-    /// What was tuned on, in words.
+pub struct TuningPage<'a> {
     pub source: String,
-    /// Table 1 and its score.
-    pub table1: (Place, Score),
+    pub table1: (Place, FilterScore),
     pub found: Found,
-    pub score: Score,
-    /// The surface around it.
+    pub score: FilterScore,
     pub pictures: &'a [Picture],
-    /// The remark of section 4.2, with Table 1.
     pub sensitivity: &'a [Sensitivity],
     /// Slopes of the paper's mode: with Table 1, and at the optimum.
     pub slopes: Option<[Answer; 2]>,
 }
 
-pub fn page(page: &Page) -> String {
+pub fn page(page: &TuningPage) -> String {
     let body = html! {
         p.lead {
             "The paper's filter, tuned on " (page.source) " by its two criteria: the summed logarithm of the conditional likelihood of location and speed, and coefficients that are not negative. "
@@ -56,7 +52,7 @@ pub fn page(page: &Page) -> String {
     document("Tuning of the paper's filter", &body)
 }
 
-fn scores(page: &Page) -> Markup {
+fn scores(page: &TuningPage) -> Markup {
     let rows = [("Table 1", &page.table1.1), ("optimum", &page.score)];
     html! {
         div.wide { table {
@@ -78,7 +74,7 @@ fn scores(page: &Page) -> Markup {
     }
 }
 
-fn parameters(page: &Page) -> Markup {
+fn parameters(page: &TuningPage) -> Markup {
     let (table1, optimum) = (values(&page.table1.0), values(&page.found.place));
     html! {
         div.wide { table {

@@ -6,12 +6,10 @@ use rundown::tick::paper::PaperConfig;
 
 pub const COUNT: usize = 11;
 
-/// A point of the search.
 pub type Place = [f64; COUNT];
 
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
-    /// Name in tables and files.
     pub name: &'static str,
     pub unit: &'static str,
     /// Least and largest value of the search, in its own unit.
@@ -22,7 +20,6 @@ pub struct Parameter {
 /// How a value becomes a coordinate.
 #[derive(Clone, Copy, Debug)]
 enum Scale {
-    /// log10 of it.
     Decades,
     Linear,
     /// log10 of 5 + κ, which must be above zero.
@@ -52,7 +49,6 @@ pub const PARAMETERS: [Parameter; COUNT] = [
 pub const LEAST_NOISE: f64 = 3e-5;
 
 impl Parameter {
-    /// The coordinate of a value.
     pub fn coordinate(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Decades => value.max(f64::MIN_POSITIVE).log10(),
@@ -61,7 +57,6 @@ impl Parameter {
         }
     }
 
-    /// The value at a coordinate.
     pub fn value(&self, coordinate: f64) -> f64 {
         match self.scale {
             Scale::Decades => 10_f64.powf(coordinate),
@@ -70,13 +65,11 @@ impl Parameter {
         }
     }
 
-    /// Least and largest coordinate of the search.
     pub fn ends(&self) -> [f64; 2] {
         self.range.map(|value| self.coordinate(value))
     }
 }
 
-/// The place of a filter.
 pub fn place(paper: &PaperConfig) -> Place {
     // Their names are those of a configuration file; a spread says its numbers no other way.
     let spread = serde_json::to_value(paper.spread).unwrap_or_default();

@@ -16,7 +16,6 @@ const TOLERANCE: f64 = 1e-6;
 pub struct Found {
     pub place: Place,
     pub cost: f64,
-    /// Costs that were asked for.
     pub evaluations: u64,
 }
 
@@ -47,7 +46,6 @@ impl<F: Fn()> CostFunction for Problem<'_, F> {
     }
 }
 
-/// Where the search begins.
 pub fn starts() -> [Place; 2] {
     let wide = PaperConfig {
         spread: Spread::WIDE,

@@ -22,7 +22,6 @@ const FINEST: f64 = 0.01;
 /// Places that [`profiles`] and [`plane`] ask for.
 pub const EVALUATIONS: usize = COUNT * (2 * HALF as usize + 1) + (HALF as usize + 1) * (HALF as usize + 1);
 
-/// One place of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Spot {
     value: f64,
@@ -40,7 +39,6 @@ fn spot(bench: &Bench, place: &Place, value: f64, least: f64) -> Spot {
     }
 }
 
-/// The score along each parameter, the others as at the optimum.
 pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn()) -> Picture {
     let least = bench.cost(optimum);
     let (mut figures, mut records) = (Vec::new(), Vec::new());

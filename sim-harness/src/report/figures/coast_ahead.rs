@@ -27,7 +27,7 @@ pub fn coast_ahead(run: &RunView) -> Option<String> {
     let mut speed = panel(run, &axis, "speed at the target, km/h", speeds, |arrival| {
         (KMH * arrival.speed_mps, KMH * arrival.speed_sd_mps)
     });
-    let permitted = axis.series(run.estimates, |index, _, x| {
+    let permitted = axis.series(&run.estimates, |index, _, x| {
         let (target, _) = arrival(run, index)?;
         Some((x, KMH * target.limit_mps.unwrap_or(0.0)))
     });
@@ -59,18 +59,18 @@ fn arrival(run: &RunView, index: usize) -> Option<(Target, Arrival)> {
 
 fn panel(run: &RunView, axis: &Axis, label: &str, came: Vec<Point>, value: impl Fn(&Arrival) -> (Real, Real)) -> Panel {
     let at = |index| arrival(run, index).map(|(_, arrival)| value(&arrival));
-    let band = axis.series(run.estimates, |index, _, x| {
+    let band = axis.series(&run.estimates, |index, _, x| {
         let (mean, sd) = at(index)?;
         let half = NINETY_PERCENT * sd;
         Some((x, mean - half, mean + half))
     });
-    let mean = axis.series(run.estimates, |index, _, x| Some((x, at(index)?.0)));
+    let mean = axis.series(&run.estimates, |index, _, x| Some((x, at(index)?.0)));
     let mut layers = vec![
         Layer::spans(
             "the train coasts",
             colours::of_regime(Regime::Coast),
             BACKGROUND,
-            axis.spans(run.estimates, |index, _| run.regime(index) == Regime::Coast),
+            axis.spans(&run.estimates, |index, _| run.regime(index) == Regime::Coast),
         ),
         Layer::band("90 % band", colours::ESTIMATED, BAND, band),
         Layer::line("if it coasts from here on", colours::ESTIMATED, Stroke::Solid, mean),
@@ -108,12 +108,13 @@ fn came(run: &RunView) -> Vec<(Real, Real, Real)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::example::Example;
+    use super::super::super::example;
     use super::*;
     use rundown::model::point::Point as From;
+    use rundown_files::replay::ReplayedRun;
 
     /// To the place where the train is after sample 60, said from sample 40 on.
-    fn predictions(example: &Example) -> Vec<CoastAhead> {
+    fn predictions(example: &ReplayedRun) -> Vec<CoastAhead> {
         let at_m = example.estimates[60].belief.mean[state::LOCATION] + 50.0;
         let one = |index: usize| CoastAhead {
             from: From {
@@ -138,9 +139,9 @@ mod tests {
 
     #[test]
     fn predictions_stand_beside_what_came() {
-        let example = Example::run();
-        let predictions = predictions(&example);
-        let view = RunView { coast_ahead: &predictions, ..example.view() };
+        let mut example = example::run();
+        example.coast_ahead = predictions(&example);
+        let view = RunView::of(&example, None);
         let [(km, kmh, time_s)] = came(&view)[..] else {
             panic!("{:?}", came(&view));
         };
@@ -163,7 +164,7 @@ mod tests {
 
     #[test]
     fn without_a_prediction_there_is_no_figure() {
-        let example = Example::run();
-        assert_eq!(coast_ahead(&example.view()), None);
+        let example = example::run();
+        assert_eq!(coast_ahead(&RunView::of(&example, None)), None);
     }
 }

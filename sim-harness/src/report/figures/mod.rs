@@ -36,7 +36,6 @@ const MILLI: Real = 1e3;
 /// Opacity of the ±1.96 sd band.
 const BAND: Real = 0.18;
 
-/// Opacity of the background where was learned.
 const BACKGROUND: Real = 0.16;
 
 fn figure(title: String, description: &str, axis: &Axis, panels: Vec<Panel>) -> String {

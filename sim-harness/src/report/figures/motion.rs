@@ -41,8 +41,8 @@ pub fn motion(run: &RunView, train: &Train) -> String {
 }
 
 fn speed_panel(run: &RunView, axis: &Axis) -> Panel {
-    let measured = axis.series(run.estimates, |index, _, x| Some((x, KMH * run.measurement(index)?.speed_mps?)));
-    let estimated = axis.series(run.estimates, |_, estimate, x| {
+    let measured = axis.series(&run.estimates, |index, _, x| Some((x, KMH * run.measurement(index)?.speed_mps?)));
+    let estimated = axis.series(&run.estimates, |_, estimate, x| {
         trusted(estimate).then_some((x, KMH * estimate.belief.mean[state::SPEED]))
     });
     Panel::new(
@@ -67,7 +67,7 @@ pub(super) fn speed_range(run: &RunView) -> Range<Real> {
 }
 
 fn acceleration_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
-    let values = axis.series(run.estimates, |_, estimate, x| Some((x, estimate.acceleration_mps2?)));
+    let values = axis.series(&run.estimates, |_, estimate, x| Some((x, estimate.acceleration_mps2?)));
     let limit = -train.description().max_brake_mps2;
     Panel::new(
         "acceleration, m/s\u{b2}",
@@ -81,15 +81,15 @@ fn acceleration_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
 }
 
 fn effort_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
-    let values = axis.series(run.estimates, |_, estimate, x| Some((x, estimate.effort_n_per_kg?)));
-    let limit = axis.series(run.estimates, |_, estimate, x| {
+    let values = axis.series(&run.estimates, |_, estimate, x| Some((x, estimate.effort_n_per_kg?)));
+    let limit = axis.series(&run.estimates, |_, estimate, x| {
         let speed_mps = estimate.belief.mean[state::SPEED];
         let is_speed = speed_mps.is_finite() && trusted(estimate);
         is_speed.then(|| (x, train.max_effort_n_per_kg(speed_mps.max(0.0))))
     });
     let mut layers = Vec::new();
     if let Some(truth) = run.truth() {
-        let points = axis.series(run.estimates, |index, _, x| Some((x, truth.effort_n_per_kg[index])));
+        let points = axis.series(&run.estimates, |index, _, x| Some((x, truth.effort_n_per_kg[index])));
         layers.push(Layer::line("true", colours::TRUTH, Stroke::Solid, points));
     }
     layers.extend([
@@ -108,13 +108,13 @@ fn no_difference(run: &RunView) -> String {
 }
 
 fn coefficient_panel(run: &RunView, axis: &Axis, component: usize, label: &str, per_unit: Real, stated: Real) -> Panel {
-    let mean = axis.series(run.estimates, |_, estimate, x| Some((x, per_unit * estimate.belief.mean[component])));
-    let band = axis.series(run.estimates, |_, estimate, x| {
+    let mean = axis.series(&run.estimates, |_, estimate, x| Some((x, per_unit * estimate.belief.mean[component])));
+    let band = axis.series(&run.estimates, |_, estimate, x| {
         let mean = per_unit * estimate.belief.mean[component];
         let width = NINETY_FIVE * per_unit * estimate.belief.sd(component);
         Some((x, mean - width, mean + width))
     });
-    let learned = axis.spans(run.estimates, |_, estimate| estimate.learning);
+    let learned = axis.spans(&run.estimates, |_, estimate| estimate.learning);
     let mut layers = Vec::new();
     // Where all of the run is learning, as in the paper's mode, the background says nothing.
     let always = run.estimates.iter().skip(1).all(|e| e.learning);
@@ -148,13 +148,13 @@ fn coefficient_panel(run: &RunView, axis: &Axis, component: usize, label: &str, 
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::example::Example;
+    use super::super::super::example;
     use super::*;
 
     #[test]
     fn a_missing_speed_is_a_gap_of_the_measured_line_only() {
-        let example = Example::run();
-        let view = example.view();
+        let example = example::run();
+        let view = RunView::of(&example, None);
         let panel = speed_panel(&view, &Axis::of_motion(&view));
         let gaps = |layer: &Layer| match layer {
             Layer::Line { points, .. } => points.iter().filter(|point| point.is_none()).count(),
@@ -166,10 +166,10 @@ mod tests {
 
     #[test]
     fn a_wild_reading_does_not_flatten_the_run() {
-        let mut example = Example::run();
-        let before = speed_range(&example.view());
+        let mut example = example::run();
+        let before = speed_range(&RunView::of(&example, None));
         example.measurements[40].speed_mps = Some(500.0);
-        let after = speed_range(&example.view());
+        let after = speed_range(&RunView::of(&example, None));
         assert!(after.end < 1.31 * before.end);
     }
 }

@@ -21,14 +21,14 @@ pub fn innovations(run: &RunView) -> String {
             estimate.innovation.filter(|innovation| wanted(innovation.readings[reading]))
         };
         let there = |found| found != Reading::Missing;
-        let band = axis.series(run.estimates, |_, estimate, x| {
+        let band = axis.series(&run.estimates, |_, estimate, x| {
             let variance = of(estimate, there)?.covariance[(reading, reading)];
             let width = 2.0 * per_unit * variance.max(0.0).sqrt();
             Some((x, -width, width))
         });
         let values =
-            axis.series(run.estimates, |_, estimate, x| Some((x, per_unit * of(estimate, there)?.value[reading])));
-        let gated = axis.series(run.estimates, |_, estimate, x| {
+            axis.series(&run.estimates, |_, estimate, x| Some((x, per_unit * of(estimate, there)?.value[reading])));
+        let gated = axis.series(&run.estimates, |_, estimate, x| {
             let innovation = of(estimate, |found| found == Reading::Gated)?;
             Some((x, per_unit * innovation.value[reading]))
         });
@@ -76,19 +76,19 @@ pub fn readings(run: &RunView) -> String {
         heights: NO_GAP,
     };
     let validity = VALIDITIES.map(|(word, colour)| {
-        let spans = axis.spans(run.estimates, |_, e| e.validity.as_str() == word);
+        let spans = axis.spans(&run.estimates, |_, e| e.validity.as_str() == word);
         bars(word, colour, spans)
     });
     rows.push(("estimate".to_owned(), validity.into()));
-    let learned = axis.spans(run.estimates, |_, estimate| estimate.learning);
+    let learned = axis.spans(&run.estimates, |_, estimate| estimate.learning);
     rows.push(("resistance learned".to_owned(), vec![bars("learned", colours::LEARNING, learned)]));
     let regimes = Regime::ALL.map(|regime| {
-        let spans = axis.spans(run.estimates, |index, _| run.regime(index) == regime);
+        let spans = axis.spans(&run.estimates, |index, _| run.regime(index) == regime);
         bars("", colours::of_regime(regime), spans)
     });
     rows.push(("regime".to_owned(), regimes.into()));
     for cause in Cause::ALL {
-        let spans = axis.spans(run.estimates, |_, e| e.validity.cause() == Some(cause));
+        let spans = axis.spans(&run.estimates, |_, e| e.validity.cause() == Some(cause));
         if !spans.is_empty() {
             let worst = run.estimates.iter().any(|e| e.validity == Validity::Invalid(cause));
             let colour = if worst { colours::INVALID } else { colours::HELD };
@@ -125,24 +125,24 @@ pub fn readings(run: &RunView) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::example::Example;
+    use super::super::super::example;
     use super::*;
 
     #[test]
     fn a_run_without_innovations_says_so() {
-        let mut example = Example::run();
+        let mut example = example::run();
         for estimate in &mut example.estimates {
             estimate.innovation = None;
         }
-        assert!(innovations(&example.view()).contains("no innovation: nothing was expected"));
+        assert!(innovations(&RunView::of(&example, None)).contains("no innovation: nothing was expected"));
     }
 
     #[test]
     fn the_strip_names_each_cause() {
-        let mut example = Example::run();
-        assert!(!readings(&example.view()).contains("location jump"));
+        let mut example = example::run();
+        assert!(!readings(&RunView::of(&example, None)).contains("location jump"));
         example.estimates[50].validity = Validity::Invalid(Cause::LocationJump);
-        let svg = readings(&example.view());
+        let svg = readings(&RunView::of(&example, None));
         assert!(svg.contains("location jump") && svg.contains("no speed"));
     }
 }

@@ -23,7 +23,7 @@ pub fn regimes(run: &RunView) -> String {
     });
     let mut layers = vec![Layer::Pieces { legends: legends.collect(), pieces: regime_pieces(run, &axis) }];
     if axis.is_location {
-        let starts = [&run.features.final_coast, &run.features.final_brake];
+        let starts = [&run.summary.features.final_coast, &run.summary.features.final_brake];
         layers.push(Layer::marks(
             "start of final coast, brake",
             RGBColor(255, 140, 0),
@@ -80,24 +80,24 @@ fn regime_pieces(run: &RunView, axis: &Axis) -> Vec<(RGBColor, Vec<Point>)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::example::Example;
+    use super::super::super::example;
     use super::*;
 
     #[test]
     fn each_regime_has_its_colour_and_share() {
-        let svg = regimes(&Example::run().view());
+        let svg = regimes(&RunView::of(&example::run(), None));
         for regime in Regime::ALL {
             let RGBColor(r, g, b) = colours::of_regime(regime);
             assert!(svg.contains(&format!("stroke=\"#{r:02X}{g:02X}{b:02X}\"")), "{regime}");
         }
         assert!(svg.contains("coast 52.8\u{a0}%"));
-        assert!(!regimes(&Example::first(5).view()).contains("coast"));
+        assert!(!regimes(&RunView::of(&example::first(5), None)).contains("coast"));
     }
 
     #[test]
     fn the_pieces_of_the_regimes_join() {
-        let example = Example::run();
-        let view = example.view();
+        let example = example::run();
+        let view = RunView::of(&example, None);
         let pieces = regime_pieces(&view, &Axis::of_motion(&view));
         assert_eq!(pieces.len(), 6);
         for pair in pieces.windows(2) {

@@ -23,7 +23,7 @@ pub fn resistance_terms(run: &RunView) -> String {
     ];
     let mut layers = Vec::new();
     for (term, (legend, colour)) in names.into_iter().enumerate() {
-        let points = axis.series(run.estimates, |_, estimate, x| {
+        let points = axis.series(&run.estimates, |_, estimate, x| {
             let speed_mps = estimate.belief.mean[state::SPEED];
             let terms = estimate.davis().terms_n_per_kg(speed_mps);
             let below: Real = terms.iter().take(term).sum();
@@ -35,14 +35,14 @@ pub fn resistance_terms(run: &RunView) -> String {
         "track gradient (right axis)",
         colours::GRADIENT,
         Stroke::Thin,
-        axis.series(run.estimates, |_, estimate, x| Some((x, MILLI * estimate.gradient_n_per_kg))),
+        axis.series(&run.estimates, |_, estimate, x| Some((x, MILLI * estimate.gradient_n_per_kg))),
     ));
     if let Some(truth) = run.truth() {
         layers.push(Layer::line(
             "true running resistance",
             colours::TRUTH,
             Stroke::Dotted,
-            axis.series(run.estimates, |index, _, x| Some((x, MILLI * truth.resistance_n_per_kg[index]))),
+            axis.series(&run.estimates, |index, _, x| Some((x, MILLI * truth.resistance_n_per_kg[index]))),
         ));
     }
     let panel =

@@ -74,7 +74,6 @@ pub(super) fn feature_table(features: &Features, train: &Train, config: &Feature
     }
 }
 
-/// The ATB-EG steps as configured, from the fastest.
 fn brake_steps(config: &FeatureConfig) -> [String; 5] {
     let [a, b, c, d] = config.brake_steps_kmh;
     [

@@ -18,10 +18,8 @@ use rundown_pages::numbers::{counted, duration, number, percent};
 use rundown_pages::shell::{self, figure, signed_percent};
 use runs::{others, run_table};
 
-/// Speeds at which the resistance is told, km/h.
 const SPEEDS_KMH: [Real; 3] = [60.0, 100.0, 140.0];
 
-/// Speed of the vehicle's history, km/h.
 const HISTORY_KMH: Real = 100.0;
 
 const KMH: Real = 3.6;
@@ -89,7 +87,6 @@ fn summary(report: &Report) -> Markup {
     }
 }
 
-/// What is known of the resistance, against what the manufacturer says.
 fn verdict(report: &Report) -> Markup {
     let Some((name, vehicle)) = report.vehicle.last() else {
         return html! {

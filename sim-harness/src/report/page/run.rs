@@ -17,7 +17,7 @@ pub(super) fn run_section(index: usize, run: &RunView, report: &Report) -> Marku
             @if !run.warnings.is_empty() {
                 details open[run.warnings.len() <= 5] {
                     summary { (counted(run.warnings.len(), "warning", "warnings")) " about the log" }
-                    ul { @for warning in run.warnings { li { (warning) } } }
+                    ul { @for warning in &run.warnings { li { (warning) } } }
                 }
             }
             @if !run.estimates.is_empty() {
@@ -39,7 +39,7 @@ pub(super) fn run_section(index: usize, run: &RunView, report: &Report) -> Marku
                 (readings(run))
             }
             h3 { "Features" }
-            (feature_table(run.features, report.train, &report.features))
+            (feature_table(&run.summary.features, report.train, &report.features))
         }
     }
 }
@@ -80,7 +80,6 @@ fn run_words(run: &RunView, report: &Report) -> String {
     words
 }
 
-/// Why samples have no innovation.
 fn missing_innovations(run: &RunView) -> Markup {
     let mut first = 0;
     let mut unread = 0;
@@ -116,8 +115,8 @@ fn missing_innovations(run: &RunView) -> Markup {
 }
 
 fn readings(run: &RunView) -> Markup {
-    let causes: Vec<(Cause, u32)> = run.counters.iter().filter(|(_, count)| *count > 0).collect();
-    let dropped = run.counters.time_not_increasing;
+    let causes: Vec<(Cause, u32)> = run.summary.counters.iter().filter(|(_, count)| *count > 0).collect();
+    let dropped = run.summary.counters.time_not_increasing;
     let gated = gated(run);
     let has_doubts = run.estimates.iter().any(|estimate| estimate.validity.cause().is_some());
     html! {

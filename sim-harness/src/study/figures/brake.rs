@@ -8,7 +8,6 @@ use rundown_pages::chart::{Figure, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
 const BLACK: RGBColor = RGBColor(0, 0, 0);
-/// Right end of the axis, km/h.
 const END_KMH: f64 = 150.0;
 
 /// The picture. Means and deviations are those of all runs, dots those of the drawn ones; true means where `truth` has runs.

@@ -1,14 +1,13 @@
 //! Fig. 4: histograms of r0, r1, r2 at all samples, and Fig. 7: of cruise speed, final coast and final brake.
 
 use super::{Drawn, Eyes, Picture, number, text};
-use crate::study::view::{Outcome, View};
+use crate::study::view::{Outcome, Seen};
 use rundown::model::resistance::Davis;
 use rundown_files::table::{Cell, Record};
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;
 
-/// Columns of a histogram of coefficients.
 const BINS: usize = 40;
 
 /// Counts values in bins of one width; the edges are whole multiples of it.
@@ -89,7 +88,7 @@ pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
     let mut figures = Vec::new();
     let mut records = Vec::new();
     for (name, label, width, pick) in quantities {
-        let of = |view: &View| pick(&view.outcome);
+        let of = |view: &Seen| pick(&view.outcome);
         let seen: Vec<f64> = drawn.iter().filter_map(|r| of(eyes.of(r))).collect();
         let truths = drawn.iter().flat_map(|run| &run.truth);
         let truths: Vec<f64> = truths.filter_map(of).collect();

@@ -17,22 +17,17 @@ pub(crate) mod run;
 pub(crate) mod slope;
 
 use super::gather::Drawn;
-use super::view::View;
+use super::view::Seen;
 use rundown_files::table::{Cell, Record};
 
-/// A picture and what it draws.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Name of its files, without ending.
     pub name: String,
-    /// What is seen, for the reader.
     pub caption: String,
     pub svg: String,
-    /// A row for each thing drawn.
     pub records: Vec<Record>,
 }
 
-/// Whose eyes a figure looks through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Eyes {
     Paper,
@@ -40,10 +35,8 @@ pub enum Eyes {
 }
 
 impl Eyes {
-    /// Both, the paper's first.
     pub const BOTH: [Self; 2] = [Self::Paper, Self::Gated];
 
-    /// The word in names of files.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Paper => "paper",
@@ -51,8 +44,7 @@ impl Eyes {
         }
     }
 
-    /// What these eyes see of a run.
-    pub fn of(self, run: &Drawn) -> &View {
+    pub fn of(self, run: &Drawn) -> &Seen {
         match self {
             Self::Paper => &run.paper,
             Self::Gated => &run.gated,

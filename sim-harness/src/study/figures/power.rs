@@ -6,7 +6,6 @@ use rundown::model::train::Train;
 use rundown_pages::chart::{Figure, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
-/// Right end of the axis, km/h.
 const END_KMH: f64 = 145.0;
 
 pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {

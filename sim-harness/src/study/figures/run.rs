@@ -10,7 +10,6 @@ use rundown::model::train::Train;
 use rundown_files::replay::ReplayedRun;
 use rundown_files::table::Record;
 
-/// The three pictures, in this order.
 pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
     let run = match eyes {
         Eyes::Paper => &example.paper,

@@ -9,9 +9,7 @@ use rundown_files::table::Cell;
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
-/// Speed of the figure, km/h.
 const KMH: f64 = 100.0;
-/// Ends of both axes, %.
 const ENDS: std::ops::Range<f64> = -40.0..40.0;
 
 pub fn slope(looks: &[Look], runs: usize, described: &Davis) -> Picture {
