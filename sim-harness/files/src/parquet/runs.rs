@@ -210,20 +210,15 @@ fn record(run: &Recording, row: &Sample) -> Record {
 mod tests {
     use super::*;
     use crate::track_file::CentreLinePoint;
-    use rundown::model::units::KmPerHour;
 
-    /// Forty rows of a train that brakes, with every column.
+    /// Forty rows with a value in every column.
     fn recording(index: u32) -> Recording {
-        let row = |i: u32| Sample {
-            line: u64::from(i) + 2,
-            time_s: f64::from(10 * i),
-            location_m: Some(300.0 * f64::from(i + index)),
-            speed_mps: Some(KmPerHour(108.0 - 2.5 * f64::from(i)).to_mps()),
-            latitude_deg: Some(51.0 + f64::from(i)),
-            longitude_deg: Some(5.0),
-            effort_n_per_kg: (i > 3).then_some(-0.1),
-            temperature_c: Some(-3.5),
-            headwind_mps: (index == 1).then_some(2.5),
+        let row = |i: u32| {
+            let mut sample = Sample { line: u64::from(i) + 2, ..Sample::default() };
+            for (k, column) in (0..).zip(&COLUMNS) {
+                (column.set)(&mut sample, f64::from(10 * (i + index) + k));
+            }
+            sample
         };
         Recording {
             name: format!("run {index}"),
@@ -242,6 +237,7 @@ mod tests {
         let path = folder.path().join("runs.parquet");
         let mut runs: Vec<Recording> = (0..3).map(recording).collect();
         runs[1].rows[7].location_m = None;
+        runs[2].rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
         runs[2].direction = Direction::Down;
         let mut writer = RunWriter::new(&path);
         writer.write(&runs[..2]).unwrap();
