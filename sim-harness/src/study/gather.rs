@@ -14,7 +14,7 @@ use super::moments::Moments;
 use super::source::RunSource;
 use super::tallies::{LIMIT_KMH, Tallies};
 use super::view::Seen;
-use crate::output::json::Failed;
+use crate::logs::Failed;
 use rayon::prelude::*;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
