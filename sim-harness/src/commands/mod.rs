@@ -119,46 +119,20 @@ impl Failure {
     }
 }
 
-impl From<TomlError> for Failure {
-    fn from(error: TomlError) -> Self {
-        Self::refused(error)
-    }
+/// What each cause of a failure means for the exit code.
+macro_rules! failures {
+    ($($how:ident: $($error:ty),+;)+) => {$($(
+        impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::$how(error)
+            }
+        }
+    )+)+};
 }
 
-impl From<ConfigError> for Failure {
-    fn from(error: ConfigError) -> Self {
-        Self::refused(error)
-    }
-}
-
-impl From<RunSetError> for Failure {
-    fn from(error: RunSetError) -> Self {
-        Self::refused(error)
-    }
-}
-
-impl From<EffectError> for Failure {
-    fn from(error: EffectError) -> Self {
-        Self::refused(error)
-    }
-}
-
-impl From<FolderError> for Failure {
-    fn from(error: FolderError) -> Self {
-        Self::not_written(error)
-    }
-}
-
-impl From<Refused> for Failure {
-    fn from(error: Refused) -> Self {
-        Self::refused(error)
-    }
-}
-
-impl From<WriteError> for Failure {
-    fn from(error: WriteError) -> Self {
-        Self::not_written(error)
-    }
+failures! {
+    refused: TomlError, ConfigError, RunSetError, EffectError, Refused;
+    not_written: WriteError, FolderError;
 }
 
 /// The configuration of a file; without one, every default.
