@@ -3,7 +3,7 @@
 use super::recorded::{Opened, RecordedRuns};
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::simulation::scenario_file::Simulation;
-use crate::study::case::{Case, calm, case_study};
+use crate::study::case::{calm, case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, gather};
@@ -17,6 +17,7 @@ use rundown::estimator::config::Config;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown_files::parquet::RunWriter;
+use rundown_files::recording::Recording;
 use rundown_files::table::Record;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
@@ -253,9 +254,9 @@ fn gathered(
     let mut table = RunTable::begin(out)?;
     let mut kept = keep_runs.map(RunWriter::new);
     let bar = screen::progress(source.total());
-    let mut sink = |cases: &[Case], records: &[Record]| {
+    let mut sink = |recordings: &[&Recording], records: &[Record]| {
         if let Some(kept) = &mut kept {
-            kept.write(cases.iter().map(|case| &case.recording)).map_err(std::io::Error::other)?;
+            kept.write(recordings.iter().copied()).map_err(std::io::Error::other)?;
         }
         table.add(records)
     };
