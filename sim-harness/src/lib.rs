@@ -28,6 +28,7 @@ pub mod gap_bench;
 mod learned_train;
 #[cfg(feature = "link")]
 pub mod link;
+mod logs;
 mod output;
 mod report;
 #[cfg(feature = "link")]

@@ -143,10 +143,10 @@ impl Arguments {
             (setup.train, setup.track) = (Some(train), Some(track));
         }
         if let Some(path) = &self.train {
-            setup.train = Some(TrainFile::read(path).map_err(Failure::refused)?.0);
+            setup.train = Some(TrainFile::read(path)?.0);
         }
         if let Some(path) = &self.track {
-            setup.track = Some(TrackFile::read(path).map_err(Failure::refused)?.0);
+            setup.track = Some(TrackFile::read(path)?.0);
         }
         Ok(setup)
     }

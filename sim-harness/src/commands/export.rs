@@ -71,8 +71,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let out = &arguments.out;
     files::folder(out)
         .and_then(|()| files::file(&out.join("sfera.xml"), |file| sfera::write(file, train, &identity)))
-        .and_then(|()| files::text(&out.join("train.toml"), &toml))
-        .map_err(Failure::not_written)?;
+        .and_then(|()| files::text(&out.join("train.toml"), &toml))?;
     screen::print(&summary(&learned, &arguments.out));
     if !train.effect.is_empty() {
         screen::note("the train has named effects, which sfera.xml cannot hold; train.toml has them");

@@ -4,18 +4,17 @@ use super::{Failure, screen};
 use crate::desk::{Description, Desk};
 use crate::link::address::Address;
 use crate::link::record::Recorder;
+use crate::logs;
 use crate::session::{Heard, Session, SessionError};
-use rundown::estimator::config::Config;
 use rundown::link::Link;
 use rundown::model::effects::Effects;
 use rundown::onboard::auth::provisioning::{Provisioning, SIZE};
 use rundown::onboard::uplink::{Command, Pace, Request};
-use rundown_files::config_file;
 use rundown_files::effect_file;
 use rundown_files::effect_frame;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_log::BadRows;
 use rundown_files::run_set::RunSet;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
@@ -74,15 +73,12 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let (train_file, train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
-    let (track, _) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;
-    let config = match &arguments.config {
-        Some(path) => config_file::read(path).map_err(Failure::refused)?,
-        None => Config::default(),
-    };
+    let (train_file, train) = TrainFile::read(&arguments.train)?;
+    let (track, _) = TrackFile::read(&arguments.track)?;
+    let config = super::config(arguments.config.as_deref())?;
     let effects = match &arguments.effects {
         Some(path) => read_effects(path)?,
-        None => effect_file::effects(&track.effect, &train_file.effect, None).map_err(Failure::refused)?,
+        None => effect_file::effects(&track.effect, &train_file.effect, None)?,
     };
     let description = Description { effects, ..Description::new(&train, &track, config) };
     let recordings = recordings(arguments, &track)?;
@@ -118,15 +114,10 @@ fn read_effects(path: &Path) -> Result<Effects, Failure> {
 }
 
 fn recordings(arguments: &Arguments, track: &TrackFile) -> Result<Vec<Recording>, Failure> {
-    let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
+    let set = RunSet::find(&arguments.runs)?;
     let line = CentreLine::new(&track.centre_line);
-    set.files
-        .iter()
-        .map(|file| {
-            let log = RunLog::read(&file.path, BadRows::Refuse).map_err(Failure::refused)?;
-            Recording::new(file, &log, line.as_ref(), arguments.direction).map_err(Failure::refused)
-        })
-        .collect()
+    let read = |file| logs::read(file, BadRows::Refuse, line.as_ref(), arguments.direction);
+    set.files.iter().map(|file| read(file).map_err(|failed| Failure::refused(failed.error))).collect()
 }
 
 fn play<L: Link>(

@@ -19,8 +19,17 @@ mod simulate;
 mod study;
 mod tune;
 
+use crate::simulation::folder::FolderError;
+use crate::study::Refused;
 use clap::{CommandFactory, Parser, Subcommand};
+use rundown::estimator::config::Config;
+use rundown::model::effects::EffectError;
+use rundown::tick::bounds::ConfigError;
+use rundown_files::run_set::RunSetError;
+use rundown_files::toml_file::TomlError;
+use rundown_files::{WriteError, config_file};
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// What `--help` says about exit codes.
@@ -108,6 +117,27 @@ impl Failure {
     fn not_written(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), code: NOT_WRITTEN }
     }
+}
+
+/// What each cause of a failure means for the exit code.
+macro_rules! failures {
+    ($($how:ident: $($error:ty),+;)+) => {$($(
+        impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::$how(error)
+            }
+        }
+    )+)+};
+}
+
+failures! {
+    refused: TomlError, ConfigError, RunSetError, EffectError, Refused;
+    not_written: WriteError, FolderError;
+}
+
+/// The configuration of a file; without one, every default.
+fn config(path: Option<&Path>) -> Result<Config, Failure> {
+    path.map_or(Ok(Config::default()), |path| Ok(config_file::read(path)?))
 }
 
 /// Runs the command on the arguments of the process.

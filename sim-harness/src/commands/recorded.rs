@@ -36,10 +36,10 @@ impl RecordedRuns {
         let (Some(train), Some(track)) = (&self.train, &self.track) else {
             return Ok(None);
         };
-        let (train_file, train) = TrainFile::read(train).map_err(Failure::refused)?;
-        let (track_file, track) = TrackFile::read(track).map_err(Failure::refused)?;
+        let (train_file, train) = TrainFile::read(train)?;
+        let (track_file, track) = TrackFile::read(track)?;
         let line = CentreLine::new(&track_file.centre_line);
-        let source = RunSource::recorded(&self.runs, line, screen::note).map_err(Failure::refused)?;
+        let source = RunSource::recorded(&self.runs, line, screen::note)?;
         Ok(Some(Opened { train_file, train, track_file, track, source }))
     }
 }

@@ -2,7 +2,8 @@
 
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::advice::advice;
-use crate::output::json::{self, Failed, mode_word};
+use crate::logs::{self, Failed};
+use crate::output::json::{self, mode_word};
 use crate::output::write_tables;
 use crate::report::{Report, RunView, write_report};
 use clap::ValueEnum;
@@ -10,13 +11,12 @@ use rayon::prelude::*;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
 use rundown::model::train::Train;
-use rundown_files::config_file;
 use rundown_files::effect_file;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
-use rundown_files::run_log::{BadRows, RunLog};
-use rundown_files::run_set::{RunFile, RunSet};
+use rundown_files::run_log::BadRows;
+use rundown_files::run_set::RunSet;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use serde_json::Value;
@@ -159,26 +159,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 }
 
 fn setup(arguments: &Arguments) -> Result<ReplaySetup, Failure> {
-    let (train, core_train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
-    let (track, core_track) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;
-    let mut config = match &arguments.config {
-        Some(path) => config_file::read(path).map_err(Failure::refused)?,
-        None => Config::default(),
-    };
+    let (train, core_train) = TrainFile::read(&arguments.train)?;
+    let (track, core_track) = TrackFile::read(&arguments.track)?;
+    let mut config = super::config(arguments.config.as_deref())?;
     if let Some(mode) = arguments.mode {
         config.mode = mode.into();
     }
-    let effects = effect_file::effects(&track.effect, &train.effect, None).map_err(Failure::refused)?;
-    let estimator = Estimator::try_new(config, core_train, core_track).map_err(Failure::refused)?.with_effects(effects);
+    let effects = effect_file::effects(&track.effect, &train.effect, None)?;
+    let estimator = Estimator::try_new(config, core_train, core_track)?.with_effects(effects);
     Ok(ReplaySetup { config, train, core_train, track, estimator })
 }
 
 fn replay(arguments: &Arguments, setup: &ReplaySetup) -> Result<Results, Failure> {
-    let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
+    let set = RunSet::find(&arguments.runs)?;
     let line = CentreLine::new(&setup.track.centre_line);
     let bad_rows = if arguments.skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse };
     let read: Vec<Result<Recording, Failed>> =
-        set.files.par_iter().map(|file| read(file, bad_rows, line.as_ref(), arguments.direction)).collect();
+        set.files.par_iter().map(|file| logs::read(file, bad_rows, line.as_ref(), arguments.direction)).collect();
     let (mut recordings, mut failed) = (Vec::new(), Vec::new());
     for result in read {
         match result {
@@ -206,25 +203,13 @@ fn replay(arguments: &Arguments, setup: &ReplaySetup) -> Result<Results, Failure
 fn own_estimators(setup: &ReplaySetup, recordings: &[Recording]) -> Result<HashMap<String, Estimator>, Failure> {
     let mut own = HashMap::new();
     for recording in recordings {
-        let effects = effect_file::effects(&setup.track.effect, &setup.train.effect, Some(&recording.name))
-            .map_err(Failure::refused)?;
+        let effects = effect_file::effects(&setup.track.effect, &setup.train.effect, Some(&recording.name))?;
         if effects != *setup.estimator.effects() {
             let estimator = setup.estimator.clone().with_effects(effects);
             own.insert(recording.name.clone(), estimator);
         }
     }
     Ok(own)
-}
-
-fn read(
-    file: &RunFile,
-    bad_rows: BadRows,
-    line: Option<&CentreLine>,
-    direction: DirectionChoice,
-) -> Result<Recording, Failed> {
-    let failed = |error: String| Failed { file: file.path.clone(), error };
-    let log = RunLog::read(&file.path, bad_rows).map_err(|error| failed(error.to_string()))?;
-    Recording::new(file, &log, line, direction).map_err(|error| failed(error.to_string()))
 }
 
 /// Writes the tables and the report; returns what `--json` prints.
@@ -239,8 +224,8 @@ pub(super) fn write(folder: &Path, setup: &ReplaySetup, results: &Results) -> Re
         failed: &results.failed,
         notes: &results.notes,
     });
-    write_tables(folder, &results.runs, &setup.config, &json).map_err(Failure::not_written)?;
-    write_report(&folder.join("report.html"), &report(setup, results)).map_err(Failure::not_written)?;
+    write_tables(folder, &results.runs, &setup.config, &json)?;
+    write_report(&folder.join("report.html"), &report(setup, results))?;
     Ok(json)
 }
 

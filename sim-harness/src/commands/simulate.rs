@@ -82,8 +82,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut simulation = match &arguments.scenario {
         Some(path) => Simulation::read(path),
         None => Simulation::parse(Path::new("scenario"), ""),
-    }
-    .map_err(Failure::refused)?;
+    }?;
     if let Some(seed) = arguments.seed {
         simulation.seed = seed;
     }
@@ -94,7 +93,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let bar = screen::progress(simulation.runs);
     let facts = folder::write(&simulation, out, arguments.force, || bar.inc(1));
     bar.finish_and_clear();
-    let facts = facts.map_err(Failure::not_written)?;
+    let facts = facts?;
     screen::print(&summary(&simulation, &facts, begun.elapsed().as_secs_f64()));
     let out = out.display();
     screen::print(&format!("logs: {out}/runs, truth: {out}/truth\n"));

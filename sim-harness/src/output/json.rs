@@ -9,13 +9,13 @@
 //!   "failed": [ { "file", "errors": [ ... ] } ], "notes": [ ... ] }
 //! ```
 
+use crate::logs::Failed;
 use crate::output::{coast_ahead, estimates, features, parameters};
 use rundown::estimator::StepError;
 use rundown::estimator::config::{Config, Mode};
 use rundown_files::replay::{Dropped, ReplayedRun, Tick};
 use rundown_files::table::{Record, to_json};
 use serde_json::{Value, json};
-use std::path::PathBuf;
 
 #[derive(Clone, Debug)]
 pub struct Replay<'a> {
@@ -28,12 +28,6 @@ pub struct Replay<'a> {
     pub failed: &'a [Failed],
     /// What a person should know about all of them: [`crate::advice`], and their order.
     pub notes: &'a [String],
-}
-
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Failed {
-    pub file: PathBuf,
-    pub error: String,
 }
 
 pub const fn mode_word(mode: Mode) -> &'static str {

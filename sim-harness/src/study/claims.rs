@@ -135,8 +135,7 @@ mod tests {
     use super::*;
     use crate::study::case::case_study;
     use crate::study::description;
-    use crate::study::sensitivity::Sensitivity;
-    use crate::study::trials::{Misses, Pace};
+    use crate::study::trials::{Misses, Pace, Sensitivity};
 
     fn train() -> Train {
         description::of(&case_study().unwrap()).unwrap().train

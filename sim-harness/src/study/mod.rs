@@ -12,7 +12,7 @@
 //! | what does the estimator say of one run, and what was true? | [`view`] |
 //! | and of all of them? | [`gather`], [`tallies`], [`moments`] |
 //! | what do the figures show? | [`figures`] |
-//! | what does the paper claim, and is it so here? | [`claims`], [`trials`], [`sensitivity`] |
+//! | what does the paper claim, and is it so here? | [`claims`], [`trials`] |
 //! | where is it told? | [`page`], [`write`](mod@write) |
 //! | does the estimate follow the truth, how closely could it? | [`slope`], [`bound`] |
 
@@ -24,7 +24,6 @@ pub(crate) mod figures;
 pub(crate) mod gather;
 pub(crate) mod moments;
 pub(crate) mod page;
-pub(crate) mod sensitivity;
 pub(crate) mod slope;
 pub(crate) mod source;
 pub(crate) mod tallies;

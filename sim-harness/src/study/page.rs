@@ -4,9 +4,9 @@ use super::claims::{Claim, Verdict};
 use super::figures::Picture;
 use super::gather::Gathered;
 use super::moments::Moments;
-use super::sensitivity::Sensitivity;
 use super::slope::Answer;
 use super::tallies::Tallies;
+use super::trials::Sensitivity;
 use maud::{Markup, html};
 use rundown_pages::numbers::{NOTHING, counted, number};
 use rundown_pages::shell::{document, figure};
@@ -190,14 +190,12 @@ fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, with_place: bool) -
 
 fn table1(sensitivity: &[Sensitivity]) -> Markup {
     let config = rundown::tick::paper::PaperConfig::default();
-    // Their names are those of a configuration file.
-    let spread = serde_json::to_value(config.spread).unwrap_or_default();
-    let of_spread = |name: &str| spread[name].to_string();
+    let [alpha, beta, kappa] = config.spread.parameters().map(|value| format!("{value:?}"));
     let [r0, r1, r2] = config.initial_davis_sd;
     let rows = [
-        ("\u{3b1}", of_spread("alpha")),
-        ("\u{3b2}", of_spread("beta")),
-        ("\u{3ba}", of_spread("kappa")),
+        ("\u{3b1}", alpha),
+        ("\u{3b2}", beta),
+        ("\u{3ba}", kappa),
         ("\u{3c3} of the location, initial", format!("{} m", config.initial_location_sd_m)),
         ("\u{3c3} of the speed, initial", format!("{} km/h", config.initial_speed_sd_kmh)),
         ("\u{3c3} of r0, initial", format!("{r0:e} N/kg")),

@@ -6,8 +6,10 @@
 //!
 //! A slope of 1 follows the truth, a slope of 0 does not see it. Efficiency is the variance that is possible over the one that was reached.
 
+use super::Refused;
 use super::bound::{Known, Worth, information};
 use super::case::Case;
+use super::description::Believed;
 use crate::report::resistance::{NINETY_FIVE, Resistance};
 use crate::simulation::scenario_file::Simulation;
 use nalgebra::{Matrix3, Vector3};
@@ -98,19 +100,25 @@ pub struct Answer {
     pub coverage: f64,
 }
 
+/// What came of a self-test.
+#[derive(Clone, Debug)]
+pub struct SelfTest {
+    pub looks: Vec<Look>,
+    /// One for each mode and stage.
+    pub answers: Vec<Answer>,
+    /// The described resistance.
+    pub stated: Davis,
+}
+
 /// Simulates and replays every vehicle, side by side. `done` is called once a run.
-pub fn look(plan: &Plan, config: Config, done: impl Fn() + Sync) -> Result<Vec<Look>, String> {
-    let mut estimators = Vec::new();
-    let description = super::description::of(&plan.simulation).map_err(|e| e.to_string())?;
-    for mode in MODES {
-        let (train, track) = (description.train, description.track.clone());
-        let estimator = Estimator::try_new(Config { mode, ..config }, train, track);
-        estimators.push(estimator.map_err(|error| error.to_string())?);
-    }
+pub fn self_test(plan: &Plan, config: Config, done: impl Fn() + Sync) -> Result<SelfTest, Refused> {
+    let Believed { train, track } = super::description::of(&plan.simulation)?;
+    let of_mode = |mode| Estimator::try_new(Config { mode, ..config }, train, track.clone());
+    let estimators = MODES.into_iter().map(of_mode).collect::<Result<Vec<_>, _>>()?;
     let one = |vehicle: usize| of_vehicle(plan, &estimators, vehicle, &done);
-    let looks: Result<Vec<Vec<Look>>, DriveError> = (0..plan.vehicles).into_par_iter().map(one).collect();
-    let looks = looks.map_err(|error| error.to_string())?;
-    Ok(looks.into_iter().flatten().collect())
+    let looks = (0..plan.vehicles).into_par_iter().map(one).collect::<Result<Vec<_>, DriveError>>()?.concat();
+    let stated = train.davis();
+    Ok(SelfTest { answers: answers(plan, &looks, &stated), looks, stated })
 }
 
 fn of_vehicle(
@@ -182,7 +190,7 @@ impl Look {
     }
 }
 
-pub fn answers(plan: &Plan, looks: &[Look], described: &Davis) -> Vec<Answer> {
+fn answers(plan: &Plan, looks: &[Look], described: &Davis) -> Vec<Answer> {
     let mut answers = Vec::new();
     for mode in MODES {
         for runs in plan.stages() {

@@ -3,13 +3,13 @@
 use super::Refused;
 use super::case::{Case, FleetUnit};
 use super::truth_folder::TruthFolder;
-use crate::output::json::Failed;
+use crate::logs::{self, Failed};
 use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::parquet::RunReader;
-use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::recording::DirectionChoice;
+use rundown_files::run_log::BadRows;
 use rundown_files::run_set::{RunFile, RunSet};
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -160,10 +160,8 @@ fn advance(next: &mut usize, end: usize) -> std::ops::Range<usize> {
 
 impl Logs {
     fn read(&self, file: &RunFile) -> Result<Case, Failed> {
-        let failed = |error: String| Failed { file: file.path.clone(), error };
-        let log = RunLog::read(&file.path, BadRows::Refuse).map_err(|error| failed(error.to_string()))?;
-        let recording = Recording::new(file, &log, self.line.as_ref(), DirectionChoice::Auto)
-            .map_err(|error| failed(error.to_string()))?;
+        let recording = logs::read(file, BadRows::Refuse, self.line.as_ref(), DirectionChoice::Auto)?;
+        let failed = |error| Failed { file: file.path.clone(), error };
         let truth = match self.truths.get(folder_of(file)) {
             Some(folder) => folder.of(&file.path, &recording.rows).map_err(failed)?,
             None => None,

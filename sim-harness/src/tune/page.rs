@@ -5,25 +5,29 @@ use super::score::FilterScore;
 use super::search::Found;
 use crate::study::figures::Picture;
 use crate::study::page::initial;
-use crate::study::sensitivity::Sensitivity;
 use crate::study::slope::Answer;
+use crate::study::trials::Sensitivity;
 use maud::{Markup, html};
 use rundown_pages::numbers::number;
 use rundown_pages::shell::{document, figure};
 
+/// What came of a tuning; of two, Table 1 is the first and the optimum the second.
 #[derive(Clone, Debug)]
-pub struct TuningPage<'a> {
+pub struct Tuning {
+    /// What was tuned on, in words.
     pub source: String,
-    pub table1: (Place, FilterScore),
+    pub table1: Place,
     pub found: Found,
-    pub score: FilterScore,
-    pub pictures: &'a [Picture],
-    pub sensitivity: &'a [Sensitivity],
-    /// Slopes of the paper's mode: with Table 1, and at the optimum.
-    pub slopes: Option<[Answer; 2]>,
+    pub scores: [FilterScore; 2],
+    /// The surface around the optimum.
+    pub pictures: [Picture; 2],
+    /// The remark of section 4.2, with Table 1.
+    pub sensitivity: Vec<Sensitivity>,
+    /// Of the paper's mode.
+    pub slopes: [Answer; 2],
 }
 
-pub fn page(page: &TuningPage) -> String {
+pub fn page(page: &Tuning) -> String {
     let body = html! {
         p.lead {
             "The paper's filter, tuned on " (page.source) " by its two criteria: the summed logarithm of the conditional likelihood of location and speed, and coefficients that are not negative. "
@@ -31,7 +35,7 @@ pub fn page(page: &TuningPage) -> String {
         }
         (scores(page))
         (parameters(page))
-        @if let Some([table1, optimum]) = &page.slopes {
+        @let [table1, optimum] = &page.slopes;
             p.note {
                 strong { "A likely filter is no true one. " }
                 "Slope of estimated on true deviation of the resistance at 60 / 100 / 140 km/h after one run: Table 1 "
@@ -40,20 +44,20 @@ pub fn page(page: &TuningPage) -> String {
                 ". The effort of the paper's loop is calculated from the resistance that it is to find; no choice of these parameters changes that. Error of r(v): "
                 (number(table1.rmse_percent, 1)) "\u{a0}% and " (number(optimum.rmse_percent, 1)) "\u{a0}%."
             }
-        }
         section { h2 { "The surface around the optimum" }
-            @for picture in page.pictures { (figure(picture.svg.clone(), &picture.caption)) }
+            @for picture in &page.pictures { (figure(picture.svg.clone(), &picture.caption)) }
         }
         section { h2 { "Sensitivity to the initial covariances" }
             p { "Section 4.2: two orders of magnitude more in one initial covariance give negative coefficients. Table 1 with larger initial deviations, on the same runs:" }
-            (initial(page.sensitivity))
+            (initial(&page.sensitivity))
         }
     };
     document("Tuning of the paper's filter", &body)
 }
 
-fn scores(page: &TuningPage) -> Markup {
-    let rows = [("Table 1", &page.table1.1), ("optimum", &page.score)];
+fn scores(page: &Tuning) -> Markup {
+    let [table1, optimum] = &page.scores;
+    let rows = [("Table 1", table1), ("optimum", optimum)];
     html! {
         div.wide { table {
             thead { tr {
@@ -74,8 +78,8 @@ fn scores(page: &TuningPage) -> Markup {
     }
 }
 
-fn parameters(page: &TuningPage) -> Markup {
-    let (table1, optimum) = (values(&page.table1.0), values(&page.found.place));
+fn parameters(page: &Tuning) -> Markup {
+    let (table1, optimum) = (values(&page.table1), values(&page.found.place));
     html! {
         div.wide { table {
             thead { tr {

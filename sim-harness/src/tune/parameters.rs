@@ -71,14 +71,12 @@ impl Parameter {
 }
 
 pub fn place(paper: &PaperConfig) -> Place {
-    // Their names are those of a configuration file; a spread says its numbers no other way.
-    let spread = serde_json::to_value(paper.spread).unwrap_or_default();
-    let of_spread = |name: &str| spread[name].as_f64().unwrap_or(f64::NAN);
+    let [alpha, beta, kappa] = paper.spread.parameters();
     let [r0, r1, r2] = paper.initial_davis_sd;
     let values = [
-        of_spread("alpha"),
-        of_spread("beta"),
-        of_spread("kappa"),
+        alpha,
+        beta,
+        kappa,
         paper.initial_location_sd_m,
         paper.initial_speed_sd_kmh,
         r0,

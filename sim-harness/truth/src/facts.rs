@@ -13,12 +13,10 @@ use serde::{Deserialize, Serialize};
 
 /// When, where and how fast.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the units are in the names")]
 pub struct Mark {
-    /// s.
     pub time_s: f64,
-    /// m.
     pub location_m: f64,
-    /// m/s.
     pub speed_mps: f64,
 }
 

@@ -69,12 +69,7 @@ impl Layer {
                 }
             }
             Self::Histogram { colour, opacity, bins, .. } => {
-                let bars = bins.iter().filter(|(_, count)| *count > 0.0);
-                let corners = bars.map(|(bin, count)| [(bin.start, 0.0), (bin.end, *count)]);
-                let (fill, edge) = (colour.mix(*opacity).filled(), colour.stroke_width(2));
-                for corners in corners {
-                    plot.draw_series([Rectangle::new(corners, fill), Rectangle::new(corners, edge)])?;
-                }
+                draw_columns(plot, bins, colour.mix(*opacity).filled(), colour.stroke_width(2))?;
             }
             Self::Cells { cells } => {
                 let cell = |(x, y, colour): &(Range<Real>, Range<Real>, RGBColor)| {
@@ -153,6 +148,19 @@ fn draw_band(
     }
     let outline: Vec<Point> = lower.into_iter().chain(upper.into_iter().rev()).collect();
     plot.draw_series([Polygon::new(outline, colour)])?;
+    Ok(())
+}
+
+fn draw_columns(
+    plot: &mut Plot,
+    bins: &[(Range<Real>, Real)],
+    fill: ShapeStyle,
+    edge: ShapeStyle,
+) -> Result<(), DrawingError> {
+    for (bin, count) in bins.iter().filter(|(_, count)| *count > 0.0) {
+        let corners = [(bin.start, 0.0), (bin.end, *count)];
+        plot.draw_series([Rectangle::new(corners, fill), Rectangle::new(corners, edge)])?;
+    }
     Ok(())
 }
 

@@ -300,17 +300,23 @@ impl Figure {
                 .y_label_formatter(&y_text)
                 .draw()?;
         }
-        if has_y && y.start < 0.0 && y.end > 0.0 {
+        panel.draw_layers(&mut plot, &x, &y)
+    }
+}
+
+impl Panel {
+    fn draw_layers(&self, plot: &mut Plot, x: &Range<Real>, y: &Range<Real>) -> Result<(), DrawingError> {
+        if self.axes != Axes::Strip && y.start < 0.0 && y.end > 0.0 {
             let zero = [(x.start, 0.0), (x.end, 0.0)];
             plot.draw_series([PathElement::new(zero, AXIS.stroke_width(2))])?;
         }
-        for layer in &panel.layers {
-            layer.draw(&mut plot, &x, &y)?;
+        for layer in &self.layers {
+            layer.draw(plot, x, y)?;
         }
-        if panel.is_empty() {
+        if self.is_empty() {
             let middle = (0.5 * (x.start + x.end), 0.5 * (y.start + y.end));
             let style = ("sans-serif", TEXT).into_font().color(&AXIS).pos(Pos::new(HPos::Center, VPos::Center));
-            plot.draw_series([Text::new(panel.empty.clone(), middle, style)])?;
+            plot.draw_series([Text::new(self.empty.clone(), middle, style)])?;
         }
         Ok(())
     }

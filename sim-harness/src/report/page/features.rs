@@ -3,7 +3,7 @@
 use super::KMH;
 use maud::{Markup, html};
 use rundown::Real;
-use rundown::features::{EffortLine, FeatureConfig, Features, Phase};
+use rundown::features::{EffortLine, Energy, FeatureConfig, Features, Phase};
 use rundown::model::train::Train;
 use rundown_pages::numbers::{NOTHING, counted, number, statistic};
 use rundown_pages::shell::swatch;
@@ -32,15 +32,6 @@ pub(super) fn feature_table(features: &Features, train: &Train, config: &Feature
     let [effort_count, effort_mean, _] = statistic(&effort, mass_kg / 1e3, 1);
     let effort_sd = number(line.and_then(EffortLine::known_sd).map(|sd| sd * mass_kg / 1e3), 1);
     let window = |[lower, upper]: [Real; 2]| format!("{lower} to {upper} km/h");
-    let energy = &features.energy;
-    let energies = [
-        ("Work of the traction", energy.traction_j_per_kg),
-        ("Work of the brake", energy.brake_j_per_kg),
-        ("Taken by r0", energy.r0_j_per_kg),
-        ("Taken by r1 v", energy.r1_j_per_kg),
-        ("Taken by r2 v\u{b2}", energy.r2_j_per_kg),
-        ("Taken by the gradient", energy.gradient_j_per_kg),
-    ];
     let moved = features.regime_time_s.iter().sum::<Real>() > 0.0;
     html! {
         div.wide { table.features {
@@ -61,7 +52,7 @@ pub(super) fn feature_table(features: &Features, train: &Train, config: &Feature
                 (row("Cruise speed, median", "km/h", once(features.cruise_speed_median_mps.map(|v| KMH * v), 1)))
                 (phase("Final coast", features.final_coast.as_ref()))
                 (phase("Final brake", features.final_brake.as_ref()))
-                @for (name, j_per_kg) in energies {
+                @for (name, j_per_kg) in energies(&features.energy) {
                     (row(name, "kWh", once(moved.then_some(j_per_kg * mass_kg / 3.6e6), 1)))
                 }
             }
@@ -72,6 +63,17 @@ pub(super) fn feature_table(features: &Features, train: &Train, config: &Feature
         }
         (switching_points(features))
     }
+}
+
+fn energies(energy: &Energy) -> [(&'static str, Real); 6] {
+    [
+        ("Work of the traction", energy.traction_j_per_kg),
+        ("Work of the brake", energy.brake_j_per_kg),
+        ("Taken by r0", energy.r0_j_per_kg),
+        ("Taken by r1 v", energy.r1_j_per_kg),
+        ("Taken by r2 v\u{b2}", energy.r2_j_per_kg),
+        ("Taken by the gradient", energy.gradient_j_per_kg),
+    ]
 }
 
 fn brake_steps(config: &FeatureConfig) -> [String; 5] {

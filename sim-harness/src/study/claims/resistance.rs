@@ -4,14 +4,15 @@ use super::{Claim, Columns, alone, claim, from_to, mean, near, percent, three};
 use crate::study::case::CaseTruth;
 use crate::study::gather::{Example, Gathered};
 use crate::study::moments::Moments;
-use crate::study::sensitivity::Sensitivity;
 use crate::study::tallies::{CLOUDS_KMH, R0_BAND, Tallies};
+use crate::study::trials::Sensitivity;
 use rundown::model::state;
 use rundown::model::train::Train;
 use rundown::tick::estimate::Estimate;
 use rundown::tick::regime::Regime;
 use rundown_files::replay::ReplayedRun;
 use rundown_pages::numbers::number;
+use rundown_truth::sensors::TruthSample;
 
 /// Why no verdict on the resistance speaks of the truth.
 const BLIND: &str =
@@ -34,30 +35,9 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     let example = gathered.example.as_ref();
     let paper = example.map(|example| &example.paper);
     let max_brake_mps2 = train.description().max_brake_mps2;
-    let brake = |run: &ReplayedRun| {
-        let rates = run.estimates.iter().zip(&run.regimes);
-        let rates = rates.filter(|(_, regime)| **regime == Regime::Brake);
-        let rates = rates.filter_map(|(estimate, _)| estimate.acceleration_mps2);
-        Some(rates.map(|a| -a).reduce(f64::max)? / max_brake_mps2)
-    };
-    let true_brake = |truth: &CaseTruth| {
-        let rates = truth
-            .samples
-            .windows(2)
-            .map(|pair| (pair[0].speed_mps - pair[1].speed_mps) / (pair[1].time_s - pair[0].time_s));
-        Some(rates.reduce(f64::max)? / max_brake_mps2)
-    };
-    let exceeds = |run: &ReplayedRun| {
-        let rows = run.estimates.iter().zip(&run.regimes);
-        let traction = rows.filter(|(_, regime)| **regime == Regime::Traction);
-        let shares = traction.filter_map(|(estimate, _)| {
-            let speed_mps = estimate.belief.mean[state::SPEED];
-            let limit_n_per_kg = train.max_effort_n_per_kg(speed_mps.max(0.0));
-            let is_fast = 3.6 * speed_mps > CLOUDS_KMH;
-            Some(estimate.effort_n_per_kg? / limit_n_per_kg).filter(|_| is_fast)
-        });
-        shares.reduce(f64::max)
-    };
+    let brake = |run: &ReplayedRun| Some(largest_brake_mps2(run)? / max_brake_mps2);
+    let true_brake = |truth: &CaseTruth| Some(true_brake_mps2(truth)? / max_brake_mps2);
+    let exceeds = |run: &ReplayedRun| largest_share(run, train);
     let truly_exceeds = |truth: &CaseTruth| {
         let fast = truth.samples.iter().filter(|s| 3.6 * s.speed_mps > CLOUDS_KMH);
         fast.map(|s| s.effort_n_per_kg / train.max_effort_n_per_kg(s.speed_mps)).reduce(f64::max)
@@ -109,6 +89,28 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
             "least correlation of any two of r0, r1, r2 along the run; above 0.8".to_owned(),
         ),
     ]
+}
+
+fn largest_brake_mps2(run: &ReplayedRun) -> Option<f64> {
+    let rates = run.estimates.iter().zip(&run.regimes).filter(|(_, regime)| **regime == Regime::Brake);
+    rates.filter_map(|(estimate, _)| estimate.acceleration_mps2).map(|a| -a).reduce(f64::max)
+}
+
+fn true_brake_mps2(truth: &CaseTruth) -> Option<f64> {
+    let rate = |pair: &[TruthSample]| (pair[0].speed_mps - pair[1].speed_mps) / (pair[1].time_s - pair[0].time_s);
+    truth.samples.windows(2).map(rate).reduce(f64::max)
+}
+
+/// Largest effort above [`CLOUDS_KMH`], as a share of the manufacturer's at that speed.
+fn largest_share(run: &ReplayedRun, train: &Train) -> Option<f64> {
+    let traction = run.estimates.iter().zip(&run.regimes).filter(|(_, regime)| **regime == Regime::Traction);
+    let shares = traction.filter_map(|(estimate, _)| {
+        let speed_mps = estimate.belief.mean[state::SPEED];
+        let limit_n_per_kg = train.max_effort_n_per_kg(speed_mps.max(0.0));
+        let is_fast = 3.6 * speed_mps > CLOUDS_KMH;
+        Some(estimate.effort_n_per_kg? / limit_n_per_kg).filter(|_| is_fast)
+    });
+    shares.reduce(f64::max)
 }
 
 /// The paper's coefficients move by tenths of a per cent.

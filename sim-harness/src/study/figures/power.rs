@@ -21,28 +21,22 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let crosses: Vec<(f64, f64)> = drawn.iter().filter_map(largest).map(|p| place(&p)).collect();
     let mut records = Vec::new();
     for run in drawn {
+        let record = |kind, point: &PowerPoint, largest| {
+            vec![
+                text("kind", kind),
+                text("run", run.name()),
+                number("speed_kmh", point.speed_kmh),
+                number("power_kw", point.power_kw),
+                number("location_m", point.location_m),
+                text("largest_50_90", largest),
+            ]
+        };
         let largest = largest(run);
         let truth = run.truth.iter().flat_map(|truth| &truth.points.power);
-        records.extend(truth.map(|point| {
-            vec![
-                text("kind", "true"),
-                text("run", run.name()),
-                number("speed_kmh", point.speed_kmh),
-                number("power_kw", point.power_kw),
-                number("location_m", point.location_m),
-                text("largest_50_90", ""),
-            ]
-        }));
-        records.extend(eyes.of(run).points.power.iter().map(|point| {
-            vec![
-                text("kind", "observed"),
-                text("run", run.name()),
-                number("speed_kmh", point.speed_kmh),
-                number("power_kw", point.power_kw),
-                number("location_m", point.location_m),
-                text("largest_50_90", if largest == Some(*point) { "yes" } else { "no" }),
-            ]
-        }));
+        records.extend(truth.map(|point| record("true", point, "")));
+        let observed = eyes.of(run).points.power.iter();
+        let word = |point: &PowerPoint| if largest == Some(*point) { "yes" } else { "no" };
+        records.extend(observed.map(|point| record("observed", point, word(point))));
     }
     let true_points = drawn.iter().flat_map(|run| &run.truth);
     let true_points = true_points.flat_map(|truth| truth.points.power.iter().map(place));

@@ -2,9 +2,8 @@
 
 use super::{Picture, number, text};
 use crate::output::json::mode_word;
-use crate::study::slope::{Look, MODES, fit};
+use crate::study::slope::{Look, MODES, SelfTest, fit};
 use rundown::estimator::config::Mode;
-use rundown::model::resistance::Davis;
 use rundown_files::table::Cell;
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
 use rundown_pages::colours;
@@ -12,14 +11,14 @@ use rundown_pages::colours;
 const KMH: f64 = 100.0;
 const ENDS: std::ops::Range<f64> = -40.0..40.0;
 
-pub fn slope(looks: &[Look], runs: usize, described: &Davis) -> Picture {
+pub fn slope(test: &SelfTest, runs: usize) -> Picture {
     let (mut figures, mut records) = (Vec::new(), Vec::new());
     for mode in MODES {
         let of = |look: &&Look| look.mode == mode && look.runs == runs;
         let mut points = Vec::new();
         let mut bars = Vec::new();
-        for look in looks.iter().filter(of) {
-            let Some([x, y, sd]) = look.deviations(described, KMH) else {
+        for look in test.looks.iter().filter(of) {
+            let Some([x, y, sd]) = look.deviations(&test.stated, KMH) else {
                 continue;
             };
             points.push((100.0 * x, 100.0 * y));
