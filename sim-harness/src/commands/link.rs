@@ -15,7 +15,7 @@ use rundown_files::effect_file;
 use rundown_files::effect_frame;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_log::BadRows;
 use rundown_files::run_set::RunSet;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
@@ -125,8 +125,7 @@ fn recordings(arguments: &Arguments, track: &TrackFile) -> Result<Vec<Recording>
     set.files
         .iter()
         .map(|file| {
-            let log = RunLog::read(&file.path, BadRows::Refuse).map_err(Failure::refused)?;
-            Recording::new(file, &log, line.as_ref(), arguments.direction).map_err(Failure::refused)
+            Recording::read(file, BadRows::Refuse, line.as_ref(), arguments.direction).map_err(Failure::refused)
         })
         .collect()
 }

@@ -15,7 +15,7 @@ use rundown_files::effect_file;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
-use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_log::BadRows;
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
@@ -227,9 +227,8 @@ fn read(
     line: Option<&CentreLine>,
     direction: DirectionChoice,
 ) -> Result<Recording, Failed> {
-    let failed = |error: String| Failed { file: file.path.clone(), error };
-    let log = RunLog::read(&file.path, bad_rows).map_err(|error| failed(error.to_string()))?;
-    Recording::new(file, &log, line, direction).map_err(|error| failed(error.to_string()))
+    Recording::read(file, bad_rows, line, direction)
+        .map_err(|error| Failed { file: file.path.clone(), error: error.to_string() })
 }
 
 /// Writes the tables and the report; returns what `--json` prints.

@@ -9,7 +9,7 @@ use rundown_files::map_matching::CentreLine;
 use rundown_files::parquet::{ParquetError, RunReader};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::ReadError;
-use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_log::BadRows;
 use rundown_files::run_set::{RunFile, RunSet};
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -200,8 +200,7 @@ fn advance(next: &mut usize, end: usize) -> std::ops::Range<usize> {
 impl Logs {
     fn read(&self, file: &RunFile) -> Result<Case, Failed> {
         let failed = |error: String| Failed { file: file.path.clone(), error };
-        let log = RunLog::read(&file.path, BadRows::Refuse).map_err(|error| failed(error.to_string()))?;
-        let recording = Recording::new(file, &log, self.line.as_ref(), DirectionChoice::Auto)
+        let recording = Recording::read(file, BadRows::Refuse, self.line.as_ref(), DirectionChoice::Auto)
             .map_err(|error| failed(error.to_string()))?;
         let truth = match self.truths.get(folder_of(file)) {
             Some(folder) => folder.of(&file.path, &recording.rows).map_err(|error| failed(error.to_string()))?,
