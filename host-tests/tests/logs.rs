@@ -11,7 +11,7 @@ use rundown_files::map_matching::{CentreLine, MatchState};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::replay::{Tick, replay_carried_by};
 use rundown_files::run_log::{BadRows, RunLog};
-use rundown_files::run_set::RunSet;
+use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::track_file::{CentreLinePoint, TrackFile};
 use rundown_files::train_file::TrainFile;
 use serde::Deserialize;
@@ -146,11 +146,8 @@ fn every_recorded_run_is_replayed_to_its_last_row() {
     let Some(folder) = recordings() else { return };
     let (_, track) = TrackFile::read(&folder.join("track_kolkata.toml")).unwrap();
     let estimator = Estimator::try_new(Config::default(), train(), track).unwrap();
-    let mut recordings = Vec::new();
-    for file in runs(&folder).files {
-        let log = RunLog::read(&file.path, BadRows::Refuse).unwrap();
-        recordings.push(Recording::new(&file, &log, None, DirectionChoice::Auto).unwrap());
-    }
+    let read = |file: &RunFile| Recording::read(file, BadRows::Refuse, None, DirectionChoice::Auto).unwrap();
+    let recordings: Vec<Recording> = runs(&folder).files.iter().map(read).collect();
     for tick in [Tick::EverySample, Tick::Period { seconds: 10.0 }] {
         for run in replay_carried_by(&|_| &estimator, &recordings, tick, || ()) {
             assert!(run.dropped.is_empty(), "{}: {:?}", run.name, run.dropped);

@@ -3,7 +3,7 @@
 use crate::words::Value;
 use serde::{Deserialize, Serialize};
 
-/// The prediction and where it begins. Sent when it has moved by more than the board is told to bear, and once a minute as it was said last.
+/// The prediction and where it begins. Sent when it has moved by more than the configuration allows, and once a minute as it was sent last.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoastAhead {
     /// Time of the estimate that it begins with, s, on the sender's clock.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// One frame of the board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Downlink {
-    /// Counts every frame of the board; wraps, and begins anew with each run. A gap is a loss.
+    /// Counts every frame of the board; wraps, and begins at 0 with each run. A gap is a loss.
     pub sequence: u16,
     /// Ticks of the run.
     pub tick: u32,
@@ -257,7 +257,7 @@ pub struct Features {
     pub resistance_j_per_kg: [f32; 4],
 }
 
-/// Where one regime gave way to another.
+/// Where one regime followed another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SwitchingPoint {
     /// Time, s, on the sender's clock.

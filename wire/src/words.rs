@@ -106,9 +106,9 @@ words! {
         StuckLocation "stuck_location",
         /// The train runs against its direction of travel.
         Reversing "reversing",
-        /// Locations that the speed does not lead to agreed with each other: the location was taken up anew.
+        /// Locations that the speed does not lead to agreed with each other: the location was reset to them.
         Contradiction "contradiction",
-        /// No measurement for so long that location and speed were taken up anew.
+        /// No measurement for so long that location and speed were reset.
         LongGap "long_gap",
         /// The covariance was repaired.
         Numerics "numerics",

@@ -46,7 +46,7 @@ fn toolchain() -> Result<Toolchain, String> {
     })
 }
 
-/// Whether rustup brought the target. Its failure is no error: there is another way.
+/// Whether rustup brought the target. Its failure is no error: Debian's packages do as well.
 fn add_target() -> bool {
     let mut command = Command::new("rustup");
     command.args(["target", "add", TARGET]).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());

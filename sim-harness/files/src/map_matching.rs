@@ -14,7 +14,7 @@ use std::ops::Range;
 
 /// Farthest believable distance of a fix from the line, m: several times the error of a phone at a window seat.
 pub const MAX_DISTANCE_M: f64 = 100.0;
-/// Fastest believable way along the line, m/s.
+/// Fastest believable travel along the line, m/s.
 const MAX_SPEED_MPS: f64 = 120.0;
 /// How far two neighbouring matches may lie apart beyond that, m.
 const MATCH_ERROR_M: f64 = 2.0 * MAX_DISTANCE_M;

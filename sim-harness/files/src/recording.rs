@@ -8,7 +8,7 @@
 use crate::effect_file::day_of;
 use crate::map_matching::{CentreLine, MatchState, NoMatch};
 use crate::refusal::{Place, ReadError};
-use crate::run_log::RunLog;
+use crate::run_log::{BadRows, RunLog};
 use crate::run_set::RunFile;
 use crate::sample::{LOCATION, Sample};
 use crate::units::{self, median};
@@ -54,6 +54,19 @@ pub struct Recording {
 }
 
 impl Recording {
+    /// Reads a log and makes a recording of it.
+    ///
+    /// # Errors
+    /// As [`RunLog::read`] and [`Recording::new`].
+    pub fn read(
+        file: &RunFile,
+        bad_rows: BadRows,
+        line: Option<&CentreLine>,
+        choice: DirectionChoice,
+    ) -> Result<Self, ReadError> {
+        Self::new(file, &RunLog::read(&file.path, bad_rows)?, line, choice)
+    }
+
     /// Gives the rows of a log their locations, and the run its direction.
     ///
     /// # Errors
@@ -157,12 +170,12 @@ fn direction(
     match (stated, travelled_m) {
         (Some(stated), Some(travelled_m)) => {
             if travelled_m * stated.sign() < -SHORTEST_M {
-                let (word, way) = match stated {
+                let (word, trend) = match stated {
                     Direction::Up => ("up", "fall"),
                     Direction::Down => ("down", "grow"),
                 };
                 warn(format!(
-                    "the direction is stated as {word}, but the locations {way} by {:.0} m",
+                    "the direction is stated as {word}, but the locations {trend} by {:.0} m",
                     travelled_m.abs()
                 ));
             }
@@ -172,7 +185,10 @@ fn direction(
         (None, Some(travelled_m)) if travelled_m < 0.0 => Direction::Down,
         (None, Some(_)) => Direction::Up,
         (None, None) => {
-            warn("no location from which to tell the direction; taken as up (see --direction)".to_owned());
+            warn(
+                "expected locations that grow or fall, found none; the direction is taken as up (see --direction)"
+                    .to_owned(),
+            );
             Direction::Up
         }
     }
@@ -192,7 +208,6 @@ fn travelled_m(rows: &[Sample]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run_log::BadRows;
     use crate::track_file::CentreLinePoint;
 
     fn recording(text: &str, line: Option<&CentreLine>, indexed: Option<Direction>) -> Result<Recording, ReadError> {

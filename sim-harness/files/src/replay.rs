@@ -5,7 +5,7 @@
 //! | tick | rows that are steps |
 //! |---|---|
 //! | [`Tick::EverySample`] | all |
-//! | [`Tick::Period`] | the newest row of each period, the board's way with a faster recorder: the first row, then the last row of (0, S], (S, 2S], ... after it |
+//! | [`Tick::Period`] | the newest row of each period, as the board does with a faster recorder: the first row, then the last row of (0, S], (S, 2S], ... after it |
 //!
 //! Rows whose time does not increase are dropped and named by [`Dropped`]; nothing else is.
 

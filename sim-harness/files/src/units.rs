@@ -1,6 +1,6 @@
 //! Do the columns of a log hold the units that their names say?
 //!
-//! Way by location over way by speed is 1 where all is well, within the few percent of a worn wheel. A speed in m/s makes it 3.6, a time in milliseconds or a location in kilometres a
+//! Distance by location over distance by speed is 1 where all is well, within the few percent of a worn wheel. A speed in m/s makes it 3.6, a time in milliseconds or a location in kilometres a
 //! thousandth. An effort that is a force has values that no train has. Medians, so that no single wild reading decides.
 
 use crate::sample::Sample;
@@ -9,15 +9,15 @@ use thiserror::Error;
 /// A column that seems to hold another unit.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Doubt {
-    /// Way by location over way by speed is far from 1.
-    #[error("the way by location_m is {ratio:.3} times the way by speed_kmh and time_s, expected 1: {}", likely(*ratio))]
-    Way {
+    /// Distance by location over distance by speed is far from 1.
+    #[error("expected 1 as ratio of the distance by location_m to that by speed_kmh and time_s, found {ratio:.3}: {}", likely(*ratio))]
+    Distance {
         /// Their ratio.
         ratio: f64,
     },
     /// Efforts that no train has.
     #[error(
-        "half of the efforts are {median:.0} or more, expected effort_n_per_kg below {MOST_EFFORT} N/kg: a force has to be divided by the rotating mass (1 kN = 1000 N)"
+        "expected most of effort_n_per_kg below {MOST_EFFORT} N/kg, found half of it at {median:.0} or more: a force has to be divided by the rotating mass (1 kN = 1000 N)"
     )]
     Effort {
         /// Median of the efforts that are not zero.
@@ -27,7 +27,7 @@ pub enum Doubt {
 
 /// No train pulls or brakes harder for half of its time, N/kg.
 const MOST_EFFORT: f64 = 3.0;
-/// Ways further apart than by this factor are no matter of a wheel.
+/// Distances further apart than by this factor are no matter of a wheel.
 const FAR: f64 = 1.25;
 /// Fewer pairs or efforts decide nothing.
 const FEW: usize = 20;
@@ -59,7 +59,7 @@ pub fn doubt(rows: &[Sample]) -> Option<Doubt> {
         moving.then_some((to.1 - from.1).abs() / by_speed)
     });
     let ratio = middle(ratios)?;
-    (!(1.0 / FAR..FAR).contains(&ratio)).then_some(Doubt::Way { ratio })
+    (!(1.0 / FAR..FAR).contains(&ratio)).then_some(Doubt::Distance { ratio })
 }
 
 fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn another_unit_is_named() {
         let of = |rows: Vec<Sample>, unit: &str| assert!(words(&rows).contains(unit), "{}", words(&rows));
-        of(rows(1.0, 1.0, 1.0 / 3.6, 1.0), "3.600 times");
+        of(rows(1.0, 1.0, 1.0 / 3.6, 1.0), "found 3.600");
         of(rows(1.0, 1.0, 1.0 / 3.6, 1.0), "m/s");
         of(rows(1.0, 1.0, 0.6214, 1.0), "miles");
         of(rows(1e3, 1.0, 1.0, 1.0), "milliseconds");
