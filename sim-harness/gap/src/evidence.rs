@@ -4,7 +4,7 @@
 //! as negative, so flipping the signs of whole runs gives the distribution of the largest of them, whatever the correlation within a run and
 //! between probes. (Sign-flip test; runs are the unit.) What sensors leave in all runs alike is no gap: the observed scores are less by what 1e-4 N/kg would make.
 
-use crate::columns::{hats, in_the_middle, knots};
+use crate::columns::{coordinate_name, hats, in_the_middle, knots};
 use crate::config::EvidenceConfig;
 use crate::data::believed::Context;
 use crate::data::rows::Row;
@@ -17,11 +17,36 @@ use rand_chacha::ChaCha8Rng;
 use rundown::model::direction::Direction;
 use rundown::model::effects::Coordinate;
 
+/// Along what residuals may vary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// A coordinate of the runs.
+    Over(Coordinate),
+    /// The effort.
+    Effort,
+    /// Power 1, coast 0, brake -1.
+    Regime,
+    /// Up 1, down -1.
+    Direction,
+}
+
+impl Along {
+    /// As in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Over(coordinate) => coordinate_name(coordinate),
+            Self::Effort => "effort",
+            Self::Regime => "regime",
+            Self::Direction => "direction",
+        }
+    }
+}
+
 /// How strongly the residuals depend on one coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evidence {
     /// Along what.
-    pub coordinate: &'static str,
+    pub along: Along,
     /// Largest score over runs, in standard deviations.
     pub score: f64,
     /// Where it is largest.
@@ -33,12 +58,12 @@ pub struct Evidence {
 /// A column for each value at which a probe stands.
 type Columns = Vec<(f64, Vec<f64>)>;
 
-/// Along what there may be a gap, with the probes for each: hats along coordinates and the effort, regimes (1 power, 0 coast, -1 brake), directions (1 up, -1 down).
-fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(&'static str, Columns)> {
+/// Along what there may be a gap, with the probes for each: hats along coordinates and the effort, regimes, directions.
+fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(Along, Columns)> {
     let along = |axis: Coordinate, count: usize| {
         let knots = knots(rows.iter().filter_map(|row| in_the_middle(axis, row)), count);
         let columns = hats(axis, &knots, rows);
-        knots.into_iter().zip(columns).collect()
+        (Along::Over(axis), knots.into_iter().zip(columns).collect())
     };
     let those = |value: f64, acts: &dyn Fn(&Row) -> bool| {
         let column = rows.iter().map(|row| f64::from(acts(row))).collect();
@@ -51,14 +76,14 @@ fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(&'static str, Columns)> {
     });
     let coast_n_per_kg = config.coast_n_per_kg;
     vec![
-        ("location", along(Coordinate::Location, config.location_knots)),
-        ("speed", along(Coordinate::Speed, config.knots)),
-        ("time", along(Coordinate::Time, config.knots)),
-        ("temperature", along(Coordinate::Temperature, config.run_knots)),
-        ("day", along(Coordinate::Day, config.run_knots)),
-        ("effort", effort.collect()),
+        along(Coordinate::Location, config.location_knots),
+        along(Coordinate::Speed, config.knots),
+        along(Coordinate::Time, config.knots),
+        along(Coordinate::Temperature, config.run_knots),
+        along(Coordinate::Day, config.run_knots),
+        (Along::Effort, effort.collect()),
         (
-            "regime",
+            Along::Regime,
             vec![
                 those(1.0, &|row| row.effort_n_per_kg > coast_n_per_kg),
                 those(0.0, &|row| row.effort_n_per_kg.abs() <= coast_n_per_kg),
@@ -66,7 +91,7 @@ fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(&'static str, Columns)> {
             ],
         ),
         (
-            "direction",
+            Along::Direction,
             [Direction::Up, Direction::Down]
                 .map(|direction| those(direction.sign(), &|row| row.direction == direction))
                 .to_vec(),
@@ -98,7 +123,7 @@ fn probes(
     context: &Context<'_>,
     rows: &[Row],
     calibrated: &Calibrated,
-    axes: &[(&'static str, Columns)],
+    axes: &[(Along, Columns)],
 ) -> Option<Vec<Probe>> {
     let config = &context.config.evidence;
     let whitening = calibrated.whitening(context, rows);
@@ -152,10 +177,10 @@ pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) ->
         }
     }
     let p = |count: usize| (count + 1) as f64 / (config.flips + 1) as f64;
-    let of_axis = |(axis, (name, _)): (usize, &(&'static str, Columns))| {
+    let of_axis = |(axis, (along, _)): (usize, &(Along, Columns))| {
         let of = (0..probes.len()).filter(|i| probes[*i].axis == axis);
         let best = of.max_by(|a, b| observed[*a].total_cmp(&observed[*b]))?;
-        Some(Evidence { coordinate: name, score: observed[best], at: probes[best].at, p_value: p(exceeded[axis]) })
+        Some(Evidence { along: *along, score: observed[best], at: probes[best].at, p_value: p(exceeded[axis]) })
     };
     let mut all: Vec<Evidence> = axes.iter().enumerate().filter_map(of_axis).collect();
     all.sort_by(|a, b| b.score.total_cmp(&a.score));

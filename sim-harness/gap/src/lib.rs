@@ -56,7 +56,6 @@ mod fit;
 pub mod holdout;
 pub mod input;
 pub mod investigation;
-mod kind;
 pub mod named;
 mod naming;
 mod noise;

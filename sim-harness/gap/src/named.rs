@@ -2,7 +2,7 @@
 
 use crate::columns::coordinate_name;
 use crate::fit::TWO_SIDED;
-use rundown::model::effects::Effect;
+use rundown::model::effects::{Effect, EffectKind};
 use serde_json::{Map, Value, json};
 
 /// Name of a parameter with the ends of its 95 % interval.
@@ -18,7 +18,7 @@ pub struct Named {
     /// Probability that the name is right, among the rivals and chance.
     pub confidence: f64,
     /// Others that these data cannot separate from it.
-    pub ambiguous_with: Vec<&'static str>,
+    pub ambiguous_with: Vec<EffectKind>,
     /// What would separate them.
     pub would_separate: Vec<&'static str>,
     /// Runs in which it acts, if not in all.
@@ -58,10 +58,10 @@ impl Named {
     }
 
     /// Adds what may as well be it, with its odds and what would separate the two.
-    pub fn rival(&mut self, name: &'static str, odds: f64, separated_by: &'static str) {
+    pub fn rival(&mut self, kind: EffectKind, odds: f64, separated_by: &'static str) {
         self.confidence = 1.0 / (1.0 / self.confidence + odds);
         self.would_separate.push(separated_by);
-        self.ambiguous_with.push(name);
+        self.ambiguous_with.push(kind);
     }
 
     /// What an unknown effect depends on.
@@ -92,7 +92,7 @@ impl Named {
             "parameters": parameters,
             "intervals_95": intervals,
             "confidence": self.confidence,
-            "ambiguous_with": self.ambiguous_with,
+            "ambiguous_with": self.ambiguous_with.iter().map(|kind| kind.name()).collect::<Vec<_>>(),
             "would_separate": self.would_separate,
             "runs": self.runs,
             "coordinate": self.coordinate(),

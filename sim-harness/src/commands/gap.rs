@@ -2,10 +2,11 @@
 
 use super::{Failure, screen};
 use clap::builder::PossibleValuesParser;
+use rundown::model::effects::EffectKind;
 use rundown_files::recording::DirectionChoice;
 use rundown_gap::answer::files::AnswerError;
 use rundown_gap::answer::story::story;
-use rundown_gap::candidates::{ALL, explain, printed_config};
+use rundown_gap::candidates::{explain, printed_config};
 use rundown_gap::config::GapConfig;
 use rundown_gap::input::Input;
 use rundown_gap::refusal::Refusal;
@@ -55,7 +56,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", required_unless_present_any = ["explain", "print_config"], num_args = 1..)]
     runs: Vec<PathBuf>,
     /// Say what an effect is, its law, what it is confounded with, and which data would separate it
-    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(ALL.iter().map(|kind| kind.name())), exclusive = true)]
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(EffectKind::ALL.map(EffectKind::name)), exclusive = true)]
     explain: Option<String>,
     /// Thresholds and priors, as --print-config prints them; what a file leaves out stays as it is
     #[arg(long, value_name = "GAP.toml")]

@@ -6,6 +6,7 @@ use crate::simulation::folder::FolderError;
 use crate::simulation::scenario_file::{Simulation, TrainTable};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rundown::model::effects::EffectKind;
 use rundown::model::resistance::Davis;
 pub use rundown_gap::candidate::HiddenSize as Size;
 use rundown_gap::candidate::Hide;
@@ -25,7 +26,7 @@ pub const SIZES: [Size; 3] = [Size::Clear, Size::Medium, Size::Faint];
 
 /// Names of hidden effects: those of the catalogue, then those that are in none.
 pub fn kinds() -> impl Iterator<Item = &'static str> {
-    candidates::ALL.iter().flat_map(|kind| candidates::of(*kind).hidden_names())
+    EffectKind::ALL.into_iter().flat_map(|kind| candidates::of(kind).hidden_names())
 }
 
 /// What is asked of a set; the seed draws the rest.
@@ -157,7 +158,7 @@ fn effect(name: &str, size: Size, train: &TrainTruth, rng: &mut ChaCha8Rng) -> R
     let DavisTruth { r0, r1, r2 } = train.davis;
     let davis = Davis { r0, r1, r2 };
     let mut hide = Hide { size, section_m: [from_m, to_m], sign, davis, length_m: train.length_m, rng };
-    let mut of = candidates::ALL.iter().map(|kind| candidates::of(*kind));
+    let mut of = EffectKind::ALL.into_iter().map(|kind| candidates::of(kind));
     let candidate = of.find(|candidate| candidate.hidden_names().contains(&name));
     let hidden = candidate.and_then(|candidate| candidate.hidden(name, &mut hide));
     let mut hidden = hidden.ok_or_else(|| format!("{name}: no candidate hides it"))?;

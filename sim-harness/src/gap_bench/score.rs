@@ -64,7 +64,7 @@ impl Score {
             removed: found.and_then(|f| f.gap.removed),
             gap_mps: found.map_or([0.0; 3], |f| [f.gap.before, f.gap.after, f.gap.floor]),
             p_value: found.map_or(1.0, |f| f.p_value),
-            rivals: named.iter().flat_map(|n| n.ambiguous_with.clone()).collect(),
+            rivals: named.iter().flat_map(|n| n.ambiguous_with.iter().map(|kind| kind.name())).collect(),
             found: names,
             key,
         };
@@ -96,7 +96,7 @@ impl Score {
         if let (Some(a), Some(b)) = (section(&truth), section(&json)) {
             self.places.push(overlap(a, b));
         }
-        if let (Hidden::DavisError { .. }, Effect::DavisError(davis)) = (hidden, &found.effect) {
+        if let (Hidden::DavisError(_), Effect::DavisError(davis)) = (hidden, &found.effect) {
             self.size_errors.extend(davis_error(&truth, davis));
         } else if let Some((name, neutral)) = candidates::of_effect(&found.effect).main_parameter(train.length_m)
             && let (Some(a), Some(b)) = (truth[name].as_f64(), json["parameters"][name].as_f64())
@@ -120,7 +120,9 @@ fn one_to_one(key: &[&'static str], named: &[Named]) -> bool {
         key.iter().partition(|name| named.iter().any(|n| n.effect.name() == **name));
     left.retain(|n| !found.contains(&n.effect.name()));
     missing.iter().all(|name| {
-        let rival = |n: &&Named| n.ambiguous_with.len() <= MOST_RIVALS && n.ambiguous_with.contains(name);
+        let rival = |n: &&Named| {
+            n.ambiguous_with.len() <= MOST_RIVALS && n.ambiguous_with.iter().any(|kind| kind.name() == *name)
+        };
         match left.iter().position(rival) {
             Some(i) => {
                 left.remove(i);

@@ -2,7 +2,7 @@
 
 use crate::gap_bench::draw::{Ask, SIZES};
 use crate::gap_bench::score::Score;
-use rundown_gap::fit::median;
+use rundown_gap::median;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

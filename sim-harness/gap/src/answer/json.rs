@@ -42,7 +42,7 @@ impl Answer {
             "energy": self.energy(),
             "p_value": judged.then_some(found.p_value),
             "evidence": found.evidence.iter().map(|e| json!({
-                "coordinate": e.coordinate,
+                "coordinate": e.along.name(),
                 "score": e.score,
                 "at": e.at,
                 "p_value": e.p_value,

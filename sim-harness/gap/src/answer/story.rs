@@ -6,6 +6,7 @@ use crate::answer::whole::Answer;
 use crate::candidates;
 use crate::holdout::journey::Summary;
 use crate::named::Named;
+use rundown::model::effects::EffectKind;
 
 /// The story.
 pub fn story(answer: &Answer) -> String {
@@ -46,12 +47,16 @@ fn of_effect(one: &Named) -> String {
     }
     text.push_str(&format!("  confidence {:.2}", one.confidence));
     if !one.ambiguous_with.is_empty() {
-        text.push_str(&format!("  cannot be told from {}", one.ambiguous_with.join(", ")));
+        text.push_str(&format!("  not distinguishable from {}", listed(&one.ambiguous_with)));
         if !one.would_separate.is_empty() {
-            text.push_str(&format!("; would tell: {}", one.would_separate.join(", ")));
+            text.push_str(&format!("; would separate them: {}", one.would_separate.join(", ")));
         }
     }
     text
+}
+
+fn listed(kinds: &[EffectKind]) -> String {
+    kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
 }
 
 fn held_out(answer: &Answer) -> String {

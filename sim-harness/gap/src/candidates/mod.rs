@@ -2,75 +2,39 @@
 
 use crate::candidate::{Candidate, Have, Prior};
 use crate::config::GapConfig;
-use crate::kind::EffectKind;
-use rundown::model::effects::Effect;
+use rundown::model::effects::{Effect, EffectKind};
 
 macro_rules! candidates {
-    ($($kind:ident $file:ident;)+) => {
-        $(pub mod $file;)+
-
-        /// All kinds, in the order of the catalogue.
-        pub const ALL: &[EffectKind] = &[$(EffectKind::$kind),+];
+    ($($number:literal $Kind:ident $name:ident $place:ident $summary:literal $parameters:tt)*) => {
+        $(pub mod $name;)*
 
         /// The candidate of a kind.
         pub fn of(kind: EffectKind) -> &'static dyn Candidate {
             match kind {
-                $(EffectKind::$kind => $file::CANDIDATE,)+
-            }
-        }
-
-        impl EffectKind {
-            /// Its name in files.
-            pub fn name(self) -> &'static str {
-                match self { $(Self::$kind => stringify!($file),)+ }
+                $(EffectKind::$Kind => $name::CANDIDATE,)*
             }
         }
     };
 }
 
-candidates! {
-    TunnelDrag tunnel_drag;
-    CurveResistance curve_resistance;
-    GradientError gradient_error;
-    SteadyWind steady_wind;
-    RunWind run_wind;
-    MassError mass_error;
-    DraggingBrake dragging_brake;
-    PowerLimitSection power_limit_section;
-    TractionScale traction_scale;
-    LowAdhesion low_adhesion;
-    SpeedScale speed_scale;
-    LocationLag location_lag;
-    TemperatureResistance temperature_resistance;
-    SeasonalDrift seasonal_drift;
-    BrakeFade brake_fade;
-    TrainLengthError train_length_error;
-    WarmUp warm_up;
-    DavisError davis_error;
-    Unknown unknown;
-}
+rundown_wire::effects_catalogue!(candidates);
 mod kit;
 pub mod sensors;
 
 /// All that a search looks among. Of terms that fit alike to the last digit the first is taken: a wrong r2 before a mass in coasting, an unnamed one last.
 pub fn searched() -> impl Iterator<Item = &'static dyn Candidate> {
-    let named = ALL.iter().rev().filter(|kind| **kind != EffectKind::Unknown);
+    let named = EffectKind::ALL.iter().rev().filter(|kind| **kind != EffectKind::Unknown);
     named.map(|kind| of(*kind)).chain([sensors::EFFORT_GAIN, unknown::CANDIDATE])
 }
 
 /// The candidate of an effect.
 pub fn of_effect(effect: &Effect) -> &'static dyn Candidate {
-    of(kind_of(effect))
-}
-
-/// The kind of an effect.
-pub fn kind_of(effect: &Effect) -> EffectKind {
-    by_name(effect.name()).unwrap_or(EffectKind::Unknown)
+    of(effect.kind())
 }
 
 /// A kind by its name.
 pub fn by_name(name: &str) -> Option<EffectKind> {
-    ALL.iter().copied().find(|kind| kind.name() == name)
+    EffectKind::ALL.into_iter().find(|kind| kind.name() == name)
 }
 
 /// What is known of an effect, for `--explain`; `None` when there is none of this name.
@@ -154,16 +118,16 @@ mod tests {
         let refused = serde_json::from_str::<Effect>(r#"{"name": "ghost"}"#).unwrap_err();
         let text = refused.to_string();
         let mut words = text.split('`').skip(1).step_by(2).filter(|w| *w != "ghost");
-        assert!(ALL.iter().all(|kind| words.next() == Some(kind.name())), "{text}");
+        assert!(EffectKind::ALL.iter().all(|kind| words.next() == Some(kind.name())), "{text}");
         assert_eq!(words.next(), None);
-        assert!(ALL.iter().all(|kind| explain(kind.name()).is_some()));
+        assert!(EffectKind::ALL.iter().all(|kind| explain(kind.name()).is_some()));
     }
 
     #[test]
     fn what_the_data_have_is_not_asked_for() {
         for have in [(false, false), (false, true), (true, false), (true, true)] {
             let have = Have { effort: have.0, both_directions: have.1 };
-            for (a, b) in ALL.iter().flat_map(|a| ALL.iter().map(move |b| (*a, *b))) {
+            for (a, b) in EffectKind::ALL.iter().flat_map(|a| EffectKind::ALL.iter().map(move |b| (*a, *b))) {
                 let advice = separates(a, b, have);
                 assert_eq!(advice, separates(b, a, have));
                 assert!(!(have.both_directions && advice == OTHER_DIRECTION), "{a:?} {b:?}");

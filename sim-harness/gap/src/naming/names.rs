@@ -3,16 +3,16 @@
 use crate::candidate::{Fitted, Naming, Odds, Shape, Term};
 use crate::candidates::tunnel_drag::renamed;
 use crate::candidates::{self, mass_error, sensors, separates};
-use crate::kind::EffectKind;
 use crate::named::{Named, around, not_chance};
 use crate::traction::limit::FoundLimit;
+use rundown::model::effects::EffectKind;
 use rundown::model::effects::{Effect, MassError};
 
 /// All that was found, by name, the largest gain first.
 pub fn named(terms: &[Fitted], limit: Option<&FoundLimit>, naming: &Naming<'_>) -> Vec<Named> {
     let mut all: Vec<Named> = Vec::new();
     let beside = |kind: EffectKind| candidates::of(kind).beside(naming).map(|found| with_rivals(found, naming));
-    let (readings, between_runs): (Vec<Named>, Vec<Named>) = candidates::ALL
+    let (readings, between_runs): (Vec<Named>, Vec<Named>) = EffectKind::ALL
         .iter()
         .filter_map(|kind| beside(*kind))
         .partition(|named| !matches!(named.effect, Effect::RunWind(_)));
@@ -30,9 +30,9 @@ pub fn named(terms: &[Fitted], limit: Option<&FoundLimit>, naming: &Naming<'_>) 
 }
 
 fn with_rivals((mut named, rivals): (Named, Odds), naming: &Naming<'_>) -> Named {
-    let kind = candidates::kind_of(&named.effect);
+    let kind = named.effect.kind();
     for (rival, odds) in rivals {
-        named.rival(rival.name(), odds, separates(kind, rival, naming.have()));
+        named.rival(rival, odds, separates(kind, rival, naming.have()));
     }
     named
 }
@@ -54,7 +54,7 @@ fn mass_by_drag_and_power(terms: &[Fitted], limit: Option<&FoundLimit>, naming: 
         let effect = Effect::MassError(MassError { relative: by_drag });
         let interval = around("relative", by_drag, sd);
         let mut mass = Named::plain(effect, vec![interval], only.gain + found.gain, certainty.most_gain);
-        mass.ambiguous_with = vec![EffectKind::DavisError.name(), EffectKind::TractionScale.name()];
+        mass.ambiguous_with = vec![EffectKind::DavisError, EffectKind::TractionScale];
         mass.would_separate = vec![candidates::EFFORT];
         mass.term = only.term.is(EffectKind::MassError).then_some(0);
         mass
@@ -83,7 +83,7 @@ fn of_term(index: usize, fitted: &Fitted, naming: &Naming<'_>) -> Option<Named> 
     would_separate.dedup();
     let mut named = Named::plain(effect, intervals, fitted.gain, certainty.most_gain);
     named.confidence = not_chance(fitted.gain, certainty.most_gain) / (1.0 + odds);
-    named.ambiguous_with = rivals.into_iter().map(EffectKind::name).collect();
+    named.ambiguous_with = rivals;
     named.would_separate = would_separate;
     named.term = Some(index);
     if let Shape::Runs(runs) = &fitted.term.shape {
@@ -98,7 +98,7 @@ fn of_limit(found: &FoundLimit, naming: &Naming<'_>) -> Option<Named> {
     let (named, mut rivals) = candidate.limit(found, naming)?;
     let near = |other: &&FoundLimit| found.value - other.value < naming.context.config.certainty.near;
     let others = naming.limits.iter().skip(1).filter(near);
-    rivals.extend(others.map(|other| (candidates::kind_of(&other.effect), f64::exp(other.value - found.value))));
+    rivals.extend(others.map(|other| (other.effect.kind(), f64::exp(other.value - found.value))));
     let mut named = with_rivals((named, rivals), naming);
     named.ambiguous_with.truncate(2);
     named.would_separate.truncate(2);

@@ -1,12 +1,13 @@
 //! The tables of the page.
 
 use crate::answer::whole::Answer;
-use crate::evidence::Evidence;
+use crate::evidence::{Along, Evidence};
 use crate::investigation::Investigation;
 use crate::named::Named;
 use crate::wording::{confidence, interval, unit, with_ends};
 use crate::wording::{place, plain};
 use maud::{Markup, html};
+use rundown::model::effects::Coordinate;
 use rundown_pages::numbers::{NOTHING, number, percent};
 
 /// A cell beside several rows begins with the first of them.
@@ -15,18 +16,17 @@ const TOP: &str = "vertical-align: top";
 /// Along what the residuals vary.
 pub(super) fn evidence(found: &Investigation) -> Markup {
     let (evidence, p_value) = (&found.evidence, found.p_value);
-    let place = |one: &Evidence| match one.coordinate {
-        "location" => format!("km {}", number(one.at / 1000.0, 1)),
-        "speed" => format!("{} km/h", number(3.6 * one.at, 0)),
-        "time" => format!("{} min", number(one.at / 60.0, 1)),
-        "temperature" => format!("{} \u{b0}C", number(one.at, 0)),
-        "effort" => format!("{} N/kg", number(one.at, 2)),
-        "regime" if one.at > 0.5 => "power".to_owned(),
-        "regime" if one.at < -0.5 => "brake".to_owned(),
-        "regime" => "coast".to_owned(),
-        "direction" if one.at > 0.0 => "up".to_owned(),
-        "direction" => "down".to_owned(),
-        _ => format!("day {}", number(one.at - found.findings.conditions.first_day, 0)),
+    let place = |one: &Evidence| match one.along {
+        Along::Over(Coordinate::Location) => format!("km {}", number(one.at / 1000.0, 1)),
+        Along::Over(Coordinate::Speed) => format!("{} km/h", number(3.6 * one.at, 0)),
+        Along::Over(Coordinate::Time) => format!("{} min", number(one.at / 60.0, 1)),
+        Along::Over(Coordinate::Temperature) => format!("{} \u{b0}C", number(one.at, 0)),
+        Along::Over(Coordinate::Day) => format!("day {}", number(one.at - found.findings.conditions.first_day, 0)),
+        Along::Effort => format!("{} N/kg", number(one.at, 2)),
+        Along::Regime if one.at > 0.5 => "power".to_owned(),
+        Along::Regime if one.at < -0.5 => "brake".to_owned(),
+        Along::Regime => "coast".to_owned(),
+        Along::Direction => if one.at > 0.0 { "up" } else { "down" }.to_owned(),
     };
     html! {
         h3 { "Is it chance?" }
@@ -39,7 +39,7 @@ pub(super) fn evidence(found: &Investigation) -> Markup {
             } }
             tbody {
                 @for one in evidence { tr {
-                    th scope="row" { (one.coordinate) }
+                    th scope="row" { (one.along.name()) }
                     td { (number(one.score, 1)) }
                     td { (place(one)) }
                     td { (number(one.p_value, 3)) }
@@ -86,10 +86,7 @@ pub(super) fn effects(found: &Investigation) -> Markup {
 fn effect(one: &Named) -> Markup {
     let parameters = parameters(one);
     let rows = parameters.len().max(1);
-    let listed = |names: &[&'static str]| match names {
-        [] => NOTHING.to_owned(),
-        _ => names.iter().map(|n| plain(n)).collect::<Vec<_>>().join(", "),
-    };
+    let listed = |names: Vec<String>| if names.is_empty() { NOTHING.to_owned() } else { names.join(", ") };
     let named = html! {
         th scope="row" rowspan=(rows) style=(TOP) {
             (plain(one.effect.name()))
@@ -100,8 +97,8 @@ fn effect(one: &Named) -> Markup {
     };
     let sure = html! {
         td rowspan=(rows) style=(TOP) { (confidence(one)) }
-        td.text rowspan=(rows) style=(TOP) { (listed(&one.ambiguous_with)) }
-        td.text rowspan=(rows) style=(TOP) { (listed(&one.would_separate)) }
+        td.text rowspan=(rows) style=(TOP) { (listed(one.ambiguous_with.iter().map(|kind| plain(kind.name())).collect())) }
+        td.text rowspan=(rows) style=(TOP) { (listed(one.would_separate.iter().map(|what| plain(what)).collect())) }
     };
     html! {
         @if parameters.is_empty() { tr { (named) td.text colspan="4" { "a table: the line through the data below" } (sure) } }

@@ -5,11 +5,12 @@ use crate::answer::whole::Answer;
 use crate::candidates;
 use crate::named::Named;
 use crate::wording::{confidence, plain};
+use rundown::model::effects::EffectKind;
 use rundown_pages::numbers::{counted, number};
 
 /// `a`, `a or b`.
-fn any(names: &[&'static str]) -> String {
-    names.iter().map(|n| plain(n)).collect::<Vec<_>>().join(" or ")
+fn any(kinds: &[EffectKind]) -> String {
+    kinds.iter().map(|kind| plain(kind.name())).collect::<Vec<_>>().join(" or ")
 }
 
 /// The sentences at the top of the page.
