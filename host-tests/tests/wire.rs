@@ -10,7 +10,7 @@ mod document;
 #[path = "wire/examples.rs"]
 mod examples;
 
-use document::{Tables, kinds, range, with_number};
+use document::{Tables, range, with_number};
 use examples::{Frame, all, largest};
 use host_tests::board::{Board, PROVISIONING, answer};
 use host_tests::fields::{Fields, Shape, varint};
@@ -23,8 +23,8 @@ use rundown::tick::paper::Difference;
 use rundown::tick::sensor::Rounding;
 use rundown_wire::link::{checksum::CHECKSUM_BYTES, serial};
 use rundown_wire::{
-    Cause, CoastArrival, CoastOutcome, DecodeError, Downlink, Effect, EffectKind, FILE_TAIL, Failure, Learned,
-    MAX_MESSAGE, Memory, Refusal, Regime, ResetCause, Stalled, VERSION, Validity, Value, decode,
+    Cause, CoastArrival, CoastOutcome, DecodeError, Downlink, Effect, EffectKind, EffectParameter, FILE_TAIL, Failure,
+    Learned, MAX_MESSAGE, Memory, Refusal, Regime, ResetCause, Stalled, VERSION, Validity, Value, decode,
 };
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,7 +36,7 @@ const TRAILER: usize = 16;
 const HEAD: &str = "# Bytes of each frame
 
 One message of each frame of [WIRE.md](../WIRE.md), without checksum and coding of the link: eight bytes a line, with
-what they say. Written by `BLESS=1 cargo test -p host-tests --test wire`, and compared with the code by every run of
+what they say; and the kinds of effects. Written by `BLESS=1 cargo test -p host-tests --test wire`, and compared with the code by every run of
 that test.
 
 The secured messages are made with the key `6E 6F 74 20 61 20 73 65 63 72 65 74 20 6B 65 79` (\"not a secret key\"), train
@@ -87,9 +87,26 @@ fn shown(frame: &Frame) -> String {
     text
 }
 
+/// The catalogue as a table, but for the kind that is brought point by point.
+fn kinds_of_effects() -> String {
+    let mut text = "\n## Kinds of effects\n\n| kind | name | section | values |\n|---|---|---|---|\n".to_owned();
+    for kind in EffectKind::ALL {
+        let value = |it: &EffectParameter| {
+            let range = format!("`{}` {:?} .. {:?} {}", it.name, it.least, it.most, it.unit);
+            format!("{}: {}", range.trim_end(), it.meaning)
+        };
+        let values: Vec<String> = kind.parameters().iter().map(value).collect();
+        let section = if kind.has_section() { "yes" } else { "" };
+        let number = kind as u8;
+        text += &format!("| {number} | `{}` | {section} | {} |\n", kind.name(), values.join("; "));
+    }
+    text
+}
+
 #[test]
 fn the_examples_are_what_the_code_writes() {
     let mut text = HEAD.to_owned();
+    text += &kinds_of_effects();
     for (name, frame) in all() {
         text += &format!("\n## {name}\n\n```text\n{}```\n", shown(&frame));
     }
@@ -303,27 +320,27 @@ fn the_ranges_in_the_document_are_those_that_the_board_accepts() {
 }
 
 #[test]
-fn the_kinds_of_effects_in_the_document_are_those_that_the_board_accepts() {
-    let kinds = kinds(&Tables::read());
+fn the_kinds_of_effects_are_those_that_the_board_accepts() {
     let mut board = Prepared::start();
     let mut sequence = 0;
     let mut ask = |request: Request| {
         sequence += 1;
         Fields::of(&rundown::onboard::uplink::Uplink { sequence, request }).bytes()
     };
-    for (index, (name, effect, ranges)) in kinds.iter().enumerate() {
-        assert_eq!(usize::from(effect.kind), index + 1, "{name}");
-        assert_eq!(EffectKind::from_number(effect.kind).map(EffectKind::name), Some(name.as_str()));
-        if name == "unknown" {
-            continue;
-        }
-        for (at, range) in ranges.iter().enumerate() {
+    for kind in EffectKind::ALL.into_iter().filter(|kind| *kind != EffectKind::Unknown) {
+        let name = kind.name();
+        let effect = Effect {
+            kind: kind as u8,
+            section_m: kind.has_section().then_some([1200.0, 3400.0]),
+            values: kind.parameters().iter().map(|it| (it.least + it.most) / 2.0).collect(),
+        };
+        for (at, it) in kind.parameters().iter().enumerate() {
             let payload = |value| {
                 let mut effect = effect.clone();
                 effect.values[at] = value;
                 Fields::of(&rundown::onboard::uplink::Uplink { sequence: 0, request: Request::Effect(effect) }).bytes()
             };
-            board.accepts(name, *range, false, payload);
+            board.accepts(name, [it.least, it.most], false, payload);
             assert_eq!(board.say(&ask(Request::Command(Command::ClearEffects))), Ok(()));
         }
         // Another number of values, or a section where there is none: not this kind.
@@ -333,7 +350,7 @@ fn the_kinds_of_effects_in_the_document_are_those_that_the_board_accepts() {
         let other = Effect { section_m, ..effect.clone() };
         assert_eq!(board.say(&ask(Request::Effect(other))), Err(Refusal::OutOfRange), "{name}");
     }
-    let next = Effect { kind: kinds.len() as u8 + 1, section_m: None, values: [0.0].into_iter().collect() };
+    let next = Effect { kind: EffectKind::ALL.len() as u8 + 1, section_m: None, values: [0.0].into_iter().collect() };
     assert_eq!(board.say(&ask(Request::Effect(next))), Err(Refusal::UnknownEffect));
 }
 

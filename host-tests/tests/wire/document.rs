@@ -1,7 +1,6 @@
 //! What `WIRE.md` says: its tables, and the ranges in them.
 
 use host_tests::fields::{Fields, varint};
-use rundown_wire::Effect;
 use std::collections::BTreeMap;
 
 /// A table of the document.
@@ -102,24 +101,4 @@ pub fn with_number(fields: &Fields, path: &str, value: f64) -> Vec<u8> {
         _ => varint(value as u64),
     };
     fields.fields.iter().flat_map(put).collect()
-}
-
-/// An effect as the table of kinds describes it, all values in the middle of their ranges, and these ranges.
-pub fn kinds(tables: &Tables) -> Vec<(String, Effect, Vec<[f64; 2]>)> {
-    let rows = tables.of("effects").cells(["kind", "name", "section", "values"]);
-    rows.map(|[kind, name, section, values]| {
-        let words: Vec<&str> = values.split([' ', ':', ';', ',']).collect();
-        let ranges: Vec<[f64; 2]> = words
-            .windows(3)
-            .filter(|words| words[1] == "..")
-            .map(|words| [words[0].parse().unwrap(), words[2].parse().unwrap()])
-            .collect();
-        let effect = Effect {
-            kind: kind.parse().unwrap(),
-            section_m: (section == "yes").then_some([1200.0, 3400.0]),
-            values: ranges.iter().map(|[least, most]| (least + most) / 2.0).collect(),
-        };
-        (name.to_owned(), effect, ranges)
-    })
-    .collect()
 }
