@@ -44,7 +44,7 @@ Exit codes:
 
 /// Everything was done, but for runs that could not be used.
 const SOME_RUNS_FAILED: u8 = 1;
-/// The arguments are wrong, or do not go together, as far as their form does not tell.
+/// The arguments are wrong, or contradict each other in a way that clap does not check.
 const WRONG_ARGUMENTS: u8 = 2;
 /// A description or the configuration was refused.
 const DESCRIPTION_REFUSED: u8 = 3;

@@ -9,7 +9,7 @@
 //! | `truth/runNNN.csv` | what was true at each sample |
 //! | `truth/scenario.toml` | the scenario file |
 //!
-//! Who looks for effects gets all but `truth/`.
+//! Whoever looks for effects gets all but `truth/`.
 
 use super::key::{self, departure_utc, file_name};
 use super::scenario_file::Simulation;

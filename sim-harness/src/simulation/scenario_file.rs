@@ -22,7 +22,7 @@ use std::path::Path;
 /// A commented example with every field: the case study with the loads, winds and powers of everyday.
 pub const EXAMPLE: &str = include_str!("../../../data/scenarios/case_study.toml");
 
-/// Runs on a line with a tunnel that nobody described.
+/// Runs on a line with an undescribed tunnel.
 pub const HIDDEN_EFFECT: &str = include_str!("../../../data/scenarios/hidden_effect.toml");
 
 /// A scenario, ready to be run.

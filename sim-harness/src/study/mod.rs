@@ -13,7 +13,7 @@
 //! | and of all of them? | [`gather`], [`tallies`], [`moments`] |
 //! | what do the figures show? | [`figures`] |
 //! | what does the paper claim, and is it so here? | [`claims`], [`trials`] |
-//! | where is it told? | [`page`], [`write`](mod@write) |
+//! | where is it reported? | [`page`], [`write`](mod@write) |
 //! | does the estimate follow the truth, how closely could it? | [`slope`], [`bound`] |
 
 pub(crate) mod bound;

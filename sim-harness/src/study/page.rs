@@ -64,7 +64,7 @@ fn summary(page: &StudyPage) -> Markup {
             p.lead {
                 (counted(runs, "run", "runs")) ", " (page.source) "; " (known(gathered)) ". Of " (page.claims.len())
                 " claims of section 4 of the paper, " strong { (count(Verdict::Reproduced)) " are reproduced" } ", "
-                strong { (count(Verdict::Not)) " are not" } ", and " (count(Verdict::NoData)) " cannot be judged by these runs. "
+                strong { (count(Verdict::Not)) " are not" } ", and " (count(Verdict::NoData)) " cannot be assessed with these runs. "
                 a href="#claims" { "All of them, with the reason" } "."
             }
             @if !gathered.failed.is_empty() {

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Efforts act in newton: what traction gives, the air takes and a dragging brake holds does not depend on the mass; inertia, gravity and rolling
-//! resistance do. All locations here are along the way travelled: in direction `down` the line is reversed.
+//! resistance do. All locations here are along the distance travelled: in direction `down` the line is reversed.
 
 use crate::conditions::Scenario;
 use crate::effects::Effect;
@@ -52,7 +52,7 @@ pub struct World {
     /// How late the location is beyond the sensors' latency, s.
     pub location_lag_s: f64,
     effects: Vec<Effect>,
-    /// Those of them that add to the resistance: asked for four times a step.
+    /// Those of them that add to the resistance: evaluated four times a step.
     resisting: Vec<Effect>,
     described_over_true_mass: f64,
     season: f64,
@@ -151,7 +151,7 @@ impl World {
         self.resistance_n_per_kg(history, motion) + self.gravity_n_per_kg(motion)
     }
 
-    /// Largest tractive effort for a lever at these shares of effort and power, N/kg: constant, then constant power; the smaller of what is asked and
+    /// Largest tractive effort for a lever at these shares of effort and power, N/kg: constant, then constant power; the smaller of what is demanded and
     /// what the effects leave.
     pub fn max_effort_n_per_kg(&self, motion: Motion, effort_share: f64, power_share: f64) -> f64 {
         let left = capability(&self.effects, motion);

@@ -52,7 +52,7 @@ fn summary(report: &Report) -> Markup {
         section id="summary" aria-label="Summary" {
             p.lead {
                 @if report.runs.is_empty() {
-                    "No run was replayed: there is nothing to tell. "
+                    "No run was replayed: there is nothing to report. "
                 } @else {
                     (counted(report.runs.len(), "run was", "runs were")) " replayed in the "
                     strong { (report.mode) } " mode: " (number(distance_m / 1000.0, 1)) " km in "

@@ -83,13 +83,13 @@ fn run_words(run: &RunView, report: &Report) -> String {
 fn missing_innovations(run: &RunView) -> Markup {
     let mut first = 0;
     let mut unread = 0;
-    let mut anew = 0;
+    let mut restarted = 0;
     for (index, estimate) in run.estimates.iter().enumerate() {
         let readings = estimate.innovation.map(|innovation| innovation.readings);
         match readings {
             None if index == 0 => first += 1,
             None if estimate.validity.cause().is_some() => unread += 1,
-            None => anew += 1,
+            None => restarted += 1,
             Some(readings) if readings.contains(&Reading::Missing) => unread += 1,
             Some(_) => (),
         }
@@ -98,20 +98,20 @@ fn missing_innovations(run: &RunView) -> Markup {
         (first, "is the first, of which nothing was expected", "are the first"),
         (unread, "lacks a reading that could be used", "lack a reading that could be used"),
         (
-            anew,
-            "begins anew from the measurement, so nothing was expected of it",
-            "begin anew from the measurement, so nothing was expected of them",
+            restarted,
+            "restarts from the measurement, so nothing was expected of it",
+            "restart from the measurement, so nothing was expected of them",
         ),
     ];
-    let mut told = reasons
+    let mut counts = reasons
         .into_iter()
         .filter(|(count, ..)| *count > 0)
         .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }));
-    let Some(start) = told.next() else {
+    let Some(start) = counts.next() else {
         return html! {};
     };
-    let told = told.fold(start, |all, next| format!("{all}; {next}"));
-    html! { p.small { "Gaps, of " (counted(run.estimates.len(), "sample", "samples")) ": " (told) "." } }
+    let counts = counts.fold(start, |all, next| format!("{all}; {next}"));
+    html! { p.small { "Gaps, of " (counted(run.estimates.len(), "sample", "samples")) ": " (counts) "." } }
 }
 
 fn readings(run: &RunView) -> Markup {
