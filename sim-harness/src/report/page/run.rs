@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use rundown::filter::ukf::Reading;
 use rundown::tick::estimate::Cause;
 use rundown_pages::numbers::{counted, duration, meaning, number, percent};
-use rundown_pages::shell::figure;
+use rundown_pages::shell::{column, figure, table, text_column};
 
 pub(super) fn run_section(index: usize, run: &RunView, report: &Report) -> Markup {
     html! {
@@ -119,6 +119,17 @@ fn readings(run: &RunView) -> Markup {
     let dropped = run.summary.counters.time_not_increasing;
     let gated = gated(run);
     let has_doubts = run.estimates.iter().any(|estimate| estimate.validity.cause().is_some());
+    let rows = html! {
+        @for (cause, count) in &causes {
+            tr { th scope="row" { (cause.as_str()) } td { (count) } td.text { (meaning(*cause)) } }
+        }
+        @if dropped > 0 {
+            tr { th scope="row" { "time_not_increasing" } td { (dropped) } td.text { "the time did not increase: the sample was dropped" } }
+        }
+        @if gated > 0 {
+            tr { th scope="row" { "gated" } td { (gated) } td.text { "the reading lay too far from what was expected to move the estimate" } }
+        }
+    };
     html! {
         h3 { "Use of the readings" }
         @if causes.is_empty() && dropped == 0 && gated == 0 && !has_doubts {
@@ -126,20 +137,7 @@ fn readings(run: &RunView) -> Markup {
         }
         (figure(figures::readings(run), "Over time: validity of the estimate, where the resistance was learned, the regime, and each cause for which a reading was not used."))
         @if !causes.is_empty() || dropped > 0 || gated > 0 {
-            div.wide { table {
-                thead { tr { th scope="col" { "cause" } th scope="col" { "samples" } th.text scope="col" { "meaning" } } }
-                tbody {
-                    @for (cause, count) in causes {
-                        tr { th scope="row" { (cause.as_str()) } td { (count) } td.text { (meaning(cause)) } }
-                    }
-                    @if dropped > 0 {
-                        tr { th scope="row" { "time_not_increasing" } td { (dropped) } td.text { "the time did not increase: the sample was dropped" } }
-                    }
-                    @if gated > 0 {
-                        tr { th scope="row" { "gated" } td { (gated) } td.text { "the reading lay too far from what was expected to move the estimate" } }
-                    }
-                }
-            } }
+            (table([column("cause", ""), column("samples", ""), text_column("meaning")], rows))
         }
     }
 }
