@@ -31,7 +31,7 @@ Examples:
   The paper's 67 runs, simulated, with the truth beside every figure:
     rundown study --out study
 
-  RecordedRuns runs, folders of logs or of Parquet files:
+  Recorded runs, folders of logs or of Parquet files:
     rundown study --runs logs/ --train train.toml --track track.toml --out study
 
   Runs of rundown simulate, whose truth lies beside them and is shown:
