@@ -1,6 +1,6 @@
 //! The command `rundown`: arguments in, files and short tables out.
 //!
-//! Exit codes: see [`AFTER_HELP`]. Errors are one line each on stderr: what, where, what to do.
+//! Exit codes: see `AFTER_HELP`. Errors are one line each on stderr: what, where, what to do.
 
 mod demo;
 #[cfg(feature = "link")]
