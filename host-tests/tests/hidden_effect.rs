@@ -116,7 +116,7 @@ fn a_warm_up_has_its_time_constant_and_limits_that_hold_it() {
     let Effect::WarmUp(warm_up) = &found.named[0].effect else {
         panic!("{:?}", found.named);
     };
-    let [Hidden::WarmUp { tau_s, .. }] = set.scenario.effects[..] else {
+    let [Hidden::WarmUp(rundown_truth::effects::WarmUp { tau_s, .. })] = set.scenario.effects[..] else {
         panic!("{:?}", set.scenario.effects);
     };
     assert!((warm_up.tau_s / tau_s - 1.0).abs() < 0.2, "{warm_up:?}, truth {tau_s}");
@@ -131,7 +131,7 @@ fn slippery_days_are_found_with_their_runs() {
     assert!(score.size_errors[0] < 0.1, "{score:?}");
     let slippery = found.named[0].runs.len();
     assert!((5..=30).contains(&slippery), "{slippery} runs");
-    let [Hidden::LowAdhesion { below_kmh, .. }] = set.scenario.effects[..] else {
+    let [Hidden::LowAdhesion(rundown_truth::effects::LowAdhesion { below_kmh, .. })] = set.scenario.effects[..] else {
         panic!("{:?}", set.scenario.effects);
     };
     let (low, high) = limits(&found, "below_kmh");

@@ -12,7 +12,7 @@ use rundown_files::run_set::RunSet;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use rundown_truth::driver::Regime;
-use rundown_truth::effects::{Affected, Effect};
+use rundown_truth::effects::*;
 use rundown_truth::facts::Facts;
 use rundown_truth::line::Line;
 use rundown_truth::plan::{Heading, Headings, RunPlan, plan};
@@ -67,30 +67,29 @@ type Law = Box<dyn Fn(&At) -> f64>;
 
 /// An effect of clear size, the same of size zero, and its law as extra resistance in N/kg of described mass.
 fn motion_effects() -> Vec<(Effect, Effect, Law)> {
-    use Effect::*;
     let all = || Affected::Share(1.0);
     let g = GRAVITY_MPS2 / GAMMA;
     let wind = |v: f64, w: f64| DAVIS[2] * ((v + w) * (v + w).abs() - v * v);
     let bump = |x: f64| {
         if x.abs() < 1.0 { 0.5 + 0.5 * (std::f64::consts::PI * x).cos() } else { 0.0 }
     };
-    let tunnel = |k| TunnelDrag { from_m: 9_000.0, to_m: 11_000.0, k };
-    let gradient = |delta_permille| GradientError { from_m: 15_000.0, to_m: 15_800.0, delta_permille };
-    let davis = |s: f64| DavisError { dr0: 1e-3 * s, dr1: 5e-5 * s, dr2: -4e-6 * s };
-    let temperature = |dr0_per_deg_c| TemperatureResistance { dr0_per_deg_c, ref_c: 15.0 };
-    let drag = |drag_n_per_kg| DraggingBrake { drag_n_per_kg, runs: all() };
-    let warm = |amplitude| WarmUp { amplitude, tau_s: 240.0 };
-    let speed = |drag_n_per_kg| SpeedBump { at_kmh: 100.0, half_width_kmh: 20.0, drag_n_per_kg };
-    let place = |drag_n_per_kg| LocationBump { from_m: 12_000.0, to_m: 14_000.0, drag_n_per_kg };
-    let periodic = |amplitude| PeriodicDrag { amplitude, period_s: 300.0 };
-    let frost = |drag_n_per_kg| Frost { below_c: 30.0, drag_n_per_kg };
-    let step = |drag_n_per_kg| DayStep { from_share: 0.3, drag_n_per_kg };
+    let tunnel = |k| Effect::from(TunnelDrag { from_m: 9_000.0, to_m: 11_000.0, k });
+    let gradient = |delta_permille| Effect::from(GradientError { from_m: 15_000.0, to_m: 15_800.0, delta_permille });
+    let davis = |s: f64| Effect::from(DavisError { dr0: 1e-3 * s, dr1: 5e-5 * s, dr2: -4e-6 * s });
+    let temperature = |dr0_per_deg_c| Effect::from(TemperatureResistance { dr0_per_deg_c, ref_c: 15.0 });
+    let drag = |drag_n_per_kg| Effect::from(DraggingBrake { drag_n_per_kg, runs: all() });
+    let warm = |amplitude| Effect::from(WarmUp { amplitude, tau_s: 240.0 });
+    let speed = |drag_n_per_kg| Effect::from(SpeedBump { at_kmh: 100.0, half_width_kmh: 20.0, drag_n_per_kg });
+    let place = |drag_n_per_kg| Effect::from(LocationBump { from_m: 12_000.0, to_m: 14_000.0, drag_n_per_kg });
+    let periodic = |amplitude| Effect::from(PeriodicDrag { amplitude, period_s: 300.0 });
+    let frost = |drag_n_per_kg| Effect::from(Frost { below_c: 30.0, drag_n_per_kg });
+    let step = |drag_n_per_kg| Effect::from(DayStep { from_share: 0.3, drag_n_per_kg });
     let boxed = |law: fn(&At) -> f64| -> Law { Box::new(law) };
     vec![
         (tunnel(1.5e-5), tunnel(0.0), boxed(|at| 1.5e-5 * at.v * at.v * at.share(9_000.0, 11_000.0))),
         (
-            CurveResistance { coefficient_roeckl: 1.2 },
-            CurveResistance { coefficient_roeckl: 0.0 },
+            Effect::from(CurveResistance { coefficient_roeckl: 1.2 }),
+            Effect::from(CurveResistance { coefficient_roeckl: 0.0 }),
             Box::new(move |at| {
                 let line = Line::flat_corridor();
                 // All its curves are wider than 300 m.
@@ -99,23 +98,31 @@ fn motion_effects() -> Vec<(Effect, Effect, Law)> {
             }),
         ),
         (gradient(3.0), gradient(0.0), Box::new(move |at| at.sign * g * 3e-3 * at.share(15_000.0, 15_800.0))),
-        (SteadyWind { wind_mps: 5.0 }, SteadyWind { wind_mps: 0.0 }, Box::new(move |at| wind(at.v, 5.0 * at.sign))),
-        (RunWind { sd_mps: 3.0 }, RunWind { sd_mps: 0.0 }, Box::new(move |at| wind(at.v, at.facts.headwind_mps))),
         (
-            MassError { relative: 0.08 },
-            MassError { relative: 0.0 },
+            Effect::from(SteadyWind { wind_mps: 5.0 }),
+            Effect::from(SteadyWind { wind_mps: 0.0 }),
+            Box::new(move |at| wind(at.v, 5.0 * at.sign)),
+        ),
+        (
+            Effect::from(RunWind { sd_mps: 3.0 }),
+            Effect::from(RunWind { sd_mps: 0.0 }),
+            Box::new(move |at| wind(at.v, at.facts.headwind_mps)),
+        ),
+        (
+            Effect::from(MassError { relative: 0.08 }),
+            Effect::from(MassError { relative: 0.0 }),
             boxed(|at| (at.u - DAVIS[2] * at.v * at.v) * (1.0 - 1.0 / 1.08)),
         ),
         (drag(0.01), drag(0.0), boxed(|at| if at.braked { 0.01 } else { 0.0 })),
         (temperature(-2e-4), temperature(0.0), boxed(|at| -2e-4 * (at.temperature_c - 15.0))),
         (
-            SeasonalDrift { dr0_over_period: 6e-3 },
-            SeasonalDrift { dr0_over_period: 0.0 },
+            Effect::from(SeasonalDrift { dr0_over_period: 6e-3 }),
+            Effect::from(SeasonalDrift { dr0_over_period: 0.0 }),
             boxed(|at| 6e-3 * at.facts.plan.season),
         ),
         (
-            TrainLengthError { true_length_m: 260.0 },
-            TrainLengthError { true_length_m: LENGTH_M },
+            Effect::from(TrainLengthError { true_length_m: 260.0 }),
+            Effect::from(TrainLengthError { true_length_m: LENGTH_M }),
             Box::new(move |at| {
                 let line = Line::flat_corridor();
                 let [low, high] = at.train_m;
@@ -126,7 +133,7 @@ fn motion_effects() -> Vec<(Effect, Effect, Law)> {
         ),
         (warm(5e-3), warm(0.0), boxed(|at| 5e-3 * (-at.since_departure_s / 240.0).exp())),
         (davis(1.0), davis(0.0), boxed(|at| 1e-3 + 5e-5 * at.v - 4e-6 * at.v * at.v)),
-        (CubicDrag { k: 2e-7 }, CubicDrag { k: 0.0 }, boxed(|at| 2e-7 * at.v.powi(3))),
+        (Effect::from(CubicDrag { k: 2e-7 }), Effect::from(CubicDrag { k: 0.0 }), boxed(|at| 2e-7 * at.v.powi(3))),
         (speed(6e-3), speed(0.0), Box::new(move |at| 6e-3 * bump((3.6 * at.v - 100.0) / 20.0))),
         (
             place(6e-3),
@@ -148,18 +155,17 @@ fn motion_effects() -> Vec<(Effect, Effect, Law)> {
 
 /// Effects on traction, brake and readings: of a clear size, and of none.
 fn other_effects() -> Vec<(Effect, Effect)> {
-    use Effect::*;
     let all = || Affected::Share(1.0);
-    let section = |factor| PowerLimitSection { from_m: 0.0, to_m: 4_000.0, factor, runs: all() };
-    let slip = |factor| LowAdhesion { factor, below_kmh: 35.0, runs: all() };
-    let fade = |fade_at_140| BrakeFade { fade_at_140, from_kmh: 60.0 };
+    let section = |factor| Effect::from(PowerLimitSection { from_m: 0.0, to_m: 4_000.0, factor, runs: all() });
+    let slip = |factor| Effect::from(LowAdhesion { factor, below_kmh: 35.0, runs: all() });
+    let fade = |fade_at_140| Effect::from(BrakeFade { fade_at_140, from_kmh: 60.0 });
     vec![
         (section(0.7), section(1.0)),
-        (TractionScale { factor: 0.85 }, TractionScale { factor: 1.0 }),
+        (Effect::from(TractionScale { factor: 0.85 }), Effect::from(TractionScale { factor: 1.0 })),
         (slip(0.5), slip(1.0)),
         (fade(0.35), fade(0.0)),
-        (SpeedScale { measured_over_true: 1.03 }, SpeedScale { measured_over_true: 1.0 }),
-        (LocationLag { lag_s: 3.0 }, LocationLag { lag_s: 0.0 }),
+        (Effect::from(SpeedScale { measured_over_true: 1.03 }), Effect::from(SpeedScale { measured_over_true: 1.0 })),
+        (Effect::from(LocationLag { lag_s: 3.0 }), Effect::from(LocationLag { lag_s: 0.0 })),
     ]
 }
 
@@ -338,7 +344,7 @@ fn a_wrong_wheel_misleads_the_driver_and_a_late_receiver_the_log() {
 #[test]
 fn wind_of_the_runs_has_its_size_and_some_runs_are_some() {
     let scenario = scenario(
-        &[Effect::RunWind { sd_mps: 3.0 }, Effect::DraggingBrake { drag_n_per_kg: 0.01, runs: Affected::Share(0.25) }],
+        &[RunWind { sd_mps: 3.0 }.into(), DraggingBrake { drag_n_per_kg: 0.01, runs: Affected::Share(0.25) }.into()],
         Headings::Both,
     );
     let plans = plan(&scenario, 200, 4);

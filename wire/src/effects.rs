@@ -1,55 +1,124 @@
-//! What the numbers of an effect mean: the table of `WIRE.md` in words for a display.
+//! The kinds of effects and what their numbers mean: the table of `WIRE.md` in words for a display.
 
-use crate::downlink::Effect;
+use crate::downlink::EFFECT_VALUES;
+use core::fmt;
 
-/// One kind of effect.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct EffectKind {
-    /// Its name in files and tables.
+/// A parameter of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectParameter {
+    /// Its name in files.
     pub name: &'static str,
-    /// Name and unit of each value.
-    pub values: &'static [(&'static str, &'static str)],
+    /// Smallest accepted value.
+    pub least: f64,
+    /// Largest accepted value.
+    pub most: f64,
+    /// What it means.
+    pub meaning: &'static str,
+    /// Its unit; empty for a plain number.
+    pub unit: &'static str,
 }
 
-const fn kind(name: &'static str, values: &'static [(&'static str, &'static str)]) -> EffectKind {
-    EffectKind { name, values }
+macro_rules! kinds {
+    ($($number:literal $Kind:ident $name:ident $place:ident $summary:literal { $(
+        $(#[$attribute:meta])*
+        $parameter:ident $(as $in_files:literal)?: $least:literal to $most:literal, $meaning:literal, $unit:literal;
+    )* })*) => {
+        /// A kind of effect. Not `non_exhaustive`: what handles the kinds has to handle each new one.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[repr(u8)]
+        pub enum EffectKind {
+            $(#[doc = $summary] $Kind = $number,)*
+        }
+
+        impl EffectKind {
+            /// All of them, in the order of the catalogue.
+            pub const ALL: [Self; [$($number),*].len()] = [$(Self::$Kind),*];
+
+            /// The kind of a number; none if it is newer than this library.
+            pub const fn from_number(number: u8) -> Option<Self> {
+                match number {
+                    $($number => Some(Self::$Kind),)*
+                    _ => None,
+                }
+            }
+
+            /// Its name in files and tables.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$Kind => stringify!($name),)*
+                }
+            }
+
+            /// What it is, in a sentence.
+            pub const fn summary(self) -> &'static str {
+                match self {
+                    $(Self::$Kind => $summary,)*
+                }
+            }
+
+            /// It acts in a section of the track only.
+            pub const fn has_section(self) -> bool {
+                match self {
+                    $(Self::$Kind => matches!(stringify!($place).as_bytes(), b"section"),)*
+                }
+            }
+
+            /// Its parameters in the order of the values of a frame. Of a table: its summary.
+            ///
+            /// ```
+            /// use rundown_wire::{Effect, EffectKind};
+            ///
+            /// let effect = Effect { kind: 1, section_m: Some([500.0, 900.0]), values: [2e-5].into_iter().collect() };
+            /// let kind = EffectKind::from_number(effect.kind).unwrap();
+            /// assert_eq!(kind.name(), "tunnel_drag");
+            /// assert_eq!((kind.parameters()[0].meaning, kind.parameters()[0].unit), ("k", "N/kg per (m/s)²"));
+            /// ```
+            pub const fn parameters(self) -> &'static [EffectParameter] {
+                match self {
+                    $(Self::$Kind => &[$(EffectParameter {
+                        // The name in files, where it is another one, stands first.
+                        name: [$($in_files,)? stringify!($parameter)][0],
+                        least: $least,
+                        most: $most,
+                        meaning: $meaning,
+                        unit: $unit,
+                    }),*],)*
+                }
+            }
+        }
+
+        // A frame has room for them.
+        $(const _: () = assert!(EffectKind::$Kind.parameters().len() <= EFFECT_VALUES);)*
+    };
 }
 
-/// Kind 1 stands first.
-const KINDS: [EffectKind; 19] = [
-    kind("tunnel_drag", &[("k", "N/kg per (m/s)²")]),
-    kind("curve_resistance", &[("times Roeckl's formula", "")]),
-    kind("gradient_error", &[("true minus described", "‰")]),
-    kind("steady_wind", &[("headwind in the up direction", "m/s")]),
-    kind("run_wind", &[("s.d. between runs", "m/s")]),
-    kind("mass_error", &[("true over described mass, minus 1", "")]),
-    kind("dragging_brake", &[("drag", "N/kg")]),
-    kind("power_limit_section", &[("share of the power", "")]),
-    kind("traction_scale", &[("share of effort and power", "")]),
-    kind("low_adhesion", &[("share of the effort", ""), ("below", "km/h")]),
-    kind("speed_scale", &[("measured over true speed", "")]),
-    kind("location_lag", &[("age of the location", "s")]),
-    kind("temperature_resistance", &[("r0", "N/kg per °C"), ("from", "°C")]),
-    kind("seasonal_drift", &[("r0 over the period", "N/kg"), ("period", "days"), ("from day", "")]),
-    kind("brake_fade", &[("share lost at 140 km/h", ""), ("from", "km/h")]),
-    kind("train_length_error", &[("true length", "m")]),
-    kind("warm_up", &[("at the departure", "N/kg"), ("time constant", "s")]),
-    kind("davis_error", &[("r0", "N/kg"), ("r1", "N/kg per m/s"), ("r2", "N/kg per (m/s)²")]),
-    kind("unknown", &[("over", "coordinate"), ("points", ""), ("least", "N/kg"), ("most", "N/kg")]),
-];
+crate::effects_catalogue!(kinds);
 
-impl Effect {
-    /// What its numbers mean; none for a kind that is newer than this library.
-    ///
-    /// ```
-    /// use rundown_wire::Effect;
-    ///
-    /// let effect = Effect { kind: 1, section_m: Some([500.0, 900.0]), values: [2e-5].into_iter().collect() };
-    /// let meaning = effect.meaning().unwrap();
-    /// assert_eq!(meaning.name, "tunnel_drag");
-    /// assert_eq!(meaning.values, [("k", "N/kg per (m/s)²")]);
-    /// ```
-    pub fn meaning(&self) -> Option<&'static EffectKind> {
-        KINDS.get(usize::from(self.kind).checked_sub(1)?)
+impl EffectKind {
+    /// Its number on the wire and in the store.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+}
+
+impl fmt::Display for EffectKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_lead_back_to_their_kinds_and_names_differ() {
+        for (index, kind) in EffectKind::ALL.into_iter().enumerate() {
+            assert_eq!(EffectKind::from_number(kind.number()), Some(kind));
+            assert_eq!(usize::from(kind.number()), index + 1, "{kind}");
+            assert!(EffectKind::ALL[..index].iter().all(|before| before.name() != kind.name()), "{kind}");
+            assert!(kind.parameters().iter().all(|parameter| parameter.least < parameter.most), "{kind}");
+        }
+        assert_eq!(EffectKind::from_number(0), None);
     }
 }

@@ -21,6 +21,8 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+#[macro_use]
+mod catalogue;
 mod coast;
 mod downlink;
 mod effects;
@@ -32,7 +34,7 @@ mod words;
 
 pub use coast::{CoastAhead, CoastArrival, CoastOutcome, CoastTarget};
 pub use downlink::*;
-pub use effects::EffectKind;
+pub use effects::{EffectKind, EffectParameter};
 pub use envelope::{DecodeError, EncodeError, MAX_MESSAGE, VERSION, decode, encode};
 pub use health::{FILE_TAIL, Failure, Health, LineCounts, ResetCause, Stalled};
 pub use reader::{Order, Reader, Received, Tally, WINDOW};

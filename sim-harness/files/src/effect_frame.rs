@@ -34,7 +34,7 @@ pub enum EffectFrameError {
         message: usize,
     },
     /// The effect is refused.
-    #[error("message {message}: the effect is refused: {reason:?}")]
+    #[error("message {message}: the effect is refused: {reason}")]
     Refused {
         /// From 1.
         message: usize,

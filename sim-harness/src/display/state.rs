@@ -5,8 +5,8 @@
 //! A value that has not come is `None`, never a zero. With a new run the values of the old one are gone; its speed over location and what it has taught stay.
 
 use rundown_wire::{
-    Body, CoastAhead, Effect, Effort, Estimate, Features, Health, Order, Parameters, Received, Regime, RunSummary,
-    Status, SwitchingPoint, Validity,
+    Body, CoastAhead, Effect, EffectKind, Effort, Estimate, Features, Health, Order, Parameters, Received, Regime,
+    RunSummary, Status, SwitchingPoint, Validity,
 };
 use serde::Serialize;
 
@@ -103,12 +103,13 @@ pub struct NamedEffect {
 
 impl NamedEffect {
     fn new(effect: &Effect) -> Self {
-        let meaning = effect.meaning();
-        let labels = meaning.map_or(&[][..], |meaning| meaning.values);
-        let labels = labels.iter().copied().chain(std::iter::repeat(("", "")));
+        let kind = EffectKind::from_number(effect.kind);
+        let labels =
+            kind.iter().flat_map(|kind| kind.parameters()).map(|parameter| (parameter.meaning, parameter.unit));
+        let labels = labels.chain(std::iter::repeat(("", "")));
         let value = |(&value, (label, unit))| EffectValue { label, value, unit };
         Self {
-            name: meaning.map_or_else(|| format!("effect {}", effect.kind), |meaning| meaning.name.to_owned()),
+            name: kind.map_or_else(|| format!("effect {}", effect.kind), |kind| kind.name().to_owned()),
             section_m: effect.section_m,
             values: effect.values.iter().zip(labels).map(value).collect(),
         }

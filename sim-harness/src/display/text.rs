@@ -3,8 +3,8 @@
 //! In: a frame. Out: words and numbers for a person, or JSON with the field names of `WIRE.md` in SI units.
 
 use rundown_wire::{
-    Body, CoastAhead, CoastArrival, CoastOutcome, Effect, Effects, Effort, Estimate, Features, Learned, Order,
-    Parameters, Phase, Received, RunSummary, Value,
+    Body, CoastAhead, CoastArrival, CoastOutcome, Effect, EffectKind, Effects, Effort, Estimate, Features, Learned,
+    Order, Parameters, Phase, Received, RunSummary, Value,
 };
 use serde::Serialize;
 use std::fmt::Write;
@@ -240,7 +240,7 @@ fn of_features(features: &Features) -> String {
 
 fn of_effects(effects: &Effects) -> String {
     let one = |effect: &Effect| {
-        let name = effect.meaning().map_or("unknown kind", |meaning| meaning.name);
+        let name = EffectKind::from_number(effect.kind).map_or("unknown kind", EffectKind::name);
         let place = effect
             .section_m
             .map_or_else(String::new, |[from, to]| format!(" {:.3}-{:.3} km", from / 1000.0, to / 1000.0));

@@ -95,7 +95,7 @@ impl Score {
         if let (Some(a), Some(b)) = (section(&truth), section(&json)) {
             self.places.push(overlap(a, b));
         }
-        if let (Hidden::DavisError { .. }, Effect::DavisError(davis)) = (hidden, &found.effect) {
+        if let (Hidden::DavisError(_), Effect::DavisError(davis)) = (hidden, &found.effect) {
             self.size_errors.extend(davis_error(&truth, davis));
         } else if let Some((name, neutral)) = main_parameter(hidden, train)
             && let (Some(a), Some(b)) = (truth[name].as_f64(), json["parameters"][name].as_f64())

@@ -2,7 +2,7 @@
 //!
 //! In: a scenario, a number of runs and a seed. Out: a [`RunPlan`] for each, in the order of departure.
 
-use crate::effects::Effect;
+use crate::effects::Together;
 use crate::scenario::{Scenario, run_seed};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -88,10 +88,10 @@ pub fn plan(scenario: &Scenario, runs: usize, seed: u64) -> Vec<RunPlan> {
         .map(|(index, effect)| {
             // Each effect draws its runs on its own.
             let seed = seed ^ (index as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
-            match effect {
-                Effect::DraggingBrake { runs, .. } | Effect::PowerLimitSection { runs, .. } => runs.choose(&each, seed),
-                Effect::LowAdhesion { runs, .. } => runs.choose(&days, seed),
-                _ => vec![true; runs],
+            match effect.law().affected() {
+                None => vec![true; runs],
+                Some((affected, Together::Nothing)) => affected.choose(&each, seed),
+                Some((affected, Together::Day)) => affected.choose(&days, seed),
             }
         })
         .collect();
@@ -125,7 +125,7 @@ fn departure_s(dates: Dates, runs: usize, run: usize, seed: u64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::Affected;
+    use crate::effects::{Affected, LowAdhesion};
 
     #[test]
     fn runs_are_in_order_and_within_their_period() {
@@ -146,7 +146,7 @@ mod tests {
     fn runs_of_one_day_slip_together() {
         let scenario = Scenario {
             dates: Dates { days: 10.0, ..Dates::default() },
-            effects: vec![Effect::LowAdhesion { factor: 0.5, below_kmh: 40.0, runs: Affected::Share(0.3) }],
+            effects: vec![LowAdhesion { factor: 0.5, below_kmh: 40.0, runs: Affected::Share(0.3) }.into()],
             ..Scenario::default()
         };
         let plans = plan(&scenario, 60, 2);

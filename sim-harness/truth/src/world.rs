@@ -9,16 +9,13 @@
 //! Efforts act in newton: what traction gives, the air takes and a dragging brake holds does not depend on the mass; inertia, gravity and rolling
 //! resistance do. All locations here are along the way travelled: in direction `down` the line is reversed.
 
-use crate::effects::Effect;
-use crate::effects::limits::{brake_share, capability};
-use crate::effects::resistance::{Moment, Setting, extra_n_per_kg, is_resistance};
+use crate::effects::{Altered, Capability, Effect, Moment, Setting};
 use crate::line::Line;
 use crate::motion::Motion;
 use crate::plan::{Heading, RunPlan};
 use crate::scenario::{Scenario, stream};
 use crate::train::{GRAVITY_MPS2, TrainTruth};
 use crate::weather::Weather;
-use rand_distr::{Distribution, Normal};
 
 /// No driver plans to brake more gently than this, m/s².
 const LEAST_DECELERATION_MPS2: f64 = 0.1;
@@ -50,8 +47,6 @@ pub struct World {
     /// How late the location is beyond the sensors' latency, s.
     pub location_lag_s: f64,
     effects: Vec<Effect>,
-    /// Those of them that add to the resistance: asked for four times a step.
-    resisting: Vec<Effect>,
     described_over_true_mass: f64,
     season: f64,
 }
@@ -62,35 +57,20 @@ impl World {
         let acting = |(effect, acts): (&Effect, &bool)| acts.then(|| effect.clone());
         let effects: Vec<Effect> = scenario.effects.iter().zip(&plan.acting).filter_map(acting).collect();
         let up = plan.heading == Heading::Up;
-        let sign = if up { 1.0 } else { -1.0 };
         let described = &scenario.train;
-        let unit = Normal::new(0.0, 1.0).expect("constant");
-        let mut draws = stream(plan.seed, 5);
-        let mut train = TrainTruth { davis: described.davis.scaled(scenario.davis_scale), ..*described };
-        let mut line = scenario.line.clone();
-        let mut headwind_mps = headwind_mps;
-        let (mut speed_scale, mut location_lag_s) = (1.0, 0.0);
+        let mut altered = Altered {
+            line: scenario.line.clone(),
+            train: TrainTruth { davis: described.davis.scaled(scenario.davis_scale), ..*described },
+            headwind_mps,
+            speed_scale: 1.0,
+            location_lag_s: 0.0,
+            up_sign: if up { 1.0 } else { -1.0 },
+            draws: stream(plan.seed, 5),
+        };
         for effect in &effects {
-            match *effect {
-                Effect::GradientError { from_m, to_m, delta_permille } => {
-                    line = line.with_extra_gradient(from_m, to_m, delta_permille)
-                }
-                Effect::SteadyWind { wind_mps } => headwind_mps += sign * wind_mps,
-                Effect::RunWind { sd_mps } => {
-                    headwind_mps += sign * sd_mps * unit.sample(&mut draws);
-                }
-                Effect::MassError { relative } => train = train.heavier(1.0 + relative),
-                Effect::TrainLengthError { true_length_m } => train.length_m = true_length_m,
-                Effect::DavisError { dr0, dr1, dr2 } => {
-                    train.davis.r0 += dr0;
-                    train.davis.r1 += dr1;
-                    train.davis.r2 += dr2;
-                }
-                Effect::SpeedScale { measured_over_true } => speed_scale *= measured_over_true,
-                Effect::LocationLag { lag_s } => location_lag_s += lag_s,
-                _ => {}
-            }
+            effect.law().alter(&mut altered);
         }
+        let Altered { mut line, train, headwind_mps, speed_scale, location_lag_s, .. } = altered;
         let length_m = line.length_m();
         let effects = match plan.heading {
             Heading::Up => effects,
@@ -110,7 +90,6 @@ impl World {
             headwind_mps,
             speed_scale,
             location_lag_s,
-            resisting: effects.iter().filter(|e| is_resistance(e)).cloned().collect(),
             effects,
         }
     }
@@ -130,7 +109,7 @@ impl World {
         let at = self.moment(history, motion);
         let setting =
             Setting { train: &self.train, line: &self.line, described_over_true_mass: self.described_over_true_mass };
-        self.resisting.iter().map(|effect| extra_n_per_kg(effect, &setting, &at)).fold(0.0, |sum, extra| sum + extra)
+        self.effects.iter().fold(0.0, |sum, effect| sum + effect.law().extra_n_per_kg(&setting, &at))
     }
 
     /// Resistance with wind and effects, without gravity, N/kg.
@@ -152,7 +131,10 @@ impl World {
     /// Largest tractive effort for a lever at these shares of effort and power, N/kg: constant, then constant power; the smaller of what is asked and
     /// what the effects leave.
     pub fn max_effort_n_per_kg(&self, motion: Motion, effort_share: f64, power_share: f64) -> f64 {
-        let left = capability(&self.effects, motion);
+        let mut left = Capability::WHOLE;
+        for effect in &self.effects {
+            effect.law().cap(&mut left, motion);
+        }
         let effort_n = self.train.max_tractive_effort_n * (effort_share * left.scale).min(left.effort_cap);
         // At standstill the quotient is infinite and the constant effort wins.
         let power_w = self.train.max_power_w * (power_share * left.scale).min(left.power_cap);
@@ -174,7 +156,8 @@ impl World {
     /// What arrives at the wheels of a demanded effort, N/kg.
     pub fn applied_n_per_kg(&self, demanded: f64, motion: Motion) -> f64 {
         if demanded < 0.0 {
-            demanded * brake_share(&self.effects, motion.speed_mps)
+            let share = |effect: &Effect| effect.law().brake_share(motion.speed_mps);
+            demanded * self.effects.iter().map(share).product::<f64>()
         } else {
             demanded.min(self.max_effort_n_per_kg(motion, 1.0, 1.0))
         }

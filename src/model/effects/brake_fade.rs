@@ -6,31 +6,10 @@
 //!
 //! Linear from `from_kmh` on and beyond 140 km/h. How long the brake has been on is left out.
 
-use super::EffectError;
-use super::Limits;
-use super::error::within;
+use super::{BrakeFade, Law, Limits};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// The brake weakens with speed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BrakeFade {
-    /// Share of the brake effort that is lost at 140 km/h.
-    pub fade_at_140: Real,
-    /// Speed above which it fades, km/h.
-    pub from_kmh: Real,
-}
 
 impl BrakeFade {
-    /// Its name.
-    pub const NAME: &'static str = "brake_fade";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "fade_at_140", self.fade_at_140, 0.0, 1.0)?;
-        within(Self::NAME, "from_kmh", self.from_kmh, 0.0, 139.0)
-    }
-
     /// Brake effort at a speed over the one at low speed, 0 to 1.
     ///
     /// ```
@@ -49,5 +28,11 @@ impl BrakeFade {
     /// The limits at a speed.
     pub fn limit(&self, limits: &Limits, speed_mps: Real) -> Limits {
         Limits { brake_n_per_kg: limits.brake_n_per_kg * self.factor(speed_mps), ..*limits }
+    }
+}
+
+impl Law for BrakeFade {
+    fn limits_left(&self, limits: &Limits, _location_m: Real, speed_mps: Real) -> Limits {
+        self.limit(limits, speed_mps)
     }
 }

@@ -10,27 +10,10 @@
 //! Constants as in the textbooks of railway engineering, where they stand in N/kN: 650 and 500 (Germany, Austria, Switzerland, Czechia, Hungary, Romania).
 //! Cant, speed and lubrication are left out.
 
-use super::EffectError;
-use super::error::within;
+use super::{CurveResistance, Law, Situation};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// Resistance of curves.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CurveResistance {
-    /// How many times Roeckl's formula.
-    pub coefficient_roeckl: Real,
-}
 
 impl CurveResistance {
-    /// Its name.
-    pub const NAME: &'static str = "curve_resistance";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "coefficient_roeckl", self.coefficient_roeckl, -10.0, 10.0)
-    }
-
     /// Extra resistance in N/kg. `gravity_n_per_kg` is g / γ; `mean_roeckl` the mean of [`roeckl`] under the train,
     /// [`Track::mean_roeckl`](crate::model::track::Track::mean_roeckl).
     ///
@@ -44,5 +27,13 @@ impl CurveResistance {
     /// ```
     pub fn resistance_n_per_kg(&self, gravity_n_per_kg: Real, mean_roeckl: Real) -> Real {
         self.coefficient_roeckl * gravity_n_per_kg * mean_roeckl
+    }
+}
+
+impl Law for CurveResistance {
+    fn extra_n_per_kg(&self, at: &Situation<'_>) -> Real {
+        let length_m = at.line.train.length_m();
+        let mean = at.line.track.mean_roeckl(at.moment.location_m, length_m, at.line.direction);
+        self.resistance_n_per_kg(at.gravity_n_per_kg(), mean)
     }
 }

@@ -4,33 +4,10 @@
 //! extra = dr0 + dr1 v + dr2 v²
 //! ```
 
-use super::EffectError;
-use super::error::within;
+use super::{DavisError, Law, Situation};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// The described Davis coefficients are wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DavisError {
-    /// True minus described r0, N/kg.
-    pub dr0: Real,
-    /// True minus described r1, N/(kg m/s).
-    pub dr1: Real,
-    /// True minus described r2, N/(kg (m/s)²).
-    pub dr2: Real,
-}
 
 impl DavisError {
-    /// Its name.
-    pub const NAME: &'static str = "davis_error";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "dr0", self.dr0, -0.1, 0.1)?;
-        within(Self::NAME, "dr1", self.dr1, -0.01, 0.01)?;
-        within(Self::NAME, "dr2", self.dr2, -1e-3, 1e-3)
-    }
-
     /// Extra resistance in N/kg at a speed.
     ///
     /// ```
@@ -41,5 +18,11 @@ impl DavisError {
     /// ```
     pub fn resistance_n_per_kg(&self, speed_mps: Real) -> Real {
         self.dr0 + speed_mps * (self.dr1 + speed_mps * self.dr2)
+    }
+}
+
+impl Law for DavisError {
+    fn extra_n_per_kg(&self, at: &Situation<'_>) -> Real {
+        self.resistance_n_per_kg(at.moment.speed_mps)
     }
 }

@@ -6,27 +6,10 @@
 //!
 //! In which runs it dragged is the analyst's knowledge (`runs` beside the effect in a model file); on board it is a state of the vehicle, in force until it is taken out.
 
-use super::EffectError;
-use super::error::within;
+use super::{DraggingBrake, Law, Situation};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// A brake that does not release.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DraggingBrake {
-    /// Extra resistance, N/kg.
-    pub drag_n_per_kg: Real,
-}
 
 impl DraggingBrake {
-    /// Its name.
-    pub const NAME: &'static str = "dragging_brake";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "drag_n_per_kg", self.drag_n_per_kg, 0.0, 1.0)
-    }
-
     /// Extra resistance in N/kg, by whether a brake was applied since the departure.
     ///
     /// ```
@@ -37,5 +20,11 @@ impl DraggingBrake {
     /// ```
     pub fn resistance_n_per_kg(&self, braked: bool) -> Real {
         if braked { self.drag_n_per_kg } else { 0.0 }
+    }
+}
+
+impl Law for DraggingBrake {
+    fn extra_n_per_kg(&self, at: &Situation<'_>) -> Real {
+        self.resistance_n_per_kg(at.moment.braked)
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::Real;
 use core::fmt;
+use rundown_wire::EffectKind;
 
 /// Why an effect was refused. What was in force before stays in force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,8 +10,8 @@ use core::fmt;
 pub enum EffectError {
     /// A parameter is out of range.
     OutOfRange {
-        /// Name of the effect.
-        effect: &'static str,
+        /// Which effect.
+        effect: EffectKind,
         /// Name of the parameter, as in files.
         parameter: &'static str,
         /// Smallest accepted value.
@@ -22,8 +23,8 @@ pub enum EffectError {
     },
     /// A section does not end behind its beginning.
     Section {
-        /// Name of the effect.
-        effect: &'static str,
+        /// Which effect.
+        effect: EffectKind,
         /// Where it begins, m.
         from_m: Real,
         /// Where it ends, m.
@@ -43,8 +44,8 @@ pub enum EffectError {
     },
     /// A second effect of a kind that may stand only once.
     Twice {
-        /// Name of the effect.
-        effect: &'static str,
+        /// Which effect.
+        effect: EffectKind,
     },
 }
 
@@ -74,7 +75,7 @@ impl core::error::Error for EffectError {}
 // Called thirty times: inlined it took 1.4 kB more of the board's flash.
 #[inline(never)]
 pub(super) fn within(
-    effect: &'static str,
+    effect: EffectKind,
     parameter: &'static str,
     found: Real,
     least: Real,

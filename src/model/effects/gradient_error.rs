@@ -6,33 +6,10 @@
 //!
 //! `delta` is true minus described, uphill in the `up` direction positive: what it adds in one direction it takes away in the other, which tells it from a resistance.
 
-use super::EffectError;
-use super::error::within;
-use super::section;
+use super::{GradientError, Law, Situation};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// The described gradient is wrong on a section.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GradientError {
-    /// Where it begins, m.
-    pub from_m: Real,
-    /// Where it ends, m.
-    pub to_m: Real,
-    /// True minus described gradient, ‰, uphill in the `up` direction positive.
-    pub delta_permille: Real,
-}
 
 impl GradientError {
-    /// Its name.
-    pub const NAME: &'static str = "gradient_error";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        section::check(Self::NAME, self.from_m, self.to_m)?;
-        within(Self::NAME, "delta_permille", self.delta_permille, -50.0, 50.0)
-    }
-
     /// Extra resistance in N/kg. `gravity_n_per_kg` is g / γ, `direction_sign` +1 for up.
     ///
     /// ```
@@ -44,5 +21,12 @@ impl GradientError {
     /// ```
     pub fn resistance_n_per_kg(&self, gravity_n_per_kg: Real, share_inside: Real, direction_sign: Real) -> Real {
         direction_sign * gravity_n_per_kg * (self.delta_permille / 1000.0) * share_inside
+    }
+}
+
+impl Law for GradientError {
+    fn extra_n_per_kg(&self, at: &Situation<'_>) -> Real {
+        let share_inside = at.share_inside(self.from_m, self.to_m);
+        self.resistance_n_per_kg(at.gravity_n_per_kg(), share_inside, at.direction_sign())
     }
 }

@@ -1,6 +1,7 @@
 //! The effects of a model.
 
-use super::frame::{UNKNOWN, point_of};
+use super::catalogue::Parameters;
+use super::frame::point_of;
 use super::{Effect, EffectError, FrameError, Limits, Moment, Unknown};
 use crate::Real;
 use crate::listed::listed;
@@ -8,7 +9,7 @@ use crate::model::line::Line;
 use crate::model::resistance::Davis;
 use crate::model::train::Train;
 use heapless::Vec;
-use rundown_wire as wire;
+use rundown_wire::{self as wire, EffectKind};
 
 /// Most effects of a model.
 pub const MAX_EFFECTS: usize = 8;
@@ -50,9 +51,8 @@ impl Effects {
     /// ```
     pub fn push(&mut self, effect: Effect) -> Result<(), EffectError> {
         effect.check()?;
-        let table = |effect: &Effect| matches!(effect, Effect::Unknown(_));
-        if table(&effect) && self.list.iter().any(table) {
-            return Err(EffectError::Twice { effect: effect.name() });
+        if effect.table().is_some() && self.table().is_some() {
+            return Err(EffectError::Twice { effect: effect.kind() });
         }
         self.list.push(effect).map_err(|_| EffectError::TooMany { most: MAX_EFFECTS })
     }
@@ -62,7 +62,7 @@ impl Effects {
     /// # Errors
     /// [`FrameError`]; the list is as before.
     pub fn take(&mut self, frame: &wire::Effect) -> Result<(), FrameError> {
-        if frame.kind == UNKNOWN {
+        if frame.kind == EffectKind::Unknown.number() {
             return self.take_point(frame);
         }
         let effect = Effect::from_frame(frame)?;
@@ -71,10 +71,10 @@ impl Effects {
 
     fn take_point(&mut self, frame: &wire::Effect) -> Result<(), FrameError> {
         let (coordinate, index, point) = point_of(frame)?;
-        let table = self.list.iter_mut().find_map(|effect| match effect {
-            Effect::Unknown(unknown) => Some(unknown),
-            _ => None,
-        });
+        let table = self
+            .list
+            .iter_mut()
+            .find_map(|effect| if let Effect::Unknown(unknown) = effect { Some(unknown) } else { None });
         match table {
             None if index > 0 => Err(FrameError::OutOfOrder),
             None => {
@@ -101,6 +101,11 @@ impl Effects {
                 })
             }
         }
+    }
+
+    /// The table of the unknown effect.
+    pub(crate) fn table(&self) -> Option<&Unknown> {
+        self.iter().find_map(Effect::table)
     }
 
     /// The frame in which the board publishes them.
@@ -176,9 +181,6 @@ impl Effects {
 
     /// Standard deviation of the wind from run to run, where an effect states it, m/s: it takes the place of the memory's setting.
     pub fn wind_sd_mps(&self) -> Option<Real> {
-        self.iter().find_map(|effect| match effect {
-            Effect::RunWind(wind) => Some(wind.sd_mps),
-            _ => None,
-        })
+        self.iter().find_map(Effect::wind_sd_mps)
     }
 }

@@ -6,32 +6,11 @@
 //!
 //! On which days is the analyst's knowledge (`runs`); on board it is in force until it is taken out. Braking with slipping wheels is left out.
 
-use super::EffectError;
-use super::Limits;
-use super::error::within;
+use super::{Law, Limits, LowAdhesion};
 use crate::Real;
 use crate::model::units::KmPerHour;
-use serde::{Deserialize, Serialize};
-
-/// Wheels slip at low speed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LowAdhesion {
-    /// Largest effort over described effort.
-    pub factor: Real,
-    /// Speed below which it holds, km/h.
-    pub below_kmh: Real,
-}
 
 impl LowAdhesion {
-    /// Its name.
-    pub const NAME: &'static str = "low_adhesion";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "factor", self.factor, 0.01, 1.0)?;
-        within(Self::NAME, "below_kmh", self.below_kmh, 1.0, 400.0)
-    }
-
     /// The limits at a speed.
     ///
     /// ```
@@ -45,5 +24,11 @@ impl LowAdhesion {
     pub fn limit(&self, limits: &Limits, speed_mps: Real) -> Limits {
         let slow = speed_mps < KmPerHour(self.below_kmh).to_mps();
         Limits { effort_n_per_kg: limits.effort_n_per_kg * if slow { self.factor } else { 1.0 }, ..*limits }
+    }
+}
+
+impl Law for LowAdhesion {
+    fn limits_left(&self, limits: &Limits, _location_m: Real, speed_mps: Real) -> Limits {
+        self.limit(limits, speed_mps)
     }
 }

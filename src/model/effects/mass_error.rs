@@ -8,27 +8,10 @@
 //! u and r2 v² are forces over the believed γ m: the same forces move another mass. r0, r1 v and gravity grow with the mass and keep their value per kg.
 //! γ is taken to stay the same. Without a known effort only the air drag tells it, and that looks like another r2.
 
-use super::EffectError;
-use super::error::within;
+use super::{Law, MassError, Situation};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// The described mass is wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MassError {
-    /// True mass over believed mass, minus 1.
-    pub relative: Real,
-}
 
 impl MassError {
-    /// Its name.
-    pub const NAME: &'static str = "mass_error";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "relative", self.relative, -0.5, 1.0)
-    }
-
     /// Extra resistance in N/kg (of the believed model's accounts) with the train's `r2`, at a speed and an effort per believed γ m.
     ///
     /// ```
@@ -45,5 +28,15 @@ impl MassError {
     /// e / (1 + e).
     pub fn effort_share(&self) -> Real {
         self.relative / (1.0 + self.relative)
+    }
+}
+
+impl Law for MassError {
+    fn extra_n_per_kg(&self, at: &Situation<'_>) -> Real {
+        self.resistance_n_per_kg(at.davis.r2, at.moment.speed_mps, at.moment.effort_n_per_kg)
+    }
+
+    fn slope_over_effort(&self) -> Real {
+        self.effort_share()
     }
 }

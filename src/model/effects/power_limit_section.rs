@@ -6,33 +6,10 @@
 //!
 //! The maximum effort stays, so it shows above the transition speed. The front of the train stands for its pantographs.
 
-use super::EffectError;
-use super::error::within;
-use super::{Limits, section};
+use super::{Law, Limits, PowerLimitSection};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// Less power in a feeding section.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PowerLimitSection {
-    /// Where it begins, m.
-    pub from_m: Real,
-    /// Where it ends, m.
-    pub to_m: Real,
-    /// Power inside over described power.
-    pub factor: Real,
-}
 
 impl PowerLimitSection {
-    /// Its name.
-    pub const NAME: &'static str = "power_limit_section";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        section::check(Self::NAME, self.from_m, self.to_m)?;
-        within(Self::NAME, "factor", self.factor, 0.01, 2.0)
-    }
-
     /// The limits with the front at a location.
     ///
     /// ```
@@ -46,5 +23,11 @@ impl PowerLimitSection {
     pub fn limit(&self, limits: &Limits, location_m: Real) -> Limits {
         let inside = (self.from_m..self.to_m).contains(&location_m);
         Limits { power_w_per_kg: limits.power_w_per_kg * if inside { self.factor } else { 1.0 }, ..*limits }
+    }
+}
+
+impl Law for PowerLimitSection {
+    fn limits_left(&self, limits: &Limits, location_m: Real, _speed_mps: Real) -> Limits {
+        self.limit(limits, location_m)
     }
 }

@@ -7,27 +7,10 @@
 //! What it will be in a run to come nobody knows, so its known extra resistance is 0. What it says is how far a run may differ from its vehicle: `sd_mps` takes the place of
 //! [`MemoryConfig::wind_sd_mps`](crate::tick::memory::MemoryConfig::wind_sd_mps) in the two-level memory.
 
-use super::EffectError;
-use super::error::within;
+use super::{Law, RunWind};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// A wind that differs from run to run.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RunWind {
-    /// Standard deviation between runs, m/s.
-    pub sd_mps: Real,
-}
 
 impl RunWind {
-    /// Its name.
-    pub const NAME: &'static str = "run_wind";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "sd_mps", self.sd_mps, 0.0, 20.0)
-    }
-
     /// Standard deviation of its extra resistance at a speed, to first order, N/kg: 2 r2 v sd.
     ///
     /// ```
@@ -37,5 +20,11 @@ impl RunWind {
     /// ```
     pub fn resistance_sd_n_per_kg(&self, r2: Real, speed_mps: Real) -> Real {
         2.0 * r2 * speed_mps * self.sd_mps
+    }
+}
+
+impl Law for RunWind {
+    fn wind_between_runs_mps(&self) -> Option<Real> {
+        Some(self.sd_mps)
     }
 }

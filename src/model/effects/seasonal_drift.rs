@@ -4,37 +4,13 @@
 //! extra = dr0_over_period x (day - reference_day) / period_days        the fraction within 0 to 1
 //! ```
 //!
+//! The period begins on a day of the calendar of [`Moment::day`](super::Moment::day): its origin, and a year is its length, where that is not stated.
 //! Outside the period it stays as at its end: a line is not drawn beyond what was seen. Without a date nothing is added.
 
-use super::EffectError;
-use super::error::within;
+use super::{Law, SeasonalDrift, Situation};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// r0 drifts over the dates of the runs.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SeasonalDrift {
-    /// Change of r0 from the beginning to the end of the period, N/kg.
-    pub dr0_over_period: Real,
-    /// Length of the period, days; a year if it is not stated.
-    #[serde(default = "a_year")]
-    pub period_days: Real,
-    /// When the period begins, days on the calendar of [`Moment::day`](super::Moment::day); its origin if it is not stated.
-    #[serde(default)]
-    pub reference_day: Real,
-}
 
 impl SeasonalDrift {
-    /// Its name.
-    pub const NAME: &'static str = "seasonal_drift";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "dr0_over_period", self.dr0_over_period, -0.1, 0.1)?;
-        within(Self::NAME, "period_days", self.period_days, 0.01, 1e5)?;
-        within(Self::NAME, "reference_day", self.reference_day, -1e6, 1e6)
-    }
-
     /// Extra resistance in N/kg on a day.
     ///
     /// ```
@@ -50,6 +26,8 @@ impl SeasonalDrift {
     }
 }
 
-const fn a_year() -> Real {
-    365.0
+impl Law for SeasonalDrift {
+    fn extra_n_per_kg(&self, at: &Situation<'_>) -> Real {
+        self.resistance_n_per_kg(at.moment.day)
+    }
 }

@@ -6,27 +6,10 @@
 //!
 //! Locations are taken to come from elsewhere (balises, satellites): only so does it show.
 
-use super::EffectError;
-use super::error::within;
+use super::{Law, SpeedScale};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// The odometer reads too much or too little.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SpeedScale {
-    /// Measured over true speed; above 1 with worn wheels.
-    pub measured_over_true: Real,
-}
 
 impl SpeedScale {
-    /// Its name.
-    pub const NAME: &'static str = "speed_scale";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "measured_over_true", self.measured_over_true, 0.8, 1.25)
-    }
-
     /// The speed as it is, m/s.
     ///
     /// ```
@@ -36,5 +19,11 @@ impl SpeedScale {
     /// ```
     pub fn true_speed_mps(&self, measured_mps: Real) -> Real {
         measured_mps / self.measured_over_true
+    }
+}
+
+impl Law for SpeedScale {
+    fn corrected(&self, _direction_sign: Real, location_m: Real, speed_mps: Real) -> (Real, Real) {
+        (location_m, self.true_speed_mps(speed_mps))
     }
 }

@@ -7,27 +7,10 @@
 //! A wind that overtakes the train pushes it: hence w |w| and not w². Acts on the quadratic term alone; gusts and crosswind (yaw) are left out.
 //! In one direction only it cannot be told from other Davis coefficients.
 
-use super::EffectError;
-use super::error::within;
+use super::{Law, Situation, SteadyWind};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// A wind that blows in every run.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SteadyWind {
-    /// Headwind in the `up` direction, m/s; it is a tailwind in the other.
-    pub wind_mps: Real,
-}
 
 impl SteadyWind {
-    /// Its name.
-    pub const NAME: &'static str = "steady_wind";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "wind_mps", self.wind_mps, -40.0, 40.0)
-    }
-
     /// Extra resistance in N/kg with the train's `r2` in N/(kg (m/s)²); `direction_sign` is +1 for up.
     ///
     /// ```
@@ -42,5 +25,11 @@ impl SteadyWind {
     pub fn resistance_n_per_kg(&self, r2: Real, speed_mps: Real, direction_sign: Real) -> Real {
         let relative_mps = speed_mps + direction_sign * self.wind_mps;
         r2 * (relative_mps * relative_mps.abs() - speed_mps * speed_mps)
+    }
+}
+
+impl Law for SteadyWind {
+    fn extra_n_per_kg(&self, at: &Situation<'_>) -> Real {
+        self.resistance_n_per_kg(at.davis.r2, at.moment.speed_mps, at.direction_sign())
     }
 }

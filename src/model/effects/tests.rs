@@ -2,38 +2,27 @@
 
 extern crate std;
 use super::*;
+use crate::Real;
 use crate::model::direction::Direction;
+use crate::model::line::Line;
+use crate::model::resistance::Davis;
 use crate::model::track::{Curve, Gradient, Track};
 use crate::model::train::{Train, TrainDescription};
-use std::collections::HashSet;
+use rundown_wire as wire;
 use std::vec::Vec;
 
-/// One of each.
+/// One of each kind, its values at four tenths of their ranges.
 fn one_of_each() -> Vec<Effect> {
-    std::vec![
-        Effect::TunnelDrag(TunnelDrag { from_m: 1e3, to_m: 2e3, k: 1e-5 }),
-        Effect::CurveResistance(CurveResistance { coefficient_roeckl: 1.0 }),
-        Effect::GradientError(GradientError { from_m: 1e3, to_m: 2e3, delta_permille: 1.0 }),
-        Effect::SteadyWind(SteadyWind { wind_mps: 2.0 }),
-        Effect::RunWind(RunWind { sd_mps: 2.0 }),
-        Effect::MassError(MassError { relative: 0.1 }),
-        Effect::DraggingBrake(DraggingBrake { drag_n_per_kg: 0.01 }),
-        Effect::PowerLimitSection(PowerLimitSection { from_m: 1e3, to_m: 2e3, factor: 0.6 }),
-        Effect::TractionScale(TractionScale { factor: 0.9 }),
-        Effect::LowAdhesion(LowAdhesion { factor: 0.5, below_kmh: 40.0 }),
-        Effect::SpeedScale(SpeedScale { measured_over_true: 1.01 }),
-        Effect::LocationLag(LocationLag { lag_s: 2.0 }),
-        Effect::TemperatureResistance(TemperatureResistance { dr0_per_deg_c: -1e-4, ref_c: 15.0 }),
-        Effect::SeasonalDrift(SeasonalDrift { dr0_over_period: 1e-3, period_days: 100.0, reference_day: 0.0 }),
-        Effect::BrakeFade(BrakeFade { fade_at_140: 0.3, from_kmh: 80.0 }),
-        Effect::TrainLengthError(TrainLengthError { true_length_m: 200.0 }),
-        Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s: 300.0 }),
-        Effect::DavisError(DavisError { dr0: 1e-3, dr1: 1e-5, dr2: 1e-6 }),
-        Effect::Unknown(Unknown {
-            coordinate: Coordinate::Speed,
-            table: [(0.0, 1e-3), (30.0, 2e-3)].into_iter().collect(),
-        }),
-    ]
+    let one = |kind: EffectKind| {
+        let values = kind.parameters().iter().map(|range| range.least + 0.4 * (range.most - range.least)).collect();
+        let section_m = kind.has_section().then_some([1e3, 2e3]);
+        Effect::from_frame(&wire::Effect { kind: kind.number(), section_m, values }).unwrap_or_else(|_| table())
+    };
+    EffectKind::ALL.map(one).to_vec()
+}
+
+fn table() -> Effect {
+    Unknown { coordinate: Coordinate::Speed, table: [(0.0, 1e-3), (30.0, 2e-3)].into_iter().collect() }.into()
 }
 
 fn train() -> Train {
@@ -41,13 +30,19 @@ fn train() -> Train {
 }
 
 #[test]
-fn kinds_are_one_to_nineteen_and_names_differ() {
+fn there_is_one_of_each_kind_and_its_frame_leads_back() {
     let all = one_of_each();
-    let kinds: Vec<u8> = all.iter().map(Effect::kind).collect();
-    assert_eq!(kinds, (1..=19).collect::<Vec<u8>>());
-    let names: HashSet<_> = all.iter().map(Effect::name).collect();
-    assert_eq!(names.len(), 19);
-    assert!(all.iter().all(|effect| effect.check().is_ok()));
+    assert_eq!(all.iter().map(Effect::kind).collect::<Vec<_>>(), EffectKind::ALL);
+    for effect in all {
+        effect.check().unwrap();
+        let frame = effect.to_frame();
+        assert_eq!(frame.values.len(), effect.kind().parameters().len(), "{}", effect.kind());
+        assert_eq!(frame.section_m.is_some(), effect.kind().has_section(), "{}", effect.kind());
+        match effect.table() {
+            Some(_) => assert_eq!(Effect::from_frame(&frame), Err(FrameError::UnknownKind)),
+            None => assert_eq!(Effect::from_frame(&frame), Ok(effect)),
+        }
+    }
 }
 
 #[test]
@@ -71,7 +66,7 @@ fn each_acts_in_one_way_only() {
         let resists = effect.resistance_n_per_kg(&line, &train.davis(), &moment) != 0.0;
         let limits = [5.0, 35.0].iter().any(|speed_mps| effect.limit(&believed, 1500.0, *speed_mps) != believed);
         let corrects = effect.correct(1.0, 1500.0, 25.0) != (1500.0, 25.0);
-        let spreads = matches!(effect, Effect::RunWind(_));
+        let spreads = effect.wind_sd_mps().is_some();
         let ways = [resists, limits, corrects, spreads];
         assert_eq!(ways.iter().filter(|acts| **acts).count(), 1, "{}: {ways:?}", effect.name());
     }
@@ -86,16 +81,15 @@ fn directions_turn_gradient_and_wind_and_nothing_else() {
         let moment = Moment { location_m, speed_mps: 25.0, ..Moment::default() };
         effect.resistance_n_per_kg(&line, &train.davis(), &moment)
     };
-    let all = one_of_each();
     // The train covers the same metres both ways: 40 of its 160 m are inside.
-    let both = |index: usize| (extra(&all[index], Direction::Up, 1040.0), extra(&all[index], Direction::Down, 880.0));
-    let (tunnel_up, tunnel_down) = both(0);
+    let both = |effect: &Effect| (extra(effect, Direction::Up, 1040.0), extra(effect, Direction::Down, 880.0));
+    let (tunnel_up, tunnel_down) = both(&TunnelDrag { from_m: 1e3, to_m: 2e3, k: 1e-5 }.into());
     assert_eq!(tunnel_up, 0.25 * 1e-5 * 625.0);
     assert_eq!(tunnel_up, tunnel_down);
-    let (gradient_up, gradient_down) = both(2);
+    let (gradient_up, gradient_down) = both(&GradientError { from_m: 1e3, to_m: 2e3, delta_permille: 1.0 }.into());
     assert!((gradient_up - 0.25e-3 * train.gravity_n_per_kg()).abs() < 1e-15);
     assert_eq!(gradient_up, -gradient_down);
-    let (wind_up, wind_down) = both(3);
+    let (wind_up, wind_down) = both(&SteadyWind { wind_mps: 2.0 }.into());
     assert!(wind_up > 0.0 && wind_down < 0.0);
 }
 
@@ -122,9 +116,8 @@ fn a_list_takes_eight_good_effects_and_one_table() {
     }
     let one_more = Effect::WarmUp(WarmUp { amplitude: 1e-3, tau_s: 60.0 });
     assert_eq!(effects.push(one_more), Err(EffectError::TooMany { most: 8 }));
-    let table = one_of_each().pop().unwrap();
-    let twice = Effects::try_new([table.clone(), table]);
-    assert_eq!(twice, Err(EffectError::Twice { effect: "unknown" }));
+    let twice = Effects::try_new([table(), table()]);
+    assert_eq!(twice, Err(EffectError::Twice { effect: EffectKind::Unknown }));
 }
 
 #[test]
@@ -132,7 +125,7 @@ fn wrong_parameters_are_named() {
     let message = |effect: Effect| effect.check().unwrap_err();
     assert_eq!(
         message(Effect::TunnelDrag(TunnelDrag { from_m: 5.0, to_m: 5.0, k: 1e-5 })),
-        EffectError::Section { effect: "tunnel_drag", from_m: 5.0, to_m: 5.0 }
+        EffectError::Section { effect: EffectKind::TunnelDrag, from_m: 5.0, to_m: 5.0 }
     );
     assert!(matches!(
         message(Effect::WarmUp(WarmUp { amplitude: Real::NAN, tau_s: 60.0 })),

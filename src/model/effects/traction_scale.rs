@@ -4,28 +4,10 @@
 //! maximum effort, maximum power = factor x described
 //! ```
 
-use super::EffectError;
-use super::Limits;
-use super::error::within;
+use super::{Law, Limits, TractionScale};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// Another maximum of effort and power everywhere.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TractionScale {
-    /// True over described.
-    pub factor: Real,
-}
 
 impl TractionScale {
-    /// Its name.
-    pub const NAME: &'static str = "traction_scale";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "factor", self.factor, 0.05, 3.0)
-    }
-
     /// The limits.
     ///
     /// ```
@@ -41,5 +23,11 @@ impl TractionScale {
             power_w_per_kg: self.factor * limits.power_w_per_kg,
             ..*limits
         }
+    }
+}
+
+impl Law for TractionScale {
+    fn limits_left(&self, limits: &Limits, _location_m: Real, _speed_mps: Real) -> Limits {
+        self.limit(limits)
     }
 }

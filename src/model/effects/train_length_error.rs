@@ -6,27 +6,10 @@
 //!
 //! Shows at the edges of gradients only. The location is that of the front. Other effects keep the believed length: their sections are blurred by a train length anyway.
 
-use super::EffectError;
-use super::error::within;
+use super::{Law, Situation, TrainLengthError};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// The described length is wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TrainLengthError {
-    /// True length, m.
-    pub true_length_m: Real,
-}
 
 impl TrainLengthError {
-    /// Its name.
-    pub const NAME: &'static str = "train_length_error";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "true_length_m", self.true_length_m, 1.0, 5000.0)
-    }
-
     /// Extra resistance in N/kg; gradients in m/m, uphill in the direction of travel positive, `gravity_n_per_kg` is g / γ.
     ///
     /// ```
@@ -42,5 +25,13 @@ impl TrainLengthError {
         gradient_under_believed_length: Real,
     ) -> Real {
         gravity_n_per_kg * (gradient_under_true_length - gradient_under_believed_length)
+    }
+}
+
+impl Law for TrainLengthError {
+    fn extra_n_per_kg(&self, at: &Situation<'_>) -> Real {
+        let mean = |length_m| at.line.track.mean_gradient(at.moment.location_m, length_m, at.line.direction);
+        let believed = mean(at.line.train.length_m());
+        self.resistance_n_per_kg(at.gravity_n_per_kg(), mean(self.true_length_m), believed)
     }
 }

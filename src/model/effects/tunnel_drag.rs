@@ -6,33 +6,10 @@
 //!
 //! The share grows over one train length at either portal. Pressure waves of short tunnels are left out.
 
-use super::EffectError;
-use super::error::within;
-use super::section;
+use super::{Law, Situation, TunnelDrag};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// More air resistance in a tunnel.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TunnelDrag {
-    /// Where it begins, m.
-    pub from_m: Real,
-    /// Where it ends, m.
-    pub to_m: Real,
-    /// What the tunnel adds to r2, N/(kg (m/s)²).
-    pub k: Real,
-}
 
 impl TunnelDrag {
-    /// Its name.
-    pub const NAME: &'static str = "tunnel_drag";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        section::check(Self::NAME, self.from_m, self.to_m)?;
-        within(Self::NAME, "k", self.k, -1e-3, 1e-3)
-    }
-
     /// Extra resistance in N/kg at a speed, with this share (0 to 1) of the train inside.
     ///
     /// ```
@@ -43,5 +20,11 @@ impl TunnelDrag {
     /// ```
     pub fn resistance_n_per_kg(&self, speed_mps: Real, share_inside: Real) -> Real {
         self.k * speed_mps * speed_mps * share_inside
+    }
+}
+
+impl Law for TunnelDrag {
+    fn extra_n_per_kg(&self, at: &Situation<'_>) -> Real {
+        self.resistance_n_per_kg(at.moment.speed_mps, at.share_inside(self.from_m, self.to_m))
     }
 }

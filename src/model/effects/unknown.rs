@@ -7,9 +7,12 @@
 //! It acts against travel in either direction. Where the coordinate is not known (no temperature, no date) nothing is added. Points are in single precision:
 //! the board keeps the table in RAM and flash, and 0.01 m at 100 km and 1e-9 N/kg are enough.
 
-use super::{EffectError, Moment};
+use super::catalogue::Parameters;
+use super::{EffectError, FrameError, Law, Moment, Situation};
 use crate::Real;
+use crate::listed::listed;
 use heapless::Vec;
+use rundown_wire::{self as wire, EFFECT_VALUES};
 use serde::{Deserialize, Serialize};
 
 /// Most points of a table.
@@ -60,25 +63,6 @@ pub struct Unknown {
 }
 
 impl Unknown {
-    /// Its name.
-    pub const NAME: &'static str = "unknown";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        if self.table.is_empty() {
-            return Err(EffectError::NoPoints);
-        }
-        let mut before = f32::NEG_INFINITY;
-        for (index, &(at, n_per_kg)) in self.table.iter().enumerate() {
-            // NaN is refused by each of these.
-            let good = at > before && at.is_finite() && n_per_kg.abs() <= MOST_N_PER_KG;
-            if !good {
-                return Err(EffectError::Point { index });
-            }
-            before = at;
-        }
-        Ok(())
-    }
-
     /// Extra resistance in N/kg at a moment.
     ///
     /// ```
@@ -107,5 +91,49 @@ impl Unknown {
             before = Some((x, y));
         }
         before.map_or(0.0, |(_, y)| y)
+    }
+}
+
+impl Law for Unknown {
+    fn extra_n_per_kg(&self, at: &Situation<'_>) -> Real {
+        self.resistance_n_per_kg(at.moment)
+    }
+}
+
+impl Parameters for Unknown {
+    fn section_m(&self) -> Option<(Real, Real)> {
+        None
+    }
+
+    fn check(&self) -> Result<(), EffectError> {
+        if self.table.is_empty() {
+            return Err(EffectError::NoPoints);
+        }
+        let mut before = f32::NEG_INFINITY;
+        for (index, &(at, n_per_kg)) in self.table.iter().enumerate() {
+            // NaN is refused by each of these.
+            let good = at > before && at.is_finite() && n_per_kg.abs() <= MOST_N_PER_KG;
+            if !good {
+                return Err(EffectError::Point { index });
+            }
+            before = at;
+        }
+        Ok(())
+    }
+
+    /// A summary; its points are [`Effect::parts`](super::Effect::parts).
+    fn values(&self) -> Vec<Real, EFFECT_VALUES> {
+        let values = || self.table.iter().map(|(_, n_per_kg)| *n_per_kg);
+        listed([
+            Real::from(self.coordinate as u8),
+            self.table.len() as Real,
+            Real::from(values().fold(f32::INFINITY, f32::min)),
+            Real::from(values().fold(f32::NEG_INFINITY, f32::max)),
+        ])
+    }
+
+    /// A frame does not hold it.
+    fn from_frame(_: &wire::Effect) -> Result<Self, FrameError> {
+        Err(FrameError::UnknownKind)
     }
 }

@@ -4,30 +4,10 @@
 //! extra = amplitude exp(-t / tau)                  t since the departure of the run
 //! ```
 
-use super::EffectError;
-use super::error::within;
+use super::{Law, Situation, WarmUp};
 use crate::Real;
-use serde::{Deserialize, Serialize};
-
-/// r0 is larger in the first minutes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WarmUp {
-    /// Extra resistance at the departure, N/kg.
-    pub amplitude: Real,
-    /// Time after which 37 % of it is left, s.
-    pub tau_s: Real,
-}
 
 impl WarmUp {
-    /// Its name.
-    pub const NAME: &'static str = "warm_up";
-
-    pub(super) fn check(&self) -> Result<(), EffectError> {
-        within(Self::NAME, "amplitude", self.amplitude, -0.5, 0.5)?;
-        within(Self::NAME, "tau_s", self.tau_s, 1.0, 36000.0)
-    }
-
     /// Extra resistance in N/kg at a time after the departure.
     ///
     /// ```
@@ -38,5 +18,11 @@ impl WarmUp {
     /// ```
     pub fn resistance_n_per_kg(&self, since_departure_s: Real) -> Real {
         self.amplitude * libm::exp(-since_departure_s.max(0.0) / self.tau_s)
+    }
+}
+
+impl Law for WarmUp {
+    fn extra_n_per_kg(&self, at: &Situation<'_>) -> Real {
+        self.resistance_n_per_kg(at.moment.since_departure_s)
     }
 }

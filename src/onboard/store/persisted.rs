@@ -5,7 +5,7 @@
 
 use super::{AppendError, EpochError, Identity, Refused, Store};
 use crate::listed::listed;
-use crate::model::effects::{Effect, Effects, MAX_EFFECTS, MAX_POINTS, UNKNOWN, Unknown};
+use crate::model::effects::{Effect, Effects, MAX_EFFECTS, MAX_POINTS, Unknown};
 use crate::model::resistance::Davis;
 use crate::onboard::train_id::TrainId;
 use crate::tick::memory::{Implausible, Vehicle, VehicleRecord};
@@ -13,6 +13,7 @@ use crate::tick::snapshot::{Source, take, take_each};
 use core::fmt;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
+use rundown_wire::EffectKind;
 use serde::{Deserialize, Serialize};
 
 /// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order, or [`SCALES`](crate::tick::memory::SCALES).
@@ -105,16 +106,12 @@ impl Persisted {
 
     /// A vehicle and the effects of the model, nothing counted.
     pub fn new(vehicle: &Vehicle, effects: &Effects) -> Self {
-        let table = effects.iter().find_map(|effect| match effect {
-            Effect::Unknown(unknown) => Some(unknown.clone()),
-            _ => None,
-        });
-        let named = effects.iter().filter(|effect| effect.kind() != UNKNOWN);
+        let named = effects.iter().filter(|effect| effect.table().is_none());
         Self {
             vehicle: vehicle.to_record(),
             lifetime: Lifetime::default(),
             effects: listed(named.map(Effect::to_frame)),
-            table,
+            table: effects.table().cloned(),
         }
     }
 
@@ -128,7 +125,8 @@ impl Persisted {
             }
         }
         if let Some(table) = &self.table {
-            effects.push(Effect::Unknown(table.clone())).map_err(|_| NotRestored::Effect { kind: UNKNOWN })?;
+            let kind = EffectKind::Unknown.number();
+            effects.push(Effect::Unknown(table.clone())).map_err(|_| NotRestored::Effect { kind })?;
         }
         Ok(())
     }

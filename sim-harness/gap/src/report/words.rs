@@ -219,7 +219,6 @@ fn what(page: &Page<'_>, named: &Named) -> String {
             )
         }
         Effect::Unknown(e) => unknown(e, page.found.findings.first_day),
-        other => format!("{}: see the table", plain(other.name())),
     }
 }
 

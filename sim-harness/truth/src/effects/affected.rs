@@ -16,6 +16,11 @@ pub enum Affected {
 }
 
 impl Affected {
+    /// Every run.
+    pub fn all() -> Self {
+        Self::Share(1.0)
+    }
+
     /// For each run, whether it is affected. Runs with equal values in `groups` (the date, or their own number) share their fate.
     ///
     /// ```
