@@ -7,8 +7,9 @@ use rundown::estimator::config::Config;
 use rundown::link::serial;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_log::BadRows;
 use rundown_files::run_set::RunSet;
+use rundown_files::sample::Sample;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use sim_harness::desk::Description;
@@ -27,9 +28,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (track, _) = TrackFile::read(track)?;
     let line = CentreLine::new(&track.centre_line);
     for file in RunSet::find(std::slice::from_ref(run))?.files {
-        let log = RunLog::read(&file.path, BadRows::Refuse)?;
-        let recording = Recording::new(&file, &log, line.as_ref(), DirectionChoice::Auto)?;
-        let log: Vec<_> = recording.rows.iter().map(|row| row.measurement).collect();
+        let recording = Recording::read(&file, BadRows::Refuse, line.as_ref(), DirectionChoice::Auto)?;
+        let log: Vec<_> = recording.rows.iter().map(Sample::measurement).collect();
         let description = Description::new(&train, &track, Config::default());
         let same = compare(&settings, &description, recording.direction, &log)?;
         println!(

@@ -19,21 +19,15 @@ use rundown_truth::scenario::{Run, Scenario, fleet};
 use sim_harness::desk::Description;
 
 /// The manufacturer's description that every simulated vehicle deviates from.
-pub const NOMINAL: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
+pub const TRAIN: TrainDescription = TrainDescription { max_power_w: 2_036_377.8, ..TrainDescription::CASE_STUDY };
+/// Its Davis coefficients.
+pub const NOMINAL: Davis = TRAIN.davis;
 
 /// The scenario's line and a train as described (not as it truly is).
 pub fn description(config: Config, scenario: &Scenario) -> Description {
     let gradients = scenario.line.gradients_permille().iter();
     Description {
-        train: TrainDescription {
-            mass_kg: 364e3,
-            rotating_mass_factor: 1.06,
-            length_m: 162.0,
-            davis: NOMINAL,
-            max_tractive_effort_n: 192_920.0,
-            max_power_w: 2_036_377.8,
-            max_brake_mps2: 0.66,
-        },
+        train: TRAIN,
         track_length_m: scenario.line.length_m(),
         gradients: gradients.map(|&(from_m, permille)| Gradient { from_m, permille }).collect(),
         curves: Vec::new(),

@@ -1,6 +1,9 @@
 //! A board on the host: the tick task over a flash and a link of test's own, and a desk that talks to it.
 
+use crate::accuracy::measurements;
+use crate::coasting::with_targets;
 use crate::flash::Flash;
+use rundown::estimator::config::Config;
 use rundown::estimator::run_state::RunState;
 use rundown::model::direction::Direction;
 use rundown::onboard::auth::{Key, Provisioning, ProvisioningError};
@@ -8,8 +11,20 @@ use rundown::onboard::task::{Port, Room, Task};
 use rundown::onboard::train_id::TrainId;
 use rundown::onboard::uplink::{Command, Pace, Request};
 use rundown::tick::measurement::Measurement;
-use rundown_wire::{Answer, Body, Downlink, Estimate, Health, Refusal, SnapshotPart, Status};
+use rundown_truth::scenario::{Scenario, simulate};
+use rundown_wire::{Answer, Downlink, Estimate, Health, Refusal, SnapshotPart, Status};
 use sim_harness::desk::{Description, Desk};
+
+/// The first frame of a kind: `said!(frames, Status)`.
+#[macro_export]
+macro_rules! said {
+    ($frames:expr, $kind:ident) => {
+        $frames.iter().find_map(|frame: &rundown_wire::Downlink| match &frame.body {
+            rundown_wire::Body::$kind(said) => Some(said.clone()),
+            _ => None,
+        })
+    };
+}
 
 /// The key and the train of the board.
 pub const PROVISIONING: Provisioning =
@@ -69,6 +84,13 @@ impl Board {
         Self { task: task(Ok(PROVISIONING), flash, false), wire: Wire::default(), desk: Desk::new(PROVISIONING) }
     }
 
+    /// With empty flash and a run of the description under way in lockstep.
+    pub fn running(description: &Description) -> Self {
+        let mut board = Self::start(Flash::erased(8));
+        board.prepare(description, Direction::Up);
+        board
+    }
+
     /// Power goes and comes: nothing stays but the flash. The desk goes on.
     pub fn restart(self) -> Self {
         let flash = self.task.release().expect("a store");
@@ -103,6 +125,12 @@ impl Board {
         answer(&self.say(&message)).expect("an answer").result
     }
 
+    /// Ends the run and reads the frames that this brings.
+    pub fn end(&mut self) -> Vec<Downlink> {
+        let message = self.desk.secured(Request::Command(Command::End)).expect("announced");
+        self.say(&message)
+    }
+
     /// A measurement; in lockstep its frames come back.
     pub fn measure(&mut self, measurement: &Measurement) -> Vec<Downlink> {
         let message = self.desk.open(Request::Measurement(*measurement));
@@ -112,12 +140,7 @@ impl Board {
     /// Its status.
     pub fn status(&mut self) -> Status {
         let message = self.desk.open(Request::Command(Command::Status));
-        let frames = self.say(&message.expect("short"));
-        let status = frames.iter().find_map(|frame| match &frame.body {
-            Body::Status(status) => Some(*status),
-            _ => None,
-        });
-        status.expect("a status")
+        said!(self.say(&message.expect("short")), Status).expect("a status")
     }
 
     /// A whole snapshot.
@@ -143,16 +166,17 @@ impl Board {
 
 /// The answer among frames.
 pub fn answer(frames: &[Downlink]) -> Option<Answer> {
-    frames.iter().find_map(|frame| match frame.body {
-        Body::Answer(answer) => Some(answer),
-        _ => None,
-    })
+    said!(frames, Answer)
 }
 
 /// The estimate among frames.
 pub fn estimate(frames: &[Downlink]) -> Option<Estimate> {
-    frames.iter().find_map(|frame| match frame.body {
-        Body::Estimate(estimate) => Some(estimate),
-        _ => None,
-    })
+    said!(frames, Estimate)
+}
+
+/// A simulated run of the case study, and a description of its train and line with the targets.
+pub fn case_study() -> (Description, Vec<Measurement>) {
+    let scenario = Scenario::default();
+    let log = measurements(&simulate(&scenario, 3));
+    (with_targets(Config::default(), &scenario), log)
 }

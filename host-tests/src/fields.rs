@@ -123,12 +123,28 @@ impl ser::Error for Unforeseen {
     }
 }
 
-fn unforeseen(what: &str) -> Result<String, Unforeseen> {
-    Err(Unforeseen(format!("no frame has a {what}")))
-}
-
 /// What gives a type's name, or is being walked through.
 type Kind = Result<String, Unforeseen>;
+
+/// Values of one field, and the name of their type.
+macro_rules! numbers {
+    ($($method:ident($kind:ty): |$walk:ident, $v:ident| $put:expr;)*) => {
+        $(fn $method(self, $v: $kind) -> Kind {
+            let $walk = self;
+            $put;
+            Ok(stringify!($kind).into())
+        })*
+    };
+}
+
+/// What no frame has.
+macro_rules! unforeseen {
+    ($($method:ident($kind:ty))*) => {
+        $(fn $method(self, _: $kind) -> Kind {
+            Err(Unforeseen(concat!("no frame has a ", stringify!($kind)).into()))
+        })*
+    };
+}
 
 impl<'a> Serializer for &'a mut Fields {
     /// The name of the type.
@@ -142,34 +158,18 @@ impl<'a> Serializer for &'a mut Fields {
     type SerializeStruct = Members<'a>;
     type SerializeStructVariant = Members<'a>;
 
-    fn serialize_bool(self, v: bool) -> Kind {
-        self.put(v, vec![v.into()]);
-        Ok("bool".into())
+    numbers! {
+        serialize_bool(bool): |walk, v| walk.put(v, vec![v.into()]);
+        serialize_u8(u8): |walk, v| walk.put(v, vec![v]);
+        serialize_u16(u16): |walk, v| walk.number(v.into(), u16::MAX.into());
+        serialize_u32(u32): |walk, v| walk.number(v.into(), u32::MAX.into());
+        serialize_u64(u64): |walk, v| walk.number(v, u64::MAX);
+        serialize_f32(f32): |walk, v| walk.put(format!("{v:?}"), v.to_le_bytes().to_vec());
+        serialize_f64(f64): |walk, v| walk.put(format!("{v:?}"), v.to_le_bytes().to_vec());
     }
-    fn serialize_u8(self, v: u8) -> Kind {
-        self.put(v, vec![v]);
-        Ok("u8".into())
-    }
-    fn serialize_u16(self, v: u16) -> Kind {
-        self.number(v.into(), u16::MAX.into());
-        Ok("u16".into())
-    }
-    fn serialize_u32(self, v: u32) -> Kind {
-        self.number(v.into(), u32::MAX.into());
-        Ok("u32".into())
-    }
-    fn serialize_u64(self, v: u64) -> Kind {
-        self.number(v, u64::MAX);
-        Ok("u64".into())
-    }
-    fn serialize_f32(self, v: f32) -> Kind {
-        self.put(format!("{v:?}"), v.to_le_bytes().to_vec());
-        Ok("f32".into())
-    }
-    fn serialize_f64(self, v: f64) -> Kind {
-        self.put(format!("{v:?}"), v.to_le_bytes().to_vec());
-        Ok("f64".into())
-    }
+    unforeseen! { serialize_i8(i8) serialize_i16(i16) serialize_i32(i32) serialize_i64(i64) serialize_char(char) }
+    unforeseen! { serialize_str(&str) serialize_bytes(&[u8]) serialize_unit_struct(&'static str) }
+
     fn serialize_none(self) -> Kind {
         self.could_grow.push(self.path.clone());
         self.put("none", vec![0]);
@@ -227,32 +227,8 @@ impl<'a> Serializer for &'a mut Fields {
         Ok(Members { walk: self, name, members, is_struct: false })
     }
 
-    fn serialize_i8(self, _: i8) -> Kind {
-        unforeseen("signed integer")
-    }
-    fn serialize_i16(self, _: i16) -> Kind {
-        unforeseen("signed integer")
-    }
-    fn serialize_i32(self, _: i32) -> Kind {
-        unforeseen("signed integer")
-    }
-    fn serialize_i64(self, _: i64) -> Kind {
-        unforeseen("signed integer")
-    }
-    fn serialize_char(self, _: char) -> Kind {
-        unforeseen("character")
-    }
-    fn serialize_str(self, _: &str) -> Kind {
-        unforeseen("string")
-    }
-    fn serialize_bytes(self, _: &[u8]) -> Kind {
-        unforeseen("byte string")
-    }
-    fn serialize_unit_struct(self, name: &'static str) -> Kind {
-        unforeseen(name)
-    }
     fn serialize_newtype_struct<T: Serialize + ?Sized>(self, name: &'static str, _: &T) -> Kind {
-        unforeseen(name)
+        Err(Unforeseen(name.into()))
     }
     fn serialize_tuple_struct(self, name: &'static str, _: usize) -> Result<Self::SerializeTupleStruct, Unforeseen> {
         Err(Unforeseen(name.into()))
@@ -314,27 +290,26 @@ impl<'a> Items<'a> {
     }
 }
 
-impl ser::SerializeSeq for Items<'_> {
-    type Ok = String;
-    type Error = Unforeseen;
-    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Unforeseen> {
-        self.item(value)
-    }
-    fn end(self) -> Kind {
-        self.finish()
-    }
+/// Both kinds of a list are walked alike, and both of a struct.
+macro_rules! walked {
+    ($kind:ident, $walker:ident: $method:ident($($key:ident: $key_type:ty)?) $one:ident) => {
+        impl ser::$kind for $walker<'_> {
+            type Ok = String;
+            type Error = Unforeseen;
+            fn $method<T: Serialize + ?Sized>(&mut self, $($key: $key_type,)? value: &T) -> Result<(), Unforeseen> {
+                self.$one($($key,)? value)
+            }
+            fn end(self) -> Kind {
+                self.finish()
+            }
+        }
+    };
 }
 
-impl ser::SerializeTuple for Items<'_> {
-    type Ok = String;
-    type Error = Unforeseen;
-    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Unforeseen> {
-        self.item(value)
-    }
-    fn end(self) -> Kind {
-        self.finish()
-    }
-}
+walked!(SerializeSeq, Items: serialize_element() item);
+walked!(SerializeTuple, Items: serialize_element() item);
+walked!(SerializeStruct, Members: serialize_field(key: &'static str) member);
+walked!(SerializeStructVariant, Members: serialize_field(key: &'static str) member);
 
 /// A struct under way.
 pub struct Members<'a> {
@@ -356,27 +331,5 @@ impl Members<'_> {
             self.walk.shapes.push((self.name, self.members));
         }
         Ok(self.name.into())
-    }
-}
-
-impl ser::SerializeStruct for Members<'_> {
-    type Ok = String;
-    type Error = Unforeseen;
-    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Unforeseen> {
-        self.member(key, value)
-    }
-    fn end(self) -> Kind {
-        self.finish()
-    }
-}
-
-impl ser::SerializeStructVariant for Members<'_> {
-    type Ok = String;
-    type Error = Unforeseen;
-    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Unforeseen> {
-        self.member(key, value)
-    }
-    fn end(self) -> Kind {
-        self.finish()
     }
 }

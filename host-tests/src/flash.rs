@@ -33,7 +33,7 @@ pub const CUT_MODES: [CutMode; 3] = [CutMode::NotDone, CutMode::HalfDone, CutMod
 pub enum TornReads {
     /// Always the same.
     Stable,
-    /// Each undecided bit anew at every read.
+    /// Each undecided bit at random at every read.
     Unstable,
     /// As an uncorrectable ECC error.
     Fail,

@@ -8,5 +8,6 @@ pub mod board;
 pub mod coasting;
 pub mod fields;
 pub mod flash;
+pub mod reference;
 pub mod target;
 pub mod textbook;

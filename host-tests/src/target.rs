@@ -21,20 +21,18 @@ const KEY_ADDRESS: u32 = 0x080F_F800;
 
 /// How to start the firmware, or a message that says why it is not: it needs a compiler and an emulator that plain `cargo test` does not bring.
 pub fn firmware() -> Option<Settings> {
-    match Settings::new(Board::L475Emulated) {
-        Ok(settings) => Some(Settings { preloads: vec![(KEY_ADDRESS, PROVISIONING.to_bytes().to_vec())], ..settings }),
-        Err(missing) if std::env::var_os("RUNDOWN_EMULATOR").is_some() => panic!("{missing}"),
-        Err(missing) => {
-            println!("SKIPPED: {missing}");
-            None
-        }
-    }
+    let preloads = vec![(KEY_ADDRESS, PROVISIONING.to_bytes().to_vec())];
+    Some(Settings { preloads, ..settings(Board::L475Emulated)? })
 }
 
 /// The same for the test board, whose flash is a file that outlives the emulator.
 pub fn test_board(flash: &FlashFile) -> Option<Settings> {
-    match Settings::new(Board::Mps2) {
-        Ok(settings) => Some(Settings { flash: Some(flash.clone()), ..settings }),
+    Some(Settings { flash: Some(flash.clone()), ..settings(Board::Mps2)? })
+}
+
+fn settings(board: Board) -> Option<Settings> {
+    match Settings::new(board) {
+        Ok(settings) => Some(settings),
         Err(missing) if std::env::var_os("RUNDOWN_EMULATOR").is_some() => panic!("{missing}"),
         Err(missing) => {
             println!("SKIPPED: {missing}");

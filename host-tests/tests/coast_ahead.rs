@@ -2,10 +2,9 @@
 //!
 //! Truth is what the simulated train does when it coasts from there: the simulator's own integrator, with the wind and the load of that run.
 
-use host_tests::accuracy::measurements;
-use host_tests::board::Board;
-use host_tests::coasting::{Calibration, Judged, judge, published, with_targets};
-use host_tests::flash::Flash;
+use host_tests::board::{Board, case_study};
+use host_tests::coasting::{Calibration, Judged, judge, published};
+use host_tests::said;
 use rayon::prelude::*;
 use rundown::coast_ahead::CoastConfig;
 use rundown::estimator::config::Config;
@@ -14,8 +13,8 @@ use rundown::model::track::{MAX_TARGETS, Target};
 use rundown::onboard::uplink::{Request, Setting, TargetPart};
 use rundown::tick::measurement::Measurement;
 use rundown_truth::driver::Regime;
-use rundown_truth::scenario::{Scenario, simulate};
-use rundown_wire::{Body, CoastAhead, CoastOutcome, Downlink, Refusal};
+use rundown_truth::scenario::Scenario;
+use rundown_wire::{Body, CoastAhead, CoastOutcome, Refusal};
 
 /// Share of the described resistance of r0, r1, r2 of eight vehicles.
 const SCALES: [[f64; 3]; 8] = [
@@ -92,20 +91,9 @@ fn advice_stands_still_while_the_train_coasts() {
     assert!(20 * every[0] > 19 * every[1], "{every:?}");
 }
 
-/// A run of the case study on a board that knows the targets.
 fn board() -> (Board, Vec<Measurement>) {
-    let scenario = Scenario::default();
-    let log = measurements(&simulate(&scenario, 3));
-    let mut board = Board::start(Flash::erased(8));
-    board.prepare(&with_targets(Config::default(), &scenario), Direction::Up);
-    (board, log)
-}
-
-fn ahead(frames: &[Downlink]) -> Option<CoastAhead> {
-    frames.iter().find_map(|frame| match frame.body {
-        Body::CoastAhead(ahead) => Some(ahead),
-        _ => None,
-    })
+    let (description, log) = case_study();
+    (Board::running(&description), log)
 }
 
 #[test]
@@ -121,7 +109,7 @@ fn the_board_says_it_third_and_again_each_minute() {
         };
         assert_eq!(place, 2, "behind parameters and effort");
         assert!(tick % 6 != 0 && tick % 12 != 3, "tick {tick}: in a long one");
-        let now = ahead(&frames);
+        let now = said!(frames, CoastAhead);
         assert!(now != said || tick % 6 == 1, "tick {tick}: {now:?}");
         said = now;
         frames_of_it += 1;
@@ -145,29 +133,26 @@ fn a_run_that_goes_on_from_a_snapshot_says_the_same() {
         board.measure(measurement);
     }
     let parts = board.snapshot();
-    let rest: Vec<_> = log[half..].iter().map(|measurement| ahead(&board.measure(measurement))).collect();
-    let scenario = Scenario::default();
+    let rest: Vec<_> = log[half..].iter().map(|measurement| said!(board.measure(measurement), CoastAhead)).collect();
     let mut other = board.restart();
-    other.prepare(&with_targets(Config::default(), &scenario), Direction::Up);
+    other.prepare(&case_study().0, Direction::Up);
     other.ask(Request::Command(rundown::onboard::uplink::Command::End)).unwrap();
     for part in parts {
         other.ask(Request::Snapshot(part)).unwrap();
     }
-    let again: Vec<_> = log[half..].iter().map(|measurement| ahead(&other.measure(measurement))).collect();
+    let again: Vec<_> = log[half..].iter().map(|measurement| said!(other.measure(measurement), CoastAhead)).collect();
     assert!(rest.iter().flatten().count() > 5);
     assert_eq!(again, rest);
 }
 
 #[test]
 fn targets_are_taken_whole_and_in_order() {
-    let scenario = Scenario::default();
-    let description = with_targets(Config::default(), &scenario);
-    let mut board = Board::start(Flash::erased(8));
+    let (description, _) = case_study();
+    let mut board = Board::running(&description);
     let stop = |at_m| Target { at_m, limit_mps: None };
     let part = |track_id, first, targets: &[Target]| {
         Request::Targets(TargetPart { track_id, first, targets: targets.iter().copied().collect() })
     };
-    board.prepare(&description, Direction::Up);
     let id = description.track_id();
     assert_eq!(board.ask(part(id, 0, &[])), Err(Refusal::Running));
     board.ask(Request::Command(rundown::onboard::uplink::Command::End)).unwrap();
@@ -176,7 +161,7 @@ fn targets_are_taken_whole_and_in_order() {
     assert_eq!(board.ask(part(id, 2, &[stop(2e3)])), Err(Refusal::OutOfOrder));
     assert_eq!(board.ask(part(id, 1, &[stop(2e3)])), Ok(()));
     assert_eq!(board.ask(part(id, 2, &[stop(1e3)])), Err(Refusal::OutOfRange));
-    // Half of a description is none.
+    // A partial description is rejected.
     assert_eq!(board.ask(part(id, 2, &[stop(3e3)])), Err(Refusal::OutOfOrder));
     let many: Vec<Target> = (0..MAX_TARGETS + 1).map(|i| stop(i as f64)).collect();
     let mut results = Vec::new();

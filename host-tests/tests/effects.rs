@@ -119,21 +119,21 @@ fn run_as_read(
 }
 
 /// r(v) of the last run's train after four runs; and how long was learned.
-fn learned(estimator: &Estimator, logs: &[Vec<Measurement>], told: Surroundings) -> (Davis, f64) {
+fn learned(estimator: &Estimator, logs: &[Vec<Measurement>], surroundings: Surroundings) -> (Davis, f64) {
     let mut vehicle = estimator.new_vehicle();
-    learned_from(estimator, &mut vehicle, logs, told)
+    learned_from(estimator, &mut vehicle, logs, surroundings)
 }
 
 fn learned_from(
     estimator: &Estimator,
     vehicle: &mut Vehicle,
     logs: &[Vec<Measurement>],
-    told: Surroundings,
+    surroundings: Surroundings,
 ) -> (Davis, f64) {
     let mut found = (DESCRIBED, 0.0);
     for log in logs {
         let mut run = estimator.begin_run(vehicle, Direction::Up);
-        estimator.tell(&mut run, told);
+        estimator.tell(&mut run, surroundings);
         for measurement in log {
             estimator.step(&mut run, measurement).unwrap();
         }
@@ -208,13 +208,13 @@ fn hidden() -> Vec<(Effect, Extra)> {
 /// Given a truth with an effect / When the model has the same effect / Then the learned r(v) is near the truth's, and further without it.
 #[test]
 fn an_effect_in_the_model_does_not_hide_in_the_resistance() {
-    let told = Surroundings { temperature_c: Some(-10.0), day: Some(20_100.0) };
+    let surroundings = Surroundings { temperature_c: Some(-10.0), day: Some(20_100.0) };
     let truth = |v| TRUE.resistance_n_per_kg(v);
     println!("effect                    without   with (rms error of r(v), 80-135 km/h, 4 runs)");
     for (effect, extra) in hidden() {
         let logs: Vec<_> = (0..4).map(|variant| run(variant, TRUE, &*extra)).collect();
         let find = |effects: Effects| {
-            let (davis, learned_s) = learned(&estimator(DESCRIBED, effects), &logs, told);
+            let (davis, learned_s) = learned(&estimator(DESCRIBED, effects), &logs, surroundings);
             assert!(learned_s > 200.0, "{}: learned for {learned_s} s", effect.name());
             error(&|v| davis.resistance_n_per_kg(v), &truth)
         };

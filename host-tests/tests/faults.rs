@@ -1,9 +1,10 @@
 //! Does the board survive what `docs/faults.md` lists? The rows that no other test holds, through the tick task and its messages.
 
 use host_tests::accuracy::measurements;
-use host_tests::board::{Board, answer, estimate};
+use host_tests::board::{Board, answer, case_study, estimate};
 use host_tests::coasting::with_targets;
 use host_tests::flash::Flash;
+use host_tests::said;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown::estimator::config::{Config, Mode};
@@ -14,16 +15,12 @@ use rundown::model::track::Gradient;
 use rundown::onboard::uplink::{self, Command, Request, Setting, Uplink};
 use rundown::tick::measurement::Measurement;
 use rundown_truth::scenario::{Scenario, simulate};
-use rundown_wire::{Body, Downlink, Refusal};
+use rundown_wire::{Downlink, Refusal};
 use sim_harness::desk::Description;
 
 fn running() -> (Board, Description, Vec<Measurement>) {
-    let scenario = Scenario::default();
-    let log = measurements(&simulate(&scenario, 3));
-    let description = with_targets(Config::default(), &scenario);
-    let mut board = Board::start(Flash::erased(8));
-    board.prepare(&description, Direction::Up);
-    (board, description, log)
+    let (description, log) = case_study();
+    (Board::running(&description), description, log)
 }
 
 /// Digests of the estimates: equal digests, equal states.
@@ -117,11 +114,7 @@ fn the_senders_counter_wraps_without_a_gap() {
         let mut buffer = [0; rundown_wire::MAX_MESSAGE];
         let uplink = Uplink { sequence, request };
         let message = uplink::encode(&uplink, uplink::OPEN, &mut buffer).unwrap();
-        let frames = board.say(message);
-        frames.into_iter().find_map(|frame| match frame.body {
-            Body::Status(status) => Some(status.missed),
-            _ => None,
-        })
+        said!(board.say(message), Status).map(|status| status.missed)
     };
     let status = Request::Command(Command::Status);
     // Far from the counter before: taken for a sender that began anew.
@@ -280,8 +273,7 @@ fn odd_temperatures_and_dates_are_refused_and_the_old_ones_stay() {
     };
     let winter = Surroundings { temperature_c: Some(-5.0), day: Some(20_100.0) };
     let start = || {
-        let mut board = Board::start(Flash::erased(8));
-        board.prepare(&with_effects, Direction::Up);
+        let mut board = Board::running(&with_effects);
         board.ask(Request::Surroundings(winter)).unwrap();
         board
     };
@@ -352,13 +344,8 @@ fn a_train_described_with_too_little_resistance_is_published_within_bounds() {
     for seed in 0..3 {
         board.prepare(&wrong, Direction::Up);
         for measurement in measurements(&simulate(&scenario, seed)) {
-            for frame in board.measure(&measurement) {
-                let Body::Parameters(said) = frame.body else {
-                    continue;
-                };
-                if said.learned != rundown_wire::Learned::OutOfBounds {
-                    continue;
-                }
+            let said = said!(board.measure(&measurement), Parameters);
+            if let Some(said) = said.filter(|said| said.learned == rundown_wire::Learned::OutOfBounds) {
                 out_of_bounds += 1;
                 for (said, nominal) in [(said.r0, davis.r0), (said.r1, davis.r1), (said.r2, davis.r2)] {
                     let share = f64::from(said.value) / nominal;

@@ -2,16 +2,14 @@
 
 use host_tests::board::{PROVISIONING, Wire, task};
 use host_tests::flash::Flash;
+use host_tests::reference::recording;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::Config;
 use rundown::link::Link;
 use rundown::link::serial::SerialLink;
 use rundown::model::effects::{Effect, Effects, TemperatureResistance};
 use rundown::tick::digest;
-use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::replay::{Tick, replay};
-use rundown_files::run_log::{BadRows, RunLog};
-use rundown_files::run_set::RunSet;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use rundown_wire::{Body, Downlink};
@@ -68,9 +66,7 @@ fn with_temperatures(log: &str) -> String {
 fn digests_of_a_replay(train: &Path, track: &Path, run: &Path, effects: Effects) -> Vec<u32> {
     let (_, train) = TrainFile::read(train).unwrap();
     let (_, track) = TrackFile::read(track).unwrap();
-    let file = RunSet::find(&[run.to_owned()]).unwrap().files.remove(0);
-    let log = RunLog::read(&file.path, BadRows::Refuse).unwrap();
-    let recording = Recording::new(&file, &log, None, DirectionChoice::Auto).unwrap();
+    let recording = recording(run);
     let estimator = Estimator::try_new(Config::default(), train, track).unwrap();
     let estimator = estimator.with_effects(effects);
     let mut vehicle = estimator.new_vehicle();

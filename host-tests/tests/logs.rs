@@ -9,9 +9,9 @@ use rundown::model::track::{Gradient, Track};
 use rundown::model::train::Train;
 use rundown_files::map_matching::{CentreLine, MatchState};
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::replay::{Tick, replay_carried};
+use rundown_files::replay::{Tick, replay_carried_by};
 use rundown_files::run_log::{BadRows, RunLog};
-use rundown_files::run_set::RunSet;
+use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::track_file::{CentreLinePoint, TrackFile};
 use rundown_files::train_file::TrainFile;
 use serde::Deserialize;
@@ -146,13 +146,10 @@ fn every_recorded_run_is_replayed_to_its_last_row() {
     let Some(folder) = recordings() else { return };
     let (_, track) = TrackFile::read(&folder.join("track_kolkata.toml")).unwrap();
     let estimator = Estimator::try_new(Config::default(), train(), track).unwrap();
-    let mut recordings = Vec::new();
-    for file in runs(&folder).files {
-        let log = RunLog::read(&file.path, BadRows::Refuse).unwrap();
-        recordings.push(Recording::new(&file, &log, None, DirectionChoice::Auto).unwrap());
-    }
+    let read = |file: &RunFile| Recording::read(file, BadRows::Refuse, None, DirectionChoice::Auto).unwrap();
+    let recordings: Vec<Recording> = runs(&folder).files.iter().map(read).collect();
     for tick in [Tick::EverySample, Tick::Period { seconds: 10.0 }] {
-        for run in replay_carried(&estimator, &recordings, tick, || ()) {
+        for run in replay_carried_by(&|_| &estimator, &recordings, tick, || ()) {
             assert!(run.dropped.is_empty(), "{}: {:?}", run.name, run.dropped);
             if tick == Tick::EverySample {
                 assert_eq!(run.estimates.len(), run.rows, "{}", run.name);
@@ -174,7 +171,7 @@ fn a_log_of_one_row_and_a_log_without_readings_are_replayed() {
         let log = RunLog::parse("run.csv".as_ref(), text.as_bytes(), BadRows::Refuse).unwrap();
         let file = RunSet::find(&["run.csv".into()]).unwrap().files.remove(0);
         let recording = Recording::new(&file, &log, None, DirectionChoice::Auto).unwrap();
-        let run = replay_carried(&estimator, &[recording], Tick::EverySample, || ()).remove(0);
+        let run = replay_carried_by(&|_| &estimator, &[recording], Tick::EverySample, || ()).remove(0);
         assert_eq!(run.estimates.len(), log.samples.len());
     }
 }

@@ -3,14 +3,13 @@
 use emulator::Settings;
 use host_tests::accuracy::{description, measurements};
 use host_tests::coasting::with_targets;
+use host_tests::reference::{data, recording};
 use host_tests::target::{Same, compare, firmware};
 use rundown::estimator::config::{Config, Mode};
 use rundown::model::direction::Direction;
 use rundown::model::effects::*;
 use rundown::model::track::Curve;
-use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_log::{BadRows, RunLog};
-use rundown_files::run_set::RunSet;
+use rundown_files::sample::Sample;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use rundown_truth::line::Line;
@@ -108,19 +107,15 @@ fn a_run_with_dropouts() {
 #[test]
 fn a_recorded_run() {
     let Some(settings) = firmware() else { return };
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = here.join("../../shared/data/recorded-gpx");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/recorded-gpx");
     if !folder.join("runs").is_dir() {
         println!("SKIPPED: no recorded runs in ../shared/data/recorded-gpx beside the workspace");
         return;
     }
     let (track, _) = TrackFile::read(&folder.join("track_kolkata.toml")).unwrap();
-    let (_, train) = TrainFile::read(&here.join("../data/reference/train.toml")).unwrap();
-    let file = RunSet::find(&[folder.join("runs")]).unwrap().files.remove(0);
-    let log = RunLog::read(&file.path, BadRows::Refuse).unwrap();
-    let recording = Recording::new(&file, &log, None, DirectionChoice::Auto).unwrap();
-    let rows = recording.rows.iter().map(|row| row.measurement);
-    let log: Vec<_> = rows.collect();
+    let (_, train) = TrainFile::read(&data("reference/train.toml")).unwrap();
+    let recording = recording(&folder.join("runs"));
+    let log: Vec<_> = recording.rows.iter().map(Sample::measurement).collect();
     let description = Description::new(&train, &track, Config::default());
     let same = compare(&settings, &description, recording.direction, &log).unwrap();
     say(&recording.name, &same);

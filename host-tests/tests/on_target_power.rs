@@ -1,43 +1,35 @@
 //! What is left when the power goes? The firmware on the test board of the emulator, whose flash is a file: killing the emulator is the loss of power.
 
-use emulator::{Emulator, FlashFile};
+use emulator::{Emulator, FlashFile, Settings};
 use host_tests::accuracy::{description, measurements};
 use host_tests::board::PROVISIONING;
+use host_tests::said;
 use host_tests::target::{on_target, test_board};
 use rundown::estimator::config::Config;
 use rundown::model::direction::Direction;
 use rundown::onboard::uplink::{Command, Pace, Request};
 use rundown::tick::digest;
 use rundown_truth::scenario::{Scenario, simulate};
-use rundown_wire::{Body, Memory, RunSummary, Status};
+use rundown_wire::{Body, Downlink, Memory};
 use sim_harness::session::Heard;
 use std::thread::sleep;
 use std::time::Duration;
 
-fn status(frames: &[Heard]) -> Status {
-    let found = frames.iter().find_map(|heard| match heard.frame.body {
-        Body::Status(status) => Some(status),
-        _ => None,
-    });
-    found.expect("a status")
+fn frames(heard: Vec<Heard>) -> Vec<Downlink> {
+    heard.into_iter().map(|heard| heard.frame).collect()
 }
 
-fn summary(frames: &[Heard]) -> RunSummary {
-    let found = frames.iter().find_map(|heard| match heard.frame.body {
-        Body::RunSummary(summary) => Some(summary),
-        _ => None,
-    });
-    found.expect("a summary")
+/// The test board with a key in its flash, where there is an emulator; the folder holds the flash.
+fn provisioned() -> Option<(Settings, tempfile::TempDir)> {
+    let folder = tempfile::tempdir().unwrap();
+    let flash = FlashFile::erased(&folder.path().join("flash")).unwrap();
+    flash.put_key(&PROVISIONING.to_bytes()).unwrap();
+    Some((test_board(&flash)?, folder))
 }
 
 #[test]
 fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
-    let folder = tempfile::tempdir().unwrap();
-    let flash = FlashFile::erased(&folder.path().join("flash")).unwrap();
-    flash.put_key(&PROVISIONING.to_bytes()).unwrap();
-    let Some(settings) = test_board(&flash) else {
-        return;
-    };
+    let Some((settings, _folder)) = provisioned() else { return };
     let scenario = Scenario::default();
     let description = description(Config::default(), &scenario);
     let log = measurements(&simulate(&scenario, 3));
@@ -48,7 +40,7 @@ fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
     for measurement in &log {
         session.measure(measurement).unwrap();
     }
-    let learned = summary(&session.end_run().unwrap());
+    let learned = said!(frames(session.end_run().unwrap()), RunSummary).unwrap();
     assert!(learned.learned_s > 60.0);
     drop(emulator);
 
@@ -62,14 +54,14 @@ fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
         let mut emulator = Emulator::start(&settings).unwrap();
         let mut session = on_target(&mut emulator).unwrap();
         session.prepare(&description, Direction::Up, Pace::Lockstep).unwrap();
-        let now = status(&session.greet().unwrap());
+        let now = said!(frames(session.greet().unwrap()), Status).unwrap();
         assert!(
             matches!(now.memory, Memory::Restored | Memory::RestoredOlder),
             "cut after {cut_us} us: {:?}",
             now.memory
         );
         session.measure(&log[0]).unwrap();
-        let after = summary(&session.end_run().unwrap());
+        let after = said!(frames(session.end_run().unwrap()), RunSummary).unwrap();
         assert_eq!(after.vehicle_davis, learned.vehicle_davis, "{cut_us} us");
         // What was signed for an earlier start is of no use now.
         let epoch = now.announcement.map(|announcement| announcement[..4].to_vec());
@@ -81,12 +73,7 @@ fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
 /// The run goes on in a board that has lost everything but its flash, from the snapshot that the desk kept.
 #[test]
 fn a_run_goes_on_after_a_brown_out() {
-    let folder = tempfile::tempdir().unwrap();
-    let flash = FlashFile::erased(&folder.path().join("flash")).unwrap();
-    flash.put_key(&PROVISIONING.to_bytes()).unwrap();
-    let Some(settings) = test_board(&flash) else {
-        return;
-    };
+    let Some((settings, _folder)) = provisioned() else { return };
     let scenario = Scenario::default();
     let description = description(Config::default(), &scenario);
     let estimator = description.estimator().unwrap();

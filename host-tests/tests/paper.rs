@@ -1,5 +1,6 @@
 //! Is this the method of the paper? Its tables, thresholds and worked numbers, and the one number that its step gets wrong.
 
+use host_tests::accuracy::TRAIN;
 use nalgebra::SVector;
 use rundown::estimator::config::{Config, Mode};
 use rundown::features::FeatureConfig;
@@ -10,7 +11,7 @@ use rundown::model::motion::{Evaluate, Motion};
 use rundown::model::resistance::Davis;
 use rundown::model::state::{SIZE, SPEED};
 use rundown::model::track::Track;
-use rundown::model::train::{Train, TrainDescription};
+use rundown::model::train::Train;
 use rundown::tick::paper::Difference;
 use rundown::tick::regime::{PaperRule, Regime};
 
@@ -90,7 +91,7 @@ fn feature_windows_and_brake_steps_are_those_of_section_3_3() {
 
 /// Ten seconds of coasting on the flat from `v0`, in steps of at most `sub_step_s`: the speed lost, by the motion model.
 fn lost_mps(v0: f64, davis: &Davis, sub_steps: u32, evaluate: Evaluate) -> f64 {
-    let train = Train::try_new(TrainDescription { max_power_w: 2_036_377.8, ..TrainDescription::CASE_STUDY }).unwrap();
+    let train = Train::try_new(TRAIN).unwrap();
     let flat = Track::try_new(10_000.0, []).unwrap();
     let line = Line { train: &train, track: &flat, direction: Direction::Up };
     let mut x = SVector::from([0.0, v0, davis.r0, davis.r1, davis.r2]);

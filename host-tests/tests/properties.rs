@@ -1,5 +1,6 @@
 //! What always holds, whatever comes in.
 
+use host_tests::accuracy::TRAIN;
 use host_tests::textbook::{Points, Shape};
 use nalgebra::{SMatrix, SVector, Vector2};
 use proptest::prelude::*;
@@ -13,14 +14,14 @@ use rundown::model::line::Line;
 use rundown::model::motion::{Evaluate, Motion};
 use rundown::model::state::SIZE;
 use rundown::model::track::{Gradient, Track};
-use rundown::model::train::{Train, TrainDescription};
+use rundown::model::train::Train;
 use rundown::tick::estimate::Estimate;
 use rundown::tick::learning::LocationAndSpeed;
 use rundown::tick::measurement::Measurement;
 use rundown::tick::regime::{PaperRule, Regime};
 
 fn train() -> Train {
-    Train::try_new(TrainDescription { max_power_w: 2_036_377.8, ..TrainDescription::CASE_STUDY }).unwrap()
+    Train::try_new(TRAIN).unwrap()
 }
 
 fn track(steps: &[(f64, f64)]) -> Track {

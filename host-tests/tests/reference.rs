@@ -1,27 +1,20 @@
 //! Is it the method of the paper, to the last digits? `data/reference` holds one run computed with 50-digit arithmetic
 //! by an implementation that shares no code with this project.
 
+use host_tests::reference::{data, measurements, train_and_track};
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
 use rundown::filter::ukf::Spread;
 use rundown::model::direction::Direction;
 use rundown::model::state::SIZE;
 use rundown::tick::estimate::Estimate;
-use rundown::tick::measurement::Measurement;
 use rundown::tick::regime::Regime;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
 
 type Row = HashMap<String, String>;
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference")
-}
-
 fn rows(name: &str) -> Vec<Row> {
-    let mut reader = csv::Reader::from_path(folder().join(name)).unwrap();
+    let mut reader = csv::Reader::from_path(data(&format!("reference/{name}"))).unwrap();
     reader.deserialize().map(|row| row.unwrap()).collect()
 }
 
@@ -30,19 +23,12 @@ fn number(row: &Row, column: &str) -> f64 {
 }
 
 fn replayed(spread: Spread) -> Vec<Estimate> {
-    let (_, track) = TrackFile::read(&folder().join("track.toml")).unwrap();
-    let (_, train) = TrainFile::read(&folder().join("train.toml")).unwrap();
+    let (train, track) = train_and_track();
     let mut config = Config::with_mode(Mode::Paper);
     config.paper.spread = spread;
     let estimator = Estimator::try_new(config, train, track).unwrap();
     let mut run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
-    let measurement = |row: &Row| Measurement {
-        time_s: number(row, "time_s"),
-        location_m: Some(number(row, "location_m")),
-        speed_mps: Some(number(row, "speed_kmh") / 3.6),
-        effort_n_per_kg: None,
-    };
-    rows("run01.csv").iter().map(|row| estimator.step(&mut run, &measurement(row)).unwrap()).collect()
+    measurements().iter().map(|measurement| estimator.step(&mut run, measurement).unwrap()).collect()
 }
 
 /// As `max`, but NaN wins: no comparison with a limit accepts it.

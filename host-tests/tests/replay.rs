@@ -3,17 +3,15 @@
 //! `BLESS=1 cargo test -p host-tests --test replay` rewrites it; the commit then says why it moved.
 
 use host_tests::accuracy::{estimator, measurements, resistance};
+use host_tests::reference::{self, data, train_and_track};
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
 use rundown::model::direction::Direction;
 use rundown::tick::measurement::Measurement;
 use rundown::tick::regime::Regime;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
 use rundown_truth::scenario::{Scenario, simulate};
 use rundown_truth::sensors::Sensors;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 
 /// Columns after the name, each with the difference that is accepted: another platform rounds libm the same, so these only hide the printing.
 const COLUMNS: [(&str, f64); 10] = [
@@ -28,10 +26,6 @@ const COLUMNS: [(&str, f64); 10] = [
     ("final_brake_m", 0.1),
     ("power_w_per_kg", 1e-4),
 ];
-
-fn data(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data").join(path)
-}
 
 /// One row: replay of a run by a new vehicle.
 fn row(name: &str, estimator: &Estimator, measurements: &[Measurement]) -> (String, Vec<f64>) {
@@ -60,21 +54,8 @@ fn row(name: &str, estimator: &Estimator, measurements: &[Measurement]) -> (Stri
 
 fn rows() -> Vec<(String, Vec<f64>)> {
     let mut rows = Vec::new();
-    let (_, track) = TrackFile::read(&data("reference/track.toml")).unwrap();
-    let (_, train) = TrainFile::read(&data("reference/train.toml")).unwrap();
-    let mut log = csv::Reader::from_path(data("reference/run01.csv")).unwrap();
-    let reference: Vec<Measurement> = log
-        .deserialize::<(f64, f64, f64)>()
-        .map(|row| {
-            let (time_s, location_m, speed_kmh) = row.unwrap();
-            Measurement {
-                time_s,
-                location_m: Some(location_m),
-                speed_mps: Some(speed_kmh / 3.6),
-                effort_n_per_kg: None,
-            }
-        })
-        .collect();
+    let (train, track) = train_and_track();
+    let reference = reference::measurements();
     for (name, mode) in [("reference paper", Mode::Paper), ("reference gated", Mode::Gated)] {
         let estimator = Estimator::try_new(Config::with_mode(mode), train, track.clone()).unwrap();
         rows.push(row(name, &estimator, &reference));

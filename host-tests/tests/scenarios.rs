@@ -45,6 +45,40 @@ fn in_final_coast(run: &Run, share: f64) -> usize {
     run.samples.iter().position(|sample| sample.time_s >= at_s).unwrap()
 }
 
+/// A run whose log is spoilt from a share of its final coast on.
+struct Spoilt {
+    /// Index of the first sample that may be spoilt.
+    k: usize,
+    run: Run,
+    estimates: Vec<Estimate>,
+    summary: RunSummary,
+}
+
+/// `spoil` gets the samples from there on, and the last one before.
+fn spoilt(share: f64, spoil: impl Fn(&mut [Measurement], &Measurement)) -> Spoilt {
+    let (estimator, run, mut log) = clean();
+    let k = in_final_coast(&run, share);
+    let last = log[k - 1];
+    spoil(&mut log[k..], &last);
+    let (estimates, summary) = replay(&estimator, &log);
+    Spoilt { k, run, estimates, summary }
+}
+
+impl Spoilt {
+    /// Estimated minus true location, m.
+    fn error_m(&self, i: usize) -> f64 {
+        self.estimates[i].belief.mean[LOCATION] - self.run.truth[i].location_m
+    }
+
+    fn validity(&self, after: usize) -> Validity {
+        self.estimates[self.k + after].validity
+    }
+
+    fn count(&self, cause: Cause) -> u32 {
+        self.summary.counters.of(cause)
+    }
+}
+
 /// r and its covariance are the same to the last bit, and nothing is said to be learned.
 fn assert_frozen(estimates: &[Estimate]) {
     for estimate in estimates {
@@ -63,74 +97,61 @@ fn davis_bits(estimate: &Estimate) -> Vec<u64> {
 
 #[test]
 fn a_location_jump_of_5_km_is_held_for_one_tick_and_hardly_moves_the_resistance() {
-    // Given a coasting train
-    let (estimator, run, mut log) = clean();
+    let (estimator, _, log) = clean();
     let (_, without) = replay(&estimator, &log);
-    let k = in_final_coast(&run, 0.5);
-    // When one location is 5 km off
-    log[k].location_m = log[k].location_m.map(|m| m + 5000.0);
-    let (estimates, with) = replay(&estimator, &log);
+    // Given a coasting train, when one location is 5 km off
+    let found = spoilt(0.5, |log, _| log[0].location_m = log[0].location_m.map(|m| m + 5000.0));
     // Then it is dropped with its cause, the next tick is valid, and r is the same
-    assert_eq!(estimates[k].validity, Validity::Held(Cause::LocationJump));
-    assert_eq!(estimates[k + 1].validity, Validity::Valid);
-    assert!((estimates[k].belief.mean[LOCATION] - run.truth[k].location_m).abs() < 60.0);
+    assert_eq!(found.validity(0), Validity::Held(Cause::LocationJump));
+    assert_eq!(found.validity(1), Validity::Valid);
+    assert!(found.error_m(found.k).abs() < 60.0);
     let (r, sd) = resistance(&without.run_davis, 100.0);
-    assert!((resistance(&with.run_davis, 100.0).0 - r).abs() < 0.1 * sd);
+    assert!((resistance(&found.summary.run_davis, 100.0).0 - r).abs() < 0.1 * sd);
 }
 
 #[test]
 fn a_location_shift_that_stays_is_believed_after_three_fixes() {
-    let (estimator, run, mut log) = clean();
-    let k = in_final_coast(&run, 0.3);
     // When all locations from here on are 1 km further
-    for measurement in &mut log[k..] {
-        measurement.location_m = measurement.location_m.map(|m| m + 1000.0);
-    }
-    let (estimates, summary) = replay(&estimator, &log);
+    let found = spoilt(0.3, |log, _| {
+        log.iter_mut().for_each(|measurement| measurement.location_m = measurement.location_m.map(|m| m + 1000.0));
+    });
     // Then two are dropped, the third is taken up
-    assert_eq!(estimates[k].validity, Validity::Held(Cause::LocationJump));
-    let settled = &estimates[k + 3];
-    assert_eq!(settled.validity, Validity::Valid);
-    assert!((settled.belief.mean[LOCATION] - run.truth[k + 3].location_m - 1000.0).abs() < 60.0);
+    assert_eq!(found.validity(0), Validity::Held(Cause::LocationJump));
+    assert_eq!(found.validity(3), Validity::Valid);
+    assert!((found.error_m(found.k + 3) - 1000.0).abs() < 60.0);
     // And this is counted
-    assert_eq!(summary.counters.of(Cause::LocationJump), 2);
-    assert_eq!(summary.counters.of(Cause::Contradiction), 1);
+    assert_eq!((found.count(Cause::LocationJump), found.count(Cause::Contradiction)), (2, 1));
 }
 
 #[test]
 fn ten_minutes_without_location_freeze_the_resistance_and_widen_the_location() {
-    let (estimator, run, mut log) = clean();
-    let k = in_final_coast(&run, 0.2);
-    let end = (k + 60).min(log.len() - 6);
-    for measurement in &mut log[k..end] {
-        measurement.location_m = None;
-    }
-    let (estimates, _) = replay(&estimator, &log);
+    const LEFT: usize = 6;
+    let found = spoilt(0.2, |log, _| {
+        let count = 60.min(log.len() - LEFT);
+        log[..count].iter_mut().for_each(|measurement| measurement.location_m = None);
+    });
+    let (k, estimates) = (found.k, &found.estimates);
+    let end = (k + 60).min(estimates.len() - LEFT);
     // Held at once, invalid after a minute, valid with the first fixes after
-    assert_eq!(estimates[k].validity, Validity::Held(Cause::NoLocation));
-    assert_eq!(estimates[k + 7].validity, Validity::Invalid(Cause::NoLocation));
+    assert_eq!(found.validity(0), Validity::Held(Cause::NoLocation));
+    assert_eq!(found.validity(7), Validity::Invalid(Cause::NoLocation));
     assert!((end..end + 3).any(|i| estimates[i].validity == Validity::Valid));
     // The standard deviation of the location rises until then; r stands still once the longest gap has passed
     let sd = |i: usize| estimates[i].belief.sd(LOCATION);
     assert!((k + 6..end - 1).all(|i| sd(i + 1) >= sd(i)));
     assert!((k + 8..end).all(|i| davis_bits(&estimates[i]) == davis_bits(&estimates[k + 8])));
-    let error_m = estimates[end - 1].belief.mean[LOCATION] - run.truth[end - 1].location_m;
+    let error_m = found.error_m(end - 1);
     assert!(error_m.abs() < 3.0 * sd(end - 1), "{error_m}");
 }
 
 #[test]
 fn minutes_without_speed_are_bridged_by_the_true_time() {
-    let (estimator, run, mut log) = clean();
-    let k = in_final_coast(&run, 0.4);
-    for measurement in &mut log[k..k + 12] {
-        measurement.speed_mps = None;
-    }
-    let (estimates, summary) = replay(&estimator, &log);
-    assert_eq!(estimates[k].validity, Validity::Held(Cause::NoSpeed));
-    assert_eq!(estimates[k + 11].validity, Validity::Invalid(Cause::NoSpeed));
-    assert_eq!(estimates[k + 12].validity, Validity::Valid);
-    let (r, sd) = resistance(&summary.run_davis, 100.0);
-    let truth = run.facts.davis.resistance_n_per_kg(100.0 / 3.6);
+    let found = spoilt(0.4, |log, _| log[..12].iter_mut().for_each(|measurement| measurement.speed_mps = None));
+    assert_eq!(found.validity(0), Validity::Held(Cause::NoSpeed));
+    assert_eq!(found.validity(11), Validity::Invalid(Cause::NoSpeed));
+    assert_eq!(found.validity(12), Validity::Valid);
+    let (r, sd) = resistance(&found.summary.run_davis, 100.0);
+    let truth = found.run.facts.davis.resistance_n_per_kg(100.0 / 3.6);
     assert!((r - truth).abs() < 3.0 * sd);
 }
 
@@ -194,20 +215,16 @@ fn a_steady_speed_is_not_a_stuck_one() {
 
 #[test]
 fn a_stuck_location_is_named_and_the_speed_is_used() {
-    let (estimator, run, mut log) = clean();
-    let k = in_final_coast(&run, 0.3);
-    let stuck = log[k - 1].location_m;
-    for measurement in &mut log[k..k + 10] {
-        measurement.location_m = stuck;
-    }
-    let (estimates, summary) = replay(&estimator, &log);
-    assert!(summary.counters.of(Cause::StuckLocation) >= 8);
-    let error_m = estimates[k + 9].belief.mean[LOCATION] - run.truth[k + 9].location_m;
+    let found = spoilt(0.3, |log, last| {
+        log[..10].iter_mut().for_each(|measurement| measurement.location_m = last.location_m);
+    });
+    assert!(found.count(Cause::StuckLocation) >= 8);
+    let error_m = found.error_m(found.k + 9);
     assert!(error_m.abs() < 150.0, "{error_m}");
     // Named with the second sample, invalid after a minute, and r stands still once the longest gap of a segment has passed
-    assert_eq!(estimates[k + 1].validity, Validity::Held(Cause::StuckLocation));
-    assert_eq!(estimates[k + 9].validity, Validity::Invalid(Cause::StuckLocation));
-    assert_frozen(&estimates[k + 5..k + 10]);
+    assert_eq!(found.validity(1), Validity::Held(Cause::StuckLocation));
+    assert_eq!(found.validity(9), Validity::Invalid(Cause::StuckLocation));
+    assert_frozen(&found.estimates[found.k + 5..found.k + 10]);
 }
 
 #[test]
@@ -296,51 +313,40 @@ fn a_slide_of_30_kmh_ends_the_segment_and_is_over_with_the_fourth_sample() {
 
 #[test]
 fn unreadable_fields_are_dropped_and_the_others_used() {
-    let (estimator, run, mut log) = clean();
-    let k = in_final_coast(&run, 0.5);
-    for (i, wild) in [f64::NAN, f64::INFINITY, -5.0, 1e300, f64::NEG_INFINITY].into_iter().enumerate() {
-        log[k + 2 * i].speed_mps = Some(wild);
-        log[k + 2 * i + 1].location_m = Some(if wild == -5.0 { 1e9 } else { wild });
-    }
-    let (estimates, summary) = replay(&estimator, &log);
-    assert_eq!(summary.counters.of(Cause::SpeedOutOfRange), 5);
-    assert!(summary.counters.of(Cause::LocationOutOfRange) >= 4);
-    assert_eq!(estimates[k].validity, Validity::Held(Cause::SpeedOutOfRange));
-    assert_eq!(estimates[k + 12].validity, Validity::Valid);
+    let found = spoilt(0.5, |log, _| {
+        for (i, wild) in [f64::NAN, f64::INFINITY, -5.0, 1e300, f64::NEG_INFINITY].into_iter().enumerate() {
+            log[2 * i].speed_mps = Some(wild);
+            log[2 * i + 1].location_m = Some(if wild == -5.0 { 1e9 } else { wild });
+        }
+    });
+    assert_eq!(found.count(Cause::SpeedOutOfRange), 5);
+    assert!(found.count(Cause::LocationOutOfRange) >= 4);
+    assert_eq!(found.validity(0), Validity::Held(Cause::SpeedOutOfRange));
+    assert_eq!(found.validity(12), Validity::Valid);
 }
 
 #[test]
 fn a_location_off_the_track_is_named_and_freezes_the_resistance() {
     // Given a coasting train, when its locations lie off the track for two minutes and its speed is read as before
-    let (estimator, run, mut log) = clean();
-    let k = in_final_coast(&run, 0.3);
-    for measurement in &mut log[k..k + 12] {
-        measurement.location_m = measurement.location_m.map(|m| m + 100_000.0);
-    }
-    let (estimates, summary) = replay(&estimator, &log);
+    let found = spoilt(0.3, |log, _| {
+        log[..12].iter_mut().for_each(|measurement| measurement.location_m = measurement.location_m.map(|m| m + 1e5));
+    });
     // Then the cause is said at once, and r stands still once the longest gap of a segment has passed
-    assert_eq!(summary.counters.of(Cause::LocationOutOfRange), 12);
-    for estimate in &estimates[k..k + 6] {
-        assert_eq!(estimate.validity, Validity::Held(Cause::LocationOutOfRange));
-    }
-    assert_eq!(estimates[k + 11].validity, Validity::Invalid(Cause::LocationOutOfRange));
-    assert_frozen(&estimates[k + 4..k + 12]);
-    let error_m = estimates[k + 11].belief.mean[LOCATION] - run.truth[k + 11].location_m;
+    assert_eq!(found.count(Cause::LocationOutOfRange), 12);
+    assert!((0..6).all(|after| found.validity(after) == Validity::Held(Cause::LocationOutOfRange)));
+    assert_eq!(found.validity(11), Validity::Invalid(Cause::LocationOutOfRange));
+    assert_frozen(&found.estimates[found.k + 4..found.k + 12]);
+    let error_m = found.error_m(found.k + 11);
     assert!(error_m.abs() < 60.0, "{error_m}");
 }
 
 #[test]
 fn a_pause_of_eleven_minutes_begins_anew_and_keeps_what_was_learned() {
-    let (estimator, run, log) = clean();
-    let k = in_final_coast(&run, 0.7);
-    let mut paused = log.clone();
-    for measurement in &mut paused[k..] {
-        measurement.time_s += 660.0;
-    }
-    let (estimates, summary) = replay(&estimator, &paused);
-    assert_eq!(summary.counters.of(Cause::LongGap), 1);
-    assert_eq!(estimates[k].dt_s, 0.0);
-    assert_eq!(davis_bits(&estimates[k]), davis_bits(&estimates[k - 1]));
+    let found = spoilt(0.7, |log, _| log.iter_mut().for_each(|measurement| measurement.time_s += 660.0));
+    assert_eq!(found.count(Cause::LongGap), 1);
+    let [before, after] = [&found.estimates[found.k - 1], &found.estimates[found.k]];
+    assert_eq!(after.dt_s, 0.0);
+    assert_eq!(davis_bits(after), davis_bits(before));
 }
 
 #[test]

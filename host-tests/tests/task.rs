@@ -3,6 +3,7 @@
 use host_tests::accuracy::{description, measurements};
 use host_tests::board::{Board, PROVISIONING, answer, estimate, task};
 use host_tests::flash::Flash;
+use host_tests::said;
 use rundown::estimator::config::{Config, Mode};
 use rundown::model::direction::Direction;
 use rundown::model::effects::*;
@@ -13,7 +14,7 @@ use rundown::tick::digest;
 use rundown::tick::measurement::Measurement;
 use rundown::tick::regime::Regime;
 use rundown_truth::scenario::{Scenario, simulate};
-use rundown_wire::{Body, Downlink, Memory, Refusal, RunSummary};
+use rundown_wire::{Body, Memory, Refusal};
 use sim_harness::desk::{Description, Desk};
 
 fn described() -> (Description, Vec<Measurement>) {
@@ -26,18 +27,10 @@ fn board() -> Board {
     Board::start(Flash::erased(8))
 }
 
-fn summary(frames: &[Downlink]) -> Option<RunSummary> {
-    frames.iter().find_map(|frame| match frame.body {
-        Body::RunSummary(summary) => Some(summary),
-        _ => None,
-    })
-}
-
 #[test]
 fn every_tick_says_what_the_estimator_says() {
     let (description, log) = described();
-    let mut board = board();
-    board.prepare(&description, Direction::Up);
+    let mut board = Board::running(&description);
     let estimator = description.estimator().unwrap();
     let mut vehicle = estimator.new_vehicle();
     let mut run = estimator.begin_run(&vehicle, Direction::Up);
@@ -51,8 +44,7 @@ fn every_tick_says_what_the_estimator_says() {
         // The estimate closes the tick.
         assert!(matches!(frames.last().map(|frame| &frame.body), Some(Body::Estimate(_))));
     }
-    let message = board.desk.secured(Request::Command(Command::End)).unwrap();
-    let found = summary(&board.say(&message)).expect("a summary");
+    let found = said!(board.end(), RunSummary).expect("a summary");
     let expected = estimator.end_run(&mut run, &mut vehicle);
     assert_eq!(found.learned_s, expected.learned_s as f32);
     assert_eq!(found.run_davis[2].value, expected.run_davis.mean[2] as f32);
@@ -62,8 +54,7 @@ fn every_tick_says_what_the_estimator_says() {
 #[test]
 fn sequence_numbers_count_every_frame() {
     let (description, log) = described();
-    let mut board = board();
-    board.prepare(&description, Direction::Up);
+    let mut board = Board::running(&description);
     let mut next = None;
     for measurement in &log {
         for frame in board.measure(measurement) {
@@ -78,8 +69,7 @@ fn sequence_numbers_count_every_frame() {
 #[test]
 fn by_the_clock_the_newest_measurement_counts() {
     let (description, log) = described();
-    let mut board = board();
-    board.prepare(&description, Direction::Up);
+    let mut board = Board::running(&description);
     board.ask(Request::Command(Command::Pace(Pace::Clock))).unwrap();
     assert!(board.measure(&log[0]).is_empty());
     assert!(board.measure(&log[1]).is_empty());
@@ -110,8 +100,7 @@ fn what_changes_the_board_must_be_secured() {
 #[test]
 fn a_wrong_key_changes_nothing() {
     let (description, _) = described();
-    let mut board = board();
-    board.prepare(&description, Direction::Up);
+    let mut board = Board::running(&description);
     let before = board.status();
     let other = Provisioning {
         key: rundown::onboard::auth::Key::new(*b"an attacker's key"[..16].first_chunk().unwrap()),
@@ -164,8 +153,7 @@ fn a_board_without_a_key_refuses_and_says_so() {
 #[test]
 fn settings_are_refused_whole() {
     let (description, log) = described();
-    let mut board = board();
-    board.prepare(&description, Direction::Up);
+    let mut board = Board::running(&description);
     let setup = board.status().setup;
     assert_eq!(board.ask(Request::Setting(Setting::Mode(Mode::Paper))), Err(Refusal::Running));
     board.ask(Request::Command(Command::End)).unwrap();
@@ -212,13 +200,11 @@ fn a_track_comes_whole_or_not_at_all() {
 #[test]
 fn what_was_learned_survives_the_power() {
     let (description, log) = described();
-    let mut board = board();
-    board.prepare(&description, Direction::Up);
+    let mut board = Board::running(&description);
     for measurement in &log {
         board.measure(measurement);
     }
-    let message = board.desk.secured(Request::Command(Command::End)).unwrap();
-    let learned = summary(&board.say(&message)).unwrap();
+    let learned = said!(board.end(), RunSummary).unwrap();
     assert_eq!(board.status().records, [1, 0]);
 
     let mut board = board.restart();
@@ -227,8 +213,7 @@ fn what_was_learned_survives_the_power() {
     for measurement in log.iter().take(2) {
         board.measure(measurement);
     }
-    let message = board.desk.secured(Request::Command(Command::End)).unwrap();
-    let after = summary(&board.say(&message)).unwrap();
+    let after = said!(board.end(), RunSummary).unwrap();
     assert_eq!(after.vehicle_davis, learned.vehicle_davis);
     assert_ne!(after.vehicle_davis[2].value, description.train.davis.r2 as f32);
     assert_eq!(after.run, 1, "two samples at standstill say nothing");
@@ -237,10 +222,7 @@ fn what_was_learned_survives_the_power() {
 #[test]
 fn a_brown_out_in_the_middle_of_a_run_loses_nothing() {
     let (description, log) = described();
-    let mut whole = board();
-    whole.prepare(&description, Direction::Up);
-    let mut broken = board();
-    broken.prepare(&description, Direction::Up);
+    let [mut whole, mut broken] = [(); 2].map(|()| Board::running(&description));
     for (tick, measurement) in log.iter().enumerate() {
         if tick == 60 {
             let snapshot = broken.snapshot();
@@ -257,26 +239,16 @@ fn a_brown_out_in_the_middle_of_a_run_loses_nothing() {
         let expected = estimate(&whole.measure(measurement));
         assert_eq!(estimate(&broken.measure(measurement)), expected, "tick {tick}");
     }
-    let end = |board: &mut Board| {
-        let message = board.desk.secured(Request::Command(Command::End)).unwrap();
-        board.say(&message)
-    };
-    let (expected, found) = (end(&mut whole), end(&mut broken));
-    assert_eq!(summary(&found), summary(&expected));
-    let features = |frames: &[Downlink]| {
-        frames.iter().find_map(|frame| match frame.body {
-            Body::Features(features) => Some(features),
-            _ => None,
-        })
-    };
-    assert_eq!(features(&found), features(&expected));
+    let (expected, found) = (whole.end(), broken.end());
+    assert!(said!(found, RunSummary).is_some() && said!(found, Features).is_some());
+    assert_eq!(said!(found, RunSummary), said!(expected, RunSummary));
+    assert_eq!(said!(found, Features), said!(expected, Features));
 }
 
 #[test]
 fn a_snapshot_of_another_setup_is_refused() {
     let (description, log) = described();
-    let mut board = board();
-    board.prepare(&description, Direction::Up);
+    let mut board = Board::running(&description);
     board.measure(&log[0]);
     let parts = board.snapshot();
     board.ask(Request::Command(Command::End)).unwrap();
@@ -295,8 +267,7 @@ fn a_snapshot_of_another_setup_is_refused() {
 #[test]
 fn a_long_stop_ends_the_run_and_keeps_what_it_taught() {
     let (description, log) = described();
-    let mut board = board();
-    board.prepare(&description, Direction::Up);
+    let mut board = Board::running(&description);
     for measurement in &log {
         board.measure(measurement);
     }
@@ -308,7 +279,7 @@ fn a_long_stop_ends_the_run_and_keeps_what_it_taught() {
             speed_mps: Some(0.0),
             ..last
         });
-        ended += usize::from(summary(&frames).is_some());
+        ended += usize::from(said!(frames, RunSummary).is_some());
         assert_eq!(estimate(&frames).unwrap().regime, Regime::Standstill);
     }
     // Eight hours: one end, one record.
@@ -318,8 +289,7 @@ fn a_long_stop_ends_the_run_and_keeps_what_it_taught() {
 #[test]
 fn a_reader_that_is_gone_does_not_stop_the_board() {
     let (description, log) = described();
-    let mut board = board();
-    board.prepare(&description, Direction::Up);
+    let mut board = Board::running(&description);
     board.wire.room = Some(0);
     for measurement in log.iter().take(40) {
         assert!(board.measure(measurement).is_empty());
@@ -371,19 +341,11 @@ fn with_effects() -> (Description, Vec<Measurement>) {
     (description, log)
 }
 
-fn published(frames: &[Downlink]) -> Option<rundown_wire::Effects> {
-    frames.iter().find_map(|frame| match &frame.body {
-        Body::Effects(effects) => Some(effects.clone()),
-        _ => None,
-    })
-}
-
 #[test]
 fn effects_act_on_the_board_as_on_the_desk_and_survive_the_power() {
     let (description, log) = with_effects();
     let cold = Surroundings { temperature_c: Some(-4.0), day: None };
-    let mut board = board();
-    board.prepare(&description, Direction::Up);
+    let mut board = Board::running(&description);
     board.ask(Request::Surroundings(cold)).unwrap();
     let with = board.status().setup;
     let estimator = description.estimator().unwrap();
@@ -400,7 +362,7 @@ fn effects_act_on_the_board_as_on_the_desk_and_survive_the_power() {
         assert_eq!(estimate(&frames).unwrap().digest, digest::of_estimate(&expected));
         let without = bare_estimator.step(&mut bare_run, measurement).unwrap();
         same &= digest::of_estimate(&without) == digest::of_estimate(&expected);
-        seen = seen.or(published(&frames));
+        seen = seen.or(said!(frames, Effects));
     }
     assert!(!same, "the effects do something in this run");
     assert_eq!(seen, Some(effects().to_frame()));
@@ -412,7 +374,7 @@ fn effects_act_on_the_board_as_on_the_desk_and_survive_the_power() {
     board.ask(Request::Command(Command::End)).unwrap();
     // Taken out, they stay out.
     let clear = board.desk.secured(Request::Command(Command::ClearEffects)).unwrap();
-    assert_eq!(published(&board.say(&clear)), Some(rundown_wire::Effects::default()));
+    assert_eq!(said!(board.say(&clear), Effects), Some(rundown_wire::Effects::default()));
     assert_ne!(board.status().setup, with);
     let begin = Command::Begin { direction: Direction::Up, track_id: bare.track_id() };
     board.ask(Request::Command(begin)).unwrap();
@@ -424,8 +386,7 @@ fn effects_act_on_the_board_as_on_the_desk_and_survive_the_power() {
 #[test]
 fn wrong_effects_change_nothing() {
     let (description, log) = with_effects();
-    let mut board = board();
-    board.prepare(&description, Direction::Up);
+    let mut board = Board::running(&description);
     let setup = board.status().setup;
     let good = Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s: 300.0 }).to_frame();
     let under_way = [Request::Effect(good.clone()), Request::Command(Command::ClearEffects)];

@@ -4,6 +4,7 @@
 //! 1.7e6: it subtracts numbers that agree to six digits or more, so what remains of sixteen digits bounds the comparison, not `rundown`
 //! (`reference.rs` shows that against 50 digits).
 
+use host_tests::accuracy::TRAIN;
 use host_tests::textbook::{self, Points, Read, Shape};
 use nalgebra::{SMatrix, SVector};
 use rand::{RngExt, SeedableRng};
@@ -16,14 +17,14 @@ use rundown::model::motion::{Evaluate, Motion};
 use rundown::model::resistance::Davis;
 use rundown::model::state::{LOCATION, SIZE, SIZE_WITH_GAIN, SPEED};
 use rundown::model::track::{Gradient, Track};
-use rundown::model::train::{Train, TrainDescription};
+use rundown::model::train::Train;
 use rundown::tick::learning::LocationAndSpeed;
 
 const LENGTH_M: f64 = 60_000.0;
 const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 
 fn train() -> Train {
-    Train::try_new(TrainDescription { max_power_w: 2_036_377.8, ..TrainDescription::CASE_STUDY }).unwrap()
+    Train::try_new(TRAIN).unwrap()
 }
 
 /// A new gradient each 130 m, up and down by up to 25 permille.
@@ -331,7 +332,7 @@ fn a_motion_without_constants_is_filtered_as_printed() {
     }
 }
 
-/// The witness itself: weights of Eq. (9) for Table 1, and points that give back what they were drawn from.
+/// The reference implementation itself: weights of Eq. (9) for Table 1, and points that give back what they were drawn from.
 #[test]
 fn the_witness_has_the_weights_of_the_paper() {
     let shape = Shape { alpha: 1e-3, ..WIDE };

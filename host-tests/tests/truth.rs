@@ -6,7 +6,7 @@
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::replay::{Tick, replay_carried};
+use rundown_files::replay::{Tick, replay_carried_by};
 use rundown_files::run_log::{BadRows, RunLog};
 use rundown_files::run_set::RunSet;
 use rundown_files::track_file::TrackFile;
@@ -471,14 +471,14 @@ fn a_data_set_is_read_back_and_replayed() {
         let log = RunLog::read(&file.path, BadRows::Refuse).unwrap();
         assert!(log.other_columns.is_empty() && log.warnings.is_empty());
         assert!(log.samples.iter().all(|s| s.effort_n_per_kg.is_some()));
-        assert!(log.samples.iter().all(|s| s.ambient_temperature_c.is_some()));
+        assert!(log.samples.iter().all(|s| s.temperature_c.is_some()));
         let up = facts[index].plan.heading == Heading::Up;
         assert_eq!(file.direction == Some(rundown::model::direction::Direction::Up), up);
         recordings.push(Recording::new(file, &log, None, DirectionChoice::Auto).unwrap());
     }
     for mode in [Mode::Gated, Mode::Measured] {
         let estimator = Estimator::try_new(Config::with_mode(mode), train, track.clone()).unwrap();
-        let runs = replay_carried(&estimator, &recordings, Tick::EverySample, || ());
+        let runs = replay_carried_by(&|_| &estimator, &recordings, Tick::EverySample, || ());
         let learned = &runs[11].vehicle_after.mean;
         let at = |r: [f64; 3], v: f64| r[0] + v * (r[1] + v * r[2]);
         for kmh in [60.0, 100.0, 140.0] {

@@ -45,7 +45,7 @@ impl Description {
             train: *train.description(),
             track_length_m: track.length_m,
             gradients: gradients.collect(),
-            curves: track.curves().collect(),
+            curves: track.curve.clone(),
             targets: track.targets(),
             effects: Effects::NONE,
             config,

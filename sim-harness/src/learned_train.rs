@@ -11,7 +11,8 @@
 //!
 //! A limit that fewer than [`LEAST_RUNS`] runs have shown stays as described. A learned limit is what the runs have used: what drivers did not demand was not observed.
 
-use rundown_files::train_file::{DavisTable, TrainFile};
+use rundown::model::resistance::Davis;
+use rundown_files::train_file::TrainFile;
 use serde::Deserialize;
 use std::fmt::Display;
 use std::path::Path;
@@ -114,7 +115,7 @@ fn learn(
     let (max_tractive_effort_n, effort) =
         seen(|f| f.max_effort_mean_n_per_kg).unwrap_or(described_as(described.max_tractive_effort_n));
     let (max_power_w, power) = seen(|f| f.power_max_w_per_kg).unwrap_or(described_as(described.max_power_w));
-    let train = TrainFile { davis: DavisTable { r0, r1, r2 }, max_tractive_effort_n, max_power_w, ..described };
+    let train = TrainFile { davis: Davis { r0, r1, r2 }, max_tractive_effort_n, max_power_w, ..described };
     train.train().map_err(|error| format!("what was learned is no train: {error}"))?;
     Ok(LearnedTrain {
         train,

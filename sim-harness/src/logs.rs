@@ -2,7 +2,7 @@
 
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_log::{BadRows, RunLog};
+use rundown_files::run_log::BadRows;
 use rundown_files::run_set::RunFile;
 use std::path::PathBuf;
 
@@ -19,7 +19,6 @@ pub fn read(
     line: Option<&CentreLine>,
     direction: DirectionChoice,
 ) -> Result<Recording, Failed> {
-    let failed = |error: String| Failed { file: file.path.clone(), error };
-    let log = RunLog::read(&file.path, bad_rows).map_err(|error| failed(error.to_string()))?;
-    Recording::new(file, &log, line, direction).map_err(|error| failed(error.to_string()))
+    Recording::read(file, bad_rows, line, direction)
+        .map_err(|error| Failed { file: file.path.clone(), error: error.to_string() })
 }

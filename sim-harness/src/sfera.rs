@@ -195,7 +195,7 @@ fn decimal(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rundown_files::train_file::DavisTable;
+    use rundown::model::resistance::Davis;
 
     fn train() -> TrainFile {
         TrainFile {
@@ -206,7 +206,7 @@ mod tests {
             max_tractive_effort_n: 192_920.0,
             max_power_w: 2_036_377.8,
             max_brake_mps2: 0.66,
-            davis: DavisTable { r0: 7.1e-3, r1: 1.5e-4, r2: 2.7e-5 },
+            davis: Davis { r0: 7.1e-3, r1: 1.5e-4, r2: 2.7e-5 },
             effect: Vec::new(),
         }
     }

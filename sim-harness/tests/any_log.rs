@@ -51,7 +51,7 @@ proptest! {
         let log = RunLog::parse("run.csv".as_ref(), text.as_bytes(), BadRows::Refuse).unwrap();
         for (sample, (location_m, speed_kmh)) in log.samples.iter().zip(values) {
             prop_assert_eq!(sample.location_m, Some(location_m));
-            prop_assert_eq!(sample.speed_kmh, Some(speed_kmh));
+            prop_assert_eq!(sample.speed_mps, Some(speed_kmh / 3.6));
         }
     }
 }

@@ -196,7 +196,7 @@ fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
         let case = sim_harness::study::case::fleet_run(&simulation, 1, index).unwrap();
         let mut log = "time_s,location_m,speed_kmh\n".to_owned();
         for row in &case.recording.rows {
-            let m = &row.measurement;
+            let m = &row;
             let kmh = (3.6e6 * m.speed_mps.unwrap()).round() / 1e6;
             log += &format!("{},{},{kmh}\n", m.time_s, m.location_m.unwrap());
         }

@@ -13,6 +13,7 @@ pub const MAX_CURVES: usize = 256;
 
 /// One curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Curve {
     /// Location where it begins, m.
     pub from_m: Real,

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// Coefficients of the Davis equation, per rotating mass γ m.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Davis {
     /// Constant term in N/kg.
     pub r0: Real,

@@ -24,6 +24,7 @@ pub const MAX_GRADIENTS: usize = 512;
 
 /// One entry of the gradient table: from here on, `permille`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Gradient {
     /// Location where it begins, m.
     pub from_m: Real,

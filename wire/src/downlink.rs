@@ -5,14 +5,14 @@
 use crate::coast::CoastAhead;
 use crate::envelope::{self, DecodeError, EncodeError};
 use crate::health::Health;
-use crate::words::{Cause, Regime, Validity};
+use crate::words::{Cause, Regime, Validity, Value, words};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// One frame of the board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Downlink {
-    /// Counts every frame of the board; wraps, and begins anew with each run. A gap is a loss.
+    /// Counts every frame of the board; wraps, and begins at 0 with each run. A gap is a loss.
     pub sequence: u16,
     /// Ticks of the run.
     pub tick: u32,
@@ -89,15 +89,6 @@ impl Body {
     }
 }
 
-/// A value and its standard deviation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Value {
-    /// The value.
-    pub value: f32,
-    /// Its standard deviation.
-    pub sd: f32,
-}
-
 /// Where, how fast, which regime.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
@@ -122,28 +113,18 @@ pub struct Estimate {
     pub digest: u32,
 }
 
-/// How far the resistance may be trusted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[non_exhaustive]
-#[serde(rename_all = "snake_case")]
-pub enum Learned {
-    /// Nothing to speak of yet: these are the manufacturer's values.
-    #[default]
-    NotYet,
-    /// Learned from this train's runs.
-    Learned,
-    /// The estimate lies outside what a train can have; the values are cut off there.
-    OutOfBounds,
-}
-
-impl Learned {
-    /// The word used in every output.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::NotYet => "not_yet",
-            Self::Learned => "learned",
-            Self::OutOfBounds => "out_of_bounds",
-        }
+words! {
+    /// How far the resistance may be trusted.
+    #[derive(Default)]
+    #[non_exhaustive]
+    Learned {
+        /// Nothing to speak of yet: these are the manufacturer's values.
+        #[default]
+        NotYet "not_yet",
+        /// Learned from this train's runs.
+        Learned "learned",
+        /// The estimate lies outside what a train can have; the values are cut off there.
+        OutOfBounds "out_of_bounds",
     }
 }
 
@@ -276,7 +257,7 @@ pub struct Features {
     pub resistance_j_per_kg: [f32; 4],
 }
 
-/// Where one regime gave way to another.
+/// Where one regime followed another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SwitchingPoint {
     /// Time, s, on the sender's clock.
@@ -438,89 +419,43 @@ pub struct Answer {
     pub result: Result<(), Refusal>,
 }
 
-/// Why an uplink frame was refused. It has changed nothing but its counter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[non_exhaustive]
-#[serde(rename_all = "snake_case")]
-pub enum Refusal {
-    /// Another version.
-    Version,
-    /// No frame that the board knows.
-    Malformed,
-    /// It changes something and carries no MAC.
-    NotSecured,
-    /// The board has no key.
-    Unprovisioned,
-    /// The MAC is wrong.
-    WrongMac,
-    /// Its freshness is not above the last one's, or of another start of the board.
-    Stale,
-    /// For another train.
-    OtherTrain,
-    /// For another track.
-    OtherTrack,
-    /// A value is out of range; the old ones stay in force.
-    OutOfRange,
-    /// A part came out of order; send the first one again.
-    OutOfOrder,
-    /// Not while a run is under way.
-    Running,
-    /// No run is under way.
-    NotRunning,
-    /// Train and track must come first.
-    NotDescribed,
-    /// The time of the measurement does not go on.
-    TimeNotIncreasing,
-    /// The snapshot is damaged, or was taken with another train, track or configuration.
-    Snapshot,
-    /// The model of this board has no such effect.
-    UnknownEffect,
-    /// The board has started too often in a short time and only says how it is.
-    HeartbeatOnly,
-}
-
-impl Refusal {
-    /// All of them, in the order of the counters.
-    pub const ALL: [Self; 17] = [
-        Self::Version,
-        Self::Malformed,
-        Self::NotSecured,
-        Self::Unprovisioned,
-        Self::WrongMac,
-        Self::Stale,
-        Self::OtherTrain,
-        Self::OtherTrack,
-        Self::OutOfRange,
-        Self::OutOfOrder,
-        Self::Running,
-        Self::NotRunning,
-        Self::NotDescribed,
-        Self::TimeNotIncreasing,
-        Self::Snapshot,
-        Self::UnknownEffect,
-        Self::HeartbeatOnly,
-    ];
-
-    /// The word used in every output.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Version => "version",
-            Self::Malformed => "malformed",
-            Self::NotSecured => "not_secured",
-            Self::Unprovisioned => "unprovisioned",
-            Self::WrongMac => "wrong_mac",
-            Self::Stale => "stale",
-            Self::OtherTrain => "other_train",
-            Self::OtherTrack => "other_track",
-            Self::OutOfRange => "out_of_range",
-            Self::OutOfOrder => "out_of_order",
-            Self::Running => "running",
-            Self::NotRunning => "not_running",
-            Self::NotDescribed => "not_described",
-            Self::TimeNotIncreasing => "time_not_increasing",
-            Self::Snapshot => "snapshot",
-            Self::UnknownEffect => "unknown_effect",
-            Self::HeartbeatOnly => "heartbeat_only",
-        }
+words! {
+    /// Why an uplink frame was refused. It has changed nothing but its counter.
+    #[non_exhaustive]
+    Refusal {
+        /// Another version.
+        Version "version",
+        /// No frame that the board knows.
+        Malformed "malformed",
+        /// It changes something and carries no MAC.
+        NotSecured "not_secured",
+        /// The board has no key.
+        Unprovisioned "unprovisioned",
+        /// The MAC is wrong.
+        WrongMac "wrong_mac",
+        /// Its freshness is not above the last one's, or of another start of the board.
+        Stale "stale",
+        /// For another train.
+        OtherTrain "other_train",
+        /// For another track.
+        OtherTrack "other_track",
+        /// A value is out of range; the old ones stay in force.
+        OutOfRange "out_of_range",
+        /// A part came out of order; send the first one again.
+        OutOfOrder "out_of_order",
+        /// Not while a run is under way.
+        Running "running",
+        /// No run is under way.
+        NotRunning "not_running",
+        /// Train and track must come first.
+        NotDescribed "not_described",
+        /// The time of the measurement does not go on.
+        TimeNotIncreasing "time_not_increasing",
+        /// The snapshot is damaged, or was taken with another train, track or configuration.
+        Snapshot "snapshot",
+        /// The model of this board has no such effect.
+        UnknownEffect "unknown_effect",
+        /// The board has started too often in a short time and only says how it is.
+        HeartbeatOnly "heartbeat_only",
     }
 }

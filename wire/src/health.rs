@@ -1,41 +1,32 @@
 //! How the hardware is: why it started, what went wrong on the line, how deep the stack was.
 
 use crate::link::Counters;
+use crate::words::words;
 use serde::{Deserialize, Serialize};
 
-/// Why the board started.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[non_exhaustive]
-#[serde(rename_all = "snake_case")]
-pub enum ResetCause {
-    /// Power came, or fell below what the processor needs.
-    #[default]
-    PowerOn,
-    /// The reset pin, a button or a probe.
-    Pin,
-    /// The firmware asked for it: a panic or a fault.
-    Software,
-    /// The watchdog was not fed.
-    Watchdog,
-    /// Something else (option bytes, firewall, low-power entry).
-    Other,
+words! {
+    /// Why the board started.
+    #[derive(Default)]
+    #[non_exhaustive]
+    ResetCause {
+        /// Power came, or fell below what the processor needs.
+        #[default]
+        PowerOn "power_on",
+        /// The reset pin, a button or a probe.
+        Pin "pin",
+        /// The firmware asked for it: a panic or a fault.
+        Software "software",
+        /// The watchdog was not fed.
+        Watchdog "watchdog",
+        /// Something else (option bytes, firewall, low-power entry).
+        Other "other",
+    }
 }
 
 impl ResetCause {
     /// Whether it counts towards the crash loop. A person who presses the button is no crash.
     pub const fn is_crash(self) -> bool {
         matches!(self, Self::Software | Self::Watchdog)
-    }
-
-    /// The word used in every output.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::PowerOn => "power_on",
-            Self::Pin => "pin",
-            Self::Software => "software",
-            Self::Watchdog => "watchdog",
-            Self::Other => "other",
-        }
     }
 }
 

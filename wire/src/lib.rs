@@ -38,4 +38,4 @@ pub use effects::{EffectKind, EffectParameter};
 pub use envelope::{DecodeError, EncodeError, MAX_MESSAGE, VERSION, decode, encode};
 pub use health::{FILE_TAIL, Failure, Health, LineCounts, ResetCause, Stalled};
 pub use reader::{Order, Reader, Received, Tally, WINDOW};
-pub use words::{Cause, Regime, Validity};
+pub use words::{Cause, Regime, Validity, Value};

@@ -1,38 +1,48 @@
-//! Words that the board and the display share: regime, cause, validity.
+//! What the frames share: the words of regime, cause and validity, and a value with its standard deviation.
 
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// What the driver does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Regime {
-    /// The train stands.
-    #[default]
-    Standstill,
-    /// Effort applied to gain speed.
-    Traction,
-    /// Effort applied to hold the speed.
-    Cruise,
-    /// No effort applied.
-    Coast,
-    /// Brake applied.
-    Brake,
-}
-
-impl Regime {
-    /// All regimes, in the order of their frames and of arrays indexed by `as usize`.
-    pub const ALL: [Self; 5] = [Self::Standstill, Self::Traction, Self::Cruise, Self::Coast, Self::Brake];
-
-    /// The word used in every output.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Standstill => "standstill",
-            Self::Traction => "traction",
-            Self::Cruise => "cruise",
-            Self::Coast => "coast",
-            Self::Brake => "brake",
+/// An enum whose values have a word for every output.
+macro_rules! words {
+    ($(#[$of_all:meta])* $name:ident { $($(#[$of_one:meta])* $value:ident $word:literal,)* }) => {
+        $(#[$of_all])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum $name {
+            $($(#[$of_one])* $value,)*
         }
+
+        impl $name {
+            /// All of them, in the order of their frames, of counters and of arrays indexed by `as usize`.
+            pub const ALL: [Self; [$($word),*].len()] = [$(Self::$value),*];
+
+            /// The word used in every output.
+            pub const fn as_str(self) -> &'static str {
+                match self {
+                    $(Self::$value => $word,)*
+                }
+            }
+        }
+    };
+}
+pub(crate) use words;
+
+words! {
+    /// What the driver does.
+    #[derive(Default)]
+    Regime {
+        /// The train stands.
+        #[default]
+        Standstill "standstill",
+        /// Effort applied to gain speed.
+        Traction "traction",
+        /// Effort applied to hold the speed.
+        Cruise "cruise",
+        /// No effort applied.
+        Coast "coast",
+        /// Brake applied.
+        Brake "brake",
     }
 }
 
@@ -74,69 +84,42 @@ impl Validity {
     }
 }
 
-/// Why a reading was not used, or an estimate is not valid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[non_exhaustive]
-#[serde(rename_all = "snake_case")]
-pub enum Cause {
-    /// The location was not sent.
-    NoLocation,
-    /// The speed was not sent.
-    NoSpeed,
-    /// Location not finite, or off the track.
-    LocationOutOfRange,
-    /// Speed not finite, negative or faster than any train.
-    SpeedOutOfRange,
-    /// Location far from where the speed leads.
-    LocationJump,
-    /// Speed changed faster than a train can.
-    SpeedJump,
-    /// Speed stays the same while the location says otherwise.
-    StuckSpeed,
-    /// Location stays the same while the train runs.
-    StuckLocation,
-    /// The train runs against its direction of travel.
-    Reversing,
-    /// Locations that the speed does not lead to agreed with each other: the location was taken up anew.
-    Contradiction,
-    /// No measurement for so long that location and speed were taken up anew.
-    LongGap,
-    /// The covariance was repaired.
-    Numerics,
+words! {
+    /// Why a reading was not used, or an estimate is not valid.
+    #[non_exhaustive]
+    Cause {
+        /// The location was not sent.
+        NoLocation "no_location",
+        /// The speed was not sent.
+        NoSpeed "no_speed",
+        /// Location not finite, or off the track.
+        LocationOutOfRange "location_out_of_range",
+        /// Speed not finite, negative or faster than any train.
+        SpeedOutOfRange "speed_out_of_range",
+        /// Location far from where the speed leads.
+        LocationJump "location_jump",
+        /// Speed changed faster than a train can.
+        SpeedJump "speed_jump",
+        /// Speed stays the same while the location says otherwise.
+        StuckSpeed "stuck_speed",
+        /// Location stays the same while the train runs.
+        StuckLocation "stuck_location",
+        /// The train runs against its direction of travel.
+        Reversing "reversing",
+        /// Locations that the speed does not lead to agreed with each other: the location was reset to them.
+        Contradiction "contradiction",
+        /// No measurement for so long that location and speed were reset.
+        LongGap "long_gap",
+        /// The covariance was repaired.
+        Numerics "numerics",
+    }
 }
 
-impl Cause {
-    /// All causes, in the order of the counters.
-    pub const ALL: [Self; 12] = [
-        Self::NoLocation,
-        Self::NoSpeed,
-        Self::LocationOutOfRange,
-        Self::SpeedOutOfRange,
-        Self::LocationJump,
-        Self::SpeedJump,
-        Self::StuckSpeed,
-        Self::StuckLocation,
-        Self::Reversing,
-        Self::Contradiction,
-        Self::LongGap,
-        Self::Numerics,
-    ];
-
-    /// The word used in every output.
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::NoLocation => "no_location",
-            Self::NoSpeed => "no_speed",
-            Self::LocationOutOfRange => "location_out_of_range",
-            Self::SpeedOutOfRange => "speed_out_of_range",
-            Self::LocationJump => "location_jump",
-            Self::SpeedJump => "speed_jump",
-            Self::StuckSpeed => "stuck_speed",
-            Self::StuckLocation => "stuck_location",
-            Self::Reversing => "reversing",
-            Self::Contradiction => "contradiction",
-            Self::LongGap => "long_gap",
-            Self::Numerics => "numerics",
-        }
-    }
+/// A value and its standard deviation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Value {
+    /// The value.
+    pub value: f32,
+    /// Its standard deviation.
+    pub sd: f32,
 }

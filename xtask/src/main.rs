@@ -35,9 +35,26 @@ Tasks:
 
 Exit codes: 0 passed, 1 a command failed, 2 no such task";
 
+/// The lines of the help that are about one task.
+fn help_of(task: &str) -> Option<String> {
+    let is_entry = |line: &str| line.strip_prefix("  ").is_some_and(|rest| !rest.starts_with(' '));
+    let mut lines = HELP.lines().skip_while(|line| !is_entry(line) || line.split_whitespace().next() != Some(task));
+    let first = lines.next()?;
+    let more = lines.take_while(|line| line.starts_with("   "));
+    Some(std::iter::once(first).chain(more).collect::<Vec<_>>().join("\n"))
+}
+
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    // Before anything is built.
+    if let [task, rest @ ..] = arguments.as_slice()
+        && rest.iter().any(|word| ["--help", "-h"].contains(word))
+        && let Some(help) = help_of(task)
+    {
+        println!("{help}");
+        return ExitCode::SUCCESS;
+    }
     let done = match arguments.as_slice() {
         ["setup"] => setup::setup(),
         ["firmware"] => all(firmware::firmware),
@@ -80,6 +97,12 @@ fn emulate(arguments: &[&str]) -> Result<(), String> {
         [train, track, frames] => ([*train, *track], Some(*frames)),
         _ => return Err("expected RUN.csv [T.toml K.toml] [FRAMES.bin]".to_owned()),
     };
+    // The emulator takes minutes to be built: what it cannot read is said before.
+    for path in [*run_log].into_iter().chain(described) {
+        if !shell::root().join(path).is_file() {
+            return Err(format!("{path}: expected a file, found none"));
+        }
+    }
     setup::setup()?;
     firmware::firmware(Board::L475Emulated)?;
     run(&mut emulate_command(run_log, described, frames))
@@ -134,4 +157,21 @@ fn browser() -> Result<(), String> {
     setup::browser()?;
     run(cargo().args(["build", "-p", "sim-harness", "--bin", "rundown"]))?;
     run(cargo().args(["test", "-p", "browser-tests", "--features", "browser"]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_task_has_help_of_its_own() {
+        let tasks = HELP.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+        let tasks: Vec<&str> = tasks.map(|line| line.split_whitespace().next().unwrap()).collect();
+        assert_eq!(tasks.len(), 11, "{tasks:?}");
+        for task in tasks {
+            assert!(help_of(task).unwrap().trim_start().starts_with(task));
+        }
+        assert_eq!(help_of("emulate").unwrap().lines().count(), 3);
+        assert_eq!(help_of("no-such-task"), None);
+    }
 }

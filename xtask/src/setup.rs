@@ -46,7 +46,7 @@ fn toolchain() -> Result<Toolchain, String> {
     })
 }
 
-/// Whether rustup brought the target. Its failure is no error: there is another way.
+/// Whether rustup brought the target. Its failure is no error: Debian's packages do as well.
 fn add_target() -> bool {
     let mut command = Command::new("rustup");
     command.args(["target", "add", TARGET]).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -122,8 +122,19 @@ fn has_apt() -> bool {
     Path::new("/etc/debian_version").exists() && Path::new("/usr/bin/apt-get").exists()
 }
 
+/// Another apt (a machine that has just started updates itself) holds the lock for minutes at most.
+const APT_WAITS: &str = "DPkg::Lock::Timeout=120";
+
 fn apt(words: &[&str]) -> Result<(), String> {
-    run(as_root("apt-get").args(words).env("DEBIAN_FRONTEND", "noninteractive"))
+    let mut command = as_root("apt-get");
+    command.args(["-o", APT_WAITS]).args(words).env("DEBIAN_FRONTEND", "noninteractive");
+    run(&mut command).map_err(|error| {
+        format!(
+            "{error}\napt could not do it: where it says that a lock is held, another apt or dpkg is at work; wait for it \
+             (`sudo fuser -v /var/lib/dpkg/lock-frontend /var/lib/apt/lists/lock` names it) and repeat `cargo xtask setup`. \
+             Where apt may not be used at all, install by hand what `$ apt-get` above names"
+        )
+    })
 }
 
 /// The program as root: by sudo, which is shown and asks, unless this is root.

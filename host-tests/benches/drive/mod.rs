@@ -1,5 +1,6 @@
 //! What the two benches run: the reference run, its efforts known beforehand, so that a step is predict and update and nothing else.
 
+use host_tests::reference::{data, train_and_track};
 use host_tests::textbook::{self, Read, Shape};
 use nalgebra::SMatrix;
 use rundown::filter::gaussian::Gaussian;
@@ -11,10 +12,7 @@ use rundown::model::state::SIZE;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown::tick::learning::LocationAndSpeed;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
 use std::hint::black_box;
-use std::path::Path;
 
 /// Steps of one run.
 pub const RUN: usize = 90;
@@ -33,10 +31,8 @@ pub struct Drive {
 impl Drive {
     /// Track, train and run of `data/reference`.
     pub fn of_reference() -> Self {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference");
-        let (_, track) = TrackFile::read(&folder.join("track.toml")).expect("track");
-        let (_, train) = TrainFile::read(&folder.join("train.toml")).expect("train");
-        let table = std::fs::read_to_string(folder.join("A_run01.csv")).expect("reference");
+        let (train, track) = train_and_track();
+        let table = std::fs::read_to_string(data("reference/A_run01.csv")).expect("reference");
         let mut lines = table.lines();
         let columns: Vec<&str> = lines.next().expect("header").split(',').collect();
         let column = |name: &str| columns.iter().position(|c| *c == name).expect("column");

@@ -1,6 +1,7 @@
 //! Configuration: a TOML file with the names of [`Config`]; what it leaves out keeps its default.
 
-use crate::toml_file::{TomlError, TomlFile};
+use crate::refusal::ReadError;
+use crate::toml_file::TomlFile;
 use rundown::estimator::config::Config;
 use rundown::tick::bounds::ConfigError;
 use std::path::Path;
@@ -8,8 +9,8 @@ use std::path::Path;
 /// Reads and checks a configuration file.
 ///
 /// # Errors
-/// [`TomlError`] names file, line and column.
-pub fn read(path: &Path) -> Result<Config, TomlError> {
+/// [`ReadError`] names file, line and column.
+pub fn read(path: &Path) -> Result<Config, ReadError> {
     checked(TomlFile::read(path)?)
 }
 
@@ -23,23 +24,31 @@ pub fn read(path: &Path) -> Result<Config, TomlError> {
 /// use rundown::tick::sensor::Rounding;
 ///
 /// let text = "mode = \"measured\"\n[sensor]\nrounding = \"truncated\"\n";
-/// let config = crate::config_file::parse("c.toml".as_ref(), text)?;
+/// let config = rundown_files::config_file::parse("c.toml".as_ref(), text)?;
 /// assert_eq!(config.mode, Mode::Measured);
 /// assert_eq!(config.sensor.rounding, Rounding::Truncated);
 /// assert_eq!(config.paper, Config::default().paper);
-/// # Ok::<(), crate::toml_file::TomlError>(())
+/// # Ok::<(), rundown_files::refusal::ReadError>(())
 /// ```
-pub fn parse(path: &Path, text: &str) -> Result<Config, TomlError> {
+pub fn parse(path: &Path, text: &str) -> Result<Config, ReadError> {
     checked(TomlFile::parse(path, text)?)
 }
 
-fn checked(file: TomlFile<Config>) -> Result<Config, TomlError> {
+fn checked(file: TomlFile<Config>) -> Result<Config, ReadError> {
     match file.values.check() {
         Ok(()) => Ok(file.values),
-        Err(error) => Err(match error {
-            ConfigError::OutOfRange { field, .. } => file.refuse_dotted(field, error.to_string()),
-            _ => file.refuse_dotted("features", error.to_string()),
-        }),
+        Err(ConfigError::OutOfRange { field, least, most, found }) => {
+            Err(file.refuse_dotted(field, format!("expected {least} to {most}, found {found}")))
+        }
+        Err(ConfigError::Window { field, found: [lower, upper] }) => Err(file.refuse_dotted(
+            &format!("features.{field}"),
+            format!("expected two speeds, the smaller first, found {lower}, {upper}"),
+        )),
+        Err(ConfigError::StepsNotFalling { field, found: [a, b, c, d] }) => {
+            Err(file
+                .refuse_dotted(field, format!("expected speeds that fall and are above 0, found {a}, {b}, {c}, {d}")))
+        }
+        Err(error) => Err(file.refuse(&[], error.to_string())),
     }
 }
 
@@ -77,8 +86,11 @@ mod tests {
                 .starts_with("c.toml:2:1: unknown field `location_sd`, expected one of")
         );
         let found = message("\n[sensor]\nlocation_sd_m = -3\n");
-        assert_eq!(found, "c.toml:3:17: configuration: sensor.location_sd_m must be 0.01 to 10000, found -3");
+        assert_eq!(found, "c.toml:3:17: sensor.location_sd_m: expected 0.01 to 10000, found -3");
         let found = message("[features]\nbridge_samples = 2\npower_window_kmh = [130, 50]\n");
-        assert!(found.starts_with("c.toml:1:1: configuration: "), "{found}");
+        assert_eq!(
+            found,
+            "c.toml:3:20: features.power_window_kmh: expected two speeds, the smaller first, found 130, 50"
+        );
     }
 }

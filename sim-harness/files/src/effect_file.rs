@@ -10,7 +10,8 @@
 //!
 //! An effect with `runs = ["run03", "run07"]` acts in these runs only; a board does not know it and has it always.
 
-use crate::toml_file::{Step, TomlError, TomlFile};
+use crate::refusal::ReadError;
+use crate::toml_file::{Step, TomlFile};
 use jiff::civil::{Date, DateTime};
 use rundown::model::effects::{Effect, EffectError, Effects};
 use serde::{Deserialize, Serialize};
@@ -41,27 +42,32 @@ impl EffectEntry {
 /// Checks the entries of one file.
 ///
 /// # Errors
-/// [`TomlError`] names the place of the first parameter that is out of range.
-pub(crate) fn check<T>(file: &TomlFile<T>, entries: &[EffectEntry]) -> Result<(), TomlError> {
+/// [`ReadError`] names the place of the first parameter that is out of range.
+pub(crate) fn check<T>(file: &TomlFile<T>, entries: &[EffectEntry]) -> Result<(), ReadError> {
     for (index, entry) in entries.iter().enumerate() {
-        let field = match entry.effect.check() {
-            Ok(()) => continue,
-            Err(error) => (parameter(&error), error),
+        let Err(error) = entry.effect.check() else { continue };
+        let refuse = |field, message| {
+            let steps = [Step::Name("effect"), Step::Index(index), Step::Name(field)];
+            Err(file.refuse(&steps, message))
         };
-        let steps = [Step::Name("effect"), Step::Index(index), Step::Name(field.0)];
-        return Err(file.refuse(&steps, field.1.to_string()));
+        return match error {
+            EffectError::OutOfRange { parameter, least, most, found, .. } => {
+                refuse(parameter, format!("expected {least} to {most}, found {found}"))
+            }
+            EffectError::Section { from_m, to_m, .. } => {
+                refuse("to_m", format!("expected beyond from_m = {from_m}, found {to_m}"))
+            }
+            EffectError::Point { index } => refuse(
+                "table",
+                format!(
+                    "expected finite points, each beyond the one before it and within 1 N/kg, found another in point {index}"
+                ),
+            ),
+            EffectError::NoPoints => refuse("table", "expected a point, found none".to_owned()),
+            _ => refuse("name", error.to_string()),
+        };
     }
     Ok(())
-}
-
-/// The parameter that an error is about.
-fn parameter(error: &EffectError) -> &'static str {
-    match error {
-        EffectError::OutOfRange { parameter, .. } => parameter,
-        EffectError::Section { .. } => "to_m",
-        EffectError::Point { .. } | EffectError::NoPoints => "table",
-        _ => "name",
-    }
 }
 
 /// The effects of the track and of the train that act in a run; `None`: those that act in all.
@@ -71,7 +77,7 @@ fn parameter(error: &EffectError) -> &'static str {
 ///
 /// ```
 /// use rundown::model::effects::{DraggingBrake, Effect, SteadyWind};
-/// use crate::effect_file::{EffectEntry, effects};
+/// use rundown_files::effect_file::{EffectEntry, effects};
 ///
 /// let wind = EffectEntry::everywhere(Effect::SteadyWind(SteadyWind { wind_mps: 2.0 }));
 /// let drag = Effect::DraggingBrake(DraggingBrake { drag_n_per_kg: 0.01 });
@@ -92,7 +98,7 @@ pub fn effects(track: &[EffectEntry], train: &[EffectEntry], run: Option<&str>) 
 /// Days since 1970-01-01 UTC of a departure written as in `runs.csv`, `2026-03-01T08:12:00Z`; none when it is no such date.
 ///
 /// ```
-/// use crate::effect_file::day_of;
+/// use rundown_files::effect_file::day_of;
 ///
 /// assert_eq!(day_of("1970-01-02T12:00:00Z"), Some(1.5));
 /// assert_eq!(day_of("2026-03-01"), Some(20_513.0));
@@ -142,11 +148,11 @@ mod tests {
     fn a_wrong_effect_is_named_with_its_place() {
         assert_eq!(
             refused("name = \"warm_up\"\namplitude = 3\ntau_s = 300\n"),
-            "track.toml:5:13: effect warm_up: amplitude must be -0.5 to 0.5, found 3"
+            "track.toml:5:13: effect[0].amplitude: expected -0.5 to 0.5, found 3"
         );
         assert_eq!(
             refused("name = \"tunnel_drag\"\nfrom_m = 9\nto_m = 8\nk = 0\n"),
-            "track.toml:6:8: effect tunnel_drag: to_m must be beyond from_m = 9, found 8"
+            "track.toml:6:8: effect[0].to_m: expected beyond from_m = 9, found 8"
         );
         for (table, says) in [
             ("name = \"tunnel\"\n", "unknown variant `tunnel`"),

@@ -68,7 +68,7 @@ pub enum TooLong {
 ///
 /// ```
 /// use rundown::model::effects::{Effect, Effects, SteadyWind};
-/// use crate::effect_frame::{read, write};
+/// use rundown_files::effect_frame::{read, write};
 ///
 /// let effects = Effects::try_new([Effect::SteadyWind(SteadyWind { wind_mps: 2.0 })])?;
 /// assert_eq!(read(&write(&effects)?)?, effects);

@@ -8,7 +8,8 @@
 //! | question | module |
 //! |---|---|
 //! | which runs, in which order? | [`run_set`] |
-//! | what stands in a log? | [`run_log`] |
+//! | what stands in a log? | [`run_log`], its columns [`sample`] |
+//! | what is refused, and how is it said? | [`refusal`] |
 //! | what does the estimator get? | [`recording`], [`map_matching`], [`units`] |
 //! | what does it say? | [`replay`] |
 //! | train, track, configuration, effects | [`train_file`], [`track_file`], [`config_file`], [`effect_file`], all by [`toml_file`] |
@@ -21,11 +22,12 @@ pub mod effect_file;
 pub mod effect_frame;
 pub mod map_matching;
 pub mod parquet;
-pub mod place;
 pub mod recording;
+pub mod refusal;
 pub mod replay;
 pub mod run_log;
 pub mod run_set;
+pub mod sample;
 pub mod table;
 pub mod toml_file;
 pub mod track_file;

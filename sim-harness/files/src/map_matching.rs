@@ -14,7 +14,7 @@ use std::ops::Range;
 
 /// Farthest believable distance of a fix from the line, m: several times the error of a phone at a window seat.
 pub const MAX_DISTANCE_M: f64 = 100.0;
-/// Fastest believable way along the line, m/s.
+/// Fastest believable travel along the line, m/s.
 const MAX_SPEED_MPS: f64 = 120.0;
 /// How far two neighbouring matches may lie apart beyond that, m.
 const MATCH_ERROR_M: f64 = 2.0 * MAX_DISTANCE_M;
@@ -84,15 +84,15 @@ impl CentreLine {
     /// None when there are fewer than two points. The points must be sorted by `at_m`, as [`crate::track_file`] checks.
     ///
     /// ```
-    /// use crate::map_matching::{CentreLine, MatchState};
-    /// use crate::track_file::CentreLinePoint;
+    /// use rundown_files::map_matching::{CentreLine, MatchState};
+    /// use rundown_files::track_file::CentreLinePoint;
     ///
     /// let point = |at_m, latitude_deg| CentreLinePoint { at_m, latitude_deg, longitude_deg: 5.0 };
     /// let line = CentreLine::new(&[point(0.0, 51.0), point(1112.6, 51.01)]).unwrap();
     /// let fix = line.locate(&mut MatchState::default(), 0.0, Some(51.005), Some(5.001))?;
     /// assert!((fix.location_m - 556.3).abs() < 0.1);
     /// assert!((fix.distance_m - 70.2).abs() < 0.1);
-    /// # Ok::<(), crate::map_matching::NoMatch>(())
+    /// # Ok::<(), rundown_files::map_matching::NoMatch>(())
     /// ```
     pub fn new(points: &[CentreLinePoint]) -> Option<Self> {
         let segments: Vec<Segment> = points.windows(2).map(|pair| Segment::new(pair[0], pair[1])).collect();

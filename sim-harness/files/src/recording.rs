@@ -1,21 +1,20 @@
 //! A recorded run in the estimator's units.
 //!
-//! In: a [`RunLog`], the track's centre line, the direction as far as it is known. Out: a [`Recording`]: one [`Measurement`] for each row.
+//! In: a [`RunLog`], the track's centre line, the direction as far as it is known. Out: a [`Recording`]: one [`Sample`] for each row, with its location.
 //!
 //! A log without a column `location_m`, or with an empty one, is matched onto the centre line. Direction: that of the index, else the one asked for, else found
 //! from the locations ([`DirectionChoice::Auto`]): the median of the last ones against the median of the first ones.
 
 use crate::effect_file::day_of;
 use crate::map_matching::{CentreLine, MatchState, NoMatch};
-use crate::run_log::{RunLog, Sample};
+use crate::refusal::{Place, ReadError};
+use crate::run_log::{BadRows, RunLog};
 use crate::run_set::RunFile;
-use crate::units;
+use crate::sample::{LOCATION, Sample};
+use crate::units::{self, median};
 use rundown::model::direction::Direction;
 use rundown::model::effects::Surroundings;
-use rundown::model::units::KmPerHour;
-use rundown::tick::measurement::Measurement;
-use std::path::PathBuf;
-use thiserror::Error;
+use std::path::{Path, PathBuf};
 
 /// Locations at each end of a run that decide its direction.
 const DECIDING: usize = 25;
@@ -35,17 +34,6 @@ pub enum DirectionChoice {
     Auto,
 }
 
-/// One row of a recording.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
-    /// Line of the log, counted from 1.
-    pub line: u64,
-    /// What the estimator gets.
-    pub measurement: Measurement,
-    /// Ambient temperature, °C, for the effects that depend on it.
-    pub temperature_c: Option<f64>,
-}
-
 /// A run, ready to be replayed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
@@ -60,51 +48,42 @@ pub struct Recording {
     /// Date of the departure, days since 1970-01-01 UTC, if the index has one that can be read.
     pub day: Option<f64>,
     /// All rows of the log, whatever their times.
-    pub rows: Vec<Row>,
+    pub rows: Vec<Sample>,
     /// What looked wrong, one line each, with file and line.
     pub warnings: Vec<String>,
 }
 
-/// Why a log gives no recording.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum RecordingError {
-    /// Coordinates only, and nothing to match them onto.
-    #[error("{}: expected a column location_m, or a track with a [[centre_line]] to match latitude and longitude onto; found neither", path.display())]
-    NoCentreLine {
-        /// The log.
-        path: PathBuf,
-    },
-}
-
 impl Recording {
-    /// Turns a log into measurements.
+    /// Reads a log and makes a recording of it.
     ///
     /// # Errors
-    /// [`RecordingError::NoCentreLine`] when the log has coordinates only and the track no centre line.
+    /// As [`RunLog::read`] and [`Recording::new`].
+    pub fn read(
+        file: &RunFile,
+        bad_rows: BadRows,
+        line: Option<&CentreLine>,
+        choice: DirectionChoice,
+    ) -> Result<Self, ReadError> {
+        Self::new(file, &RunLog::read(&file.path, bad_rows)?, line, choice)
+    }
+
+    /// Gives the rows of a log their locations, and the run its direction.
+    ///
+    /// # Errors
+    /// [`ReadError::Refused`] when the log has coordinates only and the track no centre line.
     pub fn new(
         file: &RunFile,
         log: &RunLog,
         line: Option<&CentreLine>,
         choice: DirectionChoice,
-    ) -> Result<Self, RecordingError> {
-        let mut warnings = Vec::new();
+    ) -> Result<Self, ReadError> {
+        let mut warnings: Vec<String> = log.bad_rows.iter().map(|row| format!("{row}; the row was left out")).collect();
+        warnings.extend(log.warnings.iter().map(ToString::to_string));
+        warnings.extend(unknown_columns(&file.path, &log.other_columns));
+        let mut rows = log.samples.clone();
+        locate(&file.path, &mut rows, log.has_location_column, line, &mut warnings)?;
         let mut warn = |text: String| warnings.push(format!("{}: {text}", file.path.display()));
-        for complaint in log.bad_rows.iter() {
-            warn(format!("{complaint}; the row was left out"));
-        }
-        log.warnings.iter().for_each(|complaint| warn(complaint.to_string()));
-        let read = log.samples.iter().any(|sample| sample.location_m.is_some());
-        let fixes = log.samples.iter().any(|sample| sample.latitude_deg.is_some());
-        let locations = match line {
-            Some(line) if !log.has_location_column || (fixes && !read) => matched(line, &log.samples, &mut warn),
-            None if !log.has_location_column => {
-                return Err(RecordingError::NoCentreLine { path: file.path.clone() });
-            }
-            _ => log.samples.iter().map(|sample| sample.location_m).collect(),
-        };
-        let direction = direction(file.direction, choice, &locations, &mut warn);
-        let rows: Vec<Row> = log.samples.iter().zip(locations).map(row).collect();
+        let direction = direction(file.direction, choice, &rows, &mut warn);
         if let Some(doubt) = units::doubt(&rows) {
             warn(doubt.to_string());
         }
@@ -125,58 +104,64 @@ impl Recording {
     }
 }
 
-impl Row {
-    /// Takes this row's temperature into what is known of the surroundings. An empty field, or one that a board refuses: as it was.
-    pub fn update(&self, surroundings: &mut Surroundings) {
-        let now = Surroundings { temperature_c: self.temperature_c.or(surroundings.temperature_c), ..*surroundings };
-        if now.are_plausible() {
-            *surroundings = now;
-        }
-    }
+/// A warning of columns that the format does not know: a wanted one may be misspelt.
+pub(crate) fn unknown_columns(path: &Path, names: &[String]) -> Option<String> {
+    let warning =
+        || format!("{}: expected no other columns, found {}; they are not used", path.display(), names.join(", "));
+    (!names.is_empty()).then(warning)
 }
 
-fn row((sample, location_m): (&Sample, Option<f64>)) -> Row {
-    let measurement = Measurement {
-        time_s: sample.time_s,
-        location_m,
-        speed_mps: sample.speed_kmh.map(|speed_kmh| KmPerHour(speed_kmh).to_mps()),
-        effort_n_per_kg: sample.effort_n_per_kg,
-    };
-    Row { line: sample.line, measurement, temperature_c: sample.ambient_temperature_c }
+/// Matches fixes onto the centre line where the rows have no locations: there is no such column, or it is empty.
+///
+/// # Errors
+/// [`ReadError::Refused`] when there is no column and no line either.
+pub(crate) fn locate(
+    path: &Path,
+    rows: &mut [Sample],
+    has_location_column: bool,
+    line: Option<&CentreLine>,
+    warnings: &mut Vec<String>,
+) -> Result<(), ReadError> {
+    let located = rows.iter().any(|row| row.location_m.is_some());
+    let fixes = rows.iter().any(|row| row.latitude_deg.is_some());
+    match line {
+        Some(line) if !has_location_column || (fixes && !located) => matched(path, line, rows, warnings),
+        None if !has_location_column => {
+            let message = "expected this column, or a track with a [[centre_line]] to match latitude and longitude onto; found neither";
+            return Err(Place::of_file(path).refuse(LOCATION, message).into());
+        }
+        _ => {}
+    }
+    Ok(())
 }
 
 /// Locations of all fixes. Those that gave none are counted by reason: there may be thousands in one tunnel.
-fn matched(line: &CentreLine, samples: &[Sample], warn: &mut impl FnMut(String)) -> Vec<Option<f64>> {
+fn matched(path: &Path, line: &CentreLine, rows: &mut [Sample], warnings: &mut Vec<String>) {
     let mut state = MatchState::default();
     let mut lost: Vec<(NoMatch, u64)> = Vec::new();
-    let locations = samples
-        .iter()
-        .map(|sample| match line.locate(&mut state, sample.time_s, sample.latitude_deg, sample.longitude_deg) {
-            Ok(found) => Some(found.location_m),
-            Err(reason) => {
-                lost.push((reason, sample.line));
-                None
-            }
-        })
-        .collect();
+    for row in rows.iter_mut() {
+        let found = line.locate(&mut state, row.time_s, row.latitude_deg, row.longitude_deg);
+        row.location_m = found.ok().map(|found| found.location_m);
+        lost.extend(found.err().map(|reason| (reason, row.line)));
+    }
     for reason in NoMatch::ALL {
         let mut lines = lost.iter().filter(|(lost, _)| *lost == reason).map(|(_, line)| line);
         if let Some(first) = lines.next() {
             let count = 1 + lines.count();
-            let (all, word) = (samples.len(), reason.as_str());
-            warn(format!("line {first}: {count} of {all} fixes gave no location ({word}), the first one here"));
+            let (all, word) = (rows.len(), reason.as_str());
+            let text = format!("{count} of {all} fixes gave no location ({word}), the first one here");
+            warnings.push(Place::of_line(path, *first).refuse("", text).to_string());
         }
     }
-    locations
 }
 
 fn direction(
     indexed: Option<Direction>,
     choice: DirectionChoice,
-    locations: &[Option<f64>],
+    rows: &[Sample],
     warn: &mut impl FnMut(String),
 ) -> Direction {
-    let travelled_m = travelled_m(locations);
+    let travelled_m = travelled_m(rows);
     let stated = indexed.or(match choice {
         DirectionChoice::Up => Some(Direction::Up),
         DirectionChoice::Down => Some(Direction::Down),
@@ -185,12 +170,12 @@ fn direction(
     match (stated, travelled_m) {
         (Some(stated), Some(travelled_m)) => {
             if travelled_m * stated.sign() < -SHORTEST_M {
-                let (word, way) = match stated {
+                let (word, trend) = match stated {
                     Direction::Up => ("up", "fall"),
                     Direction::Down => ("down", "grow"),
                 };
                 warn(format!(
-                    "the direction is stated as {word}, but the locations {way} by {:.0} m",
+                    "the direction is stated as {word}, but the locations {trend} by {:.0} m",
                     travelled_m.abs()
                 ));
             }
@@ -200,15 +185,19 @@ fn direction(
         (None, Some(travelled_m)) if travelled_m < 0.0 => Direction::Down,
         (None, Some(_)) => Direction::Up,
         (None, None) => {
-            warn("no location from which to tell the direction; taken as up (see --direction)".to_owned());
+            warn(
+                "expected locations that grow or fall, found none; the direction is taken as up (see --direction)"
+                    .to_owned(),
+            );
             Direction::Up
         }
     }
 }
 
 /// Median of the last locations minus median of the first ones, m; none without two of them.
-fn travelled_m(locations: &[Option<f64>]) -> Option<f64> {
-    let known: Vec<f64> = locations.iter().flatten().copied().filter(|location| location.is_finite()).collect();
+fn travelled_m(rows: &[Sample]) -> Option<f64> {
+    let known: Vec<f64> =
+        rows.iter().filter_map(|row| row.location_m).filter(|location| location.is_finite()).collect();
     let deciding = DECIDING.min(known.len() / 2);
     if deciding == 0 {
         return None;
@@ -216,24 +205,12 @@ fn travelled_m(locations: &[Option<f64>]) -> Option<f64> {
     Some(median(&known[known.len() - deciding..]) - median(&known[..deciding]))
 }
 
-/// Middle value, the upper one of two; of a list that is not empty.
-pub(crate) fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run_log::BadRows;
     use crate::track_file::CentreLinePoint;
 
-    fn recording(
-        text: &str,
-        line: Option<&CentreLine>,
-        indexed: Option<Direction>,
-    ) -> Result<Recording, RecordingError> {
+    fn recording(text: &str, line: Option<&CentreLine>, indexed: Option<Direction>) -> Result<Recording, ReadError> {
         let log = RunLog::parse("run.csv".as_ref(), text.as_bytes(), BadRows::LeaveOut).unwrap();
         let file = RunFile {
             path: "run.csv".into(),
@@ -248,11 +225,18 @@ mod tests {
     #[test]
     fn speeds_are_turned_into_metres_per_second_and_missing_ones_stay_missing() {
         let run = recording("time_s,location_m,speed_kmh\n0,5,36\n1,,\n2,8,7\n", None, None).unwrap();
-        assert_eq!(run.rows[0].measurement.speed_mps, Some(10.0));
-        assert_eq!(run.rows[1].measurement.location_m, None);
-        assert_eq!(run.rows[1].measurement.speed_mps, None);
+        assert_eq!(run.rows[0].speed_mps, Some(10.0));
+        assert_eq!(run.rows[1].location_m, None);
+        assert_eq!(run.rows[1].speed_mps, None);
         assert_eq!(run.rows[2].line, 4);
         assert!(run.warnings.is_empty());
+    }
+
+    #[test]
+    fn unknown_columns_are_warned_of_once() {
+        let run =
+            recording("time_s,location_m,speed_kmh,note,effort_n_kg\n0,5,36,a,0\n1,9,36,b,0\n", None, None).unwrap();
+        assert_eq!(run.warnings, ["run.csv: expected no other columns, found note, effort_n_kg; they are not used"]);
     }
 
     #[test]
@@ -277,20 +261,24 @@ mod tests {
         let text =
             "time_s,speed_kmh,latitude_deg,longitude_deg\n0,0,51.05,5\n1,0,,\n2,0,51.04,5\n3,0,,5\n4,0,51.03,7\n";
         let run = recording(text, Some(&line), None).unwrap();
-        let found: Vec<_> = run.rows.iter().map(|row| row.measurement.location_m.map(f64::round)).collect();
+        let found: Vec<_> = run.rows.iter().map(|row| row.location_m.map(f64::round)).collect();
         assert_eq!(found, [Some(5563.0), None, Some(4450.0), None, None]);
         assert_eq!(run.direction, Direction::Down);
         assert_eq!(
             run.warnings,
             [
-                "run.csv: line 3: 2 of 5 fixes gave no location (not_sent), the first one here",
-                "run.csv: line 6: 1 of 5 fixes gave no location (off_the_line), the first one here",
+                "run.csv:3: 2 of 5 fixes gave no location (not_sent), the first one here",
+                "run.csv:6: 1 of 5 fixes gave no location (off_the_line), the first one here",
             ]
         );
-        assert!(matches!(recording(text, None, None), Err(RecordingError::NoCentreLine { .. })));
+        let error = recording(text, None, None).unwrap_err().to_string();
+        assert!(
+            error.starts_with("run.csv: location_m: expected this column, or a track with a [[centre_line]]"),
+            "{error}"
+        );
         let empty = "time_s,location_m,speed_kmh,latitude_deg,longitude_deg\n0,,0,51.05,5\n1,,0,51.04,5\n";
         let run = recording(empty, Some(&line), None).unwrap();
-        let first_m = run.rows[0].measurement.location_m.map(f64::round);
+        let first_m = run.rows[0].location_m.map(f64::round);
         assert_eq!(first_m, Some(5563.0));
     }
 

@@ -5,11 +5,12 @@
 //! | tick | rows that are steps |
 //! |---|---|
 //! | [`Tick::EverySample`] | all |
-//! | [`Tick::Period`] | the newest row of each period, the board's way with a faster recorder: the first row, then the last row of (0, S], (S, 2S], ... after it |
+//! | [`Tick::Period`] | the newest row of each period, as the board does with a faster recorder: the first row, then the last row of (0, S], (S, 2S], ... after it |
 //!
 //! Rows whose time does not increase are dropped and named by [`Dropped`]; nothing else is.
 
-use crate::recording::{Recording, Row};
+use crate::recording::Recording;
+use crate::sample::Sample;
 use rayon::prelude::*;
 use rundown::coast_ahead::CoastAhead;
 use rundown::estimator::{Estimator, RunSummary, StepError};
@@ -92,15 +93,15 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
     for row in steps(&recording.rows, tick) {
         row.update(&mut surroundings);
         estimator.tell(&mut run, surroundings);
-        match estimator.step(&mut run, &row.measurement) {
+        match estimator.step(&mut run, &row.measurement()) {
             Ok(estimate) => {
                 if has_targets {
                     coast_ahead.push(estimator.coast_ahead(&run, &estimate));
                 }
-                measurements.push(row.measurement);
+                measurements.push(row.measurement());
                 estimates.push(estimate);
             }
-            Err(reason) => dropped.push(Dropped { line: row.line, time_s: row.measurement.time_s, reason }),
+            Err(reason) => dropped.push(Dropped { line: row.line, time_s: row.time_s, reason }),
         }
     }
     let summary = estimator.end_run(&mut run, vehicle);
@@ -128,17 +129,8 @@ fn confirmed(estimates: &[Estimate]) -> Vec<Regime> {
     regimes.map(|(estimate, later)| later.unwrap_or(estimate.regime)).collect()
 }
 
-/// Replays runs, each unit's vehicle carried from run to run in order. Units go side by side. `done` is called once a run.
-pub fn replay_carried(
-    estimator: &Estimator,
-    recordings: &[Recording],
-    tick: Tick,
-    done: impl Fn() + Sync,
-) -> Vec<ReplayedRun> {
-    replay_carried_by(&|_: &Recording| estimator, recordings, tick, done)
-}
-
-/// As [`replay_carried`], each run by the model of its own: an effect may act in some runs only.
+/// Replays runs, each by its own model (an effect may act in some runs only) and each unit's vehicle carried from run to run in order.
+/// Units go side by side. `done` is called once a run.
 pub fn replay_carried_by<'a>(
     model: &(impl Fn(&Recording) -> &'a Estimator + Sync),
     recordings: &[Recording],
@@ -169,17 +161,7 @@ pub fn replay_carried_by<'a>(
     runs.into_iter().map(|(_, run)| run).collect()
 }
 
-/// Replays runs side by side, each with the vehicle as its manufacturer describes it. `done` is called once a run.
-pub fn replay_apart(
-    estimator: &Estimator,
-    recordings: &[Recording],
-    tick: Tick,
-    done: impl Fn() + Sync,
-) -> Vec<ReplayedRun> {
-    replay_apart_by(&|_: &Recording| estimator, recordings, tick, done)
-}
-
-/// As [`replay_apart`], each run by the model of its own.
+/// Replays runs side by side, each by its own model with the vehicle as its manufacturer describes it. `done` is called once a run.
 pub fn replay_apart_by<'a>(
     model: &(impl Fn(&Recording) -> &'a Estimator + Sync),
     recordings: &[Recording],
@@ -199,7 +181,7 @@ pub fn replay_apart_by<'a>(
 ///
 /// A period ends with its last row whose time is the largest so far; rows that go back in time are handed on after it,
 /// so that the estimator counts them.
-fn steps(rows: &[Row], tick: Tick) -> Vec<&Row> {
+fn steps(rows: &[Sample], tick: Tick) -> Vec<&Sample> {
     let Tick::Period { seconds } = tick else {
         return rows.iter().collect();
     };
@@ -207,13 +189,13 @@ fn steps(rows: &[Row], tick: Tick) -> Vec<&Row> {
         return Vec::new();
     };
     // A row on the edge belongs to the period it ends, whatever the last bit of its time says.
-    let period = |row: &Row| ((row.measurement.time_s - first.measurement.time_s) / seconds - 1e-6).ceil();
+    let period = |row: &Sample| ((row.time_s - first.time_s) / seconds - 1e-6).ceil();
     let mut steps = Vec::new();
     let mut newest = first;
     // Rows behind the newest one follow it, so that it is they which the estimator drops.
     let mut behind = Vec::new();
     for row in &rows[1..] {
-        if row.measurement.time_s <= newest.measurement.time_s {
+        if row.time_s <= newest.time_s {
             behind.push(row);
             continue;
         }
@@ -232,17 +214,14 @@ fn steps(rows: &[Row], tick: Tick) -> Vec<&Row> {
 mod tests {
     use super::*;
 
-    fn rows(times_s: &[f64]) -> Vec<Row> {
-        let row = |(index, time_s): (usize, &f64)| Row {
-            line: index as u64 + 2,
-            measurement: Measurement { time_s: *time_s, ..Measurement::default() },
-            temperature_c: None,
-        };
+    fn rows(times_s: &[f64]) -> Vec<Sample> {
+        let row =
+            |(index, time_s): (usize, &f64)| Sample { line: index as u64 + 2, time_s: *time_s, ..Sample::default() };
         times_s.iter().enumerate().map(row).collect()
     }
 
-    fn times_s(rows: &[Row], tick: Tick) -> Vec<f64> {
-        steps(rows, tick).iter().map(|row| row.measurement.time_s).collect()
+    fn times_s(rows: &[Sample], tick: Tick) -> Vec<f64> {
+        steps(rows, tick).iter().map(|row| row.time_s).collect()
     }
 
     const TEN: Tick = Tick::Period { seconds: 10.0 };

@@ -7,12 +7,11 @@
 //! when every run stands in an index the runs go in the order of departure, otherwise as given. `runs.csv` and `index.csv` are never
 //! taken for logs, so that `logs/*.csv` works.
 
-use crate::place::Place;
+use crate::refusal::{Place, ReadError, Refusal};
 use rundown::model::direction::Direction;
 use serde::Deserialize;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// Name of the index beside the logs.
 pub const INDEX: &str = "runs.csv";
@@ -43,34 +42,6 @@ pub struct RunSet {
     pub notes: Vec<String>,
 }
 
-/// Why there is no set of runs.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum RunSetError {
-    /// A folder or an index could not be read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// A folder without logs.
-    #[error("{}: expected run logs (*.csv) in this folder, found none", path.display())]
-    NoLogs {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// A row of the index cannot be read.
-    #[error("{place}: {message}")]
-    Index {
-        /// Where.
-        place: Place,
-        /// What was expected and what was found.
-        message: String,
-    },
-}
-
 /// A row of the index.
 #[derive(Clone, Debug, Deserialize)]
 struct IndexRow {
@@ -87,8 +58,8 @@ impl RunSet {
     /// Finds the runs behind files and folders. Whether a named file exists is found out when it is read.
     ///
     /// # Errors
-    /// [`RunSetError`] when a folder or an index cannot be read.
-    pub fn find(arguments: &[PathBuf]) -> Result<Self, RunSetError> {
+    /// [`ReadError`] when a folder or an index cannot be read.
+    pub fn find(arguments: &[PathBuf]) -> Result<Self, ReadError> {
         let arguments: Vec<PathBuf> = arguments.iter().map(|path| log_folder(path)).collect();
         let mut paths = Vec::new();
         for argument in &arguments {
@@ -160,7 +131,7 @@ fn direction(text: &str) -> Result<Option<Direction>, String> {
         "" => Ok(None),
         "up" => Ok(Some(Direction::Up)),
         "down" => Ok(Some(Direction::Down)),
-        other => Err(format!("expected a direction `up` or `down`, found {other:?}")),
+        other => Err(format!("expected `up` or `down`, found {other:?}")),
     }
 }
 
@@ -175,13 +146,13 @@ fn is_table(path: &Path) -> bool {
 /// The folder `runs` of a data set, else the path itself.
 fn log_folder(path: &Path) -> PathBuf {
     let runs = path.join("runs");
-    let is_data_set = runs.is_dir() && matches!(logs_of(path), Err(RunSetError::NoLogs { .. }));
+    let is_data_set = runs.is_dir() && matches!(logs_of(path), Err(ReadError::Refused(_)));
     if is_data_set { runs } else { path.to_owned() }
 }
 
 /// The logs of a folder in the order of their names.
-fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, RunSetError> {
-    let error = |source| RunSetError::Io { path: folder.to_owned(), source };
+fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
+    let error = |source| ReadError::io(folder, source);
     let mut logs = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(error)? {
         let path = entry.map_err(error)?.path();
@@ -192,39 +163,37 @@ fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, RunSetError> {
     }
     logs.sort();
     if logs.is_empty() {
-        return Err(RunSetError::NoLogs { path: folder.to_owned() });
+        return Err(ReadError::of_file(folder, "expected run logs (*.csv) in this folder, found none"));
     }
     Ok(logs)
 }
 
 /// The rows of an index by the name of their file; none when there is no index.
-fn read_index(path: &Path) -> Result<HashMap<String, IndexRow>, RunSetError> {
+fn read_index(path: &Path) -> Result<HashMap<String, IndexRow>, ReadError> {
     match std::fs::read(path) {
         Ok(bytes) => parse_index(path, &bytes),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(HashMap::new()),
-        Err(source) => Err(RunSetError::Io { path: path.to_owned(), source }),
+        Err(source) => Err(ReadError::io(path, source)),
     }
 }
 
-fn parse_index(path: &Path, bytes: &[u8]) -> Result<HashMap<String, IndexRow>, RunSetError> {
+fn parse_index(path: &Path, bytes: &[u8]) -> Result<HashMap<String, IndexRow>, ReadError> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(bytes);
     let mut rows = HashMap::new();
-    let refused = |error: csv::Error| index_error(path, error.position(), error.to_string());
+    let place = |position: Option<&csv::Position>| match position {
+        Some(position) => Place::of_line(path, position.line()),
+        None => Place::of_file(path),
+    };
+    let refused = |error: csv::Error| -> Refusal { place(error.position()).refuse("", error.to_string()) };
     let header = reader.headers().map_err(refused)?.clone();
     for record in reader.records() {
         let record = record.map_err(refused)?;
         let row: IndexRow = record.deserialize(Some(&header)).map_err(refused)?;
-        direction(&row.direction)
-            .map_err(|message| index_error(path, record.position(), format!("{}: {message}", row.file)))?;
+        direction(&row.direction).map_err(|message| place(record.position()).refuse("direction", message))?;
         // Only the name counts: an index may lie beside its logs and still name their folder.
         rows.insert(file_name(Path::new(&row.file)), row);
     }
     Ok(rows)
-}
-
-fn index_error(path: &Path, position: Option<&csv::Position>, message: String) -> RunSetError {
-    let at = position.map(|position| (position.line() as usize, 1));
-    RunSetError::Index { place: Place { file: path.to_owned(), at }, message }
 }
 
 /// Runs of one name get their folder's name before it, and a number when that is not enough: no output overwrites another.
@@ -326,7 +295,7 @@ mod tests {
         let index = "file,direction\nb.csv,up\na.csv,upp\n";
         let folder_a = folder(&[("a.csv", ""), ("runs.csv", index)]);
         let error = RunSet::find(&[folder_a.path().to_owned()]).unwrap_err().to_string();
-        assert!(error.contains("runs.csv:3:1: a.csv: expected a direction `up` or `down`, found \"upp\""), "{error}");
+        assert!(error.contains("runs.csv:3: direction: expected `up` or `down`, found \"upp\""), "{error}");
         let folder_b = folder(&[("a.csv", ""), ("runs.csv", "name\na\n")]);
         let error = RunSet::find(&[folder_b.path().to_owned()]).unwrap_err().to_string();
         assert!(error.contains("missing field `file`"), "{error}");

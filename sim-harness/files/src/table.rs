@@ -76,7 +76,7 @@ impl Cell {
 /// 17 significant digits: reading them back gives the same bits.
 ///
 /// ```
-/// assert_eq!(crate::table::digits_17(0.1), "1.0000000000000001e-1");
+/// assert_eq!(rundown_files::table::digits_17(0.1), "1.0000000000000001e-1");
 /// ```
 pub fn digits_17(number: f64) -> String {
     format!("{number:.16e}")

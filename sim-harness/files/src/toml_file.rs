@@ -3,10 +3,9 @@
 //! In: a path or a text. Out: [`TomlFile`], the values with the text they came from. A check that later refuses a value
 //! names it by its path (`davis.r0`, `gradient[3].from_m`), and [`TomlFile::refuse`] finds where that stands.
 
-use crate::place::Place;
+use crate::refusal::{Place, ReadError};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -19,29 +18,7 @@ pub struct TomlFile<T> {
     text: String,
 }
 
-/// Why a TOML file was refused.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum TomlError {
-    /// The file could not be read at all.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// Its text is not what was expected.
-    #[error("{place}: {message}")]
-    Refused {
-        /// Where.
-        place: Place,
-        /// What was expected and what was found.
-        message: String,
-    },
-}
-
-/// One step on the way to a value: a name, or the index in an array of tables.
+/// One step of the path to a value: a name, or the index in an array of tables.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'a> {
     /// Name in a table.
@@ -54,9 +31,9 @@ impl<T: DeserializeOwned> TomlFile<T> {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`TomlError`] when it cannot be read, is no TOML, or holds a field that is unknown, missing or of another type.
-    pub fn read(path: &Path) -> Result<Self, TomlError> {
-        let text = std::fs::read_to_string(path).map_err(|source| TomlError::Io { path: path.to_owned(), source })?;
+    /// [`ReadError`] when it cannot be read, is no TOML, or holds a field that is unknown, missing or of another type.
+    pub fn read(path: &Path) -> Result<Self, ReadError> {
+        let text = std::fs::read_to_string(path).map_err(|source| ReadError::io(path, source))?;
         Self::parse(path, &text)
     }
 
@@ -64,7 +41,7 @@ impl<T: DeserializeOwned> TomlFile<T> {
     ///
     /// # Errors
     /// As [`TomlFile::read`].
-    pub fn parse(path: &Path, text: &str) -> Result<Self, TomlError> {
+    pub fn parse(path: &Path, text: &str) -> Result<Self, ReadError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         match toml::from_str(text) {
             Ok(values) => Ok(Self { values, path: path.to_owned(), text: text.to_owned() }),
@@ -75,7 +52,7 @@ impl<T: DeserializeOwned> TomlFile<T> {
                 };
                 // The parser's own display draws the line over several lines; a message here is one line.
                 let message = error.message().replace('\n', ", ");
-                Err(TomlError::Refused { place, message })
+                Err(place.refuse("", message).into())
             }
         }
     }
@@ -84,16 +61,24 @@ impl<T: DeserializeOwned> TomlFile<T> {
 impl<T> TomlFile<T> {
     /// A refusal of the value at `steps`, found after reading. Where the value does not stand in the text (a default),
     /// the place is that of the table around it, or the file.
-    pub fn refuse(&self, steps: &[Step<'_>], message: impl Into<String>) -> TomlError {
+    pub fn refuse(&self, steps: &[Step<'_>], message: impl Into<String>) -> ReadError {
         let place = match self.byte_of(steps) {
             Some(byte) => Place::of_byte(&self.path, &self.text, byte),
             None => Place::of_file(&self.path),
         };
-        TomlError::Refused { place, message: message.into() }
+        let mut field = String::new();
+        for step in steps {
+            match step {
+                Step::Name(name) if field.is_empty() => field += name,
+                Step::Name(name) => field += &format!(".{name}"),
+                Step::Index(index) => field += &format!("[{index}]"),
+            }
+        }
+        place.refuse(field, message).into()
     }
 
-    /// As [`TomlFile::refuse`], the way given as in `davis.r0`.
-    pub fn refuse_dotted(&self, dotted: &str, message: impl Into<String>) -> TomlError {
+    /// As [`TomlFile::refuse`], the path written as in `davis.r0`.
+    pub fn refuse_dotted(&self, dotted: &str, message: impl Into<String>) -> ReadError {
         let steps: Vec<Step<'_>> = dotted.split('.').map(Step::Name).collect();
         self.refuse(&steps, message)
     }
@@ -142,7 +127,7 @@ mod tests {
         at_m: f64,
     }
 
-    fn parse(text: &str) -> Result<TomlFile<Values>, TomlError> {
+    fn parse(text: &str) -> Result<TomlFile<Values>, ReadError> {
         TomlFile::parse("x.toml".as_ref(), text)
     }
 
@@ -171,9 +156,9 @@ mod tests {
         let file = parse("mass_kg = 1\n\n[[entry]]\nat_m = 5\n[[entry]]\nat_m =  4\n").unwrap();
         assert_eq!(file.values.entry.len(), 2);
         let steps = [Step::Name("entry"), Step::Index(1), Step::Name("at_m")];
-        assert_eq!(file.refuse(&steps, "not sorted").to_string(), "x.toml:6:9: not sorted");
-        assert_eq!(file.refuse_dotted("mass_kg", "light").to_string(), "x.toml:1:11: light");
-        assert_eq!(file.refuse_dotted("davis.r0", "small").to_string(), "x.toml: small");
+        assert_eq!(file.refuse(&steps, "not sorted").to_string(), "x.toml:6:9: entry[1].at_m: not sorted");
+        assert_eq!(file.refuse_dotted("mass_kg", "light").to_string(), "x.toml:1:11: mass_kg: light");
+        assert_eq!(file.refuse_dotted("davis.r0", "small").to_string(), "x.toml: davis.r0: small");
     }
 
     #[test]

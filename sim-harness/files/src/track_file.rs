@@ -1,10 +1,12 @@
 //! Track descriptions: a TOML file, see [`TrackFile`]. Out: the estimator's [`Track`], and the tables the estimator has no use for.
 
 use crate::effect_file::{self, EffectEntry};
-use crate::toml_file::{Step, TomlError, TomlFile};
-use rundown::model::track::{self, Gradient, MAX_CURVES, MAX_GRADIENTS, MAX_TARGETS, Target, Track, TrackError};
+use crate::refusal::ReadError;
+use crate::toml_file::{Step, TomlFile};
+use rundown::model::track::{Curve, Gradient, MAX_CURVES, MAX_GRADIENTS, MAX_TARGETS, Target, Track, TrackError};
 use rundown::model::units::KmPerHour;
 use serde::{Deserialize, Serialize};
+use std::fmt::Display;
 use std::path::Path;
 
 /// What a track file holds. Every table is sorted by where its entries begin.
@@ -17,7 +19,7 @@ pub struct TrackFile {
     pub length_m: f64,
     /// Piecewise constant until the next entry.
     #[serde(default)]
-    pub gradient: Vec<GradientEntry>,
+    pub gradient: Vec<Gradient>,
     /// Curves.
     #[serde(default)]
     pub curve: Vec<Curve>,
@@ -39,28 +41,6 @@ pub struct TrackFile {
     /// Named effects of the place.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effect: Vec<EffectEntry>,
-}
-
-/// One gradient.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GradientEntry {
-    /// Location where it begins, m.
-    pub from_m: f64,
-    /// Uphill in the `up` direction positive.
-    pub permille: f64,
-}
-
-/// One curve.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Curve {
-    /// Location where it begins, m.
-    pub from_m: f64,
-    /// Location where it ends, m.
-    pub to_m: f64,
-    /// Radius, m.
-    pub radius_m: f64,
 }
 
 /// One tunnel.
@@ -121,14 +101,9 @@ impl TrackFile {
     /// Reads and checks a track file.
     ///
     /// # Errors
-    /// [`TomlError`] names file, line and column.
-    pub fn read(path: &Path) -> Result<(Self, Track), TomlError> {
+    /// [`ReadError`] names file, line and column.
+    pub fn read(path: &Path) -> Result<(Self, Track), ReadError> {
         checked(TomlFile::read(path)?)
-    }
-
-    /// The curves as the estimator takes them.
-    pub fn curves(&self) -> impl Iterator<Item = track::Curve> {
-        self.curve.iter().map(|curve| track::Curve { from_m: curve.from_m, to_m: curve.to_m, radius_m: curve.radius_m })
     }
 
     /// Stops and permitted speeds as the estimator takes them, sorted. At one place the limit comes first.
@@ -150,53 +125,53 @@ impl TrackFile {
     ///
     /// ```
     /// use rundown::model::direction::Direction;
-    /// use crate::track_file::TrackFile;
+    /// use rundown_files::track_file::TrackFile;
     ///
     /// let text = "name = \"hill\"\nlength_m = 5000\n[[gradient]]\nfrom_m = 0\npermille = 10\n";
     /// let (file, track) = TrackFile::parse("hill.toml".as_ref(), text)?;
     /// assert_eq!(file.gradient.len(), 1);
     /// assert!((track.mean_gradient(1000.0, 162.0, Direction::Up) - 0.010).abs() < 1e-12);
-    /// # Ok::<(), crate::toml_file::TomlError>(())
+    /// # Ok::<(), rundown_files::refusal::ReadError>(())
     /// ```
-    pub fn parse(path: &Path, text: &str) -> Result<(Self, Track), TomlError> {
+    pub fn parse(path: &Path, text: &str) -> Result<(Self, Track), ReadError> {
         checked(TomlFile::parse(path, text)?)
     }
 }
 
-fn checked(file: TomlFile<TrackFile>) -> Result<(TrackFile, Track), TomlError> {
+fn checked(file: TomlFile<TrackFile>) -> Result<(TrackFile, Track), ReadError> {
     let values = &file.values;
-    rows(&file, "curve", "from_m", &values.curve, |c| c.from_m, false)?;
-    rows(&file, "tunnel", "from_m", &values.tunnel, |t| t.from_m, false)?;
-    rows(&file, "speed_limit", "from_m", &values.speed_limit, |l| l.from_m, true)?;
-    rows(&file, "feeding_section", "from_m", &values.feeding_section, |s| s.from_m, false)?;
-    rows(&file, "stop", "at_m", &values.stop, |s| s.at_m, false)?;
-    rows(&file, "centre_line", "at_m", &values.centre_line, |p| p.at_m, true)?;
+    let entry = |table, index| Entry { file: &file, table, index };
+    sorted(&file, "curve", "from_m", &values.curve, |c| c.from_m, false)?;
+    sorted(&file, "tunnel", "from_m", &values.tunnel, |t| t.from_m, false)?;
+    sorted(&file, "speed_limit", "from_m", &values.speed_limit, |l| l.from_m, true)?;
+    sorted(&file, "feeding_section", "from_m", &values.feeding_section, |s| s.from_m, false)?;
+    sorted(&file, "stop", "at_m", &values.stop, |s| s.at_m, false)?;
+    sorted(&file, "centre_line", "at_m", &values.centre_line, |p| p.at_m, true)?;
     for (index, curve) in values.curve.iter().enumerate() {
-        ends(&file, "curve", index, curve.from_m, curve.to_m)?;
-        positive(&file, "curve", index, "radius_m", curve.radius_m)?;
+        entry("curve", index).ends(curve.from_m, curve.to_m)?;
+        entry("curve", index).above_zero("radius_m", curve.radius_m)?;
     }
     for (index, tunnel) in values.tunnel.iter().enumerate() {
-        ends(&file, "tunnel", index, tunnel.from_m, tunnel.to_m)?;
+        entry("tunnel", index).ends(tunnel.from_m, tunnel.to_m)?;
     }
     for (index, limit) in values.speed_limit.iter().enumerate() {
-        positive(&file, "speed_limit", index, "kmh", limit.kmh)?;
+        entry("speed_limit", index).above_zero("kmh", limit.kmh)?;
     }
     for (index, section) in values.feeding_section.iter().enumerate() {
-        ends(&file, "feeding_section", index, section.from_m, section.to_m)?;
+        entry("feeding_section", index).ends(section.from_m, section.to_m)?;
     }
     for (index, point) in values.centre_line.iter().enumerate() {
-        degrees(&file, index, "latitude_deg", point.latitude_deg, 90.0)?;
-        degrees(&file, index, "longitude_deg", point.longitude_deg, 180.0)?;
+        let point_at = entry("centre_line", index);
+        point_at.within("latitude_deg", point.latitude_deg, 90.0)?;
+        point_at.within("longitude_deg", point.longitude_deg, 180.0)?;
     }
     if values.centre_line.len() == 1 {
-        let message = "track: a centre line needs at least 2 points, found 1";
-        return Err(file.refuse_dotted("centre_line", message));
+        return Err(file.refuse_dotted("centre_line", "expected at least 2 points, found 1"));
     }
     effect_file::check(&file, &values.effect)?;
-    let gradients = values.gradient.iter().map(|entry| Gradient { from_m: entry.from_m, permille: entry.permille });
-    let track = Track::try_new(values.length_m, gradients);
+    let track = Track::try_new(values.length_m, values.gradient.iter().copied());
     let track = track
-        .and_then(|track| track.with_curves(values.curves()))
+        .and_then(|track| track.with_curves(values.curve.iter().copied()))
         .and_then(|track| track.with_targets(values.targets()));
     match track {
         Ok(track) => Ok((file.values, track)),
@@ -204,96 +179,90 @@ fn checked(file: TomlFile<TrackFile>) -> Result<(TrackFile, Track), TomlError> {
     }
 }
 
-fn track_refusal(file: &TomlFile<TrackFile>, error: TrackError) -> TomlError {
-    let gradient = |index, field| [Step::Name("gradient"), Step::Index(index), Step::Name(field)];
-    let entries = &file.values.gradient;
+fn track_refusal(file: &TomlFile<TrackFile>, error: TrackError) -> ReadError {
+    let TrackFile { gradient, curve, speed_limit, stop, .. } = &file.values;
+    let entry = |table, index| Entry { file, table, index };
     match error {
-        TrackError::Length { .. } => file.refuse_dotted("length_m", error.to_string()),
-        TrackError::TooMany { .. } => {
-            // The estimator stops at the first entry too many; a person wants to know how many there are.
-            let message = format!("track: at most {MAX_GRADIENTS} gradients, found {}", entries.len());
-            file.refuse(&gradient(MAX_GRADIENTS, "from_m"), message)
-        }
+        TrackError::Length { found } => file.refuse_dotted("length_m", format!("expected above 0, found {found}")),
+        // The estimator stops at the first entry too many; a person wants to know how many there are.
+        TrackError::TooMany { .. } => entry("gradient", MAX_GRADIENTS).too_many(MAX_GRADIENTS, gradient.len()),
         // Order, ends and radius were checked before.
-        TrackError::BadCurve { index } => {
-            let message = format!("track: at most {MAX_CURVES} curves, found {}", file.values.curve.len());
-            let steps = [Step::Name("curve"), Step::Index(index), Step::Name("from_m")];
-            file.refuse(&steps, message)
-        }
+        TrackError::BadCurve { index } => entry("curve", index).too_many(MAX_CURVES, curve.len()),
         // Order and speeds were checked before.
         TrackError::BadTarget { .. } => {
-            let found = file.values.speed_limit.len() + file.values.stop.len();
-            let message = format!("track: at most {MAX_TARGETS} speed limits and stops together, found {found}");
-            file.refuse(&[], message)
+            let found = speed_limit.len() + stop.len();
+            file.refuse(&[], format!("expected at most {MAX_TARGETS} speed limits and stops together, found {found}"))
         }
-        TrackError::BadGradient { index } => {
-            let (from_m, permille) = entries.get(index).map_or((0.0, 0.0), |e| (e.from_m, e.permille));
-            let field = if from_m.is_finite() { "permille" } else { "from_m" };
-            let message = format!(
-                "track: expected a finite from_m and -200 to 200 permille, found from_m = {from_m}, permille = {permille}"
-            );
-            file.refuse(&gradient(index, field), message)
-        }
+        TrackError::BadGradient { index } => match gradient.get(index) {
+            Some(g) if g.from_m.is_finite() => entry("gradient", index).refuse("permille", "-200 to 200", g.permille),
+            found => entry("gradient", index).refuse("from_m", "a finite number", found.map_or(f64::NAN, |g| g.from_m)),
+        },
         TrackError::NotSorted { index } => {
-            let from_m = |index: usize| entries.get(index).map_or(f64::NAN, |entry| entry.from_m);
-            let message = not_sorted("gradient", "from_m", from_m(index.saturating_sub(1)), from_m(index));
-            file.refuse(&gradient(index, "from_m"), message)
+            let from_m = |index: usize| gradient.get(index).map_or(f64::NAN, |entry| entry.from_m);
+            entry("gradient", index).refuse("from_m", beyond(from_m(index.saturating_sub(1))), from_m(index))
         }
         _ => file.refuse(&[], error.to_string()),
     }
 }
 
-fn not_sorted(table: &str, field: &str, before: f64, found: f64) -> String {
-    format!("track: expected [[{table}]] sorted by {field}, found {found} after {before}")
+fn beyond(before_m: f64) -> String {
+    format!("beyond {before_m}, where the entry before begins")
 }
 
 /// Entries are finite and in order; `strictly` where two at one place would contradict each other.
-fn rows<T>(
+fn sorted<T>(
     file: &TomlFile<TrackFile>,
-    table: &str,
+    table: &'static str,
     field: &str,
     entries: &[T],
     begin_m: impl Fn(&T) -> f64,
     strictly: bool,
-) -> Result<(), TomlError> {
+) -> Result<(), ReadError> {
     let mut before = f64::NEG_INFINITY;
     for (index, entry) in entries.iter().enumerate() {
         let found = begin_m(entry);
-        let steps = [Step::Name(table), Step::Index(index), Step::Name(field)];
-        if !found.is_finite() {
-            return Err(file.refuse(&steps, format!("track: expected a finite {field}, found {found}")));
-        }
-        if found < before || (strictly && found == before) {
-            return Err(file.refuse(&steps, not_sorted(table, field, before, found)));
-        }
+        let entry = Entry { file, table, index };
+        entry.need(found.is_finite(), field, || "a finite number".to_owned(), found)?;
+        entry.need(found > before || (!strictly && found == before), field, || beyond(before), found)?;
         before = found;
     }
     Ok(())
 }
 
-fn ends(file: &TomlFile<TrackFile>, table: &str, index: usize, from_m: f64, to_m: f64) -> Result<(), TomlError> {
-    if to_m > from_m && to_m.is_finite() {
-        return Ok(());
-    }
-    let steps = [Step::Name(table), Step::Index(index), Step::Name("to_m")];
-    Err(file.refuse(&steps, format!("track: expected to_m beyond from_m = {from_m}, found {to_m}")))
+/// An entry of a table, to be refused.
+struct Entry<'a> {
+    file: &'a TomlFile<TrackFile>,
+    table: &'static str,
+    index: usize,
 }
 
-fn positive(file: &TomlFile<TrackFile>, table: &str, index: usize, field: &str, found: f64) -> Result<(), TomlError> {
-    if found > 0.0 && found.is_finite() {
-        return Ok(());
+impl Entry<'_> {
+    fn refuse(&self, field: &str, expected: impl Display, found: f64) -> ReadError {
+        let steps = [Step::Name(self.table), Step::Index(self.index), Step::Name(field)];
+        self.file.refuse(&steps, format!("expected {expected}, found {found}"))
     }
-    let steps = [Step::Name(table), Step::Index(index), Step::Name(field)];
-    Err(file.refuse(&steps, format!("track: expected a {field} above 0, found {found}")))
-}
 
-fn degrees(file: &TomlFile<TrackFile>, index: usize, field: &str, found: f64, most: f64) -> Result<(), TomlError> {
-    // NaN is in no range.
-    if (-most..=most).contains(&found) {
-        return Ok(());
+    fn too_many(&self, most: usize, found: usize) -> ReadError {
+        let steps = [Step::Name(self.table), Step::Index(self.index)];
+        self.file.refuse(&steps, format!("expected at most {most}, found {found}"))
     }
-    let steps = [Step::Name("centre_line"), Step::Index(index), Step::Name(field)];
-    Err(file.refuse(&steps, format!("track: {field} must be {} to {most}, found {found}", -most)))
+
+    fn need(&self, good: bool, field: &str, expected: impl Fn() -> String, found: f64) -> Result<(), ReadError> {
+        if good { Ok(()) } else { Err(self.refuse(field, expected(), found)) }
+    }
+
+    fn ends(&self, from_m: f64, to_m: f64) -> Result<(), ReadError> {
+        self.need(to_m > from_m && to_m.is_finite(), "to_m", || format!("beyond from_m = {from_m}"), to_m)
+    }
+
+    fn above_zero(&self, field: &str, found: f64) -> Result<(), ReadError> {
+        self.need(found > 0.0 && found.is_finite(), field, || "above 0".to_owned(), found)
+    }
+
+    fn within(&self, field: &str, found: f64, most: f64) -> Result<(), ReadError> {
+        // NaN is in no range.
+        self.need((-most..=most).contains(&found), field, || format!("{} to {most}", -most), found)
+    }
 }
 
 #[cfg(test)]
@@ -328,9 +297,15 @@ mod tests {
     #[test]
     fn unsorted_gradients_are_found_where_they_stand() {
         let found = message("[[gradient]]\nfrom_m = 100\npermille = 1\n[[gradient]]\nfrom_m = 50\npermille = 2\n");
-        assert_eq!(found, "track.toml:7:10: track: expected [[gradient]] sorted by from_m, found 50 after 100");
+        assert_eq!(
+            found,
+            "track.toml:7:10: gradient[1].from_m: expected beyond 100, where the entry before begins, found 50"
+        );
         let found = message("[[gradient]]\nfrom_m = 100\npermille = 1\n[[gradient]]\nfrom_m = 100\npermille = 2\n");
-        assert_eq!(found, "track.toml:7:10: track: expected [[gradient]] sorted by from_m, found 100 after 100");
+        assert_eq!(
+            found,
+            "track.toml:7:10: gradient[1].from_m: expected beyond 100, where the entry before begins, found 100"
+        );
     }
 
     #[test]
@@ -345,7 +320,7 @@ mod tests {
         ] {
             let entry = |at: u32| format!("[[{table}]]\n{field} = {at}\n{rest}");
             let found = message(&(entry(100) + &entry(50)));
-            let expected = format!("track: expected [[{table}]] sorted by {field}, found 50 after 100");
+            let expected = format!("{table}[1].{field}: expected beyond 100, where the entry before begins, found 50");
             assert!(found.ends_with(&expected), "{found}");
         }
     }
@@ -354,27 +329,27 @@ mod tests {
     fn impossible_values_are_refused() {
         assert!(
             message("[[gradient]]\nfrom_m = 0\npermille = 400\n")
-                .starts_with("track.toml:5:12: track: expected a finite from_m and -200 to 200 permille")
+                .starts_with("track.toml:5:12: gradient[0].permille: expected -200 to 200, found 400")
         );
         assert!(message("[[gradient]]\nfrom_m = nan\npermille = 4\n").starts_with("track.toml:4:10: "));
         assert_eq!(
             message("[[tunnel]]\nfrom_m = 9\nto_m = 9\n"),
-            "track.toml:5:8: track: expected to_m beyond from_m = 9, found 9"
+            "track.toml:5:8: tunnel[0].to_m: expected beyond from_m = 9, found 9"
         );
         assert_eq!(
             message("[[speed_limit]]\nfrom_m = 9\nkmh = 0\n"),
-            "track.toml:5:7: track: expected a kmh above 0, found 0"
+            "track.toml:5:7: speed_limit[0].kmh: expected above 0, found 0"
         );
         assert!(
             message("[[centre_line]]\nat_m = 0\nlatitude_deg = 95\nlongitude_deg = 0\n")
-                .starts_with("track.toml:5:16: track: latitude_deg must be -90 to 90, found 95")
+                .starts_with("track.toml:5:16: centre_line[0].latitude_deg: expected -90 to 90, found 95")
         );
         assert!(
             message("[[centre_line]]\nat_m = 0\nlatitude_deg = 5\nlongitude_deg = 0\n")
                 .ends_with("at least 2 points, found 1")
         );
         let error = TrackFile::parse("t".as_ref(), "name = \"x\"\nlength_m = 0\n").unwrap_err();
-        assert_eq!(error.to_string(), "t:2:12: track: length_m must be above 0, found 0");
+        assert_eq!(error.to_string(), "t:2:12: length_m: expected above 0, found 0");
         assert!(
             message("[[gradients]]\nfrom_m = 0\npermille = 0\n")
                 .starts_with("track.toml:3:3: unknown field `gradients`, expected one of `name`")
@@ -386,8 +361,8 @@ mod tests {
         let entry = |index: usize| format!("[[gradient]]\nfrom_m = {index}\npermille = 0\n");
         let tables: String = (0..MAX_GRADIENTS + 2).map(entry).collect();
         let found = message(&tables);
-        assert!(found.ends_with("track: at most 512 gradients, found 514"), "{found}");
-        assert!(found.starts_with(&format!("track.toml:{}:", 3 + 3 * MAX_GRADIENTS + 1)), "{found}");
+        assert!(found.ends_with("gradient[512]: expected at most 512, found 514"), "{found}");
+        assert!(found.starts_with(&format!("track.toml:{}:", 3 + 3 * MAX_GRADIENTS)), "{found}");
     }
 
     #[test]
@@ -404,6 +379,9 @@ mod tests {
         let many: String = (0..MAX_TARGETS).map(limit).collect();
         assert!(TrackFile::parse("track.toml".as_ref(), &format!("{head}{many}")).is_ok());
         let found = message(&(many + &stop(900.0)));
-        assert!(found.ends_with("track: at most 192 speed limits and stops together, found 193"), "{found}");
+        assert!(
+            found.ends_with("track.toml: expected at most 192 speed limits and stops together, found 193"),
+            "{found}"
+        );
     }
 }

@@ -1,7 +1,8 @@
 //! Train descriptions: a TOML file, see [`TrainFile`]. Out: the estimator's [`Train`].
 
 use crate::effect_file::{self, EffectEntry};
-use crate::toml_file::{TomlError, TomlFile};
+use crate::refusal::ReadError;
+use crate::toml_file::TomlFile;
 use rundown::model::resistance::Davis;
 use rundown::model::train::{Train, TrainDescription, TrainError};
 use serde::{Deserialize, Serialize};
@@ -25,29 +26,19 @@ pub struct TrainFile {
     pub max_power_w: f64,
     /// Largest deceleration by brake, m/s², positive.
     pub max_brake_mps2: f64,
-    /// Manufacturer's Davis coefficients.
-    pub davis: DavisTable,
+    /// Manufacturer's Davis coefficients: N/kg, N/(kg m/s), N/(kg (m/s)²), per rotating mass γ m.
+    pub davis: Davis,
     /// Named effects of the train.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effect: Vec<EffectEntry>,
-}
-
-/// The table `[davis]`: N/kg, N/(kg m/s), N/(kg (m/s)²), per rotating mass γ m.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(missing_docs)]
-pub struct DavisTable {
-    pub r0: f64,
-    pub r1: f64,
-    pub r2: f64,
 }
 
 impl TrainFile {
     /// Reads and checks a train file.
     ///
     /// # Errors
-    /// [`TomlError`] names file, line and column.
-    pub fn read(path: &Path) -> Result<(Self, Train), TomlError> {
+    /// [`ReadError`] names file, line and column.
+    pub fn read(path: &Path) -> Result<(Self, Train), ReadError> {
         checked(TomlFile::read(path)?)
     }
 
@@ -55,7 +46,7 @@ impl TrainFile {
     ///
     /// # Errors
     /// As [`TrainFile::read`].
-    pub fn parse(path: &Path, text: &str) -> Result<(Self, Train), TomlError> {
+    pub fn parse(path: &Path, text: &str) -> Result<(Self, Train), ReadError> {
         checked(TomlFile::parse(path, text)?)
     }
 
@@ -68,12 +59,11 @@ impl TrainFile {
     }
 
     fn description(&self) -> TrainDescription {
-        let DavisTable { r0, r1, r2 } = self.davis;
         TrainDescription {
             mass_kg: self.mass_kg,
             rotating_mass_factor: self.rotating_mass_factor,
             length_m: self.length_m,
-            davis: Davis { r0, r1, r2 },
+            davis: self.davis,
             max_tractive_effort_n: self.max_tractive_effort_n,
             max_power_w: self.max_power_w,
             max_brake_mps2: self.max_brake_mps2,
@@ -81,12 +71,14 @@ impl TrainFile {
     }
 }
 
-fn checked(file: TomlFile<TrainFile>) -> Result<(TrainFile, Train), TomlError> {
+fn checked(file: TomlFile<TrainFile>) -> Result<(TrainFile, Train), ReadError> {
     effect_file::check(&file, &file.values.effect)?;
     match file.values.train() {
         Ok(train) => Ok((file.values, train)),
         Err(error) => Err(match error {
-            TrainError::OutOfRange { field, .. } => file.refuse_dotted(field, error.to_string()),
+            TrainError::OutOfRange { field, least, most, found } => {
+                file.refuse_dotted(field, format!("expected {least} to {most}, found {found}"))
+            }
             _ => file.refuse(&[], error.to_string()),
         }),
     }
@@ -100,7 +92,7 @@ mod tests {
         max_tractive_effort_n = 192920.0\nmax_power_w = 2036377.8\nmax_brake_mps2 = 0.66\n\
         [davis]\nr0 = 0.00738\nr1 = 1.6e-4\nr2 = 2.8e-5\n";
 
-    fn parse(text: &str) -> Result<(TrainFile, Train), TomlError> {
+    fn parse(text: &str) -> Result<(TrainFile, Train), ReadError> {
         TrainFile::parse("train.toml".as_ref(), text)
     }
 
@@ -116,13 +108,10 @@ mod tests {
     #[test]
     fn refusals_name_line_and_column() {
         let error = |from: &str, to: &str| parse(&TRAIN.replace(from, to)).unwrap_err().to_string();
-        assert_eq!(
-            error("r0 = 0.00738", "r0 = 7.38"),
-            "train.toml:9:6: train: davis.r0 must be 0.00001 to 1, found 7.38"
-        );
+        assert_eq!(error("r0 = 0.00738", "r0 = 7.38"), "train.toml:9:6: davis.r0: expected 0.00001 to 1, found 7.38");
         assert_eq!(
             error("mass_kg = 364000", "mass_kg = nan"),
-            "train.toml:2:11: train: mass_kg must be 1000 to 100000000, found NaN"
+            "train.toml:2:11: mass_kg: expected 1000 to 100000000, found NaN"
         );
         assert!(
             error("length_m", "lenght_m")

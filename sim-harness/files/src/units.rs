@@ -1,23 +1,23 @@
 //! Do the columns of a log hold the units that their names say?
 //!
-//! Way by location over way by speed is 1 where all is well, within the few percent of a worn wheel. A speed in m/s makes it 3.6, a time in milliseconds or a location in kilometres a
+//! Distance by location over distance by speed is 1 where all is well, within the few percent of a worn wheel. A speed in m/s makes it 3.6, a time in milliseconds or a location in kilometres a
 //! thousandth. An effort that is a force has values that no train has. Medians, so that no single wild reading decides.
 
-use crate::recording::{Row, median};
+use crate::sample::Sample;
 use thiserror::Error;
 
 /// A column that seems to hold another unit.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Doubt {
-    /// Way by location over way by speed is far from 1.
-    #[error("the way by location_m is {ratio:.3} times the way by speed_kmh and time_s, expected 1: {}", likely(*ratio))]
-    Way {
+    /// Distance by location over distance by speed is far from 1.
+    #[error("expected 1 as ratio of the distance by location_m to that by speed_kmh and time_s, found {ratio:.3}: {}", likely(*ratio))]
+    Distance {
         /// Their ratio.
         ratio: f64,
     },
     /// Efforts that no train has.
     #[error(
-        "half of the efforts are {median:.0} or more, expected effort_n_per_kg below {MOST_EFFORT} N/kg: a force has to be divided by the rotating mass (1 kN = 1000 N)"
+        "expected most of effort_n_per_kg below {MOST_EFFORT} N/kg, found half of it at {median:.0} or more: a force has to be divided by the rotating mass (1 kN = 1000 N)"
     )]
     Effort {
         /// Median of the efforts that are not zero.
@@ -27,7 +27,7 @@ pub enum Doubt {
 
 /// No train pulls or brakes harder for half of its time, N/kg.
 const MOST_EFFORT: f64 = 3.0;
-/// Ways further apart than by this factor are no matter of a wheel.
+/// Distances further apart than by this factor are no matter of a wheel.
 const FAR: f64 = 1.25;
 /// Fewer pairs or efforts decide nothing.
 const FEW: usize = 20;
@@ -44,16 +44,13 @@ fn likely(ratio: f64) -> &'static str {
 }
 
 /// What is doubtful about the units of a run.
-pub fn doubt(rows: &[Row]) -> Option<Doubt> {
-    let efforts = rows.iter().filter_map(|r| r.measurement.effort_n_per_kg);
+pub fn doubt(rows: &[Sample]) -> Option<Doubt> {
+    let efforts = rows.iter().filter_map(|r| r.effort_n_per_kg);
     let efforts = efforts.map(f64::abs).filter(|effort| *effort > 0.0);
     if let Some(median) = middle(efforts).filter(|median| *median > MOST_EFFORT) {
         return Some(Doubt::Effort { median });
     }
-    let read = rows.iter().filter_map(|row| {
-        let read = &row.measurement;
-        Some((read.time_s, read.location_m?, read.speed_mps?))
-    });
+    let read = rows.iter().filter_map(|row| Some((row.time_s, row.location_m?, row.speed_mps?)));
     let read: Vec<(f64, f64, f64)> = read.collect();
     let ratios = read.windows(2).filter_map(|pair| {
         let (from, to) = (pair[0], pair[1]);
@@ -62,7 +59,7 @@ pub fn doubt(rows: &[Row]) -> Option<Doubt> {
         moving.then_some((to.1 - from.1).abs() / by_speed)
     });
     let ratio = middle(ratios)?;
-    (!(1.0 / FAR..FAR).contains(&ratio)).then_some(Doubt::Way { ratio })
+    (!(1.0 / FAR..FAR).contains(&ratio)).then_some(Doubt::Distance { ratio })
 }
 
 fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -70,27 +67,34 @@ fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {
     (values.len() >= FEW).then(|| median(&values))
 }
 
+/// Middle value, the upper one of two; of a list that is not empty.
+pub(crate) fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rundown::tick::measurement::Measurement;
 
     /// A run at 20 to 30 m/s, its readings in other units by these factors.
-    fn rows(time: f64, location: f64, speed: f64, effort: f64) -> Vec<Row> {
+    fn rows(time: f64, location: f64, speed: f64, effort: f64) -> Vec<Sample> {
         let row = |i: u32| {
             let t = 10.0 * f64::from(i);
-            let measurement = Measurement {
+            Sample {
+                line: 2 + u64::from(i),
                 time_s: time * t,
                 location_m: Some(location * (25.0 * t + 250.0 * (t / 50.0).sin())),
                 speed_mps: Some(speed * (25.0 + 5.0 * (t / 50.0).cos())),
                 effort_n_per_kg: Some(effort * 0.3 * (t / 50.0).sin()),
-            };
-            Row { line: 2 + u64::from(i), measurement, temperature_c: None }
+                ..Sample::default()
+            }
         };
         (0..60).map(row).collect()
     }
 
-    fn words(rows: &[Row]) -> String {
+    fn words(rows: &[Sample]) -> String {
         doubt(rows).map_or_else(String::new, |doubt| doubt.to_string())
     }
 
@@ -103,8 +107,8 @@ mod tests {
 
     #[test]
     fn another_unit_is_named() {
-        let of = |rows: Vec<Row>, unit: &str| assert!(words(&rows).contains(unit), "{}", words(&rows));
-        of(rows(1.0, 1.0, 1.0 / 3.6, 1.0), "3.600 times");
+        let of = |rows: Vec<Sample>, unit: &str| assert!(words(&rows).contains(unit), "{}", words(&rows));
+        of(rows(1.0, 1.0, 1.0 / 3.6, 1.0), "found 3.600");
         of(rows(1.0, 1.0, 1.0 / 3.6, 1.0), "m/s");
         of(rows(1.0, 1.0, 0.6214, 1.0), "miles");
         of(rows(1e3, 1.0, 1.0, 1.0), "milliseconds");

@@ -5,9 +5,11 @@ use super::runs::{Run, Sample};
 use rayon::prelude::*;
 use rundown::model::units::KmPerHour;
 use rundown_files::map_matching::CentreLine;
-use rundown_files::recording::{DirectionChoice, Recording, RecordingError};
-use rundown_files::run_log::{BadRows, MOST_LOCATION_M, MOST_SPEED_KMH, RunLog, RunLogError};
+use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::refusal::ReadError;
+use rundown_files::run_log::{BadRows, RunLog};
 use rundown_files::run_set::{RunFile, RunSet};
+use rundown_files::sample::{MOST_LOCATION_M, MOST_SPEED_KMH};
 use rundown_files::track_file::TrackFile;
 use rundown_files::units;
 use std::path::PathBuf;
@@ -17,12 +19,9 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LoadError {
-    /// It cannot be read.
+    /// It cannot be read, or has no location.
     #[error(transparent)]
-    Log(#[from] RunLogError),
-    /// It has no location.
-    #[error(transparent)]
-    Recording(#[from] RecordingError),
+    Log(#[from] ReadError),
     /// Its numbers are in other units.
     #[error("{}: {doubt}", path.display())]
     Units {
@@ -50,19 +49,18 @@ pub fn run(
     }
     let most_mps = KmPerHour(MOST_SPEED_KMH).to_mps();
     let mut samples: Vec<Sample> = Vec::with_capacity(recording.rows.len());
-    for (row, sample) in recording.rows.iter().zip(&log.samples) {
-        let measurement = &row.measurement;
+    for row in &recording.rows {
         // Times that do not increase were reported when the log was read.
-        if samples.last().is_some_and(|last| last.time_s >= measurement.time_s) {
+        if samples.last().is_some_and(|last| last.time_s >= row.time_s) {
             continue;
         }
         samples.push(Sample {
-            time_s: measurement.time_s,
+            time_s: row.time_s,
             // What no train has was warned of when the log was read; no estimator judges it here.
-            location_m: measurement.location_m.filter(|at| at.abs() < MOST_LOCATION_M),
-            speed_mps: measurement.speed_mps.filter(|v| (0.0..most_mps).contains(v)),
-            effort_n_per_kg: measurement.effort_n_per_kg,
-            temperature_c: sample.ambient_temperature_c,
+            location_m: row.location_m.filter(|at| at.abs() < MOST_LOCATION_M),
+            speed_mps: row.speed_mps.filter(|v| (0.0..most_mps).contains(v)),
+            effort_n_per_kg: row.effort_n_per_kg,
+            temperature_c: row.temperature_c,
         });
     }
     let run = Run { name: recording.name.clone(), direction: recording.direction, day: recording.day, samples };

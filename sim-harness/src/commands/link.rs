@@ -139,11 +139,11 @@ where
         session.prepare(description, recording.direction, pace).map_err(board)?;
         let mut said = Said::default();
         let begin = Instant::now();
-        let first_s = recording.rows.first().map_or(0.0, |row| row.measurement.time_s);
+        let first_s = recording.rows.first().map_or(0.0, |row| row.time_s);
         let mut surroundings = recording.surroundings();
         for row in &recording.rows {
             if arguments.real_time {
-                let due = Duration::try_from_secs_f64(row.measurement.time_s - first_s);
+                let due = Duration::try_from_secs_f64(row.time_s - first_s);
                 while due.as_ref().is_ok_and(|due| begin.elapsed() < *due) {
                     match session.listen().map_err(board)? {
                         Some(heard) => said.hear(&[heard]),
@@ -158,9 +158,9 @@ where
                 said.hear(&session.ask(request, what).map_err(board)?);
             }
             if arguments.real_time {
-                session.report(&row.measurement).map_err(board)?;
+                session.report(&row.measurement()).map_err(board)?;
             } else {
-                said.hear(&session.measure(&row.measurement).map_err(board)?);
+                said.hear(&session.measure(&row.measurement()).map_err(board)?);
             }
             bar.inc(1);
         }

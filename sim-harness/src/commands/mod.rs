@@ -25,8 +25,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use rundown::estimator::config::Config;
 use rundown::model::effects::EffectError;
 use rundown::tick::bounds::ConfigError;
-use rundown_files::run_set::RunSetError;
-use rundown_files::toml_file::TomlError;
+use rundown_files::refusal::ReadError;
 use rundown_files::{WriteError, config_file};
 use std::ffi::OsString;
 use std::path::Path;
@@ -131,7 +130,7 @@ macro_rules! failures {
 }
 
 failures! {
-    refused: TomlError, ConfigError, RunSetError, EffectError, Refused;
+    refused: ReadError, ConfigError, EffectError, Refused;
     not_written: WriteError, FolderError;
 }
 

@@ -59,7 +59,7 @@ pub fn play_runs(runs: usize, mut say: impl FnMut(&[u8])) -> Result<(), String> 
         let said = |error: crate::session::SessionError| error.to_string();
         tell(&session.prepare(&description, direction, Pace::Lockstep).map_err(said)?);
         for row in &rows {
-            tell(&session.measure(&row.measurement).map_err(said)?);
+            tell(&session.measure(&row.measurement()).map_err(said)?);
         }
         tell(&session.end_run().map_err(said)?);
     }

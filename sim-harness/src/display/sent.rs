@@ -6,8 +6,8 @@ use super::setup::Setup;
 use rundown::model::train::TrainDescription;
 use rundown::onboard::auth::TRAILER;
 use rundown::onboard::uplink::{self, Command, OPEN, Request, SECURED, VERSION};
-use rundown_files::track_file::{GradientEntry, SpeedLimit, Stop, TrackFile};
-use rundown_files::train_file::{DavisTable, TrainFile};
+use rundown_files::track_file::{SpeedLimit, Stop, TrackFile};
+use rundown_files::train_file::TrainFile;
 
 const NAME: &str = "as described to the board";
 
@@ -26,11 +26,7 @@ impl SentSetup {
                     self.setup.track =
                         Some(TrackFile { name: NAME.to_owned(), length_m: part.length_m, ..TrackFile::default() });
                 }
-                let gradients = part
-                    .gradients
-                    .iter()
-                    .map(|gradient| GradientEntry { from_m: gradient.from_m, permille: gradient.permille });
-                self.setup.track.as_mut()?.gradient.extend(gradients);
+                self.setup.track.as_mut()?.gradient.extend(part.gradients.iter().copied());
             }
             Request::Targets(part) => {
                 let track = self.setup.track.as_mut()?;
@@ -67,7 +63,6 @@ fn request(message: &[u8]) -> Option<Request> {
 }
 
 fn train(description: &TrainDescription) -> TrainFile {
-    let davis = &description.davis;
     TrainFile {
         name: NAME.to_owned(),
         mass_kg: description.mass_kg,
@@ -76,7 +71,7 @@ fn train(description: &TrainDescription) -> TrainFile {
         max_tractive_effort_n: description.max_tractive_effort_n,
         max_power_w: description.max_power_w,
         max_brake_mps2: description.max_brake_mps2,
-        davis: DavisTable { r0: davis.r0, r1: davis.r1, r2: davis.r2 },
+        davis: description.davis,
         effect: Vec::new(),
     }
 }

@@ -1,7 +1,8 @@
 //! The descriptions that the estimator gets: track and train as they are believed to be, before any effect.
 
 use super::train_table::TrainTable;
-use rundown_files::track_file::{Curve, FeedingSection, GradientEntry, SpeedLimit, Stop, TrackFile, Tunnel};
+use rundown::model::track::{Curve, Gradient};
+use rundown_files::track_file::{FeedingSection, SpeedLimit, Stop, TrackFile, Tunnel};
 use rundown_files::train_file::TrainFile;
 use rundown_truth::line::{self, Line};
 
@@ -16,11 +17,7 @@ pub fn corridor(line: &Line, name: String) -> TrackFile {
         effect: Vec::new(),
         name,
         length_m: line.length_m(),
-        gradient: line
-            .gradients_permille()
-            .iter()
-            .map(|&(from_m, permille)| GradientEntry { from_m, permille })
-            .collect(),
+        gradient: line.gradients_permille().iter().map(|&(from_m, permille)| Gradient { from_m, permille }).collect(),
         curve: line
             .curves()
             .iter()

@@ -6,7 +6,8 @@ use super::believed;
 pub(crate) use super::train_table::TrainTable;
 use jiff::civil::Date;
 use rundown::model::train::TrainError;
-use rundown_files::toml_file::{Step, TomlError, TomlFile};
+use rundown_files::refusal::ReadError;
+use rundown_files::toml_file::{Step, TomlFile};
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use rundown_truth::effects::Effect;
@@ -259,8 +260,8 @@ impl SensorTable {
 
 impl Simulation {
     /// Reads and checks a scenario file; a track file that it names lies beside it.
-    pub fn read(path: &Path) -> Result<Self, TomlError> {
-        let text = std::fs::read_to_string(path).map_err(|source| TomlError::Io { path: path.to_owned(), source })?;
+    pub fn read(path: &Path) -> Result<Self, ReadError> {
+        let text = std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
         Self::parse(path, &text)
     }
 
@@ -277,16 +278,18 @@ impl Simulation {
     /// assert_eq!(simulation.scenario.effects[0].name(), "steady_wind");
     /// let error = Simulation::parse("s.toml".as_ref(), "rums = 3\n").unwrap_err().to_string();
     /// assert!(error.starts_with("s.toml:1:1: unknown field `rums`"));
-    /// # Ok::<(), rundown_files::toml_file::TomlError>(())
+    /// # Ok::<(), rundown_files::refusal::ReadError>(())
     /// ```
-    pub fn parse(path: &Path, text: &str) -> Result<Self, TomlError> {
+    pub fn parse(path: &Path, text: &str) -> Result<Self, ReadError> {
         let file: TomlFile<ScenarioFile> = TomlFile::parse(path, text)?;
         check_numbers(&file)?;
         let values = &file.values;
         let (line, track) = line(&file, path)?;
         let train = believed::train_file(&values.train);
         train.train().map_err(|error| match error {
-            TrainError::OutOfRange { field, .. } => file.refuse_dotted(&format!("train.{field}"), error.to_string()),
+            TrainError::OutOfRange { field, least, most, found } => {
+                file.refuse_dotted(&format!("train.{field}"), format!("expected {least} to {most}, found {found}"))
+            }
             _ => file.refuse_dotted("train", error.to_string()),
         })?;
         for (index, effect) in values.effect.iter().enumerate() {
@@ -332,7 +335,7 @@ fn scenario(values: &ScenarioFile, line: Line, dates: Dates) -> Scenario {
 }
 
 /// Ranges of the plain numbers.
-fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), TomlError> {
+fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), ReadError> {
     let ScenarioFile { driver, sensors, effort, temperature, .. } = &file.values;
     let v = &file.values;
     within(file, &[("runs", v.runs as f64, 1.0, 1e6), ("step_s", v.step_s, 0.005, 0.05)])?;
@@ -386,7 +389,7 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), TomlError> {
 }
 
 /// Each number lies between its least and its most; also taken by NaN.
-fn within(file: &TomlFile<ScenarioFile>, numbers: &[(&str, f64, f64, f64)]) -> Result<(), TomlError> {
+fn within(file: &TomlFile<ScenarioFile>, numbers: &[(&str, f64, f64, f64)]) -> Result<(), ReadError> {
     for &(field, found, least, most) in numbers {
         if !(least..=most).contains(&found) {
             let message = format!("{field}: expected {least} to {most}, found {found}");
@@ -397,7 +400,7 @@ fn within(file: &TomlFile<ScenarioFile>, numbers: &[(&str, f64, f64, f64)]) -> R
 }
 
 /// A time is a whole number of steps, so that rows and samples fall on them.
-fn divides(file: &TomlFile<ScenarioFile>, field: &str, time_s: f64) -> Result<(), TomlError> {
+fn divides(file: &TomlFile<ScenarioFile>, field: &str, time_s: f64) -> Result<(), ReadError> {
     let step_s = file.values.step_s;
     let count = (time_s / step_s).round();
     if count >= 1.0 && (count * step_s - time_s).abs() < 1e-9 {
@@ -410,7 +413,7 @@ fn divides(file: &TomlFile<ScenarioFile>, field: &str, time_s: f64) -> Result<()
     Err(file.refuse_dotted(field, message))
 }
 
-fn dates(file: &TomlFile<ScenarioFile>) -> Result<Dates, TomlError> {
+fn dates(file: &TomlFile<ScenarioFile>) -> Result<Dates, ReadError> {
     let DatesTable { start, days } = &file.values.dates;
     let start_s = start
         .parse::<Date>()
@@ -423,7 +426,7 @@ fn dates(file: &TomlFile<ScenarioFile>) -> Result<Dates, TomlError> {
     Ok(Dates { start_s, days: *days })
 }
 
-fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile), TomlError> {
+fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile), ReadError> {
     let LineTable { name, seed, file: track } = &file.values.line;
     let Some(track) = track else {
         let (line, title) = match name.unwrap_or(LineName::CaseStudy) {
@@ -451,7 +454,7 @@ fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile),
 mod tests {
     use super::*;
 
-    fn parse(text: &str) -> Result<Simulation, TomlError> {
+    fn parse(text: &str) -> Result<Simulation, ReadError> {
         Simulation::parse(Path::new("s.toml"), text)
     }
 
@@ -489,7 +492,7 @@ mod tests {
         assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train: mass_kg must be 1000 to 100000000, found 5");
         assert_eq!(
             error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),
-            "s.toml:2:1: tunnel_drag: expected to_m beyond from_m, found 4"
+            "s.toml:2:1: effect[0]: tunnel_drag: expected to_m beyond from_m, found 4"
         );
         assert!(error("[line]\nfile = \"no.toml\"\n").starts_with("no.toml: cannot be read"));
         assert!(error("[driver]\nkindd = 1\n").starts_with("s.toml:2:1: unknown field `kindd`"));

@@ -1,6 +1,6 @@
 //! `[train]` of a scenario file: as in a train file, and how the truth differs.
 
-use rundown_files::train_file::DavisTable;
+use rundown::model::resistance::Davis;
 use rundown_truth::train::{DavisTruth, TrainTruth};
 use serde::Deserialize;
 
@@ -15,7 +15,7 @@ pub struct TrainTable {
     pub max_tractive_effort_n: f64,
     pub max_power_w: f64,
     pub max_brake_mps2: f64,
-    pub davis: DavisTable,
+    pub davis: Davis,
     pub true_davis_over_described: [f64; 3],
 }
 
@@ -36,14 +36,14 @@ impl TrainTable {
             max_tractive_effort_n: train.max_tractive_effort_n,
             max_power_w: train.max_power_w,
             max_brake_mps2: train.max_brake_mps2,
-            davis: DavisTable { r0: train.davis.r0, r1: train.davis.r1, r2: train.davis.r2 },
+            davis: Davis { r0: train.davis.r0, r1: train.davis.r1, r2: train.davis.r2 },
             true_davis_over_described: [1.0; 3],
         }
     }
 
     /// The described train as the truth has it.
     pub(super) fn truth(&self) -> TrainTruth {
-        let DavisTable { r0, r1, r2 } = self.davis;
+        let Davis { r0, r1, r2 } = self.davis;
         TrainTruth {
             mass_kg: self.mass_kg,
             gamma: self.rotating_mass_factor,

@@ -3,13 +3,13 @@
 use crate::simulation::scenario_file::Simulation;
 use rundown::model::direction::Direction;
 use rundown::model::units::KmPerHour;
-use rundown::tick::measurement::Measurement;
-use rundown_files::recording::{Recording, Row};
-use rundown_files::toml_file::TomlError;
+use rundown_files::recording::Recording;
+use rundown_files::refusal::ReadError;
+use rundown_files::sample::Sample;
 use rundown_truth::facts::{Facts, Mark};
 use rundown_truth::plan::{Heading, RunPlan, plan};
 use rundown_truth::scenario::{DriveError, Run, Scenario, simulate_planned};
-use rundown_truth::sensors::{Sample, TruthSample};
+use rundown_truth::sensors::{self, TruthSample};
 use rundown_truth::train::DavisTruth;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
@@ -94,16 +94,15 @@ impl From<&Facts> for RunTruth {
 impl Case {
     /// Of a simulated run.
     pub fn simulated(name: String, unit: String, run: Run) -> Self {
-        let row = |(index, sample): (usize, &Sample)| Row {
+        let row = |(index, sample): (usize, &sensors::Sample)| Sample {
             // The line it would have in a log, behind the header.
             line: index as u64 + 2,
-            measurement: Measurement {
-                time_s: sample.time_s,
-                location_m: sample.location_m,
-                speed_mps: sample.speed_kmh.map(|kmh| KmPerHour(kmh).to_mps()),
-                effort_n_per_kg: Some(sample.effort_n_per_kg),
-            },
+            time_s: sample.time_s,
+            location_m: sample.location_m,
+            speed_mps: sample.speed_kmh.map(|kmh| KmPerHour(kmh).to_mps()),
+            effort_n_per_kg: Some(sample.effort_n_per_kg),
             temperature_c: Some(sample.temperature_c),
+            ..Sample::default()
         };
         Self {
             recording: Recording {
@@ -125,12 +124,12 @@ impl Case {
 
 /// The paper's 67 runs, simulated: one unit with 8 % less resistance than its manufacturer says, wind of 2 m/s and load of 3 % standard deviation
 /// from run to run, and a feeding section at the departure that gives less power than the motors can take.
-pub fn case_study() -> Result<Simulation, TomlError> {
+pub fn case_study() -> Result<Simulation, ReadError> {
     Simulation::parse(Path::new("paper_study.toml"), CASE_STUDY)
 }
 
 /// The same line, train and driver in still air and with the described load, and no effect: for the Cramér-Rao bound.
-pub fn calm() -> Result<Simulation, TomlError> {
+pub fn calm() -> Result<Simulation, ReadError> {
     Simulation::parse(Path::new("calm.toml"), "name = \"calm\"\n")
 }
 
@@ -205,7 +204,7 @@ mod tests {
         let truth = case.truth.unwrap();
         assert_eq!(case.recording.rows.len(), truth.samples.len());
         for (row, sample) in case.recording.rows.iter().zip(&truth.samples) {
-            assert_eq!(row.measurement.time_s, sample.time_s);
+            assert_eq!(row.time_s, sample.time_s);
         }
         assert_eq!(case.recording.name, "unit001_run06");
     }

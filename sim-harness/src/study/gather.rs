@@ -61,8 +61,7 @@ impl Drawn {
 
     /// Measured location in m and speed in km/h; none where one is missing.
     pub fn profile(&self) -> impl Iterator<Item = Option<(f64, f64)>> {
-        let rows = self.recording.rows.iter().map(|row| &row.measurement);
-        rows.map(|m| Some((m.location_m?, 3.6 * m.speed_mps?)))
+        self.recording.rows.iter().map(|row| Some((row.location_m?, 3.6 * row.speed_mps?)))
     }
 }
 
@@ -221,13 +220,12 @@ impl Gathered {
     }
 
     fn add_extent(&mut self, recording: &Recording) {
-        let readings = || recording.rows.iter().map(|row| &row.measurement);
-        let mut locations_m = readings().filter_map(|m| m.location_m);
+        let mut locations_m = recording.rows.iter().filter_map(|row| row.location_m);
         if let Some(first_m) = locations_m.next() {
             let last_m = locations_m.next_back().unwrap_or(first_m);
             self.travelled_m.add((last_m - first_m).abs());
         }
-        if let (Some(first), Some(last)) = (readings().next(), readings().next_back())
+        if let (Some(first), Some(last)) = (recording.rows.first(), recording.rows.last())
             && recording.rows.len() > 1
         {
             let intervals = (recording.rows.len() - 1) as f64;
@@ -251,7 +249,7 @@ impl Gathered {
             let speeds = run.estimates.iter().map(|e| e.belief.mean[state::SPEED]);
             rms(&mut speeds.map(Some))
         };
-        let readings = recording.rows.iter().map(|row| row.measurement.speed_mps);
+        let readings = recording.rows.iter().map(|row| row.speed_mps);
         for (tallies, error_kmh) in [
             (&mut self.paper, filtered(paper)),
             (&mut self.gated, filtered(gated)),
@@ -307,7 +305,7 @@ fn carried(estimator: &Estimator, cases: &[Case], vehicles: &mut HashMap<String,
 }
 
 fn top_kmh(recording: &Recording) -> f64 {
-    let speeds = recording.rows.iter().filter_map(|row| row.measurement.speed_mps);
+    let speeds = recording.rows.iter().filter_map(|row| row.speed_mps);
     // Back from m/s: a reading of 140 must not lie above 140.
     let kmh = speeds.map(|speed_mps| (3.6e6 * speed_mps).round() / 1e6);
     kmh.fold(0.0, f64::max)

@@ -55,8 +55,8 @@ impl RunSource {
     }
 
     /// Parquet files of runs, in this order.
-    pub fn parquet(paths: &[PathBuf]) -> Result<Self, Refused> {
-        let readers = paths.iter().map(|path| RunReader::open(path));
+    pub fn parquet(paths: &[PathBuf], line: Option<&CentreLine>) -> Result<Self, Refused> {
+        let readers = paths.iter().map(|path| RunReader::open(path, line));
         let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
         let runs = readers.iter().map(RunReader::runs).sum();
         Ok(Self::Parquet(Files { readers, runs }))
@@ -71,7 +71,7 @@ impl RunSource {
             parquet_files(argument, &mut files)?;
         }
         if !files.is_empty() {
-            return Self::parquet(&files);
+            return Self::parquet(&files, line.as_ref());
         }
         let set = RunSet::find(arguments)?;
         set.notes.iter().for_each(|text| note(text));

@@ -4,7 +4,7 @@
 //! is none: recorded runs have no truth. One that is there and cannot be read, or is not that of a log's times, is an error, never a gap.
 
 use super::case::{CaseTruth, RunTruth};
-use rundown_files::recording::Row;
+use rundown_files::sample::Sample;
 use rundown_truth::sensors::TruthSample;
 use serde::Deserialize;
 use std::collections::HashMap;
@@ -44,7 +44,7 @@ impl TruthFolder {
     }
 
     /// The truth of a log, a row for each of its rows; `None` when the log is not one of this data set.
-    pub fn of(&self, log: &Path, rows: &[Row]) -> Result<Option<CaseTruth>, String> {
+    pub fn of(&self, log: &Path, rows: &[Sample]) -> Result<Option<CaseTruth>, String> {
         let Some(name) = log.file_name().and_then(|name| name.to_str()) else {
             return Ok(None);
         };
@@ -55,8 +55,8 @@ impl TruthFolder {
         let all = samples(&path)?;
         // The log may have lost rows since; the truth keeps its own.
         let mut rest = all.iter();
-        let sample = |row: &Row| {
-            let time_s = row.measurement.time_s;
+        let sample = |row: &Sample| {
+            let time_s = row.time_s;
             let found = rest.find(|sample| sample.time_s > time_s - SAME_TIME_S);
             let found = found.filter(|sample| sample.time_s < time_s + SAME_TIME_S);
             found.copied().ok_or_else(|| {

@@ -35,7 +35,7 @@ pub enum Line {
     Frame(CanFrame),
     /// A command, by its letter.
     Command(u8),
-    /// The device did what it was told.
+    /// The device did what it was asked to.
     Done,
     /// The device refused.
     Refused,

@@ -29,16 +29,16 @@ pub struct Function {
 /// All functions by their address.
 pub struct Graph(BTreeMap<u64, Function>);
 
-/// The deepest way into the stack from some function.
+/// The deepest path of calls from some function.
 #[derive(Clone, Debug, Default)]
 pub struct Deepest {
     /// Bytes.
     pub bytes: u64,
-    /// Functions on the way with their frames.
+    /// Functions on the path with their frames.
     pub path: Vec<(String, u64)>,
     /// Functions that may come back to themselves, so that there is no bound.
     pub recursive: BTreeSet<String>,
-    /// Functions on any way with a call or a frame that stands in a register.
+    /// Functions on any path with a call or a frame that stands in a register.
     pub unknown: BTreeSet<String>,
 }
 
@@ -176,7 +176,7 @@ type Below = (u64, Vec<(String, u64)>);
 impl Function {
     fn take(&mut self, step: Step, start: u64, symbols: &BTreeMap<u64, (String, u64)>) {
         match step {
-            // All of them: a function has one way in, so this is what is taken, or more where only a part of it is.
+            // All of them: a function has one entry, so this is what is taken, or more where only a part of it is.
             Step::Takes(bytes) => self.frame += bytes,
             Step::TakesUnknown | Step::CallsUnknown => self.unknown = true,
             Step::Calls(to) => {

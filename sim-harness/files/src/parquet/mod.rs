@@ -1,7 +1,7 @@
 //! Parquet: tables and runs for other tools, and runs from them.
 //!
 //! The format's own columns are written and read; nothing is held but one group of rows. [`TableWriter`] writes the same records as
-//! [`crate::table`]; [`RunReader`] reads run logs that lie in one file, with the columns of `docs/formats.md` and `run`, `unit`, `direction`.
+//! [`crate::table`]; [`RunReader`] reads runs that lie in one file, with the columns of [`crate::sample::COLUMNS`] and `run`, `unit`, `direction`.
 
 mod columns;
 mod runs;
@@ -10,6 +10,7 @@ mod table;
 pub use runs::{RunReader, RunWriter};
 pub use table::TableWriter;
 
+use crate::refusal::{ReadError, Refusal};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -33,18 +34,15 @@ pub enum ParquetError {
         /// What the format's library says.
         source: parquet::errors::ParquetError,
     },
-    /// A column that runs need is not there, or holds something else.
-    #[error("{}: expected a column {column} of {expected}, found {found}", path.display())]
-    Column {
-        /// The file.
-        path: PathBuf,
-        /// Its name.
-        column: &'static str,
-        /// What it should hold.
-        expected: &'static str,
-        /// What it holds.
-        found: String,
-    },
+    /// It is no file of runs.
+    #[error(transparent)]
+    Runs(#[from] ReadError),
+}
+
+impl From<Refusal> for ParquetError {
+    fn from(refusal: Refusal) -> Self {
+        Self::Runs(refusal.into())
+    }
 }
 
 impl ParquetError {

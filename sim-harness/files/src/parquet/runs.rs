@@ -2,19 +2,19 @@
 
 use super::columns;
 use super::{ParquetError, TableWriter};
-use crate::recording::{Recording, Row};
+use crate::map_matching::CentreLine;
+use crate::recording::{self, Recording};
+use crate::refusal::Place;
+use crate::sample::{self, COLUMNS, Column, LOCATION, Sample};
 use crate::table::{Cell, Record};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use rundown::model::direction::Direction;
-use rundown::model::units::KmPerHour;
-use rundown::tick::measurement::Measurement;
 use std::collections::VecDeque;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// Columns of numbers: which may be left out.
-const NUMBERS: [(&str, bool); 4] =
-    [("time_s", false), ("location_m", false), ("speed_kmh", false), ("effort_n_per_kg", true)];
+/// Columns of texts: name of the run, which is needed, its unit and its direction.
+const TEXTS: [&str; 3] = ["run", "unit", "direction"];
 
 /// Reads runs, holding one group of rows and one run at a time.
 pub struct RunReader {
@@ -22,8 +22,14 @@ pub struct RunReader {
     reader: SerializedFileReader<File>,
     runs: usize,
     group: usize,
-    places: Places,
+    /// Where the texts stand.
+    texts: [Option<usize>; TEXTS.len()],
+    /// The known columns of numbers that are there, with their places.
+    numbers: Vec<(&'static Column, usize)>,
+    line: Option<CentreLine>,
     row: usize,
+    /// What is to be said with the first run.
+    warnings: Vec<String>,
     /// Complete runs of the groups read so far.
     ready: VecDeque<Recording>,
     /// The run that the next group may go on with.
@@ -36,38 +42,41 @@ impl std::fmt::Debug for RunReader {
     }
 }
 
-/// Where the columns stand.
-#[derive(Clone, Copy, Debug)]
-struct Places {
-    run: usize,
-    unit: Option<usize>,
-    direction: Option<usize>,
-    numbers: [Option<usize>; NUMBERS.len()],
-}
-
 impl RunReader {
-    /// Opens a file and counts its runs.
+    /// Opens a file and counts its runs. Coordinates are matched onto `line` as those of a log are.
     ///
     /// # Errors
     /// [`ParquetError`] when it cannot be read, or lacks a column that runs need.
-    pub fn open(path: &Path) -> Result<Self, ParquetError> {
+    pub fn open(path: &Path, line: Option<&CentreLine>) -> Result<Self, ParquetError> {
         let file = File::open(path).map_err(|source| ParquetError::io(path, source))?;
         let format = |source| ParquetError::format(path, source);
         let reader = SerializedFileReader::new(file).map_err(format)?;
-        let places = places(path, &reader)?;
+        let schema = reader.metadata().file_metadata().schema_descr();
+        let names: Vec<String> = schema.columns().iter().map(|column| column.name().to_owned()).collect();
+        let find = |name: &str| names.iter().position(|found| found == name);
+        let missing = [TEXTS[0]].into_iter().filter(|name| find(name).is_none());
+        if let Some(name) = missing.chain(sample::missing(|name| find(name).is_some())).next() {
+            return Err(Place::of_file(path).refuse(name, "expected a column of this name, found none").into());
+        }
+        let known = |name: &String| TEXTS.contains(&name.as_str()) || COLUMNS.iter().any(|column| column.name == name);
+        let unknown: Vec<String> = names.iter().filter(|name| !known(name)).cloned().collect();
+        let numbers = COLUMNS.iter().filter_map(|column| Some((column, find(column.name)?))).collect();
         let mut opened = Self {
             path: path.to_owned(),
-            reader,
             runs: 0,
             group: 0,
-            places,
+            texts: TEXTS.map(find),
+            numbers,
+            line: line.cloned(),
             row: 0,
+            warnings: recording::unknown_columns(path, &unknown).into_iter().collect(),
             ready: VecDeque::new(),
             open: None,
+            reader,
         };
         let mut last: Option<String> = None;
         for group in 0..opened.reader.num_row_groups() {
-            for run in opened.texts(group, "run", places.run)? {
+            for run in opened.texts(group, 0)? {
                 if last != run {
                     opened.runs += 1;
                     last = run;
@@ -90,41 +99,41 @@ impl RunReader {
         while self.ready.is_empty() && self.group < self.reader.num_row_groups() {
             self.read_group()?;
         }
-        Ok(self.ready.pop_front().or_else(|| self.open.take()))
+        let Some(mut run) = self.ready.pop_front().or_else(|| self.open.take()) else {
+            return Ok(None);
+        };
+        let has_location = self.numbers.iter().any(|(column, _)| column.name == LOCATION);
+        run.warnings.append(&mut self.warnings);
+        recording::locate(&self.path, &mut run.rows, has_location, self.line.as_ref(), &mut run.warnings)?;
+        Ok(Some(run))
     }
 
-    fn texts(&self, group: usize, column: &'static str, place: usize) -> Result<Vec<Option<String>>, ParquetError> {
+    /// The fields of a column of texts; all missing where there is no such column.
+    fn texts(&self, group: usize, column: usize) -> Result<Vec<Option<String>>, ParquetError> {
         let format = |source| ParquetError::format(&self.path, source);
         let group = self.reader.get_row_group(group).map_err(format)?;
+        let Some(place) = self.texts[column] else {
+            return Ok(vec![None; group.metadata().num_rows() as usize]);
+        };
         let texts = columns::texts(group.as_ref(), place).map_err(format)?;
-        texts.ok_or_else(|| self.refused(column, "texts"))
+        texts.ok_or_else(|| self.refused(TEXTS[column], "texts"))
     }
 
-    fn refused(&self, column: &'static str, expected: &'static str) -> ParquetError {
-        ParquetError::Column { path: self.path.clone(), column, expected, found: "another type".to_owned() }
+    fn refused(&self, column: &str, expected: &str) -> ParquetError {
+        let message = format!("expected {expected} in this column, found another type");
+        Place::of_file(&self.path).refuse(column, message).into()
     }
 
     fn read_group(&mut self) -> Result<(), ParquetError> {
         let index = self.group;
-        let names = self.texts(index, "run", self.places.run)?;
-        let optional = |place: Option<usize>, column| match place {
-            Some(place) => self.texts(index, column, place),
-            None => Ok(vec![None; names.len()]),
-        };
-        let units = optional(self.places.unit, "unit")?;
-        let directions = optional(self.places.direction, "direction")?;
-        let group = self.reader.get_row_group(index);
-        let group = group.map_err(|source| ParquetError::format(&self.path, source))?;
-        let mut numbers = Vec::with_capacity(NUMBERS.len());
-        for ((name, _), place) in NUMBERS.into_iter().zip(self.places.numbers) {
-            numbers.push(match place {
-                None => vec![None; names.len()],
-                Some(place) => columns::numbers(group.as_ref(), place)
-                    .map_err(|source| ParquetError::format(&self.path, source))?
-                    .ok_or_else(|| self.refused(name, "numbers"))?,
-            });
+        let [names, units, directions] = [self.texts(index, 0)?, self.texts(index, 1)?, self.texts(index, 2)?];
+        let format = |source| ParquetError::format(&self.path, source);
+        let group = self.reader.get_row_group(index).map_err(format)?;
+        let mut numbers = Vec::with_capacity(self.numbers.len());
+        for &(column, place) in &self.numbers {
+            let values = columns::numbers(group.as_ref(), place).map_err(format)?;
+            numbers.push((column, values.ok_or_else(|| self.refused(column.name, "numbers"))?));
         }
-        let at = |column: usize, row: usize| numbers[column].get(row).copied().flatten();
         for (row, name) in names.iter().enumerate() {
             let name = name.clone().unwrap_or_default();
             if self.open.as_ref().is_some_and(|open| open.name != name) {
@@ -143,43 +152,18 @@ impl RunReader {
                 warnings: Vec::new(),
             });
             self.row += 1;
-            open.rows.push(Row {
-                line: self.row as u64,
-                measurement: Measurement {
-                    // A row without a time cannot be after the last: the estimator drops and counts it.
-                    time_s: at(0, row).unwrap_or(f64::NAN),
-                    location_m: at(1, row),
-                    speed_mps: at(2, row).map(|kmh| KmPerHour(kmh).to_mps()),
-                    effort_n_per_kg: at(3, row),
-                },
-                temperature_c: None,
-            });
+            // A row without a time cannot be after the last: the estimator drops and counts it.
+            let mut sample = Sample { line: self.row as u64, time_s: f64::NAN, ..Sample::default() };
+            for (column, values) in &numbers {
+                if let Some(value) = values.get(row).copied().flatten() {
+                    (column.set)(&mut sample, value);
+                }
+            }
+            open.rows.push(sample);
         }
         self.group += 1;
         Ok(())
     }
-}
-
-fn places(path: &Path, reader: &SerializedFileReader<File>) -> Result<Places, ParquetError> {
-    let schema = reader.metadata().file_metadata().schema_descr();
-    let columns = schema.columns();
-    let find = |name: &str| columns.iter().position(|column| column.name() == name);
-    let needed = |name: &'static str, expected| {
-        find(name).ok_or_else(|| ParquetError::Column {
-            path: path.to_owned(),
-            column: name,
-            expected,
-            found: "none of this name".to_owned(),
-        })
-    };
-    let mut numbers = [None; NUMBERS.len()];
-    for (place, (name, may_lack)) in numbers.iter_mut().zip(NUMBERS) {
-        *place = match may_lack {
-            true => find(name),
-            false => Some(needed(name, "numbers")?),
-        };
-    }
-    Ok(Places { run: needed("run", "texts")?, unit: find("unit"), direction: find("direction"), numbers })
 }
 
 /// Writes runs as [`RunReader`] reads them, each call a group of rows.
@@ -211,40 +195,30 @@ impl RunWriter {
     }
 }
 
-fn record(run: &Recording, row: &Row) -> Record {
-    let m = &row.measurement;
+fn record(run: &Recording, row: &Sample) -> Record {
     let direction = match run.direction {
         Direction::Up => "up",
         Direction::Down => "down",
     };
-    // Readings are km/h with a few decimals; the way through m/s must not leave crumbs.
-    let kmh = |mps: f64| (3.6e6 * mps).round() / 1e6;
-    vec![
-        ("run".to_owned(), Cell::from(run.name.as_str())),
-        ("unit".to_owned(), Cell::from(run.unit.as_str())),
-        ("direction".to_owned(), Cell::from(direction)),
-        ("time_s".to_owned(), Cell::from(m.time_s)),
-        ("location_m".to_owned(), Cell::from(m.location_m)),
-        ("speed_kmh".to_owned(), Cell::from(m.speed_mps.map(kmh))),
-        ("effort_n_per_kg".to_owned(), Cell::from(m.effort_n_per_kg)),
-    ]
+    let texts = TEXTS.into_iter().zip([run.name.as_str(), run.unit.as_str(), direction]);
+    let texts = texts.map(|(name, text)| (name.to_owned(), Cell::from(text)));
+    let numbers = COLUMNS.iter().map(|column| (column.name.to_owned(), Cell::from((column.get)(row))));
+    texts.chain(numbers).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::track_file::CentreLinePoint;
 
-    /// Forty rows of a train that brakes.
+    /// Forty rows with a value in every column.
     fn recording(index: u32) -> Recording {
-        let row = |i: u32| Row {
-            line: u64::from(i) + 2,
-            measurement: Measurement {
-                time_s: f64::from(10 * i),
-                location_m: Some(300.0 * f64::from(i + index)),
-                speed_mps: Some(30.0 - 0.7 * f64::from(i)),
-                effort_n_per_kg: None,
-            },
-            temperature_c: None,
+        let row = |i: u32| {
+            let mut sample = Sample { line: u64::from(i) + 2, ..Sample::default() };
+            for (k, column) in (0..).zip(&COLUMNS) {
+                (column.set)(&mut sample, f64::from(10 * (i + index) + k));
+            }
+            sample
         };
         Recording {
             name: format!("run {index}"),
@@ -262,39 +236,58 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("runs.parquet");
         let mut runs: Vec<Recording> = (0..3).map(recording).collect();
-        runs[1].rows[7].measurement.location_m = None;
+        runs[1].rows[7].location_m = None;
+        runs[2].rows.iter_mut().for_each(|row| row.effort_n_per_kg = None);
         runs[2].direction = Direction::Down;
         let mut writer = RunWriter::new(&path);
         writer.write(&runs[..2]).unwrap();
         writer.write(&runs[2..]).unwrap();
         writer.close().unwrap();
-        let mut reader = RunReader::open(&path).unwrap();
+        let mut reader = RunReader::open(&path, None).unwrap();
         assert_eq!(reader.runs(), 3);
         for run in &runs {
             let found = reader.next_run().unwrap().unwrap();
             assert_eq!((&found.name, &found.unit, found.direction), (&run.name, &run.unit, run.direction));
             assert_eq!(found.rows.len(), run.rows.len());
             for (a, b) in found.rows.iter().zip(&run.rows) {
-                assert_eq!(a.measurement, b.measurement);
+                assert_eq!(*a, Sample { line: a.line, ..*b });
             }
         }
         assert!(reader.next_run().unwrap().is_none());
     }
 
+    /// A file of one row: `run` is `a`, the others are numbers.
+    fn file(folder: &Path, numbers: &[(&str, f64)]) -> PathBuf {
+        let path = folder.join("t.parquet");
+        let mut writer = TableWriter::new(&path);
+        let numbers = numbers.iter().map(|(name, number)| ((*name).to_owned(), Cell::from(*number)));
+        let row = [("run".to_owned(), Cell::from("a"))].into_iter().chain(numbers).collect();
+        writer.write(&[row]).unwrap();
+        writer.close().unwrap();
+        path
+    }
+
     #[test]
     fn what_is_missing_is_named() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("t.parquet");
-        let mut writer = TableWriter::new(&path);
-        let row = vec![("run".to_owned(), Cell::from("a")), ("time_s".to_owned(), Cell::from(0.0))];
-        writer.write(&[row]).unwrap();
-        writer.close().unwrap();
-        let error = RunReader::open(&path).unwrap_err().to_string();
-        assert!(
-            error.ends_with("t.parquet: expected a column location_m of numbers, found none of this name"),
-            "{error}"
-        );
+        let path = file(folder.path(), &[("time_s", 0.0)]);
+        let error = RunReader::open(&path, None).unwrap_err().to_string();
+        assert!(error.ends_with("t.parquet: location_m: expected a column of this name, found none"), "{error}");
         std::fs::write(&path, "no such format").unwrap();
-        assert!(RunReader::open(&path).is_err());
+        assert!(RunReader::open(&path, None).is_err());
+    }
+
+    #[test]
+    fn coordinates_stand_for_the_location_and_unknown_columns_are_warned_of() {
+        let folder = tempfile::tempdir().unwrap();
+        let fix = [("time_s", 0.0), ("speed_kmh", 36.0), ("latitude_deg", 51.05), ("longitude_deg", 5.0), ("odd", 1.0)];
+        let path = file(folder.path(), &fix);
+        let point = |at_m, latitude_deg| CentreLinePoint { at_m, latitude_deg, longitude_deg: 5.0 };
+        let line = CentreLine::new(&[point(0.0, 51.0), point(11_126.0, 51.1)]).unwrap();
+        let run = RunReader::open(&path, Some(&line)).unwrap().next_run().unwrap().unwrap();
+        assert_eq!(run.rows[0].location_m.map(f64::round), Some(5563.0));
+        assert!(run.warnings[0].ends_with("t.parquet: expected no other columns, found odd; they are not used"));
+        let error = RunReader::open(&path, None).unwrap().next_run().unwrap_err().to_string();
+        assert!(error.contains("location_m: expected this column, or a track with a [[centre_line]]"), "{error}");
     }
 }

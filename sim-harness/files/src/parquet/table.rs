@@ -90,28 +90,13 @@ fn column(records: &[Record], index: usize, kind: Kind) -> Values {
     let cells = records.iter().map(|record| record.get(index).map(|(_, cell)| cell));
     match kind {
         Kind::Text => Values::Texts(
-            cells
-                .map(|cell| match cell {
-                    Some(Cell::Text(text)) => Some(text.clone()),
-                    _ => None,
-                })
-                .collect(),
+            cells.map(|cell| if let Some(Cell::Text(t)) = cell { Some(t.clone()) } else { None }).collect(),
         ),
-        Kind::Count => Values::Counts(
-            cells
-                .map(|cell| match cell {
-                    Some(Cell::Count(count)) => Some(*count),
-                    _ => None,
-                })
-                .collect(),
-        ),
-        Kind::Number => Values::Numbers(
-            cells
-                .map(|cell| match cell {
-                    Some(Cell::Number(number)) => Some(*number),
-                    _ => None,
-                })
-                .collect(),
-        ),
+        Kind::Count => {
+            Values::Counts(cells.map(|cell| if let Some(Cell::Count(c)) = cell { Some(*c) } else { None }).collect())
+        }
+        Kind::Number => {
+            Values::Numbers(cells.map(|cell| if let Some(Cell::Number(n)) = cell { Some(*n) } else { None }).collect())
+        }
     }
 }

@@ -1,34 +1,25 @@
 //! Run logs: one CSV file, one run.
 //!
-//! In: the text of a log. Out: a [`RunLog`], its samples in the order of the rows, in the units of the file.
+//! In: the text of a log. Out: a [`RunLog`], its samples in the order of the rows. The columns are those of [`crate::sample::COLUMNS`].
 //!
 //! | in the file | what becomes of it |
 //! |---|---|
 //! | empty field | `None`: a missing sample, never a zero |
-//! | column of another name | kept as text in [`RunLog::other_columns`], used by nothing |
+//! | column of another name | named in [`RunLog::other_columns`], used by nothing |
 //! | line that begins with `#`, blank line, byte order mark, `\r\n` | accepted |
 //! | not a number, wrong count of fields, no time, a time beyond 1e11 s | a bad row: the log is refused and every bad row is named, or it is left out with [`BadRows::LeaveOut`] |
 //! | time not after the largest one before | warned of, handed on: the estimator drops and counts it |
-//! | NaN, infinite, negative speed, a value no train has (1000 km/h, 10 000 km) | warned of, handed on: the estimator judges it and has a cause for it |
+//! | NaN, infinite, outside the range of its column | warned of, handed on: the estimator judges it and has a cause for it |
 //!
 //! Nothing is left out without a message that names file, line and column.
 
 mod header;
 
-use crate::place::Place;
+use crate::refusal::{Place, ReadError, Refusal};
+use crate::sample::{LOCATION, Sample};
 use csv::{ReaderBuilder, StringRecord, Terminator, Trim};
-use header::{Header, LOCATION};
-use std::fmt;
+use header::Header;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
-
-/// No train is further along its line, m; a location beyond it is warned of.
-pub const MOST_LOCATION_M: f64 = 1e7;
-/// No train is faster, km/h; a speed above it is warned of.
-pub const MOST_SPEED_KMH: f64 = 1e3;
-
-/// Bad rows and warnings that are spelled out; the rest is counted.
-pub const MAX_LISTED: usize = 20;
 
 /// What is done with a row that cannot be read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,145 +31,30 @@ pub enum BadRows {
     LeaveOut,
 }
 
-/// One row. A field that was empty is `None`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
-    /// Line of the file, counted from 1.
-    pub line: u64,
-    /// Time on any monotonic clock, s.
-    pub time_s: f64,
-    /// Distance along the track from its origin, m.
-    pub location_m: Option<f64>,
-    /// Measured speed, km/h.
-    pub speed_kmh: Option<f64>,
-    /// WGS 84, degrees.
-    pub latitude_deg: Option<f64>,
-    /// WGS 84, degrees.
-    pub longitude_deg: Option<f64>,
-    /// Measured applied effort F/(γ m), N/kg, traction positive, brake negative.
-    pub effort_n_per_kg: Option<f64>,
-    /// Ambient temperature, °C.
-    pub ambient_temperature_c: Option<f64>,
-    /// Wind component against the direction of travel, m/s.
-    pub headwind_mps: Option<f64>,
-}
-
-/// A column that the format does not know: kept, used by nothing.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct OtherColumn {
-    /// Its name in the header.
-    pub name: String,
-    /// Its fields, one for each sample.
-    pub fields: Vec<String>,
-}
-
 /// A run log as it was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunLog {
     /// Where it was read from.
     pub path: PathBuf,
-    /// Its rows.
+    /// Its rows, but for bad ones.
     pub samples: Vec<Sample>,
     /// The log has a column `location_m`; without it latitude and longitude take its place.
     pub has_location_column: bool,
-    /// Columns the format does not know.
-    pub other_columns: Vec<OtherColumn>,
+    /// Names of the columns that the format does not know.
+    pub other_columns: Vec<String>,
     /// Rows that were left out.
-    pub bad_rows: Vec<Complaint>,
+    pub bad_rows: Vec<Refusal>,
     /// Rows that were read and look wrong.
-    pub warnings: Vec<Complaint>,
-}
-
-/// What is wrong with a row or a field, and where: prints as `line 7, column 3 (speed_kmh): ...`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Complaint {
-    /// Line of the file, counted from 1.
-    pub line: u64,
-    /// Number, counted from 1, and name of the column; none when the whole row is meant.
-    pub column: Option<(usize, String)>,
-    /// What was expected and what was found.
-    pub message: String,
-}
-
-impl fmt::Display for Complaint {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}", self.line)?;
-        if let Some((number, name)) = &self.column {
-            write!(f, ", column {number} ({name})")?;
-        }
-        write!(f, ": {}", self.message)
-    }
-}
-
-/// Why a log gave no run.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum RunLogError {
-    /// The file could not be read at all.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// Not a text in UTF-8.
-    #[error("{place}: expected a text in UTF-8, found byte 0x{byte:02x}; save the log as UTF-8")]
-    NotUtf8 {
-        /// The first byte that is wrong.
-        place: Place,
-        /// Its value.
-        byte: u8,
-    },
-    /// The header does not say which column is which.
-    #[error("{}: {complaint}", path.display())]
-    Header {
-        /// The file.
-        path: PathBuf,
-        /// What is missing.
-        complaint: Complaint,
-    },
-    /// No row below the header, or no header.
-    #[error("{}: expected a header line and rows below it, found {found}", path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-        /// What there was instead.
-        found: &'static str,
-    },
-    /// Rows that cannot be read.
-    #[error("{}", listed(path, rows))]
-    BadRows {
-        /// The file.
-        path: PathBuf,
-        /// All of them.
-        rows: Vec<Complaint>,
-    },
-}
-
-/// One line for each complaint, at most [`MAX_LISTED`], and a last one that says what can be done.
-fn listed(path: &Path, rows: &[Complaint]) -> String {
-    let mut text = String::new();
-    for complaint in rows.iter().take(MAX_LISTED) {
-        text += &format!("{}: {complaint}\n", path.display());
-    }
-    let more = match rows.len().saturating_sub(MAX_LISTED) {
-        0 => String::new(),
-        more => format!("{more} more like these; "),
-    };
-    let count = rows.len();
-    let word = if count == 1 { "row" } else { "rows" };
-    let advice = "correct the log, or leave such rows out with --skip-bad-rows";
-    text + &format!("{}: {more}{count} unreadable {word}, the run was not used: {advice}", path.display())
+    pub warnings: Vec<Refusal>,
 }
 
 impl RunLog {
     /// Reads a log.
     ///
     /// # Errors
-    /// [`RunLogError`] names the file, and line and column where there are any.
-    pub fn read(path: &Path, bad_rows: BadRows) -> Result<Self, RunLogError> {
-        let bytes = std::fs::read(path).map_err(|source| RunLogError::Io { path: path.to_owned(), source })?;
+    /// [`ReadError`] names the file, and line and column where there are any.
+    pub fn read(path: &Path, bad_rows: BadRows) -> Result<Self, ReadError> {
+        let bytes = std::fs::read(path).map_err(|source| ReadError::io(path, source))?;
         Self::parse(path, &bytes, bad_rows)
     }
 
@@ -188,51 +64,47 @@ impl RunLog {
     /// As [`RunLog::read`].
     ///
     /// ```
-    /// use crate::run_log::{BadRows, RunLog};
+    /// use rundown_files::run_log::{BadRows, RunLog};
     ///
-    /// let text = "time_s,location_m,speed_kmh\n0,0.0,0\n10,14.2,\n";
+    /// let text = "time_s,location_m,speed_kmh\n0,0.0,36\n10,14.2,\n";
     /// let log = RunLog::parse("run.csv".as_ref(), text.as_bytes(), BadRows::Refuse)?;
-    /// assert_eq!(log.samples[1].location_m, Some(14.2));
-    /// assert_eq!(log.samples[1].speed_kmh, None);
+    /// assert_eq!(log.samples[0].speed_mps, Some(10.0));
+    /// assert_eq!((log.samples[1].location_m, log.samples[1].speed_mps), (Some(14.2), None));
     ///
     /// let broken = "time_s,location_m,speed_kmh\n0,0.0,fast\n";
     /// let error = RunLog::parse("run.csv".as_ref(), broken.as_bytes(), BadRows::Refuse).unwrap_err();
-    /// assert!(error.to_string().starts_with("run.csv: line 2, column 3 (speed_kmh): expected a number, found \"fast\""));
-    /// # Ok::<(), crate::run_log::RunLogError>(())
+    /// assert!(error.to_string().starts_with("run.csv:2:3: speed_kmh: expected a number, found \"fast\""));
+    /// # Ok::<(), rundown_files::refusal::ReadError>(())
     /// ```
-    pub fn parse(path: &Path, bytes: &[u8], bad_rows: BadRows) -> Result<Self, RunLogError> {
-        let text = utf8(path, bytes)?;
-        let mut rows = rows(text);
-        let empty = |found| RunLogError::Empty { path: path.to_owned(), found };
+    pub fn parse(path: &Path, bytes: &[u8], bad_rows: BadRows) -> Result<Self, ReadError> {
+        let mut rows = rows(utf8(path, bytes)?);
+        let empty =
+            |found| ReadError::of_file(path, format!("expected a header line and rows below it, found {found}"));
         let Some((line, first)) = rows.next() else {
             return Err(empty("nothing"));
         };
-        let header =
-            Header::read(&first, line).map_err(|complaint| RunLogError::Header { path: path.to_owned(), complaint })?;
+        let header = Header::read(path, &first, line)?;
         let mut log = Self {
             path: path.to_owned(),
             samples: Vec::new(),
-            has_location_column: header.position(LOCATION).is_some(),
+            has_location_column: header.has(LOCATION),
             other_columns: header.other_columns(),
             bad_rows: Vec::new(),
             warnings: Vec::new(),
         };
         let mut latest_s = f64::NEG_INFINITY;
         for (line, record) in rows {
-            match header.sample(&record, line) {
-                Ok(sample) => {
-                    log.warnings.extend(header.doubts(&sample, latest_s));
+            match header.sample(&record, line, latest_s) {
+                Ok((sample, doubts)) => {
                     latest_s = latest_s.max(sample.time_s);
+                    log.warnings.extend(doubts);
                     log.samples.push(sample);
-                    for (column, position) in log.other_columns.iter_mut().zip(&header.others) {
-                        column.fields.push(record[*position].to_owned());
-                    }
                 }
-                Err(complaint) => log.bad_rows.push(complaint),
+                Err(refusal) => log.bad_rows.push(refusal),
             }
         }
         if bad_rows == BadRows::Refuse && !log.bad_rows.is_empty() {
-            return Err(RunLogError::BadRows { path: path.to_owned(), rows: log.bad_rows });
+            return Err(ReadError::BadRows { path: path.to_owned(), rows: log.bad_rows });
         }
         if log.samples.is_empty() {
             return Err(empty("no row below the header that can be read"));
@@ -242,15 +114,16 @@ impl RunLog {
 }
 
 /// The text without its byte order mark.
-fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, RunLogError> {
+fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, Refusal> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     std::str::from_utf8(bytes).map_err(|error| {
         let (good, rest) = bytes.split_at(error.valid_up_to());
         let good = String::from_utf8_lossy(good);
-        RunLogError::NotUtf8 {
-            place: Place::of_byte(path, &good, good.len()),
-            byte: rest.first().copied().unwrap_or_default(),
-        }
+        let row = good.rsplit('\n').next().unwrap_or_default();
+        let line = good.matches('\n').count() + 1;
+        let place = Place { file: path.to_owned(), line: Some(line), column: Some(row.matches(',').count() + 1) };
+        let byte = rest.first().copied().unwrap_or_default();
+        place.refuse("", format!("expected a text in UTF-8, found byte 0x{byte:02x}; save the log as UTF-8"))
     })
 }
 
@@ -282,8 +155,9 @@ fn fields(line: &str) -> StringRecord {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::refusal::MAX_LISTED;
 
-    fn parse(text: &str) -> Result<RunLog, RunLogError> {
+    fn parse(text: &str) -> Result<RunLog, ReadError> {
         RunLog::parse("run.csv".as_ref(), text.as_bytes(), BadRows::Refuse)
     }
 
@@ -295,7 +169,7 @@ mod tests {
     fn columns_may_stand_in_any_order_and_optional_ones_are_read() {
         let log = parse("speed_kmh,effort_n_per_kg,time_s,location_m,headwind_mps\n36,-0.25,5,100.5,2\n").unwrap();
         let sample = log.samples[0];
-        assert_eq!((sample.time_s, sample.location_m, sample.speed_kmh), (5.0, Some(100.5), Some(36.0)));
+        assert_eq!((sample.time_s, sample.location_m, sample.speed_mps), (5.0, Some(100.5), Some(10.0)));
         assert_eq!((sample.effort_n_per_kg, sample.headwind_mps, sample.latitude_deg), (Some(-0.25), Some(2.0), None));
         assert!(log.warnings.is_empty());
     }
@@ -306,7 +180,7 @@ mod tests {
         let odd = parse("\u{feff}# recorder 7\r\ntime_s, location_m ,speed_kmh\r\n\r\n# a, b, c, d\r\n0, 1 ,2\r\n1,,4")
             .unwrap();
         let values =
-            |log: &RunLog| -> Vec<_> { log.samples.iter().map(|s| (s.time_s, s.location_m, s.speed_kmh)).collect() };
+            |log: &RunLog| -> Vec<_> { log.samples.iter().map(|s| (s.time_s, s.location_m, s.speed_mps)).collect() };
         assert_eq!(values(&plain), values(&odd));
         let lines: Vec<u64> = odd.samples.iter().map(|sample| sample.line).collect();
         assert_eq!(lines, [5, 6]);
@@ -316,21 +190,21 @@ mod tests {
     #[test]
     fn empty_field_is_missing_and_not_zero() {
         let log = parse("time_s,location_m,speed_kmh\n0,,\n").unwrap();
-        assert_eq!((log.samples[0].location_m, log.samples[0].speed_kmh), (None, None));
+        assert_eq!((log.samples[0].location_m, log.samples[0].speed_mps), (None, None));
     }
 
     #[test]
-    fn columns_of_other_names_are_kept() {
+    fn columns_of_other_names_are_named() {
         let log = parse("time_s,note,location_m,speed_kmh\n0,\"a, b\",1,2\n1,,3,4\n").unwrap();
-        let expected = OtherColumn { name: "note".to_owned(), fields: vec!["a, b".to_owned(), String::new()] };
-        assert_eq!(log.other_columns, [expected]);
+        assert_eq!(log.other_columns, ["note"]);
+        assert_eq!(log.samples[0].location_m, Some(1.0));
     }
 
     #[test]
     fn bad_number_names_file_line_column_and_what_was_found() {
         let text = "# c\n\n# d\ntime_s,location_m,speed_kmh\n0,0,0\n# e\n1,12;5,3\n";
         let found = message(text);
-        let first = "run.csv: line 7, column 2 (location_m): expected a number, found \"12;5\" (an empty field is a missing sample)";
+        let first = "run.csv:7:2: location_m: expected a number, found \"12;5\" (an empty field is a missing sample)";
         assert_eq!(found.lines().next(), Some(first));
         assert!(
             found.ends_with(
@@ -344,10 +218,10 @@ mod tests {
     fn wrong_count_of_fields_and_empty_time_are_bad_rows() {
         let found = message("time_s,location_m,speed_kmh\n0,0,0\n1,2\n3,4,5,6\n,7,8\nNaN,1,2\n");
         let expected = [
-            "run.csv: line 3: expected 3 fields as in the header, found 2",
-            "run.csv: line 4: expected 3 fields as in the header, found 4",
-            "run.csv: line 5, column 1 (time_s): expected a time, found an empty field",
-            "run.csv: line 6, column 1 (time_s): expected a time in s, at most 1e11, found NaN",
+            "run.csv:3: expected 3 fields as in the header, found 2",
+            "run.csv:4: expected 3 fields as in the header, found 4",
+            "run.csv:5:1: time_s: expected a time, found an empty field",
+            "run.csv:6:1: time_s: expected a finite number, found NaN",
         ];
         assert_eq!(found.lines().take(4).collect::<Vec<_>>(), expected);
     }
@@ -359,7 +233,7 @@ mod tests {
         let lines: Vec<u64> = log.samples.iter().map(|sample| sample.line).collect();
         assert_eq!(lines, [2, 4, 5]);
         assert_eq!(log.bad_rows.len(), 1);
-        assert_eq!(log.bad_rows[0].line, 3);
+        assert_eq!(log.bad_rows[0].place.line, Some(3));
     }
 
     #[test]
@@ -373,9 +247,8 @@ mod tests {
         let text = "time_s,location_m,speed_kmh,note\n0,0,0,a\n1,x,1,b\n2,2,2,c\n";
         let log = RunLog::parse("run.csv".as_ref(), text.as_bytes(), BadRows::LeaveOut).unwrap();
         assert_eq!(log.samples.len(), 2);
-        assert_eq!(log.other_columns[0].fields, ["a", "c"]);
         assert_eq!(log.bad_rows.len(), 1);
-        assert_eq!(log.bad_rows[0].line, 3);
+        assert_eq!(log.bad_rows[0].place.line, Some(3));
     }
 
     #[test]
@@ -393,15 +266,15 @@ mod tests {
     fn doubtful_values_are_warned_of_and_handed_on() {
         let log = parse("time_s,location_m,speed_kmh\n0,0,0\n5,1,-3\n5,NaN,2\n4,2,inf\n6,3,4\n").unwrap();
         assert_eq!(log.samples.len(), 5);
-        assert_eq!(log.samples[1].speed_kmh, Some(-3.0));
+        assert_eq!(log.samples[1].speed_mps, Some(-3.0 / 3.6));
         assert!(log.samples[2].location_m.unwrap().is_nan());
-        let warnings: Vec<String> = log.warnings.iter().map(Complaint::to_string).collect();
+        let warnings: Vec<String> = log.warnings.iter().map(Refusal::to_string).collect();
         let expected = [
-            "line 3, column 3 (speed_kmh): expected a speed of 0 or more, found -3",
-            "line 4, column 1 (time_s): expected a time after 5, found 5",
-            "line 4, column 2 (location_m): expected a finite number, found NaN",
-            "line 5, column 1 (time_s): expected a time after 5, found 4",
-            "line 5, column 3 (speed_kmh): expected a finite number, found inf",
+            "run.csv:3:3: speed_kmh: expected 0 to 1000 km/h, found -3.0",
+            "run.csv:4:1: time_s: expected a time after 5, found 5",
+            "run.csv:4:2: location_m: expected a finite number, found NaN",
+            "run.csv:5:1: time_s: expected a time after 5, found 4",
+            "run.csv:5:3: speed_kmh: expected a finite number, found inf",
         ];
         assert_eq!(warnings, expected);
     }
@@ -409,28 +282,28 @@ mod tests {
     #[test]
     fn values_no_train_has_are_named() {
         let log = parse("time_s,location_m,speed_kmh,effort_n_per_kg\n0,1e300,9000,-50\n").unwrap();
-        let warnings: Vec<String> = log.warnings.iter().map(Complaint::to_string).collect();
+        let warnings: Vec<String> = log.warnings.iter().map(Refusal::to_string).collect();
         let expected = [
-            "line 2, column 2 (location_m): expected at most 10000000, found 1e300",
-            "line 2, column 3 (speed_kmh): expected at most 1000, found 9e3",
-            "line 2, column 4 (effort_n_per_kg): expected at most 10, found -5e1",
+            "run.csv:2:2: location_m: expected -10000000 to 10000000 m, found 1e300",
+            "run.csv:2:3: speed_kmh: expected 0 to 1000 km/h, found 9000.0",
+            "run.csv:2:4: effort_n_per_kg: expected -10 to 10 N/kg, found -50.0",
         ];
         assert_eq!(warnings, expected);
         let found = message("time_s,location_m,speed_kmh\n1732205593000,0,0\n");
-        let expected = "run.csv: line 2, column 1 (time_s): expected a time in s, at most 1e11, found 1.732205593e12\n";
+        let expected = "run.csv:2:1: time_s: expected -100000000000 to 100000000000 s, found 1732205593000.0\n";
         assert!(found.starts_with(expected), "{found}");
     }
 
     #[test]
     fn header_names_what_is_missing() {
         let found = message("# x\ntime_s,location_m,speed_mps\n0,0,0\n");
-        assert_eq!(found, "run.csv: line 2: expected a header with speed_kmh, found \"time_s,location_m,speed_mps\"");
+        assert_eq!(found, "run.csv:2: expected a header with speed_kmh, found \"time_s,location_m,speed_mps\"");
         let found = message("time_s;location_m;speed_kmh\n0;0;0\n");
         assert!(found.ends_with("the separator must be a comma, not a semicolon"), "{found}");
         let found = message("time_s,speed_kmh,latitude_deg\n");
         assert!(found.ends_with("latitude_deg and longitude_deg together may stand for it"), "{found}");
         let found = message("time_s,time_s,location_m,speed_kmh\n");
-        assert_eq!(found, "run.csv: line 1, column 2 (time_s): expected each column once, found it also as column 1");
+        assert_eq!(found, "run.csv:1:2: time_s: expected each column once, found it also as column 1");
     }
 
     #[test]
@@ -447,7 +320,7 @@ mod tests {
         }
         assert!(message("time_s,location_m,speed_kmh\n").ends_with("found no row below the header that can be read"));
         let error = RunLog::parse("run.csv".as_ref(), b"time_s\n0,\xff", BadRows::Refuse).unwrap_err();
-        assert_eq!(error.to_string(), "run.csv:2:3: expected a text in UTF-8, found byte 0xff; save the log as UTF-8");
+        assert_eq!(error.to_string(), "run.csv:2:2: expected a text in UTF-8, found byte 0xff; save the log as UTF-8");
         let error = RunLog::read("no/such/run.csv".as_ref(), BadRows::Refuse).unwrap_err();
         assert!(error.to_string().starts_with("no/such/run.csv: cannot be read: "), "{error}");
     }

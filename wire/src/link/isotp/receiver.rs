@@ -34,7 +34,7 @@ pub enum ReceiveError {
         /// Bytes of this one.
         found: usize,
     },
-    /// The payload is longer than the buffer. The sender is told.
+    /// The payload is longer than the buffer. The sender gets an overflow.
     Overflow {
         /// Length that the first frame says.
         found: usize,

@@ -1,0 +1,105 @@
+//! Are the lists of `CONTRIBUTING.md` true? Each is compared with the files that mention its worked example.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
+}
+
+/// The files of the table below a heading.
+fn listed(heading: &str) -> BTreeSet<String> {
+    let text = std::fs::read_to_string(root().join("CONTRIBUTING.md")).unwrap();
+    let (_, after) = text.split_once(&format!("## {heading}\n")).unwrap_or_else(|| panic!("no heading {heading}"));
+    let section = after.split("\n## ").next().unwrap();
+    let rows = section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`'));
+    let files: BTreeSet<String> = rows.map(|(file, _)| file.to_owned()).collect();
+    assert!(!files.is_empty(), "{heading}: no table of files");
+    files
+}
+
+/// Sources below a folder, and documents beside them.
+fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        if path.is_dir() {
+            if !name.starts_with('.') && name != "target" && name != "data" {
+                sources(&path, files);
+            }
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+/// Files whose code, tests and remarks left out, has one of these words.
+fn mentions(words: &[&str], not_below: &[&str]) -> BTreeSet<String> {
+    let mut files = Vec::new();
+    for folder in ["src", "wire", "sim-harness", "xtask", "host-tests"] {
+        sources(&root().join(folder), &mut files);
+    }
+    let short = |path: &Path| path.strip_prefix(root()).unwrap().display().to_string();
+    let has = |path: &PathBuf| {
+        let text = std::fs::read_to_string(path).unwrap();
+        let code = text.split("#[cfg(test)]\nmod tests").next().unwrap();
+        let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+        lines.into_iter().any(|line| words.iter().any(|word| line.contains(word)))
+    };
+    let own = "host-tests/tests/contributing.rs";
+    let found = files.iter().filter(|path| has(path)).map(|path| short(path));
+    found.filter(|file| file != own && !not_below.iter().any(|folder| file.starts_with(folder))).collect()
+}
+
+#[test]
+fn files_that_are_listed_exist() {
+    for heading in ["A sensor column", "A frame", "A board", "The recogniser of regimes"] {
+        for file in listed(heading) {
+            assert!(root().join(&file).is_file(), "{heading}: {file}");
+        }
+    }
+}
+
+/// The truth has a wind of its own, which no log shows.
+#[test]
+fn a_sensor_column_is_at_most_six_files() {
+    let words = ["\"headwind_mps\"", "pub headwind_mps", ".headwind_mps"];
+    let mut found = mentions(&words, &["sim-harness/truth", "sim-harness/src/simulation", "host-tests"]);
+    found.insert("docs/formats.md".to_owned());
+    assert!(found.len() <= 6, "{found:?}");
+    assert!(found.is_superset(&listed("A sensor column")), "{found:?}");
+}
+
+#[test]
+fn a_frame_is_the_files_that_are_listed_and_its_users() {
+    let found = mentions(
+        &["struct SwitchingPoints", "Body::SwitchingPoints"],
+        &["sim-harness/src/display", "src/onboard/frames.rs"],
+    );
+    let listed: BTreeSet<String> = listed("A frame").into_iter().filter(|file| file.ends_with(".rs")).collect();
+    assert_eq!(found, listed);
+    assert!(std::fs::read_to_string(root().join("WIRE.md")).unwrap().contains("switching_points"));
+}
+
+/// Its name may stand where the recogniser is kept and called, its law nowhere else.
+#[test]
+fn the_recogniser_is_one_file() {
+    let found = mentions(&["struct RecogniserConfig", "struct Recogniser "], &[]);
+    assert_eq!(found, listed("The recogniser of regimes"));
+}
+
+/// Each board has a folder with its memory, and a feature where it is not the default.
+#[test]
+fn a_board_is_a_folder_and_a_feature() {
+    let manifest = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let choice = std::fs::read_to_string(root().join("src/board/mod.rs")).unwrap();
+    let folders = std::fs::read_dir(root().join("src/board")).unwrap().map(|entry| entry.unwrap().path());
+    let boards: Vec<PathBuf> = folders.filter(|path| path.is_dir()).collect();
+    assert!(boards.len() >= 2);
+    for board in boards {
+        let name = board.file_name().unwrap().to_str().unwrap();
+        assert!(board.join("board.x").is_file(), "{name} has no board.x");
+        assert!(choice.contains(&format!("mod {name};")), "{name} is not chosen");
+        assert!(name == "l475" || manifest.contains(&format!("\n{name} = [")), "{name} has no feature");
+    }
+}

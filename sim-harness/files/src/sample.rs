@@ -1,0 +1,162 @@
+//! One sample of a run, and [`COLUMNS`], the table by which CSV and Parquet are read and written. What a file has in other units is SI from here on.
+
+use rundown::model::effects::Surroundings;
+use rundown::model::units::KmPerHour;
+use rundown::tick::measurement::Measurement;
+
+/// One row of a log. What is missing is `None`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Line of the log, counted from 1.
+    pub line: u64,
+    /// Time on any monotonic clock, s.
+    pub time_s: f64,
+    /// Location of the front along the track, m.
+    pub location_m: Option<f64>,
+    /// Measured speed, m/s.
+    pub speed_mps: Option<f64>,
+    /// WGS 84, degrees.
+    pub latitude_deg: Option<f64>,
+    /// WGS 84, degrees.
+    pub longitude_deg: Option<f64>,
+    /// Measured applied effort F/(γ m), N/kg, traction positive, brake negative.
+    pub effort_n_per_kg: Option<f64>,
+    /// Ambient temperature, °C.
+    pub temperature_c: Option<f64>,
+    /// Wind component against the direction of travel, m/s.
+    pub headwind_mps: Option<f64>,
+}
+
+/// A column of numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// Its name in a file.
+    pub name: &'static str,
+    /// The file's unit.
+    pub unit: &'static str,
+    /// No log goes without it, but for [`LOCATION`] where there are coordinates.
+    pub needed: bool,
+    /// What a value may be in the file's unit. One beyond is warned of and handed on; a time beyond makes a bad row.
+    pub range: (f64, f64),
+    /// Takes the file's value into a sample.
+    pub set: fn(&mut Sample, f64),
+    /// The sample's value in the file's unit.
+    pub get: fn(&Sample) -> Option<f64>,
+}
+
+/// Name of the column without which a row is none.
+pub const TIME: &str = "time_s";
+/// Name of the column that coordinates may stand for.
+pub const LOCATION: &str = "location_m";
+const COORDINATES: [&str; 2] = ["latitude_deg", "longitude_deg"];
+
+/// No train is further along its line, m; a location beyond it is warned of.
+pub const MOST_LOCATION_M: f64 = 1e7;
+/// No train is faster, km/h; a speed above it is warned of.
+pub const MOST_SPEED_KMH: f64 = 1e3;
+/// No clock in seconds is beyond this, three thousand years. One in milliseconds since 1970 is.
+const LATEST_S: f64 = 1e11;
+
+/// A column that stands as it is in the field of this name.
+macro_rules! column {
+    ($name:expr, $unit:literal, $needed:literal, $range:expr, $field:ident) => {
+        Column {
+            name: $name,
+            unit: $unit,
+            needed: $needed,
+            range: $range,
+            set: |sample, value| sample.$field = Some(value),
+            get: |sample| sample.$field,
+        }
+    };
+}
+
+/// The columns that mean something, those of CSV and of Parquet.
+pub const COLUMNS: [Column; 8] = [
+    Column {
+        name: TIME,
+        unit: "s",
+        needed: true,
+        range: (-LATEST_S, LATEST_S),
+        set: |sample, time_s| sample.time_s = time_s,
+        get: |sample| Some(sample.time_s),
+    },
+    column!(LOCATION, "m", true, (-MOST_LOCATION_M, MOST_LOCATION_M), location_m),
+    Column {
+        name: "speed_kmh",
+        unit: "km/h",
+        needed: true,
+        range: (0.0, MOST_SPEED_KMH),
+        set: |sample, kmh| sample.speed_mps = Some(KmPerHour(kmh).to_mps()),
+        // Readings are km/h with a few decimals; the detour through m/s must not leave crumbs.
+        get: |sample| sample.speed_mps.map(|mps| (3.6e6 * mps).round() / 1e6),
+    },
+    column!(COORDINATES[0], "degrees", false, (-90.0, 90.0), latitude_deg),
+    column!(COORDINATES[1], "degrees", false, (-180.0, 180.0), longitude_deg),
+    column!("effort_n_per_kg", "N/kg", false, (-10.0, 10.0), effort_n_per_kg),
+    column!("ambient_temperature_c", "°C", false, (-60.0, 80.0), temperature_c),
+    column!("headwind_mps", "m/s", false, (-60.0, 60.0), headwind_mps),
+];
+
+/// Names of needed columns that a file does not have.
+pub(crate) fn missing(has: impl Fn(&str) -> bool) -> Vec<&'static str> {
+    let coordinates = COORDINATES.iter().all(|name| has(name));
+    let absent = COLUMNS.iter().filter(|column| column.needed && !has(column.name));
+    absent.map(|column| column.name).filter(|name| !(*name == LOCATION && coordinates)).collect()
+}
+
+impl Column {
+    /// What makes a value of the file doubtful.
+    pub(crate) fn doubt(&self, value: f64) -> Option<String> {
+        let (least, most) = self.range;
+        if !value.is_finite() {
+            return Some(format!("expected a finite number, found {value}"));
+        }
+        // Not `{value}`: 1e300 would be three hundred digits.
+        (!(least..=most).contains(&value)).then(|| format!("expected {least} to {most} {}, found {value:?}", self.unit))
+    }
+}
+
+impl Sample {
+    /// What the estimator gets.
+    pub fn measurement(&self) -> Measurement {
+        let Self { time_s, location_m, speed_mps, effort_n_per_kg, .. } = *self;
+        Measurement { time_s, location_m, speed_mps, effort_n_per_kg }
+    }
+
+    /// Takes the temperature into what is known of the surroundings. An empty field, or one that a board refuses: as it was.
+    pub fn update(&self, surroundings: &mut Surroundings) {
+        let now = Surroundings { temperature_c: self.temperature_c.or(surroundings.temperature_c), ..*surroundings };
+        if now.are_plausible() {
+            *surroundings = now;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_column_has_a_field_of_its_own_and_gives_back_what_it_took() {
+        for (index, column) in COLUMNS.iter().enumerate() {
+            let mut sample = Sample::default();
+            (column.set)(&mut sample, 54.3);
+            let found = COLUMNS.map(|column| (column.get)(&sample));
+            let mut expected = [None; COLUMNS.len()];
+            expected[0] = Some(0.0);
+            expected[index] = Some(54.3);
+            assert_eq!(found, expected, "{}", column.name);
+        }
+    }
+
+    #[test]
+    fn the_document_of_formats_has_these_columns_and_units() {
+        let text = include_str!("../../../docs/formats.md");
+        for column in COLUMNS {
+            let row = text.lines().find(|line| line.starts_with('|') && line.contains(&format!("`{}`", column.name)));
+            let row = row.unwrap_or_else(|| panic!("docs/formats.md: expected a row for {}", column.name));
+            assert!(row.split('|').nth(2).is_some_and(|unit| unit.trim() == column.unit), "{row}");
+        }
+    }
+}
