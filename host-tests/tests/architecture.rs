@@ -257,48 +257,24 @@ fn targets(package: &Path) -> Vec<Target> {
     fronts.iter().filter(|front| front.is_file()).map(|front| Target::read(front)).collect()
 }
 
-/// Groups of files that can be reached from each other (Tarjan's algorithm).
-fn circles(edges: &[(PathBuf, usize, PathBuf)]) -> Vec<BTreeSet<PathBuf>> {
-    struct Search<'a> {
-        next: BTreeMap<&'a Path, BTreeSet<&'a Path>>,
-        index: HashMap<&'a Path, usize>,
-        low: HashMap<&'a Path, usize>,
-        stack: Vec<&'a Path>,
-        found: Vec<BTreeSet<PathBuf>>,
-    }
-    impl<'a> Search<'a> {
-        fn visit(&mut self, at: &'a Path) {
-            let order = self.index.len();
-            self.index.insert(at, order);
-            self.low.insert(at, order);
-            self.stack.push(at);
-            for to in self.next.get(at).cloned().unwrap_or_default() {
-                if !self.index.contains_key(to) {
-                    self.visit(to);
-                    self.low.insert(at, self.low[at].min(self.low[to]));
-                } else if self.stack.contains(&to) {
-                    self.low.insert(at, self.low[at].min(self.index[to]));
-                }
-            }
-            if self.low[at] == order {
-                let from = self.stack.iter().position(|file| *file == at).unwrap();
-                let group: BTreeSet<PathBuf> = self.stack.drain(from..).map(Path::to_owned).collect();
-                self.found.extend((group.len() > 1).then_some(group));
-            }
-        }
-    }
-    let mut next: BTreeMap<&Path, BTreeSet<&Path>> = BTreeMap::new();
+/// Groups of files that can be reached from each other.
+fn circles(edges: &[(PathBuf, usize, PathBuf)]) -> BTreeSet<BTreeSet<PathBuf>> {
+    let mut next: BTreeMap<&PathBuf, BTreeSet<&PathBuf>> = BTreeMap::new();
     for (from, _, to) in edges {
         next.entry(from).or_default().insert(to);
     }
-    let starts: Vec<&Path> = next.keys().copied().collect();
-    let mut search = Search { next, index: HashMap::new(), low: HashMap::new(), stack: Vec::new(), found: Vec::new() };
-    for start in starts {
-        if !search.index.contains_key(start) {
-            search.visit(start);
+    let mut reached: BTreeMap<&PathBuf, BTreeSet<&PathBuf>> = BTreeMap::new();
+    for from in next.keys() {
+        let (found, mut open) = (reached.entry(from).or_default(), vec![*from]);
+        while let Some(file) = open.pop() {
+            open.extend(next.get(file).into_iter().flatten().filter(|to| found.insert(to)));
         }
     }
-    search.found
+    let group = |file| -> BTreeSet<PathBuf> {
+        let back = |to: &&&PathBuf| reached.get(**to).is_some_and(|reached| reached.contains(file));
+        reached[file].iter().filter(back).map(|to| (*to).clone()).collect()
+    };
+    reached.keys().map(|file| group(*file)).filter(|group| group.len() > 1).collect()
 }
 
 /// The rows of the table of `ARCHITECTURE.md` below a heading, each the names in backticks of its cells.
@@ -409,7 +385,7 @@ fn a_circle_is_seen() {
     let edge = |from: &str, to: &str| (PathBuf::from(from), 1, PathBuf::from(to));
     let edges = [edge("a", "b"), edge("b", "c"), edge("c", "a"), edge("c", "d"), edge("e", "d")];
     let expected: BTreeSet<PathBuf> = ["a", "b", "c"].into_iter().map(PathBuf::from).collect();
-    assert_eq!(circles(&edges), [expected]);
+    assert_eq!(circles(&edges), BTreeSet::from([expected]));
     assert!(circles(&edges[1..]).is_empty());
     let mut source = Source::default();
     let text = "use crate::a::{b, c as d}; fn f() { super::g::h(); println!(\"{}\", self::i::j()); } #[cfg(test)] mod t { use crate::k; }";

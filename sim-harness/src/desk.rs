@@ -18,7 +18,7 @@ use rundown::tick::digest;
 use rundown_files::track_file::TrackFile;
 use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
 
-/// What a board is told before a run.
+/// What a board gets before a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
     /// The train.
@@ -124,7 +124,7 @@ impl Description {
 pub enum DeskError {
     /// The board has not yet announced its freshness; ask it for its status first.
     #[error(
-        "the board has announced no freshness: it has no key, cannot write its flash, or was not asked for its status yet"
+        "the board has announced no freshness: it has no key, cannot write its flash, or its status has not been requested yet"
     )]
     NotAnnounced,
     /// The board's announcement was made with another key.

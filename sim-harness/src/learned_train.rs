@@ -9,7 +9,7 @@
 //! | largest power | median over the runs of their largest power |
 //! | all else | the description: mass, rotating mass factor, length, brake |
 //!
-//! A limit that fewer than [`LEAST_RUNS`] runs have shown stays as described. What drivers did not ask for nobody has seen: a learned limit is what the runs have used.
+//! A limit that fewer than [`LEAST_RUNS`] runs have shown stays as described. A learned limit is what the runs have used: what drivers did not demand was not observed.
 
 use rundown::model::resistance::Davis;
 use rundown_files::train_file::TrainFile;
@@ -22,7 +22,7 @@ pub const LEAST_RUNS: usize = 3;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// Learned in so many runs.
+    /// Learned in this many runs.
     Learned { runs: usize },
     /// As described: too few runs have shown it.
     Described,

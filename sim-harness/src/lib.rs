@@ -3,7 +3,7 @@
 //! | question | module |
 //! |---|---|
 //! | the command `rundown` | [`commands`] |
-//! | what spoils all of a replay? where are its results written? | `advice`, `output`, `report` |
+//! | what invalidates a whole replay? where are its results written? | `advice`, `output`, `report` |
 //! | what does another tool get of what was learned? | `learned_train`, `sfera` |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | [`study`] |

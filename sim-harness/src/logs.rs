@@ -1,4 +1,4 @@
-//! Logs as recordings, or why one gave none.
+//! Logs as recordings, or why one cannot be used.
 
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
@@ -6,7 +6,7 @@ use rundown_files::run_log::BadRows;
 use rundown_files::run_set::RunFile;
 use std::path::PathBuf;
 
-/// A log that gave no run.
+/// A log that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failed {
     pub file: PathBuf,

@@ -22,7 +22,7 @@ use std::str::FromStr;
 
 const CURVE_STEP_KMH: f64 = 5.0;
 
-/// What the schema demands and no run can tell.
+/// What the schema demands and no run shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
     /// `TC_RU_ID`: RICS code of the railway undertaking, four characters.

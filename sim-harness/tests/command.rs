@@ -176,7 +176,7 @@ fn a_log_without_any_speed_is_named_and_one_that_cannot_be_read_is_no_reason_for
     assert!(!found.contains("note: "), "{found}");
 }
 
-/// The way from the command line to the reference: configuration by file, results from the file that a user reads.
+/// From the command line to the reference: configuration by file, results from the file that a user reads.
 #[test]
 fn the_tables_of_the_reference_come_out_of_the_command() {
     let alpha_1 = reference("alpha_1.toml");

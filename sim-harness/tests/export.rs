@@ -1,4 +1,4 @@
-//! Does another tool get what was learned? The files of `rundown export`, and the way back through a replay.
+//! Does another tool get what was learned? The files of `rundown export`, and back through a replay.
 
 mod common;
 

@@ -133,7 +133,7 @@ where
     let ticks: usize = recordings.iter().map(|recording| recording.rows.len()).sum();
     let bar = screen::progress(ticks);
     // What the board had from an earlier session is not known.
-    let mut told = None;
+    let mut sent = None;
     for recording in recordings {
         let pace = if arguments.real_time { Pace::Clock } else { Pace::Lockstep };
         session.prepare(description, recording.direction, pace).map_err(board)?;
@@ -152,7 +152,7 @@ where
                 }
             }
             row.update(&mut surroundings);
-            if told.replace(surroundings) != Some(surroundings) {
+            if sent.replace(surroundings) != Some(surroundings) {
                 let request = Request::Surroundings(surroundings);
                 let what = "the temperature and the date";
                 said.hear(&session.ask(request, what).map_err(board)?);

@@ -1,6 +1,6 @@
 //! The command `rundown`: arguments in, files and short tables out.
 //!
-//! Exit codes: see [`AFTER_HELP`]. Errors are one line each on stderr: what, where, what to do.
+//! Exit codes: see `AFTER_HELP`. Errors are one line each on stderr: what, where, what to do.
 
 mod demo;
 #[cfg(feature = "link")]
@@ -43,7 +43,7 @@ Exit codes:
 
 /// Everything was done, but for runs that could not be used.
 const SOME_RUNS_FAILED: u8 = 1;
-/// The arguments are wrong, or do not go together, as far as their form does not tell.
+/// The arguments are wrong, or contradict each other in a way that clap does not check.
 const WRONG_ARGUMENTS: u8 = 2;
 /// A description or the configuration was refused.
 const DESCRIPTION_REFUSED: u8 = 3;

@@ -1,4 +1,4 @@
-//! RecordedRuns runs as `study` and `tune` take them: with the descriptions of their train and track, or not at all.
+//! Recorded runs as `study` and `tune` take them: with the descriptions of their train and track, or not at all.
 
 use super::{Failure, screen};
 use crate::study::source::RunSource;
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub struct RecordedRuns {
-    /// RecordedRuns runs: logs or Parquet files, or folders of them; without it the case study is simulated
+    /// Recorded runs: logs or Parquet files, or folders of them; without it the case study is simulated
     #[arg(long, value_name = "DIR", num_args = 1.., requires_all = ["train", "track"])]
     runs: Vec<PathBuf>,
     /// Description of the train of recorded runs

@@ -108,7 +108,7 @@ impl From<ModeChoice> for Mode {
 
 fn period(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        // Behind a longer pause the estimator begins anew.
+        // After a longer pause the estimator restarts.
         Ok(seconds) if seconds > 0.0 && seconds <= 600.0 => Ok(seconds),
         _ => Err("expected a number of seconds above 0, at most 600".to_owned()),
     }

@@ -58,7 +58,7 @@ pub struct Arguments {
 enum ExampleScenario {
     /// The case study with the loads and winds of everyday; every field there is
     CaseStudy,
-    /// Runs on a line with a tunnel that nobody described, for `rundown gap`
+    /// Runs on a line with an undescribed tunnel, for `rundown gap`
     HiddenEffect,
 }
 

@@ -31,7 +31,7 @@ Examples:
   The paper's 67 runs, simulated, with the truth beside every figure:
     rundown study --out study
 
-  RecordedRuns runs, folders of logs or of Parquet files:
+  Recorded runs, folders of logs or of Parquet files:
     rundown study --runs logs/ --train train.toml --track track.toml --out study
 
   Runs of rundown simulate, whose truth lies beside them and is shown:
@@ -219,7 +219,7 @@ fn study(
     let gathered = gathered(&mut described.source, &estimators, example, keep_runs, out)?;
     let trials = Trials::of(&config, &estimators, &track, &gathered.drawn)?;
     let claims = claims::claims(&gathered, &train, &trials);
-    // What the slope is does not depend on the runs of this study: it is asked of simulated vehicles on the paper's line.
+    // What the slope is does not depend on the runs of this study: it is measured on simulated vehicles on the paper's line.
     let plan = Plan { simulation: calm()?, vehicles: FEW_VEHICLES, runs: 1, seed };
     let test = self_test::self_test(&plan, config, || ())?;
     let slopes = [slope::slope(&test, 1)];

@@ -81,8 +81,8 @@ struct Cursor {
 impl Cursor {
     fn update<'a>(&mut self, view: View<'a>) -> Update<'a> {
         let View { state, link, described, version, .. } = view;
-        let anew = self.epoch != Some(state.epoch);
-        let from = if anew { 0 } else { self.points.min(state.points.len()).saturating_sub(UNSETTLED) };
+        let restarted = self.epoch != Some(state.epoch);
+        let from = if restarted { 0 } else { self.points.min(state.points.len()).saturating_sub(UNSETTLED) };
         let more_runs = self.ended != Some(state.ended);
         *self = Self { version, epoch: Some(state.epoch), points: state.points.len(), ended: Some(state.ended) };
         Update {
@@ -92,7 +92,7 @@ impl Cursor {
             now: &state.now,
             link,
             described,
-            previous: anew.then_some(&state.previous[..]),
+            previous: restarted.then_some(&state.previous[..]),
             past: more_runs.then_some(&state.past[..]),
         }
     }

@@ -20,7 +20,7 @@ pub struct Player<'a> {
 }
 
 impl<'a> Player<'a> {
-    /// At so many times the speed of the recording; none: at once.
+    /// At this many times the speed of the recording; none: at once.
     pub fn new(hub: &'a Hub, speed: Option<f64>) -> Self {
         Self { hub, speed, tick: Vec::new(), last: None }
     }

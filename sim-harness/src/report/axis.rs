@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// A run that moved less has its figures over time, m.
 const LEAST_DISTANCE_M: Real = 200.0;
-/// A pause longer than so many usual ones is a gap.
+/// A pause longer than this many usual ones is a gap.
 const LONG_PAUSE: Real = 3.5;
 /// Longer runs have their time in minutes, s.
 const IN_MINUTES_S: Real = 300.0;

@@ -180,7 +180,7 @@ fn features(end_m: Real) -> Features {
     features
 }
 
-/// An innovation of the estimator: nobody else can make one.
+/// An innovation of the estimator, which alone can make one.
 fn innovation() -> Innovation<2> {
     let track = Track::try_new(10_000.0, []).unwrap();
     let estimator = Estimator::try_new(Config::with_mode(Mode::Paper), train(), track).unwrap();

@@ -5,11 +5,11 @@
 //! | `runs/runNNN.csv` | the logs, as a recorder on board writes them |
 //! | `runs/runs.csv` | index: file, departure_utc, unit, direction |
 //! | `track.toml`, `train.toml` | the descriptions as believed |
-//! | `truth/truth.json` | what was true: effects, train, facts of each run ([`key`]) |
+//! | `truth/truth.json` | what was true: effects, train, facts of each run (`key`) |
 //! | `truth/runNNN.csv` | what was true at each sample |
 //! | `truth/scenario.toml` | the scenario file |
 //!
-//! Who looks for effects gets all but `truth/`.
+//! Whoever looks for effects gets all but `truth/`.
 
 use super::key::{self, departure_utc, file_name};
 use super::scenario_file::Simulation;

@@ -1,4 +1,4 @@
-//! `truth.json`: what was true, for those who judge.
+//! `truth.json`: what was true, for evaluation.
 //!
 //! Sums up what no log says: the effects with the files of the runs they acted in, the true train, and for each run its wind, load, temperature,
 //! Davis parameters in still air, and the marks of its phases. Locations are those of the line, N/kg are per true rotating mass of the run.

@@ -23,7 +23,7 @@ use std::path::Path;
 /// A commented example with every field: the case study with the loads, winds and powers of everyday.
 pub const EXAMPLE: &str = include_str!("../../../data/scenarios/case_study.toml");
 
-/// Runs on a line with a tunnel that nobody described.
+/// Runs on a line with an undescribed tunnel.
 pub const HIDDEN_EFFECT: &str = include_str!("../../../data/scenarios/hidden_effect.toml");
 
 /// A scenario, ready to be run.
@@ -339,8 +339,8 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), ReadError> {
     let ScenarioFile { driver, sensors, effort, temperature, .. } = &file.values;
     let v = &file.values;
     within(file, &[("runs", v.runs as f64, 1.0, 1e6), ("step_s", v.step_s, 0.005, 0.05)])?;
-    divides(file, "step_s", "1 s", 1.0)?;
-    divides(file, "sensors.sampling_s", "sampling_s", sensors.sampling_s)?;
+    divides(file, "step_s", 1.0)?;
+    divides(file, "sensors.sampling_s", sensors.sampling_s)?;
     let numbers = [
         ("dates.days", v.dates.days, 0.001, 36_525.0),
         ("driver.cycle_share", driver.cycle_share, 0.0, 1.0),
@@ -369,13 +369,13 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), ReadError> {
     within(file, &numbers)?;
     let [least, most] = sensors.gap_samples;
     if least == 0 || most < least {
-        let message = format!("expected gap_samples = [least, most] with 1 or more, found [{least}, {most}]");
+        let message = format!("sensors.gap_samples: expected [least, most] with 1 or more, found [{least}, {most}]");
         return Err(file.refuse_dotted("sensors.gap_samples", message));
     }
     for (index, scale) in v.train.true_davis_over_described.into_iter().enumerate() {
         if !(0.0..=10.0).contains(&scale) {
             let place = [Step::Name("train"), Step::Name("true_davis_over_described"), Step::Index(index)];
-            let message = format!("expected a factor within 0 to 10, found {scale}");
+            let message = format!("train.true_davis_over_described: expected factors of 0 to 10, found {scale}");
             return Err(file.refuse(&place, message));
         }
     }
@@ -392,21 +392,24 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), ReadError> {
 fn within(file: &TomlFile<ScenarioFile>, numbers: &[(&str, f64, f64, f64)]) -> Result<(), ReadError> {
     for &(field, found, least, most) in numbers {
         if !(least..=most).contains(&found) {
-            let message = format!("scenario: expected {field} within {least} to {most}, found {found}");
+            let message = format!("{field}: expected {least} to {most}, found {found}");
             return Err(file.refuse_dotted(field, message));
         }
     }
     Ok(())
 }
 
-/// The step divides a whole number of times, so that rows and samples fall on it.
-fn divides(file: &TomlFile<ScenarioFile>, field: &str, name: &str, whole: f64) -> Result<(), ReadError> {
+/// A time is a whole number of steps, so that rows and samples fall on them.
+fn divides(file: &TomlFile<ScenarioFile>, field: &str, time_s: f64) -> Result<(), ReadError> {
     let step_s = file.values.step_s;
-    let count = (whole / step_s).round();
-    if count >= 1.0 && (count * step_s - whole).abs() < 1e-9 {
+    let count = (time_s / step_s).round();
+    if count >= 1.0 && (count * step_s - time_s).abs() < 1e-9 {
         return Ok(());
     }
-    let message = format!("expected step_s = {step_s} to divide {name}, found {whole} s");
+    let message = match field {
+        "step_s" => format!("step_s: expected a divisor of {time_s} s, found {step_s}"),
+        _ => format!("{field}: expected a multiple of step_s, {step_s} s, found {time_s} s"),
+    };
     Err(file.refuse_dotted(field, message))
 }
 
@@ -417,7 +420,7 @@ fn dates(file: &TomlFile<ScenarioFile>) -> Result<Dates, ReadError> {
         .and_then(|date| date.to_zoned(jiff::tz::TimeZone::UTC))
         .map(|midnight| midnight.timestamp().as_second())
         .map_err(|_| {
-            let message = format!("expected start as \"2024-01-08\", found \"{start}\"");
+            let message = format!("dates.start: expected a day as \"2024-01-08\", found \"{start}\"");
             file.refuse_dotted("dates.start", message)
         })?;
     Ok(Dates { start_s, days: *days })
@@ -434,13 +437,14 @@ fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile),
         return Ok((line, track));
     };
     if name.is_some() {
-        let message = "expected a name or a file of the line, found both";
+        let message = "line: expected a name or a file, found both";
         return Err(file.refuse_dotted("line.file", message));
     }
     let track_path = path.parent().unwrap_or(Path::new("")).join(track);
     let (track, _) = TrackFile::read(&track_path)?;
     if track.speed_limit.is_empty() {
-        let message = format!("expected a track with [[speed_limit]], found none in {}", track_path.display());
+        let message =
+            format!("line.file: expected a track with [[speed_limit]], found none in {}", track_path.display());
         return Err(file.refuse_dotted("line.file", message));
     }
     Ok((believed::line_of(&track), track))
@@ -477,13 +481,15 @@ mod tests {
         let error = |text: &str| parse(text).unwrap_err().to_string();
         assert_eq!(
             error("[dates]\nstart = \"monday\"\n"),
-            "s.toml:2:9: dates.start: expected start as \"2024-01-08\", found \"monday\""
+            "s.toml:2:9: dates.start: expected a day as \"2024-01-08\", found \"monday\""
         );
         assert_eq!(
             error("[sensors]\nsampling_s = 5.01\n"),
-            "s.toml:2:14: sensors.sampling_s: expected step_s = 0.05 to divide sampling_s, found 5.01 s"
+            "s.toml:2:14: sensors.sampling_s: expected a multiple of step_s, 0.05 s, found 5.01 s"
         );
-        assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train.mass_kg: expected 1000 to 100000000, found 5");
+        assert_eq!(error("step_s = 0.03\n"), "s.toml:1:10: step_s: expected a divisor of 1 s, found 0.03");
+        assert_eq!(error("[load]\nsd = 0.4\n"), "s.toml:2:6: load.sd: expected 0 to 0.3, found 0.4");
+        assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train: mass_kg must be 1000 to 100000000, found 5");
         assert_eq!(
             error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),
             "s.toml:2:1: effect[0]: tunnel_drag: expected to_m beyond from_m, found 4"

@@ -195,7 +195,7 @@ mod tests {
         let none = information(&truth, &samples, davis, worth, Known::Coasting);
         assert_eq!(none, Matrix3::zeros());
         let known = |gain_sd| information(&truth, &samples, davis, worth, Known::Measured { gain_sd });
-        // A constant effort of unknown gain cannot be told from r0.
+        // A constant effort of unknown gain is confounded with r0.
         assert!(known(1e-9)[(0, 0)] > 100.0 * known(0.1)[(0, 0)]);
     }
 

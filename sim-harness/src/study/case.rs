@@ -128,7 +128,7 @@ pub fn case_study() -> Result<Simulation, ReadError> {
     Simulation::parse(Path::new("paper_study.toml"), CASE_STUDY)
 }
 
-/// The same line, train and driver in still air and with the described load, and no effect: where a bound is asked for.
+/// The same line, train and driver in still air and with the described load, and no effect: for the Cramér-Rao bound.
 pub fn calm() -> Result<Simulation, ReadError> {
     Simulation::parse(Path::new("calm.toml"), "name = \"calm\"\n")
 }

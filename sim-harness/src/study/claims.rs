@@ -31,7 +31,7 @@ pub struct Claim {
 pub enum Verdict {
     Reproduced,
     Not,
-    /// These runs have nothing to judge it by.
+    /// These runs have no data on it.
     NoData,
 }
 

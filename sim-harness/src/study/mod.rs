@@ -8,13 +8,13 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | which runs? | [`source`], [`case`], [`description`], [`truth_folder`] |
-//! | what does the estimator say of one run, and what was true? | [`view`] |
-//! | and of all of them? | [`gather`], [`tallies`], [`moments`] |
-//! | what do the figures show? | [`figures`] |
-//! | what does the paper claim, and is it so here? | [`claims`], [`trials`] |
-//! | where is it told? | [`page`], [`write`](mod@write) |
-//! | does the estimate follow the truth, how closely could it? | [`slope`], [`bound`] |
+//! | which runs? | `source`, [`case`], `description`, `truth_folder` |
+//! | what does the estimator say of one run, and what was true? | `view` |
+//! | and of all of them? | `gather`, `tallies`, `moments` |
+//! | what do the figures show? | `figures` |
+//! | what does the paper claim, and is it so here? | `claims`, `trials` |
+//! | where is it reported? | `page`, `write` |
+//! | does the estimate follow the truth, how closely could it? | `slope`, `bound` |
 
 pub(crate) mod bound;
 pub mod case;

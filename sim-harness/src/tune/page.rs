@@ -9,7 +9,7 @@ use crate::study::slope::Answer;
 use crate::study::trials::Sensitivity;
 use maud::{Markup, html};
 use rundown_pages::numbers::number;
-use rundown_pages::shell::{document, figure};
+use rundown_pages::shell::{column, document, figure, table, text_column};
 
 /// What came of a tuning; of two, Table 1 is the first and the optimum the second.
 #[derive(Clone, Debug)]
@@ -58,43 +58,34 @@ pub fn page(page: &Tuning) -> String {
 fn scores(page: &Tuning) -> Markup {
     let [table1, optimum] = &page.scores;
     let rows = [("Table 1", table1), ("optimum", optimum)];
-    html! {
-        div.wide { table {
-            thead { tr {
-                th.text scope="col" { "" }
-                th scope="col" { "log-likelihood" br; span.unit { "all samples" } }
-                th scope="col" { "a sample" }
-                th scope="col" { "samples with a" br; "negative coefficient" }
-                th scope="col" { "repaired" br; span.unit { "samples" } }
-            } }
-            tbody { @for (name, score) in rows { tr {
-                th scope="row" { (name) }
-                td { (number(score.log_likelihood, 0)) }
-                td { (number(score.per_sample(), 3)) }
-                td { (score.negative_samples) " of " (score.samples) }
-                td { (score.repaired) }
-            } } }
-        } }
-    }
+    let head = [
+        text_column(""),
+        column("log-likelihood", "all samples"),
+        column("a sample", ""),
+        column("samples with a negative coefficient", ""),
+        column("repaired", "samples"),
+    ];
+    let rows = html! { @for (name, score) in rows { tr {
+        th scope="row" { (name) }
+        td { (number(score.log_likelihood, 0)) }
+        td { (number(score.per_sample(), 3)) }
+        td { (score.negative_samples) " of " (score.samples) }
+        td { (score.repaired) }
+    } } };
+    table(head, rows)
 }
 
 fn parameters(page: &Tuning) -> Markup {
     let (table1, optimum) = (values(&page.table1), values(&page.found.place));
+    let head = [text_column("parameter"), column("Table 1", ""), column("optimum", ""), text_column("unit")];
+    let rows = html! { @for (index, parameter) in PARAMETERS.iter().enumerate() { tr {
+        th scope="row" { (parameter.name) }
+        td { (short(table1[index])) }
+        td { (short(optimum[index])) }
+        td.text { (parameter.unit) }
+    } } };
     html! {
-        div.wide { table {
-            thead { tr {
-                th.text scope="col" { "parameter" }
-                th scope="col" { "Table 1" }
-                th scope="col" { "optimum" }
-                th.text scope="col" { "unit" }
-            } }
-            tbody { @for (index, parameter) in PARAMETERS.iter().enumerate() { tr {
-                th scope="row" { (parameter.name) }
-                td { (short(table1[index])) }
-                td { (short(optimum[index])) }
-                td.text { (parameter.unit) }
-            } } }
-        } }
+        (table(head, rows))
         p.small { "An acceleration noise at its least value stands for none. The configuration lies beside this page: "
             code { "rundown replay --config config.toml" } "." }
     }

@@ -111,7 +111,7 @@ pub fn config(base: &Config, place: &Place) -> Result<Config, SpreadError> {
             location_sd_m,
             speed_sd_kmh,
             acceleration_noise_mps2: if has_noise { noise } else { 0.0 },
-            // Eq. (12)-(15) as printed leave Q out of the gain; with Q the points are drawn anew.
+            // Eq. (12)-(15) as printed leave Q out of the gain; with Q the sigma points are redrawn.
             reuse_points: !has_noise && base.paper.reuse_points,
             ..base.paper
         },
@@ -141,7 +141,7 @@ mod tests {
             let place = std::array::from_fn(|i| PARAMETERS[i].ends()[end] + [-9.0, 9.0][end]);
             let config = config(&Config::default(), &place).unwrap();
             config.check().unwrap();
-            assert_eq!(config.paper.reuse_points, end == 0, "with Q the points are drawn anew");
+            assert_eq!(config.paper.reuse_points, end == 0, "with Q the sigma points are redrawn");
         }
     }
 }

@@ -56,7 +56,7 @@ pub fn starts() -> [Place; 2] {
     [place(&PaperConfig::default()), place(&wide)]
 }
 
-/// Searches from each start with about so many evaluations in all; `done` is called at each.
+/// Searches from each start with about this many evaluations in all; `done` is called at each.
 pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Found, SearchError> {
     let failed = |error: Error| SearchError(error.to_string());
     let starts = starts();

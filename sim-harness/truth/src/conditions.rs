@@ -13,7 +13,7 @@ use serde::Deserialize;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct UnscheduledStop {
-    /// Where along the way travelled, m.
+    /// Where along the distance travelled, m.
     pub at_m: f64,
     /// How long, s.
     pub dwell_s: f64,

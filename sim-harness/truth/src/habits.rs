@@ -34,11 +34,11 @@ pub enum DriverKind {
 pub enum Cruising {
     /// By holding it.
     Hold,
-    /// By turns of power and coast.
+    /// By on/off cycles of power and coasting (pulse and glide).
     Cycles {
         /// The speed swings by this much to both sides, m/s.
         half_width_mps: f64,
-        /// Effort of the power turns, N/kg, below the traction curve.
+        /// Effort of the powering phases, N/kg, below the traction curve.
         effort_n_per_kg: f64,
     },
 }

@@ -8,7 +8,7 @@
 //!
 //! Classical Runge-Kutta of fourth order; a train that would roll back stands instead.
 
-/// Location of the front along the way travelled, and speed.
+/// Location of the front along the distance travelled, and speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// m.

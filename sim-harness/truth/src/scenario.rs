@@ -19,7 +19,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use thiserror::Error;
 
-/// Nobody drives longer than this, s.
+/// A run that takes longer has failed, s.
 const LONGEST_RUN_S: f64 = 4.0 * 3600.0;
 /// Standstill at a platform, s.
 const DWELL_S: std::ops::Range<f64> = 30.0..60.0;
@@ -28,7 +28,7 @@ const DWELL_S: std::ops::Range<f64> = 30.0..60.0;
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum DriveError {
-    /// The train is still on its way after 4 h.
+    /// The train has not arrived after 4 h.
     #[error(
         "run {run} (seed {seed}): expected the train at its platform within 4 h, found it at {location_m:.0} m with {speed_kmh:.0} km/h; is the line too steep or the resistance too large?"
     )]
@@ -113,7 +113,7 @@ pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TraceStep>, Facts) {
 }
 
 /// Drives one run of a plan: every integration step, the facts, and the world it was driven in. Locations of trace and facts are those of the line,
-/// they fall in a run down; those of the world are along the way travelled.
+/// they fall in a run down; those of the world are along the distance travelled.
 ///
 /// # Errors
 /// [`DriveError`] if the train does not arrive.
@@ -331,10 +331,10 @@ mod tests {
             for end in [braking, trace.len() - 1] {
                 let (mut work, mut traction, mut losses) = (0.0, 0.0, 0.0);
                 for pair in trace[..=end].windows(2) {
-                    let way_m = pair[1].location_m - pair[0].location_m;
-                    work += pair[1].effort_n_per_kg * way_m;
-                    traction += pair[1].effort_n_per_kg.max(0.0) * way_m;
-                    losses += (pair[0].resistance_n_per_kg + pair[1].resistance_n_per_kg) / 2.0 * way_m;
+                    let distance_m = pair[1].location_m - pair[0].location_m;
+                    work += pair[1].effort_n_per_kg * distance_m;
+                    traction += pair[1].effort_n_per_kg.max(0.0) * distance_m;
+                    losses += (pair[0].resistance_n_per_kg + pair[1].resistance_n_per_kg) / 2.0 * distance_m;
                 }
                 let kinetic = trace[end].speed_mps * trace[end].speed_mps / 2.0;
                 let potential = GRAVITY_MPS2 / train.gamma * (height(trace[end].location_m) - height(0.0));
@@ -373,8 +373,8 @@ mod tests {
             let (from, to) = (facts.final_coast.unwrap(), facts.final_brake);
             let t = to.time_s - from.time_s;
             assert!((to.speed_mps - (from.speed_mps - 0.03 * t)).abs() < 1e-9, "seed {seed}");
-            let way_m = from.speed_mps * t - 0.015 * t * t;
-            assert!((to.location_m - from.location_m - way_m).abs() < 1e-6, "seed {seed}");
+            let distance_m = from.speed_mps * t - 0.015 * t * t;
+            assert!((to.location_m - from.location_m - distance_m).abs() < 1e-6, "seed {seed}");
         }
     }
 

@@ -1,4 +1,4 @@
-//! Which way and when runs are.
+//! Direction and dates of runs.
 
 use serde::Deserialize;
 
@@ -40,7 +40,7 @@ pub enum Headings {
 pub struct Dates {
     /// First day, 0 h UTC, in seconds after 1970-01-01.
     pub start_s: i64,
-    /// The runs are spread over so many days.
+    /// The runs are spread over this many days.
     pub days: f64,
 }
 

@@ -25,7 +25,7 @@ impl Figure {
 }
 
 impl Grid {
-    /// Figures in rows of so many.
+    /// Figures in rows of `columns`.
     pub fn new(title: impl Into<String>, description: impl Into<String>, columns: usize, figures: Vec<Figure>) -> Self {
         Self { title: title.into(), description: description.into(), columns, figures }
     }

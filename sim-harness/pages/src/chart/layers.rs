@@ -171,7 +171,7 @@ fn draw_bars(
     heights: &Range<Real>,
     colour: RGBAColor,
 ) -> Result<(), DrawingError> {
-    // A single sample must still be seen, and what is closer than that cannot be told apart.
+    // A single sample must still be seen, and what is closer than that is not distinguishable.
     let least = 0.0015 * (x.end - x.start);
     let mut merged: Vec<Range<Real>> = Vec::new();
     for span in spans.iter().filter(|span| (span.start, span.end).is_finite()) {

@@ -353,8 +353,8 @@ mod tests {
         let nan = Real::NAN;
         let points = [(0.0, 1.0), (1.0, 2.0), (2.0, nan), (3.0, 1.0), (nan, 1.0), (5.0, 1.0), (6.0, 2.0)];
         let svg = figure(vec![line(points.map(Some).to_vec())]).to_svg();
-        let mine = "stroke=\"#010203\"";
-        assert_eq!(count(&svg, &format!("opacity=\"1\" {mine}")), 3, "legend and two lines");
+        let stroke = "stroke=\"#010203\"";
+        assert_eq!(count(&svg, &format!("opacity=\"1\" {stroke}")), 3, "legend and two lines");
         assert_eq!(count(&svg, "<circle"), 1);
         assert!(!svg.contains("NaN"));
     }

@@ -93,8 +93,8 @@ fn came(run: &RunView) -> Vec<(Real, Real, Real)> {
         run.estimates.windows(2).find_map(|pair| {
             let [before, after] = pair else { return None };
             let (from, to) = (&before.belief.mean, &after.belief.mean);
-            let way_m = to[state::LOCATION] - from[state::LOCATION];
-            let share = (at_m - from[state::LOCATION]) / way_m;
+            let distance_m = to[state::LOCATION] - from[state::LOCATION];
+            let share = (at_m - from[state::LOCATION]) / distance_m;
             let between = |a: Real, b: Real| a + share * (b - a);
             (0.0..=1.0).contains(&share).then(|| {
                 let speed_mps = between(from[state::SPEED], to[state::SPEED]);

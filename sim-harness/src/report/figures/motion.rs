@@ -14,7 +14,7 @@ use std::ops::Range;
 /// Readings this much above the estimated speeds do not stretch the axis.
 const SPEED_HEADROOM: Real = 1.3;
 
-/// A truth further off than so many heights of the picture is not drawn but said.
+/// A truth further off than this many heights of the picture is named instead of drawn.
 const TRUTH_REACH: Real = 1.0;
 
 /// Fig. 3: speed, acceleration, effort and the three coefficients with their 95 % bands.

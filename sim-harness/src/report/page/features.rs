@@ -6,7 +6,7 @@ use rundown::Real;
 use rundown::features::{EffortLine, Energy, FeatureConfig, Features, Phase};
 use rundown::model::train::Train;
 use rundown_pages::numbers::{NOTHING, counted, number, statistic};
-use rundown_pages::shell::swatch;
+use rundown_pages::shell::{column, swatch, table, text_column};
 
 pub(super) fn feature_table(features: &Features, train: &Train, config: &FeatureConfig) -> Markup {
     let mass_kg = train.rotating_mass_kg();
@@ -89,26 +89,18 @@ fn brake_steps(config: &FeatureConfig) -> [String; 5] {
 
 fn switching_points(features: &Features) -> Markup {
     let points = &features.switching_points;
+    let head = [column("location", "km"), column("speed", "km/h"), text_column("from"), text_column("to")];
+    let rows = html! { @for point in points { tr {
+        td { (number(point.location_m / 1000.0, 2)) }
+        td { (number(KMH * point.speed_mps, 1)) }
+        td.text { (swatch(point.from)) (point.from.as_str()) }
+        td.text { (swatch(point.to)) (point.to.as_str()) }
+    } } };
     html! {
         @if !points.is_empty() {
             details {
                 summary { (counted(points.len(), "switching point", "switching points")) }
-                div.wide { table {
-                    thead { tr {
-                        th scope="col" { "location" br; span.unit { "km" } }
-                        th scope="col" { "speed" br; span.unit { "km/h" } }
-                        th.text scope="col" { "from" }
-                        th.text scope="col" { "to" }
-                    } }
-                    tbody { @for point in points {
-                        tr {
-                            td { (number(point.location_m / 1000.0, 2)) }
-                            td { (number(KMH * point.speed_mps, 1)) }
-                            td.text { (swatch(point.from)) (point.from.as_str()) }
-                            td.text { (swatch(point.to)) (point.to.as_str()) }
-                        }
-                    } }
-                } }
+                (table(head, rows))
                 @if features.switching_points_lost > 0 {
                     p.small { (features.switching_points_lost) " more were not kept." }
                 }

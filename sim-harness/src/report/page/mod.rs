@@ -15,7 +15,7 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::train::Train;
 use rundown::model::units::KmPerHour;
 use rundown_pages::numbers::{counted, duration, number, percent};
-use rundown_pages::shell::{self, figure, signed_percent};
+use rundown_pages::shell::{self, column, figure, signed_percent, table};
 use runs::{others, run_table};
 
 const SPEEDS_KMH: [Real; 3] = [60.0, 100.0, 140.0];
@@ -52,7 +52,7 @@ fn summary(report: &Report) -> Markup {
         section id="summary" aria-label="Summary" {
             p.lead {
                 @if report.runs.is_empty() {
-                    "No run was replayed: there is nothing to tell. "
+                    "No run was replayed: there is nothing to report. "
                 } @else {
                     (counted(report.runs.len(), "run was", "runs were")) " replayed in the "
                     strong { (report.mode) } " mode: " (number(distance_m / 1000.0, 1)) " km in "
@@ -155,36 +155,31 @@ fn resistance(report: &Report) -> Markup {
 
 fn resistance_table(vehicle: &Gaussian<3>, train: &Train) -> Markup {
     let force_kn = train.rotating_mass_kg() / 1000.0;
-    html! {
-        div.wide { table {
-            thead { tr {
-                th scope="col" { "speed" br; span.unit { "km/h" } }
-                th scope="col" { "estimated" br; span.unit { "N/kg" } }
-                th scope="col" { "95 % interval" br; span.unit { "N/kg" } }
-                th scope="col" { "estimated" br; span.unit { "kN, whole train" } }
-                th scope="col" { "manufacturer" br; span.unit { "N/kg" } }
-                th scope="col" { "difference" br; span.unit { "of the manufacturer's" } }
-            } }
-            tbody {
-                @for speed_kmh in SPEEDS_KMH {
-                    @let speed_mps = KmPerHour(speed_kmh).to_mps();
-                    tr {
-                        th scope="row" { (speed_kmh) }
-                        @if let Some(r) = Resistance::at(vehicle, speed_mps) {
-                            @let against = r.against(&train.davis(), speed_mps);
-                            td { (number(r.mean_n_per_kg, 5)) }
-                            td { (number(r.lower(), 5)) " to " (number(r.upper(), 5)) }
-                            td { (number(r.mean_n_per_kg * force_kn, 2)) }
-                            td { (number(against.stated_n_per_kg, 5)) }
-                            td { (signed_percent(against.deviation)) }
-                        } @else {
-                            td colspan="5" { "no estimate: not finite" }
-                        }
-                    }
-                }
+    let head = [
+        column("speed", "km/h"),
+        column("estimated", "N/kg"),
+        column("95 % interval", "N/kg"),
+        column("estimated", "kN, whole train"),
+        column("manufacturer", "N/kg"),
+        column("difference", "of the manufacturer's"),
+    ];
+    let rows = html! { @for speed_kmh in SPEEDS_KMH {
+        @let speed_mps = KmPerHour(speed_kmh).to_mps();
+        tr {
+            th scope="row" { (speed_kmh) }
+            @if let Some(r) = Resistance::at(vehicle, speed_mps) {
+                @let against = r.against(&train.davis(), speed_mps);
+                td { (number(r.mean_n_per_kg, 5)) }
+                td { (number(r.lower(), 5)) " to " (number(r.upper(), 5)) }
+                td { (number(r.mean_n_per_kg * force_kn, 2)) }
+                td { (number(against.stated_n_per_kg, 5)) }
+                td { (signed_percent(against.deviation)) }
+            } @else {
+                td colspan="5" { "no estimate: not finite" }
             }
-        } }
-    }
+        }
+    } };
+    table(head, rows)
 }
 
 fn reading_aids() -> Markup {
