@@ -28,6 +28,10 @@ const KNOWN_CIRCLES: &[&str] = &[
     "sim-harness/gap/src/workflow.rs",
     "sim-harness/src/study/tallies.rs",
     "sim-harness/src/study/view.rs",
+    "src/model/effects/catalogue.rs",
+    "src/model/effects/frame.rs",
+    "src/model/effects/law.rs",
+    "src/model/effects/unknown.rs",
 ];
 
 fn root() -> PathBuf {
@@ -49,6 +53,8 @@ struct Import {
 struct Source {
     /// Modules that stand in files of their own, with the path that an attribute gives.
     modules: Vec<(String, Option<String>)>,
+    /// Modules of tests.
+    tests: Vec<String>,
     imports: Vec<Import>,
     /// By the name that a `use` gives.
     names: HashMap<String, Vec<String>>,
@@ -62,6 +68,10 @@ fn is_test(attributes: &[syn::Attribute]) -> bool {
 }
 
 impl Source {
+    fn declares(&self, module: &str) -> bool {
+        self.modules.iter().any(|(name, _)| name == module)
+    }
+
     fn take(&mut self, path: Vec<String>, line: usize) {
         if path.len() > 1 {
             self.imports.push(Import { line, path });
@@ -123,7 +133,7 @@ impl Source {
 impl<'a> Visit<'a> for Source {
     fn visit_item_mod(&mut self, item: &'a syn::ItemMod) {
         if is_test(&item.attrs) {
-            return;
+            return self.tests.push(item.ident.to_string());
         }
         if item.content.is_none() {
             let path = item.attrs.iter().find(|a| a.path().is_ident("path")).map(|a| match &a.meta {
@@ -188,6 +198,15 @@ impl Target {
         let folder = file.parent().unwrap();
         let stem = file.file_stem().unwrap();
         let own = if module.is_empty() || stem == "mod" { folder.to_owned() } else { folder.join(stem) };
+        if !module.is_empty() && own.is_dir() {
+            // Those that a macro declares.
+            let files = std::fs::read_dir(&own).unwrap().map(|entry| entry.unwrap().path());
+            let names = files.filter(|file| file.extension().is_some_and(|e| e == "rs"));
+            let names = names.map(|file| file.file_stem().unwrap().to_str().unwrap().to_owned());
+            let known = |name: &String| name == "mod" || source.tests.contains(name) || source.declares(name);
+            let more: Vec<String> = names.filter(|name| !known(name)).collect();
+            source.modules.extend(more.into_iter().map(|name| (name, None)));
+        }
         for (name, path) in &source.modules {
             let candidates = match path {
                 Some(path) => vec![folder.join(path)],
