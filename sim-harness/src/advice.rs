@@ -6,12 +6,10 @@ use rundown::estimator::config::{Config, Mode};
 use rundown::tick::estimate::Cause;
 use rundown_files::replay::ReplayedRun;
 
-/// Runs that are named in one note.
 const NAMED: usize = 3;
 /// One reading in so many off the track is no glitch of a receiver.
 const SHARE_OFF_TRACK: usize = 20;
 
-/// The notes on a replay.
 pub fn advice(config: &Config, track_length_m: f64, runs: &[ReplayedRun]) -> Vec<String> {
     let mut notes = Vec::new();
     if runs.is_empty() {

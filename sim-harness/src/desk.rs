@@ -17,9 +17,8 @@ use rundown::onboard::uplink::{
 use rundown::tick::digest;
 use rundown_files::track_file::TrackFile;
 use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
-use std::fmt;
 
-/// What a board is told before a run.
+/// What a board gets before a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
     /// The train.
@@ -120,34 +119,24 @@ impl Description {
 }
 
 /// Why a message could not be made.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeskError {
     /// The board has not yet announced its freshness; ask it for its status first.
+    #[error(
+        "the board has announced no freshness: it has no key, cannot write its flash, or its status has not been requested yet"
+    )]
     NotAnnounced,
     /// The board's announcement was made with another key.
+    #[error("the board was provisioned with another key")]
     WrongKey(Refusal),
     /// The message is longer than the link allows.
+    #[error("a message must not be longer than {} bytes", MAX_MESSAGE)]
     TooLong,
     /// No more messages in this epoch: restart the board.
+    #[error("{0}")]
     Seal(SealError),
 }
-
-impl fmt::Display for DeskError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotAnnounced => write!(
-                f,
-                "the board has announced no freshness: it has no key, cannot write its flash, or was not asked for its status yet"
-            ),
-            Self::WrongKey(_) => write!(f, "the board was provisioned with another key"),
-            Self::TooLong => write!(f, "a message must not be longer than {MAX_MESSAGE} bytes"),
-            Self::Seal(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for DeskError {}
 
 impl From<EncodeError> for DeskError {
     fn from(_: EncodeError) -> Self {
@@ -223,9 +212,6 @@ impl Desk {
     }
 
     /// A message that asks only: a measurement, or [`Command::Status`].
-    ///
-    /// # Errors
-    /// [`DeskError::TooLong`].
     pub fn open(&mut self, request: Request) -> Result<Vec<u8>, DeskError> {
         let uplink = self.uplink(request);
         let mut buffer = [0; MAX_MESSAGE];
@@ -233,9 +219,6 @@ impl Desk {
     }
 
     /// Everything up to the first measurement.
-    ///
-    /// # Errors
-    /// As [`Desk::secured`].
     pub fn prepare(
         &mut self,
         description: &Description,

@@ -9,88 +9,36 @@
 //! | largest power | median over the runs of their largest power |
 //! | all else | the description: mass, rotating mass factor, length, brake |
 //!
-//! A limit that fewer than [`LEAST_RUNS`] runs have shown stays as described. What drivers did not ask for nobody has seen: a learned limit is what the runs have used.
+//! A limit that fewer than [`LEAST_RUNS`] runs have shown stays as described. A learned limit is what the runs have used: what drivers did not demand was not observed.
 
 use rundown::model::resistance::Davis;
-use rundown::model::train::TrainError;
-use rundown_files::refusal::ReadError;
 use rundown_files::train_file::TrainFile;
 use serde::Deserialize;
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::fmt::Display;
+use std::path::Path;
 
 /// Runs that must have shown a limit before it takes the described one's place.
 pub const LEAST_RUNS: usize = 3;
 
-/// Why there is no learned train.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum LearnedTrainError {
-    /// The results cannot be read.
-    #[error("{}: {reason}; expected the results of `rundown replay`", path.display())]
-    Replay {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        reason: String,
-    },
-    /// The train file.
-    #[error(transparent)]
-    Train(#[from] ReadError),
-    /// The replay was made with another train.
-    #[error("the replay is one of the train `{found}`, expected that of the train file, `{expected}`")]
-    OtherTrain {
-        /// Name in the train file.
-        expected: String,
-        /// Name in the results.
-        found: String,
-    },
-    /// Each run began anew, so that nothing was gathered.
-    #[error("the replay was made with --no-carry: expected one in which the vehicle is carried from run to run")]
-    NotCarried,
-    /// Not one unit.
-    #[error("expected one of the units {found:?} to be named, found {named:?}")]
-    Unit {
-        /// What was named.
-        named: Option<String>,
-        /// Those of the replay.
-        found: Vec<String>,
-    },
-    /// What was learned is no train.
-    #[error("what was learned is no train: {0}")]
-    NoTrain(TrainError),
-}
-
-/// Where a value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// Learned in so many runs.
-    Learned {
-        /// Number of runs.
-        runs: usize,
-    },
+pub enum Origin {
+    /// Learned in this many runs.
+    Learned { runs: usize },
     /// As described: too few runs have shown it.
     Described,
 }
 
-/// A train as its runs have shown it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearnedTrain {
-    /// What a replay takes.
     pub train: TrainFile,
-    /// Standard deviations of r0, r1, r2.
     pub davis_sd: [f64; 3],
-    /// Of r0, r1, r2: the number of the unit's runs.
     pub runs: usize,
-    /// Of the largest tractive effort.
-    pub effort: Source,
-    /// Of the largest power.
-    pub power: Source,
+    pub effort: Origin,
+    pub power: Origin,
 }
 
-/// What is read of `replay.json`.
 #[derive(Debug, Deserialize)]
-struct Results {
+struct ReplayJson {
     train: String,
     carried: bool,
     runs: Vec<Run>,
@@ -119,58 +67,56 @@ struct Features {
     power_max_w_per_kg: Option<f64>,
 }
 
-/// Reads the results in `folder`; `unit` where the replay has several.
-///
-/// # Errors
-/// [`LearnedTrainError`].
-pub fn read(folder: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTrain, LearnedTrainError> {
-    let (described, _) = TrainFile::read(train)?;
+/// Reads the results in `folder`; `unit` where the replay has several. What is wrong is said.
+pub fn read(folder: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTrain, String> {
+    let (described, _) = TrainFile::read(train).map_err(|error| error.to_string())?;
     let path = folder.join("replay.json");
-    let failed = |reason: String| LearnedTrainError::Replay { path: path.clone(), reason };
-    let text = std::fs::read_to_string(&path).map_err(|error| failed(error.to_string()))?;
-    learn(described, &text, unit, failed)
+    let expected =
+        |error: &dyn Display| format!("{}: {error}; expected the results of `rundown replay`", path.display());
+    let text = std::fs::read_to_string(&path).map_err(|error| expected(&error))?;
+    learn(described, &text, unit, expected)
 }
 
 fn learn(
     described: TrainFile,
     text: &str,
     unit: Option<&str>,
-    failed: impl Fn(String) -> LearnedTrainError,
-) -> Result<LearnedTrain, LearnedTrainError> {
-    let results: Results = serde_json::from_str(text).map_err(|error| failed(error.to_string()))?;
+    expected: impl Fn(&dyn Display) -> String,
+) -> Result<LearnedTrain, String> {
+    let results: ReplayJson = serde_json::from_str(text).map_err(|error| expected(&error))?;
     if results.train != described.name {
-        return Err(LearnedTrainError::OtherTrain { expected: described.name, found: results.train });
+        let (found, expected) = (results.train, described.name);
+        return Err(format!("the replay is one of the train `{found}`, expected that of the train file, `{expected}`"));
     }
     if !results.carried {
-        return Err(LearnedTrainError::NotCarried);
+        let expected = "expected one in which the vehicle is carried from run to run";
+        return Err(format!("the replay was made with --no-carry: {expected}"));
     }
-    let mut units: Vec<String> = results.runs.iter().map(|run| run.unit.clone()).collect();
+    let mut units: Vec<&String> = results.runs.iter().map(|run| &run.unit).collect();
     units.sort();
     units.dedup();
     let chosen = match (unit, units.as_slice()) {
-        (None, [only]) => only.clone(),
-        (Some(named), _) if units.iter().any(|unit| unit == named) => named.to_owned(),
-        _ => {
-            return Err(LearnedTrainError::Unit { named: unit.map(str::to_owned), found: units });
-        }
+        (None, [only]) => only.as_str(),
+        (Some(named), _) if units.iter().any(|unit| *unit == named) => named,
+        _ => return Err(format!("expected one of the units {units:?} to be named, found {unit:?}")),
     };
     let runs: Vec<&Run> = results.runs.iter().filter(|run| run.unit == chosen).collect();
     let Some(last) = runs.last() else {
-        return Err(failed("no run".to_owned()));
+        return Err(expected(&"no run"));
     };
     let Vehicle { r0, r1, r2, .. } = last.vehicle;
     let rotating_mass_kg = described.rotating_mass_factor * described.mass_kg;
     let seen = |value: fn(&Features) -> Option<f64>| {
         let values: Vec<f64> = runs.iter().filter_map(|run| value(&run.features)).collect();
         let runs = values.len();
-        (runs >= LEAST_RUNS).then(|| (rotating_mass_kg * median(values), Source::Learned { runs }))
+        (runs >= LEAST_RUNS).then(|| (rotating_mass_kg * median(values), Origin::Learned { runs }))
     };
-    let described_as = |value: f64| (value, Source::Described);
+    let described_as = |value: f64| (value, Origin::Described);
     let (max_tractive_effort_n, effort) =
         seen(|f| f.max_effort_mean_n_per_kg).unwrap_or(described_as(described.max_tractive_effort_n));
     let (max_power_w, power) = seen(|f| f.power_max_w_per_kg).unwrap_or(described_as(described.max_power_w));
     let train = TrainFile { davis: Davis { r0, r1, r2 }, max_tractive_effort_n, max_power_w, ..described };
-    train.train().map_err(LearnedTrainError::NoTrain)?;
+    train.train().map_err(|error| format!("what was learned is no train: {error}"))?;
     Ok(LearnedTrain {
         train,
         davis_sd: [last.vehicle.sd_r0, last.vehicle.sd_r1, last.vehicle.sd_r2],
@@ -180,7 +126,6 @@ fn learn(
     })
 }
 
-/// Of a list that is not empty.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
@@ -202,10 +147,10 @@ mod tests {
         )
     }
 
-    fn learned(runs: &[String], unit: Option<&str>) -> Result<LearnedTrain, LearnedTrainError> {
+    fn learned(runs: &[String], unit: Option<&str>) -> Result<LearnedTrain, String> {
         let (train, _) = TrainFile::parse("t.toml".as_ref(), TRAIN).unwrap();
         let text = format!("{{\"train\":\"unit\",\"carried\":true,\"runs\":[{}]}}", runs.join(","));
-        learn(train, &text, unit, |reason| LearnedTrainError::Replay { path: "replay.json".into(), reason })
+        learn(train, &text, unit, |error| error.to_string())
     }
 
     #[test]
@@ -215,16 +160,16 @@ mod tests {
         assert_eq!(found.train.davis.r0, 0.0072);
         assert_eq!((found.runs, found.davis_sd[0]), (3, 1e-4));
         assert!((found.train.max_tractive_effort_n - 0.5 * 385_840.0).abs() < 1e-6);
-        assert_eq!(found.effort, Source::Learned { runs: 3 });
+        assert_eq!(found.effort, Origin::Learned { runs: 3 });
         // Two runs have shown a power.
         assert_eq!(found.train.max_power_w, 2_036_377.8);
-        assert_eq!(found.power, Source::Described);
+        assert_eq!(found.power, Origin::Described);
     }
 
     #[test]
     fn a_unit_is_asked_for_where_there_are_several() {
         let runs = [run("7", 0.0070, "null", "null"), run("8", 0.0080, "null", "null")];
-        let error = learned(&runs, None).unwrap_err().to_string();
+        let error = learned(&runs, None).unwrap_err();
         assert_eq!(error, "expected one of the units [\"7\", \"8\"] to be named, found None");
         assert_eq!(learned(&runs, Some("8")).unwrap().train.davis.r0, 0.0080);
         assert!(learned(&runs, Some("9")).is_err());
@@ -234,6 +179,6 @@ mod tests {
     #[test]
     fn what_no_train_has_is_refused() {
         let error = learned(&[run("7", -0.1, "null", "null")], None).unwrap_err();
-        assert_eq!(error.to_string(), "what was learned is no train: train: davis.r0 must be 0.00001 to 1, found -0.1");
+        assert_eq!(error, "what was learned is no train: train: davis.r0 must be 0.00001 to 1, found -0.1");
     }
 }

@@ -1,43 +1,39 @@
 //! Rundown's host side: recorded runs through the very estimator of the board, and what it says, as tables and a page.
 //!
-//! ```text
-//! run_set -> run_log -> recording -> replay -> output, report
-//!               train_file, track_file, config_file, map_matching
-//! ```
-//!
 //! | question | module |
 //! |---|---|
-//! | which runs, in which order? | [`run_set`] |
-//! | what stands in a log? | [`run_log`] |
-//! | what does the estimator get? | [`recording`], [`map_matching`] |
-//! | what does it say? | [`replay`] |
-//! | what spoils all of it? | [`advice`] |
-//! | what does another tool get of what was learned? | [`learned_train`], [`sfera`] |
-//! | where is it written? | [`output`], [`table`], [`report`] |
-//! | train, track, configuration, effects | [`train_file`], [`track_file`], [`config_file`], [`effect_file`], all by [`toml_file`] |
-//! | what does a DAS computer say to the board? | [`desk`] |
-//! | how does the host reach a board, and talk to it? | [`link`], [`session`] |
-//! | what does a board say, live? | [`display`] |
-//! | what really happens, and what sensors make of it? | [`truth`] |
+//! | the command `rundown` | [`commands`] |
+//! | what invalidates a whole replay? where are its results written? | `advice`, `output`, `report` |
+//! | what does another tool get of what was learned? | `learned_train`, `sfera` |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | [`study`] |
-//! | what would be the paper's best filter? | [`tune`] |
-//! | tables and runs for other tools | [`parquet`] |
-//! | the command `rundown` | [`commands`] |
+//! | what would be the paper's best filter? | `tune` |
+//! | how often does the gap workflow find a hidden effect? | [`gap_bench`] |
+//! | what does a DAS computer say to the board? | `desk` |
+//! | how does the host reach a board, and talk to it? | `link`, `session` |
+//! | what does a board say, live? | `display` |
+//!
+//! The last three are the cargo feature `link`, which is on by default: all that needs what a board needs. Files are read by `rundown_files`, what
+//! really happens is `rundown_truth`, pages are drawn by `rundown_pages`, the gap workflow is `rundown_gap`.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod advice;
+mod advice;
 pub mod commands;
+#[cfg(feature = "link")]
 pub mod desk;
+#[cfg(feature = "link")]
 pub mod display;
 pub mod gap_bench;
-pub mod learned_train;
+mod learned_train;
+#[cfg(feature = "link")]
 pub mod link;
-pub mod output;
-pub mod report;
+mod logs;
+mod output;
+mod report;
+#[cfg(feature = "link")]
 pub mod session;
-pub mod sfera;
+mod sfera;
 pub mod simulation;
 pub mod study;
-pub mod tune;
+mod tune;

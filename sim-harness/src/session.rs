@@ -8,12 +8,15 @@ use rundown::link::{Link, LinkError};
 use rundown::model::direction::Direction;
 use rundown::onboard::uplink::{Command, Pace, Request};
 use rundown::tick::measurement::Measurement;
-use rundown_wire::{Body, DecodeError, Downlink, Refusal};
-use std::fmt;
+use rundown_wire::{Answer, Body, DecodeError, Downlink, Refusal};
+use std::fmt::Display;
 use std::time::{Duration, Instant};
 
 /// How long a board may take for an answer. The emulator on a busy machine needs up to a second.
 pub const PATIENCE: Duration = Duration::from_secs(10);
+
+/// How long a board that may be just starting is given for its status, before it is asked again.
+const ASK_AGAIN: Duration = Duration::from_millis(500);
 
 /// A frame as it came.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,55 +28,21 @@ pub struct Heard {
 }
 
 /// Why a conversation ended.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "said by the messages")]
 pub enum SessionError {
-    /// The link failed.
+    #[error("link: {0}")]
     Link(String),
-    /// No answer came.
-    Silent {
-        /// To what.
-        to: &'static str,
-        /// How long it was waited for.
-        after: Duration,
-    },
-    /// The board refused what it must not refuse.
-    Refused {
-        /// What.
-        what: &'static str,
-        /// Why.
-        refusal: Refusal,
-    },
+    #[error("no answer to {to} within {} s: is the board powered, and the line connected both ways?", after.as_secs())]
+    Silent { to: &'static str, after: Duration },
+    #[error("the board refused {what}: {}", refusal.as_str())]
+    Refused { what: &'static str, refusal: Refusal },
     /// A message from the board is no frame.
+    #[error("{0}")]
     Decode(DecodeError),
-    /// A message could not be made.
-    Desk(DeskError),
-}
-
-impl fmt::Display for SessionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Link(error) => write!(f, "link: {error}"),
-            Self::Silent { to, after } => write!(
-                f,
-                "no answer to {to} within {} s: is the board powered, and the line connected both ways?",
-                after.as_secs()
-            ),
-            Self::Refused { what, refusal } => {
-                write!(f, "the board refused {what}: {}", refusal.as_str())
-            }
-            Self::Decode(error) => error.fmt(f),
-            Self::Desk(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for SessionError {}
-
-impl From<DeskError> for SessionError {
-    fn from(error: DeskError) -> Self {
-        Self::Desk(error)
-    }
+    #[error(transparent)]
+    Desk(#[from] DeskError),
 }
 
 /// A board at the other end of a link.
@@ -85,7 +54,7 @@ pub struct Session<L> {
 
 impl<L: Link> Session<L>
 where
-    L::PortError: fmt::Display,
+    L::PortError: Display,
 {
     /// Over this link, with the words of this desk.
     pub fn new(link: L, desk: Desk) -> Self {
@@ -97,15 +66,7 @@ where
         &self.desk
     }
 
-    /// The link below.
-    pub fn link_mut(&mut self) -> &mut L {
-        &mut self.link
-    }
-
     /// The next frame, if one has come.
-    ///
-    /// # Errors
-    /// The link fails, or the frame cannot be read.
     pub fn listen(&mut self) -> Result<Option<Heard>, SessionError> {
         let message = self.link.receive(self.clock.now_us()).map_err(|error| SessionError::Link(error.to_string()))?;
         let Some(message) = message else {
@@ -117,9 +78,6 @@ where
     }
 
     /// Sends a message.
-    ///
-    /// # Errors
-    /// The link fails.
     pub fn tell(&mut self, message: &[u8]) -> Result<(), SessionError> {
         let begin = Instant::now();
         loop {
@@ -133,45 +91,51 @@ where
         }
     }
 
-    /// Sends a message and collects frames until it is answered: by an answer, or by the estimate that closes a tick.
-    fn exchange(&mut self, message: &[u8], to: &'static str) -> Result<Vec<Heard>, SessionError> {
-        self.tell(message)?;
+    /// Frames, until one answers or the time is up; whether one did.
+    fn collect(&mut self, patience: Duration, answers: fn(&Body) -> bool) -> Result<(Vec<Heard>, bool), SessionError> {
         let begin = Instant::now();
         let mut heard = Vec::new();
-        while begin.elapsed() < PATIENCE {
+        while begin.elapsed() < patience {
             let Some(next) = self.listen()? else {
                 std::thread::yield_now();
                 continue;
             };
-            let answered = matches!(next.frame.body, Body::Answer(_) | Body::Estimate(_));
+            let answered = answers(&next.frame.body);
             heard.push(next);
             if answered {
-                return Ok(heard);
+                return Ok((heard, true));
             }
         }
-        Err(SessionError::Silent { to, after: PATIENCE })
+        Ok((heard, false))
     }
 
-    /// Asks something that changes the board.
-    ///
-    /// # Errors
-    /// It is refused, or not answered.
-    pub fn ask(&mut self, request: Request, what: &'static str) -> Result<Vec<Heard>, SessionError> {
-        let message = self.desk.secured(request)?;
-        let heard = self.exchange(&message, what)?;
+    /// Sends a message and collects frames until it is answered: by an answer, or by the estimate that closes a tick.
+    fn exchange(&mut self, message: &[u8], to: &'static str) -> Result<Vec<Heard>, SessionError> {
+        self.tell(message)?;
+        match self.collect(PATIENCE, |body| matches!(body, Body::Answer(_) | Body::Estimate(_)))? {
+            (heard, true) => Ok(heard),
+            (_, false) => Err(SessionError::Silent { to, after: PATIENCE }),
+        }
+    }
+
+    /// The same, where a refusal is an error.
+    fn accepted(&mut self, message: &[u8], what: &'static str) -> Result<Vec<Heard>, SessionError> {
+        let heard = self.exchange(message, what)?;
         match heard.last().map(|last| &last.frame.body) {
-            Some(Body::Answer(answer)) => match answer.result {
-                Ok(()) => Ok(heard),
-                Err(refusal) => Err(SessionError::Refused { what, refusal }),
-            },
+            Some(Body::Answer(Answer { result: Err(refusal), .. })) => {
+                Err(SessionError::Refused { what, refusal: *refusal })
+            }
             _ => Ok(heard),
         }
     }
 
+    /// Asks something that changes the board.
+    pub fn ask(&mut self, request: Request, what: &'static str) -> Result<Vec<Heard>, SessionError> {
+        let message = self.desk.secured(request)?;
+        self.accepted(&message, what)
+    }
+
     /// Describes train, track and configuration, and begins a run. Asks for the status first, until the board answers: it may be just starting.
-    ///
-    /// # Errors
-    /// The board is silent, or refuses a part of it.
     pub fn prepare(
         &mut self,
         description: &Description,
@@ -181,38 +145,20 @@ where
         let mut heard = self.greet()?;
         for message in self.desk.prepare(description, direction, pace)? {
             let what = "the description of train, track and configuration";
-            let frames = self.exchange(&message, what)?;
-            if let Some(Body::Answer(answer)) = frames.last().map(|last| &last.frame.body)
-                && let Err(refusal) = answer.result
-            {
-                return Err(SessionError::Refused { what, refusal });
-            }
-            heard.extend(frames);
+            heard.extend(self.accepted(&message, what)?);
         }
         Ok(heard)
     }
 
     /// Asks for the status until the board answers.
-    ///
-    /// # Errors
-    /// It does not.
     pub fn greet(&mut self) -> Result<Vec<Heard>, SessionError> {
         let begin = Instant::now();
         loop {
             let message = self.desk.open(Request::Command(Command::Status))?;
             self.tell(&message)?;
-            let asked = Instant::now();
-            let mut heard = Vec::new();
-            while asked.elapsed() < Duration::from_millis(500) {
-                let Some(next) = self.listen()? else {
-                    std::thread::yield_now();
-                    continue;
-                };
-                let answered = matches!(next.frame.body, Body::Answer(_));
-                heard.push(next);
-                if answered {
-                    return Ok(heard);
-                }
+            let (heard, answered) = self.collect(ASK_AGAIN, |body| matches!(body, Body::Answer(_)))?;
+            if answered {
+                return Ok(heard);
             }
             if begin.elapsed() > PATIENCE {
                 return Err(SessionError::Silent { to: "the question for its status", after: PATIENCE });
@@ -221,26 +167,17 @@ where
     }
 
     /// One measurement in lockstep: the frames of its tick, or the answer that refuses it.
-    ///
-    /// # Errors
-    /// The board is silent.
     pub fn measure(&mut self, measurement: &Measurement) -> Result<Vec<Heard>, SessionError> {
         let message = self.desk.open(Request::Measurement(*measurement))?;
         self.exchange(&message, "a measurement")
     }
 
     /// Ends the run.
-    ///
-    /// # Errors
-    /// None is under way, or the board is silent.
     pub fn end_run(&mut self) -> Result<Vec<Heard>, SessionError> {
         self.ask(Request::Command(Command::End), "the end of the run")
     }
 
     /// A measurement by the clock: nothing is waited for.
-    ///
-    /// # Errors
-    /// The link fails.
     pub fn report(&mut self, measurement: &Measurement) -> Result<(), SessionError> {
         let message = self.desk.open(Request::Measurement(*measurement))?;
         self.tell(&message)

@@ -20,10 +20,9 @@ use rundown_files::train_file::TrainFile;
 use std::io;
 use std::str::FromStr;
 
-/// Step of the traction curve, km/h.
 const CURVE_STEP_KMH: f64 = 5.0;
 
-/// What the schema demands and no run can tell.
+/// What the schema demands and no run shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
     /// `TC_RU_ID`: RICS code of the railway undertaking, four characters.
@@ -38,7 +37,6 @@ pub struct Identity {
     pub max_speed_kmh: u16,
 }
 
-/// Where the energy comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Traction {
     /// Overhead line or third rail.
@@ -48,11 +46,8 @@ pub enum Traction {
         /// Frequency, mHz; 0: direct current.
         millihertz: u32,
     },
-    /// Battery.
     Battery,
-    /// Diesel.
     Diesel,
-    /// Hydrogen.
     Hydrogen,
 }
 
@@ -60,13 +55,6 @@ impl FromStr for Traction {
     type Err = String;
 
     /// `diesel`, `battery`, `hydrogen`, `1500V` (direct current), `15000V16.7Hz`.
-    ///
-    /// ```
-    /// use sim_harness::sfera::Traction;
-    ///
-    /// assert_eq!("15000V16.7Hz".parse(), Ok(Traction::Electrical { volts: 15_000, millihertz: 16_700 }));
-    /// assert_eq!("1500V".parse(), Ok(Traction::Electrical { volts: 1500, millihertz: 0 }));
-    /// ```
     fn from_str(text: &str) -> Result<Self, String> {
         let expected = || format!("expected diesel, battery, hydrogen, 1500V or 15000V16.7Hz, found `{text}`");
         match text {
@@ -91,9 +79,6 @@ impl FromStr for Traction {
 }
 
 /// A RICS code as the schema takes it: four digits or capital letters.
-///
-/// # Errors
-/// What was expected.
 pub fn company(text: &str) -> Result<String, String> {
     let good = |c: char| c.is_ascii_digit() || c.is_ascii_uppercase();
     if text.len() == 4 && text.chars().all(good) {
@@ -109,16 +94,6 @@ pub fn stated_mass_kg(train: &TrainFile) -> f64 {
 }
 
 /// A, B, C in N, N s/m, N s²/m² with the stated mass.
-///
-/// ```
-/// # use rundown::model::resistance::Davis;
-/// # use rundown_files::train_file::TrainFile;
-/// # let train = TrainFile { name: "unit".into(), mass_kg: 363_900.0, rotating_mass_factor: 1.06, length_m: 162.0, max_tractive_effort_n: 192_920.0,
-/// #     max_power_w: 2.036e6, max_brake_mps2: 0.66, davis: Davis { r0: 7.0e-3, r1: 1.5e-4, r2: 2.7e-5 }, effect: Vec::new() };
-/// let [a, b, c] = sim_harness::sfera::rollout_coefficients(&train);
-/// // 364 t with 6 % of rotating mass.
-/// assert!((a - 385_840.0 * 7.0e-3).abs() < 1e-9 && (b - 57.876).abs() < 1e-9 && (c - 10.417_68).abs() < 1e-9);
-/// ```
 pub fn rollout_coefficients(train: &TrainFile) -> [f64; 3] {
     let rotating_mass_kg = train.rotating_mass_factor * stated_mass_kg(train);
     let davis = &train.davis;
@@ -149,9 +124,6 @@ pub fn traction_curve(train: &TrainFile, max_speed_kmh: f64) -> Vec<(f64, f64)> 
 const MEANING: &str = " rotatingMassFactor: mass with its rotating part over trainWeight. Rollout coefficients and tractionForce: forces on a train of trainWeight. ";
 
 /// Writes the document.
-///
-/// # Errors
-/// Those of `writer`.
 pub fn write(writer: impl io::Write, train: &TrainFile, identity: &Identity) -> io::Result<()> {
     let mut xml = Writer::new_with_indent(writer, b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
@@ -283,6 +255,8 @@ mod tests {
     fn a_reader_gets_the_learned_deceleration_back() {
         let train = train();
         let [a, b, c] = rollout_coefficients(&train);
+        // 364 t with 6 % of rotating mass.
+        assert!((a - 385_840.0 * 7.1e-3).abs() < 1e-9 && (b - 57.876).abs() < 1e-9 && (c - 10.417_68).abs() < 1e-9);
         let v = 30.0;
         let deceleration = (a + b * v + c * v * v) / (1.06 * 364_000.0);
         let learned = 7.1e-3 + v * (1.5e-4 + v * 2.7e-5);
@@ -290,7 +264,9 @@ mod tests {
     }
 
     #[test]
-    fn what_the_schema_does_not_take_is_refused() {
+    fn voltage_and_frequency_are_read_and_what_the_schema_does_not_take_is_refused() {
+        assert_eq!("15000V16.7Hz".parse(), Ok(Traction::Electrical { volts: 15_000, millihertz: 16_700 }));
+        assert_eq!("1500V".parse(), Ok(Traction::Electrical { volts: 1500, millihertz: 0 }));
         for wrong in ["84", "008a", "00844", "00 4"] {
             assert!(company(wrong).is_err(), "{wrong}");
         }

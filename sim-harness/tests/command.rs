@@ -1,64 +1,11 @@
 //! Does the command keep its promises? Exit codes, one-line errors, the files it writes.
 
+mod common;
+
+use common::{Folder, RUN, code, reference, stderr, stdout};
 use serde_json::Value;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-const RUN: &str = include_str!("../../data/reference/run01.csv");
-
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn with(self, name: &str, text: &str) -> Self {
-        let path = self.path(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, text).unwrap();
-        self
-    }
-
-    fn read(&self, name: &str) -> String {
-        std::fs::read_to_string(self.path(name)).unwrap()
-    }
-
-    /// `rundown replay` with the reference train and track, results in `out`.
-    fn replay(&self, arguments: &[&str]) -> Output {
-        self.replay_on(&reference().join("track.toml"), arguments)
-    }
-
-    /// The same on another track.
-    fn replay_on(&self, track: &Path, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
-        command.current_dir(self.0.path()).arg("replay");
-        command.arg("--train").arg(reference().join("train.toml"));
-        command.arg("--track").arg(track);
-        command.args(["--out", "out"]).args(arguments).output().unwrap()
-    }
-}
-
-fn reference() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference")
-}
-
-fn code(output: &Output) -> Option<i32> {
-    output.status.code()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
+use std::process::Output;
 
 #[test]
 fn a_replay_writes_every_file_and_one_row_a_sample() {
@@ -116,7 +63,7 @@ fn coast_ahead_has_a_row_a_tick_where_the_track_has_limits() {
     assert_eq!(json["runs"][0]["coast_ahead"], "run.coast_ahead.csv");
 
     // Without limits and stops there is nothing to coast to.
-    let track = std::fs::read_to_string(reference().join("track.toml")).unwrap();
+    let track = std::fs::read_to_string(reference("track.toml")).unwrap();
     let (mut bare, mut keep) = (String::new(), true);
     for line in track.lines() {
         if line.starts_with('[') {
@@ -128,7 +75,7 @@ fn coast_ahead_has_a_row_a_tick_where_the_track_has_limits() {
         }
     }
     let folder = Folder::new().with("run.csv", RUN).with("bare.toml", &bare);
-    assert_eq!(code(&folder.replay_on(&folder.path("bare.toml"), &["run.csv"])), Some(0));
+    assert_eq!(code(&folder.replay_on("bare.toml", &["run.csv"])), Some(0));
     assert!(!folder.path("out/run.coast_ahead.csv").exists());
 }
 
@@ -210,7 +157,7 @@ fn what_spoils_a_whole_replay_is_said_aloud() {
     let paper = notes(&folder.replay(&["--mode", "paper", "run.csv"]));
     assert!(paper.contains("does not follow the true resistance"));
     assert_eq!(
-        notes(&folder.replay_on(Path::new("short.toml"), &["run.csv"])),
+        notes(&folder.replay_on("short.toml", &["run.csv"])),
         "note: run: more than one location in 20 lies off the track, which is 0 to 32 m: are track and length_m those of this line?\n\
          note: nothing was learned about the resistance: it takes 60 s of coasting above 50 km/h in one piece\n"
     );
@@ -229,17 +176,16 @@ fn a_log_without_any_speed_is_named_and_one_that_cannot_be_read_is_no_reason_for
     assert!(!found.contains("note: "), "{found}");
 }
 
-/// The way from the command line to the reference: configuration by file, results from the file that a user reads.
+/// From the command line to the reference: configuration by file, results from the file that a user reads.
 #[test]
 fn the_tables_of_the_reference_come_out_of_the_command() {
-    let alpha_1 = reference().join("alpha_1.toml");
-    let alpha_1 = alpha_1.to_str().unwrap();
-    for (arguments, name) in [(["--mode", "paper"], "A_run01.csv"), (["--config", alpha_1], "D_run01.csv")] {
+    let alpha_1 = reference("alpha_1.toml");
+    for (arguments, name) in [(["--mode", "paper"], "A_run01.csv"), (["--config", alpha_1.as_str()], "D_run01.csv")] {
         let folder = Folder::new().with("run.csv", RUN);
         let output = folder.replay(&[arguments[0], arguments[1], "run.csv"]);
         assert_eq!(code(&output), Some(0), "{}", stderr(&output));
         let found = columns(&folder.read("out/run.estimates.csv"));
-        let expected = columns(&std::fs::read_to_string(reference().join(name)).unwrap());
+        let expected = columns(&std::fs::read_to_string(reference(name)).unwrap());
         let number = |field: &String| field.parse::<f64>().unwrap();
         let near = |ours: &str, theirs: &str, scale: &dyn Fn(usize) -> f64, limit: f64| {
             for (row, (a, b)) in found[ours].iter().zip(&expected[theirs]).enumerate() {
@@ -309,20 +255,20 @@ fn an_output_that_cannot_be_written_has_its_own_exit_code() {
 
 #[test]
 fn help_and_completions_are_there() {
-    let run = |arguments: &[&str]| Command::new(env!("CARGO_BIN_EXE_rundown")).args(arguments).output().unwrap();
-    let help = stdout(&run(&["replay", "--help"]));
+    let folder = Folder::new();
+    let help = stdout(&folder.rundown(&["replay", "--help"]));
     for word in ["Examples:", "Exit codes:", "--skip-bad-rows", "parameters.csv"] {
         assert!(help.contains(word), "{word}");
     }
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        assert!(stdout(&run(&["completions", shell])).contains("rundown"), "{shell}");
+        assert!(stdout(&folder.rundown(&["completions", shell])).contains("rundown"), "{shell}");
     }
 }
 
 #[test]
 fn the_demo_says_what_it_saw_and_where_the_report_lies() {
     let folder = Folder::new();
-    let output = Command::new(env!("CARGO_BIN_EXE_rundown")).current_dir(folder.0.path()).arg("demo").output().unwrap();
+    let output = folder.rundown(&["demo"]);
     assert_eq!(code(&output), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     for word in ["67 simulated runs", "final coast", "final brake", "at 60 km/h", "at 140 km/h", "out/demo/report.html"]
@@ -334,13 +280,9 @@ fn the_demo_says_what_it_saw_and_where_the_report_lies() {
 
 #[test]
 fn an_effect_is_explained_without_any_data() {
-    let explain = |arguments: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
-        command.args(["gap", "--explain"]).args(arguments);
-        command.output().unwrap()
-    };
-    let told = explain(&["steady_wind"]);
-    assert!(told.status.success(), "{told:?}");
-    assert!(String::from_utf8_lossy(&told.stdout).contains("headwind"));
-    assert_eq!(explain(&["no_such_effect"]).status.code(), Some(2));
+    let explain = |name| Folder::new().rundown(&["gap", "--explain", name]);
+    let explained = explain("steady_wind");
+    assert_eq!(code(&explained), Some(0), "{explained:?}");
+    assert!(stdout(&explained).contains("headwind"));
+    assert_eq!(code(&explain("no_such_effect")), Some(2));
 }

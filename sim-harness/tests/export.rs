@@ -1,22 +1,12 @@
-//! Does another tool get what was learned? The files of `rundown export`, and the way back through a replay.
+//! Does another tool get what was learned? The files of `rundown export`, and back through a replay.
 
 mod common;
 
-use common::{done, rundown};
+use common::{RUN, code, done, reference, rundown, stderr};
 use quick_xml::events::Event;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Output;
-
-const RUN: &str = include_str!("../../data/reference/run01.csv");
-
-fn reference(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference").join(name)
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
 
 /// A folder with three runs and their replay in `out`.
 fn replayed(more: &[&str]) -> tempfile::TempDir {
@@ -131,7 +121,7 @@ fn what_was_learned_goes_out_and_comes_back() {
 fn what_has_learned_nothing_together_is_refused() {
     let folder = replayed(&["--no-carry"]);
     let output = exported(folder.path(), &[]);
-    assert_eq!(output.status.code(), Some(3));
+    assert_eq!(code(&output), Some(3));
     assert!(stderr(&output).contains("--no-carry"), "{}", stderr(&output));
 }
 
@@ -143,12 +133,12 @@ fn another_train_another_unit_and_no_replay_are_refused() {
     let other = train.replacen("name = \"", "name = \"another ", 1);
     std::fs::write(at.join("other.toml"), other).unwrap();
     let output = rundown(at, &[&EXPORT[..], &["--train", "other.toml"]].concat());
-    assert_eq!(output.status.code(), Some(3));
+    assert_eq!(code(&output), Some(3));
     assert!(stderr(&output).contains("expected that of the train file"), "{}", stderr(&output));
-    assert_eq!(exported(at, &["--unit", "nobody"]).status.code(), Some(3));
+    assert_eq!(code(&exported(at, &["--unit", "nobody"])), Some(3));
     std::fs::remove_file(at.join("out/replay.json")).unwrap();
     let output = exported(at, &[]);
-    assert_eq!(output.status.code(), Some(3));
+    assert_eq!(code(&output), Some(3));
     assert!(stderr(&output).contains("replay.json"), "{}", stderr(&output));
     assert!(!at.join("learned").exists());
 }

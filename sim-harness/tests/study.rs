@@ -1,46 +1,34 @@
 //! Does `rundown study` show what it computes? The numbers behind each picture, the same bytes from the same seed, runs from CSV and Parquet.
 
+mod common;
+
+use common::{Folder, code, stderr, stdout};
 use parquet::file::reader::FileReader;
 use parquet::record::{Field, Row};
 use serde_json::Value;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Output;
 
 /// Runs of the study in these tests: enough for every figure.
 const COUNT: usize = 12;
 
-struct Folder(tempfile::TempDir);
+/// Where nothing may be said on stderr.
+fn quiet(folder: &Folder, arguments: &[&str]) -> Output {
+    let output = folder.rundown(arguments);
+    assert_eq!((code(&output), stderr(&output).as_str()), (Some(0), ""));
+    output
+}
 
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
+fn study(folder: &Folder, out: &str) -> Output {
+    quiet(folder, &["study", "--count", &COUNT.to_string(), "--out", out])
+}
 
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn rundown(&self, arguments: &[&str]) -> Output {
-        let output =
-            Command::new(env!("CARGO_BIN_EXE_rundown")).current_dir(self.0.path()).args(arguments).output().unwrap();
-        assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
-        output
-    }
-
-    fn study(&self, out: &str) -> Output {
-        let count = COUNT.to_string();
-        let output = self.rundown(&["study", "--count", &count, "--out", out]);
-        assert_eq!(output.status.code(), Some(0));
-        output
-    }
-
-    fn table(&self, name: &str) -> Table {
-        let mut reader = csv::Reader::from_path(self.path(name)).unwrap();
-        Table {
-            header: reader.headers().unwrap().iter().map(String::from).collect(),
-            rows: reader.records().map(|row| row.unwrap().iter().map(String::from).collect()).collect(),
-        }
+fn csv_table(folder: &Folder, name: &str) -> Table {
+    let mut reader = csv::Reader::from_path(folder.path(name)).unwrap();
+    Table {
+        header: reader.headers().unwrap().iter().map(String::from).collect(),
+        rows: reader.records().map(|row| row.unwrap().iter().map(String::from).collect()).collect(),
     }
 }
 
@@ -76,7 +64,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
 #[test]
 fn every_picture_has_its_numbers_and_stands_in_the_report() {
     let folder = Folder::new();
-    folder.study("out");
+    study(&folder, "out");
     let names = names(&folder.path("out"));
     let mut expected = vec!["fig2_speed_profiles".to_owned()];
     for eyes in ["paper", "gated"] {
@@ -95,7 +83,7 @@ fn every_picture_has_its_numbers_and_stands_in_the_report() {
     let page = std::fs::read_to_string(folder.path("out/report.html")).unwrap();
     for name in &expected {
         assert!(names.contains(&format!("{name}.svg")), "{name}");
-        assert!(!folder.table(&format!("out/{name}.csv")).rows.is_empty());
+        assert!(!csv_table(&folder, &format!("out/{name}.csv")).rows.is_empty());
         // A file needs the name space that the page does without; the rest is the same picture.
         let svg = std::fs::read_to_string(folder.path(&format!("out/{name}.svg"))).unwrap();
         let body = svg.split_once("<title>").unwrap().1;
@@ -114,10 +102,10 @@ fn every_picture_has_its_numbers_and_stands_in_the_report() {
 #[test]
 fn the_numbers_are_those_of_the_runs() {
     let folder = Folder::new();
-    folder.study("out");
-    let runs = folder.table("out/runs.csv");
+    study(&folder, "out");
+    let runs = csv_table(&folder, "out/runs.csv");
     assert_eq!(runs.rows.len(), COUNT);
-    let profiles = folder.table("out/fig2_speed_profiles.csv");
+    let profiles = csv_table(&folder, "out/fig2_speed_profiles.csv");
     let drawn: BTreeSet<&str> = profiles.column("run").into_iter().collect();
     assert_eq!(drawn, runs.column("run").into_iter().collect());
     let top = profiles.numbers("speed_kmh").into_iter().fold(0.0, f64::max);
@@ -126,14 +114,14 @@ fn the_numbers_are_those_of_the_runs() {
 
     // Fig. 4 counts every sample once in each coefficient.
     let samples: f64 = runs.numbers("rows").iter().sum();
-    let davis = folder.table("out/fig4_davis_paper.csv");
+    let davis = csv_table(&folder, "out/fig4_davis_paper.csv");
     for name in ["r0", "r1", "r2"] {
         let counted: f64 = davis.rows_of("quantity", name).numbers("count").iter().sum();
         assert_eq!(counted, samples, "{name}");
     }
 
     // Fig. 7: a final coast of each run lies in the bin that counts it.
-    let style = folder.table("out/fig7_style_gated.csv").rows_of("quantity", "final_coast_min");
+    let style = csv_table(&folder, "out/fig7_style_gated.csv").rows_of("quantity", "final_coast_min");
     let coasts = runs.numbers("gated_final_coast_s");
     let (from, to) = (style.numbers("from"), style.numbers("to"));
     for (index, count) in style.numbers("count").into_iter().enumerate() {
@@ -143,7 +131,7 @@ fn the_numbers_are_those_of_the_runs() {
     }
 
     // Fig. 8: the mean of a step is that of its samples.
-    let brake = folder.table("out/fig8_brake_rates_paper.csv");
+    let brake = csv_table(&folder, "out/fig8_brake_rates_paper.csv");
     let steps = brake.rows_of("kind", "step").rows_of("run", "60_to_40");
     let step = steps.numbers("brake_rate_mps2")[0];
     let samples = brake.rows_of("kind", "sample");
@@ -159,7 +147,7 @@ fn the_numbers_are_those_of_the_runs() {
     assert!((true_rate - step).abs() < 0.1, "{true_rate} {step}");
 
     // Fig. 9: one cross a run, its largest power between 50 and 90 km/h.
-    let power = folder.table("out/fig9_power_gated.csv");
+    let power = csv_table(&folder, "out/fig9_power_gated.csv");
     for (run, largest) in runs.column("run").iter().zip(runs.numbers("gated_max_power_50_90_kw")) {
         let cross = power.rows_of("run", run).rows_of("largest_50_90", "yes");
         assert_eq!(cross.numbers("power_kw"), [largest], "{run}");
@@ -167,45 +155,40 @@ fn the_numbers_are_those_of_the_runs() {
 
     // Figs. 3, 5 and 6 are the first run's, a row a sample.
     let rows = runs.numbers("rows")[0] as usize;
-    let terms = folder.table("out/fig5_resistance_gated.csv");
-    let motion = folder.table("out/fig3_run_gated.csv");
+    let terms = csv_table(&folder, "out/fig5_resistance_gated.csv");
+    let motion = csv_table(&folder, "out/fig3_run_gated.csv");
     assert_eq!((terms.rows.len(), motion.rows.len()), (rows, rows));
     let (speed, r2) = (motion.numbers("estimated_kmh"), motion.numbers("r2"));
     for (index, quadratic) in terms.numbers("quadratic_n_per_kg").into_iter().enumerate() {
         let v = speed[index] / 3.6;
         assert!((quadratic - r2[index] * v * v).abs() < 1e-12);
     }
-    assert_eq!(folder.table("out/fig6_regimes_paper.csv").rows.len(), rows);
+    assert_eq!(csv_table(&folder, "out/fig6_regimes_paper.csv").rows.len(), rows);
 }
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
     let folder = Folder::new();
-    let (first, second) = (folder.study("a"), folder.study("b"));
-    assert_eq!(
-        String::from_utf8_lossy(&first.stdout).replace("a/report", "b/report"),
-        String::from_utf8_lossy(&second.stdout)
-    );
+    let (first, second) = (study(&folder, "a"), study(&folder, "b"));
+    assert_eq!(stdout(&first).replace("a/report", "b/report"), stdout(&second));
     assert_eq!(names(&folder.path("a")), names(&folder.path("b")));
     for name in names(&folder.path("a")) {
         let of = |out: &str| std::fs::read(folder.path(out).join(&name)).unwrap();
         assert!(of("a") == of("b"), "{name}");
     }
-    folder.rundown(&["study", "--count", "2", "--seed", "2", "--out", "c"]);
-    let of = |out: &str| folder.table(&format!("{out}/runs.csv")).rows[0].clone();
+    quiet(&folder, &["study", "--count", "2", "--seed", "2", "--out", "c"]);
+    let of = |out: &str| csv_table(&folder, &format!("{out}/runs.csv")).rows[0].clone();
     assert_ne!(of("a"), of("c"));
 }
 
 #[test]
 fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
     let folder = Folder::new();
-    folder.rundown(&["study", "--count", "3", "--out", "simulated", "--keep-runs", "runs.parquet"]);
+    quiet(&folder, &["study", "--count", "3", "--out", "simulated", "--keep-runs", "runs.parquet"]);
     let recorded = |runs: &str, out: &str| {
         let files = ["--train", "simulated/train.toml", "--track", "simulated/track.toml"];
-        let mut arguments = vec!["study", "--runs", runs, "--out", out];
-        arguments.extend(files);
-        folder.rundown(&arguments);
-        folder.table(&format!("{out}/runs.csv"))
+        quiet(&folder, &[&["study", "--runs", runs, "--out", out][..], &files].concat());
+        csv_table(&folder, &format!("{out}/runs.csv"))
     };
     std::fs::create_dir(folder.path("logs")).unwrap();
     for index in 0..3 {
@@ -220,7 +203,7 @@ fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
         let name = format!("logs/{}.csv", case.recording.name);
         std::fs::write(folder.path(&name), log).unwrap();
     }
-    let simulated = folder.table("simulated/runs.csv");
+    let simulated = csv_table(&folder, "simulated/runs.csv");
     for table in [recorded("runs.parquet", "parquet"), recorded("logs", "csv")] {
         assert_eq!(table.column("run"), simulated.column("run"));
         for name in ["paper_r0", "gated_r2", "gated_final_coast_s", "paper_power_kw"] {
@@ -228,35 +211,28 @@ fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
         }
         assert!(table.numbers("true_r0").is_empty(), "no truth is known of recorded runs");
     }
-    let claims = folder.table("csv/claims.csv");
+    let claims = csv_table(&folder, "csv/claims.csv");
     assert!(claims.column("truth").iter().all(|text| !text.contains("km/h")));
 }
 
 #[test]
 fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
-    let folder = Folder::new();
-    let scenario = "runs = 3\n[wind]\nsd_mps = 2.0\n[load]\nsd = 0.02\n";
-    std::fs::write(folder.path("s.toml"), scenario).unwrap();
-    folder.rundown(&["simulate", "--scenario", "s.toml", "--out", "set"]);
-    folder.rundown(&["study", "--scenario", "s.toml", "--out", "direct"]);
+    let folder = Folder::new().with("s.toml", "runs = 3\n[wind]\nsd_mps = 2.0\n[load]\nsd = 0.02\n");
+    quiet(&folder, &["simulate", "--scenario", "s.toml", "--out", "set"]);
+    quiet(&folder, &["study", "--scenario", "s.toml", "--out", "direct"]);
     let study = |runs: &str, out: &str| {
-        let output = Command::new(env!("CARGO_BIN_EXE_rundown"))
-            .current_dir(folder.0.path())
-            .args(["study", "--runs", runs, "--train", "set/train.toml"])
-            .args(["--track", "set/track.toml", "--out", out])
-            .output();
-        let output = output.unwrap();
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        (output.status.code(), text(&output.stdout), text(&output.stderr))
+        let described = ["--train", "set/train.toml", "--track", "set/track.toml"];
+        let output = folder.rundown(&[&["study", "--runs", runs, "--out", out][..], &described].concat());
+        (code(&output), stdout(&output), stderr(&output))
     };
 
     // The whole data set, and its logs alone.
-    let direct = folder.table("direct/runs.csv");
+    let direct = csv_table(&folder, "direct/runs.csv");
     for (runs, out) in [("set", "a"), ("set/runs", "b")] {
         let (code, said, _) = study(runs, out);
         assert_eq!(code, Some(0));
         assert!(said.contains("3 runs; their truth is known"), "{said}");
-        let table = folder.table(&format!("{out}/runs.csv"));
+        let table = csv_table(&folder, &format!("{out}/runs.csv"));
         let of_truth = table.header.iter().filter(|name| name.starts_with("true_"));
         for name in of_truth {
             let pairs = table.numbers(name).into_iter().zip(direct.numbers(name));
@@ -267,8 +243,8 @@ fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
                 assert!((read - known).abs() <= 1e-5 * known.abs() + 1e-9, "{name}: {read} {known}");
             }
         }
-        let claims = folder.table(&format!("{out}/claims.csv"));
-        assert_eq!(claims.column("truth"), folder.table("direct/claims.csv").column("truth"));
+        let claims = csv_table(&folder, &format!("{out}/claims.csv"));
+        assert_eq!(claims.column("truth"), csv_table(&folder, "direct/claims.csv").column("truth"));
     }
 
     // One truth is missing, one is of other times: they are named, and the third is shown.
@@ -293,14 +269,14 @@ fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
     assert!(said.contains("3 runs; no truth lies beside them"), "{said}");
     let page = std::fs::read_to_string(folder.path("e/report.html")).unwrap();
     assert!(page.contains("no truth lies beside them"));
-    assert!(folder.table("e/runs.csv").numbers("true_r0").is_empty());
+    assert!(csv_table(&folder, "e/runs.csv").numbers("true_r0").is_empty());
 }
 
 #[test]
 fn a_table_of_runs_is_the_same_as_csv_and_as_parquet() {
     let folder = Folder::new();
-    folder.rundown(&["study", "--count", "2", "--out", "out"]);
-    let csv = folder.table("out/runs.csv");
+    quiet(&folder, &["study", "--count", "2", "--out", "out"]);
+    let csv = csv_table(&folder, "out/runs.csv");
     let bytes = std::fs::File::open(folder.path("out/runs.parquet")).unwrap();
     let reader = parquet::file::serialized_reader::SerializedFileReader::new(bytes).unwrap();
     let rows: Vec<Row> = reader.get_row_iter(None).unwrap().map(Result::unwrap).collect();
@@ -326,7 +302,7 @@ fn a_table_of_runs_is_the_same_as_csv_and_as_parquet() {
 fn the_truth_is_followed_by_the_gated_mode_and_not_by_the_paper() {
     let folder = Folder::new();
     let arguments = ["study", "--truth-slope", "--vehicles", "8", "--vehicle-runs", "3", "--json", "--out", "out"];
-    let output = folder.rundown(&arguments);
+    let output = quiet(&folder, &arguments);
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     let answers = json["answers"].as_array().unwrap();
     assert_eq!(answers.len(), 3 * 2, "three modes after 1 and 3 runs");
@@ -345,26 +321,18 @@ fn the_truth_is_followed_by_the_gated_mode_and_not_by_the_paper() {
     };
     assert!(bound("gated", 3) < bound("gated", 1));
     assert!(bound("measured", 1) < bound("gated", 1));
-    let table = folder.table("out/slope.csv");
+    let table = csv_table(&folder, "out/slope.csv");
     assert_eq!(table.rows.len(), 6);
-    assert_eq!(folder.table("out/slope_after_1_run.csv").rows.len(), 3 * 8);
+    assert_eq!(csv_table(&folder, "out/slope_after_1_run.csv").rows.len(), 3 * 8);
     assert!(folder.path("out/slope_after_3_runs.svg").exists());
 }
 
 #[test]
 fn arguments_that_do_not_go_together_are_refused() {
-    let folder = Folder::new();
-    let code = |arguments: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
-        let output = command.current_dir(folder.0.path()).arg("study").args(arguments).output();
-        output.unwrap().status.code()
-    };
+    let folder = Folder::new().with("t.toml", "name = 1\n");
+    let code = |arguments: &[&str]| code(&folder.rundown(&[&["study"], arguments].concat()));
     assert_eq!(code(&["--runs", "logs"]), Some(2), "without train and track");
     assert_eq!(code(&["--truth-slope", "--count", "3"]), Some(2));
     assert_eq!(code(&["--truth-slope", "--vehicles", "2"]), Some(2));
-    std::fs::write(folder.path("t.toml"), "name = 1\n").unwrap();
-    let described = ["--train", "t.toml", "--track", "t.toml"];
-    let mut arguments = vec!["--runs", "logs"];
-    arguments.extend(described);
-    assert_eq!(code(&arguments), Some(3));
+    assert_eq!(code(&["--runs", "logs", "--train", "t.toml", "--track", "t.toml"]), Some(3));
 }

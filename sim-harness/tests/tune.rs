@@ -2,11 +2,8 @@
 
 mod common;
 
-use common::done;
+use common::{RUN, done, reference};
 use serde_json::Value;
-use std::path::Path;
-
-const RUN: &str = include_str!("../../data/reference/run01.csv");
 
 #[test]
 fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
@@ -37,9 +34,7 @@ fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
     }
 
     std::fs::write(path.join("run.csv"), RUN).unwrap();
-    let reference = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference");
-    let of_reference = |name: &str| reference.join(name).display().to_string();
-    let (train, track) = (of_reference("train.toml"), of_reference("track.toml"));
+    let (train, track) = (reference("train.toml"), reference("track.toml"));
     let replay = ["replay", "--config", "a/config.toml", "--train", &train, "--track", &track];
     let mut arguments = replay.to_vec();
     arguments.extend(["--out", "replayed", "run.csv"]);

@@ -159,6 +159,11 @@ impl Spread {
         }
     }
 
+    /// α, β, κ.
+    pub const fn parameters(&self) -> [Real; 3] {
+        [self.alpha, self.beta, self.kappa]
+    }
+
     /// c = N + λ = α² (N + κ): squared reach of the points in standard deviations.
     pub fn reach(&self, n: usize) -> Real {
         self.alpha * self.alpha * (n as Real + self.kappa)

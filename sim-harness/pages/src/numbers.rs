@@ -67,8 +67,8 @@ pub fn meaning(cause: Cause) -> &'static str {
         Cause::StuckSpeed => "the speed stayed the same while the location said otherwise",
         Cause::StuckLocation => "the location stayed the same while the train ran",
         Cause::Reversing => "the train ran against its direction of travel",
-        Cause::Contradiction => "the locations were shifted for good, and taken up anew",
-        Cause::LongGap => "no measurement for so long that location and speed were taken up anew",
+        Cause::Contradiction => "the locations were shifted for good, and were reset",
+        Cause::LongGap => "no measurement for so long that location and speed were reset",
         Cause::Numerics => "the covariance was repaired",
         // `Cause` may grow; its own word is better than nothing.
         other => other.as_str(),

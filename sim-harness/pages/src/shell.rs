@@ -39,6 +39,21 @@ pub fn figure(svg: String, caption: &str) -> Markup {
     }
 }
 
+/// A table that scrolls where the screen is too narrow: the cells of its head, its rows.
+pub fn table(head: impl IntoIterator<Item = Markup>, rows: Markup) -> Markup {
+    html! { div.wide { table { thead { tr { @for cell in head { (cell) } } } tbody { (rows) } } } }
+}
+
+/// Head of a column of numbers, with its unit unless that is empty.
+pub fn column(name: &str, unit: &str) -> Markup {
+    html! { th scope="col" { (name) @if !unit.is_empty() { br; span.unit { (unit) } } } }
+}
+
+/// Head of a column of words.
+pub fn text_column(name: &str) -> Markup {
+    html! { th.text scope="col" { (name) } }
+}
+
 /// A square of the regime's colour, with its name.
 pub fn swatch(regime: Regime) -> Markup {
     let colour = colours::css(colours::of_regime(regime));

@@ -13,12 +13,10 @@ use rundown_truth::scenario::Scenario;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Speeds of the table, km/h.
 const SPEEDS_KMH: [f64; 3] = [60.0, 100.0, 140.0];
 /// The same runs every time.
 const SEED: u64 = 1;
 
-/// Arguments of `rundown demo`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Folder for the results; made when it does not exist
@@ -29,8 +27,8 @@ pub struct Arguments {
 /// Simulates and replays the runs, writes what `rundown study` writes, and prints the table. Then what `rundown gap` says of runs with a hidden effect.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let study = of_case_study(SEED, &arguments.out)?;
-    let simulation = case_study().map_err(Failure::refused)?;
-    let described = description::of(&simulation).map_err(Failure::refused)?;
+    let simulation = case_study()?;
+    let described = description::of(&simulation)?;
     screen::print(&table(&study, &simulation.scenario, &described.train.davis()));
     let report = arguments.out.join("report.html");
     screen::print(&format!("\nreport: {}\n", report.display()));
@@ -40,13 +38,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 /// Hides a tunnel in simulated runs and looks for it with the description that does not have it.
 fn hidden_effect(out: &Path) -> Result<ExitCode, Failure> {
     let simulation = Simulation::parse("hidden_effect.toml".as_ref(), HIDDEN_EFFECT);
-    let simulation = simulation.map_err(Failure::refused)?;
+    let simulation = simulation?;
     let set = out.join("hidden");
     screen::print(&format!(
         "\nA hidden effect: {} runs with {}, investigated with a model that lacks it\n",
         simulation.runs, simulation.name
     ));
-    folder::write(&simulation, &set, true, || ()).map_err(Failure::not_written)?;
+    folder::write(&simulation, &set, true, || ())?;
     gap::run(&gap::Arguments::of_set(&set, out.join("gap")))
 }
 

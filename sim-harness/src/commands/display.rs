@@ -3,7 +3,7 @@
 use super::{Failure, screen};
 use crate::display::demo;
 use crate::display::hub::{Connection, Hub, OnMessage};
-use crate::display::page::Page;
+use crate::display::page::PageServer;
 use crate::display::setup::Setup;
 use crate::display::source::Source;
 use crate::display::{terminal, text};
@@ -49,7 +49,6 @@ large, 0 all parts, n day or night colours, ? help.
 A source that fails is opened again until it is there. Lost, damaged and late frames are counted and shown; values that
 have grown old are marked. The display never sends, but for the flow control that a CAN bus needs.";
 
-/// Arguments of `rundown display`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 #[command(group = clap::ArgGroup::new("source").required(true))]
@@ -144,15 +143,14 @@ impl Arguments {
             (setup.train, setup.track) = (Some(train), Some(track));
         }
         if let Some(path) = &self.train {
-            setup.train = Some(TrainFile::read(path).map_err(Failure::refused)?.0);
+            setup.train = Some(TrainFile::read(path)?.0);
         }
         if let Some(path) = &self.track {
-            setup.track = Some(TrackFile::read(path).map_err(Failure::refused)?.0);
+            setup.track = Some(TrackFile::read(path)?.0);
         }
         Ok(setup)
     }
 
-    /// Prints and records messages as they come.
     fn on_message(&self) -> Result<OnMessage, Failure> {
         let (text, json) = (self.text, self.json);
         let mut log = match &self.record {
@@ -181,7 +179,6 @@ impl Arguments {
     }
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let source = arguments.source()?;
     let setup = arguments.setup()?;
@@ -205,7 +202,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let page = if arguments.tui {
         None
     } else {
-        let bound = Page::bind(arguments.http, Arc::clone(&hub));
+        let bound = PageServer::bind(arguments.http, Arc::clone(&hub));
         Some(bound.map_err(|error| {
             Failure::not_written(format!(
                 "port {} of this computer: {error}; --http takes another one, --http 0 a free one",

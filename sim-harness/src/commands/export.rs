@@ -1,11 +1,9 @@
 //! `rundown export`: the results of a replay in; the learned train as other tools take it out.
 
 use super::{Failure, screen};
-use crate::learned_train::{self, LearnedTrain, Source};
+use crate::learned_train::{self, LearnedTrain, Origin};
+use crate::output::files;
 use crate::sfera::{self, Identity, Traction};
-use rundown_files::WriteError;
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -23,7 +21,6 @@ The resistance is that of the vehicle after the unit's last run. Largest effort 
 what the drivers asked for; below three runs they stay as described. Named effects of the train file are kept in
 train.toml; sfera.xml has no place for them.";
 
-/// Arguments of `rundown export`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
@@ -59,7 +56,6 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let learned = learned_train::read(&arguments.replay, &arguments.train, arguments.unit.as_deref())
         .map_err(Failure::refused)?;
@@ -72,25 +68,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         max_speed_kmh: arguments.max_speed,
     };
     let toml = toml::to_string(train).map_err(Failure::not_written)?;
-    std::fs::create_dir_all(&arguments.out).map_err(|source| not_written(&arguments.out, source))?;
-    let path = arguments.out.join("sfera.xml");
-    File::create(&path)
-        .and_then(|file| sfera::write(BufWriter::new(file), train, &identity))
-        .map_err(|source| not_written(&path, source))?;
-    let path = arguments.out.join("train.toml");
-    File::create(&path)
-        .and_then(|mut file| file.write_all(toml.as_bytes()))
-        .map_err(|source| not_written(&path, source))?;
+    let out = &arguments.out;
+    files::folder(out)
+        .and_then(|()| files::file(&out.join("sfera.xml"), |file| sfera::write(file, train, &identity)))
+        .and_then(|()| files::text(&out.join("train.toml"), &toml))?;
     screen::print(&summary(&learned, &arguments.out));
     if !train.effect.is_empty() {
         screen::note("the train has named effects, which sfera.xml cannot hold; train.toml has them");
     }
     Ok(ExitCode::SUCCESS)
-}
-
-fn not_written(path: &Path, source: std::io::Error) -> Failure {
-    let path = path.to_owned();
-    Failure::not_written(WriteError { path, source })
 }
 
 fn summary(learned: &LearnedTrain, folder: &Path) -> String {
@@ -104,9 +90,9 @@ fn summary(learned: &LearnedTrain, folder: &Path) -> String {
         .zip([("A", "N"), ("B", "N s/m"), ("C", "N s2/m2")])
         .map(|((value, sd), (name, unit))| format!("{name} = {value:.6} {unit}, s.d. {sd:.6}\n"))
         .collect::<String>();
-    let source = |source: Source| match source {
-        Source::Learned { runs } => format!("learned in {runs} runs"),
-        Source::Described => "as described".to_owned(),
+    let source = |source: Origin| match source {
+        Origin::Learned { runs } => format!("learned in {runs} runs"),
+        Origin::Described => "as described".to_owned(),
     };
     format!(
         "train: {}, {:.0} t, rotating mass factor {}, {} runs\n{rows}largest effort {:.0} N, {}\nlargest power {:.0} W, {}\nfiles: {}\n",

@@ -4,13 +4,12 @@ use super::{Failure, screen};
 use crate::desk::{Description, Desk};
 use crate::link::address::Address;
 use crate::link::record::Recorder;
+use crate::logs;
 use crate::session::{Heard, Session, SessionError};
-use rundown::estimator::config::Config;
 use rundown::link::Link;
 use rundown::model::effects::Effects;
 use rundown::onboard::auth::provisioning::{Provisioning, SIZE};
 use rundown::onboard::uplink::{Command, Pace, Request};
-use rundown_files::config_file;
 use rundown_files::effect_file;
 use rundown_files::effect_frame;
 use rundown_files::map_matching::CentreLine;
@@ -38,7 +37,6 @@ Examples:
 --key is the provisioning record that the board was given (`rundown provision`).
 --record keeps every message of both directions (docs/formats.md).";
 
-/// Arguments of `rundown link`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
@@ -74,17 +72,13 @@ pub struct Arguments {
     direction: DirectionChoice,
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let (train_file, train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
-    let (track, _) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;
-    let config = match &arguments.config {
-        Some(path) => config_file::read(path).map_err(Failure::refused)?,
-        None => Config::default(),
-    };
+    let (train_file, train) = TrainFile::read(&arguments.train)?;
+    let (track, _) = TrackFile::read(&arguments.track)?;
+    let config = super::config(arguments.config.as_deref())?;
     let effects = match &arguments.effects {
         Some(path) => read_effects(path)?,
-        None => effect_file::effects(&track.effect, &train_file.effect, None).map_err(Failure::refused)?,
+        None => effect_file::effects(&track.effect, &train_file.effect, None)?,
     };
     let description = Description { effects, ..Description::new(&train, &track, config) };
     let recordings = recordings(arguments, &track)?;
@@ -120,14 +114,10 @@ fn read_effects(path: &Path) -> Result<Effects, Failure> {
 }
 
 fn recordings(arguments: &Arguments, track: &TrackFile) -> Result<Vec<Recording>, Failure> {
-    let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
+    let set = RunSet::find(&arguments.runs)?;
     let line = CentreLine::new(&track.centre_line);
-    set.files
-        .iter()
-        .map(|file| {
-            Recording::read(file, BadRows::Refuse, line.as_ref(), arguments.direction).map_err(Failure::refused)
-        })
-        .collect()
+    let read = |file| logs::read(file, BadRows::Refuse, line.as_ref(), arguments.direction);
+    set.files.iter().map(|file| read(file).map_err(|failed| Failure::refused(failed.error))).collect()
 }
 
 fn play<L: Link>(
@@ -143,7 +133,7 @@ where
     let ticks: usize = recordings.iter().map(|recording| recording.rows.len()).sum();
     let bar = screen::progress(ticks);
     // What the board had from an earlier session is not known.
-    let mut told = None;
+    let mut sent = None;
     for recording in recordings {
         let pace = if arguments.real_time { Pace::Clock } else { Pace::Lockstep };
         session.prepare(description, recording.direction, pace).map_err(board)?;
@@ -162,7 +152,7 @@ where
                 }
             }
             row.update(&mut surroundings);
-            if told.replace(surroundings) != Some(surroundings) {
+            if sent.replace(surroundings) != Some(surroundings) {
                 let request = Request::Surroundings(surroundings);
                 let what = "the temperature and the date";
                 said.hear(&session.ask(request, what).map_err(board)?);
@@ -182,7 +172,6 @@ where
     Ok(())
 }
 
-/// What a board said in one run.
 #[derive(Default)]
 struct Said {
     frames: usize,

@@ -1,27 +1,38 @@
 //! The command `rundown`: arguments in, files and short tables out.
 //!
-//! Exit codes: see [`AFTER_HELP`]. Errors are one line each on stderr: what, where, what to do.
+//! Exit codes: see `AFTER_HELP`. Errors are one line each on stderr: what, where, what to do.
 
-pub mod demo;
-pub mod display;
-pub mod export;
-pub mod gap;
-pub mod gap_bench;
-pub mod link;
-pub mod provision;
+mod demo;
+#[cfg(feature = "link")]
+mod display;
+mod export;
+mod gap;
+mod gap_bench;
+#[cfg(feature = "link")]
+mod link;
+#[cfg(feature = "link")]
+mod provision;
 mod recorded;
-pub mod replay;
+mod replay;
 mod screen;
-pub mod simulate;
-pub mod study;
-pub mod tune;
+mod simulate;
+mod study;
+mod tune;
 
+use crate::simulation::folder::FolderError;
+use crate::study::Refused;
 use clap::{CommandFactory, Parser, Subcommand};
+use rundown::estimator::config::Config;
+use rundown::model::effects::EffectError;
+use rundown::tick::bounds::ConfigError;
+use rundown_files::refusal::ReadError;
+use rundown_files::{WriteError, config_file};
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// What `--help` says about exit codes.
-pub const AFTER_HELP: &str = "\
+const AFTER_HELP: &str = "\
 Exit codes:
   0  everything was done
   1  a run could not be used; the others were replayed and written
@@ -32,13 +43,14 @@ Exit codes:
 
 /// Everything was done, but for runs that could not be used.
 const SOME_RUNS_FAILED: u8 = 1;
-/// The arguments are wrong, or do not go together, as far as their form does not tell.
+/// The arguments are wrong, or contradict each other in a way that clap does not check.
 const WRONG_ARGUMENTS: u8 = 2;
 /// A description or the configuration was refused.
 const DESCRIPTION_REFUSED: u8 = 3;
 /// An output could not be written.
 const NOT_WRITTEN: u8 = 4;
 /// The board did not answer, or refused.
+#[cfg(feature = "link")]
 const BOARD: u8 = 5;
 
 /// On-board train motion estimator: learns running resistance, regimes and limits of a train from location and speed.
@@ -60,8 +72,10 @@ enum Command {
     /// Tune the paper's filter by its two criteria: likelihood, and coefficients that are not negative
     Tune(Box<tune::Arguments>),
     /// Play recorded runs to a board, real or emulated
+    #[cfg(feature = "link")]
     Link(Box<link::Arguments>),
     /// Show what a board says, live: in a browser, in the terminal, or as lines
+    #[cfg(feature = "link")]
     Display(Box<display::Arguments>),
     /// Find which effect a model lacks, add it, and show the gap shrink
     Gap(Box<gap::Arguments>),
@@ -70,6 +84,7 @@ enum Command {
     /// Write what was learned of a train for other tools
     Export(export::Arguments),
     /// Make the record with a new key that a board is given
+    #[cfg(feature = "link")]
     Provision(provision::Arguments),
     /// The case study in short: simulate its 67 runs, replay them, write the report; then find a hidden effect
     Demo(demo::Arguments),
@@ -82,7 +97,6 @@ enum Command {
     },
 }
 
-/// A one-line message and the exit code that goes with it.
 #[derive(Debug)]
 struct Failure {
     message: String,
@@ -94,6 +108,7 @@ impl Failure {
         Self { message: error.to_string(), code: DESCRIPTION_REFUSED }
     }
 
+    #[cfg(feature = "link")]
     fn board(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), code: BOARD }
     }
@@ -101,6 +116,27 @@ impl Failure {
     fn not_written(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), code: NOT_WRITTEN }
     }
+}
+
+/// What each cause of a failure means for the exit code.
+macro_rules! failures {
+    ($($how:ident: $($error:ty),+;)+) => {$($(
+        impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::$how(error)
+            }
+        }
+    )+)+};
+}
+
+failures! {
+    refused: ReadError, ConfigError, EffectError, Refused;
+    not_written: WriteError, FolderError;
+}
+
+/// The configuration of a file; without one, every default.
+fn config(path: Option<&Path>) -> Result<Config, Failure> {
+    path.map_or(Ok(Config::default()), |path| Ok(config_file::read(path)?))
 }
 
 /// Runs the command on the arguments of the process.
@@ -115,11 +151,14 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
+        #[cfg(feature = "link")]
         Command::Link(arguments) => link::run(&arguments),
+        #[cfg(feature = "link")]
         Command::Display(arguments) => display::run(&arguments),
         Command::Gap(arguments) => gap::run(&arguments),
         Command::GapBench(arguments) => gap_bench::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        #[cfg(feature = "link")]
         Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Completions { shell } => {

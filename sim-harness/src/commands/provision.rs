@@ -14,7 +14,6 @@ Examples:
 
 The file is the secret: whoever has it can change the board. Keep it where the operator keeps keys, never beside an image.";
 
-/// Arguments of `rundown provision`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
@@ -29,7 +28,6 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let at = |error: String| Failure::not_written(format!("{}: {error}", arguments.out.display()));
     let mut key = [0; 16];

@@ -2,7 +2,8 @@
 
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::advice::advice;
-use crate::output::json::{self, Failed, mode_word};
+use crate::logs::{self, Failed};
+use crate::output::json::{self, mode_word};
 use crate::output::write_tables;
 use crate::report::{Report, RunView, write_report};
 use clap::ValueEnum;
@@ -10,13 +11,12 @@ use rayon::prelude::*;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
 use rundown::model::train::Train;
-use rundown_files::config_file;
 use rundown_files::effect_file;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
 use rundown_files::run_log::BadRows;
-use rundown_files::run_set::{RunFile, RunSet};
+use rundown_files::run_set::RunSet;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use serde_json::Value;
@@ -48,7 +48,6 @@ Files in the output folder:
 A folder stands for all its *.csv in the order of their names. An index runs.csv beside the
 logs (columns file, departure_utc, unit, direction) gives their order, unit and direction.";
 
-/// Arguments of `rundown replay`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
@@ -87,7 +86,6 @@ pub struct Arguments {
     json: bool,
 }
 
-/// `--mode`.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum ModeChoice {
     /// The paper: effort calculated from the change of speed
@@ -110,14 +108,13 @@ impl From<ModeChoice> for Mode {
 
 fn period(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        // Behind a longer pause the estimator begins anew.
+        // After a longer pause the estimator restarts.
         Ok(seconds) if seconds > 0.0 && seconds <= 600.0 => Ok(seconds),
         _ => Err("expected a number of seconds above 0, at most 600".to_owned()),
     }
 }
 
-/// What all runs of one replay have in common.
-pub(super) struct Setup {
+pub(super) struct ReplaySetup {
     pub(super) config: Config,
     pub(super) train: TrainFile,
     pub(super) core_train: Train,
@@ -126,7 +123,6 @@ pub(super) struct Setup {
     pub(super) estimator: Estimator,
 }
 
-/// What came of a replay.
 pub(super) struct Results {
     pub(super) runs: Vec<ReplayedRun>,
     pub(super) failed: Vec<Failed>,
@@ -135,7 +131,6 @@ pub(super) struct Results {
     pub(super) tick: Tick,
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let setup = setup(arguments)?;
     let results = replay(arguments, &setup)?;
@@ -163,27 +158,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(if results.failed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
 }
 
-fn setup(arguments: &Arguments) -> Result<Setup, Failure> {
-    let (train, core_train) = TrainFile::read(&arguments.train).map_err(Failure::refused)?;
-    let (track, core_track) = TrackFile::read(&arguments.track).map_err(Failure::refused)?;
-    let mut config = match &arguments.config {
-        Some(path) => config_file::read(path).map_err(Failure::refused)?,
-        None => Config::default(),
-    };
+fn setup(arguments: &Arguments) -> Result<ReplaySetup, Failure> {
+    let (train, core_train) = TrainFile::read(&arguments.train)?;
+    let (track, core_track) = TrackFile::read(&arguments.track)?;
+    let mut config = super::config(arguments.config.as_deref())?;
     if let Some(mode) = arguments.mode {
         config.mode = mode.into();
     }
-    let effects = effect_file::effects(&track.effect, &train.effect, None).map_err(Failure::refused)?;
-    let estimator = Estimator::try_new(config, core_train, core_track).map_err(Failure::refused)?.with_effects(effects);
-    Ok(Setup { config, train, core_train, track, estimator })
+    let effects = effect_file::effects(&track.effect, &train.effect, None)?;
+    let estimator = Estimator::try_new(config, core_train, core_track)?.with_effects(effects);
+    Ok(ReplaySetup { config, train, core_train, track, estimator })
 }
 
-fn replay(arguments: &Arguments, setup: &Setup) -> Result<Results, Failure> {
-    let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
+fn replay(arguments: &Arguments, setup: &ReplaySetup) -> Result<Results, Failure> {
+    let set = RunSet::find(&arguments.runs)?;
     let line = CentreLine::new(&setup.track.centre_line);
     let bad_rows = if arguments.skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse };
     let read: Vec<Result<Recording, Failed>> =
-        set.files.par_iter().map(|file| read(file, bad_rows, line.as_ref(), arguments.direction)).collect();
+        set.files.par_iter().map(|file| logs::read(file, bad_rows, line.as_ref(), arguments.direction)).collect();
     let (mut recordings, mut failed) = (Vec::new(), Vec::new());
     for result in read {
         match result {
@@ -208,11 +200,10 @@ fn replay(arguments: &Arguments, setup: &Setup) -> Result<Results, Failure> {
 }
 
 /// The estimators of the runs in which not the same effects act as in all.
-fn own_estimators(setup: &Setup, recordings: &[Recording]) -> Result<HashMap<String, Estimator>, Failure> {
+fn own_estimators(setup: &ReplaySetup, recordings: &[Recording]) -> Result<HashMap<String, Estimator>, Failure> {
     let mut own = HashMap::new();
     for recording in recordings {
-        let effects = effect_file::effects(&setup.track.effect, &setup.train.effect, Some(&recording.name))
-            .map_err(Failure::refused)?;
+        let effects = effect_file::effects(&setup.track.effect, &setup.train.effect, Some(&recording.name))?;
         if effects != *setup.estimator.effects() {
             let estimator = setup.estimator.clone().with_effects(effects);
             own.insert(recording.name.clone(), estimator);
@@ -221,18 +212,8 @@ fn own_estimators(setup: &Setup, recordings: &[Recording]) -> Result<HashMap<Str
     Ok(own)
 }
 
-fn read(
-    file: &RunFile,
-    bad_rows: BadRows,
-    line: Option<&CentreLine>,
-    direction: DirectionChoice,
-) -> Result<Recording, Failed> {
-    Recording::read(file, bad_rows, line, direction)
-        .map_err(|error| Failed { file: file.path.clone(), error: error.to_string() })
-}
-
 /// Writes the tables and the report; returns what `--json` prints.
-pub(super) fn write(folder: &Path, setup: &Setup, results: &Results) -> Result<Value, Failure> {
+pub(super) fn write(folder: &Path, setup: &ReplaySetup, results: &Results) -> Result<Value, Failure> {
     let json = json::value(&json::Replay {
         config: &setup.config,
         train: &setup.train.name,
@@ -243,14 +224,12 @@ pub(super) fn write(folder: &Path, setup: &Setup, results: &Results) -> Result<V
         failed: &results.failed,
         notes: &results.notes,
     });
-    write_tables(folder, &results.runs, &setup.config, &json).map_err(Failure::not_written)?;
-    let path = folder.join("report.html");
-    let report = report(setup, results);
-    write_report(&path, &report).map_err(|source| Failure::not_written(rundown_files::WriteError { path, source }))?;
+    write_tables(folder, &results.runs, &setup.config, &json)?;
+    write_report(&folder.join("report.html"), &report(setup, results))?;
     Ok(json)
 }
 
-fn report<'a>(setup: &'a Setup, results: &'a Results) -> Report<'a> {
+fn report<'a>(setup: &'a ReplaySetup, results: &'a Results) -> Report<'a> {
     let view = |run: &'a ReplayedRun| RunView::of(run, None);
     let vehicle = |run: &ReplayedRun| (run.name.clone(), run.vehicle_after);
     Report {

@@ -1,8 +1,9 @@
 //! What a person sees in the terminal: tables on stdout, messages and progress on stderr.
 
+use crate::report::regime_shares;
+use crate::report::resistance::Resistance;
 use indicatif::{ProgressBar, ProgressStyle};
 use rundown::filter::gaussian::Gaussian;
-use rundown::model::resistance::Davis;
 use rundown::model::units::KmPerHour;
 use rundown::tick::regime::Regime;
 use rundown_files::replay::ReplayedRun;
@@ -30,12 +31,10 @@ pub(super) fn error(message: &str) {
     }
 }
 
-/// A note or warning, on stderr.
 pub(super) fn note(message: &str) {
     eprintln!("note: {message}");
 }
 
-/// The first warnings of each run, on stderr.
 pub(super) fn warnings(runs: &[ReplayedRun]) {
     for run in runs {
         for warning in run.warnings.iter().take(WARNINGS_PRINTED) {
@@ -83,7 +82,7 @@ pub(super) fn run_table(runs: &[ReplayedRun]) -> String {
     text += "   r(100 km/h) of the vehicle\n";
     for run in runs.iter().take(RUNS_PRINTED) {
         text += &format!("{:width$}  {:>6} {:>6} {:>8}", run.name, run.rows, run.estimates.len(), run.dropped.len());
-        for share in shares(run) {
+        for share in regime_shares(run).unwrap_or_default() {
             text += &format!(" {:>8.1} %", 100.0 * share);
         }
         text += &format!("   {}\n", resistance(&run.vehicle_after, 100.0));
@@ -95,42 +94,10 @@ pub(super) fn run_table(runs: &[ReplayedRun]) -> String {
     text
 }
 
-/// Share of the time in each regime.
-pub(super) fn shares(run: &ReplayedRun) -> [f64; 5] {
-    let times_s = run.summary.features.regime_time_s;
-    let total_s: f64 = times_s.iter().sum();
-    times_s.map(|time_s| if total_s > 0.0 { time_s / total_s } else { 0.0 })
-}
-
 /// `0.03125 ± 0.00042 N/kg (1.3 %)`
 pub(super) fn resistance(davis: &Gaussian<3>, speed_kmh: f64) -> String {
-    let (mean, sd) = resistance_n_per_kg(davis, speed_kmh);
-    format!("{mean:.5} ± {sd:.5} N/kg ({:.1} %)", 100.0 * sd / mean)
-}
-
-/// r(v) = h · (r0, r1, r2) with h = (1, v, v²), and its standard deviation √(h P hᵀ).
-fn resistance_n_per_kg(davis: &Gaussian<3>, speed_kmh: f64) -> (f64, f64) {
-    let speed_mps = KmPerHour(speed_kmh).to_mps();
-    let h = [1.0, speed_mps, speed_mps * speed_mps];
-    let (r0, r1, r2) = (davis.mean[0], davis.mean[1], davis.mean[2]);
-    let mut variance = 0.0;
-    for (row, a) in h.iter().enumerate() {
-        for (column, b) in h.iter().enumerate() {
-            variance += a * davis.covariance[(row, column)] * b;
-        }
-    }
-    (Davis { r0, r1, r2 }.resistance_n_per_kg(speed_mps), variance.max(0.0).sqrt())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn resistance_has_the_deviation_of_its_three_terms() {
-        let davis = Gaussian::independent([0.01, 0.0, 1e-4], [3e-3, 0.0, 4e-5]);
-        let (mean, sd) = resistance_n_per_kg(&davis, 36.0);
-        assert!((mean - 0.02).abs() < 1e-15);
-        assert!((sd - 5e-3).abs() < 1e-15);
-    }
+    let found = Resistance::at(davis, KmPerHour(speed_kmh).to_mps());
+    found.map_or_else(String::new, |Resistance { mean_n_per_kg: mean, sd_n_per_kg: sd }| {
+        format!("{mean:.5} ± {sd:.5} N/kg ({:.1} %)", 100.0 * sd / mean)
+    })
 }

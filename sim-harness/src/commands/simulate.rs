@@ -31,7 +31,6 @@ Files in the output folder:
 
 Whoever looks for an effect gets all but truth/. The same scenario and seed give the same bytes.";
 
-/// Arguments of `rundown simulate`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
@@ -52,19 +51,18 @@ pub struct Arguments {
     force: bool,
     /// Print a commented scenario file, and do nothing else
     #[arg(long, value_name = "WHICH", value_enum, num_args = 0..=1, default_missing_value = "case-study")]
-    example: Option<Example>,
+    example: Option<ExampleScenario>,
 }
 
-/// Scenarios to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Example {
+enum ExampleScenario {
     /// The case study with the loads and winds of everyday; every field there is
     CaseStudy,
-    /// Runs on a line with a tunnel that nobody described, for `rundown gap`
+    /// Runs on a line with an undescribed tunnel, for `rundown gap`
     HiddenEffect,
 }
 
-impl Example {
+impl ExampleScenario {
     fn text(self) -> &'static str {
         match self {
             Self::CaseStudy => EXAMPLE,
@@ -73,20 +71,18 @@ impl Example {
     }
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let out = match (&arguments.out, arguments.example) {
         (Some(out), None) => out,
         (_, example) => {
-            screen::print(example.unwrap_or(Example::CaseStudy).text());
+            screen::print(example.unwrap_or(ExampleScenario::CaseStudy).text());
             return Ok(ExitCode::SUCCESS);
         }
     };
     let mut simulation = match &arguments.scenario {
         Some(path) => Simulation::read(path),
         None => Simulation::parse(Path::new("scenario"), ""),
-    }
-    .map_err(Failure::refused)?;
+    }?;
     if let Some(seed) = arguments.seed {
         simulation.seed = seed;
     }
@@ -97,7 +93,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let bar = screen::progress(simulation.runs);
     let facts = folder::write(&simulation, out, arguments.force, || bar.inc(1));
     bar.finish_and_clear();
-    let facts = facts.map_err(Failure::not_written)?;
+    let facts = facts?;
     screen::print(&summary(&simulation, &facts, begun.elapsed().as_secs_f64()));
     let out = out.display();
     screen::print(&format!("logs: {out}/runs, truth: {out}/truth\n"));

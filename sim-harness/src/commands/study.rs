@@ -1,24 +1,24 @@
 //! `rundown study`: the paper's case study on simulated or recorded runs, and the self-test of learning.
 
-use super::recorded::{Opened, Recorded};
+use super::recorded::{Opened, RecordedRuns};
 use super::{Failure, SOME_RUNS_FAILED, screen};
 use crate::simulation::scenario_file::Simulation;
 use crate::study::case::{calm, case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, gather};
-use crate::study::page::{Page, known, page};
-use crate::study::sensitivity::sensitivity;
-use crate::study::slope::{Answer, Look, Plan};
-use crate::study::source::Source;
-use crate::study::trials::{self, Trials};
+use crate::study::page::{StudyPage, known, page};
+use crate::study::slope::{Answer, Plan};
+use crate::study::source::RunSource;
+use crate::study::trials::Trials;
 use crate::study::write::RunTable;
 use crate::study::{claims, description, slope as self_test, write};
 use rundown::estimator::config::Config;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
-use rundown_files::config_file;
 use rundown_files::parquet::RunWriter;
+use rundown_files::recording::Recording;
+use rundown_files::table::Record;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
 use rundown_pages::numbers::counted;
@@ -54,17 +54,13 @@ Files in the output folder:
 
 /// Vehicles of the slope in the report.
 const FEW_VEHICLES: usize = 30;
-/// Seed where none is given.
 const SEED: u64 = 1;
-/// Runs on which other settings of the filter are tried.
-const SENSITIVITY_RUNS: usize = 67;
 
-/// Arguments of `rundown study`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
     #[command(flatten)]
-    recorded: Recorded,
+    recorded: RecordedRuns,
     /// Scenario of simulated runs, as for rundown simulate; without it the case study
     #[arg(long, value_name = "S.toml", conflicts_with = "runs")]
     scenario: Option<PathBuf>,
@@ -100,31 +96,25 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What a study needs to know of train and track.
 struct Described {
     train_name: String,
     track_name: String,
     train: Train,
     track: Track,
-    source: Source,
+    source: RunSource,
     words: String,
     /// Of simulated runs: what recorded ones bring with them.
     files: Option<(TrainFile, TrackFile)>,
 }
 
-/// What a study found.
 pub(super) struct Study {
     pub(super) gathered: Gathered,
     pub(super) claims: Vec<Claim>,
     pub(super) answers: Vec<Answer>,
 }
 
-/// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let config = match &arguments.config {
-        Some(path) => config_file::read(path).map_err(Failure::refused)?,
-        None => Config::default(),
-    };
+    let config = super::config(arguments.config.as_deref())?;
     if arguments.truth_slope {
         return truth_slope(arguments, config);
     }
@@ -172,8 +162,7 @@ fn described(arguments: &Arguments) -> Result<Described, Failure> {
         let simulation = match &arguments.scenario {
             Some(path) => Simulation::read(path),
             None => case_study(),
-        }
-        .map_err(Failure::refused)?;
+        }?;
         let seed = arguments.seed.unwrap_or(simulation.seed);
         let count = arguments.count.unwrap_or(simulation.runs);
         return simulated(simulation, seed, count);
@@ -191,7 +180,7 @@ fn described(arguments: &Arguments) -> Result<Described, Failure> {
 }
 
 fn simulated(simulation: Simulation, seed: u64, count: usize) -> Result<Described, Failure> {
-    let of_scenario = description::of(&simulation).map_err(Failure::refused)?;
+    let of_scenario = description::of(&simulation)?;
     Ok(Described {
         train_name: format!("{} (simulated)", simulation.train.name),
         track_name: simulation.track.name.clone(),
@@ -199,13 +188,13 @@ fn simulated(simulation: Simulation, seed: u64, count: usize) -> Result<Describe
         train: of_scenario.train,
         track: of_scenario.track,
         words: format!("simulated with seed {seed}"),
-        source: Source::simulated(simulation, seed, count),
+        source: RunSource::simulated(simulation, seed, count),
     })
 }
 
 /// The simulated case study of the demo.
 pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
-    let simulation = case_study().map_err(Failure::refused)?;
+    let simulation = case_study()?;
     let runs = simulation.runs;
     let described = simulated(simulation, seed, runs)?;
     study(described, Config::default(), seed, None, None, out)
@@ -220,74 +209,66 @@ fn study(
     out: &Path,
 ) -> Result<Study, Failure> {
     let (train, track) = (described.train, described.track.clone());
-    let estimators = Estimators::try_new(config, train, &track).map_err(Failure::refused)?;
-    write::folder(out).map_err(Failure::not_written)?;
+    let estimators = Estimators::try_new(config, train, &track)?;
+    write::folder(out)?;
     if let Some((train, track)) = &described.files {
         for (name, text) in [("train.toml", toml::to_string(train)), ("track.toml", toml::to_string(track))] {
-            let text = text.map_err(Failure::not_written)?;
-            write::text(&out.join(name), &text).map_err(Failure::not_written)?;
+            write::text(&out.join(name), &text.map_err(Failure::not_written)?)?;
         }
     }
-    let mut runs = RunTable::begin(out).map_err(Failure::not_written)?;
-    let mut kept = keep_runs.map(RunWriter::new);
-    let bar = screen::progress(described.source.total());
-    let gathered = gather(
-        &mut described.source,
-        &estimators,
-        example,
-        &mut |cases, records| {
-            if let Some(kept) = &mut kept {
-                let recordings = cases.iter().map(|case| &case.recording);
-                kept.write(recordings).map_err(std::io::Error::other)?;
-            }
-            runs.add(records)
-        },
-        |count| bar.inc(count as u64),
-    )
-    .map_err(|error| match error {
-        GatherError::Source(error) => Failure::refused(error),
-        other => Failure::not_written(other),
-    })?;
-    bar.finish_and_clear();
-    runs.end().map_err(Failure::not_written)?;
-    if let Some(kept) = kept {
-        kept.close().map_err(Failure::not_written)?;
-    }
-
-    let few: Vec<_> = gathered.drawn.iter().take(SENSITIVITY_RUNS).map(|run| run.recording.clone()).collect();
-    let trials = Trials {
-        sensitivity: sensitivity(&config, train, &track, &few).map_err(Failure::refused)?,
-        noise: trials::noise(&config, train, &track, &few).map_err(Failure::refused)?,
-        thinned: trials::thinned(&estimators, &gathered.drawn),
-        pace: trials::pace(&estimators, &few),
-    };
+    let gathered = gathered(&mut described.source, &estimators, example, keep_runs, out)?;
+    let trials = Trials::of(&config, &estimators, &track, &gathered.drawn)?;
     let claims = claims::claims(&gathered, &train, &trials);
-    // What the slope is does not depend on the runs of this study: it is asked of simulated vehicles on the paper's line.
-    let plan = Plan { simulation: calm().map_err(Failure::refused)?, vehicles: FEW_VEHICLES, runs: 1, seed };
-    let looks = self_test::look(&plan, config, || ()).map_err(Failure::refused)?;
-    let of_plan = description::of(&plan.simulation).map_err(Failure::refused)?;
-    let stated = of_plan.train.davis();
-    let answers = self_test::answers(&plan, &looks, &stated);
-    let slopes = vec![slope::slope(&looks, 1, &stated)];
+    // What the slope is does not depend on the runs of this study: it is measured on simulated vehicles on the paper's line.
+    let plan = Plan { simulation: calm()?, vehicles: FEW_VEHICLES, runs: 1, seed };
+    let test = self_test::self_test(&plan, config, || ())?;
+    let slopes = [slope::slope(&test, 1)];
     let pictures = pictures(&gathered, &train);
-    let text = page(&Page {
+    let text = page(&StudyPage {
         train: &described.train_name,
         track: &described.track_name,
         source: described.words,
         gathered: &gathered,
         pictures: &pictures,
         slopes: &slopes,
-        answers: &answers,
+        answers: &test.answers,
         claims: &claims,
         sensitivity: &trials.sensitivity,
     });
-    let written = write::pictures(out, &pictures)
-        .and_then(|()| write::pictures(out, &slopes))
-        .and_then(|()| write::records(&out.join("claims.csv"), &claims::records(&claims)))
-        .and_then(|()| write::records(&out.join("slope.csv"), &self_test::records(&answers)))
-        .and_then(|()| write::text(&out.join("report.html"), &text));
-    written.map_err(Failure::not_written)?;
-    Ok(Study { gathered, claims, answers })
+    write::pictures(out, &pictures)?;
+    write::pictures(out, &slopes)?;
+    write::records(&out.join("claims.csv"), &claims::records(&claims))?;
+    write::records(&out.join("slope.csv"), &self_test::records(&test.answers))?;
+    write::text(&out.join("report.html"), &text)?;
+    Ok(Study { gathered, claims, answers: test.answers })
+}
+
+/// Replays all runs and writes their table, and the runs themselves where they are to be kept.
+fn gathered(
+    source: &mut RunSource,
+    estimators: &Estimators,
+    example: Option<&str>,
+    keep_runs: Option<&Path>,
+    out: &Path,
+) -> Result<Gathered, Failure> {
+    let mut table = RunTable::begin(out)?;
+    let mut kept = keep_runs.map(RunWriter::new);
+    let bar = screen::progress(source.total());
+    let mut sink = |recordings: &[&Recording], records: &[Record]| {
+        if let Some(kept) = &mut kept {
+            kept.write(recordings.iter().copied()).map_err(std::io::Error::other)?;
+        }
+        table.add(records)
+    };
+    let gathered = gather(source, estimators, example, &mut sink, |count| bar.inc(count as u64));
+    let gathered = gathered.map_err(|error| match error {
+        GatherError::Runs(error) => Failure::refused(error),
+        other => Failure::not_written(other),
+    })?;
+    bar.finish_and_clear();
+    table.end()?;
+    kept.map_or(Ok(()), RunWriter::close).map_err(Failure::not_written)?;
+    Ok(gathered)
 }
 
 fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
@@ -309,7 +290,6 @@ fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
     pictures
 }
 
-/// The claims and the slopes, in lines.
 pub(super) fn table(study: &Study) -> String {
     let (runs, known) = (study.gathered.paper.runs, known(&study.gathered));
     let runs = counted(runs as usize, "run", "runs");
@@ -330,31 +310,26 @@ pub(super) fn table(study: &Study) -> String {
 
 fn truth_slope(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
     let plan = Plan {
-        simulation: calm().map_err(Failure::refused)?,
+        simulation: calm()?,
         vehicles: usize::from(arguments.vehicles),
         runs: usize::from(arguments.vehicle_runs),
         seed: arguments.seed.unwrap_or(SEED),
     };
     let bar = screen::progress(plan.vehicles * plan.runs);
-    let looks: Vec<Look> = self_test::look(&plan, config, || bar.inc(1)).map_err(Failure::refused)?;
+    let test = self_test::self_test(&plan, config, || bar.inc(1))?;
     bar.finish_and_clear();
-    let of_plan = description::of(&plan.simulation).map_err(Failure::refused)?;
-    let stated = of_plan.train.davis();
-    let answers = self_test::answers(&plan, &looks, &stated);
     let out = &arguments.out;
-    let stages = plan.stages();
-    let pictures: Vec<Picture> = stages.iter().map(|runs| slope::slope(&looks, *runs, &stated)).collect();
-    let json = json!({ "vehicles": plan.vehicles, "runs": plan.runs, "seed": plan.seed, "answers": answers });
+    let pictures: Vec<Picture> = plan.stages().into_iter().map(|runs| slope::slope(&test, runs)).collect();
+    let json = json!({ "vehicles": plan.vehicles, "runs": plan.runs, "seed": plan.seed, "answers": test.answers });
     let json = format!("{json:#}\n");
-    let written = write::folder(out)
-        .and_then(|()| write::pictures(out, &pictures))
-        .and_then(|()| write::records(&out.join("slope.csv"), &self_test::records(&answers)))
-        .and_then(|()| write::text(&out.join("slope.json"), &json));
-    written.map_err(Failure::not_written)?;
+    write::folder(out)?;
+    write::pictures(out, &pictures)?;
+    write::records(&out.join("slope.csv"), &self_test::records(&test.answers))?;
+    write::text(&out.join("slope.json"), &json)?;
     match arguments.json {
         true => screen::print(&json),
         false => {
-            screen::print(&self_test::table(&answers));
+            screen::print(&self_test::table(&test.answers));
             screen::print(&format!("\nresults: {}\n", out.display()));
         }
     }

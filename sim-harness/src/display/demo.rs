@@ -32,26 +32,17 @@ const PROVISIONING: Provisioning =
     Provisioning { key_id: 1, key: Key::new(*b"not a secret key"), train: TrainId(0x2451) };
 
 /// Train and track of the runs, as described.
-///
-/// # Errors
-/// None: the scenario is built in. The type is that of a file.
 pub fn described() -> Result<(TrainFile, TrackFile), String> {
     let simulation = case_study().map_err(|error| error.to_string())?;
     Ok((simulation.train, simulation.track))
 }
 
 /// Plays all runs; each message of the board is given to `say`.
-///
-/// # Errors
-/// In words; the scenario is built in, so there is none.
 pub fn play(say: impl FnMut(&[u8])) -> Result<(), String> {
     play_runs(RUNS, say)
 }
 
 /// Plays the first runs.
-///
-/// # Errors
-/// As [`play`].
 pub fn play_runs(runs: usize, mut say: impl FnMut(&[u8])) -> Result<(), String> {
     let simulation = case_study().map_err(|error| error.to_string())?;
     let train = simulation.train.train().map_err(|error| error.to_string())?;
@@ -59,7 +50,7 @@ pub fn play_runs(runs: usize, mut say: impl FnMut(&[u8])) -> Result<(), String> 
         Description { effects: effects()?, ..Description::new(&train, &simulation.track, Config::default()) };
     let (mut run, mut room) = (Box::new(RunState::idle()), Box::new(Room::EMPTY));
     let task = Task::new(Ok(PROVISIONING), RamFlash::default(), false, &mut run, &mut room);
-    let board = Board { task, wire: Wire::default() };
+    let board = Board { task, wire: Outbox::default() };
     let mut session = Session::new(board, Desk::new(PROVISIONING));
     let mut tell = |heard: &[Heard]| heard.iter().for_each(|heard| say(&heard.message));
     for index in 0..runs {
@@ -83,9 +74,9 @@ fn effects() -> Result<Effects, String> {
 
 /// What the task says.
 #[derive(Default)]
-struct Wire(VecDeque<Message>);
+struct Outbox(VecDeque<Message>);
 
-impl Port for Wire {
+impl Port for Outbox {
     fn send(&mut self, message: &[u8]) -> bool {
         Message::from_slice(message).is_ok_and(|message| {
             self.0.push_back(message);
@@ -101,7 +92,7 @@ impl Port for Wire {
 /// The task as a link: what is sent goes in, what comes out is received.
 struct Board<'a> {
     task: Task<'a, RamFlash>,
-    wire: Wire,
+    wire: Outbox,
 }
 
 impl Link for Board<'_> {

@@ -2,9 +2,9 @@
 //!
 //! In: messages of the board and to it, damage, what becomes of the connection. Out: [`View`]s under one lock, and a wait for the next change.
 
+use super::sent::SentSetup;
 use super::setup::Setup;
 use super::state::State;
-use super::told::Told;
 use rundown_wire::{Reader, Received, Tally};
 use serde::Serialize;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 /// Ticks without a frame after which what is shown is old.
 const SILENT_TICKS: f64 = 2.5;
-/// Period that is supposed before the board has told it by its frames, s.
+/// Period that is assumed until frames of the board show it, s.
 const TICK_S: f64 = 10.0;
 /// However fast a recording is played, a screen is not old before, s.
 const LEAST_SILENCE_S: f64 = 2.0;
@@ -53,7 +53,7 @@ pub struct LinkHealth {
 struct Inner {
     reader: Reader,
     state: State,
-    told: Told,
+    sent: SentSetup,
     setup: Setup,
     described: u32,
     connection: Connection,
@@ -82,7 +82,7 @@ pub struct View<'a> {
     pub state: &'a State,
     /// How the link is.
     pub link: LinkHealth,
-    /// Train and track: of the files, else as the board was told.
+    /// Train and track: of the files, else as described to the board.
     pub setup: &'a Setup,
     /// Counts changes of the setup.
     pub described: u32,
@@ -100,7 +100,7 @@ impl Hub {
             inner: Mutex::new(Inner {
                 reader: Reader::new(),
                 state: State::default(),
-                told: Told::default(),
+                sent: SentSetup::default(),
                 setup: files,
                 described: 0,
                 connection: Connection::Opening,
@@ -126,13 +126,13 @@ impl Hub {
         self.change(inner);
     }
 
-    /// The board was told this.
-    pub fn told(&self, message: &[u8]) {
+    /// This was sent to the board.
+    pub fn sent(&self, message: &[u8]) {
         let mut inner = self.lock();
-        let Some(told) = inner.told.hear(message) else {
+        let Some(described) = inner.sent.hear(message) else {
             return;
         };
-        let setup = self.files.clone().or(told);
+        let setup = self.files.clone().or(described);
         if setup != inner.setup {
             inner.setup = setup;
             inner.described = inner.described.wrapping_add(1);

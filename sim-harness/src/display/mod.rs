@@ -7,13 +7,13 @@
 //! | question | module |
 //! |---|---|
 //! | where do frames come from, and what if it fails? | [`source`] |
-//! | a recording at the pace of the train | [`player`] |
+//! | a recording at the pace of the train | `player` |
 //! | runs of the case study without a board | [`demo`] |
 //! | who has what? one lock, many readers | [`hub`] |
 //! | what is known now, of this run, of past runs? | [`state`] |
 //! | what is drawn behind it: train and track | [`setup`] |
-//! | train and track as the board was told | [`told`] |
-//! | the page in a browser | [`page`] |
+//! | train and track as described to the board | `sent` |
+//! | the page in a browser | `page` |
 //! | one line a frame | [`text`] |
 //! | the view in a terminal | [`terminal`] |
 //!
@@ -21,11 +21,11 @@
 
 pub mod demo;
 pub mod hub;
-pub mod page;
-pub mod player;
+pub(crate) mod page;
+pub(crate) mod player;
+pub(crate) mod sent;
 pub mod setup;
 pub mod source;
 pub mod state;
 pub mod terminal;
 pub mod text;
-pub mod told;

@@ -29,7 +29,6 @@ pub const LONGEST_PAUSE: Duration = Duration::from_secs(1);
 const MOST_CONNECTIONS: usize = 64;
 /// A browser that takes longer to ask, or to take an answer, has gone.
 const REQUEST_TIME: Duration = Duration::from_secs(10);
-/// Longest head of a request, bytes.
 const LONGEST_REQUEST: usize = 16 * 1024;
 
 const JSON: &str = "application/json";
@@ -56,7 +55,6 @@ const ASSETS: [Asset; 7] = [
     asset!("/uplot.txt", "text/plain", "uplot/LICENSE"),
 ];
 
-/// What a browser is told.
 #[derive(Debug, Serialize)]
 pub struct Update<'a> {
     epoch: u32,
@@ -72,7 +70,6 @@ pub struct Update<'a> {
     past: Option<&'a [PastRun]>,
 }
 
-/// What a browser has.
 #[derive(Clone, Copy, Debug, Default)]
 struct Cursor {
     version: u64,
@@ -84,8 +81,8 @@ struct Cursor {
 impl Cursor {
     fn update<'a>(&mut self, view: View<'a>) -> Update<'a> {
         let View { state, link, described, version, .. } = view;
-        let anew = self.epoch != Some(state.epoch);
-        let from = if anew { 0 } else { self.points.min(state.points.len()).saturating_sub(UNSETTLED) };
+        let restarted = self.epoch != Some(state.epoch);
+        let from = if restarted { 0 } else { self.points.min(state.points.len()).saturating_sub(UNSETTLED) };
         let more_runs = self.ended != Some(state.ended);
         *self = Self { version, epoch: Some(state.epoch), points: state.points.len(), ended: Some(state.ended) };
         Update {
@@ -95,36 +92,31 @@ impl Cursor {
             now: &state.now,
             link,
             described,
-            previous: anew.then_some(&state.previous[..]),
+            previous: restarted.then_some(&state.previous[..]),
             past: more_runs.then_some(&state.past[..]),
         }
     }
 }
 
 /// The page's server: a thread for each connection, a connection for each request.
-pub struct Page {
+pub struct PageServer {
     listener: TcpListener,
     address: SocketAddr,
     hub: Arc<Hub>,
     connections: AtomicUsize,
 }
 
-impl Page {
+impl PageServer {
     /// On this port of the loopback interface; 0 takes a free one.
-    ///
-    /// # Errors
-    /// The port is taken.
     pub fn bind(port: u16, hub: Arc<Hub>) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         Ok(Self { address: listener.local_addr()?, listener, hub, connections: AtomicUsize::new(0) })
     }
 
-    /// Where it is.
     pub fn url(&self) -> String {
         format!("http://{}/", self.address)
     }
 
-    /// Answers until the process ends.
     pub fn serve(self) {
         let page = Arc::new(self);
         loop {

@@ -11,7 +11,6 @@ use std::time::{Duration, Instant};
 /// Longest pause between two ticks, s of the recording.
 pub const LONGEST_S: f64 = 30.0;
 
-/// Hands messages to a hub.
 pub struct Player<'a> {
     hub: &'a Hub,
     // None: as fast as it goes.
@@ -21,12 +20,11 @@ pub struct Player<'a> {
 }
 
 impl<'a> Player<'a> {
-    /// At so many times the speed of the recording; none: at once.
+    /// At this many times the speed of the recording; none: at once.
     pub fn new(hub: &'a Hub, speed: Option<f64>) -> Self {
         Self { hub, speed, tick: Vec::new(), last: None }
     }
 
-    /// The next message.
     pub fn message(&mut self, message: &[u8]) {
         let Some(speed) = self.speed else {
             self.hub.message(message);

@@ -3,7 +3,7 @@
 //! In: a [`Source`]. Out: its messages, in a [`Hub`], and what becomes of it.
 //!
 //! A port, a connection or an interface that fails is opened again, after [`FIRST_PAUSE`], then twice as long, at most [`LONGEST_PAUSE`]; a source that brings frames begins with the first pause again.
-//! A recording is the bytes of a serial line, or what `rundown link --record` writes (`docs/formats.md`); its first bytes tell which.
+//! A recording is the bytes of a serial line, or what `rundown link --record` writes (`docs/formats.md`); its first bytes show which.
 
 use super::demo;
 use super::hub::{Connection, Hub};
@@ -23,7 +23,7 @@ use std::time::Duration;
 pub const FIRST_PAUSE: Duration = Duration::from_millis(250);
 /// The longest one.
 pub const LONGEST_PAUSE: Duration = Duration::from_secs(4);
-/// How often a silent link is asked.
+/// How often a silent link is polled.
 const POLL: Duration = Duration::from_millis(5);
 /// How often the end of a file that grows is looked at.
 const FOLLOW: Duration = Duration::from_millis(100);
@@ -76,9 +76,6 @@ impl Source {
     }
 
     /// Opens what must be there at once: a file that does not grow. All others may come later.
-    ///
-    /// # Errors
-    /// The file cannot be opened.
     pub fn open(self) -> io::Result<Open> {
         let named =
             |path: &PathBuf, error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
@@ -230,13 +227,13 @@ fn lines(mut reader: impl BufRead, hub: &Hub, player: &mut Player<'_>) -> io::Re
         match recorded_line(&line) {
             Ok(None) => {}
             Ok(Some(recorded)) if recorded.way == Way::Received => player.message(&recorded.message),
-            Ok(Some(recorded)) => hub.told(&recorded.message),
+            Ok(Some(recorded)) => hub.sent(&recorded.message),
             Err(_) => hub.damaged(1),
         }
     }
 }
 
-/// A file may be there later, and be written anew.
+/// A file may appear later, and be rewritten.
 fn growing(path: &Path, hub: &Hub, speed: Option<f64>) -> ! {
     loop {
         let followed = File::open(path).and_then(|file| {

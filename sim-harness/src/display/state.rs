@@ -167,7 +167,7 @@ impl State {
             Order::Anew => self.begin_run(),
             Order::Next | Order::After { .. } => {}
         }
-        // The board counts anew and the first number was lost.
+        // The board has restarted its count and the first number was lost.
         if self.now.tick.is_some_and(|tick| frame.tick < tick) {
             self.begin_run();
         }

@@ -29,9 +29,6 @@ const NARROW: u16 = 116;
 pub const BRAKE_STEPS: [&str; 5] = ["> 130", "130-80", "80-60", "60-40", "< 40"];
 
 /// Draws until the user leaves.
-///
-/// # Errors
-/// Those of the terminal.
 pub fn run(hub: &Hub) -> io::Result<()> {
     let mut terminal = ratatui::try_init()?;
     let done = loop {

@@ -15,6 +15,7 @@
 use super::port::HostPort;
 use super::{HostLink, Unwrapped};
 use embedded_can::nb::Can;
+use rundown::link::can::CanFrame;
 use rundown::link::can_link::CanLink;
 use rundown::link::isotp::Config;
 use rundown::link::serial::SerialLink;
@@ -140,9 +141,6 @@ impl fmt::Display for Address {
 
 impl PortAddress {
     /// Opens the port.
-    ///
-    /// # Errors
-    /// Those of the system, with the address in front.
     pub fn open(&self) -> io::Result<HostPort> {
         let port = match self {
             Self::Serial { path, baud } => HostPort::serial(path, *baud),
@@ -159,39 +157,39 @@ impl Address {
     /// # Errors
     /// Those of the system, with the address in front; `can:` on a system other than Linux.
     pub fn open(&self) -> io::Result<HostLink> {
+        self.open_as(false)
+    }
+
+    /// Opens the link and sends no frame on a CAN bus: another computer there answers the board.
+    pub fn listen(&self) -> io::Result<HostLink> {
+        self.open_as(true)
+    }
+
+    fn open_as(&self, silent: bool) -> io::Result<HostLink> {
         match self {
             Self::Serial(port) => Ok(HostLink::new(SerialLink::new(port.open()?))),
             Self::Slcan { port, fd } => {
-                let adapter = self.adapter(port)?;
-                Ok(HostLink::new(Unwrapped(CanLink::host(adapter, config(*fd)))))
+                let adapter = Slcan::open(port.open()?, None).map_err(|error| match error {
+                    PortError::Port(error) => named(self, &error),
+                    PortError::Full => named(self, &io::ErrorKind::WriteZero.into()),
+                })?;
+                Ok(over_can(adapter, *fd, silent))
             }
-            Self::Can { interface, fd } => open_interface(interface, *fd, false).map_err(|error| named(self, &error)),
+            Self::Can { interface, fd } => open_interface(interface, *fd, silent).map_err(|error| named(self, &error)),
         }
     }
 }
 
-impl Address {
-    /// Opens the link and sends no frame on a CAN bus: another computer there answers the board.
-    ///
-    /// # Errors
-    /// As [`Address::open`].
-    pub fn listen(&self) -> io::Result<HostLink> {
-        match self {
-            Self::Serial(_) => self.open(),
-            Self::Slcan { port, fd } => {
-                let adapter = self.adapter(port)?;
-                let silent = CanLink::host(Silent(adapter), config(*fd));
-                Ok(HostLink::new(Unwrapped(silent)))
-            }
-            Self::Can { interface, fd } => open_interface(interface, *fd, true).map_err(|error| named(self, &error)),
-        }
-    }
-
-    fn adapter(&self, port: &PortAddress) -> io::Result<Slcan<HostPort>> {
-        Slcan::open(port.open()?, None).map_err(|error| match error {
-            PortError::Port(error) => named(self, &error),
-            PortError::Full => named(self, &io::ErrorKind::WriteZero.into()),
-        })
+fn over_can(
+    controller: impl Can<Frame = CanFrame, Error = PortError<io::Error>> + 'static,
+    fd: bool,
+    silent: bool,
+) -> HostLink {
+    let config = if fd { Config::FD } else { Config::CLASSIC };
+    if silent {
+        HostLink::new(Unwrapped(CanLink::host(Silent(controller), config)))
+    } else {
+        HostLink::new(Unwrapped(CanLink::host(controller, config)))
     }
 }
 
@@ -211,18 +209,9 @@ impl<C: Can> Can for Silent<C> {
     }
 }
 
-fn config(fd: bool) -> Config {
-    if fd { Config::FD } else { Config::CLASSIC }
-}
-
 #[cfg(target_os = "linux")]
 fn open_interface(interface: &str, fd: bool, silent: bool) -> io::Result<HostLink> {
-    let socket = super::socket::Socket::open(interface)?;
-    Ok(if silent {
-        HostLink::new(Unwrapped(CanLink::host(Silent(socket), config(fd))))
-    } else {
-        HostLink::new(Unwrapped(CanLink::host(socket, config(fd))))
-    })
+    Ok(over_can(super::socket::Socket::open(interface)?, fd, silent))
 }
 
 #[cfg(not(target_os = "linux"))]
@@ -297,7 +286,7 @@ mod tests {
     fn who_only_listens_sends_nothing_and_hears_all() {
         use crate::link::pipe;
         use rundown::link::Link;
-        use rundown::link::can::{CanFrame, Format};
+        use rundown::link::can::Format;
         use rundown::link::can_link::TO_BOARD;
         let (here, mut there) = pipe::bus();
         let mut other = here.clone();

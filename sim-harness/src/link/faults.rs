@@ -280,7 +280,7 @@ pub struct FaultyPort<P, C> {
 }
 
 impl<P: Read + ReadReady + Write, C: FnMut() -> u64> FaultyPort<P, C> {
-    /// A bad wire before `port`; `clock_us` says the time, which a port is not told.
+    /// A bad wire before `port`; `clock_us` says the time, which a port does not know.
     pub fn new(port: P, seed: u64, rates: Rates, clock_us: C) -> Self {
         let [out, back] = wires(seed, rates);
         Self { port, out, back, ready: VecDeque::new(), clock_us }

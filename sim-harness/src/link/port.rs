@@ -32,9 +32,6 @@ pub struct HostPort {
 
 impl HostPort {
     /// A serial port, 8 data bits, no parity, one stop bit, no flow control.
-    ///
-    /// # Errors
-    /// Those of the system.
     pub fn serial(path: &str, baud: u32) -> io::Result<Self> {
         let mut port = serial2::SerialPort::open(path, baud)?;
         port.set_read_timeout(READ_TIMEOUT)?;
@@ -44,9 +41,6 @@ impl HostPort {
     }
 
     /// A TCP connection, for instance to the UART of the emulator.
-    ///
-    /// # Errors
-    /// Those of the system.
     pub fn tcp(stream: TcpStream) -> io::Result<Self> {
         stream.set_nodelay(true)?;
         stream.set_read_timeout(Some(READ_TIMEOUT))?;

@@ -72,9 +72,6 @@ pub struct Log<W: Write> {
 
 impl<W: Write> Log<W> {
     /// Writes the header.
-    ///
-    /// # Errors
-    /// Those of the writer.
     pub fn new(writer: W) -> io::Result<Self> {
         let mut csv = csv::Writer::from_writer(writer);
         csv.write_record(HEADER)?;
@@ -111,18 +108,12 @@ pub struct Recorder<L, W: Write> {
 
 impl<L: Link, W: Write> Recorder<L, W> {
     /// Records `link` to `writer`, a header first.
-    ///
-    /// # Errors
-    /// Those of the writer.
     pub fn new(link: L, writer: W) -> io::Result<Self> {
         let log = Log::new(writer)?;
         Ok(Self { link, log })
     }
 
     /// The end of the recording: the link again.
-    ///
-    /// # Errors
-    /// As [`Log::finish`].
     pub fn finish(self) -> io::Result<L> {
         self.log.finish()?;
         Ok(self.link)
@@ -169,9 +160,6 @@ pub fn read(reader: impl Read) -> Result<Vec<Recorded>, RecordError> {
 }
 
 /// The message of one line of a recording, which may still be growing; none in an empty line or a comment.
-///
-/// # Errors
-/// [`RecordError`] when it cannot be read.
 pub fn recorded_line(line: &[u8]) -> Result<Option<Recorded>, RecordError> {
     let mut csv = csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).from_reader(line);
     let row = csv.records().next().transpose()?;

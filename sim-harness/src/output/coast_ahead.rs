@@ -16,12 +16,10 @@ use rundown_files::replay::ReplayedRun;
 use rundown_files::table::{Cell, Record, write_csv};
 use std::io::{self, Write};
 
-/// Name of the file of a run.
 pub fn file_name(run: &ReplayedRun) -> String {
     format!("{}.coast_ahead.csv", run.name)
 }
 
-/// The word for an outcome, as on the wire.
 pub const fn outcome_word(outcome: &Outcome) -> &'static str {
     match outcome {
         Outcome::Unknown => "unknown",
@@ -33,9 +31,6 @@ pub const fn outcome_word(outcome: &Outcome) -> &'static str {
 }
 
 /// Writes the predictions of a run.
-///
-/// # Errors
-/// Those of `writer`.
 pub fn write(writer: impl Write, run: &ReplayedRun, config: &CoastConfig) -> io::Result<()> {
     let mut steady = Steady::NONE;
     let records: Vec<Record> =

@@ -20,12 +20,10 @@ use rundown_files::replay::ReplayedRun;
 use rundown_files::table::digits_17;
 use std::io::{self, Write};
 
-/// Name of the file of a run.
 pub fn file_name(run: &ReplayedRun) -> String {
     format!("{}.estimates.csv", run.name)
 }
 
-/// The columns in their order.
 pub fn columns() -> Vec<String> {
     let fixed = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
     let mut columns = fixed(&["time_s", "location_m", "speed_mps", "r0", "r1", "r2"]);
@@ -42,9 +40,6 @@ fn upper_triangle() -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// Writes the estimates of a run.
-///
-/// # Errors
-/// Those of `writer`.
 pub fn write(writer: impl Write, run: &ReplayedRun) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
     csv.write_record(columns())?;

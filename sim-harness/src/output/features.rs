@@ -9,10 +9,8 @@ use rundown::tick::regime::Regime;
 use rundown_files::replay::ReplayedRun;
 use rundown_files::table::{Cell, Record};
 
-/// The columns of `switching_points.csv`.
 pub const SWITCHING_POINT_COLUMNS: [&str; 6] = ["run", "time_s", "location_m", "speed_mps", "from", "to"];
 
-/// One row of `features.csv`.
 pub fn record(run: &ReplayedRun, config: &FeatureConfig) -> Record {
     let mut record: Record = Vec::new();
     record.push(("run".to_owned(), Cell::from(run.name.as_str())));
@@ -56,7 +54,6 @@ pub fn of_run(features: &Features, config: &FeatureConfig) -> Record {
     record
 }
 
-/// The rows of `switching_points.csv` of one run.
 pub fn switching_points(run: &ReplayedRun) -> Vec<Record> {
     let one = |point: &rundown::features::SwitchingPoint| {
         let cells = [

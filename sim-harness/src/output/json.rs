@@ -9,45 +9,27 @@
 //!   "failed": [ { "file", "errors": [ ... ] } ], "notes": [ ... ] }
 //! ```
 
+use crate::logs::Failed;
 use crate::output::{coast_ahead, estimates, features, parameters};
 use rundown::estimator::StepError;
 use rundown::estimator::config::{Config, Mode};
 use rundown_files::replay::{Dropped, ReplayedRun, Tick};
 use rundown_files::table::{Record, to_json};
 use serde_json::{Value, json};
-use std::path::PathBuf;
 
-/// What a replay was made with, and what came of it.
 #[derive(Clone, Debug)]
 pub struct Replay<'a> {
-    /// Configuration in force.
     pub config: &'a Config,
-    /// Name in the train file.
     pub train: &'a str,
-    /// Name in the track file.
     pub track: &'a str,
-    /// The vehicle was carried from run to run.
     pub carried: bool,
-    /// Which rows were steps.
     pub tick: Tick,
-    /// The runs that could be used.
     pub runs: &'a [ReplayedRun],
-    /// Those that could not, and why.
     pub failed: &'a [Failed],
     /// What a person should know about all of them: [`crate::advice`], and their order.
     pub notes: &'a [String],
 }
 
-/// A log that gave no run.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Failed {
-    /// The log.
-    pub file: PathBuf,
-    /// Why.
-    pub error: String,
-}
-
-/// The word for a mode in every output.
 pub const fn mode_word(mode: Mode) -> &'static str {
     match mode {
         Mode::Paper => "paper",
@@ -56,7 +38,6 @@ pub const fn mode_word(mode: Mode) -> &'static str {
     }
 }
 
-/// The whole replay.
 pub fn value(replay: &Replay<'_>) -> Value {
     let tick_s = match replay.tick {
         Tick::EverySample => None,

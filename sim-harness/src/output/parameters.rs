@@ -8,7 +8,6 @@ use rundown_files::table::{Cell, Record};
 /// The names of the three Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²).
 const COEFFICIENTS: [&str; 3] = ["r0", "r1", "r2"];
 
-/// The word for a direction in every output.
 pub const fn direction_word(direction: Direction) -> &'static str {
     match direction {
         Direction::Up => "up",
@@ -31,7 +30,6 @@ pub fn record(run: &ReplayedRun) -> Record {
     record
 }
 
-/// How often each cause occurred.
 pub fn counters(run: &ReplayedRun) -> Record {
     let counters = &run.summary.counters;
     let dropped = ("time_not_increasing".to_owned(), Cell::from(counters.time_not_increasing));
@@ -39,7 +37,6 @@ pub fn counters(run: &ReplayedRun) -> Record {
     std::iter::once(dropped).chain(causes).collect()
 }
 
-/// Means, then standard deviations.
 pub fn coefficients(prefix: &str, davis: &Gaussian<3>) -> Record {
     let means =
         COEFFICIENTS.iter().zip(davis.mean.iter()).map(|(name, mean)| (format!("{prefix}{name}"), Cell::from(*mean)));

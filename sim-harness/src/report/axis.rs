@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// A run that moved less has its figures over time, m.
 const LEAST_DISTANCE_M: Real = 200.0;
-/// A pause longer than so many usual ones is a gap.
+/// A pause longer than this many usual ones is a gap.
 const LONG_PAUSE: Real = 3.5;
 /// Longer runs have their time in minutes, s.
 const IN_MINUTES_S: Real = 300.0;
@@ -19,15 +19,11 @@ const IN_MINUTES_S: Real = 300.0;
 /// The x axis of a run, one place for each estimate.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    /// Name and unit.
     pub label: &'static str,
     /// Place of each estimate; none where it is unknown.
     pub x: Vec<Option<Real>>,
-    /// Both ends.
     pub range: Range<Real>,
-    /// Places are locations.
     pub is_location: bool,
-    /// There was a pause before this estimate.
     pauses: Vec<bool>,
 }
 
@@ -58,7 +54,7 @@ impl Axis {
     }
 
     fn new(run: &RunView, label: &'static str, x: Vec<Option<Real>>, is_location: bool) -> Self {
-        Self { label, range: range_of(x.iter().flatten().copied()), x, is_location, pauses: pauses(run.estimates) }
+        Self { label, range: range_of(x.iter().flatten().copied()), x, is_location, pauses: pauses(&run.estimates) }
     }
 
     /// The train ran towards smaller locations.
@@ -138,43 +134,43 @@ fn pauses(estimates: &[Estimate]) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::example::Example;
+    use super::super::example;
     use super::*;
 
     #[test]
     fn a_pause_is_a_gap_and_the_usual_step_is_none() {
-        let mut example = Example::run();
+        let mut example = example::run();
         let without = {
-            let view = example.view();
+            let view = RunView::of(&example, None);
             let axis = Axis::of_time(&view);
-            axis.series(view.estimates, |_, e, x| Some((x, e.time_s)))
+            axis.series(&view.estimates, |_, e, x| Some((x, e.time_s)))
         };
         assert!(without.iter().all(Option::is_some));
-        example.drop_samples(20..32);
-        let view = example.view();
+        example::drop_samples(&mut example, 20..32);
+        let view = RunView::of(&example, None);
         let axis = Axis::of_time(&view);
-        let series = axis.series(view.estimates, |_, e, x| Some((x, e.time_s)));
+        let series = axis.series(&view.estimates, |_, e, x| Some((x, e.time_s)));
         let gaps: Vec<usize> = (0..series.len()).filter(|i| series[*i].is_none()).collect();
         assert_eq!(gaps, [20]);
     }
 
     #[test]
     fn touching_intervals_are_one_span() {
-        let example = Example::run();
-        let view = example.view();
+        let example = example::run();
+        let view = RunView::of(&example, None);
         let axis = Axis::of_time(&view);
-        let spans = axis.spans(view.estimates, |i, _| (5..8).contains(&i) || i == 12);
+        let spans = axis.spans(&view.estimates, |i, _| (5..8).contains(&i) || i == 12);
         let x = |index: usize| axis.x[index].unwrap();
         assert_eq!(spans, [x(4)..x(7), x(11)..x(12)]);
-        assert_eq!(axis.spans(view.estimates, |i, _| i == 0), [x(0)..x(0)]);
+        assert_eq!(axis.spans(&view.estimates, |i, _| i == 0), [x(0)..x(0)]);
     }
 
     #[test]
     fn a_train_that_hardly_moved_is_shown_over_time() {
-        let example = Example::standing();
-        assert!(!Axis::of_motion(&example.view()).is_location);
-        let example = Example::run();
-        let axis = Axis::of_motion(&example.view());
+        let example = example::standing();
+        assert!(!Axis::of_motion(&RunView::of(&example, None)).is_location);
+        let example = example::run();
+        let axis = Axis::of_motion(&RunView::of(&example, None));
         assert!(axis.is_location && !axis.runs_backward());
     }
 }

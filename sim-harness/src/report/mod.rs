@@ -11,40 +11,36 @@
 //! A missing value is a gap in a figure and a dash in a table, with its reason beside it; a number that is not finite is never shown.
 
 mod axis;
-pub mod figures;
-pub mod page;
-pub mod resistance;
+pub(crate) mod figures;
+pub(crate) mod page;
+pub(crate) mod resistance;
 
 #[cfg(test)]
 pub(crate) mod example;
 
+use crate::output::files;
 use rundown::Real;
-use rundown::coast_ahead::CoastAhead;
-use rundown::features::{FeatureConfig, Features};
+use rundown::features::FeatureConfig;
 use rundown::filter::gaussian::Gaussian;
 use rundown::model::resistance::Davis;
 use rundown::model::state;
 use rundown::model::train::Train;
-use rundown::tick::estimate::{Counters, Estimate};
+use rundown::tick::estimate::Estimate;
 use rundown::tick::measurement::Measurement;
 use rundown::tick::regime::Regime;
+use rundown_files::WriteError;
 use rundown_files::replay::ReplayedRun;
-use std::ops::Range;
+use std::ops::{Deref, Range};
 use std::path::Path;
 
 /// Runs that have figures; all are in the tables.
 pub const RUNS_IN_FULL: usize = 12;
 
-/// What is told.
 #[derive(Clone, Debug)]
 pub struct Report<'a> {
-    /// Heading of the page.
     pub title: String,
-    /// The train as its manufacturer describes it.
     pub train: &'a Train,
-    /// The runs, in order.
     pub runs: Vec<RunView<'a>>,
-    /// `paper`, `gated` or `measured`.
     pub mode: &'static str,
     /// Windows and steps of the features, for their labels.
     pub features: FeatureConfig,
@@ -52,65 +48,41 @@ pub struct Report<'a> {
     pub vehicle: Vec<(String, Gaussian<3>)>,
 }
 
-/// One run.
+/// A replayed run, and what was true of a simulated one.
 #[derive(Clone, Copy, Debug)]
 pub struct RunView<'a> {
-    /// Its name in every output.
-    pub name: &'a str,
-    /// The accepted measurements, one for each estimate.
-    pub measurements: &'a [Measurement],
-    /// The estimates.
-    pub estimates: &'a [Estimate],
-    /// What coasting from each estimate on leads to; none where the track has no targets.
-    pub coast_ahead: &'a [CoastAhead],
-    /// The confirmed regime of each estimate.
-    pub regimes: &'a [Regime],
-    /// What section 3.3 asks.
-    pub features: &'a Features,
-    /// How often each cause occurred.
-    pub counters: &'a Counters,
-    /// What looked wrong in the log.
-    pub warnings: &'a [String],
-    /// What was true, of a simulated run.
-    pub truth: Option<&'a TruthView>,
+    run: &'a ReplayedRun,
+    truth: Option<&'a TruthView>,
+}
+
+impl Deref for RunView<'_> {
+    type Target = ReplayedRun;
+
+    fn deref(&self) -> &ReplayedRun {
+        self.run
+    }
 }
 
 impl<'a> RunView<'a> {
-    /// Of a replayed run.
-    pub fn of(run: &'a ReplayedRun, truth: Option<&'a TruthView>) -> Self {
-        Self {
-            name: &run.name,
-            measurements: &run.measurements,
-            estimates: &run.estimates,
-            coast_ahead: &run.coast_ahead,
-            regimes: &run.regimes,
-            features: &run.summary.features,
-            counters: &run.summary.counters,
-            warnings: &run.warnings,
-            truth,
-        }
+    pub const fn of(run: &'a ReplayedRun, truth: Option<&'a TruthView>) -> Self {
+        Self { run, truth }
     }
 }
 
 /// What was true of a run, a value for each estimate; drawn where it has as many.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TruthView {
-    /// Davis coefficients of this run's train.
     pub davis: Davis,
     /// Mean effort since the sample before, N/kg.
     pub effort_n_per_kg: Vec<Real>,
-    /// Running resistance, N/kg.
     pub resistance_n_per_kg: Vec<Real>,
     /// Location in m and speed in m/s where the final coast and the final brake began.
     pub starts: Vec<(Real, Real)>,
 }
 
 /// Writes the page.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_report(path: &Path, report: &Report) -> std::io::Result<()> {
-    std::fs::write(path, page::html(report))
+pub fn write_report(path: &Path, report: &Report) -> Result<(), WriteError> {
+    files::text(path, &page::html(report))
 }
 
 impl RunView<'_> {
@@ -120,7 +92,6 @@ impl RunView<'_> {
         self.regimes.get(index).copied().or_else(first).unwrap_or_default()
     }
 
-    /// What was true, if there is a value for each estimate.
     fn truth(&self) -> Option<&TruthView> {
         let count = self.estimates.len();
         self.truth
@@ -128,21 +99,18 @@ impl RunView<'_> {
             .filter(|truth| truth.resistance_n_per_kg.len() == count)
     }
 
-    /// The measurement an estimate answers.
     fn measurement(&self, index: usize) -> Option<&Measurement> {
         let time_s = self.estimates.get(index)?.time_s;
         let same = |measurement: &&Measurement| measurement.time_s == time_s;
         self.measurements.get(index).filter(same)
     }
 
-    /// From the first to the last estimate, s.
     fn duration_s(&self) -> Real {
         let times_s = || self.estimates.iter().map(|e| e.time_s).filter(|t| t.is_finite());
         let ends = times_s().next().zip(times_s().next_back());
         ends.map_or(0.0, |(first, last)| last - first)
     }
 
-    /// Between the first and the last estimated location, m.
     fn distance_m(&self) -> Real {
         let location_m = |estimate: &Estimate| estimate.belief.mean[state::LOCATION];
         let locations_m = || self.estimates.iter().map(location_m).filter(|s| s.is_finite());
@@ -175,7 +143,6 @@ struct Learned {
     samples: usize,
     time_s: Real,
     distance_m: Real,
-    /// Lowest to highest speed.
     speeds_mps: Option<Range<Real>>,
 }
 
@@ -192,21 +159,21 @@ impl Learned {
 }
 
 /// Share of the time in each regime, indexed by `Regime as usize`; none when no time went by.
-fn regime_shares(run: &RunView) -> Option<[Real; 5]> {
-    let times_s = run.features.regime_time_s;
+pub fn regime_shares(run: &ReplayedRun) -> Option<[Real; 5]> {
+    let times_s = run.summary.features.regime_time_s;
     let total_s: Real = times_s.iter().sum();
     (total_s > 0.0 && total_s.is_finite()).then(|| times_s.map(|time_s| time_s / total_s))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::example::{Example, report, train};
+    use super::example::{self, report, train};
     use super::*;
 
     #[test]
     fn the_page_is_written() {
         let path = std::env::temp_dir().join(format!("rundown-report-{}.html", std::process::id()));
-        write_report(&path, &report(&[Example::run()], &train())).unwrap();
+        write_report(&path, &report(&[example::run()], &train())).unwrap();
         let written = std::fs::read_to_string(&path);
         std::fs::remove_file(&path).unwrap();
         assert!(written.unwrap().starts_with("<!DOCTYPE html>"));
@@ -215,8 +182,8 @@ mod tests {
 
     #[test]
     fn learned_is_time_distance_and_range_of_speeds() {
-        let example = Example::run();
-        let learned = example.view().learned();
+        let example = example::run();
+        let learned = RunView::of(&example, None).learned();
         assert_eq!(learned.samples, 44);
         assert!((learned.time_s - 440.0).abs() < 1e-9);
         // Mean speed of the learning samples is near (36.1 + 22.3) / 2 m/s.

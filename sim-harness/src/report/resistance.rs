@@ -11,12 +11,9 @@ use rundown::model::resistance::Davis;
 /// Half-width of a 95 % interval of a normal distribution in standard deviations.
 pub const NINETY_FIVE: Real = 1.96;
 
-/// Running resistance at one speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resistance {
-    /// Its mean, N/kg.
     pub mean_n_per_kg: Real,
-    /// Its standard deviation, N/kg.
     pub sd_n_per_kg: Real,
 }
 
@@ -31,12 +28,10 @@ impl Resistance {
         is_finite.then_some(found)
     }
 
-    /// Lower end of the 95 % interval.
     pub fn lower(&self) -> Real {
         self.mean_n_per_kg - NINETY_FIVE * self.sd_n_per_kg
     }
 
-    /// Upper end of the 95 % interval.
     pub fn upper(&self) -> Real {
         self.mean_n_per_kg + NINETY_FIVE * self.sd_n_per_kg
     }
@@ -52,7 +47,6 @@ impl Resistance {
     }
 }
 
-/// An estimate beside the manufacturer's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
     /// The manufacturer's value, N/kg.

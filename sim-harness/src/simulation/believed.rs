@@ -1,6 +1,6 @@
 //! The descriptions that the estimator gets: track and train as they are believed to be, before any effect.
 
-use super::scenario_file::TrainTable;
+use super::train_table::TrainTable;
 use rundown::model::track::{Curve, Gradient};
 use rundown_files::track_file::{FeedingSection, SpeedLimit, Stop, TrackFile, Tunnel};
 use rundown_files::train_file::TrainFile;
@@ -48,7 +48,6 @@ pub fn line_of(track: &TrackFile) -> Line {
     line
 }
 
-/// The train as described.
 pub fn train_file(train: &TrainTable) -> TrainFile {
     TrainFile {
         effect: Vec::new(),

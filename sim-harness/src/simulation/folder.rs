@@ -5,20 +5,18 @@
 //! | `runs/runNNN.csv` | the logs, as a recorder on board writes them |
 //! | `runs/runs.csv` | index: file, departure_utc, unit, direction |
 //! | `track.toml`, `train.toml` | the descriptions as believed |
-//! | `truth/truth.json` | what was true: effects, train, facts of each run ([`key`]) |
+//! | `truth/truth.json` | what was true: effects, train, facts of each run (`key`) |
 //! | `truth/runNNN.csv` | what was true at each sample |
 //! | `truth/scenario.toml` | the scenario file |
 //!
-//! Who looks for effects gets all but `truth/`.
+//! Whoever looks for effects gets all but `truth/`.
 
-use super::key;
+use super::key::{self, departure_utc, file_name};
 use super::scenario_file::Simulation;
-use jiff::Timestamp;
 use rayon::prelude::*;
 use rundown_files::run_set::INDEX;
-use rundown_truth::driver::Regime;
 use rundown_truth::facts::Facts;
-use rundown_truth::plan::{Heading, RunPlan, plan};
+use rundown_truth::plan::{RunPlan, plan};
 use rundown_truth::scenario::{DriveError, Run, simulate_planned};
 use rundown_truth::sensors::SpeedReading;
 use serde::Serialize;
@@ -55,21 +53,8 @@ fn io_at(path: &Path) -> impl FnOnce(io::Error) -> FolderError {
     move |source| FolderError::Io { path, source }
 }
 
-/// Name of a run's files.
-///
-/// ```
-/// assert_eq!(sim_harness::simulation::folder::file_name(7, 67), "run007.csv");
-/// ```
-pub fn file_name(number: usize, runs: usize) -> String {
-    let width = runs.to_string().len().max(3);
-    format!("run{number:0width$}.csv")
-}
-
 /// Drives all runs side by side and writes the data set. What is written depends on scenario and seed alone, not on the number of threads.
 /// With `force` the files of an earlier data set are removed first.
-///
-/// # Errors
-/// [`FolderError`] names the file or the run.
 pub fn write(
     simulation: &Simulation,
     folder: &Path,
@@ -190,7 +175,7 @@ fn write_truth(csv: &mut Csv, run: &Run) -> io::Result<()> {
             time(at.time_s),
             format!("{:.3}", at.location_m),
             format!("{:.6}", at.speed_mps),
-            regime_word(at.regime).to_owned(),
+            at.regime.as_str().to_owned(),
             format!("{:.7}", at.effort_n_per_kg),
             format!("{:.7}", at.mean_effort_n_per_kg),
             format!("{:.1}", at.effort_n_per_kg * rotating_mass_kg),
@@ -210,41 +195,10 @@ fn write_index(csv: &mut Csv, simulation: &Simulation, plans: &[RunPlan]) -> io:
             file_name(plan.number, plans.len()).as_str(),
             &departure_utc(plan),
             &simulation.unit,
-            heading_word(plan.heading),
+            plan.heading.as_str(),
         ])?;
     }
     Ok(())
-}
-
-/// Start of the log as in the index.
-pub(super) fn departure_utc(plan: &RunPlan) -> String {
-    Timestamp::from_second(plan.departure_s).map_or(String::new(), |at| at.to_string())
-}
-
-/// The word for a direction.
-pub(super) const fn heading_word(heading: Heading) -> &'static str {
-    match heading {
-        Heading::Up => "up",
-        Heading::Down => "down",
-    }
-}
-
-/// The word for a true regime, as the estimator's.
-const fn regime_word(regime: Regime) -> &'static str {
-    match regime {
-        Regime::Standstill => "standstill",
-        Regime::Traction => "traction",
-        Regime::Cruise => "cruise",
-        Regime::Coast => "coast",
-        Regime::Brake => "brake",
-    }
-}
-
-/// The regime of a word in `truth/runNNN.csv`.
-pub fn regime_of_word(word: &str) -> Option<Regime> {
-    use Regime::{Brake, Coast, Cruise, Standstill, Traction};
-    let mut all = [Standstill, Traction, Cruise, Coast, Brake].into_iter();
-    all.find(|regime| regime_word(*regime) == word)
 }
 
 /// To the millisecond, without needless zeros.

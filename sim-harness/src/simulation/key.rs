@@ -1,15 +1,25 @@
-//! `truth.json`: what was true, for those who judge.
+//! `truth.json`: what was true, for evaluation.
 //!
 //! Sums up what no log says: the effects with the files of the runs they acted in, the true train, and for each run its wind, load, temperature,
 //! Davis parameters in still air, and the marks of its phases. Locations are those of the line, N/kg are per true rotating mass of the run.
 
-use super::folder::{departure_utc, file_name, heading_word};
 use super::scenario_file::Simulation;
-use rundown_truth::facts::{Facts, Mark};
-use rundown_truth::train::{DavisTruth, TrainTruth};
+use jiff::Timestamp;
+use rundown_truth::facts::Facts;
+use rundown_truth::plan::RunPlan;
 use serde_json::{Value, json};
 
-/// The whole file.
+/// Name of a run's files.
+pub fn file_name(number: usize, runs: usize) -> String {
+    let width = runs.to_string().len().max(3);
+    format!("run{number:0width$}.csv")
+}
+
+/// Start of the log as in the index.
+pub fn departure_utc(plan: &RunPlan) -> String {
+    Timestamp::from_second(plan.departure_s).map_or(String::new(), |at| at.to_string())
+}
+
 pub fn value(simulation: &Simulation, facts: &[Facts]) -> Value {
     let scenario = &simulation.scenario;
     let effects: Vec<Value> = scenario
@@ -32,8 +42,8 @@ pub fn value(simulation: &Simulation, facts: &[Facts]) -> Value {
         "seed": simulation.seed,
         "effects": effects,
         "described": {
-            "train": train(&scenario.train),
-            "davis": davis(&scenario.train.davis),
+            "train": scenario.train,
+            "davis": scenario.train.davis,
         },
         "true_davis_over_described": scenario.davis_scale,
         "runs": facts.iter().map(|f| run(f, facts.len())).collect::<Vec<Value>>(),
@@ -48,29 +58,6 @@ fn parameters(effect: &impl serde::Serialize) -> Value {
     value
 }
 
-fn train(train: &TrainTruth) -> Value {
-    json!({
-        "mass_kg": train.mass_kg,
-        "rotating_mass_factor": train.gamma,
-        "length_m": train.length_m,
-        "max_tractive_effort_n": train.max_tractive_effort_n,
-        "max_power_w": train.max_power_w,
-        "max_brake_mps2": train.max_brake_mps2,
-    })
-}
-
-fn davis(davis: &DavisTruth) -> Value {
-    json!({"r0": davis.r0, "r1": davis.r1, "r2": davis.r2})
-}
-
-fn mark(mark: &Mark) -> Value {
-    json!({
-        "time_s": mark.time_s,
-        "location_m": mark.location_m,
-        "speed_mps": mark.speed_mps,
-    })
-}
-
 fn run(facts: &Facts, runs: usize) -> Value {
     let plan = &facts.plan;
     let habits = &facts.habits;
@@ -79,7 +66,7 @@ fn run(facts: &Facts, runs: usize) -> Value {
         // A number of 64 bits does not fit into every reader's numbers.
         "seed": plan.seed.to_string(),
         "departure_utc": departure_utc(plan),
-        "direction": heading_word(plan.heading),
+        "direction": plan.heading.as_str(),
         "season": plan.season,
         "headwind_mps": facts.headwind_mps,
         "load": facts.load,
@@ -87,14 +74,14 @@ fn run(facts: &Facts, runs: usize) -> Value {
             "start": facts.weather.start_c,
             "drift_per_h": facts.weather.drift_c_per_h,
         },
-        "train": train(&facts.train),
-        "davis": davis(&facts.train.davis),
-        "davis_with_wind": davis(&facts.davis),
+        "train": facts.train,
+        "davis": facts.train.davis,
+        "davis_with_wind": facts.davis,
         "cruise_mps": facts.cruise_mps,
-        "final_coast": facts.final_coast.as_ref().map(mark),
-        "final_brake": mark(&facts.final_brake),
-        "stop_brake": mark(&facts.stop_brake),
-        "stops": facts.stops.iter().map(mark).collect::<Vec<Value>>(),
+        "final_coast": facts.final_coast,
+        "final_brake": facts.final_brake,
+        "stop_brake": facts.stop_brake,
+        "stops": facts.stops,
         "mean_power_50_130_w_per_kg": facts.mean_power_50_130_w_per_kg,
         "max_power_50_90_w_per_kg": facts.max_power_50_90_w_per_kg,
         "max_power_w_per_kg": facts.max_power_w_per_kg,
@@ -102,4 +89,15 @@ fn run(facts: &Facts, runs: usize) -> Value {
         "power_share": habits.power_share,
         "brake_rates_mps2": habits.brake.rates_mps2,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_files_sort_as_the_runs_do() {
+        assert_eq!(file_name(7, 67), "run007.csv");
+        assert_eq!(file_name(7, 1200), "run0007.csv");
+    }
 }

@@ -7,11 +7,12 @@
 //! | file of this folder | what it makes |
 //! |---|---|
 //! | [`scenario_file`] | a checked scenario from a TOML file |
-//! | [`believed`] | the track and the train as described to the estimator |
+//! | `believed` | the track and the train as described to the estimator |
 //! | [`folder`] | the run logs, the descriptions and the truth on disk |
-//! | [`key`] | `truth.json`: what was true, for those who judge |
+//! | `key` | `truth.json`: what was true, for evaluation |
 
-pub mod believed;
+pub(crate) mod believed;
 pub mod folder;
-pub mod key;
+mod key;
 pub mod scenario_file;
+mod train_table;

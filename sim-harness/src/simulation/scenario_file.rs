@@ -1,10 +1,10 @@
-//! Scenario files: a TOML file, see [`ScenarioFile`]; every field that is left out is that of the case study.
+//! Scenario files: a TOML file, explained by [`EXAMPLE`]; every field that is left out is that of the case study.
 //!
 //! In: a path or a text. Out: [`Simulation`], ready to be run. Errors name file, line and column.
 
 use super::believed;
+pub(crate) use super::train_table::TrainTable;
 use jiff::civil::Date;
-use rundown::model::resistance::Davis;
 use rundown::model::train::TrainError;
 use rundown_files::refusal::ReadError;
 use rundown_files::toml_file::{Step, TomlFile};
@@ -16,15 +16,14 @@ use rundown_truth::line::Line;
 use rundown_truth::plan::{Dates, Headings};
 use rundown_truth::scenario::{Scenario, UnscheduledStop};
 use rundown_truth::sensors::{Bursts, LocationWalk, Sensors, SpeedReading};
-use rundown_truth::train::{DavisTruth, TrainTruth};
 use rundown_truth::weather::Climate;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use std::path::Path;
 
-/// A commented example: the case study with the loads, winds and powers of everyday.
+/// A commented example with every field: the case study with the loads, winds and powers of everyday.
 pub const EXAMPLE: &str = include_str!("../../../data/scenarios/case_study.toml");
 
-/// Runs on a line with a tunnel that nobody described.
+/// Runs on a line with an undescribed tunnel.
 pub const HIDDEN_EFFECT: &str = include_str!("../../../data/scenarios/hidden_effect.toml");
 
 /// A scenario, ready to be run.
@@ -52,246 +51,127 @@ pub struct Simulation {
     pub text: String,
 }
 
-/// What a scenario file holds.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+/// What a scenario file holds; every field is explained in [`EXAMPLE`]. What is the truth's own is read into the truth's types; a table of its own here
+/// has fields that the truth has elsewhere.
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct ScenarioFile {
-    /// For people.
-    pub name: String,
-    /// How many runs.
-    pub runs: usize,
-    /// Seed of all draws.
-    pub seed: u64,
-    /// `up`, `down`, or `both` in turns.
-    pub directions: DirectionsWord,
-    /// Name of the vehicle.
-    pub unit: String,
-    /// Integration step, s.
-    pub step_s: f64,
-    /// Dates of the runs.
-    pub dates: DatesTable,
-    /// The line.
-    pub line: LineTable,
-    /// The train as described.
-    pub train: TrainTable,
-    /// The driver.
-    pub driver: DriverTable,
-    /// Wind along the line.
-    pub wind: SpreadTable,
-    /// Load of the day.
-    pub load: LoadTable,
-    /// Temperatures.
-    pub temperature: TemperatureTable,
-    /// The recorder.
-    pub sensors: SensorTable,
-    /// The column of the effort.
-    pub effort: EffortTable,
-    /// A red signal.
-    pub red_signal: Option<RedSignalTable>,
-    /// What the description does not have.
-    pub effect: Vec<Effect>,
+struct ScenarioFile {
+    name: String,
+    runs: usize,
+    seed: u64,
+    directions: Headings,
+    unit: String,
+    step_s: f64,
+    dates: DatesTable,
+    line: LineTable,
+    train: TrainTable,
+    driver: DriverTable,
+    wind: WindTable,
+    load: LoadTable,
+    temperature: TemperatureTable,
+    sensors: SensorTable,
+    effort: EffortTable,
+    red_signal: Option<UnscheduledStop>,
+    effect: Vec<Effect>,
 }
 
-/// `directions`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct DatesTable {
+    start: String,
+    days: f64,
+}
+
+/// A name, or a track file beside the scenario file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct LineTable {
+    name: Option<LineName>,
+    seed: u64,
+    file: Option<String>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum DirectionsWord {
-    /// Locations grow.
-    #[default]
-    Up,
-    /// Locations fall.
-    Down,
-    /// In turns, up first.
-    Both,
-}
-
-/// `[dates]`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct DatesTable {
-    /// First day.
-    pub start: String,
-    /// The runs are spread over so many days.
-    pub days: f64,
-}
-
-/// `[line]`: a name, or a track file.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct LineTable {
-    /// `case_study`, `hilly`.
-    pub name: Option<LineName>,
-    /// Seed of a hilly line.
-    pub seed: u64,
-    /// A track file, beside the scenario file.
-    pub file: Option<String>,
-}
-
-/// `line.name`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LineName {
-    /// 32 103 m, 140 km/h, 40 km/h at both ends, nearly flat.
+enum LineName {
     CaseStudy,
-    /// The same with gradients up to 10 permille, drawn.
     Hilly,
 }
 
-/// `[train]`: as in a train file, and how the truth differs.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields, default)]
-#[allow(missing_docs)]
-pub struct TrainTable {
-    pub name: String,
-    pub mass_kg: f64,
-    pub rotating_mass_factor: f64,
-    pub length_m: f64,
-    pub max_tractive_effort_n: f64,
-    pub max_power_w: f64,
-    pub max_brake_mps2: f64,
-    pub davis: Davis,
-    /// True over described r0, r1, r2.
-    pub true_davis_over_described: [f64; 3],
+struct DriverTable {
+    kind: DriverKind,
+    cycle_share: f64,
+    brake_test_share: f64,
+    final_dwell: bool,
 }
 
-/// `[driver]`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct DriverTable {
-    /// `intercity` or `short_hops`.
-    pub kind: DriverWord,
-    /// Share of the runs that cruise by turns of power and coast.
-    pub cycle_share: f64,
-    /// Share of the runs with a running brake test after the departure.
-    pub brake_test_share: f64,
-    /// Whether the log goes on for 30 to 60 s after the last stop.
-    pub final_dwell: bool,
+struct WindTable {
+    sd_mps: f64,
 }
 
-/// `driver.kind`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DriverWord {
-    /// One long run, a long final coast.
-    #[default]
-    Intercity,
-    /// Stops every 4 to 6 km unless the line has its own.
-    ShortHops,
-}
-
-/// `[wind]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct SpreadTable {
-    /// Standard deviation between runs, m/s.
-    pub sd_mps: f64,
+struct LoadTable {
+    sd: f64,
 }
 
-/// `[load]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct LoadTable {
-    /// Standard deviation between runs as a share of the mass.
-    pub sd: f64,
+struct TemperatureTable {
+    column: bool,
+    mean_c: f64,
+    yearly_c: f64,
+    daily_c: f64,
+    run_sd_c: f64,
+    drift_sd_c_per_h: f64,
 }
 
-/// `[temperature]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields, default)]
-#[allow(missing_docs)]
-pub struct TemperatureTable {
-    /// Whether logs have the column `ambient_temperature_c`.
-    pub column: bool,
-    pub mean_c: f64,
-    pub yearly_c: f64,
-    pub daily_c: f64,
-    pub run_sd_c: f64,
-    pub drift_sd_c_per_h: f64,
+struct SensorTable {
+    sampling_s: f64,
+    speed: SpeedReading,
+    speed_quantum_kmh: f64,
+    speed_noise_kmh: f64,
+    location_sd_m: f64,
+    location_walk_sd_m: f64,
+    location_walk_s: f64,
+    latency_s: f64,
+    location_lag_s: f64,
+    dropout_share: f64,
+    gap_share: f64,
+    gap_samples: [usize; 2],
 }
 
-/// `[sensors]`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields, default)]
-#[allow(missing_docs)]
-pub struct SensorTable {
-    pub sampling_s: f64,
-    pub speed: SpeedWord,
-    pub speed_quantum_kmh: f64,
-    pub speed_noise_kmh: f64,
-    /// White noise.
-    pub location_sd_m: f64,
-    /// Slow noise, with its time constant.
-    pub location_walk_sd_m: f64,
-    pub location_walk_s: f64,
-    /// Age of location and speed.
-    pub latency_s: f64,
-    /// Further age of the location.
-    pub location_lag_s: f64,
-    /// Share of readings that are lost, each on its own.
-    pub dropout_share: f64,
-    /// Share of samples at which a longer gap begins.
-    pub gap_share: f64,
-    /// Its least and greatest length in samples.
-    pub gap_samples: [usize; 2],
-}
-
-/// `sensors.speed`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[allow(missing_docs)]
-pub enum SpeedWord {
-    #[default]
-    Rounded,
-    Truncated,
-    Exact,
-}
-
-/// `[effort]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-#[allow(missing_docs)]
-pub struct EffortTable {
-    /// Whether logs have the column `effort_n_per_kg`.
-    pub column: bool,
-    /// At the moment of the sample, not the mean since the sample before.
-    pub momentary: bool,
-    pub gain: f64,
-    /// Standard deviation of the gain between runs.
-    pub gain_sd: f64,
-    pub noise_n_per_kg: f64,
-}
-
-/// `[red_signal]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(missing_docs)]
-pub struct RedSignalTable {
-    /// Along the way travelled.
-    pub at_m: f64,
-    pub dwell_s: f64,
-    /// Share of the runs that meet it.
-    #[serde(default = "all")]
-    pub share: f64,
-}
-
-fn all() -> f64 {
-    1.0
+struct EffortTable {
+    column: bool,
+    momentary: bool,
+    gain: f64,
+    gain_sd: f64,
+    noise_n_per_kg: f64,
 }
 
 impl Default for ScenarioFile {
     fn default() -> Self {
+        let scenario = Scenario::default();
         Self {
             name: "case study".to_owned(),
             runs: 67,
             seed: 1,
-            directions: DirectionsWord::Up,
+            directions: scenario.headings,
             unit: "unit-1".to_owned(),
-            step_s: Scenario::default().step_s,
+            step_s: scenario.step_s,
             dates: DatesTable::default(),
             line: LineTable::default(),
             train: TrainTable::default(),
             driver: DriverTable::default(),
-            wind: SpreadTable::default(),
+            wind: WindTable::default(),
             load: LoadTable::default(),
             temperature: TemperatureTable::default(),
             sensors: SensorTable::default(),
@@ -314,52 +194,17 @@ impl Default for LineTable {
     }
 }
 
-impl Default for TrainTable {
-    fn default() -> Self {
-        Self::of(&TrainTruth::default())
-    }
-}
-
-impl TrainTable {
-    /// The table of a train that is as described.
-    pub fn of(train: &TrainTruth) -> Self {
-        Self {
-            name: "double-deck electric unit, six cars".to_owned(),
-            mass_kg: train.mass_kg,
-            rotating_mass_factor: train.gamma,
-            length_m: train.length_m,
-            max_tractive_effort_n: train.max_tractive_effort_n,
-            max_power_w: train.max_power_w,
-            max_brake_mps2: train.max_brake_mps2,
-            davis: Davis { r0: train.davis.r0, r1: train.davis.r1, r2: train.davis.r2 },
-            true_davis_over_described: [1.0; 3],
-        }
-    }
-}
-
 impl Default for DriverTable {
     fn default() -> Self {
-        let scenario = Scenario::default();
-        Self {
-            kind: DriverWord::Intercity,
-            cycle_share: scenario.cycle_share,
-            brake_test_share: scenario.brake_test_share,
-            final_dwell: scenario.final_dwell,
-        }
+        let Scenario { driver, cycle_share, brake_test_share, final_dwell, .. } = Scenario::default();
+        Self { kind: driver, cycle_share, brake_test_share, final_dwell }
     }
 }
 
 impl Default for TemperatureTable {
     fn default() -> Self {
-        let climate = Climate::default();
-        Self {
-            column: false,
-            mean_c: climate.mean_c,
-            yearly_c: climate.yearly_c,
-            daily_c: climate.daily_c,
-            run_sd_c: climate.run_sd_c,
-            drift_sd_c_per_h: climate.drift_sd_c_per_h,
-        }
+        let Climate { mean_c, yearly_c, daily_c, run_sd_c, drift_sd_c_per_h } = Climate::default();
+        Self { column: false, mean_c, yearly_c, daily_c, run_sd_c, drift_sd_c_per_h }
     }
 }
 
@@ -368,7 +213,7 @@ impl Default for SensorTable {
         let sensors = Sensors::default();
         Self {
             sampling_s: sensors.sampling_s,
-            speed: SpeedWord::Rounded,
+            speed: sensors.speed,
             speed_quantum_kmh: sensors.speed_quantum_kmh,
             speed_noise_kmh: sensors.speed_noise_kmh,
             location_sd_m: sensors.location_noise_m,
@@ -389,11 +234,32 @@ impl Default for EffortTable {
     }
 }
 
+impl SensorTable {
+    fn sensors(&self, effort: &EffortTable) -> Sensors {
+        let walk = LocationWalk { sd_m: self.location_walk_sd_m, tau_s: self.location_walk_s };
+        let bursts = Bursts { probability: self.gap_share, samples: self.gap_samples };
+        Sensors {
+            sampling_s: self.sampling_s,
+            speed: self.speed,
+            speed_quantum_kmh: self.speed_quantum_kmh,
+            speed_noise_kmh: self.speed_noise_kmh,
+            location_noise_m: self.location_sd_m,
+            location_walk: (walk.sd_m > 0.0).then_some(walk),
+            dropout_probability: self.dropout_share,
+            bursts: (bursts.probability > 0.0).then_some(bursts),
+            latency_s: self.latency_s,
+            location_lag_s: self.location_lag_s,
+            effort_gain: effort.gain,
+            effort_momentary: effort.momentary,
+            effort_gain_sd: effort.gain_sd,
+            effort_noise_n_per_kg: effort.noise_n_per_kg,
+            ..Sensors::default()
+        }
+    }
+}
+
 impl Simulation {
     /// Reads and checks a scenario file; a track file that it names lies beside it.
-    ///
-    /// # Errors
-    /// [`ReadError`] names file, line and column.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let text = std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
         Self::parse(path, &text)
@@ -447,154 +313,103 @@ impl Simulation {
 }
 
 fn scenario(values: &ScenarioFile, line: Line, dates: Dates) -> Scenario {
-    let train = &values.train;
-    let Davis { r0, r1, r2 } = train.davis;
-    let sensors = &values.sensors;
-    let temperature = values.temperature;
+    let TemperatureTable { mean_c, yearly_c, daily_c, run_sd_c, drift_sd_c_per_h, .. } = values.temperature;
     Scenario {
-        train: TrainTruth {
-            mass_kg: train.mass_kg,
-            gamma: train.rotating_mass_factor,
-            length_m: train.length_m,
-            davis: DavisTruth { r0, r1, r2 },
-            max_tractive_effort_n: train.max_tractive_effort_n,
-            max_power_w: train.max_power_w,
-            max_brake_mps2: train.max_brake_mps2,
-        },
+        train: values.train.truth(),
         line,
-        driver: match values.driver.kind {
-            DriverWord::Intercity => DriverKind::CaseStudy,
-            DriverWord::ShortHops => DriverKind::ShortHop,
-        },
+        driver: values.driver.kind,
         cycle_share: values.driver.cycle_share,
         brake_test_share: values.driver.brake_test_share,
         final_dwell: values.driver.final_dwell,
-        unscheduled_stop: values.red_signal.map(|red| UnscheduledStop {
-            at_m: red.at_m,
-            dwell_s: red.dwell_s,
-            share: red.share,
-        }),
-        davis_scale: train.true_davis_over_described,
+        unscheduled_stop: values.red_signal,
+        davis_scale: values.train.true_davis_over_described,
         wind_sd_mps: values.wind.sd_mps,
         load_sd: values.load.sd,
-        headings: match values.directions {
-            DirectionsWord::Up => Headings::Up,
-            DirectionsWord::Down => Headings::Down,
-            DirectionsWord::Both => Headings::Both,
-        },
+        headings: values.directions,
         dates,
-        climate: Climate {
-            mean_c: temperature.mean_c,
-            yearly_c: temperature.yearly_c,
-            daily_c: temperature.daily_c,
-            run_sd_c: temperature.run_sd_c,
-            drift_sd_c_per_h: temperature.drift_sd_c_per_h,
-        },
+        climate: Climate { mean_c, yearly_c, daily_c, run_sd_c, drift_sd_c_per_h },
         effects: values.effect.clone(),
         step_s: values.step_s,
-        sensors: Sensors {
-            sampling_s: sensors.sampling_s,
-            speed: match sensors.speed {
-                SpeedWord::Rounded => SpeedReading::Rounded,
-                SpeedWord::Truncated => SpeedReading::Truncated,
-                SpeedWord::Exact => SpeedReading::Exact,
-            },
-            speed_quantum_kmh: sensors.speed_quantum_kmh,
-            speed_noise_kmh: sensors.speed_noise_kmh,
-            speed_gain: 1.0,
-            location_noise_m: sensors.location_sd_m,
-            location_walk: (sensors.location_walk_sd_m > 0.0)
-                .then_some(LocationWalk { sd_m: sensors.location_walk_sd_m, tau_s: sensors.location_walk_s }),
-            dropout_probability: sensors.dropout_share,
-            bursts: (sensors.gap_share > 0.0)
-                .then_some(Bursts { probability: sensors.gap_share, samples: sensors.gap_samples }),
-            latency_s: sensors.latency_s,
-            location_lag_s: sensors.location_lag_s,
-            effort_gain: values.effort.gain,
-            effort_momentary: values.effort.momentary,
-            effort_gain_sd: values.effort.gain_sd,
-            effort_noise_n_per_kg: values.effort.noise_n_per_kg,
-        },
+        sensors: values.sensors.sensors(&values.effort),
     }
 }
 
 /// Ranges of the plain numbers.
 fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), ReadError> {
+    let ScenarioFile { driver, sensors, effort, temperature, .. } = &file.values;
     let v = &file.values;
-    let within = |field: &str, found: f64, least: f64, most: f64| {
-        if (least..=most).contains(&found) {
-            return Ok(());
-        }
-        let message = format!("expected {least} to {most}, found {found}");
-        Err(file.refuse_dotted(field, message))
-    };
-    within("runs", v.runs as f64, 1.0, 1e6)?;
-    within("step_s", v.step_s, 0.005, 0.05)?;
-    divides(file, "step_s", "1 s", 1.0)?;
-    divides(file, "sensors.sampling_s", "sampling_s", v.sensors.sampling_s)?;
-    within("dates.days", v.dates.days, 0.001, 36_525.0)?;
-    let d = &v.driver;
-    within("driver.cycle_share", d.cycle_share, 0.0, 1.0)?;
-    within("driver.brake_test_share", d.brake_test_share, 0.0, 1.0)?;
-    within("wind.sd_mps", v.wind.sd_mps, 0.0, 20.0)?;
-    within("load.sd", v.load.sd, 0.0, 0.3)?;
-    let s = &v.sensors;
-    for (name, found, least, most) in [
-        ("sampling_s", s.sampling_s, 0.005, 600.0),
-        ("speed_quantum_kmh", s.speed_quantum_kmh, 1e-6, 50.0),
-        ("speed_noise_kmh", s.speed_noise_kmh, 0.0, 50.0),
-        ("location_sd_m", s.location_sd_m, 0.0, 10_000.0),
-        ("location_walk_sd_m", s.location_walk_sd_m, 0.0, 10_000.0),
-        ("location_walk_s", s.location_walk_s, 0.1, 1e6),
-        ("latency_s", s.latency_s, 0.0, 600.0),
-        ("location_lag_s", s.location_lag_s, 0.0, 600.0),
-        ("dropout_share", s.dropout_share, 0.0, 0.9),
-        ("gap_share", s.gap_share, 0.0, 0.9),
-    ] {
-        within(&format!("sensors.{name}"), found, least, most)?;
-    }
-    let [least, most] = s.gap_samples;
+    within(file, &[("runs", v.runs as f64, 1.0, 1e6), ("step_s", v.step_s, 0.005, 0.05)])?;
+    divides(file, "step_s", 1.0)?;
+    divides(file, "sensors.sampling_s", sensors.sampling_s)?;
+    let numbers = [
+        ("dates.days", v.dates.days, 0.001, 36_525.0),
+        ("driver.cycle_share", driver.cycle_share, 0.0, 1.0),
+        ("driver.brake_test_share", driver.brake_test_share, 0.0, 1.0),
+        ("wind.sd_mps", v.wind.sd_mps, 0.0, 20.0),
+        ("load.sd", v.load.sd, 0.0, 0.3),
+        ("sensors.sampling_s", sensors.sampling_s, 0.005, 600.0),
+        ("sensors.speed_quantum_kmh", sensors.speed_quantum_kmh, 1e-6, 50.0),
+        ("sensors.speed_noise_kmh", sensors.speed_noise_kmh, 0.0, 50.0),
+        ("sensors.location_sd_m", sensors.location_sd_m, 0.0, 10_000.0),
+        ("sensors.location_walk_sd_m", sensors.location_walk_sd_m, 0.0, 10_000.0),
+        ("sensors.location_walk_s", sensors.location_walk_s, 0.1, 1e6),
+        ("sensors.latency_s", sensors.latency_s, 0.0, 600.0),
+        ("sensors.location_lag_s", sensors.location_lag_s, 0.0, 600.0),
+        ("sensors.dropout_share", sensors.dropout_share, 0.0, 0.9),
+        ("sensors.gap_share", sensors.gap_share, 0.0, 0.9),
+        ("effort.gain", effort.gain, 0.1, 10.0),
+        ("effort.gain_sd", effort.gain_sd, 0.0, 0.3),
+        ("effort.noise_n_per_kg", effort.noise_n_per_kg, 0.0, 1.0),
+        ("temperature.mean_c", temperature.mean_c, -80.0, 80.0),
+        ("temperature.yearly_c", temperature.yearly_c, -80.0, 80.0),
+        ("temperature.daily_c", temperature.daily_c, -80.0, 80.0),
+        ("temperature.run_sd_c", temperature.run_sd_c, -80.0, 80.0),
+        ("temperature.drift_sd_c_per_h", temperature.drift_sd_c_per_h, -80.0, 80.0),
+    ];
+    within(file, &numbers)?;
+    let [least, most] = sensors.gap_samples;
     if least == 0 || most < least {
-        let message = format!("expected gap_samples = [least, most] with 1 or more, found [{least}, {most}]");
+        let message = format!("expected [least, most] with 1 or more, found [{least}, {most}]");
         return Err(file.refuse_dotted("sensors.gap_samples", message));
-    }
-    let e = &v.effort;
-    within("effort.gain", e.gain, 0.1, 10.0)?;
-    within("effort.gain_sd", e.gain_sd, 0.0, 0.3)?;
-    within("effort.noise_n_per_kg", e.noise_n_per_kg, 0.0, 1.0)?;
-    let t = &v.temperature;
-    for (name, found) in [
-        ("mean_c", t.mean_c),
-        ("yearly_c", t.yearly_c),
-        ("daily_c", t.daily_c),
-        ("run_sd_c", t.run_sd_c),
-        ("drift_sd_c_per_h", t.drift_sd_c_per_h),
-    ] {
-        within(&format!("temperature.{name}"), found, -80.0, 80.0)?;
     }
     for (index, scale) in v.train.true_davis_over_described.into_iter().enumerate() {
         if !(0.0..=10.0).contains(&scale) {
             let place = [Step::Name("train"), Step::Name("true_davis_over_described"), Step::Index(index)];
-            let message = format!("expected a factor within 0 to 10, found {scale}");
+            let message = format!("expected a factor of 0 to 10, found {scale}");
             return Err(file.refuse(&place, message));
         }
     }
-    if let Some(red) = v.red_signal {
-        within("red_signal.at_m", red.at_m, 500.0, 1e7)?;
-        within("red_signal.dwell_s", red.dwell_s, 1.0, 3600.0)?;
-        within("red_signal.share", red.share, 0.0, 1.0)?;
+    let Some(red) = v.red_signal else { return Ok(()) };
+    let numbers = [
+        ("red_signal.at_m", red.at_m, 500.0, 1e7),
+        ("red_signal.dwell_s", red.dwell_s, 1.0, 3600.0),
+        ("red_signal.share", red.share, 0.0, 1.0),
+    ];
+    within(file, &numbers)
+}
+
+/// Each number lies between its least and its most; also taken by NaN.
+fn within(file: &TomlFile<ScenarioFile>, numbers: &[(&str, f64, f64, f64)]) -> Result<(), ReadError> {
+    for &(field, found, least, most) in numbers {
+        if !(least..=most).contains(&found) {
+            let message = format!("expected {least} to {most}, found {found}");
+            return Err(file.refuse_dotted(field, message));
+        }
     }
     Ok(())
 }
 
-/// The step divides a whole number of times, so that rows and samples fall on it.
-fn divides(file: &TomlFile<ScenarioFile>, field: &str, name: &str, whole: f64) -> Result<(), ReadError> {
+/// A time is a whole number of steps, so that rows and samples fall on them.
+fn divides(file: &TomlFile<ScenarioFile>, field: &str, time_s: f64) -> Result<(), ReadError> {
     let step_s = file.values.step_s;
-    let count = (whole / step_s).round();
-    if count >= 1.0 && (count * step_s - whole).abs() < 1e-9 {
+    let count = (time_s / step_s).round();
+    if count >= 1.0 && (count * step_s - time_s).abs() < 1e-9 {
         return Ok(());
     }
-    let message = format!("expected step_s = {step_s} to divide {name}, found {whole} s");
+    let message = match field {
+        "step_s" => format!("expected a divisor of {time_s} s, found {step_s}"),
+        _ => format!("expected a multiple of step_s, {step_s} s, found {time_s} s"),
+    };
     Err(file.refuse_dotted(field, message))
 }
 
@@ -605,7 +420,7 @@ fn dates(file: &TomlFile<ScenarioFile>) -> Result<Dates, ReadError> {
         .and_then(|date| date.to_zoned(jiff::tz::TimeZone::UTC))
         .map(|midnight| midnight.timestamp().as_second())
         .map_err(|_| {
-            let message = format!("expected start as \"2024-01-08\", found \"{start}\"");
+            let message = format!("expected a day as \"2024-01-08\", found \"{start}\"");
             file.refuse_dotted("dates.start", message)
         })?;
     Ok(Dates { start_s, days: *days })
@@ -622,7 +437,7 @@ fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile),
         return Ok((line, track));
     };
     if name.is_some() {
-        let message = "expected a name or a file of the line, found both";
+        let message = "expected a name or a file, found both";
         return Err(file.refuse_dotted("line.file", message));
     }
     let track_path = path.parent().unwrap_or(Path::new("")).join(track);
@@ -665,12 +480,14 @@ mod tests {
         let error = |text: &str| parse(text).unwrap_err().to_string();
         assert_eq!(
             error("[dates]\nstart = \"monday\"\n"),
-            "s.toml:2:9: dates.start: expected start as \"2024-01-08\", found \"monday\""
+            "s.toml:2:9: dates.start: expected a day as \"2024-01-08\", found \"monday\""
         );
         assert_eq!(
             error("[sensors]\nsampling_s = 5.01\n"),
-            "s.toml:2:14: sensors.sampling_s: expected step_s = 0.05 to divide sampling_s, found 5.01 s"
+            "s.toml:2:14: sensors.sampling_s: expected a multiple of step_s, 0.05 s, found 5.01 s"
         );
+        assert_eq!(error("step_s = 0.03\n"), "s.toml:1:10: step_s: expected a divisor of 1 s, found 0.03");
+        assert_eq!(error("[load]\nsd = 0.4\n"), "s.toml:2:6: load.sd: expected 0 to 0.3, found 0.4");
         assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train.mass_kg: expected 1000 to 100000000, found 5");
         assert_eq!(
             error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),

@@ -17,33 +17,26 @@ use rundown_truth::sensors::{Sample, Sensors, SpeedReading, TruthSample};
 
 /// s0, v0, r0, r1, r2, gain.
 const SIZE: usize = 6;
-/// Step of the integration between samples, s.
 const STEP_S: f64 = 0.5;
 /// Slower trains stand, m/s.
 const STANDING_MPS: f64 = 1e-6;
 /// A mean effort below this is that of an interval of coasting, N/kg.
 const NO_EFFORT_N_PER_KG: f64 = 1e-12;
 
-type Sensitivity = SMatrix<f64, 2, SIZE>;
+type Jacobian = SMatrix<f64, 2, SIZE>;
 
-/// Where the effort is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Known {
     /// Where it is zero: while coasting.
     Coasting,
     /// Everywhere but at standstill, up to a constant gain of this standard deviation.
-    Measured {
-        /// Standard deviation of the gain.
-        gain_sd: f64,
-    },
+    Measured { gain_sd: f64 },
 }
 
 /// What the readings are worth, as variances in m² and (m/s)².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Worth {
-    /// Of the location.
     pub location: f64,
-    /// Of the speed.
     pub speed: f64,
 }
 
@@ -63,7 +56,6 @@ impl Worth {
     }
 }
 
-/// Information of r0, r1, r2 in one run.
 pub fn information(
     truth: &[TruthSample],
     samples: &[Sample],
@@ -102,15 +94,14 @@ pub fn information(
     }
 }
 
-/// Consecutive intervals of known effort.
 struct Stretch {
-    sensitivity: Sensitivity,
+    sensitivity: Jacobian,
     information: SMatrix<f64, SIZE, SIZE>,
 }
 
 impl Stretch {
     fn begin(sample: &Sample, worth: Worth) -> Self {
-        let mut begun = Self { sensitivity: Sensitivity::identity(), information: SMatrix::zeros() };
+        let mut begun = Self { sensitivity: Jacobian::identity(), information: SMatrix::zeros() };
         begun.read(sample, worth);
         begun
     }
@@ -157,7 +148,7 @@ impl Stretch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rundown_truth::driver::Regime;
+    use rundown_truth::regime::Regime;
 
     /// A train that coasts against a constant resistance: v = v0 - r0 t, s = s0 + v0 t - r0 t²/2.
     fn coasting(count: usize, effort_n_per_kg: f64) -> (Vec<TruthSample>, Vec<Sample>) {
@@ -204,7 +195,7 @@ mod tests {
         let none = information(&truth, &samples, davis, worth, Known::Coasting);
         assert_eq!(none, Matrix3::zeros());
         let known = |gain_sd| information(&truth, &samples, davis, worth, Known::Measured { gain_sd });
-        // A constant effort of unknown gain cannot be told from r0.
+        // A constant effort of unknown gain is confounded with r0.
         assert!(known(1e-9)[(0, 0)] > 100.0 * known(0.1)[(0, 0)]);
     }
 

@@ -11,13 +11,15 @@ use rundown_truth::plan::{Heading, RunPlan, plan};
 use rundown_truth::scenario::{DriveError, Run, Scenario, simulate_planned};
 use rundown_truth::sensors::{self, TruthSample};
 use rundown_truth::train::DavisTruth;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 use std::path::{Path, PathBuf};
 
 const CASE_STUDY: &str = include_str!("../../../data/scenarios/paper_study.toml");
 /// A further unit's resistance is this share above or below the first one's, at most.
 const UNIT_SPREAD: f64 = 0.15;
 
-/// One run.
+/// A run as the study takes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// What the estimator gets.
@@ -35,12 +37,14 @@ pub struct CaseTruth {
     pub facts: RunTruth,
 }
 
-/// The truth of a run as a whole, as far as the study shows it: a data set on disk has it too.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The truth of a run as a whole, as far as the study shows it: in `truth.json` of a data set on disk it has the same names.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct RunTruth {
     /// Running resistance of this run as still air would have it: load and wind included.
+    #[serde(rename = "davis_with_wind")]
     pub davis: DavisTruth,
     /// Rotating mass of this run, kg.
+    #[serde(rename = "train", deserialize_with = "rotating_mass_kg")]
     pub rotating_mass_kg: f64,
     /// The speed the driver wanted to keep, m/s.
     pub cruise_mps: f64,
@@ -49,11 +53,27 @@ pub struct RunTruth {
     /// Start of the final brake.
     pub final_brake: Mark,
     /// Standstill at the last stop.
+    #[serde(rename = "stops", deserialize_with = "last")]
     pub stop: Mark,
     /// Mean power while accelerating, 50 to 130 km/h, W/kg.
     pub mean_power_50_130_w_per_kg: Option<f64>,
     /// Largest there, 50 to 90 km/h, W/kg.
     pub max_power_50_90_w_per_kg: Option<f64>,
+}
+
+fn rotating_mass_kg<'de, D: Deserializer<'de>>(train: D) -> Result<f64, D::Error> {
+    #[derive(Deserialize)]
+    struct Train {
+        mass_kg: f64,
+        rotating_mass_factor: f64,
+    }
+    let train = Train::deserialize(train)?;
+    Ok(train.mass_kg * train.rotating_mass_factor)
+}
+
+fn last<'de, D: Deserializer<'de>>(stops: D) -> Result<Mark, D::Error> {
+    let stops = Vec::<Mark>::deserialize(stops)?;
+    stops.last().copied().ok_or_else(|| D::Error::custom("expected at least one stop, found none"))
 }
 
 impl From<&Facts> for RunTruth {
@@ -104,17 +124,11 @@ impl Case {
 
 /// The paper's 67 runs, simulated: one unit with 8 % less resistance than its manufacturer says, wind of 2 m/s and load of 3 % standard deviation
 /// from run to run, and a feeding section at the departure that gives less power than the motors can take.
-///
-/// # Errors
-/// None: the scenario is built in. The type is that of a file.
 pub fn case_study() -> Result<Simulation, ReadError> {
     Simulation::parse(Path::new("paper_study.toml"), CASE_STUDY)
 }
 
-/// The same line, train and driver in still air and with the described load, and no effect: where a bound is asked for.
-///
-/// # Errors
-/// As [`case_study`].
+/// The same line, train and driver in still air and with the described load, and no effect: for the Cramér-Rao bound.
 pub fn calm() -> Result<Simulation, ReadError> {
     Simulation::parse(Path::new("calm.toml"), "name = \"calm\"\n")
 }
@@ -148,9 +162,6 @@ impl FleetUnit {
 
     /// Drives a run, counted from 0.
     ///
-    /// # Errors
-    /// [`DriveError`] if the train does not arrive.
-    ///
     /// # Panics
     /// If the unit has fewer runs.
     pub fn drive(&self, run: usize) -> Result<Case, DriveError> {
@@ -164,9 +175,6 @@ impl FleetUnit {
 }
 
 /// Run `index` of a fleet, unit after unit.
-///
-/// # Errors
-/// [`DriveError`] if the train does not arrive.
 pub fn fleet_run(simulation: &Simulation, seed: u64, index: usize) -> Result<Case, DriveError> {
     let runs = FleetUnit::runs(simulation);
     FleetUnit::new(simulation, seed, index / runs).drive(index % runs)

@@ -15,38 +15,27 @@ use rundown::model::train::Train;
 use rundown_files::table::{Cell, Record};
 use rundown_pages::numbers::{NOTHING, number};
 
-/// A claim and what came of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     /// Figure or section of the paper: `2` to `9`, or `3.2`, `4.1`, `4.2`.
     pub place: &'static str,
-    /// What the paper says.
     pub statement: &'static str,
-    /// The paper's mode on these runs.
     pub paper: String,
-    /// The gated mode on these runs.
     pub gated: String,
-    /// What is true, where it is known.
     pub truth: String,
-    /// Whether it is reproduced.
     pub verdict: Verdict,
-    /// By which criterion, or why not.
     pub why: String,
 }
 
-/// Whether a claim is reproduced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The criterion holds.
     Reproduced,
-    /// It does not.
     Not,
-    /// These runs have nothing to judge it by.
+    /// These runs have no data on it.
     NoData,
 }
 
 impl Verdict {
-    /// The word in tables.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Reproduced => "reproduced",
@@ -64,15 +53,14 @@ impl Verdict {
     }
 }
 
-/// All claims, in the order of the paper.
 pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim> {
-    let mut claims = driving::setting(train);
+    let mut claims = Vec::from(driving::setting(train));
     claims.push(driving::runs(gathered));
     claims.extend(driving::profiles(gathered));
     claims.extend(resistance::one_run(gathered, train));
     claims.extend(resistance::all_runs(gathered, train));
     claims.extend(resistance::terms(gathered, train));
-    claims.extend(resistance::initial(&trials.sensitivity));
+    claims.push(resistance::initial(&trials.sensitivity));
     claims.extend(trials::trials(trials));
     claims.extend(driving::regimes(gathered));
     claims.extend(driving::style(gathered));
@@ -81,7 +69,6 @@ pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim>
     claims
 }
 
-/// A row for each claim.
 pub fn records(claims: &[Claim]) -> Vec<Record> {
     let row = |claim: &Claim| {
         [
@@ -99,18 +86,31 @@ pub fn records(claims: &[Claim]) -> Vec<Record> {
     claims.iter().map(row).collect()
 }
 
-/// Three columns of one quantity: paper's mode, gated mode, truth.
-fn three(gathered: &Gathered, of: impl Fn(&Tallies) -> Option<String>) -> [String; 3] {
-    let nothing = || NOTHING.to_owned();
-    let truth = (gathered.truth.runs > 0).then(|| of(&gathered.truth));
-    [
-        of(&gathered.paper).unwrap_or_else(nothing),
-        of(&gathered.gated).unwrap_or_else(nothing),
-        truth.flatten().unwrap_or_else(nothing),
-    ]
+/// What the paper's mode says of a claim, the gated mode, and the truth; a dash where there is nothing.
+type Columns = [Option<String>; 3];
+
+fn claim(
+    place: &'static str,
+    statement: &'static str,
+    columns: Columns,
+    holds: Option<bool>,
+    why: impl Into<String>,
+) -> Claim {
+    let [paper, gated, truth] = columns.map(|text| text.unwrap_or_else(|| NOTHING.to_owned()));
+    Claim { place, statement, paper, gated, truth, verdict: Verdict::of(holds), why: why.into() }
 }
 
-/// Within so much of a number.
+/// The columns of a claim on the description, or on the paper's mode alone.
+fn alone(text: Option<String>) -> Columns {
+    [text, None, None]
+}
+
+/// The columns of one quantity.
+fn three(gathered: &Gathered, of: impl Fn(&Tallies) -> Option<String>) -> Columns {
+    let truth = (gathered.truth.runs > 0).then(|| of(&gathered.truth));
+    [of(&gathered.paper), of(&gathered.gated), truth.flatten()]
+}
+
 fn near(found: Option<f64>, wanted: f64, margin: f64) -> Option<bool> {
     found.map(|found| (found - wanted).abs() <= margin)
 }
@@ -135,8 +135,7 @@ mod tests {
     use super::*;
     use crate::study::case::case_study;
     use crate::study::description;
-    use crate::study::sensitivity::Sensitivity;
-    use crate::study::trials::{Misses, Pace};
+    use crate::study::trials::{Misses, Pace, Sensitivity};
 
     fn train() -> Train {
         description::of(&case_study().unwrap()).unwrap().train

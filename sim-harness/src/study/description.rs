@@ -1,48 +1,24 @@
 //! The description that goes with a simulation: what the manufacturer and the infrastructure manager say, which is not what is true.
 
+use super::Refused;
 use crate::simulation::scenario_file::Simulation;
 use rundown::model::track::Track;
-use rundown::model::train::{Train, TrainError};
-use rundown_files::refusal::ReadError;
+use rundown::model::train::Train;
 use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
 use std::path::Path;
-use thiserror::Error;
 
-/// Train and track as described.
 #[derive(Clone, Debug)]
-pub struct Description {
-    /// The train.
+pub struct Believed {
     pub train: Train,
-    /// The track.
     pub track: Track,
 }
 
-/// Why a simulation has none that an estimator takes.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum DescriptionError {
-    /// Of the train.
-    #[error(transparent)]
-    Train(#[from] TrainError),
-    /// Of the track.
-    #[error(transparent)]
-    Track(#[from] ReadError),
-    /// A description that no file can hold.
-    #[error("{0}")]
-    Text(#[from] toml::ser::Error),
-}
-
-/// Of a simulation.
-///
-/// # Errors
-/// [`DescriptionError`] when the estimator does not take its train or its track.
-pub fn of(simulation: &Simulation) -> Result<Description, DescriptionError> {
+/// Of a simulation, as far as the estimator takes its train and its track.
+pub fn of(simulation: &Simulation) -> Result<Believed, Refused> {
     // The track is written and read, so that what is simulated is described by a file that a person could write.
     let text = toml::to_string(&simulation.track)?;
     let (_, track) = TrackFile::parse(Path::new("track.toml"), &text)?;
-    let train: &TrainFile = &simulation.train;
-    Ok(Description { train: train.train()?, track })
+    Ok(Believed { train: simulation.train.train()?, track })
 }
 
 #[cfg(test)]

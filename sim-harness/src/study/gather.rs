@@ -8,12 +8,13 @@
 //! The paper's filter begins each run with the manufacturer's values, as the paper does; the gated mode carries each unit's vehicle.
 //! What is kept does not grow with the number of runs: [`DRAWN`] runs for figures at most, evenly spread, and one vehicle for each unit.
 
+use super::Refused;
 use super::case::{Case, CaseTruth};
 use super::moments::Moments;
-use super::source::{Source, SourceError};
+use super::source::RunSource;
 use super::tallies::{LIMIT_KMH, Tallies};
-use super::view::View;
-use crate::output::json::Failed;
+use super::view::{Outcome, Seen};
+use crate::logs::Failed;
 use rayon::prelude::*;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
@@ -31,41 +32,29 @@ use std::collections::HashMap;
 /// Runs whose points are drawn.
 pub const DRAWN: usize = 200;
 
-/// The estimators of a study.
 #[derive(Clone, Debug)]
 pub struct Estimators {
-    /// The paper's loop.
     pub paper: Estimator,
-    /// Learning while coasting.
     pub gated: Estimator,
 }
 
 impl Estimators {
     /// Both modes of one configuration.
-    ///
-    /// # Errors
-    /// [`ConfigError`] names the first field that is out of range.
     pub fn try_new(config: Config, train: Train, track: &Track) -> Result<Self, ConfigError> {
         let of = |mode| Estimator::try_new(Config { mode, ..config }, train, track.clone());
         Ok(Self { paper: of(Mode::Paper)?, gated: of(Mode::Gated)? })
     }
 }
 
-/// What was measured and what is drawn of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawn {
-    /// What was recorded.
     pub recording: Recording,
-    /// As the paper's mode sees it.
-    pub paper: View,
-    /// As the gated mode sees it.
-    pub gated: View,
-    /// As it was.
-    pub truth: Option<View>,
+    pub paper: Seen,
+    pub gated: Seen,
+    pub truth: Option<Seen>,
 }
 
 impl Drawn {
-    /// Its name.
     pub fn name(&self) -> &str {
         &self.recording.name
     }
@@ -76,23 +65,16 @@ impl Drawn {
     }
 }
 
-/// The run of Figs. 3, 5 and 6, whole.
 #[derive(Clone, Debug)]
 pub struct Example {
-    /// Replayed in the paper's mode.
     pub paper: ReplayedRun,
-    /// Replayed in the gated mode.
     pub gated: ReplayedRun,
-    /// What was true.
     pub truth: Option<CaseTruth>,
 }
 
-/// What all runs gave.
 #[derive(Clone, Debug, Default)]
 pub struct Gathered {
-    /// Through the paper's mode.
     pub paper: Tallies,
-    /// Through the gated mode.
     pub gated: Tallies,
     /// As it was; its `runs` are those whose truth is known.
     pub truth: Tallies,
@@ -106,29 +88,22 @@ pub struct Gathered {
     pub travelled_m: Moments,
     /// Mean time between the readings of each run, s.
     pub interval_s: Moments,
-    /// Rows of all logs.
     pub rows: u64,
-    /// Runs for figures.
     pub drawn: Vec<Drawn>,
-    /// The run of Figs. 3, 5 and 6.
     pub example: Option<Example>,
     /// What the gated mode knows of each unit after its last run, by name.
     pub units: Vec<(String, Gaussian<3>)>,
-    /// Runs that could not be used.
     pub failed: Vec<Failed>,
 }
 
 /// What happens with the runs of a chunk and their rows of results.
-pub type Sink<'a> = dyn FnMut(&[Case], &[Record]) -> std::io::Result<()> + 'a;
+pub type Sink<'a> = dyn FnMut(&[&Recording], &[Record]) -> std::io::Result<()> + 'a;
 
-/// Why a study ended early.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GatherError {
-    /// The runs cannot be read.
-    #[error(transparent)]
-    Source(#[from] SourceError),
-    /// The rows of results cannot be written.
+    #[error("{0}")]
+    Runs(#[from] Refused),
     #[error("{0}")]
     Sink(#[from] std::io::Error),
 }
@@ -139,7 +114,7 @@ pub enum GatherError {
 /// # Errors
 /// [`GatherError`] when runs cannot be read or rows cannot be written. A single bad log is no error: it is in `failed`.
 pub fn gather(
-    source: &mut Source,
+    source: &mut RunSource,
     estimators: &Estimators,
     wanted: Option<&str>,
     sink: &mut Sink,
@@ -147,7 +122,7 @@ pub fn gather(
 ) -> Result<Gathered, GatherError> {
     let mut gathered = Gathered::default();
     let mut vehicles: HashMap<String, Vehicle> = HashMap::new();
-    // Every so manieth run is drawn.
+    // One run in so many is drawn.
     let stride = source.total().div_ceil(DRAWN).max(1);
     let mut index = 0;
     while let Some(loaded) = source.next_chunk()? {
@@ -159,48 +134,12 @@ pub fn gather(
                 Err(failed) => gathered.failed.push(failed),
             }
         }
-        let (paper, gated) =
-            rayon::join(|| apart(&estimators.paper, &cases), || carried(&estimators.gated, &cases, &mut vehicles));
-        let train = estimators.paper.train();
-        let views = |run: &ReplayedRun| View::of_replay(run, train);
-        let of_paper: Vec<View> = paper.par_iter().map(views).collect();
-        let of_gated: Vec<View> = gated.par_iter().map(views).collect();
-        let truths: Vec<Option<View>> =
-            cases.par_iter().map(|case| case.truth.as_ref().map(|t| View::of_truth(t, train))).collect();
-        let views = of_paper.iter().zip(&of_gated).zip(&truths);
-        let records: Vec<Record> = cases
-            .iter()
-            .zip(views)
-            .map(|(case, ((paper, gated), truth))| record(case, [paper, gated], truth.as_ref()))
-            .collect();
-        sink(&cases, &records)?;
-        let replayed = cases.into_iter().zip(paper.into_iter().zip(gated));
-        for ((case, (paper_run, gated_run)), ((paper, gated), truth)) in
-            replayed.zip(of_paper.into_iter().zip(of_gated).zip(truths))
-        {
-            gathered.paper.add(&paper);
-            gathered.gated.add(&gated);
-            if let Some(truth) = &truth {
-                gathered.truth.add(truth);
-            }
-            if let Some(truth) = &case.truth {
-                gathered.add_speed_errors(&case.recording, truth, &paper_run, &gated_run);
-            }
-            gathered.add_extent(&case.recording);
-            gathered.rows += case.recording.rows.len() as u64;
-            let top_kmh = top_kmh(&case);
-            gathered.top_kmh.add(top_kmh);
-            gathered.over_limit += u64::from(top_kmh > LIMIT_KMH);
-            let is_wanted = match wanted {
-                Some(name) => case.recording.name == name,
-                None => gathered.example.is_none(),
-            };
-            if index % stride == 0 {
-                gathered.drawn.push(Drawn { recording: case.recording, paper, gated, truth });
-            }
-            if is_wanted {
-                gathered.example = Some(Example { paper: paper_run, gated: gated_run, truth: case.truth });
-            }
+        let chunk = looked_at(estimators, cases, &mut vehicles);
+        let recordings: Vec<&Recording> = chunk.iter().map(|one| &one.case.recording).collect();
+        let records: Vec<Record> = chunk.iter().map(LookedAt::record).collect();
+        sink(&recordings, &records)?;
+        for one in chunk {
+            gathered.add(one, index % stride == 0, wanted);
             index += 1;
         }
         done(count);
@@ -211,7 +150,75 @@ pub fn gather(
     Ok(gathered)
 }
 
+/// A case through every pair of eyes: the paper's mode, the gated one, the truth.
+struct LookedAt {
+    case: Case,
+    runs: [ReplayedRun; 2],
+    seen: [Seen; 2],
+    truth: Option<Seen>,
+}
+
+fn looked_at(estimators: &Estimators, cases: Vec<Case>, vehicles: &mut HashMap<String, Vehicle>) -> Vec<LookedAt> {
+    let train = estimators.paper.train();
+    let (paper, gated) =
+        rayon::join(|| apart(&estimators.paper, &cases), || carried(&estimators.gated, &cases, vehicles));
+    let runs: Vec<(Case, [ReplayedRun; 2])> =
+        cases.into_iter().zip(paper.into_iter().zip(gated).map(|(paper, gated)| [paper, gated])).collect();
+    let look = |(case, runs): (Case, [ReplayedRun; 2])| LookedAt {
+        seen: runs.each_ref().map(|run| Seen::of_replay(run, train)),
+        truth: case.truth.as_ref().map(|truth| Seen::of_truth(truth, train)),
+        case,
+        runs,
+    };
+    runs.into_par_iter().map(look).collect()
+}
+
+impl LookedAt {
+    fn record(&self) -> Record {
+        let recording = &self.case.recording;
+        let text = |name: &str, text: &str| (name.to_owned(), Cell::from(text));
+        let mut record = vec![
+            text("run", &recording.name),
+            text("unit", &recording.unit),
+            ("rows".to_owned(), Cell::from(recording.rows.len())),
+            ("top_kmh".to_owned(), Cell::from(top_kmh(recording))),
+        ];
+        for (seen, prefix) in self.seen.iter().zip(["paper", "gated"]) {
+            record.extend(seen.outcome.record(prefix));
+        }
+        // The same columns for every run, so that a table of recorded and simulated runs is one.
+        let nothing = Outcome { davis: [f64::NAN; 3], ..Outcome::default() };
+        record.extend(self.truth.as_ref().map_or(&nothing, |truth| &truth.outcome).record("true"));
+        record
+    }
+}
+
 impl Gathered {
+    fn add(&mut self, one: LookedAt, is_drawn: bool, wanted: Option<&str>) {
+        let LookedAt { case: Case { recording, truth: case_truth }, runs, seen, truth } = one;
+        let [paper, gated] = seen;
+        self.paper.add(&paper);
+        self.gated.add(&gated);
+        if let Some(truth) = &truth {
+            self.truth.add(truth);
+        }
+        if let Some(truth) = &case_truth {
+            self.add_speed_errors(&recording, truth, &runs);
+        }
+        self.add_extent(&recording);
+        self.rows += recording.rows.len() as u64;
+        let top_kmh = top_kmh(&recording);
+        self.top_kmh.add(top_kmh);
+        self.over_limit += u64::from(top_kmh > LIMIT_KMH);
+        if wanted.map_or(self.example.is_none(), |name| recording.name == name) {
+            let [paper, gated] = runs;
+            self.example = Some(Example { paper, gated, truth: case_truth });
+        }
+        if is_drawn {
+            self.drawn.push(Drawn { recording, paper, gated, truth });
+        }
+    }
+
     fn add_extent(&mut self, recording: &Recording) {
         let mut locations_m = recording.rows.iter().filter_map(|row| row.location_m);
         if let Some(first_m) = locations_m.next() {
@@ -227,7 +234,7 @@ impl Gathered {
     }
 
     /// How far readings and filtered speeds are from the truth, and whether the train was too fast.
-    fn add_speed_errors(&mut self, recording: &Recording, truth: &CaseTruth, paper: &ReplayedRun, gated: &ReplayedRun) {
+    fn add_speed_errors(&mut self, recording: &Recording, truth: &CaseTruth, [paper, gated]: &[ReplayedRun; 2]) {
         let true_kmh = |index: usize| Some(3.6 * truth.samples.get(index)?.speed_mps);
         let rms = |speeds_mps: &mut dyn Iterator<Item = Option<f64>>| {
             let mut squares = Moments::default();
@@ -255,7 +262,6 @@ impl Gathered {
     }
 }
 
-/// Each run for itself.
 fn apart(estimator: &Estimator, cases: &[Case]) -> Vec<ReplayedRun> {
     let one = |case: &Case| {
         let mut vehicle = estimator.new_vehicle();
@@ -298,30 +304,9 @@ fn carried(estimator: &Estimator, cases: &[Case], vehicles: &mut HashMap<String,
     runs.into_iter().map(|(_, run)| run).collect()
 }
 
-fn top_kmh(case: &Case) -> f64 {
-    let readings = case.recording.rows.iter();
-    let speeds = readings.filter_map(|row| row.speed_mps);
+fn top_kmh(recording: &Recording) -> f64 {
+    let speeds = recording.rows.iter().filter_map(|row| row.speed_mps);
     // Back from m/s: a reading of 140 must not lie above 140.
     let kmh = speeds.map(|speed_mps| (3.6e6 * speed_mps).round() / 1e6);
     kmh.fold(0.0, f64::max)
-}
-
-fn record(case: &Case, views: [&View; 2], truth: Option<&View>) -> Record {
-    let text = |name: &str, text: &str| (name.to_owned(), Cell::from(text));
-    let mut record = vec![
-        text("run", &case.recording.name),
-        text("unit", &case.recording.unit),
-        ("rows".to_owned(), Cell::from(case.recording.rows.len())),
-        ("top_kmh".to_owned(), Cell::from(top_kmh(case))),
-    ];
-    for (view, prefix) in views.into_iter().zip(["paper", "gated"]) {
-        record.extend(view.outcome.record(prefix));
-    }
-    // The same columns for every run, so that a table of recorded and simulated runs is one.
-    let nothing = View {
-        outcome: super::view::Outcome { davis: [f64::NAN; 3], ..super::view::Outcome::default() },
-        ..View::default()
-    };
-    record.extend(truth.unwrap_or(&nothing).outcome.record("true"));
-    record
 }

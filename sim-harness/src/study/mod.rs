@@ -8,27 +8,29 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | which runs? | [`source`], [`case`], [`description`], [`truth_folder`] |
-//! | what does the estimator say of one run, and what was true? | [`view`] |
-//! | and of all of them? | [`gather`], [`tallies`], [`moments`] |
-//! | what do the figures show? | [`figures`] |
-//! | what does the paper claim, and is it so here? | [`claims`], [`trials`], [`sensitivity`] |
-//! | where is it told? | [`page`], [`write`](mod@write) |
-//! | does the estimate follow the truth, how closely could it? | [`slope`], [`bound`] |
+//! | which runs? | `source`, [`case`], `description`, `truth_folder` |
+//! | what does the estimator say of one run, and what was true? | `view` |
+//! | and of all of them? | `gather`, `tallies`, `moments` |
+//! | what do the figures show? | `figures` |
+//! | what does the paper claim, and is it so here? | `claims`, `trials` |
+//! | where is it reported? | `page`, `write` |
+//! | does the estimate follow the truth, how closely could it? | `slope`, `bound` |
 
-pub mod bound;
+pub(crate) mod bound;
 pub mod case;
-pub mod claims;
-pub mod description;
-pub mod figures;
-pub mod gather;
-pub mod moments;
-pub mod page;
-pub mod sensitivity;
-pub mod slope;
-pub mod source;
-pub mod tallies;
-pub mod trials;
-pub mod truth_folder;
-pub mod view;
-pub mod write;
+pub(crate) mod claims;
+pub(crate) mod description;
+pub(crate) mod figures;
+pub(crate) mod gather;
+pub(crate) mod moments;
+pub(crate) mod page;
+pub(crate) mod slope;
+pub(crate) mod source;
+pub(crate) mod tallies;
+pub(crate) mod trials;
+pub(crate) mod truth_folder;
+pub(crate) mod view;
+pub(crate) mod write;
+
+/// Why something is not studied, in words.
+pub(crate) type Refused = Box<dyn std::error::Error + Send + Sync>;

@@ -5,11 +5,8 @@ use serde::Serialize;
 /// Count, mean, spread, skewness, least and largest of the values added so far.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Moments {
-    /// Number of values.
     pub count: u64,
-    /// Least value; infinite without one.
     pub least: f64,
-    /// Largest value; infinite without one.
     pub largest: f64,
     mean: f64,
     squares: f64,
@@ -41,22 +38,11 @@ impl Moments {
         self.largest = self.largest.max(value);
     }
 
-    /// The mean; none without a value.
     pub fn mean(&self) -> Option<f64> {
         (self.count > 0).then_some(self.mean)
     }
 
     /// Standard deviation with n - 1 in the denominator; none with fewer than two values.
-    ///
-    /// ```
-    /// use sim_harness::study::moments::Moments;
-    ///
-    /// let mut moments = Moments::default();
-    /// [2.0, 4.0, 4.0, 6.0].map(|value| moments.add(value));
-    /// assert_eq!(moments.mean(), Some(4.0));
-    /// assert!((moments.sd().unwrap() - (8.0_f64 / 3.0).sqrt()).abs() < 1e-12);
-    /// assert_eq!(moments.skewness(), Some(0.0));
-    /// ```
     pub fn sd(&self) -> Option<f64> {
         (self.count > 1).then(|| (self.squares.max(0.0) / (self.count - 1) as f64).sqrt())
     }
@@ -77,6 +63,14 @@ impl Moments {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn four_values_have_these_moments() {
+        let mut moments = Moments::default();
+        [2.0, 4.0, 4.0, 6.0].into_iter().for_each(|value| moments.add(value));
+        assert_eq!((moments.mean(), moments.skewness()), (Some(4.0), Some(0.0)));
+        assert!((moments.sd().unwrap() - (8.0_f64 / 3.0).sqrt()).abs() < 1e-12);
+    }
 
     #[test]
     fn one_value_at_a_time_is_all_at_once() {

@@ -4,37 +4,26 @@ use super::claims::{Claim, Verdict};
 use super::figures::Picture;
 use super::gather::Gathered;
 use super::moments::Moments;
-use super::sensitivity::Sensitivity;
 use super::slope::Answer;
 use super::tallies::Tallies;
+use super::trials::Sensitivity;
 use maud::{Markup, html};
 use rundown_pages::numbers::{NOTHING, counted, number};
-use rundown_pages::shell::{document, figure};
+use rundown_pages::shell::{column, document, figure, table, text_column};
 
-/// What the page tells.
 #[derive(Clone, Debug)]
-pub struct Page<'a> {
-    /// Name of the train.
+pub struct StudyPage<'a> {
     pub train: &'a str,
-    /// Name of the track.
     pub track: &'a str,
-    /// Where the runs come from, in words.
     pub source: String,
-    /// What all runs gave.
     pub gathered: &'a Gathered,
-    /// Figs. 2 to 9, in order.
     pub pictures: &'a [Picture],
-    /// Estimated over true deviation.
     pub slopes: &'a [Picture],
-    /// The same in numbers.
     pub answers: &'a [Answer],
-    /// The claims of the paper.
     pub claims: &'a [Claim],
-    /// The paper's remark on the initial covariances.
     pub sensitivity: &'a [Sensitivity],
 }
 
-/// Headings of the figures by their number.
 const FIGURES: [(&str, &str); 8] = [
     ("2", "Fig. 2: speed profiles"),
     ("3", "Fig. 3: the filter on a single run"),
@@ -46,8 +35,7 @@ const FIGURES: [(&str, &str); 8] = [
     ("9", "Fig. 9: tractive power"),
 ];
 
-/// The whole page.
-pub fn page(page: &Page) -> String {
+pub fn page(page: &StudyPage) -> String {
     let body = html! {
         (summary(page))
         (truth(page))
@@ -67,7 +55,7 @@ pub fn page(page: &Page) -> String {
     document(&format!("Case study: {} on {}", page.train, page.track), &body)
 }
 
-fn summary(page: &Page) -> Markup {
+fn summary(page: &StudyPage) -> Markup {
     let count = |verdict| page.claims.iter().filter(|c| c.verdict == verdict).count();
     let gathered = page.gathered;
     let runs = gathered.paper.runs as usize;
@@ -76,7 +64,7 @@ fn summary(page: &Page) -> Markup {
             p.lead {
                 (counted(runs, "run", "runs")) ", " (page.source) "; " (known(gathered)) ". Of " (page.claims.len())
                 " claims of section 4 of the paper, " strong { (count(Verdict::Reproduced)) " are reproduced" } ", "
-                strong { (count(Verdict::Not)) " are not" } ", and " (count(Verdict::NoData)) " cannot be judged by these runs. "
+                strong { (count(Verdict::Not)) " are not" } ", and " (count(Verdict::NoData)) " cannot be assessed with these runs. "
                 a href="#claims" { "All of them, with the reason" } "."
             }
             @if !gathered.failed.is_empty() {
@@ -94,7 +82,6 @@ fn summary(page: &Page) -> Markup {
     }
 }
 
-/// Of how many runs the truth is known.
 pub fn known(gathered: &Gathered) -> String {
     let (runs, known) = (gathered.paper.runs, gathered.truth.runs);
     match (known, runs) {
@@ -107,7 +94,7 @@ pub fn known(gathered: &Gathered) -> String {
 }
 
 /// The paper's loop and the truth, before anything else is believed.
-fn truth(page: &Page) -> Markup {
+fn truth(page: &StudyPage) -> Markup {
     let slopes = |mode: &str, runs| {
         let answer = page.answers.iter().find(|a| a.mode == mode && a.runs == runs);
         answer.map_or_else(|| NOTHING.to_owned(), |answer| answer.slope.map(|slope| number(slope, 2)).join(" / "))
@@ -135,29 +122,28 @@ fn truth(page: &Page) -> Markup {
 }
 
 fn answers(answers: &[Answer]) -> Markup {
+    let head = [
+        text_column("mode"),
+        column("runs", ""),
+        column("slope", "60 / 100 / 140 km/h"),
+        column("spread about it", "%"),
+        column("error of r(v)", "rms, 20 to 140 km/h, %"),
+        column("Cram\u{e9}r-Rao bound", "the same, %"),
+        column("efficiency", "variances"),
+        column("truths in the 95 % interval", "%"),
+    ];
+    let rows = html! { @for a in answers { tr {
+        th scope="row" { (a.mode) }
+        td { (a.runs) }
+        td { (a.slope.map(|v| number(v, 2)).join(" / ")) }
+        td { (a.spread_percent.map(|v| number(v, 2)).join(" / ")) }
+        td { (number(a.rmse_percent, 2)) }
+        td { (number(a.bound_percent, 2)) }
+        td { (number(a.efficiency, 3)) }
+        td { (number(100.0 * a.coverage, 0)) }
+    } } };
     html! {
-        div.wide { table {
-            thead { tr {
-                th.text scope="col" { "mode" }
-                th scope="col" { "runs" }
-                th scope="col" { "slope" br; span.unit { "60 / 100 / 140 km/h" } }
-                th scope="col" { "spread about it" br; span.unit { "%" } }
-                th scope="col" { "error of r(v)" br; span.unit { "rms, 20 to 140 km/h, %" } }
-                th scope="col" { "Cram\u{e9}r-Rao bound" br; span.unit { "the same, %" } }
-                th scope="col" { "efficiency" br; span.unit { "variances" } }
-                th scope="col" { "truths in the" br; "95 % interval" br; span.unit { "%" } }
-            } }
-            tbody { @for a in answers { tr {
-                th scope="row" { (a.mode) }
-                td { (a.runs) }
-                td { (a.slope.map(|v| number(v, 2)).join(" / ")) }
-                td { (a.spread_percent.map(|v| number(v, 2)).join(" / ")) }
-                td { (number(a.rmse_percent, 2)) }
-                td { (number(a.bound_percent, 2)) }
-                td { (number(a.efficiency, 3)) }
-                td { (number(100.0 * a.coverage, 0)) }
-            } } }
-        } }
+        (table(head, rows))
         p.small {
             "Bound: Fisher information of r0, r1, r2 over the true coasting samples (with measured effort: over all), location and speed of each stretch unknown, "
             "a reading in whole km/h as normal noise of 1/\u{221a}12 km/h, with the prior of the gated mode. An efficiency above 1 is chance, or a prior that suits these vehicles."
@@ -174,43 +160,28 @@ fn verdict(verdict: Verdict) -> Markup {
     html! { strong style=(format!("color:{colour}")) { (verdict.as_str()) } }
 }
 
-fn claim_rows<'a>(claims: impl Iterator<Item = &'a Claim>, with_place: bool) -> Markup {
-    html! { @for claim in claims { tr {
+fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, with_place: bool) -> Markup {
+    let place = with_place.then(|| text_column("figure, section"));
+    let others = ["the paper says", "paper's mode", "gated mode", "truth", "verdict, by which criterion"];
+    let rows = html! { @for claim in claims { tr {
         @if with_place { td.text { (claim.place) } }
         td.text { (claim.statement) }
         td.text { (claim.paper) }
         td.text { (claim.gated) }
         td.text { (claim.truth) }
         td.text { (verdict(claim.verdict)) br; span.small { (claim.why) } }
-    } } }
-}
-
-fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, with_place: bool) -> Markup {
-    html! {
-        div.wide { table {
-            thead { tr {
-                @if with_place { th.text scope="col" { "figure, section" } }
-                th.text scope="col" { "the paper says" }
-                th.text scope="col" { "paper's mode" }
-                th.text scope="col" { "gated mode" }
-                th.text scope="col" { "truth" }
-                th.text scope="col" { "verdict, by which criterion" }
-            } }
-            tbody { (claim_rows(claims, with_place)) }
-        } }
-    }
+    } } };
+    table(place.into_iter().chain(others.map(text_column)), rows)
 }
 
 fn table1(sensitivity: &[Sensitivity]) -> Markup {
     let config = rundown::tick::paper::PaperConfig::default();
-    // Their names are those of a configuration file.
-    let spread = serde_json::to_value(config.spread).unwrap_or_default();
-    let of_spread = |name: &str| spread[name].to_string();
+    let [alpha, beta, kappa] = config.spread.parameters().map(|value| format!("{value:?}"));
     let [r0, r1, r2] = config.initial_davis_sd;
     let rows = [
-        ("\u{3b1}", of_spread("alpha")),
-        ("\u{3b2}", of_spread("beta")),
-        ("\u{3ba}", of_spread("kappa")),
+        ("\u{3b1}", alpha),
+        ("\u{3b2}", beta),
+        ("\u{3ba}", kappa),
         ("\u{3c3} of the location, initial", format!("{} m", config.initial_location_sd_m)),
         ("\u{3c3} of the speed, initial", format!("{} km/h", config.initial_speed_sd_kmh)),
         ("\u{3c3} of r0, initial", format!("{r0:e} N/kg")),
@@ -219,13 +190,11 @@ fn table1(sensitivity: &[Sensitivity]) -> Markup {
         ("\u{3c3} of a location reading", format!("{} m", config.location_sd_m)),
         ("\u{3c3} of a speed reading", format!("{} km/h", config.speed_sd_kmh)),
     ];
+    let rows = html! { @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } } };
     html! {
         section id="table-1" {
             h2 { "Table 1: the paper's filter" }
-            div.wide { table {
-                thead { tr { th.text scope="col" { "parameter" } th scope="col" { "value" } } }
-                tbody { @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } } }
-            } }
+            (table([text_column("parameter"), column("value", "")], rows))
             p.small { "The paper's mode runs with these values, as printed: standard deviations. " code { "rundown tune" } " looks for better ones by the paper's two criteria." }
             @if !sensitivity.is_empty() { (initial(sensitivity)) }
         }
@@ -234,24 +203,21 @@ fn table1(sensitivity: &[Sensitivity]) -> Markup {
 
 /// The remark of section 4.2 as a table; also for the page of `rundown tune`.
 pub fn initial(sensitivity: &[Sensitivity]) -> Markup {
+    let of_changes = [
+        text_column("changed"),
+        column("initial deviation", "times Table 1"),
+        column("runs with a negative coefficient", ""),
+    ];
+    let least = ["r0", "r1", "r2"].map(|name| column(&format!("least {name}"), "of the manufacturer's"));
+    let rows = html! { @for s in sensitivity { tr {
+        th scope="row" { (s.which) }
+        td { (s.factor) }
+        td { (s.negative_runs) " of " (s.runs) }
+        @for share in s.least_share { td { (number(share, 3)) } }
+    } } };
     html! {
         h3 { "Larger initial deviations" }
-        div.wide { table {
-            thead { tr {
-                th.text scope="col" { "changed" }
-                th scope="col" { "initial deviation" br; span.unit { "times Table 1" } }
-                th scope="col" { "runs with a" br; "negative coefficient" }
-                @for name in ["r0", "r1", "r2"] {
-                    th scope="col" { "least " (name) br; span.unit { "of the manufacturer's" } }
-                }
-            } }
-            tbody { @for s in sensitivity { tr {
-                th scope="row" { (s.which) }
-                td { (s.factor) }
-                td { (s.negative_runs) " of " (s.runs) }
-                @for share in s.least_share { td { (number(share, 3)) } }
-            } } }
-        } }
+        (table(of_changes.into_iter().chain(least), rows))
     }
 }
 
@@ -264,7 +230,6 @@ fn all_claims(claims: &[Claim]) -> Markup {
     }
 }
 
-/// Statistics of all runs, drawn or not.
 fn fleet(gathered: &Gathered) -> Markup {
     type Of = fn(&Tallies) -> &Moments;
     let rows: [(&str, f64, usize, Of); 12] = [
@@ -293,25 +258,19 @@ fn fleet(gathered: &Gathered) -> Markup {
             in_unit(ends.map(|e| e.1)),
         )
     };
+    let head = [text_column("quantity"), column("paper's mode", ""), column("gated mode", ""), column("truth", "")];
+    let rows = html! { @for (name, unit, digits, of) in rows { tr {
+        th scope="row" { (name) }
+        td { (cells(&gathered.paper, of, unit, digits)) }
+        td { (cells(&gathered.gated, of, unit, digits)) }
+        td { @if gathered.truth.runs > 0 { (cells(&gathered.truth, of, unit, digits)) } @else { (NOTHING) } }
+    } } };
     html! {
         section id="fleet" {
             h2 { "All runs in numbers" }
             p { (gathered.paper.runs) " runs, " (gathered.rows) " samples; mean \u{b1} standard deviation (least to largest), a value for each run. Figures draw "
                 (gathered.drawn.len()) " of them, evenly spread; this table, Fig. 8's steps and the claims have all." }
-            div.wide { table {
-                thead { tr {
-                    th.text scope="col" { "quantity" }
-                    th scope="col" { "paper's mode" }
-                    th scope="col" { "gated mode" }
-                    th scope="col" { "truth" }
-                } }
-                tbody { @for (name, unit, digits, of) in rows { tr {
-                    th scope="row" { (name) }
-                    td { (cells(&gathered.paper, of, unit, digits)) }
-                    td { (cells(&gathered.gated, of, unit, digits)) }
-                    td { @if gathered.truth.runs > 0 { (cells(&gathered.truth, of, unit, digits)) } @else { (NOTHING) } }
-                } } }
-            } }
+            (table(head, rows))
         }
     }
 }

@@ -6,8 +6,10 @@
 //!
 //! A slope of 1 follows the truth, a slope of 0 does not see it. Efficiency is the variance that is possible over the one that was reached.
 
+use super::Refused;
 use super::bound::{Known, Worth, information};
 use super::case::Case;
+use super::description::Believed;
 use crate::report::resistance::{NINETY_FIVE, Resistance};
 use crate::simulation::scenario_file::Simulation;
 use nalgebra::{Matrix3, Vector3};
@@ -27,29 +29,21 @@ use rundown_truth::scenario::{DriveError, Scenario, simulate_planned};
 use rundown_truth::sensors::Sample;
 use serde::Serialize;
 
-/// Speeds of the slopes, km/h.
 pub const SLOPE_KMH: [f64; 3] = [60.0, 100.0, 140.0];
-/// Speeds of the errors, km/h.
 pub const ERROR_KMH: [f64; 7] = [20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0];
-/// Smallest and largest true over described resistance.
 pub const SCALES: [f64; 2] = [0.7, 1.3];
 /// Standard deviation by which each coefficient differs beyond the whole, share: that of the memory's prior.
 pub const SHAPE_SD: f64 = 0.10;
-/// The modes that are tested.
 pub const MODES: [Mode; 3] = [Mode::Paper, Mode::Gated, Mode::Measured];
 /// Runs after which is looked, before the last.
 const STAGES: [usize; 2] = [1, 10];
 
-/// What is tested.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The vehicles' line, driver and sensors; without wind, load or effects, or the bound is none.
     pub simulation: Simulation,
-    /// Number of vehicles.
     pub vehicles: usize,
-    /// Runs of each.
     pub runs: usize,
-    /// Seed.
     pub seed: u64,
 }
 
@@ -78,35 +72,23 @@ impl Plan {
     }
 }
 
-/// One vehicle in one mode after some runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
-    /// The mode.
     pub mode: Mode,
-    /// Number of the vehicle.
     pub vehicle: usize,
-    /// Its true over described r0, r1, r2.
     pub scales: [f64; 3],
-    /// Runs so far.
     pub runs: usize,
-    /// What the mode believes.
     pub believed: Gaussian<3>,
-    /// What is true.
     pub truth: Davis,
     /// Smallest possible covariance, with the prior of the memory.
     pub bound: Matrix3<f64>,
 }
 
-/// A row of the answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
-    /// `paper`, `gated` or `measured`.
     pub mode: &'static str,
-    /// Runs after which.
     pub runs: usize,
-    /// Number of vehicles.
     pub vehicles: usize,
-    /// Slope of estimated on true deviation at [`SLOPE_KMH`].
     pub slope: [f64; 3],
     /// Standard deviation about the line at the same speeds, % of the described resistance.
     pub spread_percent: [f64; 3],
@@ -114,28 +96,29 @@ pub struct Answer {
     pub rmse_percent: f64,
     /// Root mean square of the Cramér-Rao bound over the same, %.
     pub bound_percent: f64,
-    /// Square of bound over error.
     pub efficiency: f64,
-    /// Share of the truths inside the reported 95 % interval.
     pub coverage: f64,
 }
 
+/// What came of a self-test.
+#[derive(Clone, Debug)]
+pub struct SelfTest {
+    pub looks: Vec<Look>,
+    /// One for each mode and stage.
+    pub answers: Vec<Answer>,
+    /// The described resistance.
+    pub stated: Davis,
+}
+
 /// Simulates and replays every vehicle, side by side. `done` is called once a run.
-///
-/// # Errors
-/// What is wrong with the configuration.
-pub fn look(plan: &Plan, config: Config, done: impl Fn() + Sync) -> Result<Vec<Look>, String> {
-    let mut estimators = Vec::new();
-    let description = super::description::of(&plan.simulation).map_err(|e| e.to_string())?;
-    for mode in MODES {
-        let (train, track) = (description.train, description.track.clone());
-        let estimator = Estimator::try_new(Config { mode, ..config }, train, track);
-        estimators.push(estimator.map_err(|error| error.to_string())?);
-    }
+pub fn self_test(plan: &Plan, config: Config, done: impl Fn() + Sync) -> Result<SelfTest, Refused> {
+    let Believed { train, track } = super::description::of(&plan.simulation)?;
+    let of_mode = |mode| Estimator::try_new(Config { mode, ..config }, train, track.clone());
+    let estimators = MODES.into_iter().map(of_mode).collect::<Result<Vec<_>, _>>()?;
     let one = |vehicle: usize| of_vehicle(plan, &estimators, vehicle, &done);
-    let looks: Result<Vec<Vec<Look>>, DriveError> = (0..plan.vehicles).into_par_iter().map(one).collect();
-    let looks = looks.map_err(|error| error.to_string())?;
-    Ok(looks.into_iter().flatten().collect())
+    let looks = (0..plan.vehicles).into_par_iter().map(one).collect::<Result<Vec<_>, DriveError>>()?.concat();
+    let stated = train.davis();
+    Ok(SelfTest { answers: answers(plan, &looks, &stated), looks, stated })
 }
 
 fn of_vehicle(
@@ -207,8 +190,7 @@ impl Look {
     }
 }
 
-/// The answer in each mode at each stage.
-pub fn answers(plan: &Plan, looks: &[Look], described: &Davis) -> Vec<Answer> {
+fn answers(plan: &Plan, looks: &[Look], described: &Davis) -> Vec<Answer> {
     let mut answers = Vec::new();
     for mode in MODES {
         for runs in plan.stages() {
@@ -255,26 +237,15 @@ fn answer(mode: Mode, runs: usize, looks: &[&Look], described: &Davis) -> Answer
     }
 }
 
-/// A straight line through points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
-    /// Its height at 0.
     pub offset: f64,
-    /// Its slope.
     pub slope: f64,
     /// Standard deviation of the points about it.
     pub spread: f64,
 }
 
 /// Least squares; the spread has n - 2 in the denominator. Not a number for fewer than three points.
-///
-/// ```
-/// use sim_harness::study::slope::fit;
-///
-/// let line = fit(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]);
-/// assert!((line.slope - 2.0).abs() < 1e-12 && (line.offset - 1.0).abs() < 1e-12);
-/// assert!(line.spread < 1e-12);
-/// ```
 pub fn fit(points: &[(f64, f64)]) -> Fit {
     let n = points.len() as f64;
     if points.len() < 3 {
@@ -290,7 +261,6 @@ pub fn fit(points: &[(f64, f64)]) -> Fit {
     Fit { offset, slope, spread: (rest.sum::<f64>() / (n - 2.0)).sqrt() }
 }
 
-/// A row for each answer.
 pub fn records(answers: &[Answer]) -> Vec<Record> {
     let row = |answer: &Answer| {
         let mut record = vec![
@@ -315,7 +285,6 @@ pub fn records(answers: &[Answer]) -> Vec<Record> {
     answers.iter().map(row).collect()
 }
 
-/// The answers as a table for the terminal.
 pub fn table(answers: &[Answer]) -> String {
     let mut text = format!(
         "{:9} {:>4}  {:>22}  {:>20}  {:>7} {:>7} {:>10}  {:>9}\n",
@@ -336,4 +305,16 @@ pub fn table(answers: &[Answer]) -> String {
         );
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_on_a_line_give_that_line() {
+        let line = fit(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]);
+        assert!((line.slope - 2.0).abs() < 1e-12 && (line.offset - 1.0).abs() < 1e-12);
+        assert!(line.spread < 1e-12);
+    }
 }

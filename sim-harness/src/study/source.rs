@@ -1,14 +1,14 @@
 //! Where the runs of a study come from, chunk by chunk: simulated, folders of logs, or Parquet files.
 
+use super::Refused;
 use super::case::{Case, FleetUnit};
-use super::truth_folder::{TruthError, TruthFolder};
-use crate::output::json::Failed;
+use super::truth_folder::TruthFolder;
+use crate::logs::{self, Failed};
 use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
 use rundown_files::map_matching::CentreLine;
-use rundown_files::parquet::{ParquetError, RunReader};
-use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::refusal::ReadError;
+use rundown_files::parquet::RunReader;
+use rundown_files::recording::DirectionChoice;
 use rundown_files::run_log::BadRows;
 use rundown_files::run_set::{RunFile, RunSet};
 use std::collections::{HashMap, VecDeque};
@@ -17,18 +17,13 @@ use std::path::{Path, PathBuf};
 /// Runs that are in memory at a time.
 pub const CHUNK: usize = 256;
 
-/// Runs, in order.
 #[derive(Debug)]
-pub enum Source {
-    /// A fleet of units.
+pub enum RunSource {
     Simulated(Box<Simulated>),
-    /// Logs.
     Logs(Logs),
-    /// Files, one after the other.
     Parquet(Files),
 }
 
-/// A fleet of units, simulated as it is needed.
 #[derive(Clone, Debug)]
 pub struct Simulated {
     simulation: Simulation,
@@ -37,7 +32,6 @@ pub struct Simulated {
     next: usize,
 }
 
-/// Logs in folders.
 #[derive(Clone, Debug)]
 pub struct Logs {
     files: Vec<RunFile>,
@@ -54,40 +48,14 @@ pub struct Files {
     runs: usize,
 }
 
-/// Why there are no runs.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SourceError {
-    /// A file of runs is broken.
-    #[error(transparent)]
-    Parquet(#[from] ParquetError),
-    /// A folder or an index of logs cannot be read.
-    #[error(transparent)]
-    Logs(#[from] ReadError),
-    /// The truth beside logs is broken.
-    #[error(transparent)]
-    Truth(#[from] TruthError),
-    /// A folder cannot be read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Io {
-        /// The folder.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-}
-
-impl Source {
+impl RunSource {
     /// So many runs; a unit for each as many as the simulation says.
     pub fn simulated(simulation: Simulation, seed: u64, runs: usize) -> Self {
         Self::Simulated(Box::new(Simulated { simulation, seed, runs, next: 0 }))
     }
 
     /// Parquet files of runs, in this order.
-    ///
-    /// # Errors
-    /// [`SourceError`] when one cannot be read.
-    pub fn parquet(paths: &[PathBuf], line: Option<&CentreLine>) -> Result<Self, SourceError> {
+    pub fn parquet(paths: &[PathBuf], line: Option<&CentreLine>) -> Result<Self, Refused> {
         let readers = paths.iter().map(|path| RunReader::open(path, line));
         let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
         let runs = readers.iter().map(RunReader::runs).sum();
@@ -97,10 +65,7 @@ impl Source {
     /// Recorded runs: Parquet files, folders of them (also deeper, in the order of their paths), or else logs and folders of logs.
     /// Where the truth of logs lies beside them, as `rundown simulate` writes it, the runs have it.
     /// What a person may want to know is handed to `note`.
-    ///
-    /// # Errors
-    /// [`SourceError`] when a file or folder cannot be read.
-    pub fn recorded(arguments: &[PathBuf], line: Option<CentreLine>, note: impl Fn(&str)) -> Result<Self, SourceError> {
+    pub fn recorded(arguments: &[PathBuf], line: Option<CentreLine>, note: impl Fn(&str)) -> Result<Self, Refused> {
         let mut files = Vec::new();
         for argument in arguments {
             parquet_files(argument, &mut files)?;
@@ -122,7 +87,6 @@ impl Source {
         Ok(Self::Logs(Logs { files: set.files, line, truths, next: 0 }))
     }
 
-    /// Number of runs.
     pub fn total(&self) -> usize {
         match self {
             Self::Simulated(simulated) => simulated.runs,
@@ -132,10 +96,7 @@ impl Source {
     }
 
     /// The next runs, at most [`CHUNK`]; none after the last. A log that cannot be used is in its place.
-    ///
-    /// # Errors
-    /// [`SourceError`] when a file of runs is broken.
-    pub fn next_chunk(&mut self) -> Result<Option<Vec<Result<Case, Failed>>>, SourceError> {
+    pub fn next_chunk(&mut self) -> Result<Option<Vec<Result<Case, Failed>>>, Refused> {
         let chunk: Vec<Result<Case, Failed>> = match self {
             Self::Simulated(simulated) => {
                 let range = advance(&mut simulated.next, simulated.runs);
@@ -175,9 +136,9 @@ impl Source {
 }
 
 /// Parquet files behind an argument, folders in the order of their paths.
-fn parquet_files(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), SourceError> {
+fn parquet_files(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Refused> {
     if path.is_dir() {
-        let failed = |source| SourceError::Io { path: path.to_owned(), source };
+        let failed = |error| format!("{}: cannot be read: {error}", path.display());
         let entries = std::fs::read_dir(path).map_err(failed)?;
         let entries = entries.map(|entry| entry.map(|entry| entry.path()));
         let mut paths = entries.collect::<Result<Vec<_>, _>>().map_err(failed)?;
@@ -199,11 +160,10 @@ fn advance(next: &mut usize, end: usize) -> std::ops::Range<usize> {
 
 impl Logs {
     fn read(&self, file: &RunFile) -> Result<Case, Failed> {
-        let failed = |error: String| Failed { file: file.path.clone(), error };
-        let recording = Recording::read(file, BadRows::Refuse, self.line.as_ref(), DirectionChoice::Auto)
-            .map_err(|error| failed(error.to_string()))?;
+        let recording = logs::read(file, BadRows::Refuse, self.line.as_ref(), DirectionChoice::Auto)?;
+        let failed = |error| Failed { file: file.path.clone(), error };
         let truth = match self.truths.get(folder_of(file)) {
-            Some(folder) => folder.of(&file.path, &recording.rows).map_err(|error| failed(error.to_string()))?,
+            Some(folder) => folder.of(&file.path, &recording.rows).map_err(failed)?,
             None => None,
         };
         Ok(Case { recording, truth })

@@ -1,7 +1,7 @@
 //! What all runs say together, through one pair of eyes: in as few numbers as one run.
 
 use super::moments::Moments;
-use super::view::{PowerPoint, View, atb_step};
+use super::view::{PowerPoint, Seen, atb_step};
 
 /// Window of the largest power, km/h (section 3.3): near 140 km/h the driver lets go.
 pub const POWER_KMH: std::ops::RangeInclusive<f64> = 50.0..=130.0;
@@ -16,31 +16,21 @@ pub const LIMIT_KMH: f64 = 140.0;
 /// Statistics over runs, and over samples where the name says so.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tallies {
-    /// Number of runs.
     pub runs: u64,
-    /// r0, r1, r2 of all samples.
     pub davis_samples: [Moments; 3],
-    /// r0, r1, r2 at the end of each run.
     pub davis: [Moments; 3],
     /// Runs in which a coefficient fell below zero.
     pub negative_runs: u64,
     /// Samples whose r0 lies in [`R0_BAND`].
     pub r0_in_band: u64,
-    /// km/h.
     pub cruise_kmh: Moments,
     /// Runs whose cruise speed is above the limit of 140 km/h.
     pub cruise_over_limit: u64,
-    /// s.
     pub coast_s: Moments,
-    /// s.
     pub brake_s: Moments,
-    /// Traction, cruise, coast, brake.
     pub shares: [Moments; 4],
-    /// kW.
     pub power_kw: Moments,
-    /// kW.
     pub max_power_kw: Moments,
-    /// Deceleration of coasting trains, m/s².
     pub coast_mps2: Moments,
     /// Brake rate of the samples of each ATB-EG step, m/s².
     pub brake_steps: [Moments; 5],
@@ -59,8 +49,7 @@ pub struct Tallies {
 }
 
 impl Tallies {
-    /// Adds a run.
-    pub fn add(&mut self, view: &View) {
+    pub fn add(&mut self, view: &Seen) {
         let (outcome, points) = (&view.outcome, &view.points);
         self.runs += 1;
         for davis in &points.davis {

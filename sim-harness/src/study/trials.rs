@@ -2,38 +2,51 @@
 //!
 //! | remark | here |
 //! |---|---|
-//! | larger initial covariances give negative coefficients | [`sensitivity`](super::sensitivity) |
+//! | larger initial covariances give negative coefficients | [`sensitivity`] |
 //! | so does a strong noise of the acceleration | [`noise`] |
 //! | fewer samples give worse regimes and features | [`thinned`] |
 //! | the computation is short enough for more samples | [`pace`] |
+//!
+//! Table 1 prints standard deviations; the remark speaks of "two orders of magnitude in one of the initial covariances". Read as a covariance
+//! that is a deviation ten times as large, read as the printed deviation a hundred times: both are tried.
 
 use super::gather::{Drawn, Estimators};
 use super::moments::Moments;
-use super::sensitivity::{Sensitivity, negative_runs};
-use super::view::View;
+use super::view::Seen;
 use rayon::prelude::*;
 use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
+use rundown::model::state;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown::tick::bounds::ConfigError;
 use rundown_files::recording::Recording;
 use rundown_files::replay::{Tick, replay};
+use serde::Serialize;
 use std::time::Instant;
+
+/// Factors on the initial standard deviations of Table 1.
+pub const FACTORS: [f64; 3] = [1.0, 10.0, 100.0];
+/// Which of them are changed.
+const WHICH: [(&str, [bool; 3]); 4] = [
+    ("r0", [true, false, false]),
+    ("r1", [false, true, false]),
+    ("r2", [false, false, true]),
+    ("r0, r1, r2", [true; 3]),
+];
 
 /// Standard deviations of the acceleration noise that are tried, m/s²; Table 1 has none.
 pub const NOISES_MPS2: [f64; 3] = [0.001, 0.01, 0.1];
-/// Every so manieth sample is kept.
+/// One sample in so many is kept.
 pub const KEPT: usize = 2;
 /// Passes whose shortest counts: other programs only make one longer.
 const PASSES: usize = 5;
+/// Runs on which other settings of the filter are tried.
+const RUNS: usize = 67;
 
-/// What was tried.
 #[derive(Clone, Debug, Default)]
 pub struct Trials {
-    /// Larger initial deviations.
     pub sensitivity: Vec<Sensitivity>,
-    /// Noise of the acceleration.
     pub noise: Vec<Noise>,
     /// All samples, and every second one; none without truth.
     pub thinned: Option<[Misses; 2]>,
@@ -41,60 +54,126 @@ pub struct Trials {
     pub pace: Option<[Pace; 2]>,
 }
 
-/// What noise of the acceleration does to the paper's coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// Standard deviation, m/s².
     pub sd_mps2: f64,
-    /// Runs with a coefficient below zero.
     pub negative_runs: usize,
-    /// Of so many.
     pub runs: usize,
 }
 
 /// How far lengths are from the truth: final coast and final brake, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Misses {
-    /// In the paper's mode.
     pub paper: [Moments; 2],
-    /// In the gated mode.
     pub gated: [Moments; 2],
 }
 
 /// How long it takes here at most: a step in whole ms, a run in whole s. Coarse, so that the same seed gives the same report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pace {
-    /// One step, ms.
     pub step_ms: u64,
-    /// The longest run, s.
     pub run_s: u64,
 }
 
-/// Tries noises of the acceleration in the paper's mode.
-///
-/// # Errors
-/// [`ConfigError`] when a changed configuration is out of range.
-pub fn noise(config: &Config, train: Train, track: &Track, runs: &[Recording]) -> Result<Vec<Noise>, ConfigError> {
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sensitivity {
+    /// The coefficients whose initial deviation is changed.
+    pub which: &'static str,
+    pub factor: f64,
+    /// Runs in which a coefficient fell below zero.
+    pub negative_runs: usize,
+    pub runs: usize,
+    /// Least value of each coefficient over all samples, as a share of the manufacturer's.
+    pub least_share: [f64; 3],
+}
+
+impl Trials {
+    pub fn of(config: &Config, estimators: &Estimators, track: &Track, drawn: &[Drawn]) -> Result<Self, ConfigError> {
+        let train = *estimators.paper.train();
+        let few: Vec<Recording> = drawn.iter().take(RUNS).map(|run| run.recording.clone()).collect();
+        Ok(Self {
+            sensitivity: sensitivity(config, train, track, &few)?,
+            noise: noise(config, train, track, &few)?,
+            thinned: thinned(estimators, drawn),
+            pace: pace(estimators, &few),
+        })
+    }
+}
+
+/// Tries every change of the initial deviations.
+pub fn sensitivity(
+    config: &Config,
+    train: Train,
+    track: &Track,
+    runs: &[Recording],
+) -> Result<Vec<Sensitivity>, ConfigError> {
+    let smallest = |all: [f64; 3], of_run: &[f64; 3]| std::array::from_fn(|index| f64::min(all[index], of_run[index]));
+    let mut found = Vec::new();
+    for factor in FACTORS {
+        // As printed: one row is enough.
+        let some = if factor == 1.0 { WHICH.len() - 1 } else { 0 };
+        for (which, changed) in &WHICH[some..] {
+            let mut config = *config;
+            for (sd, changed) in config.paper.initial_davis_sd.iter_mut().zip(changed) {
+                *sd *= if *changed { factor } else { 1.0 };
+            }
+            let least = least_shares(config, train, track, runs)?;
+            found.push(Sensitivity {
+                which,
+                factor,
+                negative_runs: negative(&least),
+                runs: runs.len(),
+                least_share: least.iter().fold([f64::INFINITY; 3], smallest),
+            });
+        }
+    }
+    Ok(found)
+}
+
+/// Tries noises of the acceleration.
+fn noise(config: &Config, train: Train, track: &Track, runs: &[Recording]) -> Result<Vec<Noise>, ConfigError> {
     let of = |sd_mps2: f64| {
-        let mut config = Config { mode: Mode::Paper, ..*config };
+        let mut config = *config;
         config.paper.acceleration_noise_mps2 = sd_mps2;
-        let estimator = Estimator::try_new(config, train, track.clone())?;
-        Ok(Noise { sd_mps2, negative_runs: negative_runs(&estimator, runs), runs: runs.len() })
+        let least = least_shares(config, train, track, runs)?;
+        Ok(Noise { sd_mps2, negative_runs: negative(&least), runs: runs.len() })
     };
     NOISES_MPS2.into_iter().map(of).collect()
 }
 
+/// Least coefficients of each run in the paper's mode, as shares of the manufacturer's.
+fn least_shares(config: Config, train: Train, track: &Track, runs: &[Recording]) -> Result<Vec<[f64; 3]>, ConfigError> {
+    let estimator = Estimator::try_new(Config { mode: Mode::Paper, ..config }, train, track.clone())?;
+    let stated = [train.davis().r0, train.davis().r1, train.davis().r2];
+    let of_run = |run: &Recording| {
+        let replayed = replay(&estimator, &mut estimator.new_vehicle(), run, Tick::EverySample);
+        let mut least = [f64::INFINITY; 3];
+        for estimate in &replayed.estimates {
+            for (index, least) in least.iter_mut().enumerate() {
+                *least = least.min(estimate.belief.mean[state::R0 + index] / stated[index]);
+            }
+        }
+        least
+    };
+    Ok(runs.par_iter().map(of_run).collect())
+}
+
+/// How many have a coefficient below zero.
+fn negative(least: &[[f64; 3]]) -> usize {
+    least.iter().filter(|least| least.iter().any(|share| *share < 0.0)).count()
+}
+
 /// Replays the runs whose truth is known with all their samples and with every [`KEPT`]th, each for itself.
-pub fn thinned(estimators: &Estimators, drawn: &[Drawn]) -> Option<[Misses; 2]> {
-    let known: Vec<(&Recording, &View)> =
+fn thinned(estimators: &Estimators, drawn: &[Drawn]) -> Option<[Misses; 2]> {
+    let known: Vec<(&Recording, &Seen)> =
         drawn.iter().filter_map(|run| Some((&run.recording, run.truth.as_ref()?))).collect();
     let misses = |estimator: &Estimator, every: usize| {
-        let of_run = |(recording, truth): &(&Recording, &View)| {
+        let of_run = |(recording, truth): &(&Recording, &Seen)| {
             let mut recording = (*recording).clone();
             recording.rows = recording.rows.into_iter().step_by(every).collect();
             let mut vehicle = estimator.new_vehicle();
             let run = replay(estimator, &mut vehicle, &recording, Tick::EverySample);
-            let (seen, was) = (View::of_replay(&run, estimator.train()).outcome, &truth.outcome);
+            let (seen, was) = (Seen::of_replay(&run, estimator.train()).outcome, &truth.outcome);
             [(seen.coast_s, was.coast_s), (seen.brake_s, was.brake_s)].map(|(seen, was)| Some((seen? - was?).abs()))
         };
         let of_runs: Vec<_> = known.par_iter().map(of_run).collect();
@@ -110,8 +189,7 @@ pub fn thinned(estimators: &Estimators, drawn: &[Drawn]) -> Option<[Misses; 2]> 
     (!known.is_empty()).then(|| [1, KEPT].map(of))
 }
 
-/// Times both modes.
-pub fn pace(estimators: &Estimators, runs: &[Recording]) -> Option<[Pace; 2]> {
+fn pace(estimators: &Estimators, runs: &[Recording]) -> Option<[Pace; 2]> {
     let longest = runs.iter().max_by_key(|run| run.rows.len())?;
     let of = |estimator: &Estimator| {
         let passes = (0..PASSES).map(|_| {

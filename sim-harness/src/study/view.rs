@@ -8,14 +8,15 @@ use super::moments::Moments;
 use super::tallies::{CLOUDS_KMH, POWER_KMH};
 use rundown::model::state;
 use rundown::model::train::Train;
+use rundown::tick::estimate::Estimate;
 use rundown::tick::regime::Regime;
 use rundown_files::replay::ReplayedRun;
 use rundown_files::table::{Cell, Record};
-use rundown_truth::driver::Regime as TrueRegime;
+use rundown_truth::regime::Regime as TrueRegime;
+use rundown_truth::sensors::TruthSample;
 
 /// Steps of ATB-EG, km/h, from the fastest (section 3.3).
 pub const ATB_STEPS_KMH: [f64; 4] = [130.0, 80.0, 60.0, 40.0];
-/// Names of the five steps.
 pub const ATB_NAMES: [&str; 5] = ["above_130", "130_to_80", "80_to_60", "60_to_40", "below_40"];
 /// Speeds of the red crosses of Fig. 9, km/h.
 pub const CROSS_KMH: std::ops::RangeInclusive<f64> = 50.0..=90.0;
@@ -28,14 +29,11 @@ const OVER_SAMPLES: usize = 2;
 /// Slower, the train may hold the speed of the departure zone, km/h.
 const OVER_KMH: f64 = 50.0;
 
-/// A run in a few numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// Median speed while cruising, km/h.
+    /// Median.
     pub cruise_kmh: Option<f64>,
-    /// Length of the coast before the final brake, s.
     pub coast_s: Option<f64>,
-    /// Length of the final brake, s.
     pub brake_s: Option<f64>,
     /// Share of the running time in traction, cruise, coast and brake; standing time is no running time.
     pub shares: Option<[f64; 4]>,
@@ -47,7 +45,6 @@ pub struct Outcome {
     pub coast_mps2: Option<f64>,
     /// Intervals that say something of the largest tractive effort at low speed.
     pub effort_samples: Option<f64>,
-    /// Davis coefficients of this run's train at its end.
     pub davis: [f64; 3],
     /// Root mean square of filtered less measured speed, km/h.
     pub speed_rms_kmh: Option<f64>,
@@ -57,10 +54,8 @@ pub struct Outcome {
     pub learned_share: Option<f64>,
 }
 
-/// What the figures draw of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points {
-    /// r0, r1, r2 at each sample.
     pub davis: Vec<[f64; 3]>,
     /// Speed in km/h and brake rate in m/s² of each interval of braking.
     pub brake: Vec<(f64, f64)>,
@@ -68,80 +63,99 @@ pub struct Points {
     pub power: Vec<PowerPoint>,
 }
 
-/// Tractive power in one interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerPoint {
-    /// km/h.
     pub speed_kmh: f64,
     /// kW, at the wheel.
     pub power_kw: f64,
-    /// m.
     pub location_m: f64,
 }
 
-/// A run through one pair of eyes.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct View {
-    /// In a few numbers.
+pub struct Seen {
     pub outcome: Outcome,
-    /// For the figures.
     pub points: Points,
 }
 
-impl View {
-    /// What the estimator says.
+/// What is drawn of the time between two samples, whoever looks.
+struct Interval {
+    /// Mean, m/s.
+    speed_mps: f64,
+    /// Loss of speed, m/s²; none where it is not known.
+    rate_mps2: Option<f64>,
+    /// None where it changes.
+    regime: Option<Regime>,
+    /// It ends in traction.
+    is_traction: bool,
+    effort_n_per_kg: Option<f64>,
+    location_m: f64,
+}
+
+impl Points {
+    /// With the mean deceleration while coasting; `kw` is the power of 1 W/kg.
+    fn of(davis: Vec<[f64; 3]>, intervals: impl Iterator<Item = Interval>, kw: f64) -> (Self, Option<f64>) {
+        let mut points = Self { davis, ..Self::default() };
+        let mut first = FirstAcceleration::default();
+        let mut coasting = Moments::default();
+        for interval in intervals {
+            let Interval { speed_mps, location_m, .. } = interval;
+            let speed_kmh = 3.6 * speed_mps;
+            if interval.regime == Some(Regime::Brake)
+                && let Some(rate_mps2) = interval.rate_mps2
+                && rate_mps2 >= LEAST_BRAKE_MPS2
+            {
+                points.brake.push((speed_kmh, rate_mps2));
+            }
+            if interval.regime == Some(Regime::Coast)
+                && COASTING_KMH.contains(&speed_kmh)
+                && let Some(rate_mps2) = interval.rate_mps2
+            {
+                coasting.add(rate_mps2);
+            }
+            if first.goes_on(interval.is_traction, speed_kmh)
+                && interval.regime == Some(Regime::Traction)
+                && let Some(effort_n_per_kg) = interval.effort_n_per_kg
+            {
+                let power_kw = kw * effort_n_per_kg * speed_mps;
+                points.power.push(PowerPoint { speed_kmh, power_kw, location_m });
+            }
+        }
+        (points, coasting.mean())
+    }
+}
+
+impl Seen {
     pub fn of_replay(run: &ReplayedRun, train: &Train) -> Self {
         let features = &run.summary.features;
         let kw = train.rotating_mass_kg() / 1000.0;
-        let mut points = Points::default();
-        let mut first = FirstAcceleration::default();
-        let mut misses = (0.0, 0.0);
-        let mut learned_s = 0.0;
-        let mut coasting = Moments::default();
-        for (index, estimate) in run.estimates.iter().enumerate() {
-            let mean = &estimate.belief.mean;
-            points.davis.push([mean[state::R0], mean[state::R1], mean[state::R2]]);
-            let reading = run.measurements.get(index).and_then(|m| m.speed_mps);
-            if let Some(reading) = reading {
-                misses.0 += (3.6 * (mean[state::SPEED] - reading)).powi(2);
-                misses.1 += 1.0;
+        let speed_mps = |estimate: &Estimate| estimate.belief.mean[state::SPEED];
+        let interval = |(index, pair): (usize, &[Estimate])| {
+            let (before, now) = (&pair[0], &pair[1]);
+            let regime = run.regimes.get(index + 1).copied().unwrap_or(now.regime);
+            Interval {
+                speed_mps: 0.5 * (speed_mps(now) + speed_mps(before)),
+                rate_mps2: now.acceleration_mps2.map(|acceleration_mps2| -acceleration_mps2),
+                regime: Some(regime),
+                is_traction: regime == Regime::Traction,
+                effort_n_per_kg: now.effort_n_per_kg,
+                location_m: now.belief.mean[state::LOCATION],
             }
-            if estimate.learning {
-                learned_s += estimate.dt_s;
-            }
-            let Some(before) = index.checked_sub(1).map(|before| &run.estimates[before]) else {
-                continue;
-            };
-            let speed_mps = 0.5 * (mean[state::SPEED] + before.belief.mean[state::SPEED]);
-            let regime = run.regimes.get(index).copied().unwrap_or(estimate.regime);
-            if regime == Regime::Brake
-                && let Some(acceleration_mps2) = estimate.acceleration_mps2
-                && -acceleration_mps2 >= LEAST_BRAKE_MPS2
-            {
-                points.brake.push((3.6 * speed_mps, -acceleration_mps2));
-            }
-            if regime == Regime::Coast
-                && COASTING_KMH.contains(&(3.6 * speed_mps))
-                && let Some(acceleration_mps2) = estimate.acceleration_mps2
-            {
-                coasting.add(-acceleration_mps2);
-            }
-            let is_traction = regime == Regime::Traction;
-            if first.goes_on(is_traction, 3.6 * speed_mps)
-                && is_traction
-                && let Some(effort_n_per_kg) = estimate.effort_n_per_kg
-            {
-                points.power.push(PowerPoint {
-                    speed_kmh: 3.6 * speed_mps,
-                    power_kw: kw * effort_n_per_kg * speed_mps,
-                    location_m: mean[state::LOCATION],
-                });
+        };
+        let davis = run.estimates.iter().map(|estimate| estimate.belief.mean);
+        let davis = davis.map(|mean| [mean[state::R0], mean[state::R1], mean[state::R2]]).collect();
+        let (points, coast_mps2) = Points::of(davis, run.estimates.windows(2).enumerate().map(interval), kw);
+        let (mut squares, mut readings) = (0.0, 0.0);
+        for (estimate, measurement) in run.estimates.iter().zip(&run.measurements) {
+            if let Some(reading) = measurement.speed_mps {
+                squares += (3.6 * (speed_mps(estimate) - reading)).powi(2);
+                readings += 1.0;
             }
         }
         let moving = |regime: Regime| features.regime_time_s[regime as usize];
         let davis = &run.summary.run_davis.mean;
         let of = |phase: &Option<rundown::features::Phase>| phase.as_ref().map(|p| p.duration_s);
         let duration_s: f64 = run.estimates.iter().map(|estimate| estimate.dt_s).sum();
+        let learned_s = run.estimates.iter().filter(|estimate| estimate.learning).map(|estimate| estimate.dt_s);
         let outcome = Outcome {
             cruise_kmh: features.cruise_speed_median_mps.map(|v| 3.6 * v),
             coast_s: of(&features.final_coast),
@@ -150,11 +164,11 @@ impl View {
             power_kw: (features.power_w_per_kg.count > 0).then_some(kw * features.power_w_per_kg.mean),
             max_power_kw: largest(&points.power),
             in_both_clouds: in_both_clouds(&points.power, train),
-            coast_mps2: coasting.mean(),
+            coast_mps2,
             effort_samples: Some(f64::from(features.max_effort.as_ref().map_or(0, |line| line.effort.count))),
             davis: [davis[0], davis[1], davis[2]],
-            speed_rms_kmh: (misses.1 > 0.0).then(|| (misses.0 / misses.1).sqrt()),
-            learned_share: (duration_s > 0.0).then_some(learned_s / duration_s),
+            speed_rms_kmh: (readings > 0.0).then(|| (squares / readings).sqrt()),
+            learned_share: (duration_s > 0.0).then(|| learned_s.fold(0.0, |sum, dt_s| sum + dt_s) / duration_s),
         };
         Self { outcome, points }
     }
@@ -164,47 +178,36 @@ impl View {
         let facts = &truth.facts;
         let davis = [facts.davis.r0, facts.davis.r1, facts.davis.r2];
         let kw = facts.rotating_mass_kg / 1000.0;
-        let mut points = Points { davis: vec![davis; truth.samples.len()], ..Points::default() };
-        let mut times_s = [0.0; 4];
-        let mut coasting = Moments::default();
-        let mut first = FirstAcceleration::default();
-        for pair in truth.samples.windows(2) {
+        let interval = |pair: &[TruthSample]| {
             let (before, now) = (&pair[0], &pair[1]);
             let dt_s = now.time_s - before.time_s;
-            let speed_mps = 0.5 * (before.speed_mps + now.speed_mps);
-            if let Some(index) = moving_index(now.regime) {
-                times_s[index] += dt_s;
+            Interval {
+                speed_mps: 0.5 * (before.speed_mps + now.speed_mps),
+                rate_mps2: Some((before.speed_mps - now.speed_mps) / dt_s),
+                // An interval is of one regime where it is that at both ends.
+                regime: (before.regime == now.regime).then(|| estimated(now.regime)),
+                is_traction: now.regime == TrueRegime::Traction,
+                effort_n_per_kg: Some(now.mean_effort_n_per_kg),
+                location_m: now.location_m,
             }
-            // An interval is of one regime where it is that at both ends.
-            let is_all = |regime| before.regime == regime && now.regime == regime;
-            if is_all(TrueRegime::Brake) {
-                let rate = (before.speed_mps - now.speed_mps) / dt_s;
-                if rate >= LEAST_BRAKE_MPS2 {
-                    points.brake.push((3.6 * speed_mps, rate));
-                }
-            }
-            if is_all(TrueRegime::Coast) && COASTING_KMH.contains(&(3.6 * speed_mps)) {
-                coasting.add((before.speed_mps - now.speed_mps) / dt_s);
-            }
-            let is_traction = now.regime == TrueRegime::Traction;
-            if first.goes_on(is_traction, 3.6 * speed_mps) && is_all(TrueRegime::Traction) {
-                points.power.push(PowerPoint {
-                    speed_kmh: 3.6 * speed_mps,
-                    power_kw: kw * now.mean_effort_n_per_kg * speed_mps,
-                    location_m: now.location_m,
-                });
-            }
+        };
+        let (points, coast_mps2) =
+            Points::of(vec![davis; truth.samples.len()], truth.samples.windows(2).map(interval), kw);
+        let mut times_s = [0.0; 5];
+        for pair in truth.samples.windows(2) {
+            times_s[estimated(pair[1].regime) as usize] += pair[1].time_s - pair[0].time_s;
         }
+        let moving = |regime: Regime| times_s[regime as usize];
         let coast = facts.final_coast.as_ref();
         let outcome = Outcome {
             cruise_kmh: Some(3.6 * facts.cruise_mps),
             coast_s: coast.map(|coast| facts.final_brake.time_s - coast.time_s),
             brake_s: Some(facts.stop.time_s - facts.final_brake.time_s),
-            shares: shares(times_s),
+            shares: shares([Regime::Traction, Regime::Cruise, Regime::Coast, Regime::Brake].map(moving)),
             power_kw: facts.mean_power_50_130_w_per_kg.map(|p| kw * p),
             max_power_kw: facts.max_power_50_90_w_per_kg.map(|p| kw * p),
             in_both_clouds: in_both_clouds(&points.power, described),
-            coast_mps2: coasting.mean(),
+            coast_mps2,
             effort_samples: None,
             davis,
             speed_rms_kmh: None,
@@ -233,13 +236,14 @@ impl FirstAcceleration {
     }
 }
 
-fn moving_index(regime: TrueRegime) -> Option<usize> {
+/// The estimator's word for what the driver did.
+const fn estimated(regime: TrueRegime) -> Regime {
     match regime {
-        TrueRegime::Standstill => None,
-        TrueRegime::Traction => Some(0),
-        TrueRegime::Cruise => Some(1),
-        TrueRegime::Coast => Some(2),
-        TrueRegime::Brake => Some(3),
+        TrueRegime::Standstill => Regime::Standstill,
+        TrueRegime::Traction => Regime::Traction,
+        TrueRegime::Cruise => Regime::Cruise,
+        TrueRegime::Coast => Regime::Coast,
+        TrueRegime::Brake => Regime::Brake,
     }
 }
 
@@ -264,12 +268,6 @@ fn in_both_clouds(points: &[PowerPoint], described: &Train) -> Option<bool> {
 }
 
 /// Index of the ATB-EG step of a speed.
-///
-/// ```
-/// use sim_harness::study::view::atb_step;
-///
-/// assert_eq!([140.0, 130.0, 61.0, 40.0, 5.0].map(atb_step), [0, 1, 2, 4, 4]);
-/// ```
 pub fn atb_step(speed_kmh: f64) -> usize {
     ATB_STEPS_KMH.iter().position(|edge| speed_kmh > *edge).unwrap_or(ATB_STEPS_KMH.len())
 }
@@ -304,6 +302,11 @@ impl Outcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_edge_belongs_to_the_slower_step() {
+        assert_eq!([140.0, 130.0, 61.0, 40.0, 5.0].map(atb_step), [0, 1, 2, 4, 4]);
+    }
 
     #[test]
     fn one_misjudged_sample_does_not_end_the_first_acceleration() {

@@ -1,61 +1,25 @@
 //! Files of a study: pictures as SVG, their numbers as CSV, a row for each run as CSV and Parquet, the page.
 
 use super::figures::Picture;
+use crate::output::files::failed;
+pub use crate::output::files::{folder, records, text};
 use rundown_files::WriteError;
 use rundown_files::parquet::TableWriter;
-use rundown_files::table::{self, Record};
+use rundown_files::table::Record;
 use rundown_pages::chart::standalone;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
-/// A row for each run.
 pub const RUNS: &str = "runs";
 
-/// Makes a folder with those above it.
-///
-/// # Errors
-/// [`WriteError`] names it.
-pub fn folder(path: &Path) -> Result<(), WriteError> {
-    std::fs::create_dir_all(path).map_err(|source| failed(path, source))
-}
-
 /// Writes each picture and what it draws.
-///
-/// # Errors
-/// [`WriteError`] names the first file that could not be written.
 pub fn pictures(folder: &Path, pictures: &[Picture]) -> Result<(), WriteError> {
     for picture in pictures {
         text(&folder.join(format!("{}.svg", picture.name)), &standalone(&picture.svg))?;
         records(&folder.join(format!("{}.csv", picture.name)), &picture.records)?;
     }
     Ok(())
-}
-
-/// Writes a text.
-///
-/// # Errors
-/// [`WriteError`] names the file.
-pub fn text(path: &Path, text: &str) -> Result<(), WriteError> {
-    std::fs::write(path, text).map_err(|source| failed(path, source))
-}
-
-/// Writes a table.
-///
-/// # Errors
-/// [`WriteError`] names the file.
-pub fn records(path: &Path, records: &[Record]) -> Result<(), WriteError> {
-    let written = File::create(path).and_then(|file| {
-        let mut file = BufWriter::new(file);
-        table::write_csv(&mut file, records)?;
-        file.flush()
-    });
-    written.map_err(|source| failed(path, source))
-}
-
-fn failed(path: &Path, source: io::Error) -> WriteError {
-    let path = path.to_owned();
-    WriteError { path, source }
 }
 
 /// The table of all runs, written as the runs come: `runs.csv` and `runs.parquet`.
@@ -69,9 +33,6 @@ pub struct RunTable {
 
 impl RunTable {
     /// Begins the files in a folder.
-    ///
-    /// # Errors
-    /// [`WriteError`] names the file.
     pub fn begin(folder: &Path) -> Result<Self, WriteError> {
         let csv_path = folder.join(format!("{RUNS}.csv"));
         let file = File::create(&csv_path).map_err(|source| failed(&csv_path, source))?;
@@ -84,9 +45,6 @@ impl RunTable {
     }
 
     /// Adds rows.
-    ///
-    /// # Errors
-    /// What the system says, with the name of the file.
     pub fn add(&mut self, records: &[Record]) -> io::Result<()> {
         for record in records {
             if !self.has_header {
@@ -99,9 +57,6 @@ impl RunTable {
     }
 
     /// Ends the files.
-    ///
-    /// # Errors
-    /// [`WriteError`] names the file.
     pub fn end(mut self) -> Result<(), WriteError> {
         self.csv.flush().map_err(|source| failed(&self.csv_path, source))?;
         let parquet = self.parquet.close().map_err(io::Error::other);

@@ -1,37 +1,33 @@
 //! `report.html` of a tuning.
 
 use super::parameters::{PARAMETERS, Place, values};
-use super::score::Score;
+use super::score::FilterScore;
 use super::search::Found;
 use crate::study::figures::Picture;
 use crate::study::page::initial;
-use crate::study::sensitivity::Sensitivity;
 use crate::study::slope::Answer;
+use crate::study::trials::Sensitivity;
 use maud::{Markup, html};
 use rundown_pages::numbers::number;
-use rundown_pages::shell::{document, figure};
+use rundown_pages::shell::{column, document, figure, table, text_column};
 
-/// What the page tells.
+/// What came of a tuning; of two, Table 1 is the first and the optimum the second.
 #[derive(Clone, Debug)]
-pub struct Page<'a> {
+pub struct Tuning {
     /// What was tuned on, in words.
     pub source: String,
-    /// Table 1 and its score.
-    pub table1: (Place, Score),
-    /// The optimum.
+    pub table1: Place,
     pub found: Found,
-    /// Its score.
-    pub score: Score,
-    /// The surface around it.
-    pub pictures: &'a [Picture],
+    pub scores: [FilterScore; 2],
+    /// The surface around the optimum.
+    pub pictures: [Picture; 2],
     /// The remark of section 4.2, with Table 1.
-    pub sensitivity: &'a [Sensitivity],
-    /// Slopes of the paper's mode: with Table 1, and at the optimum.
-    pub slopes: Option<[Answer; 2]>,
+    pub sensitivity: Vec<Sensitivity>,
+    /// Of the paper's mode.
+    pub slopes: [Answer; 2],
 }
 
-/// The whole page.
-pub fn page(page: &Page) -> String {
+pub fn page(page: &Tuning) -> String {
     let body = html! {
         p.lead {
             "The paper's filter, tuned on " (page.source) " by its two criteria: the summed logarithm of the conditional likelihood of location and speed, and coefficients that are not negative. "
@@ -39,7 +35,7 @@ pub fn page(page: &Page) -> String {
         }
         (scores(page))
         (parameters(page))
-        @if let Some([table1, optimum]) = &page.slopes {
+        @let [table1, optimum] = &page.slopes;
             p.note {
                 strong { "A likely filter is no true one. " }
                 "Slope of estimated on true deviation of the resistance at 60 / 100 / 140 km/h after one run: Table 1 "
@@ -48,57 +44,48 @@ pub fn page(page: &Page) -> String {
                 ". The effort of the paper's loop is calculated from the resistance that it is to find; no choice of these parameters changes that. Error of r(v): "
                 (number(table1.rmse_percent, 1)) "\u{a0}% and " (number(optimum.rmse_percent, 1)) "\u{a0}%."
             }
-        }
         section { h2 { "The surface around the optimum" }
-            @for picture in page.pictures { (figure(picture.svg.clone(), &picture.caption)) }
+            @for picture in &page.pictures { (figure(picture.svg.clone(), &picture.caption)) }
         }
         section { h2 { "Sensitivity to the initial covariances" }
             p { "Section 4.2: two orders of magnitude more in one initial covariance give negative coefficients. Table 1 with larger initial deviations, on the same runs:" }
-            (initial(page.sensitivity))
+            (initial(&page.sensitivity))
         }
     };
     document("Tuning of the paper's filter", &body)
 }
 
-fn scores(page: &Page) -> Markup {
-    let rows = [("Table 1", &page.table1.1), ("optimum", &page.score)];
-    html! {
-        div.wide { table {
-            thead { tr {
-                th.text scope="col" { "" }
-                th scope="col" { "log-likelihood" br; span.unit { "all samples" } }
-                th scope="col" { "a sample" }
-                th scope="col" { "samples with a" br; "negative coefficient" }
-                th scope="col" { "repaired" br; span.unit { "samples" } }
-            } }
-            tbody { @for (name, score) in rows { tr {
-                th scope="row" { (name) }
-                td { (number(score.log_likelihood, 0)) }
-                td { (number(score.per_sample(), 3)) }
-                td { (score.negative_samples) " of " (score.samples) }
-                td { (score.repaired) }
-            } } }
-        } }
-    }
+fn scores(page: &Tuning) -> Markup {
+    let [table1, optimum] = &page.scores;
+    let rows = [("Table 1", table1), ("optimum", optimum)];
+    let head = [
+        text_column(""),
+        column("log-likelihood", "all samples"),
+        column("a sample", ""),
+        column("samples with a negative coefficient", ""),
+        column("repaired", "samples"),
+    ];
+    let rows = html! { @for (name, score) in rows { tr {
+        th scope="row" { (name) }
+        td { (number(score.log_likelihood, 0)) }
+        td { (number(score.per_sample(), 3)) }
+        td { (score.negative_samples) " of " (score.samples) }
+        td { (score.repaired) }
+    } } };
+    table(head, rows)
 }
 
-fn parameters(page: &Page) -> Markup {
-    let (table1, optimum) = (values(&page.table1.0), values(&page.found.place));
+fn parameters(page: &Tuning) -> Markup {
+    let (table1, optimum) = (values(&page.table1), values(&page.found.place));
+    let head = [text_column("parameter"), column("Table 1", ""), column("optimum", ""), text_column("unit")];
+    let rows = html! { @for (index, parameter) in PARAMETERS.iter().enumerate() { tr {
+        th scope="row" { (parameter.name) }
+        td { (short(table1[index])) }
+        td { (short(optimum[index])) }
+        td.text { (parameter.unit) }
+    } } };
     html! {
-        div.wide { table {
-            thead { tr {
-                th.text scope="col" { "parameter" }
-                th scope="col" { "Table 1" }
-                th scope="col" { "optimum" }
-                th.text scope="col" { "unit" }
-            } }
-            tbody { @for (index, parameter) in PARAMETERS.iter().enumerate() { tr {
-                th scope="row" { (parameter.name) }
-                td { (short(table1[index])) }
-                td { (short(optimum[index])) }
-                td.text { (parameter.unit) }
-            } } }
-        } }
+        (table(head, rows))
         p.small { "An acceleration noise at its least value stands for none. The configuration lies beside this page: "
             code { "rundown replay --config config.toml" } "." }
     }

@@ -4,18 +4,13 @@ use rundown::estimator::config::{Config, Mode};
 use rundown::filter::ukf::{Spread, SpreadError};
 use rundown::tick::paper::PaperConfig;
 
-/// Number of parameters.
 pub const COUNT: usize = 11;
 
-/// A point of the search.
 pub type Place = [f64; COUNT];
 
-/// One parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
-    /// Name in tables and files.
     pub name: &'static str,
-    /// Unit.
     pub unit: &'static str,
     /// Least and largest value of the search, in its own unit.
     pub range: [f64; 2],
@@ -25,9 +20,7 @@ pub struct Parameter {
 /// How a value becomes a coordinate.
 #[derive(Clone, Copy, Debug)]
 enum Scale {
-    /// log10 of it.
     Decades,
-    /// Itself.
     Linear,
     /// log10 of 5 + κ, which must be above zero.
     Kappa,
@@ -56,7 +49,6 @@ pub const PARAMETERS: [Parameter; COUNT] = [
 pub const LEAST_NOISE: f64 = 3e-5;
 
 impl Parameter {
-    /// The coordinate of a value.
     pub fn coordinate(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Decades => value.max(f64::MIN_POSITIVE).log10(),
@@ -65,7 +57,6 @@ impl Parameter {
         }
     }
 
-    /// The value at a coordinate.
     pub fn value(&self, coordinate: f64) -> f64 {
         match self.scale {
             Scale::Decades => 10_f64.powf(coordinate),
@@ -74,22 +65,18 @@ impl Parameter {
         }
     }
 
-    /// Least and largest coordinate of the search.
     pub fn ends(&self) -> [f64; 2] {
         self.range.map(|value| self.coordinate(value))
     }
 }
 
-/// The place of a filter.
 pub fn place(paper: &PaperConfig) -> Place {
-    // Their names are those of a configuration file; a spread says its numbers no other way.
-    let spread = serde_json::to_value(paper.spread).unwrap_or_default();
-    let of_spread = |name: &str| spread[name].as_f64().unwrap_or(f64::NAN);
+    let [alpha, beta, kappa] = paper.spread.parameters();
     let [r0, r1, r2] = paper.initial_davis_sd;
     let values = [
-        of_spread("alpha"),
-        of_spread("beta"),
-        of_spread("kappa"),
+        alpha,
+        beta,
+        kappa,
         paper.initial_location_sd_m,
         paper.initial_speed_sd_kmh,
         r0,
@@ -111,9 +98,6 @@ pub fn values(place: &Place) -> Place {
 }
 
 /// The configuration at a place: the paper's mode, all else as it was.
-///
-/// # Errors
-/// [`SpreadError`] when α or 5 + κ is not above zero; not within the ranges of the search.
 pub fn config(base: &Config, place: &Place) -> Result<Config, SpreadError> {
     let [alpha, beta, kappa, s, v, r0, r1, r2, location_sd_m, speed_sd_kmh, noise] = values(place);
     let has_noise = noise > 1.001 * LEAST_NOISE;
@@ -127,7 +111,7 @@ pub fn config(base: &Config, place: &Place) -> Result<Config, SpreadError> {
             location_sd_m,
             speed_sd_kmh,
             acceleration_noise_mps2: if has_noise { noise } else { 0.0 },
-            // Eq. (12)-(15) as printed leave Q out of the gain; with Q the points are drawn anew.
+            // Eq. (12)-(15) as printed leave Q out of the gain; with Q the sigma points are redrawn.
             reuse_points: !has_noise && base.paper.reuse_points,
             ..base.paper
         },
@@ -157,7 +141,7 @@ mod tests {
             let place = std::array::from_fn(|i| PARAMETERS[i].ends()[end] + [-9.0, 9.0][end]);
             let config = config(&Config::default(), &place).unwrap();
             config.check().unwrap();
-            assert_eq!(config.paper.reuse_points, end == 0, "with Q the points are drawn anew");
+            assert_eq!(config.paper.reuse_points, end == 0, "with Q the sigma points are redrawn");
         }
     }
 }

@@ -26,23 +26,16 @@ const REPAIRED_COST: f64 = 1e3;
 /// Cost of a place that is no filter.
 const NO_FILTER: f64 = 1e9;
 
-/// What is tuned on.
 #[derive(Clone, Debug)]
 pub struct Bench {
-    /// What is not tuned.
     pub base: Config,
-    /// The train as described.
     pub train: Train,
-    /// The track as described.
     pub track: Track,
-    /// The runs.
     pub runs: Vec<Recording>,
 }
 
-/// A configuration judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Score {
-    /// Summed logarithm of the conditional likelihood.
+pub struct FilterScore {
     pub log_likelihood: f64,
     /// Samples that have one.
     pub samples: u64,
@@ -54,8 +47,7 @@ pub struct Score {
     pub repaired: u64,
 }
 
-impl Score {
-    /// Mean likelihood of a sample.
+impl FilterScore {
     pub fn per_sample(&self) -> f64 {
         self.log_likelihood / self.samples as f64
     }
@@ -70,13 +62,13 @@ impl Score {
 
 impl Bench {
     /// The score at a place; none where it is no filter.
-    pub fn score(&self, place: &Place) -> Option<Score> {
+    pub fn score(&self, place: &Place) -> Option<FilterScore> {
         let config = config(&self.base, place).ok()?;
         let estimator = Estimator::try_new(config, self.train, self.track.clone()).ok()?;
         let runs = self.runs.par_iter().map(|run| of_run(&estimator, run));
         // Added in order, so that the same runs give the same bits.
-        let runs: Vec<Score> = runs.collect();
-        let mut all = Score::default();
+        let runs: Vec<FilterScore> = runs.collect();
+        let mut all = FilterScore::default();
         for run in runs {
             all.log_likelihood += run.log_likelihood;
             all.samples += run.samples;
@@ -88,18 +80,17 @@ impl Bench {
         Some(all)
     }
 
-    /// Cost at a place.
     pub fn cost(&self, place: &Place) -> f64 {
         self.score(place).map_or(NO_FILTER, |score| score.cost())
     }
 }
 
-fn of_run(estimator: &Estimator, run: &Recording) -> Score {
+fn of_run(estimator: &Estimator, run: &Recording) -> FilterScore {
     let mut vehicle = estimator.new_vehicle();
     let replayed = replay(estimator, &mut vehicle, run, Tick::EverySample);
     let stated = estimator.train().davis();
     let stated = [stated.r0, stated.r1, stated.r2];
-    let mut score = Score::default();
+    let mut score = FilterScore::default();
     for estimate in &replayed.estimates {
         if let Some(log) = log_likelihood(estimate) {
             score.log_likelihood += log;

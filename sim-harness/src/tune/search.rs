@@ -12,18 +12,13 @@ const STEP: f64 = 0.5;
 /// Standard deviation of the costs of the simplex at which the search ends.
 const TOLERANCE: f64 = 1e-6;
 
-/// What the search found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
-    /// The best place.
     pub place: Place,
-    /// Its cost.
     pub cost: f64,
-    /// Costs that were asked for.
     pub evaluations: u64,
 }
 
-/// Why there is no optimum.
 #[derive(Debug, thiserror::Error)]
 #[error("the search ended without a result: {0}")]
 pub struct SearchError(String);
@@ -51,7 +46,6 @@ impl<F: Fn()> CostFunction for Problem<'_, F> {
     }
 }
 
-/// Where the search begins.
 pub fn starts() -> [Place; 2] {
     let wide = PaperConfig {
         spread: Spread::WIDE,
@@ -62,10 +56,7 @@ pub fn starts() -> [Place; 2] {
     [place(&PaperConfig::default()), place(&wide)]
 }
 
-/// Searches from each start with about so many evaluations in all; `done` is called at each.
-///
-/// # Errors
-/// [`SearchError`] when the optimiser gives no place.
+/// Searches from each start with about this many evaluations in all; `done` is called at each.
 pub fn search(bench: &Bench, evaluations: u64, done: impl Fn()) -> Result<Found, SearchError> {
     let failed = |error: Error| SearchError(error.to_string());
     let starts = starts();

@@ -5,7 +5,7 @@ use super::score::Bench;
 use crate::study::figures::Picture;
 use plotters::style::RGBColor;
 use rundown_files::table::Cell;
-use rundown_pages::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 
 /// Places along a parameter, to each side.
@@ -22,7 +22,6 @@ const FINEST: f64 = 0.01;
 /// Places that [`profiles`] and [`plane`] ask for.
 pub const EVALUATIONS: usize = COUNT * (2 * HALF as usize + 1) + (HALF as usize + 1) * (HALF as usize + 1);
 
-/// One place of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Spot {
     value: f64,
@@ -40,7 +39,6 @@ fn spot(bench: &Bench, place: &Place, value: f64, least: f64) -> Spot {
     }
 }
 
-/// The score along each parameter, the others as at the optimum.
 pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn()) -> Picture {
     let least = bench.cost(optimum);
     let (mut figures, mut records) = (Vec::new(), Vec::new());
@@ -68,12 +66,7 @@ pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn())
     Picture {
         name: "tune_profiles".to_owned(),
         caption: "Loss of likelihood a sample along each parameter, the others as at the optimum, each in a scale of its own, from 0.01 to 2; crosses: a coefficient is negative somewhere. Solid green: the optimum, dashed: Table 1 where it is in reach.".to_owned(),
-        svg: Grid {
-            title: "Likelihood along each parameter".to_owned(),
-            description: "A panel for each parameter, lowest at the optimum".to_owned(),
-            columns: 3,
-            figures,
-        }
+        svg: Grid::new("Likelihood along each parameter", "A panel for each parameter, lowest at the optimum", 3, figures)
         .to_svg(),
         records,
     }
@@ -99,40 +92,22 @@ fn panel(index: usize, spots: &[Spot], optimum: f64, table1: f64) -> Figure {
     let losses = range_of(spots.iter().filter(shown).map(|s| place(s).1));
     let most = losses.end.max(FINEST);
     let losses = losses.start.min(-0.05 * most)..1.05 * most;
-    Figure {
-        title: String::new(),
-        description: String::new(),
-        x_label: name,
-        x: ends[0]..ends[1],
-        panels: vec![Panel {
-            label: "loss a sample".to_owned(),
-            height: 260,
-            y: Some(losses),
-            axes: Axes::Left,
-            layers: vec![
-                Layer::Line {
-                    legend: String::new(),
-                    colour: colours::MEASURED,
-                    stroke: Stroke::Solid,
-                    points: line.collect(),
-                },
-                Layer::Marks { legend: String::new(), colour: colours::INVALID, points: negative.map(place).collect() },
-                Layer::Verticals {
-                    legend: "optimum".to_owned(),
-                    colour: colours::TRUTH,
-                    stroke: Stroke::Thin,
-                    at: vec![optimum],
-                },
-                Layer::Verticals {
-                    legend: "Table 1".to_owned(),
-                    colour: colours::LIMIT,
-                    stroke: Stroke::Dashed,
-                    at: vec![table1],
-                },
+    Figure::in_grid(
+        name,
+        ends[0]..ends[1],
+        Panel::new(
+            "loss a sample",
+            260,
+            vec![
+                Layer::line("", colours::MEASURED, Stroke::Solid, line.collect()),
+                Layer::marks("", colours::INVALID, negative.map(place).collect()),
+                Layer::verticals("optimum", colours::TRUTH, Stroke::Thin, vec![optimum]),
+                Layer::verticals("Table 1", colours::LIMIT, Stroke::Dashed, vec![table1]),
             ],
-            empty: "no place in reach".to_owned(),
-        }],
-    }
+            "no place in reach",
+        )
+        .within(losses),
+    )
 }
 
 /// The score over the noise of both readings.
@@ -157,27 +132,22 @@ pub fn plane(bench: &Bench, optimum: &Place, done: impl Fn()) -> Picture {
             ]);
         }
     }
-    let figure = Figure {
-        title: "Likelihood over the noise of both readings".to_owned(),
-        description: "Dark where the likelihood is largest".to_owned(),
-        x_label: "log10 location_sd, m".to_owned(),
-        x: at(0, 0) - 0.5 * step..at(0, HALF) + 0.5 * step,
-        panels: vec![Panel {
-            label: "log10 speed_sd, km/h".to_owned(),
-            height: 620,
-            y: Some(at(1, 0) - 0.5 * step..at(1, HALF) + 0.5 * step),
-            axes: Axes::Left,
-            layers: vec![
+    let figure = Figure::new(
+        "Likelihood over the noise of both readings",
+        "Dark where the likelihood is largest",
+        "log10 location_sd, m",
+        at(0, 0) - 0.5 * step..at(0, HALF) + 0.5 * step,
+        [Panel::new(
+            "log10 speed_sd, km/h",
+            620,
+            vec![
                 Layer::Cells { cells },
-                Layer::Marks {
-                    legend: "optimum".to_owned(),
-                    colour: colours::ESTIMATED,
-                    points: vec![(optimum[PLANE[0]], optimum[PLANE[1]])],
-                },
+                Layer::marks("optimum", colours::ESTIMATED, vec![(optimum[PLANE[0]], optimum[PLANE[1]])]),
             ],
-            empty: String::new(),
-        }],
-    };
+            "",
+        )
+        .within(at(1, 0) - 0.5 * step..at(1, HALF) + 0.5 * step)],
+    );
     Picture {
         name: "tune_plane".to_owned(),
         caption: format!(

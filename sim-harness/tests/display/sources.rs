@@ -47,19 +47,19 @@ fn a_recording_of_a_link_has_train_and_track() {
         assert_eq!(*view.setup, Setup::default(), "no run has begun");
     });
     shown((text + &line(begin)).as_bytes()).view(|view| {
-        let told = view.setup.track.as_ref().unwrap();
+        let sent = view.setup.track.as_ref().unwrap();
         assert_eq!(view.described, 1);
         let read = view.setup.train.as_ref().unwrap();
         assert_eq!((read.davis, read.mass_kg), (train.davis, train.mass_kg));
         assert_eq!(read.rotating_mass_factor, train.rotating_mass_factor);
-        assert_eq!(told.length_m, track.length_m);
-        assert_eq!(told.gradient, track.gradient);
+        assert_eq!(sent.length_m, track.length_m);
+        assert_eq!(sent.gradient, track.gradient);
         let places = |track: &TrackFile| -> Vec<f64> { track.stop.iter().map(|stop| stop.at_m).collect() };
-        assert_eq!(places(told), places(&track));
-        assert_eq!(told.speed_limit.len(), track.speed_limit.len());
-        for (told, described) in told.speed_limit.iter().zip(&track.speed_limit) {
-            assert_eq!(told.from_m, described.from_m);
-            assert!((told.kmh - described.kmh).abs() < 1e-9);
+        assert_eq!(places(sent), places(&track));
+        assert_eq!(sent.speed_limit.len(), track.speed_limit.len());
+        for (sent, described) in sent.speed_limit.iter().zip(&track.speed_limit) {
+            assert_eq!(sent.from_m, described.from_m);
+            assert!((sent.kmh - described.kmh).abs() < 1e-9);
         }
     });
 }
@@ -119,15 +119,15 @@ fn a_board_that_goes_and_comes_is_found_again() {
     let source = Source::Board { address: address.parse().unwrap(), listen_only: false };
     let (feed, open) = (Arc::clone(&hub), source.open().unwrap());
     std::thread::spawn(move || open.run(&feed, None));
-    let mut told = 0;
+    let mut sent = 0;
     for round in 0..3_u32 {
         let (mut line, _) = listener.accept().unwrap();
-        let more = &MESSAGES[told..told + 50];
-        told += more.len();
-        // The end of a message that nobody heard begin.
+        let more = &MESSAGES[sent..sent + 50];
+        sent += more.len();
+        // The end of a message whose begin was not heard.
         line.write_all(&[0x17, 0x42, 0x00]).unwrap();
         line.write_all(&on_the_line(more)).unwrap();
-        wait(&hub, |frames| frames == told);
+        wait(&hub, |frames| frames == sent);
         drop(line);
         let begin = Instant::now();
         while hub.view(|view| !matches!(view.link.connection, Connection::Lost(_)) && view.link.reconnects == round) {

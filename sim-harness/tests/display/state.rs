@@ -66,7 +66,7 @@ fn frames_that_never_come_leave_a_gap_in_the_curve() {
 
 #[test]
 fn old_values_are_called_old() {
-    // Faster than real time, so that nobody waits for 25 s.
+    // Faster than real time, so that the test does not wait for 25 s.
     let hub = Hub::new("test".to_owned(), 100.0, Setup::default(), Box::new(|_, _| {}));
     assert!(hub.view(|view| view.link.silent), "nothing has come yet");
     hub.message(&MESSAGES[30]);
@@ -113,8 +113,8 @@ proptest! {
             }
         }
         let sent = pieces.len();
-        let spoiled = pieces.iter().filter(|piece| !piece.is_empty() && piece.last() != Some(&0)).count();
-        prop_assert!(found >= sent - spoiled && found <= sent);
+        let damaged = pieces.iter().filter(|piece| !piece.is_empty() && piece.last() != Some(&0)).count();
+        prop_assert!(found >= sent - damaged && found <= sent);
         // A missing last frame is not missed yet.
         let tally = reader.tally();
         prop_assert!((tally.frames + tally.lost) as usize <= sent);

@@ -12,6 +12,7 @@
 
 use crate::habits::{Cruising, Habits, Plateau};
 use crate::motion::Motion;
+pub use crate::regime::Regime;
 use crate::world::{History, World};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -40,21 +41,6 @@ const OVERSPEED_MPS: f64 = 0.6;
 
 /// The trial of the brake takes this much speed off, m/s.
 const BRAKE_TEST_MPS: f64 = 10.0 / 3.6;
-
-/// What the driver does, as true label of a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Regime {
-    /// Speed 0.
-    Standstill,
-    /// Power to gain speed.
-    Traction,
-    /// Speed held, by power or on a downgrade by the brake.
-    Cruise,
-    /// Effort exactly 0.
-    Coast,
-    /// Brake to lose speed.
-    Brake,
-}
 
 /// A place to stop at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -281,60 +267,68 @@ impl<'a> Driver<'a> {
                 if time_s >= until_s && self.next_stop().is_some() {
                     self.phase = Phase::Power;
                 }
-                return;
             }
             Phase::Brake(target) if target.speed_mps == 0.0 => {
                 if at.speed_mps == 0.0 {
                     self.arrive(time_s, at.location_m);
                 }
-                return;
             }
-            Phase::Brake(target) => {
-                if let Some(stop) = self.due(at).filter(|t| t.speed_mps == 0.0) {
-                    self.phase = Phase::Brake(stop);
-                } else if at.speed_mps <= target.speed_mps + 0.05 {
-                    if !target.sign {
-                        self.phase = Phase::Power;
-                        return;
-                    }
-                    self.ahead = Some(target);
-                    self.plateau = target.approach;
-                    self.phase = if target.approach && self.habits.plateau == Plateau::Coast {
-                        Phase::Coast(CoastKind::Plateau)
-                    } else {
-                        self.hold(at)
-                    };
-                }
-                return;
+            Phase::Brake(target) => self.phase = self.brake_to(target, at),
+            _ => {
+                let due = self.due(at).or_else(|| self.brake_test(at));
+                self.phase = due.map_or_else(|| self.drive_on(at), Phase::Brake);
             }
-            _ => {}
         }
-        if let Some(target) = self.due(at) {
-            self.phase = Phase::Brake(target);
-            return;
+    }
+
+    /// On from a brake to a lower speed: for a stop behind it, or as it is driven there.
+    fn brake_to(&mut self, target: Target, at: Motion) -> Phase {
+        if let Some(stop) = self.due(at).filter(|t| t.speed_mps == 0.0) {
+            return Phase::Brake(stop);
         }
-        if self.phase == Phase::Power
+        if at.speed_mps > target.speed_mps + 0.05 {
+            return Phase::Brake(target);
+        }
+        if !target.sign {
+            return Phase::Power;
+        }
+        self.ahead = Some(target);
+        self.plateau = target.approach;
+        if target.approach && self.habits.plateau == Plateau::Coast {
+            Phase::Coast(CoastKind::Plateau)
+        } else {
+            self.hold(at)
+        }
+    }
+
+    /// The brake is tried once, where the train is fast enough under power.
+    fn brake_test(&mut self, at: Motion) -> Option<Target> {
+        let is_now = self.phase == Phase::Power
             && !self.brake_tested
-            && self.habits.brake_test_mps.is_some_and(|v| at.speed_mps >= v)
-        {
-            self.brake_tested = true;
-            let speed_mps = at.speed_mps - BRAKE_TEST_MPS;
-            let brake = &self.habits.brake;
-            self.phase = Phase::Brake(Target {
-                at_m: at.location_m + brake.distance_m(at.speed_mps) - brake.distance_m(speed_mps)
-                    + at.speed_mps * brake.build_up_s,
-                speed_mps,
-                approach: false,
-                sign: false,
-            });
-            return;
+            && self.habits.brake_test_mps.is_some_and(|v| at.speed_mps >= v);
+        if !is_now {
+            return None;
         }
+        self.brake_tested = true;
+        let speed_mps = at.speed_mps - BRAKE_TEST_MPS;
+        let brake = &self.habits.brake;
+        Some(Target {
+            at_m: at.location_m + brake.distance_m(at.speed_mps) - brake.distance_m(speed_mps)
+                + at.speed_mps * brake.build_up_s,
+            speed_mps,
+            approach: false,
+            sign: false,
+        })
+    }
+
+    /// Where nothing is braked for.
+    fn drive_on(&mut self, at: Motion) -> Phase {
         let desired = self.desired_mps(at);
         let cycles = match self.habits.cruising {
             Cruising::Cycles { half_width_mps, .. } if desired == self.habits.cruise_mps => Some(half_width_mps),
             _ => None,
         };
-        self.phase = match (self.phase, cycles) {
+        match (self.phase, cycles) {
             (Phase::Power, Some(half)) if at.speed_mps >= desired + half => {
                 self.cycling = true;
                 Phase::Coast(CoastKind::Cycle)
@@ -355,7 +349,7 @@ impl<'a> Driver<'a> {
                 Phase::Coast(kind)
             }
             (same, _) => same,
-        };
+        }
     }
 
     fn hold(&mut self, at: Motion) -> Phase {

@@ -2,22 +2,21 @@
 //!
 //! In: every step of the run. Out: [`Facts`]. Marks are exact to one step.
 
-use crate::driver::Regime;
 use crate::habits::Habits;
 use crate::plan::RunPlan;
+use crate::regime::Regime;
 use crate::sensors::TraceStep;
 use crate::train::{DavisTruth, TrainTruth};
 use crate::weather::Weather;
 use crate::world::World;
+use serde::{Deserialize, Serialize};
 
 /// When, where and how fast.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the units are in the names")]
 pub struct Mark {
-    /// s.
     pub time_s: f64,
-    /// m.
     pub location_m: f64,
-    /// m/s.
     pub speed_mps: f64,
 }
 

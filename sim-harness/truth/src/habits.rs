@@ -6,6 +6,7 @@
 use crate::brake::BrakeHabit;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Exp, Normal};
+use serde::Deserialize;
 
 /// Final coast of the case study: mean, standard deviation, least, most, s.
 const COAST_S: [f64; 4] = [370.0, 110.0, 150.0, 600.0];
@@ -17,12 +18,14 @@ const STOP_SD_M: f64 = 0.6;
 const STOP_MOST_M: f64 = 1.6;
 
 /// What kind of service is driven.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum DriverKind {
     /// Intercity: one long run, a long final coast.
     #[default]
+    #[serde(rename = "intercity")]
     CaseStudy,
-    /// Stops every 4 to 6 km, 80 to 100 km/h, no coast or a short one.
+    /// Stops every 4 to 6 km unless the line has its own, 80 to 100 km/h, no coast or a short one.
+    #[serde(rename = "short_hops")]
     ShortHop,
 }
 
@@ -31,11 +34,11 @@ pub enum DriverKind {
 pub enum Cruising {
     /// By holding it.
     Hold,
-    /// By turns of power and coast.
+    /// By on/off cycles of power and coasting (pulse and glide).
     Cycles {
         /// The speed swings by this much to both sides, m/s.
         half_width_mps: f64,
-        /// Effort of the power turns, N/kg, below the traction curve.
+        /// Effort of the powering phases, N/kg, below the traction curve.
         effort_n_per_kg: f64,
     },
 }

@@ -11,7 +11,7 @@
 //! Traction is positive, brake negative; uphill positive; resistance positive against travel; headwind positive.
 //!
 //! ```
-//! use crate::scenario::{Scenario, simulate};
+//! use rundown_truth::scenario::{Scenario, simulate};
 //!
 //! let run = simulate(&Scenario::default(), 1);
 //! assert_eq!(run.samples.len(), run.truth.len());
@@ -21,6 +21,7 @@
 #![warn(missing_docs)]
 
 pub mod brake;
+pub mod conditions;
 pub mod driver;
 pub mod effects;
 pub mod facts;
@@ -28,8 +29,11 @@ pub mod habits;
 pub mod line;
 pub mod motion;
 pub mod plan;
+pub mod regime;
 pub mod scenario;
+pub mod seeds;
 pub mod sensors;
+pub mod timetable;
 pub mod train;
 pub mod weather;
 pub mod world;

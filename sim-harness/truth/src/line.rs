@@ -170,7 +170,7 @@ impl Line {
         reversed
     }
 
-    /// The same line with so many permille more between two locations.
+    /// The same line with this many permille more between two locations.
     pub fn with_extra_gradient(&self, from_m: f64, to_m: f64, permille: f64) -> Self {
         let mut edges: Vec<f64> = self.gradients_permille.iter().map(|g| g.0).collect();
         edges.extend([from_m, to_m]);

@@ -2,52 +2,15 @@
 //!
 //! In: a scenario, a number of runs and a seed. Out: a [`RunPlan`] for each, in the order of departure.
 
+use crate::conditions::Scenario;
 use crate::effects::Together;
-use crate::scenario::{Scenario, run_seed};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use crate::seeds::{run_seed, stream};
+pub use crate::timetable::{Dates, Heading, Headings};
+use rand::RngExt;
 
 const DAY_S: f64 = 86_400.0;
 /// Trains run from 6 to 22 h UTC.
 const SERVICE_S: [f64; 2] = [6.0 * 3600.0, 22.0 * 3600.0];
-
-/// Direction of a run on the line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Heading {
-    /// Locations grow.
-    #[default]
-    Up,
-    /// Locations fall.
-    Down,
-}
-
-/// Directions of the runs of a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Headings {
-    /// All up.
-    #[default]
-    Up,
-    /// All down.
-    Down,
-    /// In turns, up first.
-    Both,
-}
-
-/// When the runs are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dates {
-    /// First day, 0 h UTC, in seconds after 1970-01-01.
-    pub start_s: i64,
-    /// The runs are spread over so many days.
-    pub days: f64,
-}
-
-impl Default for Dates {
-    /// Two months from 2024-01-08.
-    fn default() -> Self {
-        Self { start_s: 1_704_672_000, days: 60.0 }
-    }
-}
 
 /// One run before it is driven.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,9 +76,7 @@ pub fn plan(scenario: &Scenario, runs: usize, seed: u64) -> Vec<RunPlan> {
 
 /// Evenly spread, drawn within its share of the period, moved into the hours of service.
 fn departure_s(dates: Dates, runs: usize, run: usize, seed: u64) -> i64 {
-    let mut rng = ChaCha8Rng::seed_from_u64(run_seed(seed, run));
-    rng.set_stream(7);
-    let within: f64 = rng.random();
+    let within: f64 = stream(run_seed(seed, run), 7).random();
     let day = (run as f64 + within) / runs as f64 * dates.days;
     let [from_s, to_s] = SERVICE_S;
     let time_s = day.floor() * DAY_S + from_s + day.fract() * (to_s - from_s);

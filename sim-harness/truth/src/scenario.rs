@@ -3,104 +3,32 @@
 //! The seed feeds separate streams for the world (load, wind, stops), the driver, the driver's wander, and the sensors. So another recorder
 //! sees the same run, and another driver meets the same wind.
 
-use crate::driver::{Driver, Regime, Stop};
-use crate::effects::Effect;
+pub use crate::conditions::{Scenario, UnscheduledStop};
+use crate::driver::{Driver, Stop};
 use crate::facts::{Facts, Recorder};
 use crate::habits::{DriverKind, Habits};
-use crate::line::Line;
 use crate::motion::Motion;
-use crate::plan::{Dates, Heading, Headings, RunPlan, plan};
+use crate::plan::{RunPlan, plan};
+use crate::regime::Regime;
+use crate::seeds::stream;
 use crate::sensors::{Sample, Sensors, TraceStep, TruthSample};
-use crate::train::TrainTruth;
-use crate::weather::Climate;
+use crate::timetable::Heading;
 use crate::world::{History, World};
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use thiserror::Error;
 
-/// Nobody drives longer than this, s.
+/// A run that takes longer has failed, s.
 const LONGEST_RUN_S: f64 = 4.0 * 3600.0;
 /// Standstill at a platform, s.
 const DWELL_S: std::ops::Range<f64> = 30.0..60.0;
-
-/// A red signal in mid-run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UnscheduledStop {
-    /// Where along the way travelled, m.
-    pub at_m: f64,
-    /// How long, s.
-    pub dwell_s: f64,
-    /// Share of the runs that meet it.
-    pub share: f64,
-}
-
-/// What is simulated. The default is the case study.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Scenario {
-    /// The train before load and Davis scale.
-    pub train: TrainTruth,
-    /// The line.
-    pub line: Line,
-    /// What kind of service.
-    pub driver: DriverKind,
-    /// Probability that a driver cruises by cycles of power and coast.
-    pub cycle_share: f64,
-    /// Probability that a driver tries the brake after the departure.
-    pub brake_test_share: f64,
-    /// Whether the run goes on for 30 to 60 s at the last platform. Without, it ends up to one sampling time after the stop.
-    pub final_dwell: bool,
-    /// A red signal.
-    pub unscheduled_stop: Option<UnscheduledStop>,
-    /// True over described r0, r1, r2.
-    pub davis_scale: [f64; 3],
-    /// Wind along the line, one draw a run, standard deviation, m/s.
-    pub wind_sd_mps: f64,
-    /// Load, one draw a run, standard deviation as a share of the mass.
-    pub load_sd: f64,
-    /// Directions of the runs.
-    pub headings: Headings,
-    /// When the runs are.
-    pub dates: Dates,
-    /// Temperatures.
-    pub climate: Climate,
-    /// What the description does not have.
-    pub effects: Vec<Effect>,
-    /// Integration step, s; divides 1 s and the sampling time.
-    pub step_s: f64,
-    /// The recorder.
-    pub sensors: Sensors,
-}
-
-impl Default for Scenario {
-    /// The case study: flat corridor, still air, described load, every 10 s, rounded speed, location noise 4 m.
-    fn default() -> Self {
-        Self {
-            train: TrainTruth::default(),
-            line: Line::flat_corridor(),
-            driver: DriverKind::CaseStudy,
-            cycle_share: 0.4,
-            brake_test_share: 0.0,
-            final_dwell: false,
-            unscheduled_stop: None,
-            davis_scale: [1.0; 3],
-            wind_sd_mps: 0.0,
-            load_sd: 0.0,
-            headings: Headings::Up,
-            dates: Dates::default(),
-            climate: Climate::default(),
-            effects: Vec::new(),
-            step_s: 0.05,
-            sensors: Sensors::default(),
-        }
-    }
-}
 
 /// Why a run could not be driven.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum DriveError {
-    /// The train is still on its way after 4 h.
+    /// The train has not arrived after 4 h.
     #[error(
         "run {run} (seed {seed}): expected the train at its platform within 4 h, found it at {location_m:.0} m with {speed_kmh:.0} km/h; is the line too steep or the resistance too large?"
     )]
@@ -163,7 +91,7 @@ pub fn simulate_planned(scenario: &Scenario, plan: &RunPlan) -> Result<Run, Driv
     Ok(Run { samples, truth, facts })
 }
 
-/// Many runs of the same train; run `i` has the seed [`run_seed`]`(seed, i)`. `davis_scale` takes the place of the scenario's.
+/// Many runs of the same train; run `i` has the seed [`run_seed`](crate::seeds::run_seed)`(seed, i)`. `davis_scale` takes the place of the scenario's.
 ///
 /// # Panics
 /// As [`simulate`].
@@ -173,12 +101,6 @@ pub fn fleet(scenario: &Scenario, davis_scale: [f64; 3], runs: usize, seed: u64)
         .iter()
         .map(|plan| simulate_planned(&scenario, plan).unwrap_or_else(|e| panic!("{e}")))
         .collect()
-}
-
-/// Seed of one run of a fleet.
-pub fn run_seed(seed: u64, run: usize) -> u64 {
-    // The golden ratio keeps neighbouring fleets apart.
-    seed.wrapping_add((run as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15))
 }
 
 /// Drives one run: every integration step, before any sensor.
@@ -191,7 +113,7 @@ pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TraceStep>, Facts) {
 }
 
 /// Drives one run of a plan: every integration step, the facts, and the world it was driven in. Locations of trace and facts are those of the line,
-/// they fall in a run down; those of the world are along the way travelled.
+/// they fall in a run down; those of the world are along the distance travelled.
 ///
 /// # Errors
 /// [`DriveError`] if the train does not arrive.
@@ -320,17 +242,13 @@ fn stops(scenario: &Scenario, world: &World, seed: u64, rng: &mut ChaCha8Rng) ->
     stops
 }
 
-pub(super) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(number);
-    rng
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::line::Line;
+    use crate::seeds::run_seed;
     use crate::sensors::SpeedReading;
-    use crate::train::{DavisTruth, GRAVITY_MPS2};
+    use crate::train::{DavisTruth, GRAVITY_MPS2, TrainTruth};
     use rayon::prelude::*;
 
     fn scenarios() -> [(&'static str, Scenario); 4] {
@@ -413,10 +331,10 @@ mod tests {
             for end in [braking, trace.len() - 1] {
                 let (mut work, mut traction, mut losses) = (0.0, 0.0, 0.0);
                 for pair in trace[..=end].windows(2) {
-                    let way_m = pair[1].location_m - pair[0].location_m;
-                    work += pair[1].effort_n_per_kg * way_m;
-                    traction += pair[1].effort_n_per_kg.max(0.0) * way_m;
-                    losses += (pair[0].resistance_n_per_kg + pair[1].resistance_n_per_kg) / 2.0 * way_m;
+                    let distance_m = pair[1].location_m - pair[0].location_m;
+                    work += pair[1].effort_n_per_kg * distance_m;
+                    traction += pair[1].effort_n_per_kg.max(0.0) * distance_m;
+                    losses += (pair[0].resistance_n_per_kg + pair[1].resistance_n_per_kg) / 2.0 * distance_m;
                 }
                 let kinetic = trace[end].speed_mps * trace[end].speed_mps / 2.0;
                 let potential = GRAVITY_MPS2 / train.gamma * (height(trace[end].location_m) - height(0.0));
@@ -455,8 +373,8 @@ mod tests {
             let (from, to) = (facts.final_coast.unwrap(), facts.final_brake);
             let t = to.time_s - from.time_s;
             assert!((to.speed_mps - (from.speed_mps - 0.03 * t)).abs() < 1e-9, "seed {seed}");
-            let way_m = from.speed_mps * t - 0.015 * t * t;
-            assert!((to.location_m - from.location_m - way_m).abs() < 1e-6, "seed {seed}");
+            let distance_m = from.speed_mps * t - 0.015 * t * t;
+            assert!((to.location_m - from.location_m - distance_m).abs() < 1e-6, "seed {seed}");
         }
     }
 

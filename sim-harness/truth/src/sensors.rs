@@ -4,12 +4,14 @@
 //!
 //! A reading at time t shows the train at t - latency. Noise comes before the rounding. A standing train reads 0 km/h without noise.
 
-use crate::driver::Regime;
+use crate::regime::Regime;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Normal};
+use serde::Deserialize;
 
 /// How the speed is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum SpeedReading {
     /// To the nearest km/h (or other quantum).
     #[default]
@@ -105,12 +107,10 @@ impl Default for Sensors {
 
 /// The end of one integration step. A standing train has the regime standstill, also in the step that stopped it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the units are in the names")]
 pub struct TraceStep {
-    /// s.
     pub time_s: f64,
-    /// m.
     pub location_m: f64,
-    /// m/s.
     pub speed_mps: f64,
     /// At the wheels, held over the step that ended here, N/kg.
     pub effort_n_per_kg: f64,
@@ -124,18 +124,15 @@ pub struct TraceStep {
     pub extra_n_per_kg: f64,
     /// Gravity along the track, positive uphill in the direction of travel, N/kg.
     pub gravity_n_per_kg: f64,
-    /// Ambient temperature, °C.
     pub temperature_c: f64,
 }
 
 /// What the estimator may see.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the units are in the names")]
 pub struct Sample {
-    /// s.
     pub time_s: f64,
-    /// m.
     pub location_m: Option<f64>,
-    /// km/h.
     pub speed_kmh: Option<f64>,
     /// Mean effort since the sample before as the train's computer reports it, times the gain, plus noise, N/kg of described rotating mass.
     /// 0 in the first sample.
@@ -145,19 +142,16 @@ pub struct Sample {
 }
 
 /// What was true at the time of the sample in the same row.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[expect(missing_docs, reason = "the units are in the names")]
 pub struct TruthSample {
-    /// s.
     pub time_s: f64,
-    /// m.
     pub location_m: f64,
-    /// m/s.
     pub speed_mps: f64,
     /// At this moment, N/kg.
     pub effort_n_per_kg: f64,
     /// Mean since the sample before, N/kg.
     pub mean_effort_n_per_kg: f64,
-    /// At this moment.
     pub regime: Regime,
     /// At this moment, wind and effects included, gravity not, N/kg.
     pub resistance_n_per_kg: f64,
@@ -165,8 +159,25 @@ pub struct TruthSample {
     pub extra_n_per_kg: f64,
     /// Gravity along the track, positive uphill in the direction of travel, N/kg.
     pub gravity_n_per_kg: f64,
-    /// Ambient temperature, °C.
+    #[serde(rename = "ambient_temperature_c")]
     pub temperature_c: f64,
+}
+
+impl TruthSample {
+    fn of(at: &TraceStep, mean_effort_n_per_kg: f64) -> Self {
+        Self {
+            time_s: at.time_s,
+            location_m: at.location_m,
+            speed_mps: at.speed_mps,
+            effort_n_per_kg: at.effort_n_per_kg,
+            mean_effort_n_per_kg,
+            regime: at.regime,
+            resistance_n_per_kg: at.resistance_n_per_kg,
+            extra_n_per_kg: at.extra_n_per_kg,
+            gravity_n_per_kg: at.gravity_n_per_kg,
+            temperature_c: at.temperature_c,
+        }
+    }
 }
 
 impl Sensors {
@@ -232,18 +243,7 @@ impl Sensors {
                     + noise,
                 temperature_c: (10.0 * at.temperature_c).round() / 10.0,
             });
-            truth.push(TruthSample {
-                time_s: at.time_s,
-                location_m: at.location_m,
-                speed_mps: at.speed_mps,
-                effort_n_per_kg: at.effort_n_per_kg,
-                mean_effort_n_per_kg,
-                regime: at.regime,
-                resistance_n_per_kg: at.resistance_n_per_kg,
-                extra_n_per_kg: at.extra_n_per_kg,
-                gravity_n_per_kg: at.gravity_n_per_kg,
-                temperature_c: at.temperature_c,
-            });
+            truth.push(TruthSample::of(at, mean_effort_n_per_kg));
             lost = lost.saturating_sub(1);
         }
         (samples, truth)

@@ -4,11 +4,13 @@
 //! resistance = r0 + r1 v + r2 (v + w)|v + w|                w is the headwind
 //! ```
 
+use serde::{Deserialize, Serialize};
+
 /// Standard gravity, m/s².
 pub const GRAVITY_MPS2: f64 = 9.806_65;
 
 /// Running resistance per rotating mass, r0 + r1 v + r2 v²: N/kg, N/(kg m/s), N/(kg (m/s)²).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DavisTruth {
     /// Constant part.
     pub r0: f64,
@@ -41,15 +43,17 @@ impl DavisTruth {
 }
 
 /// The train.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TrainTruth {
     /// Mass as loaded, kg.
     pub mass_kg: f64,
     /// Rotating mass factor.
+    #[serde(rename = "rotating_mass_factor")]
     pub gamma: f64,
     /// Length, m.
     pub length_m: f64,
-    /// Running resistance per rotating mass.
+    /// Running resistance per rotating mass; files have it apart.
+    #[serde(skip)]
     pub davis: DavisTruth,
     /// Largest tractive effort, N.
     pub max_tractive_effort_n: f64,

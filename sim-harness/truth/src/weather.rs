@@ -42,7 +42,7 @@ pub struct Weather {
 }
 
 impl Climate {
-    /// The weather of a run that departs so many seconds after 1970-01-01 UTC.
+    /// The weather of a run that departs this many seconds after 1970-01-01 UTC.
     pub fn draw(&self, departure_s: i64, rng: &mut impl Rng) -> Weather {
         let unit = Normal::new(0.0, 1.0).expect("constant");
         let days = departure_s as f64 / DAY_S;

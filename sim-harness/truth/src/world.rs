@@ -7,13 +7,15 @@
 //! ```
 //!
 //! Efforts act in newton: what traction gives, the air takes and a dragging brake holds does not depend on the mass; inertia, gravity and rolling
-//! resistance do. All locations here are along the way travelled: in direction `down` the line is reversed.
+//! resistance do. All locations here are along the distance travelled: in direction `down` the line is reversed.
 
+use crate::conditions::Scenario;
 use crate::effects::{Altered, Capability, Effect, Moment, Setting};
 use crate::line::Line;
 use crate::motion::Motion;
-use crate::plan::{Heading, RunPlan};
-use crate::scenario::{Scenario, stream};
+use crate::plan::RunPlan;
+use crate::seeds::stream;
+use crate::timetable::Heading;
 use crate::train::{GRAVITY_MPS2, TrainTruth};
 use crate::weather::Weather;
 
@@ -128,7 +130,7 @@ impl World {
         self.resistance_n_per_kg(history, motion) + self.gravity_n_per_kg(motion)
     }
 
-    /// Largest tractive effort for a lever at these shares of effort and power, N/kg: constant, then constant power; the smaller of what is asked and
+    /// Largest tractive effort for a lever at these shares of effort and power, N/kg: constant, then constant power; the smaller of what is demanded and
     /// what the effects leave.
     pub fn max_effort_n_per_kg(&self, motion: Motion, effort_share: f64, power_share: f64) -> f64 {
         let mut left = Capability::WHOLE;

@@ -61,7 +61,7 @@ struct Entry<'a> {
     row: u32,
 }
 
-/// Nobody here knows the reader's font: an estimate on the wide side.
+/// The reader's font is unknown: an estimate on the wide side.
 fn text_width(text: &str, stretch: Real) -> i32 {
     (text.chars().count() as Real * 13.2 * stretch) as i32
 }

@@ -69,12 +69,7 @@ impl Layer {
                 }
             }
             Self::Histogram { colour, opacity, bins, .. } => {
-                let bars = bins.iter().filter(|(_, count)| *count > 0.0);
-                let corners = bars.map(|(bin, count)| [(bin.start, 0.0), (bin.end, *count)]);
-                let (fill, edge) = (colour.mix(*opacity).filled(), colour.stroke_width(2));
-                for corners in corners {
-                    plot.draw_series([Rectangle::new(corners, fill), Rectangle::new(corners, edge)])?;
-                }
+                draw_columns(plot, bins, colour.mix(*opacity).filled(), colour.stroke_width(2))?;
             }
             Self::Cells { cells } => {
                 let cell = |(x, y, colour): &(Range<Real>, Range<Real>, RGBColor)| {
@@ -156,6 +151,19 @@ fn draw_band(
     Ok(())
 }
 
+fn draw_columns(
+    plot: &mut Plot,
+    bins: &[(Range<Real>, Real)],
+    fill: ShapeStyle,
+    edge: ShapeStyle,
+) -> Result<(), DrawingError> {
+    for (bin, count) in bins.iter().filter(|(_, count)| *count > 0.0) {
+        let corners = [(bin.start, 0.0), (bin.end, *count)];
+        plot.draw_series([Rectangle::new(corners, fill), Rectangle::new(corners, edge)])?;
+    }
+    Ok(())
+}
+
 fn draw_bars(
     plot: &mut Plot,
     spans: &[Range<Real>],
@@ -163,7 +171,7 @@ fn draw_bars(
     heights: &Range<Real>,
     colour: RGBAColor,
 ) -> Result<(), DrawingError> {
-    // A single sample must still be seen, and what is closer than that cannot be told apart.
+    // A single sample must still be seen, and what is closer than that is not distinguishable.
     let least = 0.0015 * (x.end - x.start);
     let mut merged: Vec<Range<Real>> = Vec::new();
     for span in spans.iter().filter(|span| (span.start, span.end).is_finite()) {

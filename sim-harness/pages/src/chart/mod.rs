@@ -6,6 +6,7 @@
 //! A value that is not there or not finite is a gap. The SVG back end has whole coordinates, so the canvas is about twice as fine
 //! as the screen; more points than it has columns are thinned to first, least, largest and last of each column.
 
+mod build;
 mod header;
 mod layers;
 mod scale;
@@ -117,128 +118,36 @@ pub enum Stroke {
 /// A place in the plot.
 pub type Point = (Real, Real);
 
-/// A name in the legend; empty: none.
-pub type Legend = String;
-
-/// A part of a panel.
+/// A part of a panel; [`Layer::line`] and its sisters make one.
+///
+/// `legend` is its name, none where it is empty; `opacity` is 0 to 1; no point is a gap.
 #[derive(Clone, Debug)]
+#[expect(missing_docs, reason = "the same few fields in each")]
 pub enum Layer {
-    /// Points joined by a line; none is a gap.
-    Line {
-        /// Name.
-        legend: Legend,
-        /// Colour.
-        colour: RGBColor,
-        /// Solid, dashed or dotted.
-        stroke: Stroke,
-        /// Where it goes.
-        points: Vec<Option<Point>>,
-    },
-    /// The area between two heights (x, lower, upper); none is a gap.
-    Band {
-        /// Name.
-        legend: Legend,
-        /// Colour.
-        colour: RGBColor,
-        /// 0 to 1.
-        opacity: Real,
-        /// Where it goes.
-        points: Vec<Option<(Real, Real, Real)>>,
-    },
+    /// Points joined by a line.
+    Line { legend: String, colour: RGBColor, stroke: Stroke, points: Vec<Option<Point>> },
+    /// The area between two heights (x, lower, upper).
+    Band { legend: String, colour: RGBColor, opacity: Real, points: Vec<Option<(Real, Real, Real)>> },
     /// Lines of one legend entry for each colour.
-    Pieces {
-        /// Name and colour.
-        legends: Vec<(Legend, RGBColor)>,
-        /// The lines.
-        pieces: Vec<(RGBColor, Vec<Point>)>,
-    },
+    Pieces { legends: Vec<(String, RGBColor)>, pieces: Vec<(RGBColor, Vec<Point>)> },
     /// Background over the whole height.
-    Spans {
-        /// Name.
-        legend: Legend,
-        /// Colour.
-        colour: RGBColor,
-        /// Opacity.
-        opacity: Real,
-        /// From, to.
-        spans: Vec<Range<Real>>,
-    },
+    Spans { legend: String, colour: RGBColor, opacity: Real, spans: Vec<Range<Real>> },
     /// Crosses.
-    Marks {
-        /// Name.
-        legend: Legend,
-        /// Colour.
-        colour: RGBColor,
-        /// Where they are.
-        points: Vec<Point>,
-    },
+    Marks { legend: String, colour: RGBColor, points: Vec<Point> },
     /// Rectangles between two heights.
-    Bars {
-        /// Name.
-        legend: Legend,
-        /// Colour.
-        colour: RGBColor,
-        /// From, to.
-        spans: Vec<Range<Real>>,
-        /// Lower and upper edge.
-        heights: Range<Real>,
-    },
-    /// A dot for each point, without a line.
-    Dots {
-        /// Name.
-        legend: Legend,
-        /// Colour.
-        colour: RGBColor,
-        /// 0 to 1: many dots at one place are darker.
-        opacity: Real,
-        /// Where they are.
-        points: Vec<Point>,
-    },
-    /// Many thin lines of one name and colour.
-    Threads {
-        /// Name.
-        legend: Legend,
-        /// Colour.
-        colour: RGBColor,
-        /// 0 to 1: where many lines go it is darker.
-        opacity: Real,
-        /// The lines; none is a gap.
-        lines: Vec<Vec<Option<Point>>>,
-    },
+    Bars { legend: String, colour: RGBColor, spans: Vec<Range<Real>>, heights: Range<Real> },
+    /// A dot for each point, without a line; many at one place are darker.
+    Dots { legend: String, colour: RGBColor, opacity: Real, points: Vec<Point> },
+    /// Many thin lines of one name and colour; where many go it is darker.
+    Threads { legend: String, colour: RGBColor, opacity: Real, lines: Vec<Vec<Option<Point>>> },
     /// Vertical lines over the whole height.
-    Verticals {
-        /// Name.
-        legend: Legend,
-        /// Colour.
-        colour: RGBColor,
-        /// Solid, dashed or dotted.
-        stroke: Stroke,
-        /// Where they stand.
-        at: Vec<Real>,
-    },
+    Verticals { legend: String, colour: RGBColor, stroke: Stroke, at: Vec<Real> },
     /// Columns from zero up: from, to and count of each bin.
-    Histogram {
-        /// Name.
-        legend: Legend,
-        /// Colour.
-        colour: RGBColor,
-        /// 0 to 1.
-        opacity: Real,
-        /// The bins.
-        bins: Vec<(Range<Real>, Real)>,
-    },
-    /// Rectangles of their own colours: a map of heights.
-    Cells {
-        /// From and to on both axes, and the colour.
-        cells: Vec<(Range<Real>, Range<Real>, RGBColor)>,
-    },
+    Histogram { legend: String, colour: RGBColor, opacity: Real, bins: Vec<(Range<Real>, Real)> },
+    /// Rectangles of their own colours, a map of heights: from and to on both axes, and the colour.
+    Cells { cells: Vec<(Range<Real>, Range<Real>, RGBColor)> },
     /// A word at the left end, above a height.
-    Word {
-        /// What it says.
-        text: String,
-        /// Height of its lower edge.
-        y: Real,
-    },
+    Word { text: String, y: Real },
 }
 
 /// Figures side by side, each with its own x axis.
@@ -391,17 +300,23 @@ impl Figure {
                 .y_label_formatter(&y_text)
                 .draw()?;
         }
-        if has_y && y.start < 0.0 && y.end > 0.0 {
+        panel.draw_layers(&mut plot, &x, &y)
+    }
+}
+
+impl Panel {
+    fn draw_layers(&self, plot: &mut Plot, x: &Range<Real>, y: &Range<Real>) -> Result<(), DrawingError> {
+        if self.axes != Axes::Strip && y.start < 0.0 && y.end > 0.0 {
             let zero = [(x.start, 0.0), (x.end, 0.0)];
             plot.draw_series([PathElement::new(zero, AXIS.stroke_width(2))])?;
         }
-        for layer in &panel.layers {
-            layer.draw(&mut plot, &x, &y)?;
+        for layer in &self.layers {
+            layer.draw(plot, x, y)?;
         }
-        if panel.is_empty() {
+        if self.is_empty() {
             let middle = (0.5 * (x.start + x.end), 0.5 * (y.start + y.end));
             let style = ("sans-serif", TEXT).into_font().color(&AXIS).pos(Pos::new(HPos::Center, VPos::Center));
-            plot.draw_series([Text::new(panel.empty.clone(), middle, style)])?;
+            plot.draw_series([Text::new(self.empty.clone(), middle, style)])?;
         }
         Ok(())
     }
@@ -416,24 +331,17 @@ mod tests {
     use super::*;
 
     fn figure(layers: Vec<Layer>) -> Figure {
-        Figure {
-            title: "a < b".to_owned(),
-            description: "\"quoted\" & more".to_owned(),
-            x_label: "location, km".to_owned(),
-            x: 0.0..10.0,
-            panels: vec![Panel {
-                label: "speed, km/h".to_owned(),
-                height: 200,
-                y: None,
-                axes: Axes::Left,
-                layers,
-                empty: "no estimate: no samples".to_owned(),
-            }],
-        }
+        Figure::new(
+            "a < b",
+            "\"quoted\" & more",
+            "location, km",
+            0.0..10.0,
+            [Panel::new("speed, km/h", 200, layers, "no estimate: no samples")],
+        )
     }
 
     fn line(points: Vec<Option<Point>>) -> Layer {
-        Layer::Line { legend: "estimated".to_owned(), colour: RGBColor(1, 2, 3), stroke: Stroke::Solid, points }
+        Layer::line("estimated", RGBColor(1, 2, 3), Stroke::Solid, points)
     }
 
     fn count(text: &str, needle: &str) -> usize {
@@ -445,8 +353,8 @@ mod tests {
         let nan = Real::NAN;
         let points = [(0.0, 1.0), (1.0, 2.0), (2.0, nan), (3.0, 1.0), (nan, 1.0), (5.0, 1.0), (6.0, 2.0)];
         let svg = figure(vec![line(points.map(Some).to_vec())]).to_svg();
-        let mine = "stroke=\"#010203\"";
-        assert_eq!(count(&svg, &format!("opacity=\"1\" {mine}")), 3, "legend and two lines");
+        let stroke = "stroke=\"#010203\"";
+        assert_eq!(count(&svg, &format!("opacity=\"1\" {stroke}")), 3, "legend and two lines");
         assert_eq!(count(&svg, "<circle"), 1);
         assert!(!svg.contains("NaN"));
     }

@@ -3,14 +3,14 @@
 //! While a train coasts its prediction should stay where it is; under power or brake each place has another one.
 
 use super::super::RunView;
-use super::{BACKGROUND, BAND, KMH, figure, line};
+use super::{BACKGROUND, BAND, KMH, figure};
 use crate::report::axis::Axis;
 use rundown::Real;
 use rundown::coast_ahead::{Arrival, CoastAhead, NINETY_PERCENT, Outcome};
 use rundown::model::state;
 use rundown::model::track::Target;
 use rundown::tick::regime::Regime;
-use rundown_pages::chart::{Axes, Layer, Panel, Point, Stroke};
+use rundown_pages::chart::{Layer, Panel, Point, Stroke};
 use rundown_pages::colours;
 
 const MINUTE_S: Real = 60.0;
@@ -27,11 +27,11 @@ pub fn coast_ahead(run: &RunView) -> Option<String> {
     let mut speed = panel(run, &axis, "speed at the target, km/h", speeds, |arrival| {
         (KMH * arrival.speed_mps, KMH * arrival.speed_sd_mps)
     });
-    let permitted = axis.series(run.estimates, |index, _, x| {
+    let permitted = axis.series(&run.estimates, |index, _, x| {
         let (target, _) = arrival(run, index)?;
         Some((x, KMH * target.limit_mps.unwrap_or(0.0)))
     });
-    speed.layers.push(line("permitted there", colours::LIMIT, Stroke::Dashed, permitted));
+    speed.layers.push(Layer::line("permitted there", colours::LIMIT, Stroke::Dashed, permitted));
     let label = "there, min since the first sample";
     let time = panel(run, &axis, label, times, |arrival| {
         let after_s = arrival.time_s - first_s;
@@ -59,29 +59,29 @@ fn arrival(run: &RunView, index: usize) -> Option<(Target, Arrival)> {
 
 fn panel(run: &RunView, axis: &Axis, label: &str, came: Vec<Point>, value: impl Fn(&Arrival) -> (Real, Real)) -> Panel {
     let at = |index| arrival(run, index).map(|(_, arrival)| value(&arrival));
-    let band = axis.series(run.estimates, |index, _, x| {
+    let band = axis.series(&run.estimates, |index, _, x| {
         let (mean, sd) = at(index)?;
         let half = NINETY_PERCENT * sd;
         Some((x, mean - half, mean + half))
     });
-    let mean = axis.series(run.estimates, |index, _, x| Some((x, at(index)?.0)));
+    let mean = axis.series(&run.estimates, |index, _, x| Some((x, at(index)?.0)));
     let mut layers = vec![
-        Layer::Spans {
-            legend: "the train coasts".to_owned(),
-            colour: colours::of_regime(Regime::Coast),
-            opacity: BACKGROUND,
-            spans: axis.spans(run.estimates, |index, _| run.regime(index) == Regime::Coast),
-        },
-        Layer::Band { legend: "90 % band".to_owned(), colour: colours::ESTIMATED, opacity: BAND, points: band },
-        line("if it coasts from here on", colours::ESTIMATED, Stroke::Solid, mean),
-        Layer::Marks { legend: "as it came".to_owned(), colour: colours::MEASURED, points: came },
+        Layer::spans(
+            "the train coasts",
+            colours::of_regime(Regime::Coast),
+            BACKGROUND,
+            axis.spans(&run.estimates, |index, _| run.regime(index) == Regime::Coast),
+        ),
+        Layer::band("90 % band", colours::ESTIMATED, BAND, band),
+        Layer::line("if it coasts from here on", colours::ESTIMATED, Stroke::Solid, mean),
+        Layer::marks("as it came", colours::MEASURED, came),
     ];
     layers.retain(|layer| match layer {
         Layer::Spans { spans, .. } => !spans.is_empty(),
         Layer::Marks { points, .. } => !points.is_empty(),
         _ => true,
     });
-    Panel { label: label.to_owned(), height: 260, y: None, axes: Axes::Left, layers, empty: "no prediction".to_owned() }
+    Panel::new(label, 260, layers, "no prediction")
 }
 
 /// Each target that the train went past: location in km, speed in km/h, time in s, between two estimates.
@@ -93,8 +93,8 @@ fn came(run: &RunView) -> Vec<(Real, Real, Real)> {
         run.estimates.windows(2).find_map(|pair| {
             let [before, after] = pair else { return None };
             let (from, to) = (&before.belief.mean, &after.belief.mean);
-            let way_m = to[state::LOCATION] - from[state::LOCATION];
-            let share = (at_m - from[state::LOCATION]) / way_m;
+            let distance_m = to[state::LOCATION] - from[state::LOCATION];
+            let share = (at_m - from[state::LOCATION]) / distance_m;
             let between = |a: Real, b: Real| a + share * (b - a);
             (0.0..=1.0).contains(&share).then(|| {
                 let speed_mps = between(from[state::SPEED], to[state::SPEED]);
@@ -108,12 +108,13 @@ fn came(run: &RunView) -> Vec<(Real, Real, Real)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::example::Example;
+    use super::super::super::example;
     use super::*;
     use rundown::model::point::Point as From;
+    use rundown_files::replay::ReplayedRun;
 
     /// To the place where the train is after sample 60, said from sample 40 on.
-    fn predictions(example: &Example) -> Vec<CoastAhead> {
+    fn predictions(example: &ReplayedRun) -> Vec<CoastAhead> {
         let at_m = example.estimates[60].belief.mean[state::LOCATION] + 50.0;
         let one = |index: usize| CoastAhead {
             from: From {
@@ -138,9 +139,9 @@ mod tests {
 
     #[test]
     fn predictions_stand_beside_what_came() {
-        let example = Example::run();
-        let predictions = predictions(&example);
-        let view = RunView { coast_ahead: &predictions, ..example.view() };
+        let mut example = example::run();
+        example.coast_ahead = predictions(&example);
+        let view = RunView::of(&example, None);
         let [(km, kmh, time_s)] = came(&view)[..] else {
             panic!("{:?}", came(&view));
         };
@@ -163,7 +164,7 @@ mod tests {
 
     #[test]
     fn without_a_prediction_there_is_no_figure() {
-        let example = Example::run();
-        assert_eq!(coast_ahead(&example.view()), None);
+        let example = example::run();
+        assert_eq!(coast_ahead(&RunView::of(&example, None)), None);
     }
 }

@@ -24,10 +24,9 @@ pub use resistance::{resistance_curve, resistance_terms, vehicle_history};
 
 use super::RunView;
 use crate::report::axis::Axis;
-use plotters::style::RGBColor;
 use rundown::Real;
 use rundown::tick::estimate::{Estimate, Validity};
-use rundown_pages::chart::{Figure, Layer, Panel, Point, Stroke};
+use rundown_pages::chart::{Figure, Panel};
 
 const KMH: Real = 3.6;
 
@@ -37,18 +36,10 @@ const MILLI: Real = 1e3;
 /// Opacity of the ±1.96 sd band.
 const BAND: Real = 0.18;
 
-/// Opacity of the background where was learned.
 const BACKGROUND: Real = 0.16;
 
 fn figure(title: String, description: &str, axis: &Axis, panels: Vec<Panel>) -> String {
-    let figure = Figure {
-        title,
-        description: description.to_owned(),
-        x_label: axis.label.to_owned(),
-        x: axis.range.clone(),
-        panels,
-    };
-    figure.to_svg()
+    Figure::new(title, description, axis.label, axis.range.clone(), panels).to_svg()
 }
 
 fn nothing_estimated(run: &RunView) -> String {
@@ -61,8 +52,4 @@ fn nothing_estimated(run: &RunView) -> String {
 /// Not where nothing can be said: there the line is broken.
 fn trusted(estimate: &Estimate) -> bool {
     !matches!(estimate.validity, Validity::Invalid(_))
-}
-
-fn line(legend: &str, colour: RGBColor, stroke: Stroke, points: Vec<Option<Point>>) -> Layer {
-    Layer::Line { legend: legend.to_owned(), colour, stroke, points }
 }

@@ -2,19 +2,19 @@
 
 use super::super::RunView;
 use super::super::resistance::NINETY_FIVE;
-use super::{BACKGROUND, BAND, KMH, figure, line, nothing_estimated, trusted};
+use super::{BACKGROUND, BAND, KMH, figure, nothing_estimated, trusted};
 use crate::report::axis::Axis;
 use rundown::Real;
 use rundown::model::state;
 use rundown::model::train::Train;
-use rundown_pages::chart::{Axes, Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;
 
 /// Readings this much above the estimated speeds do not stretch the axis.
 const SPEED_HEADROOM: Real = 1.3;
 
-/// A truth further off than so many heights of the picture is not drawn but said.
+/// A truth further off than this many heights of the picture is named instead of drawn.
 const TRUTH_REACH: Real = 1.0;
 
 /// Fig. 3: speed, acceleration, effort and the three coefficients with their 95 % bands.
@@ -41,21 +41,20 @@ pub fn motion(run: &RunView, train: &Train) -> String {
 }
 
 fn speed_panel(run: &RunView, axis: &Axis) -> Panel {
-    let measured = axis.series(run.estimates, |index, _, x| Some((x, KMH * run.measurement(index)?.speed_mps?)));
-    let estimated = axis.series(run.estimates, |_, estimate, x| {
+    let measured = axis.series(&run.estimates, |index, _, x| Some((x, KMH * run.measurement(index)?.speed_mps?)));
+    let estimated = axis.series(&run.estimates, |_, estimate, x| {
         trusted(estimate).then_some((x, KMH * estimate.belief.mean[state::SPEED]))
     });
-    Panel {
-        label: "speed, km/h".to_owned(),
-        height: 380,
-        y: Some(speed_range(run)),
-        axes: Axes::Left,
-        layers: vec![
-            line("estimated", colours::ESTIMATED, Stroke::Solid, estimated),
-            line("measured", colours::MEASURED, Stroke::Dotted, measured),
+    Panel::new(
+        "speed, km/h",
+        380,
+        vec![
+            Layer::line("estimated", colours::ESTIMATED, Stroke::Solid, estimated),
+            Layer::line("measured", colours::MEASURED, Stroke::Dotted, measured),
         ],
-        empty: nothing_estimated(run),
-    }
+        nothing_estimated(run),
+    )
+    .within(speed_range(run))
 }
 
 /// From 0 to a little above everything; a wild reading does not flatten the run.
@@ -68,46 +67,36 @@ pub(super) fn speed_range(run: &RunView) -> Range<Real> {
 }
 
 fn acceleration_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
-    let values = axis.series(run.estimates, |_, estimate, x| Some((x, estimate.acceleration_mps2?)));
+    let values = axis.series(&run.estimates, |_, estimate, x| Some((x, estimate.acceleration_mps2?)));
     let limit = -train.description().max_brake_mps2;
-    let ends = [axis.range.start, axis.range.end];
-    Panel {
-        label: "acceleration, m/s\u{b2}".to_owned(),
-        height: 260,
-        y: None,
-        axes: Axes::Left,
-        layers: vec![
-            line("mean since the sample before", colours::ESTIMATED, Stroke::Thin, values),
-            line("largest deceleration", colours::LIMIT, Stroke::Dashed, ends.map(|x| Some((x, limit))).to_vec()),
+    Panel::new(
+        "acceleration, m/s\u{b2}",
+        260,
+        vec![
+            Layer::line("mean since the sample before", colours::ESTIMATED, Stroke::Thin, values),
+            Layer::level("largest deceleration", colours::LIMIT, Stroke::Dashed, &axis.range, limit),
         ],
-        empty: no_difference(run),
-    }
+        no_difference(run),
+    )
 }
 
 fn effort_panel(run: &RunView, axis: &Axis, train: &Train) -> Panel {
-    let values = axis.series(run.estimates, |_, estimate, x| Some((x, estimate.effort_n_per_kg?)));
-    let limit = axis.series(run.estimates, |_, estimate, x| {
+    let values = axis.series(&run.estimates, |_, estimate, x| Some((x, estimate.effort_n_per_kg?)));
+    let limit = axis.series(&run.estimates, |_, estimate, x| {
         let speed_mps = estimate.belief.mean[state::SPEED];
         let is_speed = speed_mps.is_finite() && trusted(estimate);
         is_speed.then(|| (x, train.max_effort_n_per_kg(speed_mps.max(0.0))))
     });
     let mut layers = Vec::new();
     if let Some(truth) = run.truth() {
-        let points = axis.series(run.estimates, |index, _, x| Some((x, truth.effort_n_per_kg[index])));
-        layers.push(line("true", colours::TRUTH, Stroke::Solid, points));
+        let points = axis.series(&run.estimates, |index, _, x| Some((x, truth.effort_n_per_kg[index])));
+        layers.push(Layer::line("true", colours::TRUTH, Stroke::Solid, points));
     }
     layers.extend([
-        line("mean since the sample before", colours::ESTIMATED, Stroke::Thin, values),
-        line("largest tractive effort", colours::LIMIT, Stroke::Dashed, limit),
+        Layer::line("mean since the sample before", colours::ESTIMATED, Stroke::Thin, values),
+        Layer::line("largest tractive effort", colours::LIMIT, Stroke::Dashed, limit),
     ]);
-    Panel {
-        label: "effort, N/kg".to_owned(),
-        height: 260,
-        y: None,
-        axes: Axes::Left,
-        layers,
-        empty: no_difference(run),
-    }
+    Panel::new("effort, N/kg", 260, layers, no_difference(run))
 }
 
 fn no_difference(run: &RunView) -> String {
@@ -119,34 +108,23 @@ fn no_difference(run: &RunView) -> String {
 }
 
 fn coefficient_panel(run: &RunView, axis: &Axis, component: usize, label: &str, per_unit: Real, stated: Real) -> Panel {
-    let mean = axis.series(run.estimates, |_, estimate, x| Some((x, per_unit * estimate.belief.mean[component])));
-    let band = axis.series(run.estimates, |_, estimate, x| {
+    let mean = axis.series(&run.estimates, |_, estimate, x| Some((x, per_unit * estimate.belief.mean[component])));
+    let band = axis.series(&run.estimates, |_, estimate, x| {
         let mean = per_unit * estimate.belief.mean[component];
         let width = NINETY_FIVE * per_unit * estimate.belief.sd(component);
         Some((x, mean - width, mean + width))
     });
-    let ends = [axis.range.start, axis.range.end];
-    let learned = axis.spans(run.estimates, |_, estimate| estimate.learning);
+    let learned = axis.spans(&run.estimates, |_, estimate| estimate.learning);
     let mut layers = Vec::new();
     // Where all of the run is learning, as in the paper's mode, the background says nothing.
     let always = run.estimates.iter().skip(1).all(|e| e.learning);
     if !learned.is_empty() && !always {
-        layers.push(Layer::Spans {
-            legend: "learned".to_owned(),
-            colour: colours::LEARNING,
-            opacity: BACKGROUND,
-            spans: learned,
-        });
+        layers.push(Layer::spans("learned", colours::LEARNING, BACKGROUND, learned));
     }
     layers.extend([
-        Layer::Band { legend: "95 % band".to_owned(), colour: colours::ESTIMATED, opacity: BAND, points: band },
-        line("estimated", colours::ESTIMATED, Stroke::Solid, mean),
-        line(
-            "manufacturer",
-            colours::MANUFACTURER,
-            Stroke::Dashed,
-            ends.map(|x| Some((x, per_unit * stated))).to_vec(),
-        ),
+        Layer::band("95 % band", colours::ESTIMATED, BAND, band),
+        Layer::line("estimated", colours::ESTIMATED, Stroke::Solid, mean),
+        Layer::level("manufacturer", colours::MANUFACTURER, Stroke::Dashed, &axis.range, per_unit * stated),
     ]);
     let mut y = None;
     if let Some(truth) = run.truth() {
@@ -156,32 +134,27 @@ fn coefficient_panel(run: &RunView, axis: &Axis, component: usize, label: &str, 
         let near = range_of(drawn);
         let reach = TRUTH_REACH * (near.end - near.start);
         let is_near = (near.start - reach..=near.end + reach).contains(&true_value);
-        let legend = match is_near {
-            true => "true".to_owned(),
-            false => format!("true {true_value:.2}, outside"),
-        };
-        let points = match is_near {
-            true => ends.map(|x| Some((x, true_value))).to_vec(),
-            false => Vec::new(),
-        };
-        layers.push(line(&legend, colours::TRUTH, Stroke::Dotted, points));
-        if !is_near {
+        if is_near {
+            layers.push(Layer::level("true", colours::TRUTH, Stroke::Dotted, &axis.range, true_value));
+        } else {
+            let legend = format!("true {true_value:.2}, outside");
+            layers.push(Layer::line(legend, colours::TRUTH, Stroke::Dotted, Vec::new()));
             let air = 0.06 * (near.end - near.start);
             y = Some(near.start - air..near.end + air);
         }
     }
-    Panel { label: label.to_owned(), height: 220, y, axes: Axes::Left, layers, empty: nothing_estimated(run) }
+    Panel { y, ..Panel::new(label, 220, layers, nothing_estimated(run)) }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::example::Example;
+    use super::super::super::example;
     use super::*;
 
     #[test]
     fn a_missing_speed_is_a_gap_of_the_measured_line_only() {
-        let example = Example::run();
-        let view = example.view();
+        let example = example::run();
+        let view = RunView::of(&example, None);
         let panel = speed_panel(&view, &Axis::of_motion(&view));
         let gaps = |layer: &Layer| match layer {
             Layer::Line { points, .. } => points.iter().filter(|point| point.is_none()).count(),
@@ -193,10 +166,10 @@ mod tests {
 
     #[test]
     fn a_wild_reading_does_not_flatten_the_run() {
-        let mut example = Example::run();
-        let before = speed_range(&example.view());
+        let mut example = example::run();
+        let before = speed_range(&RunView::of(&example, None));
         example.measurements[40].speed_mps = Some(500.0);
-        let after = speed_range(&example.view());
+        let after = speed_range(&RunView::of(&example, None));
         assert!(after.end < 1.31 * before.end);
     }
 }

@@ -21,50 +21,34 @@ pub fn innovations(run: &RunView) -> String {
             estimate.innovation.filter(|innovation| wanted(innovation.readings[reading]))
         };
         let there = |found| found != Reading::Missing;
-        let band = axis.series(run.estimates, |_, estimate, x| {
+        let band = axis.series(&run.estimates, |_, estimate, x| {
             let variance = of(estimate, there)?.covariance[(reading, reading)];
             let width = 2.0 * per_unit * variance.max(0.0).sqrt();
             Some((x, -width, width))
         });
         let values =
-            axis.series(run.estimates, |_, estimate, x| Some((x, per_unit * of(estimate, there)?.value[reading])));
-        let gated = axis.series(run.estimates, |_, estimate, x| {
+            axis.series(&run.estimates, |_, estimate, x| Some((x, per_unit * of(estimate, there)?.value[reading])));
+        let gated = axis.series(&run.estimates, |_, estimate, x| {
             let innovation = of(estimate, |found| found == Reading::Gated)?;
             Some((x, per_unit * innovation.value[reading]))
         });
         let gated: Vec<Point> = gated.into_iter().flatten().collect();
         let mut layers = vec![
-            Layer::Band {
-                legend: "\u{b1}2 standard deviations".to_owned(),
-                colour: colours::MEASURED,
-                opacity: BAND,
-                points: band,
-            },
-            Layer::Line {
-                legend: "measured less expected".to_owned(),
-                colour: colours::ESTIMATED,
-                stroke: Stroke::Thin,
-                points: values,
-            },
+            Layer::band("\u{b1}2 standard deviations", colours::MEASURED, BAND, band),
+            Layer::line("measured less expected", colours::ESTIMATED, Stroke::Thin, values),
         ];
         if !gated.is_empty() {
-            layers.push(Layer::Marks {
-                legend: "outside the gate, not used".to_owned(),
-                colour: colours::LIMIT,
-                points: gated,
-            });
+            layers.push(Layer::marks("outside the gate, not used", colours::LIMIT, gated));
         }
-        Panel {
-            label: label.to_owned(),
-            height: 220,
-            y: None,
-            axes: Axes::Left,
+        Panel::new(
+            label,
+            220,
             layers,
-            empty: match nothing_estimated(run) {
-                reason if run.estimates.is_empty() => reason,
-                _ => "no innovation: nothing was expected of any sample of this run".to_owned(),
+            match run.estimates.is_empty() {
+                true => nothing_estimated(run),
+                false => "no innovation: nothing was expected of any sample of this run".to_owned(),
             },
-        }
+        )
     };
     let panels = vec![
         panel(state::LOCATION, "innovation of the location, m", 1.0),
@@ -92,19 +76,19 @@ pub fn readings(run: &RunView) -> String {
         heights: NO_GAP,
     };
     let validity = VALIDITIES.map(|(word, colour)| {
-        let spans = axis.spans(run.estimates, |_, e| e.validity.as_str() == word);
+        let spans = axis.spans(&run.estimates, |_, e| e.validity.as_str() == word);
         bars(word, colour, spans)
     });
     rows.push(("estimate".to_owned(), validity.into()));
-    let learned = axis.spans(run.estimates, |_, estimate| estimate.learning);
+    let learned = axis.spans(&run.estimates, |_, estimate| estimate.learning);
     rows.push(("resistance learned".to_owned(), vec![bars("learned", colours::LEARNING, learned)]));
     let regimes = Regime::ALL.map(|regime| {
-        let spans = axis.spans(run.estimates, |index, _| run.regime(index) == regime);
+        let spans = axis.spans(&run.estimates, |index, _| run.regime(index) == regime);
         bars("", colours::of_regime(regime), spans)
     });
     rows.push(("regime".to_owned(), regimes.into()));
     for cause in Cause::ALL {
-        let spans = axis.spans(run.estimates, |_, e| e.validity.cause() == Some(cause));
+        let spans = axis.spans(&run.estimates, |_, e| e.validity.cause() == Some(cause));
         if !spans.is_empty() {
             let worst = run.estimates.iter().any(|e| e.validity == Validity::Invalid(cause));
             let colour = if worst { colours::INVALID } else { colours::HELD };
@@ -128,14 +112,9 @@ pub fn readings(run: &RunView) -> String {
         }
         layers.push(Layer::Word { text: name, y: foot + 0.52 });
     }
-    let panel = Panel {
-        label: "readings".to_owned(),
-        height: 76 * count as u32,
-        y: Some(0.0..count as Real),
-        axes: Axes::Strip,
-        layers,
-        empty: nothing_estimated(run),
-    };
+    let panel = Panel::new("readings", 76 * count as u32, layers, nothing_estimated(run))
+        .within(0.0..count as Real)
+        .labelled(Axes::Strip);
     figure(
         format!("Use of the readings of {}", run.name),
         "Strips over time: whether the estimate is valid, where the resistance was learned, the regime, and each cause for which a reading was not used",
@@ -146,24 +125,24 @@ pub fn readings(run: &RunView) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::example::Example;
+    use super::super::super::example;
     use super::*;
 
     #[test]
     fn a_run_without_innovations_says_so() {
-        let mut example = Example::run();
+        let mut example = example::run();
         for estimate in &mut example.estimates {
             estimate.innovation = None;
         }
-        assert!(innovations(&example.view()).contains("no innovation: nothing was expected"));
+        assert!(innovations(&RunView::of(&example, None)).contains("no innovation: nothing was expected"));
     }
 
     #[test]
     fn the_strip_names_each_cause() {
-        let mut example = Example::run();
-        assert!(!readings(&example.view()).contains("location jump"));
+        let mut example = example::run();
+        assert!(!readings(&RunView::of(&example, None)).contains("location jump"));
         example.estimates[50].validity = Validity::Invalid(Cause::LocationJump);
-        let svg = readings(&example.view());
+        let svg = readings(&RunView::of(&example, None));
         assert!(svg.contains("location jump") && svg.contains("no speed"));
     }
 }

@@ -7,7 +7,7 @@ use crate::report::axis::Axis;
 use plotters::style::RGBColor;
 use rundown::model::state;
 use rundown::tick::regime::Regime;
-use rundown_pages::chart::{Axes, Layer, Panel, Point};
+use rundown_pages::chart::{Layer, Panel, Point};
 use rundown_pages::colours;
 use rundown_pages::numbers::percent;
 
@@ -23,34 +23,27 @@ pub fn regimes(run: &RunView) -> String {
     });
     let mut layers = vec![Layer::Pieces { legends: legends.collect(), pieces: regime_pieces(run, &axis) }];
     if axis.is_location {
-        let starts = [&run.features.final_coast, &run.features.final_brake];
-        layers.push(Layer::Marks {
-            legend: "start of final coast, brake".to_owned(),
-            colour: RGBColor(255, 140, 0),
-            points: starts
+        let starts = [&run.summary.features.final_coast, &run.summary.features.final_brake];
+        layers.push(Layer::marks(
+            "start of final coast, brake",
+            RGBColor(255, 140, 0),
+            starts
                 .into_iter()
                 .flatten()
                 .map(|phase| (phase.start_location_m / 1000.0, KMH * phase.start_speed_mps))
                 .collect(),
-        });
+        ));
         if let Some(truth) = run.truth() {
             let starts = truth.starts.iter();
-            layers.push(Layer::Marks {
-                legend: "true start".to_owned(),
-                colour: colours::TRUTH,
-                points: starts.map(|(s, v)| (s / 1000.0, KMH * v)).collect(),
-            });
+            layers.push(Layer::marks(
+                "true start",
+                colours::TRUTH,
+                starts.map(|(s, v)| (s / 1000.0, KMH * v)).collect(),
+            ));
         }
         layers.retain(|layer| !matches!(layer, Layer::Marks { points, .. } if points.is_empty()));
     }
-    let panel = Panel {
-        label: "speed, km/h".to_owned(),
-        height: 420,
-        y: Some(speed_range(run)),
-        axes: Axes::Left,
-        layers,
-        empty: nothing_estimated(run),
-    };
+    let panel = Panel::new("speed, km/h", 420, layers, nothing_estimated(run)).within(speed_range(run));
     figure(
         format!("Driving regimes of {}", run.name),
         "The estimated speed, each stretch in the colour of its driving regime",
@@ -87,24 +80,24 @@ fn regime_pieces(run: &RunView, axis: &Axis) -> Vec<(RGBColor, Vec<Point>)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::example::Example;
+    use super::super::super::example;
     use super::*;
 
     #[test]
     fn each_regime_has_its_colour_and_share() {
-        let svg = regimes(&Example::run().view());
+        let svg = regimes(&RunView::of(&example::run(), None));
         for regime in Regime::ALL {
             let RGBColor(r, g, b) = colours::of_regime(regime);
             assert!(svg.contains(&format!("stroke=\"#{r:02X}{g:02X}{b:02X}\"")), "{regime}");
         }
         assert!(svg.contains("coast 52.8\u{a0}%"));
-        assert!(!regimes(&Example::first(5).view()).contains("coast"));
+        assert!(!regimes(&RunView::of(&example::first(5), None)).contains("coast"));
     }
 
     #[test]
     fn the_pieces_of_the_regimes_join() {
-        let example = Example::run();
-        let view = example.view();
+        let example = example::run();
+        let view = RunView::of(&example, None);
         let pieces = regime_pieces(&view, &Axis::of_motion(&view));
         assert_eq!(pieces.len(), 6);
         for pair in pieces.windows(2) {

@@ -23,36 +23,30 @@ pub fn resistance_terms(run: &RunView) -> String {
     ];
     let mut layers = Vec::new();
     for (term, (legend, colour)) in names.into_iter().enumerate() {
-        let points = axis.series(run.estimates, |_, estimate, x| {
+        let points = axis.series(&run.estimates, |_, estimate, x| {
             let speed_mps = estimate.belief.mean[state::SPEED];
             let terms = estimate.davis().terms_n_per_kg(speed_mps);
             let below: Real = terms.iter().take(term).sum();
             Some((x, MILLI * below, MILLI * (below + terms[term])))
         });
-        layers.push(Layer::Band { legend: legend.to_owned(), colour, opacity: 1.0, points });
+        layers.push(Layer::band(legend, colour, 1.0, points));
     }
-    layers.push(Layer::Line {
-        legend: "track gradient (right axis)".to_owned(),
-        colour: colours::GRADIENT,
-        stroke: Stroke::Thin,
-        points: axis.series(run.estimates, |_, estimate, x| Some((x, MILLI * estimate.gradient_n_per_kg))),
-    });
+    layers.push(Layer::line(
+        "track gradient (right axis)",
+        colours::GRADIENT,
+        Stroke::Thin,
+        axis.series(&run.estimates, |_, estimate, x| Some((x, MILLI * estimate.gradient_n_per_kg))),
+    ));
     if let Some(truth) = run.truth() {
-        layers.push(Layer::Line {
-            legend: "true running resistance".to_owned(),
-            colour: colours::TRUTH,
-            stroke: Stroke::Dotted,
-            points: axis.series(run.estimates, |index, _, x| Some((x, MILLI * truth.resistance_n_per_kg[index]))),
-        });
+        layers.push(Layer::line(
+            "true running resistance",
+            colours::TRUTH,
+            Stroke::Dotted,
+            axis.series(&run.estimates, |index, _, x| Some((x, MILLI * truth.resistance_n_per_kg[index]))),
+        ));
     }
-    let panel = Panel {
-        label: "resistance, 10\u{207b}\u{b3} N/kg".to_owned(),
-        height: 480,
-        y: None,
-        axes: Axes::Both,
-        layers,
-        empty: nothing_estimated(run),
-    };
+    let panel =
+        Panel::new("resistance, 10\u{207b}\u{b3} N/kg", 480, layers, nothing_estimated(run)).labelled(Axes::Both);
     figure(
         format!("Terms of the running resistance of {}", run.name),
         "Stacked areas of the constant, linear and quadratic term, and a line of the resistance of the gradient",
@@ -78,47 +72,25 @@ pub fn resistance_curve(vehicle: Option<&Gaussian<3>>, train: &Train, learned_mp
     });
     let mut layers = Vec::new();
     if let Some(speeds) = learned_mps {
-        layers.push(Layer::Spans {
-            legend: "speeds it was learned at".to_owned(),
-            colour: colours::LEARNING,
-            opacity: BACKGROUND,
-            spans: vec![KMH * speeds.start..KMH * speeds.end],
-        });
+        layers.push(Layer::spans(
+            "speeds it was learned at",
+            colours::LEARNING,
+            BACKGROUND,
+            vec![KMH * speeds.start..KMH * speeds.end],
+        ));
     }
     layers.extend([
-        Layer::Band {
-            legend: "95 % band".to_owned(),
-            colour: colours::ESTIMATED,
-            opacity: BAND,
-            points: band.collect(),
-        },
-        Layer::Line {
-            legend: "estimated".to_owned(),
-            colour: colours::ESTIMATED,
-            stroke: Stroke::Solid,
-            points: mean.collect(),
-        },
-        Layer::Line {
-            legend: "manufacturer".to_owned(),
-            colour: colours::MANUFACTURER,
-            stroke: Stroke::Dashed,
-            points: stated.collect(),
-        },
+        Layer::band("95 % band", colours::ESTIMATED, BAND, band.collect()),
+        Layer::line("estimated", colours::ESTIMATED, Stroke::Solid, mean.collect()),
+        Layer::line("manufacturer", colours::MANUFACTURER, Stroke::Dashed, stated.collect()),
     ]);
-    let figure = Figure {
-        title: "Running resistance over speed".to_owned(),
-        description: "The estimated resistance with its 95 % band, the manufacturer's dashed".to_owned(),
-        x_label: "speed, km/h".to_owned(),
-        x: 0.0..end_kmh,
-        panels: vec![Panel {
-            label: "r(v), 10\u{207b}\u{b3} N/kg".to_owned(),
-            height: 520,
-            y: None,
-            axes: Axes::Left,
-            layers,
-            empty: "no estimate: no run has ended".to_owned(),
-        }],
-    };
+    let figure = Figure::new(
+        "Running resistance over speed",
+        "The estimated resistance with its 95 % band, the manufacturer's dashed",
+        "speed, km/h",
+        0.0..end_kmh,
+        [Panel::new("r(v), 10\u{207b}\u{b3} N/kg", 520, layers, "no estimate: no run has ended")],
+    );
     figure.to_svg()
 }
 
@@ -135,39 +107,22 @@ pub fn vehicle_history(vehicle: &[(String, Gaussian<3>)], train: &Train, speed_k
     let band = |(run, r): &(Real, Option<Resistance>)| r.map(|r| (*run, MILLI * r.lower(), MILLI * r.upper()));
     let mean = |(run, r): &(Real, Option<Resistance>)| r.map(|r| (*run, MILLI * r.mean_n_per_kg));
     let layers = vec![
-        Layer::Band {
-            legend: "95 % band".to_owned(),
-            colour: colours::ESTIMATED,
-            opacity: BAND,
-            points: runs.iter().map(band).collect(),
-        },
-        Layer::Line {
-            legend: "vehicle after the run".to_owned(),
-            colour: colours::ESTIMATED,
-            stroke: Stroke::Solid,
-            points: runs.iter().map(mean).collect(),
-        },
-        Layer::Line {
-            legend: "manufacturer".to_owned(),
-            colour: colours::MANUFACTURER,
-            stroke: Stroke::Dashed,
-            points: vec![Some((ends.start, stated)), Some((ends.end, stated))],
-        },
+        Layer::band("95 % band", colours::ESTIMATED, BAND, runs.iter().map(band).collect()),
+        Layer::line("vehicle after the run", colours::ESTIMATED, Stroke::Solid, runs.iter().map(mean).collect()),
+        Layer::level("manufacturer", colours::MANUFACTURER, Stroke::Dashed, &ends, stated),
     ];
-    let figure = Figure {
-        title: format!("Resistance of the vehicle at {speed_kmh} km/h after each run"),
-        description: "The estimate with its 95 % band after each run, the manufacturer's value dashed".to_owned(),
-        x_label: "run, in the order of the table".to_owned(),
-        x: ends,
-        panels: vec![Panel {
-            label: format!("r({speed_kmh} km/h), 10\u{207b}\u{b3} N/kg"),
-            height: 360,
-            y: None,
-            axes: Axes::Left,
+    let figure = Figure::new(
+        format!("Resistance of the vehicle at {speed_kmh} km/h after each run"),
+        "The estimate with its 95 % band after each run, the manufacturer's value dashed",
+        "run, in the order of the table",
+        ends,
+        [Panel::new(
+            format!("r({speed_kmh} km/h), 10\u{207b}\u{b3} N/kg"),
+            360,
             layers,
-            empty: "no estimate: no run has ended".to_owned(),
-        }],
-    };
+            "no estimate: no run has ended",
+        )],
+    );
     figure.to_svg()
 }
 

@@ -3,10 +3,10 @@
 use super::KMH;
 use maud::{Markup, html};
 use rundown::Real;
-use rundown::features::{EffortLine, FeatureConfig, Features, Phase};
+use rundown::features::{EffortLine, Energy, FeatureConfig, Features, Phase};
 use rundown::model::train::Train;
 use rundown_pages::numbers::{NOTHING, counted, number, statistic};
-use rundown_pages::shell::swatch;
+use rundown_pages::shell::{column, swatch, table, text_column};
 
 pub(super) fn feature_table(features: &Features, train: &Train, config: &FeatureConfig) -> Markup {
     let mass_kg = train.rotating_mass_kg();
@@ -32,15 +32,6 @@ pub(super) fn feature_table(features: &Features, train: &Train, config: &Feature
     let [effort_count, effort_mean, _] = statistic(&effort, mass_kg / 1e3, 1);
     let effort_sd = number(line.and_then(EffortLine::known_sd).map(|sd| sd * mass_kg / 1e3), 1);
     let window = |[lower, upper]: [Real; 2]| format!("{lower} to {upper} km/h");
-    let energy = &features.energy;
-    let energies = [
-        ("Work of the traction", energy.traction_j_per_kg),
-        ("Work of the brake", energy.brake_j_per_kg),
-        ("Taken by r0", energy.r0_j_per_kg),
-        ("Taken by r1 v", energy.r1_j_per_kg),
-        ("Taken by r2 v\u{b2}", energy.r2_j_per_kg),
-        ("Taken by the gradient", energy.gradient_j_per_kg),
-    ];
     let moved = features.regime_time_s.iter().sum::<Real>() > 0.0;
     html! {
         div.wide { table.features {
@@ -61,7 +52,7 @@ pub(super) fn feature_table(features: &Features, train: &Train, config: &Feature
                 (row("Cruise speed, median", "km/h", once(features.cruise_speed_median_mps.map(|v| KMH * v), 1)))
                 (phase("Final coast", features.final_coast.as_ref()))
                 (phase("Final brake", features.final_brake.as_ref()))
-                @for (name, j_per_kg) in energies {
+                @for (name, j_per_kg) in energies(&features.energy) {
                     (row(name, "kWh", once(moved.then_some(j_per_kg * mass_kg / 3.6e6), 1)))
                 }
             }
@@ -74,7 +65,17 @@ pub(super) fn feature_table(features: &Features, train: &Train, config: &Feature
     }
 }
 
-/// The ATB-EG steps as configured, from the fastest.
+fn energies(energy: &Energy) -> [(&'static str, Real); 6] {
+    [
+        ("Work of the traction", energy.traction_j_per_kg),
+        ("Work of the brake", energy.brake_j_per_kg),
+        ("Taken by r0", energy.r0_j_per_kg),
+        ("Taken by r1 v", energy.r1_j_per_kg),
+        ("Taken by r2 v\u{b2}", energy.r2_j_per_kg),
+        ("Taken by the gradient", energy.gradient_j_per_kg),
+    ]
+}
+
 fn brake_steps(config: &FeatureConfig) -> [String; 5] {
     let [a, b, c, d] = config.brake_steps_kmh;
     [
@@ -88,26 +89,18 @@ fn brake_steps(config: &FeatureConfig) -> [String; 5] {
 
 fn switching_points(features: &Features) -> Markup {
     let points = &features.switching_points;
+    let head = [column("location", "km"), column("speed", "km/h"), text_column("from"), text_column("to")];
+    let rows = html! { @for point in points { tr {
+        td { (number(point.location_m / 1000.0, 2)) }
+        td { (number(KMH * point.speed_mps, 1)) }
+        td.text { (swatch(point.from)) (point.from.as_str()) }
+        td.text { (swatch(point.to)) (point.to.as_str()) }
+    } } };
     html! {
         @if !points.is_empty() {
             details {
                 summary { (counted(points.len(), "switching point", "switching points")) }
-                div.wide { table {
-                    thead { tr {
-                        th scope="col" { "location" br; span.unit { "km" } }
-                        th scope="col" { "speed" br; span.unit { "km/h" } }
-                        th.text scope="col" { "from" }
-                        th.text scope="col" { "to" }
-                    } }
-                    tbody { @for point in points {
-                        tr {
-                            td { (number(point.location_m / 1000.0, 2)) }
-                            td { (number(KMH * point.speed_mps, 1)) }
-                            td.text { (swatch(point.from)) (point.from.as_str()) }
-                            td.text { (swatch(point.to)) (point.to.as_str()) }
-                        }
-                    } }
-                } }
+                (table(head, rows))
                 @if features.switching_points_lost > 0 {
                     p.small { (features.switching_points_lost) " more were not kept." }
                 }

@@ -15,18 +15,15 @@ use rundown::filter::gaussian::Gaussian;
 use rundown::model::train::Train;
 use rundown::model::units::KmPerHour;
 use rundown_pages::numbers::{counted, duration, number, percent};
-use rundown_pages::shell::{self, figure, signed_percent};
+use rundown_pages::shell::{self, column, figure, signed_percent, table};
 use runs::{others, run_table};
 
-/// Speeds at which the resistance is told, km/h.
 const SPEEDS_KMH: [Real; 3] = [60.0, 100.0, 140.0];
 
-/// Speed of the vehicle's history, km/h.
 const HISTORY_KMH: Real = 100.0;
 
 const KMH: Real = 3.6;
 
-/// The whole page.
 pub fn html(report: &Report) -> String {
     let body = html! {
         (summary(report))
@@ -46,7 +43,6 @@ fn learned(report: &Report) -> Learned {
     runs.fold(Learned::default(), |all, run| all.and(&run))
 }
 
-/// The headline in words.
 fn summary(report: &Report) -> Markup {
     let duration_s: Real = report.runs.iter().map(RunView::duration_s).sum();
     let distance_m: Real = report.runs.iter().map(RunView::distance_m).sum();
@@ -56,7 +52,7 @@ fn summary(report: &Report) -> Markup {
         section id="summary" aria-label="Summary" {
             p.lead {
                 @if report.runs.is_empty() {
-                    "No run was replayed: there is nothing to tell. "
+                    "No run was replayed: there is nothing to report. "
                 } @else {
                     (counted(report.runs.len(), "run was", "runs were")) " replayed in the "
                     strong { (report.mode) } " mode: " (number(distance_m / 1000.0, 1)) " km in "
@@ -91,7 +87,6 @@ fn summary(report: &Report) -> Markup {
     }
 }
 
-/// What is known of the resistance, against what the manufacturer says.
 fn verdict(report: &Report) -> Markup {
     let Some((name, vehicle)) = report.vehicle.last() else {
         return html! {
@@ -160,36 +155,31 @@ fn resistance(report: &Report) -> Markup {
 
 fn resistance_table(vehicle: &Gaussian<3>, train: &Train) -> Markup {
     let force_kn = train.rotating_mass_kg() / 1000.0;
-    html! {
-        div.wide { table {
-            thead { tr {
-                th scope="col" { "speed" br; span.unit { "km/h" } }
-                th scope="col" { "estimated" br; span.unit { "N/kg" } }
-                th scope="col" { "95 % interval" br; span.unit { "N/kg" } }
-                th scope="col" { "estimated" br; span.unit { "kN, whole train" } }
-                th scope="col" { "manufacturer" br; span.unit { "N/kg" } }
-                th scope="col" { "difference" br; span.unit { "of the manufacturer's" } }
-            } }
-            tbody {
-                @for speed_kmh in SPEEDS_KMH {
-                    @let speed_mps = KmPerHour(speed_kmh).to_mps();
-                    tr {
-                        th scope="row" { (speed_kmh) }
-                        @if let Some(r) = Resistance::at(vehicle, speed_mps) {
-                            @let against = r.against(&train.davis(), speed_mps);
-                            td { (number(r.mean_n_per_kg, 5)) }
-                            td { (number(r.lower(), 5)) " to " (number(r.upper(), 5)) }
-                            td { (number(r.mean_n_per_kg * force_kn, 2)) }
-                            td { (number(against.stated_n_per_kg, 5)) }
-                            td { (signed_percent(against.deviation)) }
-                        } @else {
-                            td colspan="5" { "no estimate: not finite" }
-                        }
-                    }
-                }
+    let head = [
+        column("speed", "km/h"),
+        column("estimated", "N/kg"),
+        column("95 % interval", "N/kg"),
+        column("estimated", "kN, whole train"),
+        column("manufacturer", "N/kg"),
+        column("difference", "of the manufacturer's"),
+    ];
+    let rows = html! { @for speed_kmh in SPEEDS_KMH {
+        @let speed_mps = KmPerHour(speed_kmh).to_mps();
+        tr {
+            th scope="row" { (speed_kmh) }
+            @if let Some(r) = Resistance::at(vehicle, speed_mps) {
+                @let against = r.against(&train.davis(), speed_mps);
+                td { (number(r.mean_n_per_kg, 5)) }
+                td { (number(r.lower(), 5)) " to " (number(r.upper(), 5)) }
+                td { (number(r.mean_n_per_kg * force_kn, 2)) }
+                td { (number(against.stated_n_per_kg, 5)) }
+                td { (signed_percent(against.deviation)) }
+            } @else {
+                td colspan="5" { "no estimate: not finite" }
             }
-        } }
-    }
+        }
+    } };
+    table(head, rows)
 }
 
 fn reading_aids() -> Markup {

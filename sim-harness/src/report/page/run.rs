@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use rundown::filter::ukf::Reading;
 use rundown::tick::estimate::Cause;
 use rundown_pages::numbers::{counted, duration, meaning, number, percent};
-use rundown_pages::shell::figure;
+use rundown_pages::shell::{column, figure, table, text_column};
 
 pub(super) fn run_section(index: usize, run: &RunView, report: &Report) -> Markup {
     html! {
@@ -17,7 +17,7 @@ pub(super) fn run_section(index: usize, run: &RunView, report: &Report) -> Marku
             @if !run.warnings.is_empty() {
                 details open[run.warnings.len() <= 5] {
                     summary { (counted(run.warnings.len(), "warning", "warnings")) " about the log" }
-                    ul { @for warning in run.warnings { li { (warning) } } }
+                    ul { @for warning in &run.warnings { li { (warning) } } }
                 }
             }
             @if !run.estimates.is_empty() {
@@ -39,7 +39,7 @@ pub(super) fn run_section(index: usize, run: &RunView, report: &Report) -> Marku
                 (readings(run))
             }
             h3 { "Features" }
-            (feature_table(run.features, report.train, &report.features))
+            (feature_table(&run.summary.features, report.train, &report.features))
         }
     }
 }
@@ -80,17 +80,16 @@ fn run_words(run: &RunView, report: &Report) -> String {
     words
 }
 
-/// Why samples have no innovation.
 fn missing_innovations(run: &RunView) -> Markup {
     let mut first = 0;
     let mut unread = 0;
-    let mut anew = 0;
+    let mut restarted = 0;
     for (index, estimate) in run.estimates.iter().enumerate() {
         let readings = estimate.innovation.map(|innovation| innovation.readings);
         match readings {
             None if index == 0 => first += 1,
             None if estimate.validity.cause().is_some() => unread += 1,
-            None => anew += 1,
+            None => restarted += 1,
             Some(readings) if readings.contains(&Reading::Missing) => unread += 1,
             Some(_) => (),
         }
@@ -99,27 +98,38 @@ fn missing_innovations(run: &RunView) -> Markup {
         (first, "is the first, of which nothing was expected", "are the first"),
         (unread, "lacks a reading that could be used", "lack a reading that could be used"),
         (
-            anew,
-            "begins anew from the measurement, so nothing was expected of it",
-            "begin anew from the measurement, so nothing was expected of them",
+            restarted,
+            "restarts from the measurement, so nothing was expected of it",
+            "restart from the measurement, so nothing was expected of them",
         ),
     ];
-    let mut told = reasons
+    let mut counts = reasons
         .into_iter()
         .filter(|(count, ..)| *count > 0)
         .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }));
-    let Some(start) = told.next() else {
+    let Some(start) = counts.next() else {
         return html! {};
     };
-    let told = told.fold(start, |all, next| format!("{all}; {next}"));
-    html! { p.small { "Gaps, of " (counted(run.estimates.len(), "sample", "samples")) ": " (told) "." } }
+    let counts = counts.fold(start, |all, next| format!("{all}; {next}"));
+    html! { p.small { "Gaps, of " (counted(run.estimates.len(), "sample", "samples")) ": " (counts) "." } }
 }
 
 fn readings(run: &RunView) -> Markup {
-    let causes: Vec<(Cause, u32)> = run.counters.iter().filter(|(_, count)| *count > 0).collect();
-    let dropped = run.counters.time_not_increasing;
+    let causes: Vec<(Cause, u32)> = run.summary.counters.iter().filter(|(_, count)| *count > 0).collect();
+    let dropped = run.summary.counters.time_not_increasing;
     let gated = gated(run);
     let has_doubts = run.estimates.iter().any(|estimate| estimate.validity.cause().is_some());
+    let rows = html! {
+        @for (cause, count) in &causes {
+            tr { th scope="row" { (cause.as_str()) } td { (count) } td.text { (meaning(*cause)) } }
+        }
+        @if dropped > 0 {
+            tr { th scope="row" { "time_not_increasing" } td { (dropped) } td.text { "the time did not increase: the sample was dropped" } }
+        }
+        @if gated > 0 {
+            tr { th scope="row" { "gated" } td { (gated) } td.text { "the reading lay too far from what was expected to move the estimate" } }
+        }
+    };
     html! {
         h3 { "Use of the readings" }
         @if causes.is_empty() && dropped == 0 && gated == 0 && !has_doubts {
@@ -127,20 +137,7 @@ fn readings(run: &RunView) -> Markup {
         }
         (figure(figures::readings(run), "Over time: validity of the estimate, where the resistance was learned, the regime, and each cause for which a reading was not used."))
         @if !causes.is_empty() || dropped > 0 || gated > 0 {
-            div.wide { table {
-                thead { tr { th scope="col" { "cause" } th scope="col" { "samples" } th.text scope="col" { "meaning" } } }
-                tbody {
-                    @for (cause, count) in causes {
-                        tr { th scope="row" { (cause.as_str()) } td { (count) } td.text { (meaning(cause)) } }
-                    }
-                    @if dropped > 0 {
-                        tr { th scope="row" { "time_not_increasing" } td { (dropped) } td.text { "the time did not increase: the sample was dropped" } }
-                    }
-                    @if gated > 0 {
-                        tr { th scope="row" { "gated" } td { (gated) } td.text { "the reading lay too far from what was expected to move the estimate" } }
-                    }
-                }
-            } }
+            (table([column("cause", ""), column("samples", ""), text_column("meaning")], rows))
         }
     }
 }

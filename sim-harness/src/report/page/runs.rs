@@ -57,7 +57,7 @@ pub(super) fn run_table(report: &Report) -> Markup {
 }
 
 fn run_row(index: usize, run: &RunView, force_kn: Real) -> Markup {
-    let features = run.features;
+    let features = &run.summary.features;
     let coast = features.final_coast.as_ref();
     let brake = features.final_brake.as_ref();
     let power = &features.power_w_per_kg;
@@ -90,7 +90,7 @@ fn run_row(index: usize, run: &RunView, force_kn: Real) -> Markup {
 }
 
 pub(super) fn no_samples(run: &RunView) -> String {
-    let dropped = run.counters.time_not_increasing;
+    let dropped = run.summary.counters.time_not_increasing;
     match dropped {
         0 => "no estimate: the run has no usable sample".to_owned(),
         _ => format!("no estimate: all {dropped} samples were dropped because their time does not increase"),
@@ -99,8 +99,8 @@ pub(super) fn no_samples(run: &RunView) -> String {
 
 /// Readings that were missing, not believed or outside the gate, and samples that were dropped.
 fn not_used(run: &RunView) -> u64 {
-    let of_causes: u64 = run.counters.iter().map(|(_, count)| u64::from(count)).sum();
-    of_causes + u64::from(run.counters.time_not_increasing) + gated(run) as u64
+    let of_causes: u64 = run.summary.counters.iter().map(|(_, count)| u64::from(count)).sum();
+    of_causes + u64::from(run.summary.counters.time_not_increasing) + gated(run) as u64
 }
 
 /// Readings that the filter left out because they lay outside the gate.
@@ -113,7 +113,6 @@ pub(super) fn gated(run: &RunView) -> usize {
     gated.sum()
 }
 
-/// Where the runs without figures are.
 pub(super) fn others(report: &Report) -> Markup {
     let others = report.runs.get(RUNS_IN_FULL..).unwrap_or_default();
     html! {

@@ -1,11 +1,12 @@
 //! What no page may hold, and what every page must.
 
-use super::super::example::{Example, report, train};
+use super::super::example::{self, report, train};
 use super::*;
 use rundown::Real;
 use rundown::features::FeatureConfig;
 use rundown::filter::gaussian::Gaussian;
 use rundown::model::state;
+use rundown_files::replay::ReplayedRun;
 
 /// What no page may hold, whatever the runs were.
 fn check(page: &str) {
@@ -20,7 +21,7 @@ fn check(page: &str) {
     }
 }
 
-fn of(runs: &[Example]) -> String {
+fn of(runs: &[ReplayedRun]) -> String {
     let page = html(&report(runs, &train()));
     check(&page);
     page
@@ -28,9 +29,9 @@ fn of(runs: &[Example]) -> String {
 
 #[test]
 fn every_section_is_there_and_linked() {
-    let mut second = Example::run();
+    let mut second = example::run();
     second.name = "run02".to_owned();
-    let page = of(&[Example::run(), second]);
+    let page = of(&[example::run(), second]);
     for id in ["summary", "resistance", "runs", "run-1", "run-2", "reading-aids"] {
         assert!(page.contains(&format!("id=\"{id}\"")), "{id}");
     }
@@ -53,7 +54,7 @@ fn every_section_is_there_and_linked() {
 
 #[test]
 fn the_headline_says_what_was_learned() {
-    let page = of(&[Example::run()]);
+    let page = of(&[example::run()]);
     assert!(page.contains("1 run was replayed"));
     // r(100 km/h) = 7.1e-3 + 1.5e-4 * 27.78 + 2.7e-5 * 27.78² = 0.03210, stated 0.03343.
     assert!(page.contains("at 100\u{a0}km/h 0.03210\u{a0}N/kg"));
@@ -70,9 +71,9 @@ fn without_a_run_there_is_no_estimate() {
 
 #[test]
 fn an_empty_run_says_why() {
-    let mut dropped = Example::empty();
-    dropped.counters.time_not_increasing = 7;
-    let page = of(&[Example::empty(), dropped]);
+    let mut dropped = example::empty();
+    dropped.summary.counters.time_not_increasing = 7;
+    let page = of(&[example::empty(), dropped]);
     assert!(page.contains("no estimate: the run has no usable sample"));
     assert!(page.contains("all 7 samples were dropped"));
 }
@@ -80,18 +81,18 @@ fn an_empty_run_says_why() {
 #[test]
 fn one_or_two_samples_are_a_page_too() {
     for count in [1, 2] {
-        let page = of(&[Example::first(count)]);
+        let page = of(&[example::first(count)]);
         let word = if count == 1 { "1 sample over" } else { "2 samples over" };
         assert!(page.contains(word));
     }
-    assert!(of(&[Example::first(1)]).contains("no value: it takes two samples"));
-    of(&[Example::standing()]);
+    assert!(of(&[example::first(1)]).contains("no value: it takes two samples"));
+    of(&[example::standing()]);
 }
 
 #[test]
 fn numbers_that_are_not_finite_leave_gaps() {
     let nan = Real::NAN;
-    let mut run = Example::run();
+    let mut run = example::run();
     for estimate in run.estimates.iter_mut().skip(20).step_by(7) {
         estimate.belief.mean[state::SPEED] = nan;
         estimate.belief.covariance[(state::R1, state::R1)] = Real::INFINITY;
@@ -103,8 +104,8 @@ fn numbers_that_are_not_finite_leave_gaps() {
         estimate.time_s = nan;
         estimate.dt_s = nan;
     }
-    run.features.power_w_per_kg.mean = nan;
-    run.features.regime_time_s[0] = nan;
+    run.summary.features.power_w_per_kg.mean = nan;
+    run.summary.features.regime_time_s[0] = nan;
     of(&[run.clone()]);
     for estimate in &mut run.estimates {
         estimate.belief.mean.fill(nan);
@@ -129,7 +130,7 @@ fn numbers_that_are_not_finite_leave_gaps() {
 
 #[test]
 fn windows_are_those_of_the_configuration() {
-    let (train, runs) = (train(), [Example::run()]);
+    let (train, runs) = (train(), [example::run()]);
     let config = FeatureConfig {
         effort_window_kmh: [5.0, 35.0],
         power_window_kmh: [45.0, 100.0],
@@ -150,7 +151,7 @@ fn windows_are_those_of_the_configuration() {
 
 #[test]
 fn names_and_warnings_are_escaped() {
-    let mut run = Example::run();
+    let mut run = example::run();
     run.name = "<script>alert('x')</script> & \"co\"".to_owned();
     run.warnings.push("line 3: <b>bold</b>".to_owned());
     let page = of(&[run]);
@@ -160,8 +161,9 @@ fn names_and_warnings_are_escaped() {
 
 #[test]
 fn beyond_the_first_runs_it_says_where_the_others_are() {
-    let runs: Vec<Example> =
-        (1..=RUNS_IN_FULL + 2).map(|index| Example { name: format!("run{index:02}"), ..Example::first(3) }).collect();
+    let runs: Vec<ReplayedRun> = (1..=RUNS_IN_FULL + 2)
+        .map(|index| ReplayedRun { name: format!("run{index:02}"), ..example::first(3) })
+        .collect();
     let page = of(&runs);
     assert!(page.contains("id=\"others\"") && page.contains("rundown replay ... run13.csv"));
     assert!(page.contains("id=\"run-12\"") && !page.contains("id=\"run-13\""));
@@ -172,7 +174,7 @@ fn beyond_the_first_runs_it_says_where_the_others_are() {
 #[test]
 fn the_reference_mode_warns() {
     let train = train();
-    let runs = [Example::run()];
+    let runs = [example::run()];
     let mut report = report(&runs, &train);
     assert!(!html(&report).contains("reference mode"));
     assert!(html(&report).contains("resistance was learned over"));

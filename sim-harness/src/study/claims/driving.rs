@@ -1,6 +1,6 @@
 //! Claims on how trains are driven: sections 4.1, 4.3, 4.4.
 
-use super::{Claim, Verdict, from_to, mean, near, percent, three};
+use super::{Claim, alone, claim, from_to, mean, near, percent, three};
 use crate::study::gather::Gathered;
 use crate::study::moments::Moments;
 use crate::study::tallies::{CLOUDS_KMH, Tallies};
@@ -16,40 +16,31 @@ const READING_CV: f64 = 0.05;
 const FEWEST_OF_A_STEP: u64 = 10;
 
 /// What follows from the description alone.
-pub(super) fn setting(train: &Train) -> Vec<Claim> {
+pub(super) fn setting(train: &Train) -> [Claim; 3] {
     let d = train.description();
     let transition_kmh = 3.6 * d.max_power_w / d.max_tractive_effort_n;
     let band = 0.025 * train.rotating_mass_kg() / d.max_tractive_effort_n;
     let change_kmh = 3.6 * CRUISE_MPS2 * INTERVAL_S;
-    let of_description = |statement, value: String, holds, place, why: &str| Claim {
-        place,
-        statement,
-        paper: value,
-        gated: NOTHING.to_owned(),
-        truth: NOTHING.to_owned(),
-        verdict: Verdict::of(Some(holds)),
-        why: why.to_owned(),
-    };
-    vec![
-        of_description(
-            "largest effort and largest power meet around 38 km/h",
-            format!("{} km/h", number(transition_kmh, 1)),
-            (transition_kmh - 38.0).abs() < 1.0,
+    [
+        claim(
             "4.1",
+            "largest effort and largest power meet around 38 km/h",
+            alone(Some(format!("{} km/h", number(transition_kmh, 1)))),
+            Some((transition_kmh - 38.0).abs() < 1.0),
             "of the train's description alone; within 1 km/h",
         ),
-        of_description(
-            "the coasting band of \u{b1}0.025 N/kg is approximately 5 % of the largest effort",
-            format!("{}\u{a0}%", number(100.0 * band, 1)),
-            (band - 0.05).abs() < 0.005,
+        claim(
             "3.2",
+            "the coasting band of \u{b1}0.025 N/kg is approximately 5 % of the largest effort",
+            alone(percent(Some(band))),
+            Some((band - 0.05).abs() < 0.005),
             "of the train's description alone; within half a point",
         ),
-        of_description(
-            "the bound of \u{b1}0.06 m/s\u{b2} neglects changes of speed up to 2 km/h between readings",
-            format!("{} km/h", number(change_kmh, 1)),
-            (change_kmh - 2.0).abs() < 0.5,
+        claim(
             "3.2",
+            "the bound of \u{b1}0.06 m/s\u{b2} neglects changes of speed up to 2 km/h between readings",
+            alone(Some(format!("{} km/h", number(change_kmh, 1)))),
+            Some((change_kmh - 2.0).abs() < 0.5),
             "of the paper's numbers alone, at 10 s; to the whole km/h of a reading",
         ),
     ]
@@ -58,22 +49,17 @@ pub(super) fn setting(train: &Train) -> Vec<Claim> {
 /// What was recorded.
 pub(super) fn runs(gathered: &Gathered) -> Claim {
     let runs = gathered.top_kmh.count;
-    let travelled_m = gathered.travelled_m.mean();
-    let interval_s = gathered.interval_s.mean();
-    let value = travelled_m
-        .zip(interval_s)
-        .map(|(m, s)| format!("{runs} runs of {} m, a reading every {} s", number(m, 0), number(s, 1)));
+    let (travelled_m, interval_s) = (gathered.travelled_m.mean(), gathered.interval_s.mean());
+    let words = |(m, s)| format!("{runs} runs of {} m, a reading every {} s", number(m, 0), number(s, 1));
     let length = near(travelled_m, 32_103.0, 50.0);
     let interval = near(interval_s, INTERVAL_S, 0.1);
-    Claim {
-        place: "4.1",
-        statement: "67 speed profiles on a track of 32 103 m, sampled every 10 s",
-        paper: value.unwrap_or_else(|| NOTHING.to_owned()),
-        gated: NOTHING.to_owned(),
-        truth: NOTHING.to_owned(),
-        verdict: Verdict::of(length.zip(interval).map(|(a, b)| a && b && runs == 67)),
-        why: "mean from the first to the last location within 50 m, mean time between readings within 0.1 s. Simulated runs are made so".to_owned(),
-    }
+    claim(
+        "4.1",
+        "67 speed profiles on a track of 32 103 m, sampled every 10 s",
+        alone(travelled_m.zip(interval_s).map(words)),
+        length.zip(interval).map(|(a, b)| a && b && runs == 67),
+        "mean from the first to the last location within 50 m, mean time between readings within 0.1 s. Simulated runs are made so",
+    )
 }
 
 /// Share of the runs with a reading above 140 km/h.
@@ -88,97 +74,71 @@ fn truly_over(gathered: &Gathered) -> Option<f64> {
     (runs > 0).then(|| gathered.truly_over_limit as f64 / runs as f64)
 }
 
-pub(super) fn profiles(gathered: &Gathered) -> Vec<Claim> {
+pub(super) fn profiles(gathered: &Gathered) -> [Claim; 2] {
     let over = over(gathered);
-    let similar = three(gathered, |t| percent(t.coast_mps2.variation()));
-    let brakes = |t: &Tallies| {
-        let steps = t.brake_steps.iter().filter_map(Moments::variation);
-        steps.reduce(f64::min)
-    };
-    let holds = gathered.paper.coast_mps2.variation().zip(brakes(&gathered.paper)).map(|(coast, brake)| coast < brake);
-    let [paper, gated, truth] = similar;
-    vec![
-        Claim {
-            place: "2",
-            statement: "some trains run faster than the 140 km/h of the line",
-            paper: percent(over).unwrap_or_else(|| NOTHING.to_owned()) + " of the runs",
-            gated: NOTHING.to_owned(),
-            truth: percent(truly_over(gathered)).map_or_else(|| NOTHING.to_owned(), |share| share + " of the runs"),
-            verdict: Verdict::of(over.map(|over| over > 0.0 && over < 0.5)),
-            why: "a measured speed above 140 km/h in some runs and in less than half of them".to_owned(),
-        },
-        Claim {
-            place: "2",
-            statement: "decelerations when coasting are significantly similar for all speed profiles",
-            paper,
-            gated,
-            truth,
-            verdict: Verdict::of(holds),
-            why: "coefficient of variation between runs of the mean deceleration while coasting at 100 to 120 km/h; smaller than that of the brake rates in every step".to_owned(),
-        },
+    let of_runs = |share| percent(share).map(|share| share + " of the runs");
+    let coast = |t: &Tallies| t.coast_mps2.variation();
+    let brakes = |t: &Tallies| t.brake_steps.iter().filter_map(Moments::variation).reduce(f64::min);
+    [
+        claim(
+            "2",
+            "some trains run faster than the 140 km/h of the line",
+            [of_runs(over), None, of_runs(truly_over(gathered))],
+            over.map(|over| over > 0.0 && over < 0.5),
+            "a measured speed above 140 km/h in some runs and in less than half of them",
+        ),
+        claim(
+            "2",
+            "decelerations when coasting are significantly similar for all speed profiles",
+            three(gathered, |t| percent(coast(t))),
+            coast(&gathered.paper).zip(brakes(&gathered.paper)).map(|(coast, brake)| coast < brake),
+            "coefficient of variation between runs of the mean deceleration while coasting at 100 to 120 km/h; smaller than that of the brake rates in every step",
+        ),
     ]
 }
 
-pub(super) fn regimes(gathered: &Gathered) -> Vec<Claim> {
+pub(super) fn regimes(gathered: &Gathered) -> [Claim; 2] {
     let shares = |t: &Tallies| {
         let shares: Vec<f64> = t.shares.iter().filter_map(Moments::mean).collect();
         <[f64; 4]>::try_from(shares).ok()
     };
     let words = |shares: [f64; 4]| shares.map(|share| number(100.0 * share, 1)).join(" / ") + "\u{a0}%";
-    let [paper, gated, truth] = three(gathered, |t| shares(t).map(words));
-    let holds = shares(&gathered.paper).map(|found| {
-        let paper = [0.164, 0.17, 0.57, 0.093];
-        let pairs = found.iter().zip(paper);
-        pairs.into_iter().all(|(found, paper)| (found - paper).abs() <= 0.10)
-    });
-    let coasts =
-        |t: &Tallies| shares(t).map(|[traction, cruise, coast, brake]| coast > traction.max(cruise).max(brake));
-    vec![
-        Claim {
-            place: "6",
-            statement: "one run: traction 16.4 %, cruise 17 %, coast 57 %, brake 9.3 % of the time",
-            paper: paper.clone(),
-            gated: gated.clone(),
-            truth: truth.clone(),
-            verdict: Verdict::of(holds),
-            why: "mean over all runs; each within 10 points of the paper's run".to_owned(),
-        },
-        Claim {
-            place: "6",
-            statement: "coasting is the longest phase",
-            paper,
-            gated,
-            truth,
-            verdict: Verdict::of(coasts(&gathered.paper)),
-            why: "largest mean share. The paper's band of effort also holds steady running below about 81 km/h: the approach at 40 km/h reads as coasting".to_owned(),
-        },
+    let columns = || three(gathered, |t| shares(t).map(words));
+    let found = shares(&gathered.paper);
+    let is_near = |found: [f64; 4]| {
+        found.iter().zip([0.164, 0.17, 0.57, 0.093]).all(|(found, paper)| (found - paper).abs() <= 0.10)
+    };
+    [
+        claim(
+            "6",
+            "one run: traction 16.4 %, cruise 17 %, coast 57 %, brake 9.3 % of the time",
+            columns(),
+            found.map(is_near),
+            "mean over all runs; each within 10 points of the paper's run",
+        ),
+        claim(
+            "6",
+            "coasting is the longest phase",
+            columns(),
+            found.map(|[traction, cruise, coast, brake]| coast > traction.max(cruise).max(brake)),
+            "largest mean share. The paper's band of effort also holds steady running below about 81 km/h: the approach at 40 km/h reads as coasting",
+        ),
     ]
 }
 
-/// A claim with a value for each mode and for the truth.
-fn claim(
-    place: &'static str,
-    statement: &'static str,
-    [paper, gated, truth]: [String; 3],
-    holds: Option<bool>,
-    why: &str,
-) -> Claim {
-    Claim { place, statement, paper, gated, truth, verdict: Verdict::of(holds), why: why.to_owned() }
-}
-
-pub(super) fn style(gathered: &Gathered) -> Vec<Claim> {
+pub(super) fn style(gathered: &Gathered) -> [Claim; 6] {
     let claim = |statement, columns, holds, why| claim("7", statement, columns, holds, why);
     let paper = &gathered.paper;
     let cruise_over = |t: &Tallies| {
         let share = t.cruise_over_limit as f64 / t.cruise_kmh.count as f64;
         percent(Some(share).filter(|share| share.is_finite())).map(|share| format!("cruise above: {share}"))
     };
-    let above = |words: &str, share: Option<f64>, cruise: String| match percent(share) {
-        Some(share) => format!("{words} {share}; {cruise}"),
+    let above = |words: &str, share: Option<f64>, cruise: Option<String>| match percent(share) {
+        Some(share) => Some(format!("{words} {share}; {}", cruise.as_deref().unwrap_or(NOTHING))),
         None => cruise,
     };
     let [cruise_paper, cruise_gated, cruise_truth] = three(gathered, cruise_over);
-    vec![
+    [
         claim(
             "cruise speeds are skewed towards 140 km/h",
             three(gathered, |t| {
@@ -218,17 +178,14 @@ pub(super) fn style(gathered: &Gathered) -> Vec<Claim> {
         ),
         claim(
             "the final brake is considerably shorter than the coast",
-            three(gathered, |t| {
-                let coast = mean(&t.coast_s, 0)?;
-                mean(&t.brake_s, 0).map(|brake| format!("{brake} s, coast {coast} s"))
-            }),
+            three(gathered, |t| Some(format!("{} s, coast {} s", mean(&t.brake_s, 0)?, mean(&t.coast_s, 0)?))),
             paper.brake_s.mean().zip(paper.coast_s.mean()).map(|(brake, coast)| brake < 0.5 * coast),
             "mean brake below half of the mean coast",
         ),
     ]
 }
 
-pub(super) fn brake(gathered: &Gathered) -> Vec<Claim> {
+pub(super) fn brake(gathered: &Gathered) -> [Claim; 3] {
     let claim = |statement, columns, holds, why| claim("8", statement, columns, holds, why);
     // A step with fewer samples is left out of the verdict.
     let known = |m: &Moments| m.count >= FEWEST_OF_A_STEP;
@@ -256,7 +213,7 @@ pub(super) fn brake(gathered: &Gathered) -> Vec<Claim> {
         Some(sd[4]? >= largest)
     };
     let paper = &gathered.paper;
-    vec![
+    [
         claim(
             "the lower the speed, the higher the mean brake rate",
             three(gathered, |t| means(t).map(words)),
@@ -278,80 +235,55 @@ pub(super) fn brake(gathered: &Gathered) -> Vec<Claim> {
     ]
 }
 
-pub(super) fn power(gathered: &Gathered, train: &Train) -> Vec<Claim> {
+pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 5] {
     let stated_kw = train.description().max_power_w / 1000.0;
-    let clouds = |t: &Tallies| {
-        let [below, above] = &t.clouds_kw;
-        below.mean().zip(above.mean())
-    };
-    let words = |(below, above): (f64, f64)| {
-        format!("{} kW below {CLOUDS_KMH} km/h, {} kW above", number(below, 0), number(above, 0))
-    };
-    let [paper, gated, truth] = three(gathered, |t| clouds(t).map(words));
-    let (below_all, above_all) = (
-        clouds(&gathered.paper).map(|(below, _)| below < stated_kw),
-        clouds(&gathered.paper).map(|(_, above)| above > stated_kw),
-    );
-    let is_two = below_all.zip(above_all).map(|(below, above)| below && above);
-    let largest = |t: &Tallies| (t.max_power_kw.count > 0).then(|| t.max_power_kw.largest / stated_kw);
-    let [paper_max, gated_max, truth_max] = three(gathered, |t| percent(largest(t)));
+    let claim = |statement, columns, holds, why: String| claim("9", statement, columns, holds, why);
+    let paper = &gathered.paper;
+    let clouds = |t: &Tallies| t.clouds_kw[0].mean().zip(t.clouds_kw[1].mean());
     let both = |t: &Tallies| {
         let [inside, all] = t.in_both_clouds;
         (all > 0).then(|| inside as f64 / all as f64)
     };
-    let [paper_both, gated_both, truth_both] = three(gathered, |t| percent(both(t)));
     let varies = |t: &Tallies| t.max_power_kw.variation();
-    let [paper_varies, gated_varies, truth_varies] = three(gathered, |t| percent(varies(t)));
-    let [paper_count, gated_count, _] =
+    let largest = |t: &Tallies| (t.max_power_kw.count > 0).then(|| t.max_power_kw.largest / stated_kw);
+    let [count_paper, count_gated, _] =
         three(gathered, |t| mean(&t.effort_samples, 1).map(|count| format!("{count} a run")));
-    vec![
-        Claim {
-            place: "9",
-            statement: "two clouds: below the manufacturer's power up to 115 km/h, above it at higher speeds",
-            paper,
-            gated,
-            truth,
-            verdict: Verdict::of(is_two),
-            why: format!(
+    [
+        claim(
+            "two clouds: below the manufacturer's power up to 115 km/h, above it at higher speeds",
+            three(gathered, |t| {
+                let (below, above) = clouds(t)?;
+                Some(format!("{} kW below {CLOUDS_KMH} km/h, {} kW above", number(below, 0), number(above, 0)))
+            }),
+            clouds(paper).map(|(below, above)| below < stated_kw && above > stated_kw),
+            format!(
                 "mean power from 50 km/h on and up to 130 km/h, below and above the manufacturer's {} kW. The paper suspects feeding sections of different power; they appear where the line of these runs has such sections",
                 number(stated_kw, 0)
             ),
-        },
-        Claim {
-            place: "9",
-            statement: "all trajectories have power in both clouds",
-            paper: paper_both,
-            gated: gated_both,
-            truth: truth_both,
-            verdict: Verdict::of(both(&gathered.paper).map(|share| share >= 0.95)),
-            why: format!("runs with power below the manufacturer's from 50 to {CLOUDS_KMH} km/h and above it from there to 130 km/h; at least 95 %"),
-        },
-        Claim {
-            place: "9",
-            statement: "the largest power at lower speeds varies much between runs",
-            paper: paper_varies,
-            gated: gated_varies,
-            truth: truth_varies,
-            verdict: Verdict::of(varies(&gathered.paper).map(|cv| cv > READING_CV)),
-            why: format!("coefficient of variation of the largest power at 50 to 90 km/h; above the {} % that readings in whole km/h make of one power", number(100.0 * READING_CV, 0)),
-        },
-        Claim {
-            place: "9",
-            statement: "the manufacturer's power is an accurate upper bound of the largest power at 50 to 90 km/h",
-            paper: paper_max,
-            gated: gated_max,
-            truth: truth_max,
-            verdict: Verdict::of(largest(&gathered.paper).map(|share| (0.95..=1.10).contains(&share))),
-            why: "largest of all runs, as a share of the manufacturer's; 95 to 110 %, for readings in whole km/h add up to 10 %".to_owned(),
-        },
-        Claim {
-            place: "9",
-            statement: "there are not enough data for the largest tractive effort",
-            paper: paper_count,
-            gated: gated_count,
-            truth: NOTHING.to_owned(),
-            verdict: Verdict::of(gathered.paper.effort_samples.mean().map(|count| count < 3.0)),
-            why: "intervals of continuous acceleration at 10 to 30 km/h; fewer than 3 a run".to_owned(),
-        },
+        ),
+        claim(
+            "all trajectories have power in both clouds",
+            three(gathered, |t| percent(both(t))),
+            both(paper).map(|share| share >= 0.95),
+            format!("runs with power below the manufacturer's from 50 to {CLOUDS_KMH} km/h and above it from there to 130 km/h; at least 95 %"),
+        ),
+        claim(
+            "the largest power at lower speeds varies much between runs",
+            three(gathered, |t| percent(varies(t))),
+            varies(paper).map(|cv| cv > READING_CV),
+            format!("coefficient of variation of the largest power at 50 to 90 km/h; above the {} % that readings in whole km/h make of one power", number(100.0 * READING_CV, 0)),
+        ),
+        claim(
+            "the manufacturer's power is an accurate upper bound of the largest power at 50 to 90 km/h",
+            three(gathered, |t| percent(largest(t))),
+            largest(paper).map(|share| (0.95..=1.10).contains(&share)),
+            "largest of all runs, as a share of the manufacturer's; 95 to 110 %, for readings in whole km/h add up to 10 %".to_owned(),
+        ),
+        claim(
+            "there are not enough data for the largest tractive effort",
+            [count_paper, count_gated, None],
+            paper.effort_samples.mean().map(|count| count < 3.0),
+            "intervals of continuous acceleration at 10 to 30 km/h; fewer than 3 a run".to_owned(),
+        ),
     ]
 }

@@ -1,9 +1,9 @@
 //! Claims on what the authors tried with their filter: section 4.2.
 
-use super::{Claim, Verdict};
+use super::{Claim, alone, claim};
 use crate::study::moments::Moments;
 use crate::study::trials::{Misses, Noise, Pace, Trials};
-use rundown_pages::numbers::{NOTHING, number};
+use rundown_pages::numbers::number;
 
 /// A step that takes at most this share of the 10 s between readings leaves room for more of them: 0.1 s.
 const SHORT_STEP_MS: u64 = 100;
@@ -12,23 +12,11 @@ pub(super) fn trials(trials: &Trials) -> [Claim; 3] {
     [pace(trials.pace.as_ref()), thinned(trials.thinned.as_ref()), noise(&trials.noise)]
 }
 
-fn claim(statement: &'static str, [paper, gated, truth]: [Option<String>; 3], holds: Option<bool>, why: &str) -> Claim {
-    let or_nothing = |text: Option<String>| text.unwrap_or_else(|| NOTHING.to_owned());
-    Claim {
-        place: "4.2",
-        statement,
-        paper: or_nothing(paper),
-        gated: or_nothing(gated),
-        truth: or_nothing(truth),
-        verdict: Verdict::of(holds),
-        why: why.to_owned(),
-    }
-}
-
 fn pace(pace: Option<&[Pace; 2]>) -> Claim {
     let words = |pace: &Pace| format!("a step takes less than {} ms, a run less than {} s", pace.step_ms, pace.run_s);
     let [paper, gated] = pace.map_or([None, None], |both| both.each_ref().map(|p| Some(words(p))));
     claim(
+        "4.2",
         "the computation time is short enough for smaller sampling intervals",
         [paper, gated, None],
         pace.map(|[paper, _]| paper.step_ms <= SHORT_STEP_MS),
@@ -50,6 +38,7 @@ fn thinned(misses: Option<&[Misses; 2]>) -> Claim {
         pairs.try_fold(true, |grows, (all, thinned)| Some(grows && thinned.mean()? > all.mean()?))
     };
     claim(
+        "4.2",
         "every second sample alone gives less accurate regimes and features",
         [words(|m| &m.paper), words(|m| &m.gated), misses.map(|_| "0 s".to_owned())],
         misses.and_then(grows),
@@ -62,8 +51,9 @@ fn noise(noises: &[Noise]) -> Claim {
     let listed: Vec<String> = noises.iter().map(words).collect();
     let last = noises.last().filter(|noise| noise.runs > 0);
     claim(
+        "4.2",
         "strong noise of the acceleration gives negative coefficients",
-        [last.map(|_| listed.join("; ")), None, None],
+        alone(last.map(|_| listed.join("; "))),
         last.map(|noise| noise.negative_runs > 0),
         "runs with a negative coefficient, by standard deviation of the noise; some at the largest. Noise of the coefficients themselves, which the paper names too, is not in this filter",
     )

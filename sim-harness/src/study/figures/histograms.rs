@@ -1,24 +1,16 @@
 //! Fig. 4: histograms of r0, r1, r2 at all samples, and Fig. 7: of cruise speed, final coast and final brake.
 
 use super::{Drawn, Eyes, Picture, number, text};
-use crate::study::view::{Outcome, View};
+use crate::study::view::{Outcome, Seen};
 use rundown::model::resistance::Davis;
 use rundown_files::table::{Cell, Record};
-use rundown_pages::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;
 
-/// Columns of a histogram of coefficients.
 const BINS: usize = 40;
 
 /// Counts values in bins of one width; the edges are whole multiples of it.
-///
-/// ```
-/// use sim_harness::study::figures::histograms::bins;
-///
-/// let found = bins(&[0.9, 1.0, 2.5, 2.6], 1.0);
-/// assert_eq!(found, [(0.0..1.0, 1.0), (1.0..2.0, 1.0), (2.0..3.0, 2.0)]);
-/// ```
 pub fn bins(values: &[f64], width: f64) -> Vec<(Range<f64>, f64)> {
     let place = |value: f64| (value / width).floor();
     let finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
@@ -61,21 +53,11 @@ pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
         let margin = 0.04 * (ends.end - ends.start).max(1e-6);
         let x = ends.start - margin..ends.end + margin;
         let mut layers = vec![
-            Layer::Histogram { legend: String::new(), colour: colours::MEASURED, opacity: 0.5, bins: counted.clone() },
-            Layer::Verticals {
-                legend: "manufacturer".to_owned(),
-                colour: colours::LIMIT,
-                stroke: Stroke::Dashed,
-                at: vec![per_unit * stated],
-            },
+            Layer::histogram("", colours::MEASURED, 0.5, counted.clone()),
+            Layer::verticals("manufacturer", colours::LIMIT, Stroke::Dashed, vec![per_unit * stated]),
         ];
         if x.contains(&mean) {
-            layers.push(Layer::Verticals {
-                legend: "mean truth".to_owned(),
-                colour: colours::TRUTH,
-                stroke: Stroke::Solid,
-                at: vec![mean],
-            });
+            layers.push(Layer::verticals("mean truth", colours::TRUTH, Stroke::Solid, vec![mean]));
         } else if mean.is_finite() {
             outside.push(format!("{name} {mean:.3}"));
         }
@@ -106,7 +88,7 @@ pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
     let mut figures = Vec::new();
     let mut records = Vec::new();
     for (name, label, width, pick) in quantities {
-        let of = |view: &View| pick(&view.outcome);
+        let of = |view: &Seen| pick(&view.outcome);
         let seen: Vec<f64> = drawn.iter().filter_map(|r| of(eyes.of(r))).collect();
         let truths = drawn.iter().flat_map(|run| &run.truth);
         let truths: Vec<f64> = truths.filter_map(of).collect();
@@ -114,19 +96,9 @@ pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
         let edges = seen.iter().chain(&truths).flat_map(|(b, _)| [b.start, b.end]);
         let ends = range_of(edges);
         let x = ends.start - width..ends.end + width;
-        let mut layers = vec![Layer::Histogram {
-            legend: format!("{} mode", eyes.word()),
-            colour: colours::MEASURED,
-            opacity: 0.5,
-            bins: seen.clone(),
-        }];
+        let mut layers = vec![Layer::histogram(format!("{} mode", eyes.word()), colours::MEASURED, 0.5, seen.clone())];
         if !truths.is_empty() {
-            layers.push(Layer::Histogram {
-                legend: "true".to_owned(),
-                colour: colours::TRUTH,
-                opacity: 0.12,
-                bins: truths.clone(),
-            });
+            layers.push(Layer::histogram("true", colours::TRUTH, 0.12, truths.clone()));
         }
         figures.push(panel(label, x, layers, "runs"));
         records.extend(counts(name, "runs", &seen, 1.0));
@@ -145,25 +117,11 @@ pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
 }
 
 fn panel(x_label: &str, x: Range<f64>, layers: Vec<Layer>, of: &str) -> Figure {
-    Figure {
-        title: String::new(),
-        description: String::new(),
-        x_label: x_label.to_owned(),
-        x,
-        panels: vec![Panel {
-            label: of.to_owned(),
-            height: 420,
-            y: None,
-            axes: Axes::Left,
-            layers,
-            empty: "no value".to_owned(),
-        }],
-    }
+    Figure::in_grid(x_label, x, Panel::new(of, 420, layers, "no value"))
 }
 
 fn grid(title: &str, figures: Vec<Figure>) -> String {
-    let grid = Grid { title: title.to_owned(), description: "Histograms side by side".to_owned(), columns: 3, figures };
-    grid.to_svg()
+    Grid::new(title, "Histograms side by side", 3, figures).to_svg()
 }
 
 fn counts(name: &str, of: &str, bins: &[(Range<f64>, f64)], unit: f64) -> impl Iterator<Item = Record> {
@@ -176,4 +134,15 @@ fn counts(name: &str, of: &str, bins: &[(Range<f64>, f64)], unit: f64) -> impl I
             text("of", of),
         ]
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_belongs_to_the_bin_above() {
+        let found = bins(&[0.9, 1.0, 2.5, 2.6], 1.0);
+        assert_eq!(found, [(0.0..1.0, 1.0), (1.0..2.0, 1.0), (2.0..3.0, 2.0)]);
+    }
 }

@@ -9,44 +9,34 @@
 //! | [`power`] | 9: tractive power over speed |
 //! | [`slope`] | none of the paper: estimated over true deviation |
 
-pub mod brake;
-pub mod histograms;
-pub mod power;
-pub mod profiles;
-pub mod run;
-pub mod slope;
+pub(crate) mod brake;
+pub(crate) mod histograms;
+pub(crate) mod power;
+pub(crate) mod profiles;
+pub(crate) mod run;
+pub(crate) mod slope;
 
 use super::gather::Drawn;
-use super::view::View;
+use super::view::Seen;
 use rundown_files::table::{Cell, Record};
 
-/// A picture and what it draws.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Name of its files, without ending.
     pub name: String,
-    /// What is seen, for the reader.
     pub caption: String,
-    /// Inline SVG.
     pub svg: String,
-    /// A row for each thing drawn.
     pub records: Vec<Record>,
 }
 
-/// Whose eyes a figure looks through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Eyes {
-    /// The paper's mode.
     Paper,
-    /// The gated mode.
     Gated,
 }
 
 impl Eyes {
-    /// Both, the paper's first.
     pub const BOTH: [Self; 2] = [Self::Paper, Self::Gated];
 
-    /// The word in names of files.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Paper => "paper",
@@ -54,8 +44,7 @@ impl Eyes {
         }
     }
 
-    /// What these eyes see of a run.
-    pub fn of(self, run: &Drawn) -> &View {
+    pub fn of(self, run: &Drawn) -> &Seen {
         match self {
             Self::Paper => &run.paper,
             Self::Gated => &run.gated,

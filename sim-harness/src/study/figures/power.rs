@@ -3,13 +3,11 @@
 use super::{Drawn, Eyes, Picture, number, text};
 use crate::study::view::{CROSS_KMH, PowerPoint};
 use rundown::model::train::Train;
-use rundown_pages::chart::{Axes, Figure, Layer, Panel, Stroke};
+use rundown_pages::chart::{Figure, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
-/// Right end of the axis, km/h.
 const END_KMH: f64 = 145.0;
 
-/// The picture.
 pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let stated_kw = train.description().max_power_w / 1000.0;
     let place = |p: &PowerPoint| (p.speed_kmh, p.power_kw);
@@ -23,69 +21,42 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let crosses: Vec<(f64, f64)> = drawn.iter().filter_map(largest).map(|p| place(&p)).collect();
     let mut records = Vec::new();
     for run in drawn {
+        let record = |kind, point: &PowerPoint, largest| {
+            vec![
+                text("kind", kind),
+                text("run", run.name()),
+                number("speed_kmh", point.speed_kmh),
+                number("power_kw", point.power_kw),
+                number("location_m", point.location_m),
+                text("largest_50_90", largest),
+            ]
+        };
         let largest = largest(run);
         let truth = run.truth.iter().flat_map(|truth| &truth.points.power);
-        records.extend(truth.map(|point| {
-            vec![
-                text("kind", "true"),
-                text("run", run.name()),
-                number("speed_kmh", point.speed_kmh),
-                number("power_kw", point.power_kw),
-                number("location_m", point.location_m),
-                text("largest_50_90", ""),
-            ]
-        }));
-        records.extend(eyes.of(run).points.power.iter().map(|point| {
-            vec![
-                text("kind", "observed"),
-                text("run", run.name()),
-                number("speed_kmh", point.speed_kmh),
-                number("power_kw", point.power_kw),
-                number("location_m", point.location_m),
-                text("largest_50_90", if largest == Some(*point) { "yes" } else { "no" }),
-            ]
-        }));
+        records.extend(truth.map(|point| record("true", point, "")));
+        let observed = eyes.of(run).points.power.iter();
+        let word = |point: &PowerPoint| if largest == Some(*point) { "yes" } else { "no" };
+        records.extend(observed.map(|point| record("observed", point, word(point))));
     }
     let true_points = drawn.iter().flat_map(|run| &run.truth);
     let true_points = true_points.flat_map(|truth| truth.points.power.iter().map(place));
     let true_points: Vec<(f64, f64)> = true_points.collect();
     let mut layers = Vec::new();
     if !true_points.is_empty() {
-        layers.push(Layer::Dots {
-            legend: "true".to_owned(),
-            colour: colours::TRUTH,
-            opacity: 0.25,
-            points: true_points,
-        });
+        layers.push(Layer::dots("true", colours::TRUTH, 0.25, true_points));
     }
     layers.extend([
-        Layer::Dots { legend: "observed".to_owned(), colour: colours::MEASURED, opacity: 0.55, points: dots },
-        Layer::Line {
-            legend: "manufacturer".to_owned(),
-            colour: colours::LIMIT,
-            stroke: Stroke::Dashed,
-            points: vec![Some((0.0, stated_kw)), Some((END_KMH, stated_kw))],
-        },
-        Layer::Marks {
-            legend: "largest of each run, 50 to 90 km/h".to_owned(),
-            colour: colours::ESTIMATED,
-            points: crosses,
-        },
+        Layer::dots("observed", colours::MEASURED, 0.55, dots),
+        Layer::level("manufacturer", colours::LIMIT, Stroke::Dashed, &(0.0..END_KMH), stated_kw),
+        Layer::marks("largest of each run, 50 to 90 km/h", colours::ESTIMATED, crosses),
     ]);
-    let figure = Figure {
-        title: "Fig. 9: tractive power".to_owned(),
-        description: "Tractive power of each interval of the first acceleration over its speed".to_owned(),
-        x_label: "speed, km/h".to_owned(),
-        x: 0.0..END_KMH,
-        panels: vec![Panel {
-            label: "tractive power, kW".to_owned(),
-            height: 620,
-            y: None,
-            axes: Axes::Left,
-            layers,
-            empty: "no acceleration was seen".to_owned(),
-        }],
-    };
+    let figure = Figure::new(
+        "Fig. 9: tractive power",
+        "Tractive power of each interval of the first acceleration over its speed",
+        "speed, km/h",
+        0.0..END_KMH,
+        [Panel::new("tractive power, kW", 620, layers, "no acceleration was seen")],
+    );
     Picture {
         name: format!("fig9_power_{}", eyes.word()),
         caption: format!(

@@ -1,33 +1,31 @@
 //! Fig. 2: all measured speed profiles over location.
 
 use super::{Drawn, Picture, number, text};
-use rundown_pages::chart::{Axes, Figure, Layer, Panel, range_of};
+use rundown_pages::chart::{Figure, Layer, Panel, range_of};
 use rundown_pages::colours;
 
-/// The picture.
 pub fn profiles(drawn: &[Drawn], all: u64) -> Picture {
     let lines: Vec<Vec<Option<(f64, f64)>>> =
         drawn.iter().map(|run| run.profile().map(|p| p.map(|(m, kmh)| (m / 1000.0, kmh))).collect()).collect();
     let points = || lines.iter().flatten().flatten();
-    let figure = Figure {
-        title: "Fig. 2: speed profiles".to_owned(),
-        description: "Measured speed over location, a thin line for each run".to_owned(),
-        x_label: "location along the track, km".to_owned(),
-        x: range_of(points().map(|p| p.0)),
-        panels: vec![Panel {
-            label: "speed, km/h".to_owned(),
-            height: 620,
-            y: Some(0.0..range_of(points().map(|p| p.1)).end.max(10.0) * 1.05),
-            axes: Axes::Left,
-            layers: vec![Layer::Threads {
-                legend: format!("measured, {} of {all} runs", drawn.len()),
-                colour: colours::MEASURED,
-                opacity: (12.0 / lines.len() as f64).clamp(0.15, 1.0),
-                lines: lines.clone(),
-            }],
-            empty: "no run".to_owned(),
-        }],
-    };
+    let figure = Figure::new(
+        "Fig. 2: speed profiles",
+        "Measured speed over location, a thin line for each run",
+        "location along the track, km",
+        range_of(points().map(|p| p.0)),
+        [Panel::new(
+            "speed, km/h",
+            620,
+            vec![Layer::threads(
+                format!("measured, {} of {all} runs", drawn.len()),
+                colours::MEASURED,
+                (12.0 / lines.len() as f64).clamp(0.15, 1.0),
+                lines.clone(),
+            )],
+            "no run",
+        )
+        .within(0.0..range_of(points().map(|p| p.1)).end.max(10.0) * 1.05)],
+    );
     let records = drawn.iter().flat_map(|run| {
         run.profile().flatten().map(|(location_m, kmh)| {
             vec![text("run", run.name()), number("location_m", location_m), number("speed_kmh", kmh)]

@@ -10,7 +10,6 @@ use rundown::model::train::Train;
 use rundown_files::replay::ReplayedRun;
 use rundown_files::table::Record;
 
-/// The three pictures, in this order.
 pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
     let run = match eyes {
         Eyes::Paper => &example.paper,
@@ -108,7 +107,7 @@ fn records(run: &ReplayedRun, truth: Option<&CaseTruth>, train: &Train, columns:
             "quadratic_n_per_kg" => number(column, terms[2]),
             "gradient_n_per_kg" => number(column, estimate.gradient_n_per_kg),
             "regime" => text(column, run.regimes.get(index).unwrap_or(&estimate.regime).as_str()),
-            "true_regime" => text(column, &sample.map_or(String::new(), |s| format!("{:?}", s.regime).to_lowercase())),
+            "true_regime" => text(column, sample.map_or("", |s| s.regime.as_str())),
             "true_effort_n_per_kg" => number(column, sample.map(|s| s.mean_effort_n_per_kg)),
             "true_resistance_n_per_kg" => number(column, sample.map(|s| s.resistance_n_per_kg)),
             "true_r0" => number(column, true_davis.map(|d| d.r0)),

@@ -2,27 +2,23 @@
 
 use super::{Picture, number, text};
 use crate::output::json::mode_word;
-use crate::study::slope::{Look, MODES, fit};
+use crate::study::slope::{Look, MODES, SelfTest, fit};
 use rundown::estimator::config::Mode;
-use rundown::model::resistance::Davis;
 use rundown_files::table::Cell;
-use rundown_pages::chart::{Axes, Figure, Grid, Layer, Panel, Stroke};
+use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
-/// Speed of the figure, km/h.
 const KMH: f64 = 100.0;
-/// Ends of both axes, %.
 const ENDS: std::ops::Range<f64> = -40.0..40.0;
 
-/// The picture after so many runs.
-pub fn slope(looks: &[Look], runs: usize, described: &Davis) -> Picture {
+pub fn slope(test: &SelfTest, runs: usize) -> Picture {
     let (mut figures, mut records) = (Vec::new(), Vec::new());
     for mode in MODES {
         let of = |look: &&Look| look.mode == mode && look.runs == runs;
         let mut points = Vec::new();
         let mut bars = Vec::new();
-        for look in looks.iter().filter(of) {
-            let Some([x, y, sd]) = look.deviations(described, KMH) else {
+        for look in test.looks.iter().filter(of) {
+            let Some([x, y, sd]) = look.deviations(&test.stated, KMH) else {
                 continue;
             };
             points.push((100.0 * x, 100.0 * y));
@@ -46,12 +42,12 @@ pub fn slope(looks: &[Look], runs: usize, described: &Davis) -> Picture {
         caption: format!(
             "Estimated over true deviation of the running resistance at {KMH} km/h from its description, after {runs} {plural}, with the reported 95 % interval; each dot is a simulated vehicle. On the dashed line the estimate is the truth; on a level line it does not see it."
         ),
-        svg: Grid {
-            title: format!("Estimated over true deviation of the resistance after {runs} {plural}"),
-            description: "A panel for each mode: paper, gated, measured".to_owned(),
-            columns: MODES.len(),
+        svg: Grid::new(
+            format!("Estimated over true deviation of the resistance after {runs} {plural}"),
+            "A panel for each mode: paper, gated, measured",
+            MODES.len(),
             figures,
-        }
+        )
         .to_svg(),
         records,
     }
@@ -60,33 +56,25 @@ pub fn slope(looks: &[Look], runs: usize, described: &Davis) -> Picture {
 fn panel(mode: Mode, points: Vec<(f64, f64)>, bars: Vec<Vec<Option<(f64, f64)>>>) -> Figure {
     let line = fit(&points);
     let fitted = [ENDS.start, ENDS.end].map(|x| Some((x, line.offset + line.slope * x)));
-    Figure {
-        title: String::new(),
-        description: String::new(),
-        x_label: "true deviation, %".to_owned(),
-        x: ENDS,
-        panels: vec![Panel {
-            label: "estimated, %".to_owned(),
-            height: 560,
-            y: Some(ENDS),
-            axes: Axes::Left,
-            layers: vec![
-                Layer::Line {
-                    legend: String::new(),
-                    colour: colours::LIMIT,
-                    stroke: Stroke::Dashed,
-                    points: vec![Some((ENDS.start, ENDS.start)), Some((ENDS.end, ENDS.end))],
-                },
-                Layer::Threads { legend: String::new(), colour: colours::MEASURED, opacity: 0.6, lines: bars },
-                Layer::Dots { legend: String::new(), colour: colours::MEASURED, opacity: 0.9, points },
-                Layer::Line {
-                    legend: format!("{}: slope {:.2}", mode_word(mode), line.slope),
-                    colour: colours::ESTIMATED,
-                    stroke: Stroke::Solid,
-                    points: fitted.to_vec(),
-                },
+    Figure::in_grid(
+        "true deviation, %",
+        ENDS,
+        Panel::new(
+            "estimated, %",
+            560,
+            vec![
+                Layer::line("", colours::LIMIT, Stroke::Dashed, [ENDS.start, ENDS.end].map(|x| Some((x, x))).to_vec()),
+                Layer::threads("", colours::MEASURED, 0.6, bars),
+                Layer::dots("", colours::MEASURED, 0.9, points),
+                Layer::line(
+                    format!("{}: slope {:.2}", mode_word(mode), line.slope),
+                    colours::ESTIMATED,
+                    Stroke::Solid,
+                    fitted.to_vec(),
+                ),
             ],
-            empty: "no vehicle".to_owned(),
-        }],
-    }
+            "no vehicle",
+        )
+        .within(ENDS),
+    )
 }

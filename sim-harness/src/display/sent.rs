@@ -1,4 +1,4 @@
-//! Train and track as the board was told: the other direction of a recording of `rundown link --record`.
+//! Train and track as described to the board: the other direction of a recording of `rundown link --record`.
 //!
 //! In: messages to the board. Out: a [`Setup`] whenever a run begins, for then the description is whole. A display has no key: the MAC is the board's affair, and what it refused is no description of its run.
 
@@ -9,15 +9,14 @@ use rundown::onboard::uplink::{self, Command, OPEN, Request, SECURED, VERSION};
 use rundown_files::track_file::{SpeedLimit, Stop, TrackFile};
 use rundown_files::train_file::TrainFile;
 
-const NAME: &str = "as the board was told";
+const NAME: &str = "as described to the board";
 
-/// Listens to what the board is told.
 #[derive(Clone, Debug, Default)]
-pub struct Told {
+pub struct SentSetup {
     setup: Setup,
 }
 
-impl Told {
+impl SentSetup {
     /// Takes a message; the description of the run that begins with it, if one does.
     pub fn hear(&mut self, message: &[u8]) -> Option<&Setup> {
         match request(message)? {
