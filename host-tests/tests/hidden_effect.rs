@@ -1,20 +1,23 @@
 //! Is a hidden effect found, named and sized, and is nothing found where nothing is hidden? The workflow gets a folder as `rundown simulate` writes it, without its truth.
 
 use rundown::model::effects::Effect;
-use rundown_gap::notes::notes;
-use rundown_gap::workflow::Investigation;
+use rundown_gap::answer::notes::notes;
+use rundown_gap::answer::whole::Answer;
+use rundown_gap::config::GapConfig;
+use rundown_gap::input::Input;
+use rundown_gap::investigation::{Investigation, Verdict};
 use rundown_truth::effects::Effect as Hidden;
 use rundown_truth::plan::Headings;
+use sim_harness::gap_bench::blind;
 use sim_harness::gap_bench::draw::{Ask, Set, Size};
 use sim_harness::gap_bench::score::Score;
-use sim_harness::gap_bench::{ReadSet, blind};
 
 /// Runs of a set: fewer than an analyst has, so that the test is quick.
 const RUNS: usize = 24;
 
 fn investigated(kinds: &[&'static str], effort: bool, dirty: bool, seed: u64) -> (Score, Investigation) {
-    let (_, score, found) = of_size(Size::Clear, RUNS, kinds, effort, dirty, seed);
-    (score, found)
+    let (_, score, answer) = of_size(Size::Clear, RUNS, kinds, effort, dirty, seed);
+    (score, answer.found)
 }
 
 fn of_size(
@@ -24,14 +27,14 @@ fn of_size(
     effort: bool,
     dirty: bool,
     seed: u64,
-) -> (Set, Score, Investigation) {
-    let set = Set::draw(Ask { kinds: kinds.to_vec(), size, effort, dirty, runs, seed });
+) -> (Set, Score, Answer) {
+    let set = Set::draw(Ask { kinds: kinds.to_vec(), size, effort, dirty, runs, seed }).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let found = blind(&set, folder.path()).unwrap().unwrap();
+    let answer = blind(&set, folder.path()).unwrap().unwrap();
     assert!(!folder.path().join("truth").exists());
-    let score = Score::of(&set, Some(&found));
+    let score = Score::of(&set, Some(&answer.found));
     println!("{:?}, seed {seed}: {score:?}", set.scenario.effects);
-    (set, score, found)
+    (set, score, answer)
 }
 
 #[test]
@@ -39,7 +42,7 @@ fn nothing_is_found_where_nothing_is_hidden() {
     for (effort, dirty, seed) in [(true, false, 1), (true, true, 2), (false, true, 3)] {
         let (score, found) = investigated(&[], effort, dirty, seed);
         assert!(score.exact, "{score:?}");
-        assert_eq!(found.verdict(), "no_gap");
+        assert_eq!(found.verdict, Verdict::NoGap);
     }
 }
 
@@ -49,8 +52,8 @@ fn a_wrong_gradient_is_found_where_it_is_and_as_large_as_it_is() {
     assert!(score.exact, "{score:?}");
     assert!(score.places[0] > 0.8, "{score:?}");
     assert!(score.size_errors[0] < 0.15, "{score:?}");
-    assert!(found.gap.removed_share > 0.8, "{:?}", found.gap);
-    assert_eq!(found.verdict(), "explained");
+    assert!(found.gap.removed.unwrap() > 0.8, "{:?}", found.gap);
+    assert_eq!(found.verdict, Verdict::Explained);
 }
 
 #[test]
@@ -60,7 +63,7 @@ fn a_steady_wind_is_told_from_wrong_coefficients() {
         assert!(score.exact, "{score:?}");
         assert!(score.size_errors[0] < 0.1, "{score:?}");
         assert!(found.p_value < 0.01, "{score:?}");
-        assert!(found.gap.after_mps < 0.5 * found.gap.before_mps);
+        assert!(found.gap.after < 0.5 * found.gap.before);
     }
 }
 
@@ -79,11 +82,11 @@ fn two_effects_are_found_as_two() {
 
 #[test]
 fn what_is_in_no_catalogue_is_called_unknown_with_its_coordinate() {
-    let (_, score, found) = of_size(Size::Clear, MANY, &["speed_bump"], true, false, 13);
+    let (_, score, Answer { found, .. }) = of_size(Size::Clear, MANY, &["speed_bump"], true, false, 13);
     assert_eq!(score.coordinate, Some(true), "{score:?}");
     assert!(score.exact, "{score:?}");
     assert!(matches!(found.named[0].effect, Effect::Unknown(_)));
-    assert_eq!(found.verdict(), "unknown");
+    assert_eq!(found.verdict, Verdict::Unknown);
 }
 
 /// 95 % limits of a parameter of the first effect.
@@ -110,7 +113,7 @@ fn medium_and_faint_effects_are_found_in_many_runs() {
 /// Drawn between 150 and 600 s, the time constant is none of those that are tried first.
 #[test]
 fn a_warm_up_has_its_time_constant_and_limits_that_hold_it() {
-    let (set, score, found) = of_size(Size::Clear, MANY, &["warm_up"], true, false, 41);
+    let (set, score, Answer { found, .. }) = of_size(Size::Clear, MANY, &["warm_up"], true, false, 41);
     assert!(score.exact, "{score:?}");
     assert!(score.size_errors[0] < 0.2, "{score:?}");
     let Effect::WarmUp(warm_up) = &found.named[0].effect else {
@@ -126,7 +129,7 @@ fn a_warm_up_has_its_time_constant_and_limits_that_hold_it() {
 
 #[test]
 fn slippery_days_are_found_with_their_runs() {
-    let (set, score, found) = of_size(Size::Clear, MANY, &["low_adhesion"], true, false, 51);
+    let (set, score, Answer { found, .. }) = of_size(Size::Clear, MANY, &["low_adhesion"], true, false, 51);
     assert!(score.exact, "{score:?}");
     assert!(score.size_errors[0] < 0.1, "{score:?}");
     let slippery = found.named[0].runs.len();
@@ -141,20 +144,20 @@ fn slippery_days_are_found_with_their_runs() {
 /// Without an effort column a constant in some runs is no wind of single runs.
 #[test]
 fn a_dragging_brake_is_told_from_winds_without_an_effort_column() {
-    let (_, score, found) = of_size(Size::Clear, MANY, &["dragging_brake"], false, false, 517_636_083);
+    let (_, score, answer) = of_size(Size::Clear, MANY, &["dragging_brake"], false, false, 517_636_083);
     assert!(score.exact, "{score:?}");
     assert!(score.size_errors[0] < 0.15, "{score:?}");
-    let dragging = found.named[0].runs.len();
+    let dragging = answer.found.named[0].runs.len();
     assert!((8..=27).contains(&dragging), "{dragging} runs");
-    let told = notes(&found, MANY);
-    assert!(told.iter().any(|note| note.contains("coasting alone")), "{told:?}");
+    let notes = notes(&answer);
+    assert!(notes.iter().any(|note| note.contains("coasting alone")), "{notes:?}");
 }
 
 /// In one direction a tunnel and a wrong gradient differ by the speeds of the runs alone: both names are told, with what would separate them, or the right one.
 #[test]
 fn a_tunnel_in_one_direction_is_named_or_shared() {
     for seed in [1_231_151_716, 1_714_657_528] {
-        let (set, score, found) = of_size(Size::Clear, MANY, &["tunnel_drag"], true, false, seed);
+        let (set, score, Answer { found, .. }) = of_size(Size::Clear, MANY, &["tunnel_drag"], true, false, seed);
         assert_eq!(set.scenario.headings, Headings::Up);
         assert!(score.shared, "{score:?}");
         let named = &found.named[0];
@@ -165,15 +168,17 @@ fn a_tunnel_in_one_direction_is_named_or_shared() {
 /// One of the runs has a worn wheel, and its odometer gives the locations, too: only the other runs tell.
 #[test]
 fn a_worn_wheel_of_one_run_is_found_by_the_ways_of_the_others() {
-    let set = Set::draw(Ask { kinds: Vec::new(), size: Size::Clear, effort: true, dirty: false, runs: RUNS, seed: 1 });
+    let set = Set::draw(Ask { kinds: Vec::new(), size: Size::Clear, effort: true, dirty: false, runs: RUNS, seed: 1 })
+        .unwrap();
     let folder = tempfile::tempdir().unwrap();
     set.write(folder.path()).unwrap();
-    let mut read = ReadSet::of(folder.path()).unwrap();
+    let mut read = Input::of_set(folder.path()).unwrap();
     for sample in &mut read.runs[7].samples {
         sample.speed_mps = sample.speed_mps.map(|v| 1.013 * v);
         sample.location_m = sample.location_m.map(|at| 1.013 * at);
     }
-    let found = read.investigate().unwrap();
+    let name = read.runs[7].name.clone();
+    let found = rundown_gap::run(read, GapConfig::default(), None, |_| ()).unwrap().found;
     let [only] = &found.named[..] else {
         panic!("{:?}", found.named);
     };
@@ -182,6 +187,6 @@ fn a_worn_wheel_of_one_run_is_found_by_the_ways_of_the_others() {
     };
     println!("{scale:?} {:?}", only.intervals);
     assert!((scale.measured_over_true - 1.013).abs() < 0.002, "{only:?}");
-    assert_eq!(only.runs, [read.runs[7].name.clone()]);
-    assert_eq!(found.verdict(), "explained");
+    assert_eq!(only.runs, [name]);
+    assert_eq!(found.verdict, Verdict::Explained);
 }

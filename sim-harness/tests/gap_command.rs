@@ -4,19 +4,14 @@ mod common;
 
 use common::{done, rundown};
 use rundown::model::effects::{Effect, SteadyWind};
-use rundown_files::effect_file::EffectEntry;
-use rundown_files::recording::DirectionChoice;
-use rundown_files::run_set::RunSet;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
-use rundown_gap::answer::Answer;
-use rundown_gap::files::Files;
-use rundown_gap::load;
-use rundown_gap::notes::NO_ROWS;
-use rundown_gap::report::{Page, page};
-use rundown_gap::rows::Believed;
-use rundown_gap::story::story;
-use rundown_gap::workflow::{Investigation, investigate};
+use rundown_gap::answer::files::Files;
+use rundown_gap::answer::notes::NO_ROWS;
+use rundown_gap::answer::report::page;
+use rundown_gap::answer::story::story;
+use rundown_gap::answer::whole::Answer;
+use rundown_gap::config::GapConfig;
+use rundown_gap::input::Input;
+use rundown_gap::named::Named;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -163,43 +158,48 @@ fn without_effort_and_coasting_no_resistance_is_judged_and_no_map_drawn() {
 #[test]
 fn a_repair_that_makes_things_worse_is_told_everywhere() {
     let folder = simulated(8, "");
-    let set = folder.path().join("set");
-    let (_, train) = TrainFile::read(&set.join("train.toml")).unwrap();
-    let (file, track) = TrackFile::read(&set.join("track.toml")).unwrap();
-    let logs = RunSet::find(&[set.join("runs")]).unwrap();
-    let (runs, _) = load::runs(&logs, &file, DirectionChoice::Auto);
-    let believed = Believed::new(&train, &track);
-    let surroundings = load::surroundings(&file);
-    let mut found = investigate(believed, &surroundings, &runs, None, |_| ()).unwrap();
-    let told = |found: &Investigation| {
-        let answer = Answer {
-            about_track: &[],
-            dataset: "set",
-            runs: runs.len(),
-            found,
-            rivals: &[],
-            innovations: None,
-            left_out: 0,
-            described_effects: 0,
-            rotating_mass_kg: train.rotating_mass_kg(),
-        };
-        let page = page(&Page { answer, found, believed, runs: &runs });
-        (answer.json(), story(&answer), page)
-    };
-    let (json, screen, html) = told(&found);
+    let input = Input::of_set(&folder.path().join("set")).unwrap();
+    let mut answer = rundown_gap::run(input, GapConfig::default(), None, |_| ()).unwrap();
+    let told = |answer: &Answer| (answer.json(), story(answer), page(answer));
+    let (json, screen, html) = told(&answer);
     assert_eq!(json["gap"]["worse_than_before"], false);
     assert!(!screen.contains("orse than before") && !html.contains("Worse than before"));
-    found.gap.after_mps = 2.0 * found.gap.before_mps;
-    let (json, screen, html) = told(&found);
+    answer.found.gap.after = 2.0 * answer.found.gap.before;
+    let (json, screen, html) = told(&answer);
     assert_eq!(json["gap"]["worse_than_before"], true);
     assert!(caveats(&json)[0].starts_with("Worse than before"));
     assert!(screen.contains("worse than before") && html.contains("Worse than before"));
     // Nine effects are more than a board takes: there is no frame, so there is no file.
-    let (mut file, (train, _)) = (file, TrainFile::read(&set.join("train.toml")).unwrap());
-    file.effect = vec![EffectEntry { effect: Effect::SteadyWind(SteadyWind { wind_mps: 1.0 }), runs: None }; 9];
-    let texts = [("gap.json", screen), ("report.html", html)];
-    let error = Files::render(&found, &(train, file), texts).unwrap_err();
+    let wind = Named::plain(Effect::SteadyWind(SteadyWind { wind_mps: 1.0 }), Vec::new(), 9.0, 30.0);
+    answer.found.named = vec![wind; 9];
+    let error = Files::render(&answer).unwrap_err();
     assert!(error.to_string().starts_with("effect.frame: "), "{error}");
+}
+
+/// Each setting can be changed by a file; a name that is none is refused before the work.
+#[test]
+fn thresholds_are_printed_changed_and_refused() {
+    let folder = simulated(8, TUNNEL);
+    let (code, printed, words) = told(&rundown(folder.path(), &["gap", "--print-config"]));
+    assert_eq!(code, Some(0), "{words}");
+    assert!(printed.contains("[penalty]") && printed.contains("[prior.warm_up]"), "{printed}");
+    let with = |text: &str| {
+        std::fs::write(folder.path().join("gap.toml"), text).unwrap();
+        gap(folder.path(), &["--runs", "set/runs", "--config", "gap.toml"])
+    };
+    let (code, _, words) = with("[search]\nenough = 1000.0\n[prior.warm_up]\nleast = 0.01\n");
+    assert_eq!(code, Some(0), "{words}");
+    let json: Value = serde_json::from_str(&read(folder.path(), "gap.json")).unwrap();
+    assert_eq!(json["effects"].as_array().map(Vec::len), Some(0), "{json}");
+    for wrong in ["[search]\nenuogh = 4.0\n", "[prior.ghost]\nleast = 1.0\n"] {
+        let (code, _, words) = with(wrong);
+        assert_eq!(code, Some(3), "{words}");
+        assert!(words.contains("gap.toml: "), "{words}");
+    }
+    let (code, _, words) = with(&printed);
+    assert_eq!(code, Some(0), "{words}");
+    let json: Value = serde_json::from_str(&read(folder.path(), "gap.json")).unwrap();
+    assert_eq!(json["effects"][0]["name"], "tunnel_drag", "{json}");
 }
 
 /// The example of `gap --help` for a hidden effect, line by line.

@@ -13,62 +13,46 @@
 //! Coasting and a held speed weigh more than their share, 2.5 times as much as a density of the same width: without that short coasts would hardly be seen. An interval counts as coasted only if the one beside it did, too, or if the change clearly lies in the one
 //! beside it: its effort is a part of the one before. How often regimes change is found from the runs.
 
-use super::calibrate::Own;
-use super::rows::believed_load;
-use super::runs::Interval;
+use crate::config::CoastingConfig;
+use crate::data::believed::believed_load;
+use crate::data::interval::Interval;
+use crate::noise::calibrate::Own;
 use rundown::model::line::Line;
 
-/// Chance that a regime changes from one interval of 10 s to the next: the one of these under which the runs are likeliest.
-const CHANGES: [f64; 4] = [0.08, 0.15, 0.25, 0.4];
-/// Coasting is believed above this probability.
-const ENOUGH: f64 = 0.85;
-/// A stretch must be coasting rather than a held speed by so much, log of the ratio.
-const RATHER: f64 = 1.0;
-/// So many neighbours on both sides must not together be a held speed by so much.
-const AROUND: usize = 2;
-const RATHER_NOT: f64 = 2.0;
-/// The effort beside a change is clear if it is so many times its noise.
-const CLEAR: f64 = 6.0;
-/// An interval with this part of the effort before or after it has the change in itself; with more, it may lie in the next.
-const PART: core::ops::Range<f64> = -0.1..0.7;
-/// Density of coasting far from what it should be, over that of its middle.
-const FAR: f64 = 1e-5;
-/// What the model has beyond the description counts up to this, N/kg: 3 permille.
-const MOST_EXTRA_N_PER_KG: f64 = 0.03;
-/// A slower train is stopping or starting, m/s.
-const SLOWEST_MPS: f64 = 1.5;
 const REGIMES: usize = 5;
 /// The place of coasting among the regimes.
 const COAST: usize = 0;
 
 /// How sure a calculated effort is in which coasting is to be recognised.
 #[derive(Clone, Copy, Debug)]
-pub struct Recognised {
+pub struct Recognised<'a> {
     /// Standard deviation of the calculated effort, N/kg.
     pub noise_n_per_kg: f64,
     /// The same of the resistance, as a share.
     pub uncertain: f64,
     /// What differs from run to run.
     pub own: Own,
+    /// Thresholds.
+    pub config: &'a CoastingConfig,
 }
 
 /// What the model has beyond the believed description in each interval of a run, N/kg.
 #[derive(Clone, Debug)]
 pub struct Extra {
-    /// All of it.
     pub all: Vec<f64>,
     /// Without what acts by place.
     pub beyond_places: Vec<f64>,
 }
 
 /// The intervals of one run, ready to be judged.
-pub struct Driven {
-    told: Vec<Told>,
+pub struct Driven<'a> {
+    told: Vec<Said>,
     noise_n_per_kg: f64,
+    config: &'a CoastingConfig,
 }
 
-/// What one interval tells.
-struct Told {
+/// What one interval says.
+struct Said {
     effort_n_per_kg: f64,
     /// Weight of its effort under each regime.
     weights: [f64; REGIMES],
@@ -76,10 +60,11 @@ struct Told {
     rather: f64,
 }
 
-impl Told {
-    fn new(line: &Line<'_>, interval: &Interval, extra: [f64; 2], recognised: &Recognised) -> Self {
+impl Said {
+    fn new(line: &Line<'_>, interval: &Interval, extra: [f64; 2], recognised: &Recognised<'_>) -> Self {
+        let config = recognised.config;
         // Beyond that it would be power that drivers apply at the same place, taken for a gradient, and found there ever more.
-        let [extra, beyond_places] = extra.map(|e| e.clamp(-MOST_EXTRA_N_PER_KG, MOST_EXTRA_N_PER_KG));
+        let [extra, beyond_places] = extra.map(|e| e.clamp(-config.most_extra_n_per_kg, config.most_extra_n_per_kg));
         let load = believed_load(line, interval) + extra;
         let effort = interval.acceleration_mps2() + load;
         let speed = interval.mean_speed_mps();
@@ -96,8 +81,11 @@ impl Told {
             (1.0 + z * z / 5.0).powi(-3) / sd
         };
         // Not heavier tails: one interval of power between two of coasting must cost more than to change twice.
-        let coast = |effort: f64| (-0.5 * (effort / sd).powi(2)).exp() + FAR;
-        let hold = |change: f64| 0.7 * student(change, 1.3 * noise) + 0.3 * student(change, 3.0 * noise);
+        let coast = |effort: f64| (-0.5 * (effort / sd).powi(2)).exp() + config.far;
+        let hold = |change: f64| {
+            (1.0 - config.held_wide_share) * student(change, config.held_narrow * noise)
+                + config.held_wide_share * student(change, config.held_wide * noise)
+        };
         // A broad plateau with soft edges.
         let even = |low: f64, high: f64| {
             let outside = (low - effort).max(effort - high).max(0.0);
@@ -108,14 +96,14 @@ impl Told {
         let weights = [
             coast(effort) / sd,
             held,
-            even(0.15 * most, 1.1 * most),
-            even(-0.8, -0.1),
+            even(config.power_from * most, config.power_to * most),
+            even(config.brake_from_n_per_kg, config.brake_to_n_per_kg),
             // Changing: anywhere between.
-            even(-0.5, 1.05 * most) * 0.7,
+            even(config.change_from_n_per_kg, config.change_to * most) * config.change_weight,
         ];
         // What was found at this place must not make coasting of a speed that was held.
         let by_the_rest = coast(effort - extra + beyond_places);
-        let moves = interval.speed_mps.iter().all(|speed| *speed >= SLOWEST_MPS);
+        let moves = interval.speed_mps.iter().all(|speed| *speed >= config.slowest_mps);
         Self {
             effort_n_per_kg: effort,
             weights: if moves { weights } else { [1e-9, 1.0, 1.0, 1.0, 1.0] },
@@ -124,14 +112,18 @@ impl Told {
     }
 }
 
-impl Driven {
+impl<'a> Driven<'a> {
     /// What each interval of a run tells.
-    pub fn new(line: &Line<'_>, intervals: &[Interval], extra: &Extra, recognised: Recognised) -> Self {
+    pub fn new(line: &Line<'_>, intervals: &[Interval], extra: &Extra, recognised: Recognised<'a>) -> Self {
         let extra = extra.all.iter().zip(&extra.beyond_places);
         let told = |(interval, (all, beyond)): (&Interval, (&f64, &f64))| {
-            Told::new(line, interval, [*all, *beyond], &recognised)
+            Said::new(line, interval, [*all, *beyond], &recognised)
         };
-        Self { told: intervals.iter().zip(extra).map(told).collect(), noise_n_per_kg: recognised.noise_n_per_kg }
+        Self {
+            told: intervals.iter().zip(extra).map(told).collect(),
+            noise_n_per_kg: recognised.noise_n_per_kg,
+            config: recognised.config,
+        }
     }
 
     /// Probabilities of the regimes at each interval from what was before, and the log-likelihood of the run.
@@ -171,23 +163,25 @@ impl Driven {
             };
             let changed = |beyond: usize| {
                 let [part, all] = [beside, beyond].map(|i| self.told[i].effort_n_per_kg);
-                all.abs() > CLEAR * self.noise_n_per_kg && PART.contains(&(part / all))
+                all.abs() > self.config.clear * self.noise_n_per_kg
+                    && (self.config.part_from..self.config.part_to).contains(&(part / all))
             };
             regimes[beside][COAST] > 0.5 || at(i + 2 * outward).is_some_and(changed)
         };
         let mut coasted: Vec<bool> = (0..regimes.len())
-            .map(|i| regimes[i][COAST] > ENOUGH && pure(i as isize, -1) && pure(i as isize, 1))
+            .map(|i| regimes[i][COAST] > self.config.enough && pure(i as isize, -1) && pure(i as isize, 1))
             .collect();
         // Down a gradient that balances the resistance a held speed looks like coasting, interval by interval; and power between two coasts must not hide in them.
         let mut at = 0;
         for stretch in coasted.chunk_by_mut(|a, b| a == b) {
             let told = &self.told[at..at + stretch.len()];
             at += stretch.len();
-            let rather = |told: &[Told]| told.iter().map(|told| told.rather).sum::<f64>();
+            let rather = |told: &[Said]| told.iter().map(|told| told.rather).sum::<f64>();
             let all = rather(told);
             for (i, coasted) in stretch.iter_mut().enumerate() {
-                let around = &told[i.saturating_sub(AROUND)..(i + AROUND + 1).min(told.len())];
-                *coasted &= all > RATHER && rather(around) > -RATHER_NOT;
+                let around = self.config.around;
+                let around = &told[i.saturating_sub(around)..(i + around + 1).min(told.len())];
+                *coasted &= all > self.config.rather && rather(around) > -self.config.rather_not;
             }
         }
         coasted
@@ -195,9 +189,13 @@ impl Driven {
 }
 
 /// Which intervals of each run coasted.
-pub fn coasted(runs: &[Driven]) -> Vec<Vec<bool>> {
+pub fn coasted(runs: &[Driven<'_>]) -> Vec<Vec<bool>> {
+    let Some(config) = runs.first().map(|run| run.config) else {
+        return Vec::new();
+    };
     let likelihood = |change: f64| runs.iter().map(|run| run.forward(change).1).sum::<f64>();
-    let change = CHANGES.into_iter().max_by(|a, b| likelihood(*a).total_cmp(&likelihood(*b))).unwrap_or(CHANGES[0]);
+    let changes = config.changes.iter().copied();
+    let change = changes.max_by(|a, b| likelihood(*a).total_cmp(&likelihood(*b))).unwrap_or(0.1);
     runs.iter().map(|run| run.coasted(change)).collect()
 }
 
@@ -217,7 +215,8 @@ fn scaled(mut p: [f64; REGIMES]) -> [f64; REGIMES] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rows::{Believed, Row};
+    use crate::data::believed::Believed;
+    use crate::data::rows::Row;
     use rundown::model::direction::Direction;
     use rundown::model::track::{Gradient, Track};
     use rundown::model::train::{Train, TrainDescription};
@@ -243,7 +242,8 @@ mod tests {
         };
         let intervals: Vec<Interval> = efforts.iter().map(interval).collect();
         let extra = Extra { all: vec![0.0; intervals.len()], beyond_places: vec![0.0; intervals.len()] };
-        let recognised = Recognised { noise_n_per_kg: 0.006, uncertain: 0.1, own: Own::default() };
+        let config = CoastingConfig::default();
+        let recognised = Recognised { noise_n_per_kg: 0.006, uncertain: 0.1, own: Own::default(), config: &config };
         let run = Driven::new(line, &intervals, &extra, recognised);
         coasted(&[run]).swap_remove(0)
     }
@@ -284,12 +284,13 @@ mod tests {
         let held = Row::coasting(Direction::Up, 1000.0, 25.0).interval;
         // A gradient that would take up the whole resistance.
         let resistance = train.davis().resistance_n_per_kg(25.0);
+        let config = CoastingConfig::default();
         let rather = |beyond_places: f64| {
-            let recognised = Recognised { noise_n_per_kg: 0.006, uncertain: 0.1, own: Own::default() };
+            let recognised = Recognised { noise_n_per_kg: 0.006, uncertain: 0.1, own: Own::default(), config: &config };
             let line = believed.line(Direction::Up);
-            Told::new(line, &held, [-resistance, beyond_places], &recognised).rather
+            Said::new(line, &held, [-resistance, beyond_places], &recognised).rather
         };
         assert!(rather(-resistance) > -0.5);
-        assert!(rather(0.0) < -RATHER_NOT);
+        assert!(rather(0.0) < -config.rather_not);
     }
 }

@@ -1,9 +1,10 @@
 //! What effects add to the resistance, interval by interval: the law as the board runs it, comparable with a residual.
 
-use super::named::Named;
-use super::rows::{Believed, Row};
-use super::runs::Run;
-use rundown::model::effects::{Effect, Limits, Moment};
+use crate::data::believed::Believed;
+use crate::data::rows::Row;
+use crate::data::runs::Run;
+use crate::named::Named;
+use rundown::model::effects::{Effect, Limits};
 
 /// Extra resistance of all effects along each row, N/kg.
 pub fn explained(believed: &Believed<'_>, named: &[Named], runs: &[Run], rows: &[Row]) -> Vec<f64> {
@@ -12,6 +13,13 @@ pub fn explained(believed: &Believed<'_>, named: &[Named], runs: &[Run], rows: &
         acting.map(|one| extra(believed, &one.effect, row)).sum()
     };
     rows.iter().map(of_row).collect()
+}
+
+/// The rows with what the effects leave of their residuals.
+pub fn repaired(believed: &Believed<'_>, named: &[Named], runs: &[Run], rows: &[Row]) -> Vec<Row> {
+    let left =
+        |(row, explained): (&Row, f64)| Row { residual_n_per_kg: row.residual_n_per_kg - explained, ..row.clone() };
+    rows.iter().zip(explained(believed, named, runs, rows)).map(left).collect()
 }
 
 /// The effect acts in the run of this row.
@@ -26,16 +34,7 @@ pub fn extra(believed: &Believed<'_>, effect: &Effect, row: &Row) -> f64 {
     let davis = line.train.davis();
     let limits = Limits::of(line.train);
     row.interval.mean(|point| {
-        let moment = Moment {
-            location_m: point.location_m,
-            speed_mps: point.speed_mps,
-            effort_n_per_kg: row.effort_n_per_kg,
-            since_departure_s: point.since_departure_s,
-            braked: row.interval.braked,
-            temperature_c: row.interval.temperature_c,
-            day: row.interval.day,
-        };
-        let resistance = effect.resistance_n_per_kg(line, &davis, &moment);
+        let resistance = effect.resistance_n_per_kg(line, &davis, &row.moment(point));
         // A brake that fades gives less than was recorded: what is lost looks like less resistance.
         if row.effort_n_per_kg < 0.0 {
             let left = effect.limit(&limits, point.location_m, point.speed_mps);

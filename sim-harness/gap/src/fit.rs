@@ -3,11 +3,67 @@
 use core::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
-/// Log-likelihood that a value at its 95 % limit loses: half the 95 % point of chi square with one degree of freedom.
+/// Half a 95 % interval in standard deviations: the 97.5 % point of the normal distribution. All intervals of a report have this width.
+pub const HALF_95: f64 = 1.96;
+
+/// Log-likelihood that a value at the end of its 95 % interval loses: half the square of [`HALF_95`].
 pub const LOSS_AT_LIMIT: f64 = 1.92;
 
-/// 97.5 % point of the normal distribution, a little wider for the few runs there are.
-pub const TWO_SIDED: f64 = 2.05;
+/// Log of the number of ways to choose `chosen` of `all` runs, about.
+pub fn choices(chosen: usize, all: usize) -> f64 {
+    let p = (chosen as f64 / all as f64).clamp(1e-9, 1.0 - 1e-9);
+    -(all as f64) * (p * p.ln() + (1.0 - p) * (1.0 - p).ln()) + 0.5 * (all as f64).ln()
+}
+
+/// A coordinate search: each coordinate is moved by its step to either side as long as that gains, then the steps are made smaller.
+pub struct Climb<const N: usize> {
+    /// First steps.
+    pub steps: [f64; N],
+    /// Factor on the steps.
+    pub shrink: f64,
+    /// Rounds; the steps are made smaller after each. 0: only after a round without a move, as long as the first step is above `least`.
+    pub rounds: usize,
+    /// The least first step.
+    pub least: f64,
+    /// A gain by less is none.
+    pub better: f64,
+    /// Which side first: 1 or -1.
+    pub first: f64,
+    /// Both sides are looked at from where the coordinate stood; else the second from where the first led.
+    pub both: bool,
+    /// No coordinate goes beyond.
+    pub range: (f64, f64),
+}
+
+/// No range.
+pub const ANYWHERE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+impl<const N: usize> Climb<N> {
+    /// From a point on; `gain` is `None` where the search may not go. Where it ends, with its gain.
+    pub fn from(&self, mut at: [f64; N], gain: impl Fn([f64; N]) -> Option<f64>) -> ([f64; N], f64) {
+        let mut most = gain(at).unwrap_or(f64::NEG_INFINITY);
+        let (mut steps, mut round) = (self.steps, 0);
+        while if self.rounds > 0 { round < self.rounds } else { steps[0] > self.least } {
+            let mut moved = false;
+            for which in 0..N {
+                let stood = at[which];
+                for by in [self.first * steps[which], -self.first * steps[which]] {
+                    let mut other = at;
+                    let from = if self.both { stood } else { at[which] };
+                    other[which] = (from + by).clamp(self.range.0, self.range.1);
+                    if let Some(now) = gain(other).filter(|now| *now > most + self.better) {
+                        (at, most, moved) = (other, now, true);
+                    }
+                }
+            }
+            round += 1;
+            if self.rounds > 0 || !moved {
+                steps.iter_mut().for_each(|step| *step *= self.shrink);
+            }
+        }
+        (at, most)
+    }
+}
 
 /// The middle of values in any order.
 pub fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -58,7 +114,7 @@ fn inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
 }
 
 impl Base {
-    /// Fits the current model. `None` if its columns cannot be told apart.
+    /// Fits the current model. `None` if its columns are not independent.
     pub fn new(y: &DVector<f64>, columns: &[DVector<f64>], runs: &[Range<usize>]) -> Option<Self> {
         let x = if columns.is_empty() { DMatrix::zeros(y.len(), 0) } else { DMatrix::from_columns(columns) };
         let inverse = inverse(x.transpose() * &x)?;

@@ -1,49 +1,108 @@
-//! The gap workflow: where simulation and measured data disagree, which effect is missing, and the gap shrinking.
+//! Where recorded runs and the believed model disagree, which effect is missing, and what remains of the gap with it.
+//!
+//! ```text
+//! runs, train, track                                        Input
+//!      |  wheels, scale, offset, lag                        readings/
+//!      v
+//! intervals of 10 s --> residuals                           data/, coasting (without an effort column), efforts
+//!      |                    |
+//!      |                    v
+//!      |               noise, differences between runs      noise/
+//!      |                    |
+//!      v                    v
+//! limits of traction   missing terms, their rivals          traction/, search/ among candidates/
+//!      \                   /
+//!       v                 v
+//!      named effects, intervals, confidence                 naming/
+//!               |
+//!               v
+//!      hold-out runs simulated before and after             holdout/, evidence
+//!               |
+//!               v
+//!      gap.json, page, story, tables, model, frame          Answer
+//! ```
+//!
+//! All thresholds and priors are in [`GapConfig`](config::GapConfig); everything about one kind of effect is in its file below `candidates/`.
+//!
+//! ```no_run
+//! use rundown_gap::config::GapConfig;
+//! use rundown_gap::{input::Input, run};
+//!
+//! let input = Input::of_set("set".as_ref())?;
+//! let answer = run(input, GapConfig::default(), None, |step| eprintln!("{step}"))?;
+//! for one in &answer.found.named {
+//!     println!("{} with confidence {:.2}", one.effect.name(), one.confidence);
+//! }
+//! answer.write("gap".as_ref())?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod agreement;
-pub mod analysis;
+mod analysis;
 pub mod answer;
-pub mod calibrate;
-pub mod caps;
-pub mod coasting;
-pub mod dragging;
-pub mod efforts;
-pub mod evidence;
-pub mod explain;
-pub mod explained;
-pub mod families;
-pub mod files;
-pub mod fit;
-pub mod fitted;
-pub mod forward;
-pub mod innovations;
-pub mod journey;
-mod judge;
-pub mod kinematics;
-pub mod limits;
-pub mod load;
+mod axis;
+pub mod candidate;
+pub mod candidates;
+mod coasting;
+mod columns;
+pub mod config;
+mod data;
+mod efforts;
+mod evidence;
+mod explained;
+mod findings;
+mod fit;
+pub mod holdout;
+pub mod input;
+pub mod investigation;
 pub mod named;
-pub mod notes;
-mod of_term;
-mod on_line;
-pub mod own_wind;
-pub mod pulled;
-pub mod report;
-pub mod rivals;
-pub mod rows;
-pub mod runs;
-pub mod scan;
-pub mod select;
-pub mod separates;
-pub mod shape;
-pub mod share;
-pub mod story;
-pub mod tables;
-pub mod terms;
-pub mod travelled;
-pub mod wheels;
-pub mod whitening;
-pub mod workflow;
-pub mod worth;
+mod naming;
+mod noise;
+mod readings;
+pub mod refusal;
+mod search;
+mod traction;
+mod wording;
+
+pub use fit::median;
+
+use answer::rivals::rivals;
+use answer::whole::{Answer, repaired};
+use config::GapConfig;
+use data::believed::{Believed, Conditions, Context};
+use holdout::innovations::innovations;
+use input::Input;
+use investigation::{investigate, most_held_out};
+use refusal::Refusal;
+use rundown_files::recording::Recording;
+
+/// Does all of it. `hold_out`: how many runs judge the repaired model; a fifth unless said. `progress` is told what is being done.
+///
+/// # Errors
+/// [`Refusal`]: too few runs to hold out so many, runs that have too little to compare, or more effects than a board takes.
+pub fn run(
+    input: Input,
+    config: GapConfig,
+    hold_out: Option<usize>,
+    mut progress: impl FnMut(&str),
+) -> Result<Answer, Refusal> {
+    let (runs, most) = (input.runs.len(), most_held_out(input.runs.len(), &config.holdout));
+    if let Some(asked) = hold_out.filter(|asked| *asked > most) {
+        return Err(Refusal::HoldOut { asked, most, runs, least: config.holdout.least_training });
+    }
+    let given = Context {
+        believed: Believed::new(&input.train, &input.track),
+        surroundings: &input.surroundings,
+        conditions: Conditions::default(),
+        config: &config,
+    };
+    let found = investigate(&given, &input.runs, hold_out, &mut progress)?.ok_or(Refusal::TooLittle { runs })?;
+    progress("who else would explain it");
+    let context = Context { conditions: found.findings.conditions, ..given };
+    let rivals = rivals(&found.named, &found.findings, &context);
+    progress("the estimator's innovations with both models");
+    let held_out: Vec<&Recording> = found.held_out.iter().filter_map(|i| input.recordings.get(*i)).collect();
+    let innovations = innovations(&input.train, &input.track, &repaired(&found, &input), &held_out)?;
+    Ok(Answer { input, config, found, rivals, innovations })
+}

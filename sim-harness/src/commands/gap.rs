@@ -2,25 +2,14 @@
 
 use super::{Failure, screen};
 use clap::builder::PossibleValuesParser;
-use rundown::estimator::Estimator;
-use rundown::estimator::config::Config;
-use rundown::model::effects::Effects;
-use rundown_files::effect_file;
-use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_set::RunSet;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
-use rundown_gap::answer::Answer;
-use rundown_gap::explain::{self, explain};
-use rundown_gap::files::{Files, repaired};
-use rundown_gap::innovations::innovations;
-use rundown_gap::load;
-use rundown_gap::report;
-use rundown_gap::rivals::rivals;
-use rundown_gap::rows::Believed;
-use rundown_gap::runs::Run;
-use rundown_gap::story::story;
-use rundown_gap::workflow::{LEAST_TRAINING, investigate, most_held_out};
+use rundown::model::effects::EffectKind;
+use rundown_files::recording::DirectionChoice;
+use rundown_gap::answer::files::AnswerError;
+use rundown_gap::answer::story::story;
+use rundown_gap::candidates::{explain, printed_config};
+use rundown_gap::config::GapConfig;
+use rundown_gap::input::Input;
+use rundown_gap::refusal::Refusal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -32,8 +21,11 @@ Examples:
   The same for a program; ten runs held out to judge the repaired model:
     rundown gap --train t.toml --track k.toml --runs runs/ --out gap --hold-out 10 --json
 
-  What an effect is, what it looks like, and which data would tell:
+  What an effect is, what it looks like, and which data would separate it:
     rundown gap --explain steady_wind
+
+  All thresholds and priors with their units and sources, to be changed and given back with --config:
+    rundown gap --print-config > gap.toml
 
   A set with a hidden effect to try it on:
     rundown simulate --example hidden-effect > scenario.toml
@@ -55,17 +47,23 @@ Files in the output folder:
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
     /// The believed train
-    #[arg(long, value_name = "T.toml", required_unless_present = "explain")]
+    #[arg(long, value_name = "T.toml", required_unless_present_any = ["explain", "print_config"])]
     train: Option<PathBuf>,
     /// The believed track
-    #[arg(long, value_name = "K.toml", required_unless_present = "explain")]
+    #[arg(long, value_name = "K.toml", required_unless_present_any = ["explain", "print_config"])]
     track: Option<PathBuf>,
     /// Folder of run logs, or run logs
-    #[arg(long, value_name = "DIR", required_unless_present = "explain", num_args = 1..)]
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["explain", "print_config"], num_args = 1..)]
     runs: Vec<PathBuf>,
-    /// Tell what an effect is, its law, what it can be confused with, and which data would tell
-    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(explain::NAMES), exclusive = true)]
+    /// Say what an effect is, its law, what it is confounded with, and which data would separate it
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(EffectKind::ALL.map(EffectKind::name)), exclusive = true)]
     explain: Option<String>,
+    /// Thresholds and priors, as --print-config prints them; what a file leaves out stays as it is
+    #[arg(long, value_name = "GAP.toml")]
+    config: Option<PathBuf>,
+    /// Print all thresholds and priors, each with its unit and source
+    #[arg(long, exclusive = true)]
+    print_config: bool,
     /// Folder for the results; made when it does not exist
     #[arg(long, value_name = "OUT", default_value = "gap")]
     out: PathBuf,
@@ -88,6 +86,8 @@ impl Arguments {
             track: Some(set.join("track.toml")),
             runs: vec![set.join("runs")],
             explain: None,
+            config: None,
+            print_config: false,
             out,
             hold_out: None,
             direction: DirectionChoice::default(),
@@ -102,16 +102,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         screen::print(&text);
         return Ok(ExitCode::SUCCESS);
     }
+    if arguments.print_config {
+        screen::print(&printed_config());
+        return Ok(ExitCode::SUCCESS);
+    }
+    let config = arguments.config.as_deref().map_or_else(|| Ok(GapConfig::default()), config)?;
     // Both are there: they are required unless a page is asked for.
     let path = |path: &Option<PathBuf>| path.clone().unwrap_or_default();
-    let (train, core_train) = TrainFile::read(&path(&arguments.train)).map_err(Failure::refused)?;
-    let (track, core_track) = TrackFile::read(&path(&arguments.track)).map_err(Failure::refused)?;
-    if let Some(nowhere) = arguments.runs.iter().find(|path| !path.exists()) {
-        return Err(Failure::refused(format!(
-            "{}: expected a folder of run logs, or a run log; there is nothing of this name",
-            nowhere.display()
-        )));
-    }
+    let (train, track) = (path(&arguments.train), path(&arguments.track));
+    let input = Input::read(&train, &track, &arguments.runs, arguments.direction).map_err(failed)?;
     // Refused before the work, not after it.
     if let Some(file) = arguments.out.ancestors().find(|path| path.is_file()) {
         return Err(Failure::refused(format!(
@@ -120,13 +119,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             file.display()
         )));
     }
-    let set = RunSet::find(&arguments.runs).map_err(Failure::refused)?;
-    let (read, notes) = load::with_recordings(&set, &track, arguments.direction);
-    let (runs, recordings): (Vec<Run>, Vec<Recording>) = read.into_iter().unzip();
-    set.notes.iter().chain(&notes).for_each(|text| screen::note(text));
-    few_enough(arguments.hold_out, runs.len())?;
-    let believed = Believed::new(&core_train, &core_track);
-    let surroundings = load::surroundings(&track);
+    input.notes.iter().for_each(|text| screen::note(text));
     let bar = screen::waiting();
     let tell = |text: &str| {
         if !arguments.json {
@@ -134,55 +127,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         }
         bar.set_message(text.to_owned());
     };
-    let found = investigate(believed, &surroundings, &runs, arguments.hold_out, tell);
-    let Some(found) = found else {
-        bar.finish_and_clear();
-        return Err(Failure {
-            message: format!(
-                "{} runs have too little to compare: expected moving samples with location and speed, and an effort column or long coasting; nothing was written",
-                runs.len()
-            ),
-            code: super::SOME_RUNS_FAILED,
-        });
-    };
-    tell("who else would explain it");
-    let rivals = rivals(&found, believed, &surroundings);
-    tell("the estimator's innovations with both models");
-    let repaired = repaired(&found, &train, &track);
-    let held_out: Vec<&Recording> = found.held_out.iter().map(|i| &recordings[*i]).collect();
-    let estimator = Estimator::try_new(Config::default(), core_train, core_track.clone()).map_err(Failure::refused)?;
-    let effects = |(train, track): (&TrainFile, &TrackFile), run: &str| {
-        // The lists were checked when they were read; one that is too long is left out, as a board would.
-        effect_file::effects(&track.effect, &train.effect, Some(run)).unwrap_or(Effects::NONE)
-    };
-    let innovations =
-        innovations(&estimator, &held_out, |_| Effects::NONE, |run| effects((&repaired.0, &repaired.1), run));
+    let answer = rundown_gap::run(input, config, arguments.hold_out, tell);
     bar.finish_and_clear();
-    let dataset: Vec<String> = arguments.runs.iter().map(|p| p.display().to_string()).collect();
-    let about_track = load::about_track(&track, &runs);
-    let answer = Answer {
-        about_track: &about_track,
-        dataset: &dataset.join(" "),
-        runs: runs.len(),
-        found: &found,
-        rivals: &rivals,
-        innovations,
-        left_out: set.files.len() - runs.len(),
-        described_effects: train.effect.len() + track.effect.len(),
-        rotating_mass_kg: believed.train().rotating_mass_kg(),
-    };
-    let json = format!("{:#}\n", answer.json());
-    let page = report::page(&report::Page { answer, found: &found, believed, runs: &runs });
-    let texts = [("gap.json", json.clone()), ("report.html", page)];
-    let files = Files::render(&found, &repaired, texts).map_err(Failure::not_written)?;
-    files.write(&arguments.out).map_err(Failure::not_written)?;
-    let done = if answer.left_out == 0 { ExitCode::SUCCESS } else { ExitCode::from(super::SOME_RUNS_FAILED) };
+    let answer = answer.map_err(failed)?;
+    answer.write(&arguments.out).map_err(|error| match error {
+        AnswerError::Render(error) => Failure::not_written(error),
+        AnswerError::Write(error) => Failure::not_written(error),
+    })?;
+    let done = if answer.input.left_out == 0 { ExitCode::SUCCESS } else { ExitCode::from(super::SOME_RUNS_FAILED) };
     if arguments.json {
-        screen::print(&json);
+        screen::print(&answer.json_text());
         return Ok(done);
     }
     screen::print(&story(&answer));
-    if let Some(found) = &innovations {
+    if let Some(found) = &answer.innovations {
         screen::print(&format!(
             "innovations of the estimator's speed on the same runs: {:.3} m/s before, {:.3} after\n",
             found.before_mps, found.after_mps
@@ -192,16 +150,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(done)
 }
 
-/// Refuses to hold out so many runs that too few are left to find an effect in.
-fn few_enough(hold_out: Option<usize>, runs: usize) -> Result<(), Failure> {
-    let most = most_held_out(runs);
-    match hold_out {
-        Some(asked) if asked > most => Err(Failure {
-            message: format!(
-                "--hold-out {asked}: an analysis needs {LEAST_TRAINING} runs and there are {runs}, so at most {most} can be held out; nothing was written"
-            ),
-            code: super::WRONG_ARGUMENTS,
-        }),
-        _ => Ok(()),
-    }
+fn failed(refusal: Refusal) -> Failure {
+    let code = match refusal {
+        Refusal::HoldOut { .. } => super::WRONG_ARGUMENTS,
+        Refusal::TooLittle { .. } => super::SOME_RUNS_FAILED,
+        _ => super::DESCRIPTION_REFUSED,
+    };
+    Failure { message: refusal.to_string(), code }
+}
+
+/// Reads thresholds and priors.
+fn config(path: &Path) -> Result<GapConfig, Failure> {
+    let read = || -> Result<GapConfig, Box<dyn std::error::Error>> {
+        let config: GapConfig = toml::from_str(&std::fs::read_to_string(path)?)?;
+        rundown_gap::candidates::check_priors(&config)?;
+        Ok(config)
+    };
+    read().map_err(|error| Failure::refused(format!("{}: {error}", path.display())))
 }

@@ -1,7 +1,7 @@
 //! `rundown gap-bench`: how often `rundown gap` finds what was hidden, and nothing else.
 
 use super::{Failure, screen};
-use crate::gap_bench::draw::{Ask, KINDS, Set, Size};
+use crate::gap_bench::draw::{Ask, SIZES, Set, Size, kinds};
 use crate::gap_bench::score::Score;
 use crate::gap_bench::table::{Done, tables};
 use crate::gap_bench::{BenchError, blind};
@@ -11,7 +11,7 @@ use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use rundown_gap::tables as gap_tables;
+use rundown_gap::answer::tables as gap_tables;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -35,11 +35,11 @@ Files in the output folder:
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
     /// Kinds of hidden effects; all without it
-    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(KINDS))]
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(kinds()))]
     kind: Vec<String>,
     /// Sizes; all without it
     #[arg(long, value_enum)]
-    size: Vec<Size>,
+    size: Vec<HowLarge>,
     /// Logs with or without an effort column; both without it
     #[arg(long, value_enum)]
     effort: Option<Effort>,
@@ -73,6 +73,17 @@ pub struct Arguments {
     /// Folder for the results; made when it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/gap-bench")]
     out: PathBuf,
+}
+
+/// How large the hidden effect is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum HowLarge {
+    /// Nobody would overlook it.
+    Clear,
+    /// In between.
+    Medium,
+    /// At the limit.
+    Faint,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -129,9 +140,12 @@ fn asks(arguments: &Arguments) -> Vec<Ask> {
         Some(Effort::With) => &[true],
         Some(Effort::Without) => &[false],
     };
-    let sizes = if arguments.size.is_empty() { &Size::ALL[..] } else { &arguments.size };
+    let sizes: Vec<Size> = match arguments.size.is_empty() {
+        true => SIZES.to_vec(),
+        false => arguments.size.iter().map(|size| SIZES[*size as usize]).collect(),
+    };
     let chosen = |kind: &&str| arguments.kind.is_empty() || arguments.kind.iter().any(|k| k == kind);
-    let kinds: Vec<&'static str> = KINDS.into_iter().filter(|kind| chosen(kind)).collect();
+    let kinds: Vec<&'static str> = kinds().filter(chosen).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(arguments.seed);
     let mut asks = Vec::new();
     let mut ask = |kinds: Vec<&'static str>, size, effort, dirty, rng: &mut ChaCha8Rng| {
@@ -150,7 +164,7 @@ fn asks(arguments: &Arguments) -> Vec<Ask> {
                 ask(Vec::new(), Size::Clear, effort, dirty, &mut rng);
             }
         }
-        for &size in sizes {
+        for &size in &sizes {
             for &kind in &kinds {
                 for _ in 0..arguments.sets {
                     let dirty = rng.random_bool(arguments.dirty);
@@ -169,16 +183,17 @@ fn asks(arguments: &Arguments) -> Vec<Ask> {
 }
 
 fn one(ask: Ask, kept: Option<&Path>) -> Result<Done, BenchError> {
-    let set = Set::draw(ask);
-    let failed =
-        |e: std::io::Error| BenchError { seed: set.ask.seed, kinds: set.ask.kinds.join(" + "), reason: e.to_string() };
+    let (seed, kinds) = (ask.seed, ask.kinds.join(" + "));
+    let set = Set::draw(ask).map_err(|reason| BenchError { seed, kinds, reason })?;
+    let failed = |error: std::io::Error| BenchError::new(&set, error);
     let folder = tempfile::tempdir().map_err(failed)?;
     let folder = kept.unwrap_or(folder.path());
     std::fs::create_dir_all(folder).map_err(failed)?;
     let begun = Instant::now();
-    let found = blind(&set, folder)?;
+    let answer = blind(&set, folder)?;
+    let found = answer.as_ref().map(|answer| &answer.found);
     let seconds = begun.elapsed().as_secs_f64();
-    if let (Some(folder), Some(found)) = (kept, &found) {
+    if let (Some(folder), Some(found)) = (kept, found) {
         let put = |name: &str, table: Result<Vec<u8>, csv::Error>| {
             std::fs::write(folder.join(name), table.map_err(std::io::Error::other)?)
         };
@@ -187,7 +202,7 @@ fn one(ask: Ask, kept: Option<&Path>) -> Result<Done, BenchError> {
     }
     let scenario = &set.scenario;
     Ok(Done {
-        score: Score::of(&set, found.as_ref()),
+        score: Score::of(&set, found),
         hidden: format!("{:?}", scenario.effects),
         data: format!(
             "{:.0} t, {:?}, {:?}, every {} s",

@@ -6,7 +6,12 @@ use crate::simulation::folder::FolderError;
 use crate::simulation::scenario_file::{Simulation, TrainTable};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rundown_truth::effects::*;
+use rundown::model::effects::EffectKind;
+use rundown::model::resistance::Davis;
+pub use rundown_gap::candidate::HiddenSize as Size;
+use rundown_gap::candidate::Hide;
+use rundown_gap::candidates;
+use rundown_truth::effects::Effect;
 use rundown_truth::habits::DriverKind;
 use rundown_truth::line::{Curve, Line as TrueLine};
 use rundown_truth::plan::Headings;
@@ -16,59 +21,18 @@ use rundown_truth::train::{DavisTruth, TrainTruth};
 use serde::Serialize;
 use std::path::Path;
 
-/// How large the hidden effect is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
-pub enum Size {
-    /// Nobody would miss it.
-    Clear,
-    /// In between.
-    Medium,
-    /// At the limit.
-    Faint,
+/// All sizes.
+pub const SIZES: [Size; 3] = [Size::Clear, Size::Medium, Size::Faint];
+
+/// Names of hidden effects: those of the catalogue, then those that are in none.
+pub fn kinds() -> impl Iterator<Item = &'static str> {
+    EffectKind::ALL.into_iter().flat_map(|kind| candidates::of(kind).hidden_names())
 }
-
-impl Size {
-    /// All.
-    pub const ALL: [Self; 3] = [Self::Clear, Self::Medium, Self::Faint];
-
-    fn of(self, values: [f64; 3]) -> f64 {
-        values[self as usize]
-    }
-}
-
-/// Kinds of hidden effects: those of the catalogue, then those of none.
-pub const KINDS: [&str; 24] = [
-    "tunnel_drag",
-    "curve_resistance",
-    "gradient_error",
-    "steady_wind",
-    "run_wind",
-    "mass_error",
-    "dragging_brake",
-    "power_limit_section",
-    "traction_scale",
-    "low_adhesion",
-    "speed_scale",
-    "location_lag",
-    "temperature_resistance",
-    "seasonal_drift",
-    "brake_fade",
-    "train_length_error",
-    "warm_up",
-    "davis_error",
-    "cubic_drag",
-    "speed_bump",
-    "location_bump",
-    "periodic_drag",
-    "frost",
-    "day_step",
-];
 
 /// What is asked of a set; the seed draws the rest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ask {
-    /// Of [`KINDS`]: none, one or several.
+    /// Of [`kinds`]: none, one or several.
     pub kinds: Vec<&'static str>,
     /// How large.
     pub size: Size,
@@ -93,7 +57,10 @@ pub struct Set {
 
 impl Set {
     /// Draws a set.
-    pub fn draw(ask: Ask) -> Self {
+    ///
+    /// # Errors
+    /// Names a kind that cannot be hidden.
+    pub fn draw(ask: Ask) -> Result<Self, String> {
         let mut rng = ChaCha8Rng::seed_from_u64(ask.seed ^ 0xA5A5);
         let mut scenario = Scenario::default();
         if rng.random_bool(0.6) {
@@ -123,8 +90,8 @@ impl Set {
             scenario.load_sd = 0.02;
         }
         let one = |kind: &&str| effect(kind, ask.size, &scenario.train, &mut rng);
-        scenario.effects = ask.kinds.iter().map(one).collect();
-        Self { ask, scenario }
+        scenario.effects = ask.kinds.iter().map(one).collect::<Result<_, String>>()?;
+        Ok(Self { ask, scenario })
     }
 
     /// Writes the set as `rundown simulate` does: the key is in its folder `truth`.
@@ -180,87 +147,21 @@ fn curves(rng: &mut ChaCha8Rng) -> Vec<Curve> {
     curves
 }
 
-/// The hidden effect of a kind.
-fn effect(kind: &str, size: Size, train: &TrainTruth, rng: &mut ChaCha8Rng) -> Effect {
+/// The hidden effect of a name of [`kinds`].
+///
+/// # Errors
+/// There is none of this name, or the simulator does not know it.
+fn effect(name: &str, size: Size, train: &TrainTruth, rng: &mut ChaCha8Rng) -> Result<Effect, String> {
     let from_m: f64 = rng.random_range(16_000.0..26_000.0);
     let to_m = from_m + rng.random_range(1_500.0..4_000.0);
     let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
-    match kind {
-        "tunnel_drag" => {
-            Effect::TunnelDrag(TunnelDrag { from_m, to_m, k: train.davis.r2 * size.of([0.36, 0.18, 0.09]) })
-        }
-        "curve_resistance" => Effect::CurveResistance(CurveResistance { coefficient_roeckl: size.of([1.0, 0.6, 0.3]) }),
-        "gradient_error" => {
-            Effect::GradientError(GradientError { from_m, to_m, delta_permille: sign * size.of([2.0, 1.0, 0.5]) })
-        }
-        "steady_wind" => Effect::SteadyWind(SteadyWind { wind_mps: sign * size.of([5.0, 2.5, 1.2]) }),
-        "run_wind" => Effect::RunWind(RunWind { sd_mps: size.of([4.0, 2.5, 1.2]) }),
-        "mass_error" => Effect::MassError(MassError { relative: sign * size.of([0.10, 0.05, 0.025]) }),
-        "dragging_brake" => Effect::DraggingBrake(DraggingBrake {
-            drag_n_per_kg: size.of([0.01, 0.006, 0.003]),
-            runs: Affected::Share(0.25),
-        }),
-        "power_limit_section" => Effect::PowerLimitSection(PowerLimitSection {
-            from_m: rng.random_range(1_500.0..3_000.0),
-            to_m: rng.random_range(6_000.0..12_000.0),
-            factor: size.of([0.5, 0.65, 0.8]),
-            runs: Affected::Share(1.0),
-        }),
-        "traction_scale" => Effect::TractionScale(TractionScale { factor: size.of([0.75, 0.85, 0.92]) }),
-        "low_adhesion" => Effect::LowAdhesion(LowAdhesion {
-            factor: size.of([0.4, 0.5, 0.65]),
-            below_kmh: rng.random_range(35.0..60.0),
-            runs: Affected::Share(0.25),
-        }),
-        "speed_scale" => {
-            Effect::SpeedScale(SpeedScale { measured_over_true: 1.0 + sign * size.of([0.03, 0.015, 0.007]) })
-        }
-        "location_lag" => Effect::LocationLag(LocationLag { lag_s: size.of([5.0, 3.0, 2.0]) }),
-        "temperature_resistance" => Effect::TemperatureResistance(TemperatureResistance {
-            dr0_per_deg_c: -size.of([3e-4, 1.5e-4, 7e-5]),
-            ref_c: 10.0,
-        }),
-        "seasonal_drift" => {
-            Effect::SeasonalDrift(SeasonalDrift { dr0_over_period: sign * size.of([3e-3, 1.5e-3, 8e-4]) })
-        }
-        "brake_fade" => Effect::BrakeFade(BrakeFade {
-            fade_at_140: size.of([0.45, 0.3, 0.15]),
-            from_kmh: rng.random_range(40.0..80.0),
-        }),
-        "train_length_error" => {
-            Effect::TrainLengthError(TrainLengthError { true_length_m: train.length_m * size.of([0.5, 0.67, 0.8]) })
-        }
-        "warm_up" => {
-            Effect::WarmUp(WarmUp { amplitude: size.of([6e-3, 3e-3, 1.5e-3]), tau_s: rng.random_range(150.0..600.0) })
-        }
-        "davis_error" => {
-            let share = sign * size.of([0.2, 0.1, 0.05]);
-            let mut part = |of: f64| of * share * rng.random_range(0.6..1.4);
-            Effect::DavisError(DavisError {
-                dr0: part(train.davis.r0),
-                dr1: part(train.davis.r1),
-                dr2: part(train.davis.r2),
-            })
-        }
-        "cubic_drag" => Effect::CubicDrag(CubicDrag { k: size.of([3e-7, 1.5e-7, 7e-8]) }),
-        "speed_bump" => Effect::SpeedBump(SpeedBump {
-            at_kmh: rng.random_range(65.0..100.0),
-            half_width_kmh: rng.random_range(10.0..25.0),
-            drag_n_per_kg: size.of([0.012, 0.006, 0.003]),
-        }),
-        "location_bump" => {
-            Effect::LocationBump(LocationBump { from_m, to_m, drag_n_per_kg: size.of([0.02, 0.01, 0.005]) })
-        }
-        "periodic_drag" => Effect::PeriodicDrag(PeriodicDrag {
-            amplitude: size.of([0.01, 0.005, 0.0025]),
-            period_s: rng.random_range(300.0..900.0),
-        }),
-        "frost" => {
-            Effect::Frost(Frost { below_c: rng.random_range(2.0..5.0), drag_n_per_kg: size.of([5e-3, 2.5e-3, 1.2e-3]) })
-        }
-        _ => Effect::DayStep(DayStep {
-            from_share: rng.random_range(0.3..0.7),
-            drag_n_per_kg: size.of([4e-3, 2e-3, 1e-3]),
-        }),
-    }
+    let DavisTruth { r0, r1, r2 } = train.davis;
+    let davis = Davis { r0, r1, r2 };
+    let mut hide = Hide { size, section_m: [from_m, to_m], sign, davis, length_m: train.length_m, rng };
+    let mut of = EffectKind::ALL.into_iter().map(|kind| candidates::of(kind));
+    let candidate = of.find(|candidate| candidate.hidden_names().contains(&name));
+    let hidden = candidate.and_then(|candidate| candidate.hidden(name, &mut hide));
+    let mut hidden = hidden.ok_or_else(|| format!("{name}: no candidate hides it"))?;
+    hidden["name"] = name.into();
+    serde_json::from_value(hidden).map_err(|error| format!("{name}: {error}"))
 }

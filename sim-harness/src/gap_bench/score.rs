@@ -2,8 +2,9 @@
 
 use crate::gap_bench::draw::Set;
 use rundown::model::effects::{DavisError, Effect};
+use rundown_gap::candidates;
+use rundown_gap::investigation::Investigation;
 use rundown_gap::named::Named;
-use rundown_gap::workflow::Investigation;
 use rundown_truth::effects::Effect as Hidden;
 use rundown_truth::train::{DavisTruth, TrainTruth};
 use serde::Serialize;
@@ -60,16 +61,16 @@ impl Score {
             places: Vec::new(),
             intervals: [0, 0],
             outside: Vec::new(),
-            removed: found.filter(|f| f.gap.is_removable()).map(|f| f.gap.removed_share),
-            gap_mps: found.map_or([0.0; 3], |f| [f.gap.before_mps, f.gap.after_mps, f.gap.floor_mps]),
+            removed: found.and_then(|f| f.gap.removed),
+            gap_mps: found.map_or([0.0; 3], |f| [f.gap.before, f.gap.after, f.gap.floor]),
             p_value: found.map_or(1.0, |f| f.p_value),
-            rivals: named.iter().flat_map(|n| n.ambiguous_with.clone()).collect(),
+            rivals: named.iter().flat_map(|n| n.ambiguous_with.iter().map(|kind| kind.name())).collect(),
             found: names,
             key,
         };
         for effect in hidden {
             if let Some(coordinate) = effect.unknown_coordinate() {
-                let right = |n: &Named| n.effect.name() == "unknown" && n.coordinate == Some(coordinate);
+                let right = |n: &Named| n.effect.name() == "unknown" && n.coordinate() == Some(coordinate);
                 score.coordinate = Some(named.iter().any(right));
             } else if let Some(one) = named.iter().find(|n| n.effect.name() == effect.name()) {
                 score.compare(effect, one, &set.scenario.train);
@@ -97,7 +98,7 @@ impl Score {
         }
         if let (Hidden::DavisError(_), Effect::DavisError(davis)) = (hidden, &found.effect) {
             self.size_errors.extend(davis_error(&truth, davis));
-        } else if let Some((name, neutral)) = main_parameter(hidden, train)
+        } else if let Some((name, neutral)) = candidates::of_effect(&found.effect).main_parameter(train.length_m)
             && let (Some(a), Some(b)) = (truth[name].as_f64(), json["parameters"][name].as_f64())
         {
             self.size_errors.push(((b - a) / (a - neutral)).abs());
@@ -119,7 +120,9 @@ fn one_to_one(key: &[&'static str], named: &[Named]) -> bool {
         key.iter().partition(|name| named.iter().any(|n| n.effect.name() == **name));
     left.retain(|n| !found.contains(&n.effect.name()));
     missing.iter().all(|name| {
-        let rival = |n: &&Named| n.ambiguous_with.len() <= MOST_RIVALS && n.ambiguous_with.contains(name);
+        let rival = |n: &&Named| {
+            n.ambiguous_with.len() <= MOST_RIVALS && n.ambiguous_with.iter().any(|kind| kind.name() == *name)
+        };
         match left.iter().position(rival) {
             Some(i) => {
                 left.remove(i);
@@ -132,28 +135,6 @@ fn one_to_one(key: &[&'static str], named: &[Named]) -> bool {
 
 fn parameters(hidden: &Hidden) -> Value {
     serde_json::to_value(hidden).unwrap_or(Value::Null)
-}
-
-/// The parameter that is the effect's size, and its value without the effect.
-fn main_parameter(hidden: &Hidden, train: &TrainTruth) -> Option<(&'static str, f64)> {
-    Some(match hidden.name() {
-        "tunnel_drag" => ("k", 0.0),
-        "curve_resistance" => ("coefficient_roeckl", 0.0),
-        "gradient_error" => ("delta_permille", 0.0),
-        "steady_wind" => ("wind_mps", 0.0),
-        "run_wind" => ("sd_mps", 0.0),
-        "mass_error" => ("relative", 0.0),
-        "dragging_brake" => ("drag_n_per_kg", 0.0),
-        "power_limit_section" | "traction_scale" | "low_adhesion" => ("factor", 1.0),
-        "speed_scale" => ("measured_over_true", 1.0),
-        "location_lag" => ("lag_s", 0.0),
-        "temperature_resistance" => ("dr0_per_degC", 0.0),
-        "seasonal_drift" => ("dr0_over_period", 0.0),
-        "brake_fade" => ("fade_at_140", 0.0),
-        "train_length_error" => ("true_length_m", train.length_m),
-        "warm_up" => ("amplitude", 0.0),
-        _ => return None,
-    })
 }
 
 /// Wrong coefficients hide in each other, their resistance does not: error of it between 60 and 140 km/h as a share of what was hidden, root mean squares.

@@ -1,8 +1,8 @@
 //! Many scores in tables that a person reads: Markdown.
 
-use crate::gap_bench::draw::{Ask, Size};
+use crate::gap_bench::draw::{Ask, SIZES};
 use crate::gap_bench::score::Score;
-use rundown_gap::fit::median;
+use rundown_gap::median;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -63,7 +63,7 @@ fn sizes(done: &[Done]) -> String {
         |---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for (count, effort) in [(1, true), (1, false), (2, true), (2, false)] {
-        for size in Size::ALL {
+        for size in SIZES {
             let sets: Vec<&Score> = done
                 .iter()
                 .filter(|d| d.ask.kinds.len() == count && d.ask.effort == effort && d.ask.size == size)

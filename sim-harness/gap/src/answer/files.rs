@@ -1,0 +1,112 @@
+//! All files of `rundown gap`: rendered first, then written, so that nothing is written where something cannot be rendered.
+
+use crate::answer::report::page;
+use crate::answer::tables;
+use crate::answer::whole::Answer;
+use rundown_files::WriteError;
+use rundown_files::effect_file;
+use rundown_files::effect_frame;
+use std::path::Path;
+use std::{fs, io};
+use thiserror::Error;
+
+/// A file that cannot be rendered.
+#[derive(Debug, Error)]
+#[error("{name}: cannot be written: {reason}; nothing was written")]
+pub struct RenderError {
+    /// The file.
+    pub name: &'static str,
+    /// Why.
+    pub reason: String,
+}
+
+/// The files of an output folder, by their names in it.
+#[derive(Clone, Debug, Default)]
+pub struct Files(Vec<(&'static str, Vec<u8>)>);
+
+/// Why an answer is not in its folder.
+#[derive(Debug, Error)]
+#[error(transparent)]
+pub enum AnswerError {
+    /// A file cannot be rendered.
+    Render(#[from] RenderError),
+    /// A file cannot be written.
+    Write(#[from] WriteError),
+}
+
+impl Answer {
+    /// As text: `gap.json`.
+    pub fn json_text(&self) -> String {
+        format!("{:#}\n", self.json())
+    }
+
+    /// Writes all files into a folder, which is made when it does not exist.
+    ///
+    /// # Errors
+    /// [`AnswerError`] names the first file that cannot be rendered, and then nothing was written, or cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), AnswerError> {
+        Ok(Files::render(self)?.write(folder)?)
+    }
+}
+
+impl Files {
+    /// Tables, model, frame and texts of an answer.
+    ///
+    /// # Errors
+    /// [`RenderError`] names the file.
+    pub fn render(answer: &Answer) -> Result<Self, RenderError> {
+        let (train, track) = answer.model();
+        let texts = [("gap.json", answer.json_text()), ("report.html", page(answer))];
+        let mut files = Self(texts.map(|(name, text)| (name, text.into_bytes())).into());
+        files.add("model/train.toml", toml::to_string(&train).map(String::into_bytes))?;
+        files.add("model/track.toml", toml::to_string(&track).map(String::into_bytes))?;
+        let name = "effect.frame";
+        let effects = effect_file::effects(&track.effect, &train.effect, None);
+        let effects = effects.map_err(|error| failed(name, &error))?;
+        files.add(name, effect_frame::write(&effects))?;
+        files.add("residuals.csv", tables::residuals(&answer.found.findings.rows))?;
+        files.add("pulls.csv", tables::pulls(&answer.found.findings.pulls))?;
+        files.add("before_after.csv", tables::before_after(&answer.found))?;
+        Ok(files)
+    }
+
+    fn add<B: Into<Vec<u8>>, E: std::fmt::Display>(
+        &mut self,
+        name: &'static str,
+        rendered: Result<B, E>,
+    ) -> Result<(), RenderError> {
+        let bytes = rendered.map_err(|error| failed(name, &error))?;
+        self.0.push((name, bytes.into()));
+        Ok(())
+    }
+
+    /// Writes them into a folder, which is made when it does not exist.
+    ///
+    /// # Errors
+    /// [`WriteError`] names the first that could not be written.
+    pub fn write(&self, out: &Path) -> Result<(), WriteError> {
+        let at = |path: &Path| {
+            let path = path.to_owned();
+            move |source| WriteError { path, source }
+        };
+        // All folders first: where one cannot be made, or one lies in the way, nothing is written.
+        for (name, _) in &self.0 {
+            let path = out.join(name);
+            let folder = path.parent().unwrap_or(out);
+            fs::create_dir_all(folder).map_err(at(folder))?;
+        }
+        if let Some(path) = self.0.iter().map(|(name, _)| out.join(name)).find(|path| path.is_dir()) {
+            let source = io::Error::from(io::ErrorKind::IsADirectory);
+            return Err(WriteError { path, source });
+        }
+        for (name, bytes) in &self.0 {
+            let path = out.join(name);
+            fs::write(&path, bytes).map_err(at(&path))?;
+        }
+        Ok(())
+    }
+}
+
+fn failed(name: &'static str, error: &impl std::fmt::Display) -> RenderError {
+    RenderError { name, reason: error.to_string() }
+}

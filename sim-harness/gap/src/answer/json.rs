@@ -1,0 +1,122 @@
+//! `gap.json`: the answer for programs.
+
+use crate::answer::notes::notes;
+use crate::answer::rivals::MEANING;
+use crate::answer::whole::Answer;
+use crate::holdout::journey::{Spread, Summary};
+use crate::named::Named;
+use serde_json::{Value, json};
+
+/// Energy cannot be told without an effort column.
+pub const NO_ENERGY: &str = "cannot be measured: the logs have no effort column, or no held-out run that pulls";
+
+impl Answer {
+    /// The object.
+    pub fn json(&self) -> Value {
+        let (found, input) = (&self.found, &self.input);
+        let gap = &found.gap;
+        // Without rows there is nothing to flip, and without speeds nothing to compare.
+        let judged = !found.findings.rows.is_empty();
+        let compared = |value: f64| (!found.compared.is_empty()).then_some(value);
+        let mut json = json!({
+            "dataset": input.dataset,
+            "runs": input.runs.len(),
+            "runs_left_out": input.left_out,
+            "verdict": found.verdict.name(),
+            "effects": self.effects(),
+            "gap": {
+                "what": "simulated against measured speed, held-out runs",
+                "unit": "m/s",
+                "before": compared(gap.before),
+                "after": compared(gap.after),
+                "noise_floor": compared(gap.floor),
+                "removed_share": gap.removed,
+                "removed_share_95": gap.removed_95,
+                "worse_than_before": gap.is_worse(self.holdout()),
+                "held_out_runs": found.held_out.len(),
+                "p_value_before": judged.then_some(found.p_value),
+                "p_value_after": judged.then_some(found.p_value_after),
+                "p_value_held_out": found.p_value_held_out.map(|[before, after]| json!({ "before": before, "after": after })),
+            },
+            "running_time": self.running_time(),
+            "energy": self.energy(),
+            "p_value": judged.then_some(found.p_value),
+            "evidence": found.evidence.iter().map(|e| json!({
+                "coordinate": e.along.name(),
+                "score": e.score,
+                "at": e.at,
+                "p_value": e.p_value,
+            })).collect::<Vec<_>>(),
+            "rivals": MEANING,
+            "caveats": notes(self),
+        });
+        if let Some(found) = &self.innovations {
+            json["innovations"] = json!({
+                "what": "root mean square of the speed innovation of the estimator, held-out runs",
+                "unit": "m/s",
+                "before": found.before_mps,
+                "after": found.after_mps,
+            });
+        }
+        json
+    }
+
+    fn effects(&self) -> Vec<Value> {
+        let one = |(i, one): (usize, &Named)| {
+            let mut json = one.json();
+            let rivals = self.rivals.get(i).map_or(&[][..], Vec::as_slice);
+            let each = rivals.iter();
+            json["rivals"] = each.map(|r| json!({ "name": r.name, "worse": r.worse })).collect();
+            json
+        };
+        self.found.named.iter().enumerate().map(one).collect()
+    }
+
+    fn running_time(&self) -> Value {
+        let Some(summary) = self.times() else {
+            return json!({ "why_not": "no window of a held-out run could be simulated" });
+        };
+        let mut json = of_summary(&summary, "s");
+        let journeys = &self.found.journeys;
+        json["what"] = json!(
+            "time to cover the way of each window of up to 120 s from its measured first speed, driven by the recorded effort; simulated less measured, summed over each held-out run"
+        );
+        json["windows"] = json!(journeys.iter().map(|j| j.windows).sum::<usize>());
+        json["windows_not_covered"] = json!(journeys.iter().map(|j| j.stalled).sum::<usize>());
+        json
+    }
+
+    fn energy(&self) -> Value {
+        let Some(summary) = self.energies() else {
+            return json!({ "why_not": NO_ENERGY });
+        };
+        let mut json = of_summary(&summary, "kWh");
+        json["what"] = json!(
+            "energy at the wheel that the model needs on the measured speeds while the train pulls, less what the effort column says, for each held-out run"
+        );
+        json
+    }
+}
+
+fn of_summary(summary: &Summary, unit: &str) -> Value {
+    let spread = |spread: &Spread| {
+        json!({
+            "mean": spread.mean,
+            "quantiles_10_50_90": spread.quantiles,
+            "percent": 100.0 * spread.relative,
+        })
+    };
+    let share = &summary.share;
+    json!({
+        "unit": unit,
+        "runs": share.runs,
+        "measured": summary.measured,
+        "error_before": spread(&summary.before),
+        "error_after": spread(&summary.after),
+        "before": share.before,
+        "after": share.after,
+        "noise_floor": share.floor,
+        "removed_share": share.removed,
+        "removed_share_95": share.removed_95,
+    })
+}

@@ -1,0 +1,10 @@
+//! The answer, and all that is made of it: `gap.json`, the page, the story on the screen, tables, model and frame.
+
+pub mod files;
+pub mod json;
+pub mod notes;
+pub mod report;
+pub mod rivals;
+pub mod story;
+pub mod tables;
+pub mod whole;

@@ -1,0 +1,173 @@
+//! What a reader must know beside the verdict: for the screen, `gap.json` and the page alike.
+
+use crate::answer::whole::Answer;
+use crate::candidate::ShowsIn;
+use crate::candidates::{self, sensors};
+use crate::data::load::about_track;
+use crate::findings::Findings;
+use crate::investigation::Investigation;
+use crate::named::Named;
+use rundown::model::effects::Effect;
+use rundown_pages::numbers::counted;
+
+/// Sentences, the weightiest first.
+pub fn notes(answer: &Answer) -> Vec<String> {
+    let (found, input, config) = (&answer.found, &answer.input, answer.holdout());
+    let (runs, least) = (input.runs.len(), config.least_training);
+    let mut notes = Vec::new();
+    if found.findings.rows.is_empty() {
+        notes.push(no_rows(&found.findings).to_owned());
+    }
+    notes.extend(seen(&found.findings, answer.config.search.few_rows));
+    notes.extend(gain(&found.findings));
+    if found.gap.is_worse(config) {
+        notes.push(format!(
+            "Worse than before: on the held-out runs the simulated speed is off by {:.3} m/s with the effects and by {:.3} without them. Do not use the repaired model before this is understood.",
+            found.gap.after, found.gap.before
+        ));
+    }
+    if runs <= least {
+        notes.push(format!(
+            "{} at hand, none held out: an analysis needs {least}, so nothing here was tried out of sample.",
+            counted(runs, "run", "runs")
+        ));
+    } else if found.held_out.is_empty() {
+        notes.push("No run was held out: nothing here was tried out of sample.".to_owned());
+    }
+    if runs < config.few_runs {
+        notes.push(format!(
+            "Few runs ({runs}): what one driver or one day does can pass for an effect, and a small effect is not found."
+        ));
+    }
+    notes.extend(other_names(found));
+    notes.extend(contradiction(found, answer.config.evidence.significant));
+    notes.extend(about_track(&input.track_file, &input.runs));
+    if input.left_out > 0 {
+        notes.push(format!(
+            "{} of {} logs could not be used; why stands on the screen.",
+            input.left_out,
+            input.left_out + runs
+        ));
+    }
+    let described = input.train_file.effect.len() + input.track_file.effect.len();
+    if described > 0 {
+        notes.push(format!(
+            "The described train and track had effects already ({described}). They took no part: the analysis began without them, and what was found stands in their place."
+        ));
+    }
+    notes
+}
+
+/// What the effort sensor reads too much or too little.
+fn gain(findings: &Findings) -> Option<String> {
+    let gain = sensors::EFFORT_GAIN.name();
+    let gain = findings.terms.iter().find(|fitted| fitted.term.of.name() == gain)?;
+    let share = gain.beta.first()?;
+    Some(format!(
+        "The effort column reads {:.1} % too {} for the motion, beside what is named: the gain of its sensor, which the model does not need to know.",
+        100.0 * share.abs(),
+        if *share > 0.0 { "much" } else { "little" },
+    ))
+}
+
+/// How much of the runs tells of the resistance, where that is not nearly all.
+fn seen(findings: &Findings, few_rows: usize) -> Option<String> {
+    let rows = findings.rows.len();
+    if rows == 0 {
+        return None;
+    }
+    if rows < few_rows {
+        return Some(format!(
+            "Only {rows} intervals tell of the resistance, too few to look for an effect in: wheels, locations and limits of the traction alone were looked at."
+        ));
+    }
+    if findings.measured {
+        return None;
+    }
+    let mut speeds: Vec<f64> = findings.rows.iter().map(|row| 3.6 * row.interval.mean_speed_mps()).collect();
+    speeds.sort_by(f64::total_cmp);
+    Some(format!(
+        "Without an effort column the resistance shows in coasting alone: {:.0} % of the moving time, nine tenths of it between {:.0} and {:.0} km/h. What acts where nobody coasts is not seen.",
+        100.0 * rows as f64 / findings.moving.max(rows) as f64,
+        speeds[rows / 20],
+        speeds[rows - 1 - rows / 20],
+    ))
+}
+
+/// What is said where nothing could be judged by forces.
+pub fn no_rows(findings: &Findings) -> &'static str {
+    if findings.measured { TOO_FEW_ROWS } else { NO_ROWS }
+}
+
+/// Without an effort column and without coasting.
+pub const NO_ROWS: &str = "No resistance could be judged: the logs have no effort column, and no train coasts long enough in them. Only wheels, locations and limits of the traction were looked at.";
+
+/// With an effort column that says too little.
+const TOO_FEW_ROWS: &str = "No resistance could be judged: the logs have an effort column, but hardly an interval in which the train moves and the effort is steady. Only wheels, locations and limits of the traction were looked at.";
+
+/// Before and after are measured with what the training runs tell, which may be something else than all runs do.
+fn other_names(found: &Investigation) -> Option<String> {
+    let names = |named: &[Named]| {
+        // A wheel of one run is put right before.
+        let of_all = named.iter().filter(|one| !matches!(one.effect, Effect::SpeedScale(_)));
+        let mut names: Vec<&str> = of_all.map(|one| one.effect.name()).collect();
+        names.sort_unstable();
+        names
+    };
+    let (all, training) = (names(&found.named), names(&found.trained));
+    let listed = |names: &[&str]| match names {
+        [] => "nothing".to_owned(),
+        names => names.join(", "),
+    };
+    (!found.held_out.is_empty() && all != training).then(|| {
+        format!(
+            "All runs tell of {}, those that were not held out of {}: before and after on the held-out runs are measured with the second.",
+            listed(&all),
+            listed(&training)
+        )
+    })
+}
+
+/// Where p-value and verdict seem to say different things.
+fn contradiction(found: &Investigation, significant: f64) -> Option<String> {
+    if found.findings.rows.is_empty() {
+        return None;
+    }
+    let (before, after) = (found.p_value, found.p_value_after);
+    let p = |value: f64| format!("p = {value:.3}");
+    if found.named.is_empty() {
+        return (before < significant).then(|| {
+            format!(
+                "The residuals are not quite what noise leaves ({}), yet no effect of the catalogue explains enough of them to be named.",
+                p(before)
+            )
+        });
+    }
+    if before >= significant {
+        return Some(format!(
+            "The mean residuals show no gap ({}), and that is no contradiction: what was found shows in {}.",
+            p(before),
+            shows_in(&found.named)
+        ));
+    }
+    (after < significant).then(|| {
+        format!(
+            "Something is left in the residuals with the effects in the model ({}): a further effect too small to be named, or a law that is not quite the true one.",
+            p(after)
+        )
+    })
+}
+
+/// In what effects show that leave no mean residual.
+fn shows_in(named: &[Named]) -> String {
+    let of = |one: &Named| match candidates::of_effect(&one.effect).nature().shows_in {
+        ShowsIn::FullPower => "the effort at full power",
+        ShowsIn::Runs => "the differences between runs",
+        ShowsIn::Readings => "the distance by location against the distance by speed",
+        ShowsIn::Law => "the fit of its own law",
+    };
+    let mut all: Vec<&str> = named.iter().map(of).collect();
+    all.sort_unstable();
+    all.dedup();
+    all.join(" and ")
+}

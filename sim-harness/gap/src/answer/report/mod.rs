@@ -1,0 +1,71 @@
+//! `report.html` of `rundown gap`: for a railway engineer who reads from top to bottom.
+//!
+//! | module | part of the page |
+//! |---|---|
+//! | `words` | the verdict in sentences |
+//! | `maps` | residuals over location, speed, ..., with what the effects explain |
+//! | `law` | each effect's law through the mean residuals |
+//! | `rivals` | who else was tried, and how much worse it fits |
+//! | `limits` | effort over the believed limit, where a limit was found |
+//! | `held_out` | simulated speed before and after, on runs that took no part |
+//! | `journeys` | running time and energy before and after, on the same runs |
+//! | `tables` | evidence, effects, gap |
+//! | `caveats` | what the numbers rest on, and how a name can be wrong |
+//!
+//! In: an [`Answer`]. Out: one HTML file that needs nothing else.
+
+mod binned;
+mod caveats;
+mod held_out;
+mod journeys;
+mod law;
+mod limits;
+mod maps;
+mod rivals;
+mod tables;
+mod words;
+
+use crate::answer::notes::no_rows;
+use crate::answer::whole::Answer;
+use crate::explained::explained;
+use maud::html;
+use rundown_pages::shell::{document, figure};
+
+/// The whole page.
+pub fn page(answer: &Answer) -> String {
+    let found = &answer.found;
+    let context = answer.context();
+    let explained = explained(&context.believed, &found.named, &answer.input.runs, &found.findings.rows);
+    let body = html! {
+        @for sentence in words::verdict(answer) { p.lead { (sentence) } }
+        p.small { (answer.input.runs.len()) " runs of " (answer.input.dataset) ". Verdict in one word: " code { (found.verdict.name()) } "." }
+        section {
+            h2 { "Where simulation and measurement disagree" }
+            p { "The residual is the resistance that the believed model lacks: effort less acceleration less believed resistance and gradient, mean over about 10 s. Where the model is right it is zero but for noise." }
+            @if found.findings.rows.is_empty() {
+                p { (no_rows(&found.findings)) }
+            } @else {
+                @for (svg, caption) in maps::maps(answer, &explained) { (figure(svg, &caption)) }
+                (tables::evidence(found))
+            }
+        }
+        section {
+            h2 { "What is missing in the model" }
+            (tables::effects(found))
+            @for (svg, caption) in law::laws(answer, &explained) { (figure(svg, &caption)) }
+            @if let Some((svg, caption)) = limits::limits(answer) { (figure(svg, &caption)) }
+            (rivals::rivals(answer))
+        }
+        section {
+            h2 { "Before and after, on held-out runs" }
+            (tables::gap(answer))
+            @for (svg, caption) in held_out::held_out(answer) { (figure(svg, &caption)) }
+            (journeys::journeys(answer))
+        }
+        section {
+            h2 { "What this rests on" }
+            (caveats::caveats(answer))
+        }
+    };
+    document("Where the model and the train disagree", &body)
+}

@@ -1,0 +1,126 @@
+//! What a person reads on the screen when `rundown gap` is through.
+
+use crate::answer::json::NO_ENERGY;
+use crate::answer::notes::notes;
+use crate::answer::whole::Answer;
+use crate::candidates;
+use crate::holdout::journey::Summary;
+use crate::named::Named;
+use rundown::model::effects::EffectKind;
+
+/// The story.
+pub fn story(answer: &Answer) -> String {
+    let found = &answer.found;
+    let mut text = format!("verdict: {}", found.verdict.name());
+    if !found.findings.rows.is_empty() {
+        text.push_str(&format!(
+            "   p-value of the residuals without a gap: {:.3}, with the effects in the model: {:.3}",
+            found.p_value, found.p_value_after
+        ));
+    }
+    text.push('\n');
+    for (i, one) in found.named.iter().enumerate() {
+        text.push_str(&of_effect(one));
+        if let Some([nearest, ..]) = answer.rivals.get(i).map(Vec::as_slice) {
+            let (size, less) = match nearest.worse {
+                worse if worse < 0.0 => (-worse, "more"),
+                worse => (worse, "less"),
+            };
+            text.push_str(&format!("  next best {} (log-likelihood {size:.1} {less})", nearest.name));
+        }
+        text.push('\n');
+    }
+    text.push_str(&held_out(answer));
+    for note in notes(answer) {
+        text.push_str(&format!("note: {note}\n"));
+    }
+    text
+}
+
+fn of_effect(one: &Named) -> String {
+    let mut text = format!("  {}", candidates::of_effect(&one.effect).on_screen(one));
+    if let Some((from_m, to_m)) = one.effect.section_m() {
+        text.push_str(&format!("  from {from_m:.0} to {to_m:.0} m"));
+    }
+    if !one.runs.is_empty() {
+        text.push_str(&format!("  in {} runs", one.runs.len()));
+    }
+    text.push_str(&format!("  confidence {:.2}", one.confidence));
+    if !one.ambiguous_with.is_empty() {
+        text.push_str(&format!("  not distinguishable from {}", listed(&one.ambiguous_with)));
+        if !one.would_separate.is_empty() {
+            text.push_str(&format!("; would separate them: {}", one.would_separate.join(", ")));
+        }
+    }
+    text
+}
+
+fn listed(kinds: &[EffectKind]) -> String {
+    kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
+}
+
+fn held_out(answer: &Answer) -> String {
+    let (found, gap) = (&answer.found, &answer.found.gap);
+    if found.compared.is_empty() {
+        return "no held-out run could be compared: too few runs, or too little to simulate in them\n".to_owned();
+    }
+    let gone = match gap.removed {
+        _ if gap.is_worse(answer.holdout()) => "worse than before".to_owned(),
+        Some(share) => format!("{:.0} % of the removable gap is gone{}", 100.0 * share, interval(gap.removed_95)),
+        None => "there was nothing to remove".to_owned(),
+    };
+    let mut text = format!(
+        "simulated against measured speed, {} held-out runs: {:.3} m/s before, {:.3} after, noise floor {:.3}: {gone}\n",
+        found.held_out.len(),
+        gap.before,
+        gap.after,
+        gap.floor,
+    );
+    if let Some(times) = answer.times() {
+        text.push_str(&of_runs("running time", "s", 2, &times));
+    }
+    match answer.energies() {
+        Some(energies) => text.push_str(&of_runs("energy at the wheel", "kWh", 2, &energies)),
+        None => text.push_str(&format!("energy at the wheel: {NO_ENERGY}\n")),
+    }
+    text
+}
+
+fn of_runs(what: &str, unit: &str, decimals: usize, summary: &Summary) -> String {
+    let share = &summary.share;
+    let gone = match share.removed {
+        Some(removed) => format!("{:.0} % of the removable gap is gone{}", 100.0 * removed, interval(share.removed_95)),
+        None => "there was nothing to remove".to_owned(),
+    };
+    format!(
+        "{what} of a run, {} runs, root mean square error: {:.decimals$} {unit} before, {:.decimals$} after, noise floor {:.decimals$}; in sum {:+.1} % before, {:+.1} % after: {gone}\n",
+        share.runs,
+        share.before,
+        share.after,
+        share.floor,
+        100.0 * summary.before.relative,
+        100.0 * summary.after.relative,
+    )
+}
+
+fn interval(ends: Option<(f64, f64)>) -> String {
+    ends.map_or_else(String::new, |(low, high)| format!(" (95 % interval {:.0} to {:.0})", 100.0 * low, 100.0 * high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rundown::model::effects::{Coordinate, Effect, LocationLag, Unknown};
+
+    #[test]
+    fn a_negative_lag_is_early_and_a_table_tells_its_coordinate() {
+        let early = Named::plain(Effect::LocationLag(LocationLag { lag_s: -2.1 }), Vec::new(), 9.0, 30.0);
+        let text = of_effect(&early);
+        assert!(text.contains("the location comes 2.1 s early"), "{text}");
+        let unknown =
+            Unknown { coordinate: Coordinate::Speed, table: [(10.0, 0.0), (40.0, 2e-3)].into_iter().collect() };
+        let text = of_effect(&Named::plain(Effect::Unknown(unknown), Vec::new(), 9.0, 30.0));
+        let told = "along the speed, a table from 36 to 144 km/h, 0.0000 to 0.0020 N/kg";
+        assert!(text.contains(told), "{text}");
+    }
+}

@@ -1,0 +1,353 @@
+//! Every threshold and prior of the workflow: a name, a unit, a source, and a value that a file may change.
+//!
+//! Each line of documentation ends with where the value comes from: `Measured` on data with a known answer, `Derived` from the formulation, or `Judgement`. Sizes that an effect must
+//! have, and the shapes that are tried, belong to the effect: they stand in its file below `candidates/` and can be set as `[prior.<name>]`.
+//!
+//! What only says how finely something is computed (points along a path, steps of an integration, rounds of an iteration) is a constant where it is used.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What is believed of an effect before the data, as far as a file says otherwise than its candidate does.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PriorChange {
+    /// Smallest size that matters.
+    pub least: Option<f64>,
+    /// Largest size that is possible.
+    pub most: Option<f64>,
+    /// Shapes that are tried first.
+    pub shapes: Option<Vec<f64>>,
+}
+
+/// Defines the sections with their defaults, and keeps the documentation for [`GapConfig::commented`].
+macro_rules! settings {
+    ($($(#[doc = $what:literal])+ $section:ident: $name:ident {
+        $($field:ident: $type:ty = $default:expr, $(#[doc = $doc:literal])+)+
+    })+) => {
+        /// All settings, by stage.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct GapConfig {
+            $($(#[doc = $what])+ pub $section: $name,)+
+            /// Sizes and shapes of single effects, by their names.
+            pub prior: BTreeMap<String, PriorChange>,
+        }
+
+        $(
+            $(#[doc = $what])+
+            #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+            #[serde(default, deny_unknown_fields)]
+            pub struct $name { $($(#[doc = $doc])+ pub $field: $type,)+ }
+
+            impl Default for $name {
+                fn default() -> Self { Self { $($field: $default),+ } }
+            }
+        )+
+
+        impl GapConfig {
+            /// As a file, each value below what it is, its unit and its source.
+            pub fn commented(&self) -> String {
+                let mut text = String::new();
+                $(
+                    text.push_str(concat!($("#", $what, "\n",)+ "[", stringify!($section), "]\n"));
+                    $(
+                        text.push_str(concat!($("#", $doc, "\n"),+));
+                        text.push_str(&line(stringify!($field), &self.$section.$field));
+                    )+
+                    text.push('\n');
+                )+
+                text
+            }
+        }
+    };
+}
+
+/// `name = value`. Numbers and lists of numbers always have a form in TOML.
+fn line(name: &str, value: &impl Serialize) -> String {
+    toml::Value::try_from(value).map_or_else(|_| String::new(), |value| format!("{name} = {value}\n"))
+}
+
+settings! {
+    /// Runs cut into intervals, and which of them count.
+    interval: IntervalConfig {
+        length_s: f64 = 10.0, /// Wanted length, s. Judgement: within less the rounding of the speed hides everything.
+        gap: f64 = 2.5, /// Samples further apart than so many usual ones are a gap, and nothing is concluded across it. Judgement.
+        reading_s: f64 = 2.5, /// Half the window over which the speed of a fast log is read, s. Judgement.
+        located_s: f64 = 45.0, /// Half the window whose locations place a reading, s. Judgement: many readings, yet less than a lag changes in.
+        departed_mps: f64 = 0.5, /// A train faster than this has departed, m/s. Judgement.
+        braked_n_per_kg: f64 = -0.05, /// A measured effort below this is a brake application, N/kg. Judgement.
+        brake_test_n_per_kg: f64 = 0.12, /// What a brake test takes off the mean effort of 10 s at least, N/kg. Derived: 10 km/h less in the middle of an acceleration is 0.3.
+        by_power_mps: f64 = 5.0, /// Above this speed constant power, not constant effort, lies between two readings, m/s. Judgement.
+        held_mps: f64 = 0.35, /// A speed that changes by less over an interval is held, m/s. Derived: a third of a step of 1 km/h more than none.
+        held_share: f64 = 0.6, /// A driver who holds the speed follows a steeper gradient with the effort, within this share of it. Judgement.
+        held_least_n_per_kg: f64 = 0.004, /// A gradient that changes by less is followed in any case, N/kg. Judgement: 0.4 permille.
+        slowest_mps: f64 = 2.0, /// Slower intervals count for nothing: readings of zero, creeping, the last metres, m/s. Judgement.
+        most_change_n_per_kg: f64 = 0.03, /// An effort that changes by more within an interval has no mean that is known well enough, N/kg. Measured: a switch of the regime, a brake being applied.
+    }
+    /// Speed against location: scale, offset and lag.
+    kinematics: KinematicsConfig {
+        sure: f64 = 5.0, /// How often a value must exceed its standard deviation before it is believed. Judgement.
+        least_scale: f64 = 0.003, /// A scale nearer to 1 is within what wheels are allowed. Judgement.
+        least_lag_s: f64 = 1.2, /// A lag below this is what receivers have, s. Judgement.
+        corrected_sd: f64 = 3.0, /// A smaller lag is corrected, but not named, above so many standard deviations: it moves the train on its gradients. Judgement.
+        truncated_share: f64 = 0.4, /// An offset within this share of half a step of the speed readings is truncation. Judgement.
+        truncated_sd: f64 = 3.0, /// Truncation is believed above so many standard deviations. Judgement.
+        whole_share: f64 = 0.98, /// Share of the speeds that must be whole steps. Judgement.
+        location_sd_m: f64 = 4.0, /// Standard deviation of a location reading, for the weights, m. Judgement: a receiver under a roof.
+        distance_sd_m: f64 = 0.25, /// The same of the distance by speed, m/s^0.5. Judgement.
+        pair_s: f64 = 9.5, /// Least time between two readings that are compared, s. Derived: in less the distance drowns in the noise of the location.
+        longest_s: f64 = 30.0, /// Longest time between them, s. Judgement.
+        slowest_mps: f64 = 1.0, /// A train below this has no rounding and no truncation, m/s. Judgement.
+        least_pairs: usize = 10, /// Least pairs of a run. Judgement.
+        outlier: f64 = 4.0, /// Locations off by more standard deviations are winsorised. Judgement.
+        outlying_run: f64 = 12.0, /// A run that moves the fit by so many times the median is left out. Judgement.
+        least_runs: usize = 6, /// Fewer runs have no outlier among them. Judgement.
+        least_sd_share: f64 = 0.5, /// Standard deviation never below this share of what the noise model says. Judgement.
+        scale_sd: f64 = 3e-4, /// What the path between two readings does to a scale, a standard deviation. Measured.
+        lag_sd_s: f64 = 0.02, /// The same of a lag, s. Measured.
+    }
+    /// The wheel of a single train.
+    wheel: WheelConfig {
+        least: f64 = 0.004, /// A wheel nearer to the others is within what wheels are allowed. Judgement.
+        most: f64 = 0.045, /// A wheel is not further off; what is, are lost readings. Judgement.
+        sure: f64 = 6.0, /// How often it must exceed what the other runs scatter, and its own standard deviation. Judgement.
+        least_scatter: f64 = 3e-4, /// Runs scatter by no less, from the places where drivers stop. Measured.
+        least_runs: usize = 5, /// Fewer runs are no company. Judgement.
+        most_share: f64 = 0.34, /// More than this share of the runs is no exception. Judgement.
+        same: f64 = 0.002, /// Wheels nearer to each other are one. Judgement.
+        standing_mps: f64 = 1.0, /// Slower is standing, m/s. Judgement.
+        near_m: f64 = 60.0, /// Stops nearer to the next one are at one place, m. Judgement.
+        least_stops: usize = 3, /// Least runs that make a place of their stops; and a third of all. Judgement.
+        stop_m: f64 = 60.0, /// How far a stop may be from its place, m. Judgement: drivers, and the noise of a receiver.
+        stop_sd_m: f64 = 10.0, /// Standard deviation of a stop, m. Judgement.
+        least_distance_m: f64 = 1_500.0, /// Shorter distances tell nothing, m. Derived: 60 m are 4 % of them.
+    }
+    /// The effort column, or the effort calculated from the change of speed.
+    effort: EffortConfig {
+        measured_share: f64 = 0.7, /// Share of moving samples with an effort above which the effort counts as measured. Judgement.
+        moving_mps: f64 = 1.0, /// A faster train moves, m/s. Judgement.
+        telling_change_n_per_kg: f64 = 0.03, /// Intervals whose effort changes by more tell how the column is to be read, N/kg. Judgement.
+        mean_share: f64 = 0.7, /// Residuals below this share of those of momentary readings make it a mean since the sample before. Judgement.
+        steady_n_per_kg: f64 = 0.05, /// An effort that changes by more is no ground for judging the traction, N/kg. Judgement.
+        disturbed_n_per_kg: f64 = 0.005, /// What a calculated effort has beyond the rounding of the speeds, standard deviation at first, N/kg. Measured.
+        least_sd_n_per_kg: f64 = 0.003, /// The least standard deviation of a calculated effort that is believed, N/kg. Judgement.
+        most_sd_n_per_kg: f64 = 0.03, /// The largest, N/kg. Judgement.
+        fast_s: f64 = 3.0, /// Logs with less between samples are fast, s. Judgement.
+        fast_share: f64 = 0.7, /// Rounding that is left of a speed of a fast log, as a share. Derived: a line through several readings.
+    }
+    /// Coasting, recognised in logs without an effort column.
+    coasting: CoastingConfig {
+        uncertain: Vec<f64> = vec![0.3, 0.15, 0.1], /// Deviation of the resistance from its description, as a share of it, round by round. Judgement: wide at first.
+        changes: Vec<f64> = vec![0.08, 0.15, 0.25, 0.4], /// Chances that a regime changes from one interval to the next: the likeliest is taken. Judgement.
+        enough: f64 = 0.85, /// Coasting is believed above this probability. Judgement.
+        rather: f64 = 1.0, /// A stretch must be coasting rather than a held speed by so much, log of the ratio. Judgement.
+        around: usize = 2, /// So many neighbours on both sides are looked at together. Judgement.
+        rather_not: f64 = 2.0, /// They must not together be a held speed by so much, log of the ratio. Judgement.
+        clear: f64 = 6.0, /// The effort beside a change is clear if it is so many times its noise. Judgement.
+        part_from: f64 = -0.1, /// An interval with a part of the effort before or after it from this on has the change in itself. Derived: the change may lie anywhere in it.
+        part_to: f64 = 0.7, /// Up to this; with more, the change may lie in the next. Derived.
+        far: f64 = 1e-5, /// Density of coasting far from what it should be, over that of its middle. Measured: power between two coasts must cost more than to change twice.
+        most_extra_n_per_kg: f64 = 0.03, /// What the model has beyond the description counts up to this, N/kg. Judgement: 3 permille.
+        slowest_mps: f64 = 1.5, /// A slower train is stopping or starting, m/s. Judgement.
+        held_wide_share: f64 = 0.3, /// Share of the wide part of the density of a held speed. Measured on drivers of the simulator.
+        held_narrow: f64 = 1.3, /// Width of its narrow part, in standard deviations of the effort. Measured.
+        held_wide: f64 = 3.0, /// Width of its wide part. Measured.
+        power_from: f64 = 0.15, /// Powering: from this share of the largest effort. Judgement.
+        power_to: f64 = 1.1, /// Powering: to this share. Judgement.
+        brake_from_n_per_kg: f64 = -0.8, /// Braking: from, N/kg. Judgement.
+        brake_to_n_per_kg: f64 = -0.1, /// Braking: to, N/kg. Judgement.
+        change_from_n_per_kg: f64 = -0.5, /// Changing: from, N/kg. Judgement.
+        change_to: f64 = 1.05, /// Changing: to this share of the largest effort. Judgement.
+        change_weight: f64 = 0.7, /// Weight of changing against the other regimes. Judgement.
+    }
+    /// The noise of the residuals.
+    noise: NoiseConfig {
+        outlier: f64 = 3.5, /// Beyond so many standard deviations a row is an outlier, and given a wider spread. Judgement.
+        few: f64 = 1.05, /// Rows over rows less freedom of the flexible model, above which the restricted likelihood is taken. Measured: there its freedom hides what differs between runs.
+        least_knots: usize = 5, /// Least knots of the flexible model along the location. Judgement.
+        most_knots: usize = 30, /// Most of them. Judgement.
+        rows_a_knot: usize = 20, /// Rows for each. Judgement.
+        knots: usize = 6, /// Knots along the time and along the speed. Judgement.
+        run_knots: usize = 4, /// Knots along temperature and day. Judgement.
+        reading_mps: f64 = 0.08, /// Error of a speed reading to begin with, m/s. Judgement.
+        most_reading_mps: f64 = 1.0, /// Its largest value, m/s. Judgement.
+        acceleration_mps2: f64 = 0.003, /// Disturbance of the acceleration to begin with, m/s². Judgement.
+        most_acceleration_mps2: f64 = 0.2, /// Its largest value, m/s². Judgement.
+        change_share: f64 = 0.3, /// Share of a change of the effort by which its mean is uncertain, to begin with. Judgement.
+        most_change_share: f64 = 2.0, /// Its largest value. Judgement.
+        constant_n_per_kg: f64 = 5e-4, /// Constant resistance of each run to begin with, N/kg. Judgement.
+        most_constant_n_per_kg: f64 = 0.05, /// Its largest value, N/kg: with an effort column that is its zero, too. Judgement.
+        most_coasting_constant_n_per_kg: f64 = 1e-3, /// The same without an effort column. Derived: in coasting a wind looks like a constant and a mass together, larger ones than runs of one train have.
+        wind_mps: f64 = 0.5, /// Wind of each run to begin with, m/s. Judgement.
+        most_wind_mps: f64 = 20.0, /// Its largest value, m/s. Judgement.
+        mass: f64 = 5e-3, /// Mass of each run, or gain of its effort, to begin with, as a share. Judgement.
+        most_mass: f64 = 0.2, /// Its largest value: with an effort column that is its gain, too. Judgement.
+        most_coasting_mass: f64 = 0.04, /// The same without an effort column. Derived as the constant's.
+        least_share: f64 = 0.1, /// A standard deviation between runs below this share of where it began is none. Judgement.
+    }
+    /// Winds and dragging brakes: what differs between runs.
+    between_runs: BetweenRunsConfig {
+        wind_gain: f64 = 4.5, /// Gain of log-likelihood above which runs have a wind of their own, over other differences between runs. Judgement.
+        wind_or_drag_gain: f64 = 9.0, /// Below this gain it may as well be a brake that drags in some of them. Measured.
+        wind_sd: f64 = 1.3, /// The spread of winds is that much less certain than that of as many known values. Measured.
+        least_wind_mps: f64 = 0.8, /// The least spread of winds that matters, m/s. Judgement.
+        drag_gain: f64 = 8.0, /// What dragging brakes must explain better than winds and constants, log-likelihood. Judgement: two coefficients, and what makes it sure.
+        least_drag_n_per_kg: f64 = 1e-3, /// Smallest drag that is looked for, N/kg. Judgement.
+        most_drag_n_per_kg: f64 = 0.05, /// Largest, N/kg. Judgement.
+        most_dragging: f64 = 0.6, /// More than this share of the runs does not drag: it is the train. Judgement.
+        drags: f64 = 1.0, /// A run drags if the data are more likely by so much, log-likelihood. Judgement.
+    }
+    /// What freedom costs, in log-likelihood: the same for resistance, traction and readings.
+    penalty: PenaltyConfig {
+        coefficient: f64 = 2.1, /// A free coefficient. Derived: half the logarithm of about 67 runs.
+        section: f64 = 5.0, /// The choice of a section. Derived: about the logarithm of the sections that differ.
+        shape: f64 = 1.5, /// The choice of a time constant, or another number that is a shape. Judgement.
+        unnamed: f64 = 4.0, /// What an unnamed term must be better by than a named one. Judgement.
+        unnamed_law: f64 = 1.0, /// An unnamed law beyond its coefficient: one law instead of three coefficients, a little dearer than one of them. Judgement.
+        shift: f64 = 4.0, /// What another length must be better by. Judgement: locations that are off by some metres look like it.
+        bad_days: f64 = 6.0, /// The choice of the runs with low adhesion. Judgement.
+        caution: f64 = 6.0, /// What it takes to believe that it is not all drivers who are cautious. Judgement.
+    }
+    /// Which terms of the resistance are missing.
+    search: SearchConfig {
+        enough: f64 = 5.0, /// A gain less penalty below this is chance. Derived: with some fifteen families a data set without an effect reaches it once in about a hundred.
+        shadow: f64 = 0.003, /// A term that brings less than this share of what the model has brought already may be its law being a little different. Derived: an effect of a twentieth of the size.
+        most_terms: usize = 4, /// Most terms in a model. Judgement.
+        starts: usize = 3, /// Terms with which a model may begin. Judgement.
+        better: f64 = 0.5, /// What another term in the place of one must be better by, log-likelihood. Judgement.
+        few_rows: usize = 80, /// Fewer rows are no ground for a term. Judgement.
+        least_rows: usize = 30, /// With fewer nothing is calibrated. Judgement.
+        most_share: f64 = 1.5, /// Largest extra resistance over the believed one: more is too few rows for so many coefficients. Judgement.
+        most_beyond_n_per_kg: f64 = 0.01, /// Beyond that share, N/kg. Judgement.
+        least_n_per_kg: f64 = 3e-4, /// What acts always must be as large as this in more than a fifth of the rows, N/kg. Derived: 1 % of a train's resistance at 100 km/h.
+        least_in_section_n_per_kg: f64 = 2e-3, /// Least size in a section of the line, N/kg. Derived: 0.2 permille.
+        edge_m: f64 = 100.0, /// Spacing of the edges of sections that are tried, m. Judgement.
+        most_edges: f64 = 400.0, /// Most edges. Judgement: the time it takes.
+        shortest_m: f64 = 300.0, /// Shortest section, m. Judgement.
+        longest_share: f64 = 0.4, /// Longest section, as a share of the line. Judgement: more is no matter of place.
+        against: f64 = -3.0, /// A part of the rows in which a term makes the fit worse by more contradicts it, log-likelihood. Derived: with a true effect, about one part in a hundred.
+        braking_n_per_kg: f64 = -0.02, /// A part contradicts, or tells, by rows with a measured effort above this: drivers brake at the same places in each run, N/kg. Judgement.
+        acting: f64 = 0.1, /// A term acts where it adds more than this share of the most that it adds. Judgement.
+        held_mps2: f64 = 0.02, /// A speed that changes by less is held, m/s². Judgement.
+    }
+    /// How sure a name and its values are.
+    certainty: CertaintyConfig {
+        law: f64 = 0.01, /// A law is as good as this share of its coefficient, whatever the noise. Measured: means over 10 s, the path between readings.
+        described: f64 = 0.1, /// How well a Davis coefficient is described that is left as it is, as a share of it. Judgement.
+        nothing_n_per_kg: f64 = 1e-4, /// A dependence up to this is none: what rounding and the reading of the sensors leave, N/kg. Measured.
+        near: f64 = 3.0, /// A rival within this log-likelihood is not distinguishable. Derived: odds of 20.
+        far: f64 = 10.0, /// A rival that is worse by more has no odds. Derived: odds of 22 000.
+        same: f64 = 1.5, /// A tunnel and a gradient this near take the name that the track describes, log-likelihood. Judgement.
+        described_m: f64 = 600.0, /// A described section whose edges are this near to those found takes their place, m. Judgement.
+        overlap: f64 = 0.4, /// Sections overlap from this share of both together. Judgement.
+        most_gain: f64 = 30.0, /// Confidence counts a gain of log-likelihood up to this. Judgement.
+        limit: f64 = 0.006, /// What rounding, and efforts that rise within a reading, do to the factor of a limit, as a share of it. Measured.
+        below_kmh: f64 = 3.0, /// What a speed changes between two readings of an accelerating train, km/h. Derived: 10 s at 0.08 m/s².
+        little_less: f64 = 0.85, /// Above this factor what a section lacks in power may as well be a resistance in it, where the effort is calculated. Judgement.
+        coasted_rows: usize = 10, /// Intervals that must coast in a section for its resistance to be known there. Judgement.
+        same_mass: f64 = 0.5, /// Masses by air drag and by power agree within this share of the first. Judgement.
+        same_mass_at_least: f64 = 0.02, /// And this share of the train. Judgement.
+    }
+    /// Limits of the traction.
+    traction: TractionConfig {
+        least_share: f64 = 0.4, /// The least share of the nominal that drivers ask for. Judgement.
+        stray: f64 = 0.1, /// Probability that an interval is not steady power after all. Judgement.
+        by_power: f64 = 1.001, /// Effort limit over power limit above which the power limits. Derived: 1 but for rounding.
+        corner: f64 = 1.35, /// The same up to which the corner reaches, near which neither share limits. Judgement.
+        sensor: f64 = 0.008, /// What the effort sensor differs by from run to run and within one, as a share. Measured.
+        slowest_mps: f64 = 1.5, /// A slower train is starting, m/s. Judgement.
+        least_acceleration_mps2: f64 = 0.03, /// Least acceleration of a powering train, m/s². Judgement.
+        least_gain_mps: f64 = 4.0, /// Speed that a powering phase must gain to count, m/s. Judgement: less holds a speed.
+        apart_s: f64 = 25.0, /// Without power for so long, the next power is another phase, s. Judgement.
+        decision_s: f64 = 10.0, /// A driver leaves the handle where it is for about so long, s. Judgement.
+        near: f64 = 0.02, /// Neighbours differ by less, as a share of the limit, beyond what is known of them. Judgement.
+        near_sd: f64 = 2.5, /// And by so many standard deviations. Judgement.
+        speed_sd_mps: f64 = 0.06, /// Standard deviation of a speed where the power limits, m/s: of an interval. Derived from rounding.
+        sampled_speed_sd_mps: f64 = 0.08, /// The same of a sample, m/s. Derived.
+        starting_speed_sd_mps: f64 = 0.03, /// The same where the effort limits and only its rise counts, m/s. Derived.
+        left_mps: f64 = 2.0, /// Near the speed that is wanted, m/s. Judgement.
+        taken_back: f64 = 0.85, /// There less than this share of what was asked before is power taken back. Judgement.
+        floating: f64 = 0.015, /// The power stays within this share of the limit while the speed floats. Judgement.
+        floating_s: f64 = 50.0, /// For so long, s. Judgement.
+        floating_mps: f64 = 0.8, /// Meanwhile the speed differs by this much, m/s. Derived: more than rounding and a driver who corrects it.
+        least_s: f64 = 3.0, /// Samples nearer than this say the same, s. Judgement.
+        neighbour_s: f64 = 8.0, /// Neighbours are at least so far, s. Derived: a full acceleration moves the rounded speed by more than its step.
+        rise_s: f64 = 6.0, /// So long after the power is raised it may still rise, s. Judgement.
+        least_runs: usize = 3, /// Least runs with powering phases. Judgement.
+        least_scale: f64 = 0.03, /// A scale nearer to 1 is no finding. Judgement.
+        edge_m: f64 = 250.0, /// Edges of sections lie on this grid before they are refined, m. Judgement.
+        factors: usize = 14, /// Factors that are tried. Judgement: the time it takes.
+        starts: usize = 3, /// Sections that are refined. Judgement: the time it takes.
+        shared: f64 = 0.25, /// Weight of a part in the search: what the parts of a phase share counts once. Judgement.
+        same_loss: f64 = 0.3, /// A loss of log-likelihood that is none, where an edge is put. Judgement.
+        step_m: f64 = 50.0, /// Nearer phases are not tried one by one, m. Judgement.
+        soon_m: f64 = 500.0, /// How far beyond the last phase an edge is put at most, m. Judgement.
+        above: f64 = 1.1, /// A ratio above a limit by less is the sensor, or a reading of the speed. Judgement.
+        sure: f64 = 4.0, /// So many standard deviations below a calculated effort the true one never is. Judgement.
+        few_runs: usize = 3, /// Fewer runs that exceed a limit are strays. Judgement.
+        few_share: f64 = 0.1, /// And fewer than this share of those that power there. Judgement.
+        left_share: f64 = 0.5, /// A section of which less is left is none. Judgement.
+        before_m: f64 = 50.0, /// The readings that exceed a limit tell where it begins: just before, m. Judgement.
+        beyond_m: f64 = 500.0, /// Or as far on as a train goes between two readings, m. Derived: 10 s at 180 km/h.
+        slippery_gain: f64 = 0.5, /// Gain of log-likelihood below which a run says nothing of bad days. Judgement.
+        low_kmh: f64 = 75.0, /// What may as well act above this speed is no matter of starting, km/h. Judgement.
+        most_slippery: f64 = 0.6, /// More than this share of the runs are no bad days but the train. Judgement.
+    }
+    /// Is there a gap at all?
+    evidence: EvidenceConfig {
+        flips: usize = 999, /// Sign flips of whole runs. Derived: the least p-value is 0.001.
+        steady_n_per_kg: f64 = 0.01, /// An effort that changes by more within an interval is no evidence, N/kg. Measured: its mean is wrong in the same way in all runs.
+        coast_n_per_kg: f64 = 0.005, /// An effort up to this is coasting, N/kg. Judgement.
+        location_knots: usize = 24, /// Knots along the location. Judgement.
+        knots: usize = 7, /// Knots along speed and time. Judgement.
+        run_knots: usize = 5, /// Knots along temperature and day. Judgement.
+        effort_knots: usize = 6, /// Knots along the effort. Judgement.
+        least_runs: usize = 3, /// Least runs of a probe. Derived: fewer signs cannot be flipped.
+        significant: f64 = 0.05, /// A p-value below this is evidence of a gap. Judgement: convention.
+        sure: f64 = 0.0015, /// Below this p-value there is a gap, named or not. Derived: that of fewer than one in a thousand flips of signs.
+    }
+    /// The repaired model on hold-out runs.
+    holdout: HoldoutConfig {
+        one_in: usize = 5, /// One run in so many is held out unless the caller says how many. Judgement.
+        least_training: usize = 5, /// Fewer runs are no ground to find an effect in. Judgement.
+        few_runs: usize = 10, /// With fewer runs a name rests on little. Judgement.
+        least_flipped: usize = 8, /// With fewer hold-out runs signs can be flipped in too few ways to tell chance. Derived: 128 ways.
+        window_s: f64 = 120.0, /// Length of a window that begins at a measured speed, s. Judgement.
+        stalled_mps: f64 = 0.5, /// A simulated train slower than this does not arrive, m/s. Judgement.
+        most_time: f64 = 3.0, /// Nor one that takes so many times as long as was measured. Judgement.
+        piece_s: f64 = 9.5, /// Pieces from which the noise of the locations is taken, s. Judgement.
+        least_removable: f64 = 0.02, /// A gap above the noise floor by a smaller share of it is none, in mean squares. Judgement.
+        least_resampled: usize = 5, /// With fewer runs a bootstrap says nothing. Judgement.
+        resamples: usize = 999, /// Bootstrap samples. Derived: 25 beyond each end of the interval.
+        most_without: f64 = 0.05, /// Where more than this share of them has nothing to remove, there is no interval. Derived: 5 % lie outside.
+        explained: f64 = 0.7, /// A gap of which less was removed is explained only in part. Judgement.
+        worse: f64 = 1.001, /// The repaired model is worse if it is off by so many times as much. Judgement.
+        one_sided: f64 = 1.64, /// Standard deviations above the floor of running times and energies that chance reaches. Derived: 95 % of the normal distribution, one-sided.
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_setting_says_its_source_and_the_printed_file_is_the_default() {
+        let text = GapConfig::default().commented();
+        assert_eq!(toml::from_str::<GapConfig>(&text).unwrap(), GapConfig::default());
+        let mut documented = false;
+        for line in text.lines() {
+            if line.starts_with('#') {
+                documented = ["Measured", "Derived", "Judgement"].iter().any(|source| line.contains(source));
+            } else if line.contains(" = ") {
+                assert!(documented, "{line}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_name_that_is_none_is_refused() {
+        let refused = toml::from_str::<GapConfig>("[search]\nenuogh = 4.0\n").unwrap_err();
+        assert!(refused.to_string().contains("enuogh"), "{refused}");
+    }
+}

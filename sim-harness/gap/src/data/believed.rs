@@ -1,0 +1,106 @@
+//! What is believed of train and line, and the conditions of the runs.
+
+use crate::config::GapConfig;
+use crate::data::interval::{Interval, Point};
+use crate::data::runs::Run;
+use rundown::model::direction::Direction;
+use rundown::model::line::Line;
+use rundown::model::track::Track;
+use rundown::model::train::Train;
+
+/// The believed model, with a line for each direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Believed<'a> {
+    up: Line<'a>,
+    down: Line<'a>,
+}
+
+impl<'a> Believed<'a> {
+    /// Of a train on a track.
+    pub fn new(train: &'a Train, track: &'a Track) -> Self {
+        let line = |direction| Line { train, track, direction };
+        Self { up: line(Direction::Up), down: line(Direction::Down) }
+    }
+
+    /// The line in a direction.
+    pub fn line(&self, direction: Direction) -> &Line<'a> {
+        match direction {
+            Direction::Up => &self.up,
+            Direction::Down => &self.down,
+        }
+    }
+
+    pub fn train(&self) -> &'a Train {
+        self.up.train
+    }
+}
+
+/// What the believed model takes off at a point, r + g, N/kg.
+pub fn load_at(line: &Line<'_>, point: &Point) -> f64 {
+    let davis = line.train.davis();
+    davis.resistance_n_per_kg(point.speed_mps) + line.gradient_n_per_kg(point.location_m)
+}
+
+/// The same along an interval.
+pub fn believed_load(line: &Line<'_>, interval: &Interval) -> f64 {
+    interval.mean(|p| load_at(line, p))
+}
+
+/// What may be known of a line beyond its gradients.
+#[derive(Clone, Debug, Default)]
+pub struct Surroundings {
+    /// Length of the line, m.
+    pub length_m: f64,
+    /// Curves: (from, to, Röckl's number), m, N/N.
+    pub curves: Vec<(f64, f64, f64)>,
+    /// Tunnels: (from, to), m.
+    pub tunnels: Vec<(f64, f64)>,
+    /// Feeding sections: (from, to), m.
+    pub feeding: Vec<(f64, f64)>,
+    /// Platforms, m.
+    pub stops: Vec<f64>,
+}
+
+/// Temperature and dates of runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Conditions {
+    /// Mean temperature, °C.
+    pub temperature_c: f64,
+    /// Day of the first run, since 1970-01-01.
+    pub first_day: f64,
+    /// Days from the first run to the last.
+    pub period_days: f64,
+}
+
+impl Conditions {
+    /// Of these runs.
+    pub fn of(runs: &[Run]) -> Self {
+        let days = || runs.iter().filter_map(|run| run.day);
+        let first_day = days().fold(f64::INFINITY, f64::min).min(1e6);
+        let period_days = (days().fold(0.0, f64::max) - first_day).max(0.0);
+        let temperatures = || runs.iter().flat_map(|run| run.samples.iter().filter_map(|s| s.temperature_c));
+        let temperature_c = temperatures().sum::<f64>() / temperatures().count().max(1) as f64;
+        Self { temperature_c, first_day, period_days }
+    }
+}
+
+/// By what runs are judged: the belief, the conditions that its terms refer to, and the settings.
+#[derive(Clone, Copy, Debug)]
+pub struct Context<'a> {
+    /// The believed model.
+    pub believed: Believed<'a>,
+    /// What else is known of the line.
+    pub surroundings: &'a Surroundings,
+    /// Temperature and dates of the runs that were analysed.
+    pub conditions: Conditions,
+    /// Thresholds and priors.
+    pub config: &'a GapConfig,
+}
+
+/// A described section whose edges may be those of the one found, or nearly, takes its place.
+pub fn described(section: [f64; 2], edges: [(f64, f64); 2], descriptions: &[(f64, f64)], near_m: f64) -> [f64; 2] {
+    let within = |at: f64, (low, high): (f64, f64)| (low - near_m..high + near_m).contains(&at);
+    let fits = |&&(from, to): &&(f64, f64)| within(from, edges[0]) && within(to, edges[1]);
+    let found = descriptions.iter().find(fits);
+    found.map_or(section, |(from, to)| [*from, *to])
+}

@@ -1,0 +1,368 @@
+//! Runs cut into intervals of about 10 s.
+//!
+//! In: a [`Run`], the believed train and track. Out: [`Interval`]s: the change of speed over each, the path travelled in it, the effort if it was measured. Faster logs
+//! are thinned to intervals of that length, for within less the rounding of the speed hides everything.
+
+use crate::config::IntervalConfig;
+use crate::data::believed::{Context, believed_load};
+use crate::data::interval::{Interval, POINTS, Point};
+use crate::data::runs::{EffortReading, Readings, Run, Sample, usual_step_s};
+use rundown::model::line::Line;
+
+/// A reading of location, speed and effort at one time.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    time_s: f64,
+    location_m: f64,
+    speed_mps: f64,
+    /// Index of its sample.
+    sample: usize,
+}
+
+/// Cuts a run into intervals. `line` has the run's direction.
+pub fn intervals(
+    index: usize,
+    run: &Run,
+    line: &Line<'_>,
+    readings: &Readings,
+    config: &IntervalConfig,
+) -> Vec<Interval> {
+    Cut { run, line, readings, config }.intervals(index)
+}
+
+/// The intervals of each run.
+pub fn all(context: &Context<'_>, runs: &[Run], readings: &Readings) -> Vec<Vec<Interval>> {
+    let of = |(i, run): (usize, &Run)| {
+        intervals(i, run, context.believed.line(run.direction), readings, &context.config.interval)
+    };
+    runs.iter().enumerate().map(of).collect()
+}
+
+/// A run that is cut.
+struct Cut<'a> {
+    run: &'a Run,
+    line: &'a Line<'a>,
+    readings: &'a Readings,
+    config: &'a IntervalConfig,
+}
+
+impl Cut<'_> {
+    fn intervals(&self, index: usize) -> Vec<Interval> {
+        let usual_s = usual_step_s(self.run);
+        let nodes = self.nodes(usual_s);
+        let Some(departure_s) = self.departure_s() else {
+            return Vec::new();
+        };
+        let mut intervals = Vec::with_capacity(nodes.len());
+        let mut braked = false;
+        let longest_s = self.config.gap * usual_s.max(self.config.length_s);
+        let stood_s = self.stood_s();
+        let mut last_end = None;
+        for pair in nodes.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            if to.time_s - from.time_s > longest_s {
+                last_end = None;
+                continue;
+            }
+            let mut interval = self.interval(index, &from, &to, departure_s);
+            interval.stood_s = stood_s[from.sample];
+            interval.follows = last_end == Some(from.sample);
+            braked = braked || self.brakes(&interval, &from, &to);
+            interval.braked = braked;
+            intervals.push(interval);
+            last_end = Some(to.sample);
+        }
+        intervals
+    }
+
+    /// From one node to the next.
+    fn interval(&self, run: usize, from: &Node, to: &Node, departure_s: f64) -> Interval {
+        let dt_s = to.time_s - from.time_s;
+        let sign = self.line.direction.sign();
+        let by_speed_m = 0.5 * dt_s * (from.speed_mps + to.speed_mps);
+        // What is left between the distance by speed and by location goes evenly over the interval.
+        let rest_m = (to.location_m - from.location_m) - sign * by_speed_m;
+        let path = core::array::from_fn(|i| {
+            let share = (i as f64 + 0.5) / POINTS as f64;
+            let t = share * dt_s;
+            let acceleration = (to.speed_mps - from.speed_mps) / dt_s;
+            Point {
+                location_m: from.location_m + sign * (from.speed_mps * t + 0.5 * acceleration * t * t) + share * rest_m,
+                speed_mps: from.speed_mps + acceleration * t,
+                since_departure_s: (from.time_s + t - departure_s).max(0.0),
+            }
+        });
+        let effort = self.mean_effort(from.sample, to.sample).map(|(mean, change)| {
+            let held = self.held(from, to, &path);
+            (mean + 0.5 * held, change + held.abs())
+        });
+        Interval {
+            run,
+            begin_s: from.time_s,
+            dt_s,
+            speed_mps: [from.speed_mps, to.speed_mps],
+            effort_n_per_kg: effort.map(|(mean, _)| mean),
+            effort_change_n_per_kg: effort.map_or(0.0, |(_, change)| change),
+            effort_step_n_per_kg: self.effort_at(to.sample) - self.effort_at(from.sample),
+            temperature_c: self.run.samples[to.sample].temperature_c,
+            day: self.run.day,
+            stood_s: None,
+            braked: false,
+            follows: false,
+            path,
+        }
+    }
+
+    /// The brake was applied in an interval. A brake test of some seconds may lie between two readings of the effort: the speed shows that it was less than both.
+    fn brakes(&self, interval: &Interval, from: &Node, to: &Node) -> bool {
+        // One that is not measured at all may be anywhere: any run may have braked.
+        let Some(effort) = interval.effort_n_per_kg else {
+            return true;
+        };
+        let by_speed = || interval.acceleration_mps2() + believed_load(self.line, interval);
+        let least = self.effort_at(from.sample).min(self.effort_at(to.sample));
+        effort < self.config.braked_n_per_kg || by_speed() < least.max(0.0) - self.config.brake_test_n_per_kg
+    }
+
+    fn effort_at(&self, sample: usize) -> f64 {
+        self.run.samples[sample].effort_n_per_kg.unwrap_or(0.0)
+    }
+
+    /// A driver who holds the speed follows the gradient with the effort: between two momentary readings it is u - g that changes evenly. What this adds to
+    /// the mean effort, N/kg. Whether the driver did is not known: half of it is added, and the mean counts as that much less certain.
+    fn held(&self, from: &Node, to: &Node, path: &[Point; POINTS]) -> f64 {
+        let (before, after) = (self.effort_at(from.sample), self.effort_at(to.sample));
+        let powered = before > 0.0 && after > 0.0;
+        let held = (to.speed_mps - from.speed_mps).abs() < self.config.held_mps;
+        if self.readings.effort != EffortReading::Momentary || to.sample != from.sample + 1 || !powered || !held {
+            return 0.0;
+        }
+        let along = path.iter().map(|p| self.line.gradient_n_per_kg(p.location_m)).sum::<f64>() / POINTS as f64;
+        let ends = [from, to].map(|node| self.line.gradient_n_per_kg(node.location_m));
+        let steeper = ends[1] - ends[0];
+        if (after - before - steeper).abs() > self.config.held_share * steeper.abs()
+            && steeper.abs() > self.config.held_least_n_per_kg
+        {
+            // The effort did not follow the gradient.
+            return 0.0;
+        }
+        along - 0.5 * (ends[0] + ends[1])
+    }
+
+    /// When the train first moves, s.
+    fn departure_s(&self) -> Option<f64> {
+        let moving = |sample: &&Sample| sample.speed_mps.is_some_and(|v| v > self.config.departed_mps);
+        self.run.samples.iter().find(moving).map(|sample| sample.time_s)
+    }
+
+    /// How long the train had stood before its last start, or stands already, at each sample, s; `None`: since before the run.
+    fn stood_s(&self) -> Vec<Option<f64>> {
+        let (mut departed, mut since_s, mut stood_s) = (false, None, None);
+        let of = |sample: &Sample| {
+            let moves = sample.speed_mps.map(|v| v > self.config.departed_mps);
+            departed |= moves == Some(true);
+            if departed && moves == Some(false) {
+                stood_s = Some(sample.time_s - *since_s.get_or_insert(sample.time_s));
+            } else if moves == Some(true) {
+                since_s = None;
+            }
+            stood_s
+        };
+        self.run.samples.iter().map(of).collect()
+    }
+
+    fn nodes(&self, usual_s: f64) -> Vec<Node> {
+        let with_speed: Vec<(usize, f64)> = self
+            .run
+            .samples
+            .iter()
+            .enumerate()
+            .filter_map(|(index, sample)| {
+                let speed = sample.speed_mps?;
+                Some((index, self.readings.true_speed_mps(speed)))
+            })
+            .collect();
+        let every_s = if usual_s > 0.5 * self.config.length_s { 0.0 } else { self.config.length_s };
+        let impulses = self.impulses();
+        let mut nodes: Vec<Node> = Vec::new();
+        let mut next_s = f64::NEG_INFINITY;
+        for (place, &(sample, speed_mps)) in with_speed.iter().enumerate() {
+            let time_s = self.run.samples[sample].time_s;
+            if time_s < next_s {
+                continue;
+            }
+            next_s = time_s + every_s - 0.25 * usual_s;
+            let speed_mps = if every_s > 0.0 { self.read_speed(&with_speed, &impulses, place) } else { speed_mps };
+            nodes.push(Node { time_s, location_m: f64::NAN, speed_mps, sample });
+        }
+        self.locate(&with_speed, &mut nodes);
+        nodes
+    }
+
+    /// What effort and gradient have given since the begin, m/s, with the number of the stretch in which they are known without a gap. A log without an effort column
+    /// has the gradient alone.
+    fn impulses(&self) -> Vec<Option<(usize, f64)>> {
+        let with_effort = self.run.samples.iter().any(|s| s.effort_n_per_kg.is_some());
+        let gradient = |sample: &Sample| {
+            let late_m = self.readings.location_lag_s * sample.speed_mps?;
+            Some(self.line.gradient_n_per_kg(sample.location_m? + self.line.direction.sign() * late_m))
+        };
+        let given = |index: usize| {
+            let effort = match self.mean_effort(index - 1, index) {
+                Some((mean, _)) => mean,
+                None if with_effort => return None,
+                None => 0.0,
+            };
+            let (before, now) = (&self.run.samples[index - 1], &self.run.samples[index]);
+            let gradient = 0.5 * (gradient(before)? + gradient(now)?);
+            Some((effort - gradient) * (now.time_s - before.time_s))
+        };
+        let mut impulses = vec![None; self.run.samples.len()];
+        let (mut stretch, mut sum_mps) = (0, 0.0);
+        for index in 1..self.run.samples.len() {
+            match given(index) {
+                Some(impulse_mps) => {
+                    impulses[index - 1].get_or_insert((stretch, sum_mps));
+                    sum_mps += impulse_mps;
+                    impulses[index] = Some((stretch, sum_mps));
+                }
+                None => stretch += 1,
+            }
+        }
+        impulses
+    }
+
+    /// Speed of a fast log: a straight line through the readings around the moment. What effort and gradient give between them is taken out first where it is known:
+    /// a line is then right beside a switch of the regime too, and a change of the gradient is not smeared, which would look like a longer train.
+    fn read_speed(&self, with_speed: &[(usize, f64)], impulses: &[Option<(usize, f64)>], place: usize) -> f64 {
+        let (here, reading) = with_speed[place];
+        let at_s = self.run.samples[here].time_s;
+        let near = |&&(sample, _): &&(usize, f64)| {
+            (self.run.samples[sample].time_s - at_s).abs() <= self.config.reading_s + 1e-6
+        };
+        let before = with_speed[..place].iter().rev().take_while(near);
+        let after = with_speed[place..].iter().take_while(near);
+        let around: Vec<(usize, f64)> = before.chain(after).copied().collect();
+        let given = |sample: usize| {
+            let (own, zero) = impulses[here]?;
+            let (stretch, sum) = impulses[sample]?;
+            (stretch == own).then_some(sum - zero)
+        };
+        let known = around.iter().all(|(sample, _)| given(*sample).is_some());
+        let (mut n, mut t1, mut t2, mut v0, mut v1) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for &(sample, speed) in &around {
+            let t = self.run.samples[sample].time_s - at_s;
+            let speed = if known { speed - given(sample).unwrap_or(0.0) } else { speed };
+            n += 1.0;
+            t1 += t;
+            t2 += t * t;
+            v0 += speed;
+            v1 += speed * t;
+        }
+        let determinant = n * t2 - t1 * t1;
+        if n < 3.0 || determinant <= 0.0 || reading == 0.0 {
+            return reading;
+        }
+        ((t2 * v0 - t1 * v1) / determinant).max(0.0)
+    }
+
+    /// Gives each node a location: the way by speed, shifted by what the location readings around it say.
+    fn locate(&self, with_speed: &[(usize, f64)], nodes: &mut [Node]) {
+        let around_s = self.config.located_s;
+        let sign = self.line.direction.sign();
+        // Way by speed at each sample that has one.
+        let mut way_m = vec![f64::NAN; self.run.samples.len()];
+        let mut speed_of = vec![0.0; self.run.samples.len()];
+        let mut sum = 0.0;
+        let mut last: Option<(usize, f64)> = None;
+        for &(sample, speed) in with_speed {
+            if let Some((before, slower)) = last {
+                let dt = self.run.samples[sample].time_s - self.run.samples[before].time_s;
+                sum += 0.5 * dt * (speed + slower);
+            }
+            way_m[sample] = sum;
+            speed_of[sample] = speed;
+            last = Some((sample, speed));
+        }
+        let shifts: Vec<(f64, f64)> = self
+            .run
+            .samples
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| !way_m[*index].is_nan())
+            .filter_map(|(index, sample)| {
+                let late_m = speed_of[index] * self.readings.location_lag_s;
+                Some((sample.time_s, sample.location_m? - sign * (way_m[index] - late_m)))
+            })
+            .collect();
+        if shifts.is_empty() {
+            return;
+        }
+        for node in nodes {
+            let from = shifts.partition_point(|s| s.0 < node.time_s - around_s);
+            let to = shifts.partition_point(|s| s.0 <= node.time_s + around_s);
+            let around = if from < to {
+                &shifts[from..to]
+            } else {
+                let nearest = from.min(shifts.len() - 1);
+                &shifts[nearest..=nearest]
+            };
+            let mut values: Vec<f64> = around.iter().map(|s| s.1).collect();
+            values.sort_by(f64::total_cmp);
+            // The mean of the middle half: neither outliers nor single readings count much.
+            let (low, high) = (values.len() / 4, values.len() - values.len() / 4);
+            let middle = &values[low..high];
+            node.location_m = sign * way_m[node.sample] + middle.iter().sum::<f64>() / middle.len() as f64;
+        }
+    }
+
+    /// Mean effort between two momentary readings. Under power it is the power that changes evenly: the straight line between two efforts would be too high by
+    /// up to 7e-4 N/kg at 10 s.
+    fn between(&self, a: f64, b: f64, pair: &[Sample]) -> f64 {
+        match (pair[0].speed_mps, pair[1].speed_mps) {
+            (Some(v0), Some(v1)) if a > 0.0 && b > 0.0 && v0.min(v1) > self.config.by_power_mps => {
+                let at = |i: usize| {
+                    let t = (i as f64 + 0.5) / POINTS as f64;
+                    (a * v0 + (b * v1 - a * v0) * t) / (v0 + (v1 - v0) * t)
+                };
+                (0..POINTS).map(at).sum::<f64>() / POINTS as f64
+            }
+            _ => 0.5 * (a + b),
+        }
+    }
+
+    /// Change of the effort beyond what constant power explains.
+    fn change_between(&self, a: f64, b: f64, pair: &[Sample]) -> f64 {
+        match (pair[0].speed_mps, pair[1].speed_mps) {
+            (Some(v0), Some(v1)) if a > 0.0 && b > 0.0 && v0.min(v1) > self.config.by_power_mps => {
+                let at_power = (b * v1 - a * v0) / (0.5 * (v0 + v1));
+                if at_power.abs() < (b - a).abs() { at_power } else { b - a }
+            }
+            _ => b - a,
+        }
+    }
+
+    /// Mean and change of the effort between two samples.
+    fn mean_effort(&self, from: usize, to: usize) -> Option<(f64, f64)> {
+        let samples = &self.run.samples[from..=to];
+        let (mut sum, mut time_s, mut change) = (0.0, 0.0, 0.0);
+        let mut last = samples[0].effort_n_per_kg;
+        for pair in samples.windows(2) {
+            let dt_s = pair[1].time_s - pair[0].time_s;
+            let now = pair[1].effort_n_per_kg;
+            let mean = match (self.readings.effort, last, now) {
+                (EffortReading::Momentary, Some(a), Some(b)) => self.between(a, b, pair),
+                (EffortReading::MeanSinceLast, _, Some(b)) => b,
+                _ => return None,
+            };
+            if let (Some(a), Some(b)) = (last, now) {
+                // Over many samples the steps inside an interval are seen, and only their own halves are uncertain.
+                change += self.change_between(a, b, pair).abs() * dt_s;
+            }
+            sum += mean * dt_s;
+            time_s += dt_s;
+            last = now;
+        }
+        (time_s > 0.0).then(|| (sum / time_s, change / time_s))
+    }
+}

@@ -1,0 +1,64 @@
+//! An interval of a run: from one reading of the speed to the next, with the path travelled in it.
+
+/// Points along the path of an interval at which laws are evaluated.
+pub const POINTS: usize = 10;
+
+/// A point on the path of an interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Point {
+    /// Location of the front, m.
+    pub location_m: f64,
+    pub speed_mps: f64,
+    /// Time since the train first moved, s.
+    pub since_departure_s: f64,
+}
+
+/// From one reading of the speed to the next.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Interval {
+    /// Index of its run.
+    pub run: usize,
+    /// Begins at this time, s.
+    pub begin_s: f64,
+    /// Lasts this long, s.
+    pub dt_s: f64,
+    /// Speed at both ends, m/s.
+    pub speed_mps: [f64; 2],
+    /// Mean effort over the interval, N/kg.
+    pub effort_n_per_kg: Option<f64>,
+    /// How much the effort changes within it beyond what is understood, N/kg, not negative.
+    pub effort_change_n_per_kg: f64,
+    /// Effort at the end less effort at the beginning, N/kg.
+    pub effort_step_n_per_kg: f64,
+    pub temperature_c: Option<f64>,
+    /// Day, since 1970-01-01 UTC.
+    pub day: Option<f64>,
+    /// How long the train stood before its last start, s; `None`: since before the run.
+    pub stood_s: Option<f64>,
+    /// The brake has been applied since the departure.
+    pub braked: bool,
+    /// Shares its first reading with the interval before it.
+    pub follows: bool,
+    pub path: [Point; POINTS],
+}
+
+impl Interval {
+    /// Change of speed over time, m/s².
+    pub fn acceleration_mps2(&self) -> f64 {
+        (self.speed_mps[1] - self.speed_mps[0]) / self.dt_s
+    }
+
+    pub fn mean_speed_mps(&self) -> f64 {
+        0.5 * (self.speed_mps[0] + self.speed_mps[1])
+    }
+
+    /// The mean of a law along the path.
+    pub fn mean(&self, law: impl Fn(&Point) -> f64) -> f64 {
+        self.path.iter().map(law).sum::<f64>() / POINTS as f64
+    }
+
+    /// The middle of the path.
+    pub fn middle(&self) -> &Point {
+        &self.path[POINTS / 2]
+    }
+}

@@ -1,0 +1,70 @@
+//! What an analysis found.
+
+use crate::candidate::{Fitted, Naming};
+use crate::config::{BetweenRunsConfig, SearchConfig};
+use crate::data::believed::{Conditions, Context};
+use crate::data::rows::Row;
+use crate::data::runs::Readings;
+use crate::fit::HALF_95;
+use crate::noise::calibrate::Calibrated;
+use crate::readings::kinematics::Kinematics;
+use crate::traction::limit::FoundLimit;
+use crate::traction::pulls::Pull;
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Findings {
+    /// Speed against location.
+    pub kinematics: Kinematics,
+    /// How the readings are corrected.
+    pub readings: Readings,
+    /// With an effort column.
+    pub measured: bool,
+    /// Intervals in which a train moved.
+    pub moving: usize,
+    /// Rows that counted.
+    pub rows: Vec<Row>,
+    /// Their noise.
+    pub calibrated: Calibrated,
+    /// Missing terms of the resistance, with their coefficients.
+    pub terms: Vec<Fitted>,
+    /// Limits of the traction, the best first.
+    pub limits: Vec<FoundLimit>,
+    /// Intervals of steady power from which the limits were judged, run by run.
+    pub pulls: Vec<Vec<Pull>>,
+    /// Gain of log-likelihood of a wind of its own in each run, over other differences between runs.
+    pub wind_gain: f64,
+    /// Temperature and dates of the runs.
+    pub conditions: Conditions,
+}
+
+impl Findings {
+    /// Spread of the wind between runs and its standard deviation, m/s, if runs surely differ by more than the wind that there always is.
+    fn run_wind(&self, config: &BetweenRunsConfig) -> Option<(f64, f64)> {
+        let mut runs: Vec<usize> = self.rows.iter().map(|row| row.interval.run).collect();
+        runs.dedup();
+        let spread = self.calibrated.own.wind_mps;
+        let sd = config.wind_sd * spread / (2.0 * runs.len().max(2) as f64).sqrt();
+        let sure = self.wind_gain > config.wind_gain && spread - HALF_95 * sd > config.least_wind_mps;
+        sure.then_some((spread, sd))
+    }
+
+    /// The limit of the traction that is not as believed, if one is worth a name.
+    pub fn limit(&self, config: &SearchConfig) -> Option<&FoundLimit> {
+        self.limits.first().filter(|found| found.value > config.enough)
+    }
+
+    /// What naming needs. `context`: that of the findings.
+    pub fn naming<'a>(&'a self, context: &'a Context<'a>, runs: &'a [String]) -> Naming<'a> {
+        Naming {
+            context,
+            runs,
+            rows: &self.rows,
+            measured: self.measured,
+            kinematics: &self.kinematics,
+            run_wind: self.run_wind(&context.config.between_runs),
+            wind_gain: self.wind_gain,
+            limits: &self.limits,
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! The model that the training runs gave, on hold-out runs: speeds, running times, energy, and whether a gap is left.
+
+use crate::analysis::apply;
+use crate::candidate::ShowsIn;
+use crate::candidates;
+use crate::data::believed::Context;
+use crate::data::rows::Row;
+use crate::data::runs::Run;
+use crate::evidence::evidence;
+use crate::explained::repaired;
+use crate::findings::Findings;
+use crate::holdout::forward::{Compared, Repaired, effects};
+use crate::holdout::journey::Journey;
+use crate::holdout::powered::powered;
+use crate::holdout::travelled::travelled;
+use crate::named::Named;
+use crate::noise::calibrate::Calibrated;
+use rundown::model::effects::{EffectError, Effects};
+
+/// What the hold-out runs say.
+#[derive(Default)]
+pub struct Judged {
+    /// Speeds.
+    pub compared: Vec<Compared>,
+    /// Running times and energy.
+    pub journeys: Vec<Journey>,
+    /// Probability of the residuals without a gap, before and after; none with too few runs.
+    pub p_values: Option<[f64; 2]>,
+}
+
+/// Judges the effects that `found` has by name on other runs. `context`: that of the findings.
+///
+/// # Errors
+/// [`EffectError`]: more effects than a board takes.
+pub fn judge(
+    context: &Context<'_>,
+    found: &Findings,
+    trained: &[Named],
+    tested: &[Run],
+) -> Result<Judged, EffectError> {
+    // Which of the hold-out runs an effect of some runs acts in, only the run itself can say: the choice that fits it better, one bit a run.
+    let (always, sometimes): (Vec<Named>, Vec<Named>) =
+        trained.iter().cloned().partition(|named| named.runs.is_empty());
+    let without = effects(&always)?;
+    let with = effects(always.iter().chain(&sometimes))?;
+    let (mut rows, pulls) = apply(context, found, tested);
+    if found.rows.is_empty() {
+        // The noise of forces is not known, nor what a perfect model would leave.
+        rows.clear();
+    }
+    let repaired = Repaired { context, calibrated: &found.calibrated, measured: found.measured };
+    let compare = |effects: &Effects| {
+        let mut compared = repaired.resisted(effects, &rows)?;
+        if found.limit(&context.config.search).is_some() {
+            let train = context.believed.train();
+            compared.extend(pulls.iter().flat_map(|pulls| powered(train, effects, pulls, 10.0)));
+        }
+        Ok(compared)
+    };
+    let plain = compare(&without)?;
+    let mut acts = vec![false; tested.len()];
+    let mut compared = plain;
+    if !sometimes.is_empty() {
+        let acting = compare(&with)?;
+        acts = acting_in(&compared, &acting, tested.len());
+        let chosen = compared.into_iter().zip(acting);
+        compared = chosen.map(|(plain, acting)| if acts[plain.run] { acting } else { plain }).collect();
+    }
+    let by_readings = |named: &Named| candidates::of_effect(&named.effect).nature().shows_in == ShowsIn::Readings;
+    if trained.iter().any(by_readings) {
+        let of_run = |(i, run)| travelled(i, run, &found.readings, &context.config.holdout);
+        compared.extend(tested.iter().enumerate().flat_map(of_run));
+    }
+    let of_runs = rows.chunk_by(|a, b| a.interval.run == b.interval.run);
+    let journeys = of_runs.filter_map(|rows| {
+        let acts = acts[rows[0].interval.run];
+        repaired.journey(if acts { &with } else { &without }, rows).transpose()
+    });
+    let journeys = journeys.collect::<Result<Vec<Journey>, EffectError>>()?;
+    // By the names of the hold-out runs.
+    let renamed = sometimes.into_iter().filter_map(|mut one| {
+        let acting = tested.iter().zip(&acts).filter(|(_, acts)| **acts);
+        one.runs = acting.map(|(run, _)| run.name.clone()).collect();
+        // No name at all would stand for all runs.
+        (!one.runs.is_empty()).then_some(one)
+    });
+    let renamed: Vec<Named> = always.iter().cloned().chain(renamed).collect();
+    Ok(Judged { journeys, p_values: p_values(context, found, &renamed, tested, &rows), compared })
+}
+
+/// In which runs the effects of some runs act.
+fn acting_in(plain: &[Compared], acting: &[Compared], runs: usize) -> Vec<bool> {
+    let of_run = |compared: &[Compared], run: usize, of: fn(&Compared) -> f64| {
+        let of_run = compared.iter().filter(|c| c.run == run);
+        of_run.map(of).sum::<f64>()
+    };
+    let error = |compared: &[Compared], run| of_run(compared, run, |c| c.after_mps * c.after_mps);
+    // A driver may by chance ask for what a limit leaves: where that foresees the pulls as well as a share of his own, the limit acts.
+    let chance = |run| of_run(plain, run, |c| if c.time_s == 0.0 { c.floor } else { 0.0 });
+    (0..runs).map(|run| error(acting, run) < error(plain, run) + chance(run)).collect()
+}
+
+/// Is there a gap in the hold-out runs, and is there one left? None with runs whose signs can be flipped in too few ways.
+fn p_values(
+    context: &Context<'_>,
+    found: &Findings,
+    named: &[Named],
+    tested: &[Run],
+    rows: &[Row],
+) -> Option<[f64; 2]> {
+    let with_rows = rows.chunk_by(|a, b| a.interval.run == b.interval.run);
+    if with_rows.count() < context.config.holdout.least_flipped {
+        return None;
+    }
+    let calibrated = Calibrated { spread: vec![1.0; rows.len()], ..found.calibrated.clone() };
+    let p_value = |rows: &[Row]| evidence(context, rows, &calibrated).1;
+    let left = repaired(&context.believed, named, tested, rows);
+    Some([p_value(rows), p_value(&left)])
+}

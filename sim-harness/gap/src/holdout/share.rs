@@ -1,0 +1,153 @@
+//! The share of a gap that is gone, and how sure that is.
+//!
+//! ```text
+//! removed = (before - after) / (before - floor)        mean squares: errors of model and sensors add up in them
+//! ```
+//!
+//! Values of one run are not independent, so the 95 % interval comes from a bootstrap over whole runs, from a fixed seed.
+
+use crate::config::HoldoutConfig;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Sums of squares of one run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Squares {
+    /// How many values.
+    pub count: f64,
+    /// Errors with the believed model.
+    pub before: f64,
+    /// Errors with the repaired one.
+    pub after: f64,
+    /// What a perfect model would leave.
+    pub floor: f64,
+}
+
+impl Squares {
+    /// Of one value: its errors, and the variance that a perfect model would leave.
+    pub fn of(before: f64, after: f64, floor: f64) -> Self {
+        Self { count: 1.0, before: before * before, after: after * after, floor }
+    }
+
+    /// Both together.
+    pub fn and(self, other: &Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            before: self.before + other.before,
+            after: self.after + other.after,
+            floor: self.floor + other.floor,
+        }
+    }
+
+    /// The share that is gone; `None` where there was nothing to remove. Negative: worse than before.
+    pub fn removed(&self, config: &HoldoutConfig) -> Option<f64> {
+        let removable = self.before - self.floor;
+        (removable > config.least_removable * self.floor && removable > 0.0)
+            .then(|| (self.before - self.after) / removable)
+    }
+}
+
+/// Root mean squares over all runs, and the share of the gap that is gone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Share {
+    /// Runs with values.
+    pub runs: usize,
+    /// With the believed model.
+    pub before: f64,
+    /// With the repaired one.
+    pub after: f64,
+    /// What a perfect model would leave.
+    pub floor: f64,
+    /// Share of the removable gap that is gone, 0 to 1; `None` where there was none.
+    pub removed: Option<f64>,
+    /// Its 95 % interval.
+    pub removed_95: Option<(f64, f64)>,
+}
+
+impl Share {
+    /// Over runs.
+    ///
+    /// ```
+    /// use rundown_gap::config::HoldoutConfig;
+    /// use rundown_gap::holdout::share::{Share, Squares};
+    ///
+    /// // Six runs, each off by 2 before and by 1 after, where a perfect model would be off by 1.
+    /// let share = Share::of(&[Squares::of(2.0, 1.0, 1.0); 6], &HoldoutConfig::default());
+    /// assert_eq!((share.before, share.after, share.floor), (2.0, 1.0, 1.0));
+    /// assert_eq!((share.removed, share.removed_95), (Some(1.0), Some((1.0, 1.0))));
+    /// ```
+    pub fn of(runs: &[Squares], config: &HoldoutConfig) -> Self {
+        let runs: Vec<&Squares> = runs.iter().filter(|r| r.count > 0.0).collect();
+        let all = runs.iter().fold(Squares::default(), |sum, r| sum.and(r));
+        let root = |sum: f64| (sum / all.count.max(1.0)).sqrt();
+        let within = |share: f64| share.clamp(0.0, 1.0);
+        Self {
+            runs: runs.len(),
+            before: root(all.before),
+            after: root(all.after),
+            floor: root(all.floor),
+            removed: all.removed(config).map(within),
+            removed_95: all
+                .removed(config)
+                .and_then(|_| bootstrap(&runs, config))
+                .map(|(low, high)| (within(low), within(high))),
+        }
+    }
+
+    /// The repaired model is further off than the believed one, by more than chance rounding.
+    pub fn is_worse(&self, config: &HoldoutConfig) -> bool {
+        self.after > config.worse * self.before
+    }
+}
+
+fn bootstrap(runs: &[&Squares], config: &HoldoutConfig) -> Option<(f64, f64)> {
+    if runs.len() < config.least_resampled {
+        return None;
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let draw = |_| {
+        let drawn = (0..runs.len()).map(|_| runs[rng.random_range(0..runs.len())]);
+        drawn.fold(Squares::default(), |sum, r| sum.and(r)).removed(config)
+    };
+    let mut shares: Vec<f64> = (0..config.resamples).filter_map(draw).collect();
+    if (config.resamples - shares.len()) as f64 > config.most_without * config.resamples as f64 {
+        return None;
+    }
+    shares.sort_by(f64::total_cmp);
+    Some((quantile(&shares, 0.025)?, quantile(&shares, 0.975)?))
+}
+
+/// Of sorted values; between two of them in proportion.
+///
+/// ```
+/// use rundown_gap::holdout::share::quantile;
+/// assert_eq!(quantile(&[1.0, 2.0, 4.0], 0.75), Some(3.0));
+/// assert_eq!(quantile(&[], 0.5), None);
+/// ```
+pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+    let at = share.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
+    let (low, high) = (sorted.get(at.floor() as usize)?, sorted.get(at.ceil() as usize)?);
+    Some(low + (high - low) * at.fract())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_that_differ_give_a_wide_interval_and_few_runs_none() {
+        let runs: Vec<Squares> = (0..12).map(|i| Squares::of(2.0, if i % 2 == 0 { 1.0 } else { 1.8 }, 1.0)).collect();
+        let share = Share::of(&runs, &HoldoutConfig::default());
+        let (low, high) = share.removed_95.unwrap();
+        let removed = share.removed.unwrap();
+        assert!(low < removed - 0.1 && removed + 0.1 < high, "{share:?}");
+        assert_eq!(Share::of(&runs[..4], &HoldoutConfig::default()).removed_95, None);
+        assert!(Share::of(&runs[..4], &HoldoutConfig::default()).removed.is_some());
+    }
+
+    #[test]
+    fn where_there_was_no_gap_nothing_is_removed() {
+        let share = Share::of(&[Squares::of(1.0, 1.5, 1.0); 6], &HoldoutConfig::default());
+        assert_eq!((share.removed, share.removed_95), (None, None));
+    }
+}

@@ -1,0 +1,81 @@
+//! What the workflow reads: the believed train and track, and the runs.
+
+use crate::data::believed::Surroundings;
+use crate::data::load;
+use crate::data::runs::Run;
+use crate::refusal::Refusal;
+use rundown::model::track::Track;
+use rundown::model::train::Train;
+use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::run_set::RunSet;
+use rundown_files::track_file::TrackFile;
+use rundown_files::train_file::TrainFile;
+use std::path::{Path, PathBuf};
+
+/// The believed train and track, and the runs that they are compared with.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// The train as described.
+    pub train_file: TrainFile,
+    /// The same as the board takes it.
+    pub train: Train,
+    /// The track as described.
+    pub track_file: TrackFile,
+    /// The same as the board takes it.
+    pub track: Track,
+    /// What else is known of the line.
+    pub surroundings: Surroundings,
+    /// The runs.
+    pub runs: Vec<Run>,
+    /// The same as an estimator replays them.
+    pub recordings: Vec<Recording>,
+    /// Where the runs come from.
+    pub dataset: String,
+    /// How many logs could not be used.
+    pub left_out: usize,
+    /// What was said while they were read.
+    pub notes: Vec<String>,
+}
+
+impl Input {
+    /// Reads files: a train, a track, and folders of run logs or run logs. `direction`: of the runs that no index names.
+    ///
+    /// # Errors
+    /// [`Refusal`] names the file.
+    pub fn read(train: &Path, track: &Path, runs: &[PathBuf], direction: DirectionChoice) -> Result<Self, Refusal> {
+        let (train_file, train) = TrainFile::read(train).map_err(Refusal::unread)?;
+        let (track_file, track) = TrackFile::read(track).map_err(Refusal::unread)?;
+        if let Some(nowhere) = runs.iter().find(|path| !path.exists()) {
+            return Err(Refusal::Unread(format!(
+                "{}: expected a folder of run logs, or a run log; there is nothing of this name",
+                nowhere.display()
+            )));
+        }
+        let set = RunSet::find(runs).map_err(Refusal::unread)?;
+        let (read, notes) = load::runs(&set, &track_file, direction);
+        let dataset: Vec<String> = runs.iter().map(|path| path.display().to_string()).collect();
+        let left_out = set.files.len() - read.len();
+        let (runs, recordings) = read.into_iter().unzip();
+        Ok(Self {
+            train,
+            train_file,
+            surroundings: load::surroundings(&track_file),
+            track_file,
+            track,
+            runs,
+            recordings,
+            dataset: dataset.join(" "),
+            left_out,
+            notes: set.notes.into_iter().chain(notes).collect(),
+        })
+    }
+
+    /// Reads a folder as `rundown simulate` writes it.
+    ///
+    /// # Errors
+    /// [`Refusal`] names the file.
+    pub fn of_set(folder: &Path) -> Result<Self, Refusal> {
+        let runs = [folder.join("runs")];
+        Self::read(&folder.join("train.toml"), &folder.join("track.toml"), &runs, DirectionChoice::Auto)
+    }
+}

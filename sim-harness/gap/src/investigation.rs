@@ -1,0 +1,206 @@
+//! The five steps, in their order: is there a gap, where, which effect, add it, show the gap shrink.
+//!
+//! Names and sizes come from all runs. How much of the gap they remove comes from an analysis that saw only the training runs, judged on the others.
+
+use crate::analysis::analyse;
+use crate::config::HoldoutConfig;
+use crate::data::believed::Context;
+use crate::data::rows::Row;
+use crate::data::runs::Run;
+use crate::evidence::{Evidence, evidence};
+use crate::explained::repaired;
+use crate::findings::Findings;
+use crate::holdout::forward::{Compared, effects, gap};
+use crate::holdout::journey::Journey;
+use crate::holdout::judge::{Judged, judge};
+use crate::holdout::share::Share;
+use crate::named::Named;
+use crate::naming::names::named;
+use crate::naming::on_line::on_line;
+use crate::noise::own_wind::own_wind;
+use crate::readings::wheels::{put_right, wheels};
+use rundown::model::effects::{Effect, EffectError, Effects};
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub struct Investigation {
+    /// Analysis of all runs.
+    pub findings: Findings,
+    /// What was found, by name, largest first.
+    pub named: Vec<Named>,
+    /// What the same analysis of the training runs alone found.
+    pub trained: Vec<Named>,
+    /// Along what the residuals of the believed model vary.
+    pub evidence: Vec<Evidence>,
+    /// Probability of such evidence without a gap.
+    pub p_value: f64,
+    /// The same of what is left with the effects in the model, on the very runs that the effects were found in.
+    pub p_value_after: f64,
+    /// Both on the hold-out runs, with the effects that the training runs tell; none with too few runs or rows.
+    pub p_value_held_out: Option<[f64; 2]>,
+    /// Running time and energy of the hold-out runs.
+    pub journeys: Vec<Journey>,
+    /// Simulated against measured speed on the hold-out runs.
+    pub compared: Vec<Compared>,
+    /// The same in numbers, m/s.
+    pub gap: Share,
+    /// Indices of the hold-out runs.
+    pub held_out: Vec<usize>,
+    /// What it comes to.
+    pub verdict: Verdict,
+}
+
+/// What an investigation comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// What the model does not explain is what sensors leave.
+    NoGap,
+    /// There is a gap, and no name for it.
+    Unknown,
+    /// Named effects remove a part of the gap.
+    PartlyExplained,
+    /// Named effects remove the gap.
+    Explained,
+}
+
+impl Verdict {
+    /// One word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NoGap => "no_gap",
+            Self::Unknown => "unknown",
+            Self::PartlyExplained => "partly_explained",
+            Self::Explained => "explained",
+        }
+    }
+}
+
+/// The most runs that can be held out.
+pub fn most_held_out(runs: usize, config: &HoldoutConfig) -> usize {
+    runs.saturating_sub(config.least_training)
+}
+
+/// Indices of `count` runs, evenly spread; at most [`most_held_out`].
+pub fn held_out(runs: usize, count: Option<usize>, config: &HoldoutConfig) -> Vec<usize> {
+    let count = count.unwrap_or(runs / config.one_in).min(most_held_out(runs, config));
+    (0..count).map(|i| (2 * i + 1) * runs / (2 * count)).collect()
+}
+
+/// Investigates. `None`: no run has enough to analyse.
+///
+/// # Errors
+/// [`EffectError`]: more effects than a board takes.
+pub fn investigate(
+    given: &Context<'_>,
+    runs: &[Run],
+    hold_out: Option<usize>,
+    mut progress: impl FnMut(&str),
+) -> Result<Option<Investigation>, EffectError> {
+    let config = given.config;
+    progress("wheels: each run against the others");
+    let wheels = wheels(runs, given.surroundings, config);
+    let righted: Vec<Run>;
+    let runs = if wheels.is_empty() {
+        runs
+    } else {
+        righted = put_right(runs, &wheels);
+        &righted
+    };
+    progress("where and what: all runs");
+    let Some(findings) = analyse(given, runs, &mut progress) else {
+        return Ok(None);
+    };
+    let context = &Context { conditions: findings.conditions, ..*given };
+    let mut named = all_named(&findings, context, runs);
+    named.extend(wheels.iter().map(|wheel| wheel.named(runs, config.certainty.most_gain)));
+    named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let with = effects(&named)?;
+    for one in &mut named {
+        if let Effect::RunWind(wind) = &one.effect {
+            one.per_run = winds(context, &findings, &with, wind.sd_mps, runs);
+        }
+    }
+    progress("is it chance: signs of whole runs flipped");
+    let (evidence, p_value) = evidence(context, &findings.rows, &findings.calibrated);
+    let rows = repaired(&context.believed, &named, runs, &findings.rows);
+    let (_, p_value_after) = crate::evidence::evidence(context, &rows, &findings.calibrated);
+    let held_out = held_out(runs.len(), hold_out, &config.holdout);
+    let of = |tested: bool| -> Vec<Run> {
+        let wanted = runs.iter().enumerate().filter(|(i, _)| held_out.contains(i) == tested);
+        wanted.map(|(_, run)| run.clone()).collect()
+    };
+    let (tested, training) = (of(true), of(false));
+    let (mut judged, mut trained) = (Judged::default(), Vec::new());
+    if !tested.is_empty() {
+        progress("the same on the training runs, judged on the others");
+        if let Some(found) = analyse(given, &training, |_| ()) {
+            let context = &Context { conditions: found.conditions, ..*given };
+            trained = all_named(&found, context, &training);
+            judged = judge(context, &found, &trained, &tested)?;
+        }
+    }
+    let gap = gap(&judged.compared, &config.holdout);
+    Ok(Some(Investigation {
+        verdict: verdict(context, &named, p_value, (!judged.compared.is_empty()).then_some(&gap)),
+        gap,
+        findings,
+        named,
+        trained,
+        evidence,
+        p_value,
+        p_value_after,
+        p_value_held_out: judged.p_values,
+        journeys: judged.journeys,
+        compared: judged.compared,
+        held_out,
+    }))
+}
+
+/// What was found, by name; nothing of it lies beyond the ends of the line.
+fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> Vec<Named> {
+    let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
+    let limit = findings.limit(&context.config.search);
+    let mut all = named(&findings.terms, limit, &findings.naming(context, &names));
+    // What no board takes is no effect of a train; the residuals still say that something is left.
+    all.retain(|one| one.effect.check().is_ok());
+    for one in &mut all {
+        on_line(one, context.surroundings.length_m);
+    }
+    all
+}
+
+/// Each run's wind in the `up` direction, with its standard deviation.
+fn winds(
+    context: &Context<'_>,
+    findings: &Findings,
+    effects: &Effects,
+    spread_mps: f64,
+    runs: &[Run],
+) -> Vec<(String, f64, f64)> {
+    let noise = &findings.calibrated.noise;
+    let of_run = |(i, run): (usize, &Run)| {
+        let rows = findings.rows.iter().filter(|row: &&Row| row.interval.run == i);
+        let (headwind_mps, sd) = own_wind(rows, &context.believed, effects, noise, spread_mps);
+        (run.name.clone(), run.direction.sign() * headwind_mps, sd)
+    };
+    runs.iter().enumerate().map(of_run).collect()
+}
+
+/// `gap`: none where nothing could be compared.
+fn verdict(context: &Context<'_>, named: &[Named], p_value: f64, gap: Option<&Share>) -> Verdict {
+    let config = &context.config.holdout;
+    // The wheel of one run is put right before the gap is measured.
+    let of_one_run = |n: &Named| matches!(n.effect, Effect::SpeedScale(_)) && !n.runs.is_empty();
+    let unknown = |n: &Named| matches!(n.effect, Effect::Unknown(_));
+    if named.is_empty() {
+        return if p_value < context.config.evidence.sure { Verdict::Unknown } else { Verdict::NoGap };
+    }
+    if named.iter().all(of_one_run) {
+        return Verdict::Explained;
+    }
+    if named.iter().all(unknown) {
+        return Verdict::Unknown;
+    }
+    let removed = |gap: &Share| gap.removed.is_some_and(|share| share >= config.explained) && !gap.is_worse(config);
+    if gap.is_some_and(removed) && !named.iter().any(unknown) { Verdict::Explained } else { Verdict::PartlyExplained }
+}

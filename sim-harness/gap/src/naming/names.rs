@@ -1,0 +1,107 @@
+//! Each term, limit and reading as the effect that the board runs, with what it is not distinguishable from.
+
+use crate::candidate::{Fitted, Naming, Odds, Shape, Term};
+use crate::candidates::tunnel_drag::renamed;
+use crate::candidates::{self, mass_error, sensors, separates};
+use crate::named::{Named, around, not_chance};
+use crate::traction::limit::FoundLimit;
+use rundown::model::effects::EffectKind;
+use rundown::model::effects::{Effect, MassError};
+
+/// All that was found, by name, the largest gain first.
+pub fn named(terms: &[Fitted], limit: Option<&FoundLimit>, naming: &Naming<'_>) -> Vec<Named> {
+    let mut all: Vec<Named> = Vec::new();
+    let beside = |kind: EffectKind| candidates::of(kind).beside(naming).map(|found| with_rivals(found, naming));
+    let (readings, between_runs): (Vec<Named>, Vec<Named>) = EffectKind::ALL
+        .iter()
+        .filter_map(|kind| beside(*kind))
+        .partition(|named| !matches!(named.effect, Effect::RunWind(_)));
+    all.extend(readings);
+    if let Some(mass) = mass_by_drag_and_power(terms, limit, naming) {
+        all.push(mass);
+        all.extend(between_runs);
+    } else {
+        all.extend(terms.iter().enumerate().filter_map(|(index, fitted)| of_term(index, fitted, naming)));
+        all.extend(between_runs);
+        all.extend(limit.and_then(|found| of_limit(found, naming)));
+    }
+    all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    all
+}
+
+fn with_rivals((mut named, rivals): (Named, Odds), naming: &Naming<'_>) -> Named {
+    let kind = named.effect.kind();
+    for (rival, odds) in rivals {
+        named.rival(rival, odds, separates(kind, rival, naming.have()));
+    }
+    named
+}
+
+/// Without an effort column a heavier train shows twice: less acceleration for its power, and less air drag for its mass.
+fn mass_by_drag_and_power(terms: &[Fitted], limit: Option<&FoundLimit>, naming: &Naming<'_>) -> Option<Named> {
+    let ([only], Some(found)) = (terms, limit) else {
+        return None;
+    };
+    let Effect::TractionScale(scale) = &found.effect else {
+        return None;
+    };
+    let certainty = &naming.context.config.certainty;
+    let (by_drag, sd) = mass_error::by_drag(only, naming.context.believed.train().davis().r2)?;
+    let by_power = 1.0 / scale.factor - 1.0;
+    let same = by_drag * by_power > 0.0
+        && (by_drag - by_power).abs() < certainty.same_mass * by_drag.abs() + certainty.same_mass_at_least;
+    (!naming.measured && same).then(|| {
+        let effect = Effect::MassError(MassError { relative: by_drag });
+        let interval = around("relative", by_drag, sd);
+        let mut mass = Named::plain(effect, vec![interval], only.gain + found.gain, certainty.most_gain);
+        mass.ambiguous_with = vec![EffectKind::DavisError, EffectKind::TractionScale];
+        mass.would_separate = vec![candidates::EFFORT];
+        mass.term = only.term.is(EffectKind::MassError).then_some(0);
+        mass
+    })
+}
+
+/// The name, the parameters and the limits of a term. `None`: a matter of sensors.
+fn of_term(index: usize, fitted: &Fitted, naming: &Naming<'_>) -> Option<Named> {
+    let certainty = &naming.context.config.certainty;
+    let other = renamed(fitted, naming);
+    let fitted = other.as_ref().unwrap_or(fitted);
+    let (effect, intervals) = fitted.term.of.effect(fitted, naming)?;
+    let kind = fitted.term.of.kind()?;
+    let odds: f64 = fitted.rivals.iter().map(|(_, worse)| (-worse.max(0.0)).exp()).sum();
+    let near: Vec<&Term> =
+        fitted.rivals.iter().filter(|(_, worse)| *worse < certainty.near).map(|(term, _)| term).collect();
+    let mut rivals: Vec<EffectKind> = near.iter().filter_map(|term| term.of.kind()).collect();
+    rivals.retain(|other| *other != kind);
+    rivals.dedup();
+    rivals.truncate(2);
+    let mut would_separate: Vec<&'static str> =
+        rivals.iter().map(|other| separates(kind, *other, naming.have())).collect();
+    if near.iter().any(|term| term.of.name() == sensors::EFFORT_GAIN.name()) {
+        would_separate.push("a calibrated gauge of the effort");
+    }
+    would_separate.dedup();
+    let mut named = Named::plain(effect, intervals, fitted.gain, certainty.most_gain);
+    named.confidence = not_chance(fitted.gain, certainty.most_gain) / (1.0 + odds);
+    named.ambiguous_with = rivals;
+    named.would_separate = would_separate;
+    named.term = Some(index);
+    if let Shape::Runs(runs) = &fitted.term.shape {
+        named.runs = runs.iter().map(|i| naming.runs[*i].clone()).collect();
+    }
+    Some(named)
+}
+
+/// A limit with those that are as likely.
+fn of_limit(found: &FoundLimit, naming: &Naming<'_>) -> Option<Named> {
+    let candidate = candidates::of_effect(&found.effect);
+    let (named, mut rivals) = candidate.limit(found, naming)?;
+    let near = |other: &&FoundLimit| found.value - other.value < naming.context.config.certainty.near;
+    let others = naming.limits.iter().skip(1).filter(near);
+    rivals.extend(others.map(|other| (other.effect.kind(), f64::exp(other.value - found.value))));
+    let mut named = with_rivals((named, rivals), naming);
+    named.ambiguous_with.truncate(2);
+    named.would_separate.truncate(2);
+    named.would_separate.dedup();
+    Some(named)
+}

@@ -1,0 +1,175 @@
+//! Does a brake drag in some of the runs?
+//!
+//! A constant resistance in a quarter of the runs is also a spread between runs, and the noise of a data set has room for that (wind, constant). So the two are compared as
+//! explanations of what differs from run to run:
+//!
+//! ```text
+//! e_i = d b_i z_i + own_i + noise        z_i = 1 with probability p, own_i normal
+//! ```
+//!
+//! with b the rows after the first brake application; d = 0 is the noise alone. Whether a run drags is integrated out, so choosing the runs costs nothing.
+
+use crate::candidate::Term;
+use crate::columns::braked;
+use crate::config::BetweenRunsConfig;
+use crate::data::believed::Context;
+use crate::data::rows::Row;
+use crate::noise::calibrate::{Calibrated, Deviations, Own, left, own_columns, whitening};
+use core::ops::Range;
+use nalgebra::DVector;
+
+/// The drag of a run along its rows: score and information.
+pub struct RunDrag {
+    pub run: usize,
+    pub score: f64,
+    pub information: f64,
+}
+
+impl RunDrag {
+    /// Of each run; `braked` and `residual` whitened.
+    pub fn of_runs(rows: &[Row], runs: &[Range<usize>], braked: &DVector<f64>, residual: &DVector<f64>) -> Vec<Self> {
+        let of_run = |range: &Range<usize>| {
+            let b = braked.rows(range.start, range.len());
+            let e = residual.rows(range.start, range.len());
+            Self { run: rows[range.start].interval.run, score: b.dot(&e), information: b.norm_squared() }
+        };
+        runs.iter().map(of_run).collect()
+    }
+
+    /// Gain of log-likelihood if the run drags.
+    pub fn gain(&self, drag: f64) -> f64 {
+        drag * self.score - 0.5 * drag * drag * self.information
+    }
+}
+
+/// Some runs drag, the others do not.
+#[derive(Clone, Copy)]
+struct Mixture {
+    drag: f64,
+    share: f64,
+    /// Of log-likelihood.
+    gain: f64,
+}
+
+/// By expectation and maximisation.
+fn mixture(runs: &[RunDrag], mut drag: f64, config: &BetweenRunsConfig) -> Mixture {
+    let mut share: f64 = 0.2;
+    let odds = |share: f64, gain: f64| share * gain.clamp(-500.0, 500.0).exp() / (1.0 - share);
+    for _ in 0..60 {
+        let (mut sum, mut score, mut information) = (0.0, 0.0, 0.0);
+        for run in runs {
+            let odds = odds(share, run.gain(drag));
+            let drags = odds / (1.0 + odds);
+            sum += drags;
+            score += drags * run.score;
+            information += drags * run.information;
+        }
+        share = (sum / runs.len() as f64).clamp(0.5 / runs.len() as f64, config.most_dragging);
+        drag = (score / information.max(1e-12)).clamp(config.least_drag_n_per_kg, config.most_drag_n_per_kg);
+    }
+    let of_run = |run: &RunDrag| (1.0 - share).ln() + odds(share, run.gain(drag)).ln_1p();
+    Mixture { drag, share, gain: runs.iter().map(of_run).sum() }
+}
+
+/// Largest gain of log-likelihood of a constant in all runs on one side of some value of a coordinate.
+fn step(runs: &[RunDrag], of: impl Fn(&RunDrag) -> Option<f64>) -> f64 {
+    let mut along: Vec<(f64, &RunDrag)> = runs.iter().filter_map(|run| Some((of(run)?, run))).collect();
+    along.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let gain = |side: &[(f64, &RunDrag)]| {
+        let sum = |of: fn(&RunDrag) -> f64| side.iter().map(|(_, run)| of(run)).sum::<f64>();
+        let (score, information) = (sum(|run| run.score), sum(|run| run.information));
+        0.5 * score.max(0.0).powi(2) / information.max(1e-12)
+    };
+    let sides = (0..along.len()).flat_map(|k| [gain(&along[..k]), gain(&along[k..])]);
+    sides.fold(0.0, f64::max)
+}
+
+/// The runs in which a brake drags, if that explains what differs between runs better than their own constants and winds.
+pub fn dragging(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, model: &[Term]) -> Option<Vec<usize>> {
+    let config = &context.config.between_runs;
+    let columns = own_columns(context, rows);
+    let all: Vec<usize> = rows.iter().map(|row| row.interval.run).collect();
+    let braked = braked(context, rows, &all);
+    let (residual, freedom) = left(context, rows, calibrated, model)?;
+    let of = |own: Own| {
+        let whitening = whitening(&Deviations { noise: calibrated.noise, own }, &calibrated.spread, rows, &columns);
+        let (e, b) = (whitening.whiten(&residual), whitening.whiten(&braked));
+        let mut runs = RunDrag::of_runs(rows, whitening.runs(), &b, &e);
+        for run in &mut runs {
+            run.score *= freedom;
+            run.information *= freedom;
+        }
+        (-whitening.log_determinant() - 0.5 * freedom * e.norm_squared(), runs)
+    };
+    let (plain, _) = of(calibrated.own);
+    let mut best: Option<(f64, Mixture, Vec<RunDrag>)> = None;
+    for constant in SHARES {
+        for wind in SHARES {
+            let own = Own {
+                constant_n_per_kg: constant * calibrated.own.constant_n_per_kg,
+                wind_mps: wind * calibrated.own.wind_mps,
+                ..calibrated.own
+            };
+            let (without, runs) = of(own);
+            let found = [0.003, 0.01].map(|start| mixture(&runs, start, config));
+            let found = if found[1].gain > found[0].gain { found[1] } else { found[0] };
+            if best.as_ref().is_none_or(|b| without + found.gain > b.0) {
+                best = Some((without + found.gain, found, runs));
+            }
+        }
+    }
+    let (reached, Mixture { drag, share, gain }, runs) = best?;
+    // From a day on, or on cold days, is another law.
+    let at =
+        |run: &RunDrag, of: fn(&Row) -> Option<f64>| rows.iter().find(|row| row.interval.run == run.run).and_then(of);
+    let day = |run: &RunDrag| at(run, |row| row.interval.day);
+    let temperature = |run: &RunDrag| at(run, |row| row.interval.temperature_c);
+    if step(&runs, day).max(step(&runs, temperature)) > gain {
+        return None;
+    }
+    let odds = |run: &&RunDrag| share * run.gain(drag).clamp(-500.0, 500.0).exp() > 1.0 - share;
+    let dragging: Vec<usize> = runs.iter().filter(odds).map(|run| run.run).collect();
+    (reached - plain > config.drag_gain && !dragging.is_empty()).then_some(dragging)
+}
+
+/// Shares of the constants and winds of runs that are tried beside drags.
+const SHARES: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn runs(constants: impl Iterator<Item = f64>) -> Vec<RunDrag> {
+        let information = 1.0 / (1.5e-3_f64 * 1.5e-3);
+        constants
+            .enumerate()
+            .map(|(run, constant)| RunDrag { run, score: constant * information, information })
+            .collect()
+    }
+
+    #[test]
+    fn a_quarter_of_the_runs_drags() {
+        let runs = runs((0..60).map(|i| if i % 4 == 0 { 6e-3 } else { 0.0 }));
+        let Mixture { drag, share, gain } = mixture(&runs, 0.003, &BetweenRunsConfig::default());
+        assert!((drag - 6e-3).abs() < 1e-4);
+        assert!((share - 0.25).abs() < 0.02);
+        assert!(gain > 50.0);
+    }
+
+    #[test]
+    fn a_constant_from_a_day_on_is_a_step() {
+        let late = runs((0..60).map(|i| if i >= 45 { 6e-3 } else { 0.0 }));
+        let gain = mixture(&late, 0.003, &BetweenRunsConfig::default()).gain;
+        assert!(step(&late, |run| Some(run.run as f64)) > gain);
+        let scattered = runs((0..60).map(|i| if i % 4 == 0 { 6e-3 } else { 0.0 }));
+        let gain = mixture(&scattered, 0.003, &BetweenRunsConfig::default()).gain;
+        assert!(step(&scattered, |run| Some(run.run as f64)) < gain);
+    }
+
+    #[test]
+    fn no_run_drags_where_none_differs() {
+        let runs = runs((0..60).map(|i| 1.5e-3 * f64::from(i % 3 - 1)));
+        let gain = mixture(&runs, 0.003, &BetweenRunsConfig::default()).gain;
+        assert!(gain < 3.0);
+    }
+}

@@ -1,0 +1,6 @@
+//! The noise of the residuals: of rows, and between runs.
+
+pub mod calibrate;
+pub mod dragging;
+pub mod own_wind;
+pub mod whitening;

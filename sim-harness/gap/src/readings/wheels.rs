@@ -1,0 +1,287 @@
+//! The wheel of a single train: a run whose odometer differs from those of the others.
+//!
+//! | compared | what it tells |
+//! |---|---|
+//! | speed against location, run by run | a wrong wheel diameter beside locations of a satellite receiver |
+//! | ways between stops against those of the other runs | a wrong wheel diameter whose odometer gave the locations, too |
+//!
+//! Where platforms are described, the second also judges all runs together. What all runs have alike in the first is found by [`kinematics`](super::kinematics).
+
+use crate::config::{GapConfig, WheelConfig};
+use crate::data::believed::Surroundings;
+use crate::data::runs::{Run, Sample};
+use crate::fit::median;
+use crate::named::{Named, around};
+use crate::readings::kinematics::scale_of_run;
+use rundown::model::direction::Direction;
+use rundown::model::effects::{Effect, SpeedScale};
+
+/// A wheel that is not as believed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wheel {
+    /// Indices of the runs; none: all.
+    pub runs: Vec<usize>,
+    pub measured_over_true: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+    /// The odometer gave the locations, too.
+    pub locations: bool,
+}
+
+/// One run's scale.
+#[derive(Clone, Copy, Debug)]
+struct Scale {
+    run: usize,
+    value: f64,
+    sd: f64,
+}
+
+/// All wheels that are not as believed.
+pub fn wheels(runs: &[Run], surroundings: &Surroundings, config: &GapConfig) -> Vec<Wheel> {
+    let by_speed: Vec<Scale> = runs
+        .iter()
+        .enumerate()
+        .filter_map(|(run, one)| {
+            let (value, sd) = scale_of_run(one, &config.kinematics)?;
+            Some(Scale { run, value, sd })
+        })
+        .collect();
+    let mut found = exceptions(&by_speed, false, &config.wheel);
+    let by_stops = scales_by_stops(runs, &surroundings.stops, &config.wheel);
+    found.extend(exceptions(&by_stops, true, &config.wheel));
+    if !surroundings.stops.is_empty() {
+        found.extend(common(&by_stops, &config.wheel));
+    }
+    found
+}
+
+/// Middle and scatter of many runs, which a few exceptions do not move.
+fn middle(scales: &[Scale], config: &WheelConfig) -> Option<(f64, f64)> {
+    let middle = median(scales.iter().map(|s| s.value))?;
+    let scatter = 1.4826 * median(scales.iter().map(|s| (s.value - middle).abs()))?;
+    Some((middle, scatter.max(config.least_scatter)))
+}
+
+/// Runs unlike the others, those with one wheel together.
+fn exceptions(scales: &[Scale], locations: bool, config: &WheelConfig) -> Vec<Wheel> {
+    let Some((middle, scatter)) = middle(scales, config) else {
+        return Vec::new();
+    };
+    let unlike = |s: &&Scale| {
+        let off = (s.value - middle).abs();
+        (config.least..config.most).contains(&off) && off > config.sure * scatter.max(s.sd)
+    };
+    let mut unlike: Vec<&Scale> = scales.iter().filter(unlike).collect();
+    if scales.len() < config.least_runs || unlike.len() as f64 > config.most_share * scales.len() as f64 {
+        return Vec::new();
+    }
+    unlike.sort_by(|a, b| a.value.total_cmp(&b.value));
+    let wheels = unlike.chunk_by(|a, b| b.value - a.value < config.same);
+    let wheel = |of: &[&Scale]| {
+        let count = of.len() as f64;
+        let value = of.iter().map(|s| s.value).sum::<f64>() / count;
+        let mut runs: Vec<usize> = of.iter().map(|s| s.run).collect();
+        runs.sort_unstable();
+        Wheel { runs, measured_over_true: value / middle, sd: scatter / count.sqrt(), locations }
+    };
+    wheels.map(wheel).collect()
+}
+
+/// All runs against the described platforms.
+fn common(scales: &[Scale], config: &WheelConfig) -> Option<Wheel> {
+    let (middle, scatter) = middle(scales, config)?;
+    let off = (middle - 1.0).abs();
+    let sd = scatter / (scales.len() as f64).sqrt();
+    (scales.len() >= config.least_runs && off > config.least && off > config.sure * sd).then_some(Wheel {
+        runs: Vec::new(),
+        measured_over_true: middle,
+        sd,
+        locations: true,
+    })
+}
+
+/// Each run's way between its stops over that between the places where trains stop: the described platforms, or where the other runs stand.
+fn scales_by_stops(runs: &[Run], described: &[f64], config: &WheelConfig) -> Vec<Scale> {
+    let stops: Vec<Vec<f64>> = runs.iter().map(|run| stops(run, config.standing_mps)).collect();
+    let places = |direction: Direction| -> Vec<f64> {
+        if !described.is_empty() {
+            return described.to_vec();
+        }
+        let of = runs.iter().zip(&stops).enumerate();
+        let of = of.filter(|(_, (run, _))| run.direction == direction);
+        let all = of.flat_map(|(index, (_, stops))| stops.iter().map(move |at| (*at, index)));
+        visited(all.collect(), config)
+    };
+    let [up, down] = [Direction::Up, Direction::Down].map(places);
+    let of = runs.iter().zip(&stops).enumerate();
+    of.filter_map(|(run, (one, stops))| {
+        let places = match one.direction {
+            Direction::Up => &up,
+            Direction::Down => &down,
+        };
+        let (value, sd) = scale_by_stops(stops, places, config)?;
+        Some(Scale { run, value, sd })
+    })
+    .collect()
+}
+
+/// Where a run stands, m, in its order.
+fn stops(run: &Run, standing_mps: f64) -> Vec<f64> {
+    let located = |s: &Sample| Some((s.location_m?, s.speed_mps?));
+    let read: Vec<(f64, f64)> = run.samples.iter().filter_map(located).collect();
+    let standing = read.chunk_by(|a, b| (a.1 < standing_mps) == (b.1 < standing_mps));
+    standing.filter(|part| part[0].1 < standing_mps).filter_map(|part| median(part.iter().map(|(at, _)| *at))).collect()
+}
+
+/// Places at which at least three runs, and a third of all, stand. `all`: location and run.
+fn visited(mut all: Vec<(f64, usize)>, config: &WheelConfig) -> Vec<f64> {
+    let runs_of = |stops: &[(f64, usize)]| {
+        let mut runs: Vec<usize> = stops.iter().map(|(_, run)| *run).collect();
+        runs.sort_unstable();
+        runs.dedup();
+        runs.len()
+    };
+    let least = config.least_stops.max(runs_of(&all) / 3);
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.chunk_by(|a, b| b.0 - a.0 < config.near_m)
+        .filter(|stops| runs_of(stops) >= least)
+        .filter_map(|stops| median(stops.iter().map(|(at, _)| *at)))
+        .collect()
+}
+
+/// Scale of the ways from the first stop at a known place to the later ones, with its standard deviation.
+fn scale_by_stops(stops: &[f64], places: &[f64], config: &WheelConfig) -> Option<(f64, f64)> {
+    let (first, begin, from) = stops.iter().enumerate().find_map(|(i, at)| {
+        let near = |place: &&f64| (*place - at).abs() < 2.0 * config.stop_m;
+        places.iter().find(near).map(|place| (i, *at, *place))
+    })?;
+    let ways: Vec<f64> = stops[first + 1..].iter().map(|at| at - begin).collect();
+    // Every place that a stop may be, each with its scale.
+    let likely = |way: f64| {
+        let long = move |place: &&f64| (**place - from).abs() > config.least_distance_m;
+        let scale = move |place: &f64| (way / (place - from), place - from);
+        let near = |(scale, _): &(f64, f64)| (scale - 1.0).abs() < config.most;
+        places.iter().filter(long).map(scale).filter(near)
+    };
+    let off = |scale: f64, (other, way): (f64, f64)| ((other - scale) * way).abs();
+    // The scale that most stops agree on; of those the nearest to the others' runs.
+    let agreeing = |scale: f64| -> Vec<(f64, f64)> {
+        let best = |way: &f64| {
+            let places = likely(*way);
+            places.min_by(|a, b| off(scale, *a).total_cmp(&off(scale, *b)))
+        };
+        let near = |one: &(f64, f64)| off(scale, *one) < config.stop_m;
+        ways.iter().filter_map(best).filter(near).collect()
+    };
+    let tried = ways.iter().flat_map(|way| likely(*way)).map(|(s, _)| s);
+    let better = |a: &f64, b: &f64| {
+        let votes = agreeing(*a).len().cmp(&agreeing(*b).len());
+        votes.then((b - 1.0).abs().total_cmp(&(a - 1.0).abs()))
+    };
+    let kept = agreeing(tried.max_by(better)?);
+    let squares: f64 = kept.iter().map(|(_, way)| way * way).sum();
+    let value = kept.iter().map(|(s, way)| s * way * way).sum::<f64>() / squares;
+    Some((value, config.stop_sd_m / squares.sqrt()))
+}
+
+/// The runs with their speeds, and locations where the odometer gave them, put right.
+pub fn put_right(runs: &[Run], wheels: &[Wheel]) -> Vec<Run> {
+    let mut right = runs.to_vec();
+    for wheel in wheels {
+        let scale = wheel.measured_over_true;
+        let concerned = |i: &usize| wheel.runs.is_empty() || wheel.runs.contains(i);
+        let runs = right.iter_mut().enumerate();
+        for (_, run) in runs.filter(|(i, _)| concerned(i)) {
+            let begin_m = run.samples.iter().find_map(|s| s.location_m);
+            for sample in &mut run.samples {
+                sample.speed_mps = sample.speed_mps.map(|v| v / scale);
+                if let (true, Some(begin_m)) = (wheel.locations, begin_m) {
+                    let put = |at: f64| begin_m + (at - begin_m) / scale;
+                    sample.location_m = sample.location_m.map(put);
+                }
+            }
+        }
+    }
+    right
+}
+
+impl Wheel {
+    pub fn named(&self, runs: &[Run], most_gain: f64) -> Named {
+        let value = self.measured_over_true;
+        let effect = Effect::SpeedScale(SpeedScale { measured_over_true: value });
+        let off = (value - 1.0) / self.sd;
+        let interval = around("measured_over_true", value, self.sd);
+        let mut named = Named::plain(effect, vec![interval], 0.5 * off * off, most_gain);
+        named.runs = self.runs.iter().map(|i| runs[*i].name.clone()).collect();
+        named
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLACES_M: [f64; 5] = [0.0, 4_000.0, 9_000.0, 15_500.0, 24_000.0];
+
+    /// Runs from place to place, each stopping a few metres off; `odometer` gives the locations, too.
+    fn runs(scales: &[f64], odometer: bool) -> Vec<Run> {
+        let run = |(i, scale): (usize, &f64)| {
+            let mut samples = Vec::new();
+            let mut time_s = 0.0;
+            for pair in PLACES_M.windows(2) {
+                let off_m = 5.0 * ((i * 7 + samples.len()) as f64).sin();
+                let way_m = pair[1] - pair[0];
+                // Constant rise and fall of the speed: the mean of the readings is that of the way.
+                let steps = 40;
+                for k in 0..=steps {
+                    let t = f64::from(k) / f64::from(steps);
+                    let at_m =
+                        pair[0] + way_m * (t - (2.0 * std::f64::consts::TAU * t).sin() / (2.0 * std::f64::consts::TAU));
+                    let speed_mps = way_m / 400.0 * (1.0 - (2.0 * std::f64::consts::TAU * t).cos());
+                    let told_m = if odometer { at_m * scale } else { at_m };
+                    samples.push(Sample {
+                        time_s,
+                        location_m: Some(told_m + off_m * t),
+                        speed_mps: Some(speed_mps * scale),
+                        ..Sample::default()
+                    });
+                    time_s += 10.0;
+                }
+            }
+            Run { name: format!("run{i}"), direction: Direction::Up, day: None, samples }
+        };
+        scales.iter().enumerate().map(run).collect()
+    }
+
+    #[test]
+    fn a_wheel_unlike_the_others_is_found_by_speed_and_by_stops() {
+        for odometer in [false, true] {
+            let runs = runs(&[1.0, 1.0, 1.013, 1.0, 1.0, 1.0, 1.0], odometer);
+            let found = wheels(&runs, &Surroundings::default(), &GapConfig::default());
+            assert_eq!(found.len(), 1, "{found:?}");
+            assert_eq!(found[0].runs, [2]);
+            assert_eq!(found[0].locations, odometer);
+            assert!((found[0].measured_over_true - 1.013).abs() < 0.001, "{found:?}");
+            let again = wheels(&put_right(&runs, &found), &Surroundings::default(), &GapConfig::default());
+            assert_eq!(again, []);
+        }
+    }
+
+    #[test]
+    fn described_platforms_judge_all_odometers_together() {
+        let runs = runs(&[1.013; 6], true);
+        assert_eq!(wheels(&runs, &Surroundings::default(), &GapConfig::default()), []);
+        let described = Surroundings { stops: PLACES_M.to_vec(), ..Surroundings::default() };
+        let found = wheels(&runs, &described, &GapConfig::default());
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].runs.is_empty());
+        assert!((found[0].measured_over_true - 1.013).abs() < 0.001, "{found:?}");
+    }
+
+    #[test]
+    fn equal_wheels_are_no_finding() {
+        for odometer in [false, true] {
+            assert_eq!(wheels(&runs(&[1.0; 8], odometer), &Surroundings::default(), &GapConfig::default()), []);
+        }
+    }
+}

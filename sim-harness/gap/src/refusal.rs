@@ -1,0 +1,46 @@
+//! Why there is no answer.
+
+use rundown::model::effects::EffectError;
+use std::fmt;
+use thiserror::Error;
+
+/// Why there is no answer.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// A file or a folder; the text names it.
+    #[error("{0}")]
+    Unread(String),
+    /// So many runs cannot be held out.
+    #[error(
+        "--hold-out {asked}: an analysis needs {least} runs and there are {runs}, so at most {most} can be held out; nothing was written"
+    )]
+    HoldOut {
+        /// How many were to be.
+        asked: usize,
+        /// How many can be.
+        most: usize,
+        /// How many runs there are.
+        runs: usize,
+        /// How many an analysis needs.
+        least: usize,
+    },
+    /// No run has enough.
+    #[error(
+        "{runs} runs have too little to compare: expected moving samples with location and speed, and an effort column or long coasting; nothing was written"
+    )]
+    TooLittle {
+        /// How many runs there are.
+        runs: usize,
+    },
+    /// What was found is more than a board takes.
+    #[error("what was found cannot be put into a model: {0}; nothing was written")]
+    Effects(#[from] EffectError),
+}
+
+impl Refusal {
+    /// A file or a folder that cannot be read.
+    pub(crate) fn unread(error: impl fmt::Display) -> Self {
+        Self::Unread(error.to_string())
+    }
+}

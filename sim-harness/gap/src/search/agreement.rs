@@ -1,0 +1,134 @@
+//! Do all rows tell the same of a term, and do those tell it that nothing else could?
+//!
+//! An effect of the train or the line acts in all parts of the data. A part in which a term, with its coefficients from all rows, makes the fit worse by more than chance would, contradicts
+//! it. And what acts by place must be told by rows that drivers cannot forge:
+//!
+//! | weak evidence | because |
+//! |---|---|
+//! | braking, effort measured | drivers brake at the same places in each run, and what readings of the effort miss between them is the same in each run, too |
+//! | holding a speed, for the length | a driver or a regulator answers each change of the gradient some seconds late, and so looks like a train of another length |
+//! | a load that is nearer to none than believed, effort not measured | a train that is pulled lightly uphill, or braked lightly downhill, looks like one that coasts |
+
+use crate::candidate::{Shape, Term};
+use crate::config::SearchConfig;
+use crate::data::believed::load_at;
+use crate::data::rows::Row;
+use crate::fit::Base;
+use crate::search::fits::Search;
+use nalgebra::DVector;
+use rundown::model::direction::Direction;
+use rundown::model::line::Line;
+
+/// One of two parts of the rows; the other is the rest.
+type Part = fn(&Row, &SearchConfig) -> bool;
+
+fn held(row: &Row, config: &SearchConfig) -> bool {
+    row.interval.acceleration_mps2().abs() < config.held_mps2
+}
+
+fn up(row: &Row, _: &SearchConfig) -> bool {
+    row.direction == Direction::Up
+}
+
+/// By what the rows are split.
+fn splits(term: &Term) -> &'static [Part] {
+    match term.shape {
+        Shape::Section(_) => &[held, up],
+        Shape::Runs(_) => &[held],
+        _ if term.is_whole() => &[held, up],
+        _ => &[],
+    }
+}
+
+impl Search<'_> {
+    /// No part of the rows contradicts a term with these coefficients, and what acts by place is told by more than weak evidencees.
+    pub fn agrees(&self, base: &Base, term: &Term, beta: &[f64]) -> bool {
+        let config = &self.context.config.search;
+        let splits = splits(term);
+        if splits.is_empty() && !term.by_place() {
+            return true;
+        }
+        let mut explained = DVector::zeros(base.residual.len());
+        for (column, beta) in self.white(term).iter().zip(beta) {
+            explained += base.beside(column) * *beta;
+        }
+        let gains = base.residual.component_mul(&explained) - 0.5 * explained.component_mul(&explained);
+        let sum = |wanted: &dyn Fn(usize) -> bool| -> f64 {
+            let gains = gains.iter().enumerate();
+            gains.filter(|(i, _)| wanted(*i)).map(|(_, g)| g).sum()
+        };
+        let against = |part: &Part, inside: bool| sum(&|i| part(&self.rows[i], config) == inside) < config.against;
+        if splits.iter().any(|p| against(p, true) || against(p, false)) {
+            return false;
+        }
+        if !term.by_place() {
+            return true;
+        }
+        let extra = term.extra(beta, self.context, self.rows);
+        // Whitened rows also tell a little of their neighbours and of the whole run: those count in which the term acts.
+        let most = extra.iter().fold(0.0, |most, e| f64::max(most, e.abs()));
+        let strong = |i: usize| {
+            let row = &self.rows[i];
+            let line = self.context.believed.line(row.direction);
+            extra[i].abs() > config.acting * most && !is_weak(term, row, extra[i], line, config)
+        };
+        sum(&strong) > config.enough
+    }
+}
+
+/// A driver could have forged what this row tells. `extra`: the resistance that the term adds in it, N/kg.
+fn is_weak(term: &Term, row: &Row, extra: f64, line: &Line<'_>, config: &SearchConfig) -> bool {
+    let Some(effort) = row.interval.effort_n_per_kg else {
+        let mut loads = row.interval.path.iter().map(|p| load_at(line, p));
+        return loads.any(|load| extra * load < 0.0);
+    };
+    let answers = term.is_whole() && effort > 0.0 && held(row, config);
+    effort < config.braking_n_per_kg || answers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::candidates::{train_length_error, tunnel_drag, unknown};
+    use rundown::model::track::{Gradient, Track};
+    use rundown::model::train::{Train, TrainDescription};
+
+    /// Level, then 20 permille up.
+    fn track() -> Track {
+        let gradient = |from_m: f64, permille: f64| Gradient { from_m, permille };
+        Track::try_new(9_000.0, [gradient(0.0, 0.0), gradient(5_000.0, 20.0)]).unwrap()
+    }
+
+    #[test]
+    fn without_an_effort_a_load_that_seems_nearer_to_none_may_be_a_held_speed() {
+        let (train, track) = (Train::try_new(TrainDescription::CASE_STUDY).unwrap(), track());
+        let bump = Term { of: unknown::CANDIDATE, shape: Shape::Section([0.0, 9_000.0]) };
+        let weak = |direction, location_m, extra| {
+            let line = Line { train: &train, track: &track, direction };
+            let row = Row::coasting(direction, location_m, 30.0);
+            is_weak(&bump, &row, extra, &line, &SearchConfig::default())
+        };
+        // Level, uphill: less resistance is light power. Downhill: more is a light brake.
+        assert!(weak(Direction::Up, 2_000.0, -0.02) && !weak(Direction::Up, 2_000.0, 0.02));
+        assert!(weak(Direction::Up, 7_000.0, -0.02) && !weak(Direction::Up, 7_000.0, 0.02));
+        assert!(weak(Direction::Down, 7_000.0, 0.02) && !weak(Direction::Down, 7_000.0, -0.02));
+    }
+
+    #[test]
+    fn with_an_effort_braking_is_weak_and_for_a_length_a_held_speed_too() {
+        let (train, track) = (Train::try_new(TrainDescription::CASE_STUDY).unwrap(), track());
+        let line = Line { train: &train, track: &track, direction: Direction::Up };
+        let weak = |term: &Term, effort: f64, gained_mps: f64| {
+            let mut row = Row::coasting(Direction::Up, 2_000.0, 30.0);
+            row.effort_n_per_kg = effort;
+            row.interval.effort_n_per_kg = Some(effort);
+            row.interval.speed_mps[1] += gained_mps;
+            is_weak(term, &row, 0.02, &line, &SearchConfig::default())
+        };
+        let tunnel = Term { of: tunnel_drag::CANDIDATE, shape: Shape::Section([0.0, 9_000.0]) };
+        let length = Term { of: train_length_error::CANDIDATE, shape: Shape::Number(200.0) };
+        assert!(weak(&tunnel, -0.3, -3.0) && weak(&length, -0.3, -3.0));
+        assert!(!weak(&tunnel, 0.05, 0.0) && weak(&length, 0.05, 0.0));
+        assert!(!weak(&length, 0.2, 1.5) && !weak(&length, 0.0, 0.0));
+    }
+}

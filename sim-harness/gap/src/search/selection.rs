@@ -1,0 +1,238 @@
+//! Which terms are missing: forward selection by penalised gain of log-likelihood, with a backward re-check of each term.
+//!
+//! Each family (one named effect, or a smooth function of one coordinate) offers its best shape beside the current model. Its value is the gain, scaled down
+//! where runs differ more than the noise model says, minus the penalty of its freedom.
+
+use crate::candidate::{Family, Shape, Size, Term};
+use crate::fit::{Base, Gain, choices};
+use crate::noise::dragging::RunDrag;
+use crate::search::fits::Search;
+use crate::search::shape;
+
+/// A term with what was found of it.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The term, its shape chosen.
+    pub term: Term,
+    /// What it brings beside the others.
+    pub gain: Gain,
+    /// `gain` less the penalty of its freedom.
+    pub value: f64,
+}
+
+fn best(found: impl Iterator<Item = Found>) -> Option<Found> {
+    found.max_by(|a, b| a.value.total_cmp(&b.value))
+}
+
+impl Search<'_> {
+    fn enough(&self) -> f64 {
+        self.context.config.search.enough
+    }
+
+    /// The best shape of each family beside a model, best first.
+    pub fn candidates(&self, model: &[Term]) -> Vec<Found> {
+        let Some(base) = self.base(model) else {
+            return Vec::new();
+        };
+        let mut found: Vec<Found> =
+            self.families.iter().filter_map(|family| self.best_of(family, &base, model)).collect();
+        found.sort_by(|a, b| b.value.total_cmp(&a.value));
+        found
+    }
+
+    fn best_of(&self, family: &Family, base: &Base, model: &[Term]) -> Option<Found> {
+        let terms = match family {
+            Family::Whole(terms) => return self.best_whole(terms, base),
+            Family::Shapes(terms) => terms.clone(),
+            Family::Section(term) => {
+                let scan = self.scans.iter().find(|scan| scan.term.is_like(term))?;
+                vec![term.with(Shape::Section(scan.refined(base)?))]
+            }
+            Family::Linearised(term) => {
+                let mut at = 0.0;
+                for _ in 0..3 {
+                    at = base.gain(&self.white(&term.with(Shape::Number(at))))?.beta[0];
+                }
+                vec![term.with(Shape::Number(at))]
+            }
+            Family::Runs(term) => vec![self.best_runs(term, base)?],
+        };
+        let terms = terms.into_iter().filter(|term| {
+            // A board takes one table.
+            let second = term.is_unnamed() && model.iter().any(Term::is_unnamed);
+            !second && (term.section().is_some() || !model.iter().any(|other| other.is_like(term)))
+        });
+        let best = best(terms.filter_map(|term| self.found(term, base)))?;
+        if best.value < self.enough() {
+            return Some(best);
+        }
+        match shape::refined(self, base, best.term.clone()) {
+            same if same == best.term => Some(best),
+            finer => self.found(finer, base).or(Some(best)),
+        }
+    }
+
+    /// What a term brings, if it is plausible and nothing contradicts it.
+    fn found(&self, term: Term, base: &Base) -> Option<Found> {
+        let gain = base.gain(&self.white(&term))?;
+        if !self.is_plausible(&term, gain.beta.as_slice()) {
+            return None;
+        }
+        let penalty = self.penalty(&term);
+        let (value, sure) = (gain.naive_gain - penalty, gain.gain - penalty);
+        // A gain that rests on a few runs is worth what it is worth run by run.
+        let few = matches!(term.shape, Shape::Runs(_));
+        let sure = if few { sure } else { sure.min(gain.without_best - penalty) };
+        let value = if sure > self.enough() { value } else { value.min(sure) };
+        let sure = || self.is_sure(&term, &gain);
+        let agrees = || self.agrees(base, &term, gain.beta.as_slice());
+        if value > self.enough() && !(sure() && agrees()) {
+            return None;
+        }
+        Some(Found { term, gain, value })
+    }
+
+    /// Large enough to matter to a train: what is smaller is left to the Davis coefficients' uncertainty and to sensors. Nor more than the train's whole resistance, by too few rows for
+    /// so many coefficients.
+    fn is_plausible(&self, term: &Term, beta: &[f64]) -> bool {
+        let davis = self.context.believed.train().davis();
+        let config = &self.context.config.search;
+        let absurd = || {
+            let extra = term.extra(beta, self.context, self.rows);
+            self.rows.iter().zip(extra).any(|(row, extra)| {
+                let believed = davis.resistance_n_per_kg(row.interval.mean_speed_mps());
+                extra.abs() > config.most_share * believed + config.most_beyond_n_per_kg
+            })
+        };
+        let may_be_large = term.section().is_some() || term.of.nature().may_be_large;
+        let size = Size { term, beta, context: self.context, rows: self.rows };
+        (may_be_large || !absurd()) && term.of.is_plausible(&size)
+    }
+
+    /// A whole term is a column of its own: its coefficient is 1.
+    fn best_whole(&self, terms: &[Term], base: &Base) -> Option<Found> {
+        let found = |term: Term| {
+            let gain = self.gain(base, &term)?;
+            let value = gain.gain - self.penalty(&term);
+            if value > self.enough() && !self.agrees(base, &term, &[1.0]) {
+                return None;
+            }
+            Some(Found { term, gain, value })
+        };
+        let best = best(terms.iter().cloned().filter_map(found))?;
+        if best.value < self.enough() {
+            return Some(best);
+        }
+        found(shape::refined(self, base, best.term))
+    }
+
+    /// The runs in which a constant resistance after the first brake application, the same in all of them, explains most.
+    fn best_runs(&self, term: &Term, base: &Base) -> Option<Term> {
+        let all: Vec<usize> = self.rows.iter().map(|row| row.interval.run).collect();
+        let column = base.beside(&self.white(&term.with(Shape::Runs(all)))[0]);
+        let mut of_runs = RunDrag::of_runs(self.rows, self.whitening.runs(), &column, &base.residual);
+        of_runs.retain(|run| run.information > 0.0);
+        let sums = |chosen: &[&RunDrag]| {
+            let add = |(a, b): (f64, f64), run: &&RunDrag| (a + run.score, b + run.information);
+            chosen.iter().fold((0.0, 0.0), add)
+        };
+        let mut best: Option<(f64, Vec<usize>)> = None;
+        for RunDrag { score, information, .. } in &of_runs {
+            let mut drag = score / information;
+            if drag <= 0.0 {
+                continue;
+            }
+            let mut chosen: Vec<&RunDrag> = Vec::new();
+            for _ in 0..6 {
+                chosen = of_runs.iter().filter(|run| run.gain(drag) > self.context.config.between_runs.drags).collect();
+                let (g, i) = sums(&chosen);
+                if i <= 0.0 {
+                    break;
+                }
+                drag = g / i;
+            }
+            let (g, i) = sums(&chosen);
+            let runs: Vec<usize> = chosen.iter().map(|run| run.run).collect();
+            let value = if i > 0.0 { 0.5 * g * g / i } else { 0.0 } - choices(runs.len(), of_runs.len());
+            if !runs.is_empty() && best.as_ref().is_none_or(|b| value > b.0) {
+                best = Some((value, runs));
+            }
+        }
+        best.map(|(_, runs)| term.with(Shape::Runs(runs)))
+    }
+
+    /// The model.
+    pub fn select(&self) -> Vec<Term> {
+        let first = self.candidates(&[]);
+        let mut best: (f64, Vec<Term>) = (0.0, Vec::new());
+        for start in first.iter().filter(|f| f.value > self.enough()).take(self.context.config.search.starts) {
+            let mut model = vec![start.term.clone()];
+            self.grow(&mut model);
+            let score = self.score(&model);
+            if score > best.0 + 1e-6 {
+                best = (score, model);
+            }
+        }
+        best.1
+    }
+
+    fn grow(&self, model: &mut Vec<Term>) {
+        let config = &self.context.config.search;
+        let left = |model: &[Term]| self.base(model).map(|base| base.half_sum());
+        let Some(at_first) = left(&[]) else {
+            return;
+        };
+        // A term that comes and goes would do so for ever.
+        for _ in 0..2 * config.most_terms {
+            self.reconsider(model);
+            if model.len() >= config.most_terms {
+                return;
+            }
+            let Some(now) = left(model) else {
+                return;
+            };
+            let brought = at_first - now;
+            let next = self.candidates(model).into_iter().find(|found| {
+                // What differs from run to run is no shadow of what acts along the line, and the other way round.
+                let alike = |term: &Term| term.between_runs() == found.term.between_runs();
+                let shadow = if model.iter().any(alike) { config.shadow * brought } else { 0.0 };
+                found.value > self.enough().max(shadow)
+            });
+            match next {
+                Some(next) => model.push(next.term),
+                None => return,
+            }
+        }
+    }
+
+    /// Takes each term out in turn: what would now be best in its place, if anything?
+    fn reconsider(&self, model: &mut Vec<Term>) {
+        for _ in 0..3 {
+            let mut changed = false;
+            let mut index = 0;
+            while index < model.len() {
+                let mut others = model.clone();
+                others.remove(index);
+                let score = self.score(model);
+                match self.candidates(&others).into_iter().next() {
+                    Some(found) if found.value > self.enough() => {
+                        let mut with = others.clone();
+                        with.insert(index, found.term);
+                        if with != *model && self.score(&with) > score + self.context.config.search.better {
+                            *model = with;
+                            changed = true;
+                        }
+                        index += 1;
+                    }
+                    _ => {
+                        *model = others;
+                        changed = true;
+                    }
+                }
+            }
+            if !changed {
+                return;
+            }
+        }
+    }
+}

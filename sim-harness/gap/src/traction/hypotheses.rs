@@ -1,0 +1,29 @@
+//! All limits that may not be as believed, compared.
+
+use crate::config::{PenaltyConfig, TractionConfig};
+use crate::traction::adhesion::adhesion;
+use crate::traction::exceeded::{Reading, allowed};
+use crate::traction::limit::FoundLimit;
+use crate::traction::pulls::Pull;
+use crate::traction::scale::scale;
+use crate::traction::section::section;
+use crate::traction::shares::Shares;
+
+/// All limits that are better than the believed one, best first. `pulls` and `traction` by run.
+pub fn limits(
+    pulls: &[Vec<Pull>],
+    traction: &[Vec<Reading>],
+    config: &TractionConfig,
+    penalty: &PenaltyConfig,
+) -> Vec<FoundLimit> {
+    let runs: Vec<Shares<'_>> =
+        pulls.iter().filter(|pulls| pulls.len() >= 2).map(|pulls| Shares::new(pulls, config)).collect();
+    if runs.len() < config.least_runs {
+        return Vec::new();
+    }
+    let section = section(&runs, config, penalty).and_then(|found| allowed(found, traction, config));
+    let found = [scale(&runs, config, penalty), section, adhesion(&runs, config, penalty)];
+    let mut found: Vec<FoundLimit> = found.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.value.total_cmp(&a.value));
+    found
+}
