@@ -5,7 +5,7 @@ use crate::config::{BetweenRunsConfig, SearchConfig};
 use crate::data::believed::{Conditions, Context};
 use crate::data::rows::Row;
 use crate::data::runs::Readings;
-use crate::fit::TWO_SIDED;
+use crate::fit::HALF_95;
 use crate::noise::calibrate::Calibrated;
 use crate::readings::kinematics::Kinematics;
 use crate::traction::limit::FoundLimit;
@@ -45,7 +45,7 @@ impl Findings {
         runs.dedup();
         let spread = self.calibrated.own.wind_mps;
         let sd = config.wind_sd * spread / (2.0 * runs.len().max(2) as f64).sqrt();
-        let sure = self.wind_gain > config.wind_gain && spread - TWO_SIDED * sd > config.least_wind_mps;
+        let sure = self.wind_gain > config.wind_gain && spread - HALF_95 * sd > config.least_wind_mps;
         sure.then_some((spread, sd))
     }
 

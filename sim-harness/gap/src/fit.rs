@@ -3,14 +3,11 @@
 use core::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
-/// Log-likelihood that a value at its 95 % limit loses: half the 95 % point of chi square with one degree of freedom.
+/// Half a 95 % interval in standard deviations: the 97.5 % point of the normal distribution. All intervals of a report have this width.
+pub const HALF_95: f64 = 1.96;
+
+/// Log-likelihood that a value at the end of its 95 % interval loses: half the square of [`HALF_95`].
 pub const LOSS_AT_LIMIT: f64 = 1.92;
-
-/// 97.5 % point of the normal distribution, a little wider for the few runs there are.
-pub const TWO_SIDED: f64 = 2.05;
-
-/// 97.5 % point of the normal distribution.
-pub const NORMAL_95: f64 = 1.96;
 
 /// Log of the number of ways to choose `chosen` of `all` runs, about.
 pub fn choices(chosen: usize, all: usize) -> f64 {

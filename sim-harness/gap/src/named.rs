@@ -1,7 +1,7 @@
 //! A named effect with what is known of it.
 
 use crate::columns::coordinate_name;
-use crate::fit::TWO_SIDED;
+use crate::fit::HALF_95;
 use rundown::model::effects::{Effect, EffectKind};
 use serde_json::{Map, Value, json};
 
@@ -38,7 +38,7 @@ pub fn not_chance(gain: f64, most: f64) -> f64 {
 
 /// The 95 % interval of a parameter.
 pub fn around(parameter: &'static str, value: f64, sd: f64) -> Interval95 {
-    (parameter, value - TWO_SIDED * sd, value + TWO_SIDED * sd)
+    (parameter, value - HALF_95 * sd, value + HALF_95 * sd)
 }
 
 impl Named {

@@ -1,6 +1,8 @@
 //! Effects and parameters as they are read: names, places, units, digits, intervals.
 
+use crate::fit::HALF_95;
 use crate::named::Named;
+use rundown::model::effects::EffectKind;
 use rundown_pages::numbers::number;
 
 /// A name as it is read.
@@ -19,23 +21,12 @@ pub fn side(more: bool) -> &'static str {
     if more { "more" } else { "less" }
 }
 
-/// Unit of a parameter.
-pub fn unit(parameter: &str) -> &'static str {
-    match parameter {
-        "k" | "dr2" => "N/(kg (m/s)\u{b2})",
-        "dr1" => "N/(kg m/s)",
-        "dr0" | "drag_n_per_kg" | "amplitude" | "dr0_over_period" => "N/kg",
-        "dr0_per_degC" => "N/(kg \u{b0}C)",
-        "ref_c" => "\u{b0}C",
-        "delta_permille" => "\u{2030}",
-        "wind_mps" | "sd_mps" => "m/s",
-        "lag_s" | "tau_s" => "s",
-        "below_kmh" | "from_kmh" => "km/h",
-        "from_m" | "to_m" | "true_length_m" => "m",
-        "period_days" => "days",
-        "reference_day" => "days since 1970",
-        _ => "",
+/// Unit of a parameter, as the catalogue of effects has it; of a section m.
+pub fn unit(kind: EffectKind, parameter: &str) -> &'static str {
+    if matches!(parameter, "from_m" | "to_m") {
+        return "m";
     }
+    kind.parameters().iter().find(|one| one.name == parameter).map_or("", |one| one.unit)
 }
 
 /// With three digits, as a power of ten where the number is small.
@@ -81,7 +72,7 @@ pub fn interval(named: &Named, parameter: &str) -> Option<(f64, f64)> {
 pub fn with_ends(value: f64, interval: Option<(f64, f64)>) -> (String, Option<[String; 2]>) {
     match interval {
         Some((low, high)) if high > low => {
-            let sd = 0.25 * (high - low);
+            let sd = 0.5 * (high - low) / HALF_95;
             let text = |v| digits(v, sd, value);
             (text(value), Some([text(low), text(high)]))
         }
@@ -99,7 +90,7 @@ pub fn confidence(named: &Named) -> String {
 
 /// With the unit of the parameter: see [`told`].
 pub fn with_unit(named: &Named, parameter: &str, value: f64) -> String {
-    told(named, parameter, value, 1.0, unit(parameter))
+    told(named, parameter, value, 1.0, unit(named.effect.kind(), parameter))
 }
 
 /// `4.9 m/s (95 % interval 4.6 to 5.2)`; factor: from the parameter's unit and sign to what is told.

@@ -369,13 +369,13 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), ReadError> {
     within(file, &numbers)?;
     let [least, most] = sensors.gap_samples;
     if least == 0 || most < least {
-        let message = format!("sensors.gap_samples: expected [least, most] with 1 or more, found [{least}, {most}]");
+        let message = format!("expected [least, most] with 1 or more, found [{least}, {most}]");
         return Err(file.refuse_dotted("sensors.gap_samples", message));
     }
     for (index, scale) in v.train.true_davis_over_described.into_iter().enumerate() {
         if !(0.0..=10.0).contains(&scale) {
             let place = [Step::Name("train"), Step::Name("true_davis_over_described"), Step::Index(index)];
-            let message = format!("train.true_davis_over_described: expected factors of 0 to 10, found {scale}");
+            let message = format!("expected a factor of 0 to 10, found {scale}");
             return Err(file.refuse(&place, message));
         }
     }
@@ -392,7 +392,7 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), ReadError> {
 fn within(file: &TomlFile<ScenarioFile>, numbers: &[(&str, f64, f64, f64)]) -> Result<(), ReadError> {
     for &(field, found, least, most) in numbers {
         if !(least..=most).contains(&found) {
-            let message = format!("{field}: expected {least} to {most}, found {found}");
+            let message = format!("expected {least} to {most}, found {found}");
             return Err(file.refuse_dotted(field, message));
         }
     }
@@ -407,8 +407,8 @@ fn divides(file: &TomlFile<ScenarioFile>, field: &str, time_s: f64) -> Result<()
         return Ok(());
     }
     let message = match field {
-        "step_s" => format!("step_s: expected a divisor of {time_s} s, found {step_s}"),
-        _ => format!("{field}: expected a multiple of step_s, {step_s} s, found {time_s} s"),
+        "step_s" => format!("expected a divisor of {time_s} s, found {step_s}"),
+        _ => format!("expected a multiple of step_s, {step_s} s, found {time_s} s"),
     };
     Err(file.refuse_dotted(field, message))
 }
@@ -420,7 +420,7 @@ fn dates(file: &TomlFile<ScenarioFile>) -> Result<Dates, ReadError> {
         .and_then(|date| date.to_zoned(jiff::tz::TimeZone::UTC))
         .map(|midnight| midnight.timestamp().as_second())
         .map_err(|_| {
-            let message = format!("dates.start: expected a day as \"2024-01-08\", found \"{start}\"");
+            let message = format!("expected a day as \"2024-01-08\", found \"{start}\"");
             file.refuse_dotted("dates.start", message)
         })?;
     Ok(Dates { start_s, days: *days })
@@ -437,14 +437,13 @@ fn line(file: &TomlFile<ScenarioFile>, path: &Path) -> Result<(Line, TrackFile),
         return Ok((line, track));
     };
     if name.is_some() {
-        let message = "line: expected a name or a file, found both";
+        let message = "expected a name or a file, found both";
         return Err(file.refuse_dotted("line.file", message));
     }
     let track_path = path.parent().unwrap_or(Path::new("")).join(track);
     let (track, _) = TrackFile::read(&track_path)?;
     if track.speed_limit.is_empty() {
-        let message =
-            format!("line.file: expected a track with [[speed_limit]], found none in {}", track_path.display());
+        let message = format!("expected a track with [[speed_limit]], found none in {}", track_path.display());
         return Err(file.refuse_dotted("line.file", message));
     }
     Ok((believed::line_of(&track), track))
@@ -489,7 +488,7 @@ mod tests {
         );
         assert_eq!(error("step_s = 0.03\n"), "s.toml:1:10: step_s: expected a divisor of 1 s, found 0.03");
         assert_eq!(error("[load]\nsd = 0.4\n"), "s.toml:2:6: load.sd: expected 0 to 0.3, found 0.4");
-        assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train: mass_kg must be 1000 to 100000000, found 5");
+        assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train.mass_kg: expected 1000 to 100000000, found 5");
         assert_eq!(
             error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),
             "s.toml:2:1: effect[0]: tunnel_drag: expected to_m beyond from_m, found 4"

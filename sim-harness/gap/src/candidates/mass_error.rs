@@ -2,7 +2,7 @@
 
 use crate::candidates::kit::*;
 use crate::columns::mass;
-use crate::fit::TWO_SIDED;
+use crate::fit::HALF_95;
 use rundown::model::effects::MassError;
 
 /// What the workflow knows of it.
@@ -55,7 +55,7 @@ impl Candidate for This {
     /// The coefficient is e/(1 + e).
     fn effect(&self, fitted: &Fitted, _: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {
         let relative = |b: f64| b / (1.0 - b);
-        let (beta, half) = (fitted.beta[0], TWO_SIDED * fitted.sd[0]);
+        let (beta, half) = (fitted.beta[0], HALF_95 * fitted.sd[0]);
         let interval = ("relative", relative(beta - half), relative(beta + half));
         Some((Effect::MassError(MassError { relative: relative(beta) }), vec![interval]))
     }

@@ -56,6 +56,7 @@ impl Cut<'_> {
         let mut intervals = Vec::with_capacity(nodes.len());
         let mut braked = false;
         let longest_s = self.config.gap * usual_s.max(self.config.length_s);
+        let stood_s = self.stood_s();
         let mut last_end = None;
         for pair in nodes.windows(2) {
             let (from, to) = (pair[0], pair[1]);
@@ -64,6 +65,7 @@ impl Cut<'_> {
                 continue;
             }
             let mut interval = self.interval(index, &from, &to, departure_s);
+            interval.stood_s = stood_s[from.sample];
             interval.follows = last_end == Some(from.sample);
             braked = braked || self.brakes(&interval, &from, &to);
             interval.braked = braked;
@@ -104,6 +106,7 @@ impl Cut<'_> {
             effort_step_n_per_kg: self.effort_at(to.sample) - self.effort_at(from.sample),
             temperature_c: self.run.samples[to.sample].temperature_c,
             day: self.run.day,
+            stood_s: None,
             braked: false,
             follows: false,
             path,
@@ -150,6 +153,22 @@ impl Cut<'_> {
     fn departure_s(&self) -> Option<f64> {
         let moving = |sample: &&Sample| sample.speed_mps.is_some_and(|v| v > self.config.departed_mps);
         self.run.samples.iter().find(moving).map(|sample| sample.time_s)
+    }
+
+    /// How long the train had stood before its last start, or stands already, at each sample, s; `None`: since before the run.
+    fn stood_s(&self) -> Vec<Option<f64>> {
+        let (mut departed, mut since_s, mut stood_s) = (false, None, None);
+        let of = |sample: &Sample| {
+            let moves = sample.speed_mps.map(|v| v > self.config.departed_mps);
+            departed |= moves == Some(true);
+            if departed && moves == Some(false) {
+                stood_s = Some(sample.time_s - *since_s.get_or_insert(sample.time_s));
+            } else if moves == Some(true) {
+                since_s = None;
+            }
+            stood_s
+        };
+        self.run.samples.iter().map(of).collect()
     }
 
     fn nodes(&self, usual_s: f64) -> Vec<Node> {

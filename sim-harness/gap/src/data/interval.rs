@@ -33,6 +33,8 @@ pub struct Interval {
     pub temperature_c: Option<f64>,
     /// Day, since 1970-01-01 UTC.
     pub day: Option<f64>,
+    /// How long the train stood before its last start, s; `None`: since before the run.
+    pub stood_s: Option<f64>,
     /// The brake has been applied since the departure.
     pub braked: bool,
     /// Shares its first reading with the interval before it.

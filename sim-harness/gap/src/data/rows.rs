@@ -74,6 +74,7 @@ impl Row {
             effort_step_n_per_kg: 0.0,
             temperature_c: None,
             day: None,
+            stood_s: None,
             braked: false,
             follows: false,
             path: [point; POINTS],

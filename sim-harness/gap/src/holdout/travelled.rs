@@ -82,27 +82,36 @@ mod tests {
     use crate::data::runs::Sample;
     use rundown::model::direction::Direction;
 
-    #[test]
-    fn a_wheel_that_reads_high_is_a_gap_until_it_is_known() {
+    /// 20 m/s down the line by location, and these readings of the speed.
+    fn run(read_mps: impl Fn(u32) -> f64) -> Run {
         let sample = |k: u32| Sample {
             time_s: 10.0 * f64::from(k),
             location_m: Some(10_000.0 - 200.0 * f64::from(k)),
-            speed_mps: Some(20.4),
+            speed_mps: Some(read_mps(k)),
             ..Sample::default()
         };
-        let run = Run {
-            name: "run".to_owned(),
-            direction: Direction::Down,
-            day: None,
-            samples: (0..25).map(sample).collect(),
-        };
+        let samples = (0..25).map(sample).collect();
+        Run { name: "run".to_owned(), direction: Direction::Down, day: None, samples }
+    }
+
+    #[test]
+    fn a_wheel_that_reads_high_is_a_gap_until_it_is_known() {
         let right = Readings { speed_scale: 1.02, ..Readings::default() };
-        let found = travelled(0, &run, &right, &HoldoutConfig::default());
+        let found = travelled(0, &run(|_| 20.4), &right, &HoldoutConfig::default());
         assert_eq!(found.len(), 2);
         for window in found {
             assert!((window.before_mps - 0.4).abs() < 1e-9);
             assert!(window.after_mps.abs() < 1e-9);
             assert!((window.measured_mps - 20.0).abs() < 1e-9);
         }
+    }
+
+    /// The recorder cuts digits off what the wheel shows: half a step is missing there, and not in the true speed.
+    #[test]
+    fn a_recorder_that_truncates_what_a_wrong_wheel_shows_is_put_right_to_the_last_digit() {
+        let right = Readings { speed_scale: 1.03, speed_offset_mps: 0.5 / 3.6, ..Readings::default() };
+        let found = travelled(0, &run(|_| 1.03 * 20.0 - 0.5 / 3.6), &right, &HoldoutConfig::default());
+        assert!(found.iter().all(|window| window.after_mps.abs() < 1e-9), "{found:?}");
+        assert_eq!(right.true_speed_mps(0.0), 0.0);
     }
 }

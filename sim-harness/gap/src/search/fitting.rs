@@ -1,7 +1,7 @@
 //! The terms of a model with their coefficients, limits and rivals.
 
 use crate::candidate::{Fitted, Term};
-use crate::fit::TWO_SIDED;
+use crate::fit::HALF_95;
 use crate::search::fits::Search;
 use crate::search::selection::Found;
 use crate::search::shape;
@@ -34,7 +34,7 @@ pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {
             sd.hypot(certainty.law * base.beta[i])
         });
         let sd: Vec<f64> = sd.collect();
-        let half = TWO_SIDED * sd.first().copied().unwrap_or(0.0);
+        let half = HALF_95 * sd.first().copied().unwrap_or(0.0);
         let beta: Vec<f64> = range.map(|i| base.beta[i]).collect();
         Fitted {
             term: term.clone(),

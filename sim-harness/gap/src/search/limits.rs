@@ -1,7 +1,7 @@
 //! How sure a term is: what no spread of rows or runs shows, and where the edges of a section may lie.
 
 use crate::candidate::{SectionLimits, Shape, Term};
-use crate::fit::{Base, Gain, LOSS_AT_LIMIT, TWO_SIDED};
+use crate::fit::{Base, Gain, HALF_95, LOSS_AT_LIMIT};
 use crate::search::fits::Search;
 
 impl Search<'_> {
@@ -14,7 +14,7 @@ impl Search<'_> {
             return true;
         };
         let sd = gain.naive[(0, 0)].max(gain.robust[(0, 0)]).sqrt();
-        beta.abs() > TWO_SIDED * sd.hypot(*systematic)
+        beta.abs() > HALF_95 * sd.hypot(*systematic)
     }
 
     /// What a difference that sensors make in all rows alike would make of each coefficient of a term where it acts.

@@ -3,7 +3,7 @@
 use super::binned::{Bin, Value, binned, width};
 use super::maps::sections;
 use crate::answer::whole::Answer;
-use crate::fit::NORMAL_95;
+use crate::fit::HALF_95;
 use crate::holdout::forward::Compared;
 use plotters::style::RGBColor;
 use rundown_pages::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
@@ -110,7 +110,7 @@ fn one_run(answer: &Answer) -> Option<(String, String)> {
             band.push(None);
         }
         last_s = c.since_s;
-        let half = NORMAL_95 * c.floor.sqrt();
+        let half = HALF_95 * c.floor.sqrt();
         band.push(Some((c.location_m / 1000.0, -half, half)));
     }
     let dots = |of: &dyn Fn(&Compared) -> f64| -> Vec<(f64, f64)> {

@@ -6,7 +6,7 @@ use crate::answer::whole::Answer;
 use crate::candidates;
 use crate::data::rows::Row;
 use crate::explained::{acts, extra};
-use crate::fit::NORMAL_95;
+use crate::fit::HALF_95;
 use crate::named::Named;
 use crate::wording::plain;
 use rundown::model::direction::Direction;
@@ -143,7 +143,7 @@ fn layers_of(rows: &[&At], group: Option<Direction>, (width, least): (f64, usize
     };
     let (data, law) = (pairs(&data), pairs(&law));
     let bar = |(place, bin): &(Bin, Bin)| {
-        let half = NORMAL_95 * bin.se?;
+        let half = HALF_95 * bin.se?;
         let end = |by: f64| Some((place.mean, bin.mean + by));
         Some(vec![end(-half), end(half)])
     };
@@ -187,7 +187,7 @@ fn winds(one: &Named) -> Option<(String, String)> {
     let each = || one.per_run.iter().enumerate();
     let bar = |(i, (_, wind, sd)): (usize, &(String, f64, f64))| {
         let end = |by: f64| Some((at(i), wind + by));
-        vec![end(-NORMAL_95 * sd), end(NORMAL_95 * sd)]
+        vec![end(-HALF_95 * sd), end(HALF_95 * sd)]
     };
     let figure = Figure {
         title: "The wind of each run".to_owned(),

@@ -4,7 +4,7 @@ use super::binned::{Bin, Value, binned, width};
 use crate::answer::whole::Answer;
 use crate::data::rows::Row;
 use crate::findings::Findings;
-use crate::fit::NORMAL_95;
+use crate::fit::HALF_95;
 use plotters::style::RGBColor;
 use rundown::model::direction::Direction;
 use rundown_pages::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
@@ -160,7 +160,7 @@ fn figure(answer: &Answer, explained: &[f64], coordinate: &Coordinate, direction
     for direction in directions {
         let residuals = bins(*direction, &|_, row| row.residual_n_per_kg);
         let band = |bin: &Bin| {
-            let half = NORMAL_95 * bin.se?;
+            let half = HALF_95 * bin.se?;
             Some((bin.at, bin.mean - half, bin.mean + half))
         };
         let mut bands = Vec::new();

@@ -109,7 +109,7 @@ fn effect(one: &Named) -> Markup {
                 td.text { code { (name) } }
                 td { (value) }
                 td { @match ends { Some([low, high]) => { (low) " to " (high) }, None => { (NOTHING) } } }
-                td.text { (unit(name)) }
+                td.text { (unit(one.effect.kind(), name)) }
                 @if index == 0 { (sure) }
             }
         }
