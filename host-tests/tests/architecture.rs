@@ -26,18 +26,6 @@ const KNOWN_CIRCLES: &[&str] = &[
     "sim-harness/gap/src/select.rs",
     "sim-harness/gap/src/shape.rs",
     "sim-harness/gap/src/workflow.rs",
-    "sim-harness/src/simulation/believed.rs",
-    "sim-harness/src/simulation/folder.rs",
-    "sim-harness/src/simulation/key.rs",
-    "sim-harness/src/simulation/scenario_file.rs",
-    "sim-harness/src/study/tallies.rs",
-    "sim-harness/src/study/view.rs",
-    "sim-harness/truth/src/driver.rs",
-    "sim-harness/truth/src/facts.rs",
-    "sim-harness/truth/src/plan.rs",
-    "sim-harness/truth/src/scenario.rs",
-    "sim-harness/truth/src/sensors.rs",
-    "sim-harness/truth/src/world.rs",
 ];
 
 fn root() -> PathBuf {
