@@ -1,12 +1,7 @@
 //! What all runs say together, through one pair of eyes: in as few numbers as one run.
 
 use super::moments::Moments;
-use super::view::{PowerPoint, Seen, atb_step};
-
-/// Window of the largest power, km/h (section 3.3): near 140 km/h the driver lets go.
-pub const POWER_KMH: std::ops::RangeInclusive<f64> = 50.0..=130.0;
-/// Where the two clouds of Fig. 9 part, km/h.
-pub const CLOUDS_KMH: f64 = 115.0;
+use super::view::{CLOUDS_KMH, POWER_KMH, PowerPoint, Seen, atb_step};
 
 /// Where the paper finds r0, N/kg (section 4.2).
 pub const R0_BAND: std::ops::RangeInclusive<f64> = 0.0072..=0.00738;

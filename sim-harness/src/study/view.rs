@@ -5,7 +5,6 @@
 
 use super::case::CaseTruth;
 use super::moments::Moments;
-use super::tallies::{CLOUDS_KMH, POWER_KMH};
 use rundown::model::state;
 use rundown::model::train::Train;
 use rundown::tick::estimate::Estimate;
@@ -20,6 +19,10 @@ pub const ATB_STEPS_KMH: [f64; 4] = [130.0, 80.0, 60.0, 40.0];
 pub const ATB_NAMES: [&str; 5] = ["above_130", "130_to_80", "80_to_60", "60_to_40", "below_40"];
 /// Speeds of the red crosses of Fig. 9, km/h.
 pub const CROSS_KMH: std::ops::RangeInclusive<f64> = 50.0..=90.0;
+/// Window of the largest power, km/h (section 3.3): near 140 km/h the driver lets go.
+pub const POWER_KMH: std::ops::RangeInclusive<f64> = 50.0..=130.0;
+/// Where the two clouds of Fig. 9 part, km/h.
+pub const CLOUDS_KMH: f64 = 115.0;
 /// A slower loss of speed is no braking, m/s² (section 3.2): a hold at 40 km/h between two brakes is not counted as one.
 const LEAST_BRAKE_MPS2: f64 = 0.06;
 /// Speeds at which the decelerations of coasting trains are compared, km/h.

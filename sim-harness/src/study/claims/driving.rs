@@ -3,7 +3,8 @@
 use super::{Claim, alone, claim, from_to, mean, near, percent, three};
 use crate::study::gather::Gathered;
 use crate::study::moments::Moments;
-use crate::study::tallies::{CLOUDS_KMH, Tallies};
+use crate::study::tallies::Tallies;
+use crate::study::view::CLOUDS_KMH;
 use rundown::model::train::Train;
 use rundown_pages::numbers::{NOTHING, number};
 
