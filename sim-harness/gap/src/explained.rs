@@ -31,6 +31,7 @@ pub fn extra(believed: &Believed<'_>, effect: &Effect, row: &Row) -> f64 {
             speed_mps: point.speed_mps,
             effort_n_per_kg: row.effort_n_per_kg,
             since_departure_s: point.since_departure_s,
+            stood_s: None,
             braked: row.interval.braked,
             temperature_c: row.interval.temperature_c,
             day: row.interval.day,

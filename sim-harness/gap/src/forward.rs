@@ -225,6 +225,7 @@ pub fn moment_at(row: &Row, location_m: f64, speed_mps: f64, since_departure_s: 
         speed_mps,
         effort_n_per_kg: row.effort_n_per_kg,
         since_departure_s,
+        stood_s: None,
         braked: row.interval.braked,
         temperature_c: row.interval.temperature_c,
         day: row.interval.day,

@@ -45,6 +45,7 @@ fn of_effects(row: &Row, believed: &Believed<'_>, effects: &Effects) -> f64 {
             speed_mps: point.speed_mps,
             effort_n_per_kg: row.effort_n_per_kg,
             since_departure_s: point.since_departure_s,
+            stood_s: None,
             braked: interval.braked,
             temperature_c: interval.temperature_c,
             day: interval.day,

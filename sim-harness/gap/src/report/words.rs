@@ -206,6 +206,11 @@ fn what(page: &Page<'_>, named: &Named) -> String {
             value("amplitude", e.amplitude, 1.0, "N/kg"),
             number(e.tau_s / 60.0, 1)
         ),
+        Effect::StartingResistance(e) => format!(
+            "After standing the train is hard to start: {} more, 37\u{a0}% of it left at {}",
+            value("amplitude", e.amplitude, 1.0, "N/kg"),
+            value("decay_kmh", e.decay_kmh, 1.0, "km/h")
+        ),
         Effect::DavisError(e) => {
             let extra = e.dr0 + e.dr1 * 100.0 / 3.6 + e.dr2 * (100.0_f64 / 3.6).powi(2);
             let coefficients = [("dr0", "r0", e.dr0), ("dr1", "r1", e.dr1), ("dr2", "r2", e.dr2)];
