@@ -43,7 +43,8 @@ impl Candidate for This {
             named.intervals.push((name, on_line(low), on_line(high)));
         }
         // Enough intervals coasted in the section for its resistance to be known there.
-        let coasted = || naming.rows.iter().filter(|row| (from_m..to_m).contains(&row.interval.middle().location_m)).count();
+        let coasted =
+            || naming.rows.iter().filter(|row| (from_m..to_m).contains(&row.interval.middle().location_m)).count();
         let or_drag = !naming.measured && factor > certainty.little_less && coasted() < certainty.coasted_rows;
         Some((named, or_drag.then_some((EffectKind::TunnelDrag, 1.0)).into_iter().collect()))
     }

@@ -100,7 +100,8 @@ pub fn renamed(fitted: &Fitted, naming: &Naming<'_>) -> Option<Fitted> {
     let certainty = &naming.context.config.certainty;
     let section = fitted.term.section()?;
     let in_tunnel = overlaps(section, &naming.context.surroundings.tunnels, certainty.overlap);
-    let swap = fitted.term.is(EffectKind::TunnelDrag) && !in_tunnel || fitted.term.is(EffectKind::GradientError) && in_tunnel;
+    let swap =
+        fitted.term.is(EffectKind::TunnelDrag) && !in_tunnel || fitted.term.is(EffectKind::GradientError) && in_tunnel;
     let by_name = |term: &Term| term.is(EffectKind::TunnelDrag) || term.is(EffectKind::GradientError);
     let near = |(other, worse): &&(Term, f64)| *worse < certainty.same && by_name(other);
     let (other, _) = fitted.rivals.iter().find(near).filter(|_| swap)?;

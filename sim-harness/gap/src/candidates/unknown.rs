@@ -183,7 +183,9 @@ impl Candidate for This {
             _ => format!("most at {} {unit}", number((at - origin) * factor, 1)),
         };
         let size = short(extra);
-        format!("Something that no named effect explains adds resistance that depends on the {along}: {size} N/kg {place}")
+        format!(
+            "Something that no named effect explains adds resistance that depends on the {along}: {size} N/kg {place}"
+        )
     }
 
     /// Coordinate, range and size of the table.
