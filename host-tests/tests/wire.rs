@@ -36,8 +36,8 @@ const TRAILER: usize = 16;
 const HEAD: &str = "# Bytes of each frame
 
 One message of each frame of [WIRE.md](../WIRE.md), without checksum and coding of the link: eight bytes a line, with
-what they say; and the kinds of effects. Written by `BLESS=1 cargo test -p host-tests --test wire`, and compared with the code by every run of
-that test.
+what they say; before them the kinds of effects. Written by `BLESS=1 cargo test -p host-tests --test wire`, and compared
+with the code by every run of that test.
 
 The secured messages are made with the key `6E 6F 74 20 61 20 73 65 63 72 65 74 20 6B 65 79` (\"not a secret key\"), train
 id 0x2451, epoch 3, counter 1. The settings hold the defaults of version 1; of these `acceleration_noise_mps2` of the
