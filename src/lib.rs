@@ -12,18 +12,18 @@
 //! estimate + track with its targets -> coast_ahead: speed and time at the next one
 //! ```
 //!
-//! [`estimator`] alone knows this order. Beside it stand [`store`] (the vehicle survives the power cut) and [`auth`] (who may change what).
+//! [`estimator`] alone knows this order. Beside it stand [`onboard::store`] (the vehicle survives the power cut) and [`onboard::auth`] (who may change what).
 //!
 //! | equation, section | item |
 //! |---|---|
-//! | Eq. (1) solved for the effort | [`effort`] |
-//! | Eq. (2) Davis | [`resistance::Davis`] |
-//! | Eq. (3)-(5) motion | [`motion::Motion`] |
-//! | Eq. (6) measurement | [`learning::LocationAndSpeed`] |
-//! | Eq. (7)-(18) filter | [`ukf::Ukf`], [`elimination`] |
-//! | Table 1 | [`config::PaperConfig`] |
+//! | Eq. (1) solved for the effort | [`model::effort`] |
+//! | Eq. (2) Davis | [`model::resistance::Davis`] |
+//! | Eq. (3)-(5) motion | [`model::motion::Motion`] |
+//! | Eq. (6) measurement | [`tick::learning::LocationAndSpeed`] |
+//! | Eq. (7)-(18) filter | [`filter::ukf::Ukf`], [`filter::elimination`] |
+//! | Table 1 | [`tick::paper::PaperConfig`] |
 //! | Eq. (1) at no effort, over the way | [`coast_ahead`] |
-//! | section 3.2 regimes | [`regime::PaperRule`], [`regime::Recogniser`] |
+//! | section 3.2 regimes | [`tick::regime::PaperRule`], [`tick::regime::Recogniser`] |
 //! | section 3.3 features | [`features`] |
 //!
 //! What leaves the board and what comes to it are messages of [`link`], over a serial line or CAN.

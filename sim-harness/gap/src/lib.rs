@@ -22,7 +22,7 @@
 //!      gap.json, page, story, tables, model, frame          Answer
 //! ```
 //!
-//! All thresholds and priors are in [`GapConfig`](config::GapConfig); everything about one kind of effect is in its file below `candidates/`.
+//! All thresholds and priors are in [`GapConfig`]; everything about one kind of effect is in its file below `candidates/`.
 //!
 //! ```no_run
 //! use rundown_gap::config::GapConfig;

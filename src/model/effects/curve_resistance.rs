@@ -14,7 +14,7 @@ use super::{CurveResistance, Law, Situation};
 use crate::Real;
 
 impl CurveResistance {
-    /// Extra resistance in N/kg. `gravity_n_per_kg` is g / γ; `mean_roeckl` the mean of [`roeckl`] under the train,
+    /// Extra resistance in N/kg. `gravity_n_per_kg` is g / γ; `mean_roeckl` the mean of [`roeckl`](crate::model::curves::roeckl) under the train,
     /// [`Track::mean_roeckl`](crate::model::track::Track::mean_roeckl).
     ///
     /// ```
