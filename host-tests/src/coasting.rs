@@ -33,7 +33,7 @@ pub fn with_targets(config: Config, scenario: &Scenario) -> Description {
 /// When and how fast a coasting train is at a place; `None`: it stands before.
 fn coasted(world: &World, from: &TraceStep, at_m: f64) -> Option<(f64, f64)> {
     let mut motion = Motion { location_m: from.location_m, speed_mps: from.speed_mps };
-    let mut history = History { time_s: from.time_s, departed_s: Some(0.0), braked: true };
+    let mut history = History { time_s: from.time_s, departed_s: Some(0.0), braked: true, ..History::default() };
     loop {
         let next = world.advance(history, motion, 0.0, STEP_S);
         if next.location_m >= at_m {

@@ -456,7 +456,7 @@ fn what_cannot_be_believed_is_not_restored_and_the_cause_is_named() {
         NotRestored::Vehicle(Implausible::NotFinite)
     );
     assert_eq!(stored(|p| p.effects[0].values[1] = f64::INFINITY, &DAVIS), NotRestored::Effect { kind: 17 });
-    assert_eq!(stored(|p| p.effects[1].kind = 20, &DAVIS), NotRestored::Effect { kind: 20 });
+    assert_eq!(stored(|p| p.effects[1].kind = 200, &DAVIS), NotRestored::Effect { kind: 200 });
 
     let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();
     // What the first boot stores: its epoch, nothing learned yet.

@@ -443,7 +443,7 @@ fn wrong_effects_change_nothing() {
         |values: [f64; 4]| rundown_wire::Effect { kind: 19, section_m: None, values: values.into_iter().collect() };
     for (wrong, refusal) in [
         (change(|e| e.kind = 0), Refusal::UnknownEffect),
-        (change(|e| e.kind = 20), Refusal::UnknownEffect),
+        (change(|e| e.kind = u8::MAX), Refusal::UnknownEffect),
         (change(|e| e.values[0] = f64::NAN), Refusal::OutOfRange),
         (change(|e| e.values[1] = 0.0), Refusal::OutOfRange),
         (

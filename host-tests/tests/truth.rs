@@ -79,6 +79,9 @@ fn motion_effects() -> Vec<(Effect, Effect, Law)> {
     let temperature = |dr0_per_deg_c| Effect::from(TemperatureResistance { dr0_per_deg_c, ref_c: 15.0 });
     let drag = |drag_n_per_kg| Effect::from(DraggingBrake { drag_n_per_kg, runs: all() });
     let warm = |amplitude| Effect::from(WarmUp { amplitude, tau_s: 240.0 });
+    let start = |amplitude| {
+        Effect::from(StartingResistance { amplitude, decay_kmh: 10.0, standing_min: 5.0, cold_per_deg_c: 0.0 })
+    };
     let speed = |drag_n_per_kg| Effect::from(SpeedBump { at_kmh: 100.0, half_width_kmh: 20.0, drag_n_per_kg });
     let place = |drag_n_per_kg| Effect::from(LocationBump { from_m: 12_000.0, to_m: 14_000.0, drag_n_per_kg });
     let periodic = |amplitude| Effect::from(PeriodicDrag { amplitude, period_s: 300.0 });
@@ -132,6 +135,7 @@ fn motion_effects() -> Vec<(Effect, Effect, Law)> {
             }),
         ),
         (warm(5e-3), warm(0.0), boxed(|at| 5e-3 * (-at.since_departure_s / 240.0).exp())),
+        (start(0.02), start(0.0), boxed(|at| 0.02 * (-3.6 * at.v / 10.0).exp())),
         (davis(1.0), davis(0.0), boxed(|at| 1e-3 + 5e-5 * at.v - 4e-6 * at.v * at.v)),
         (Effect::from(CubicDrag { k: 2e-7 }), Effect::from(CubicDrag { k: 0.0 }), boxed(|at| 2e-7 * at.v.powi(3))),
         (speed(6e-3), speed(0.0), Box::new(move |at| 6e-3 * bump((3.6 * at.v - 100.0) / 20.0))),

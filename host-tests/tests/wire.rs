@@ -440,7 +440,7 @@ fn the_board_names_what_it_does_not_know() {
                 // The second byte behind the sequence number is the kind.
                 let mut other = bare.to_vec();
                 assert_eq!(other[2], 1);
-                other[2] = 20;
+                other[2] = u8::MAX;
                 assert_eq!(secured(&other), Refusal::UnknownEffect);
             }
         }

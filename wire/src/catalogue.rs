@@ -86,6 +86,13 @@ macro_rules! effects_catalogue {
                 dr2: -1e-3 to 1e-3, "r2", "N/kg per (m/s)²";
             }
             $($table)*
+            20 StartingResistance starting_resistance everywhere "Extra resistance after standing." {
+                amplitude: 0.0 to 0.5, "at a start after long standing", "N/kg";
+                decay_kmh: 0.5 to 50.0, "37 % left at", "km/h";
+                standing_min: 0.01 to 1e4, "63 % of it after standing for", "min";
+                #[serde(default)]
+                cold_per_deg_c as "cold_per_degC": 0.0 to 0.2, "share more for each degree below 10 °C", "per °C";
+            }
         }
     };
     ($callback:ident $($argument:tt)*) => {

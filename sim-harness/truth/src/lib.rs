@@ -11,7 +11,7 @@
 //! Traction is positive, brake negative; uphill positive; resistance positive against travel; headwind positive.
 //!
 //! ```
-//! use crate::scenario::{Scenario, simulate};
+//! use rundown_truth::scenario::{Scenario, simulate};
 //!
 //! let run = simulate(&Scenario::default(), 1);
 //! assert_eq!(run.samples.len(), run.truth.len());

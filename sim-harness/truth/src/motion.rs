@@ -22,7 +22,7 @@ impl Motion {
     /// A train that stops within the step stands at its end, held by the brake.
     ///
     /// ```
-    /// use crate::motion::Motion;
+    /// use rundown_truth::motion::Motion;
     ///
     /// let start = Motion { location_m: 0.0, speed_mps: 10.0 };
     /// let end = start.advance(2.0, |_, _| -0.5);

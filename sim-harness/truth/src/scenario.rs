@@ -250,6 +250,11 @@ pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> Result<(Vec<TraceSt
             motion = world.advance(history, motion, applied, step_s);
         }
         history.time_s = (i + 1) as f64 / each_second;
+        if motion.speed_mps > 0.0 {
+            history.stood_s = history.standing_since_s.take().map(|s| history.time_s - s).or(history.stood_s);
+        } else if from.speed_mps > 0.0 {
+            history.standing_since_s = Some(history.time_s);
+        }
         // A train that has just stopped, or has not yet moved, stands.
         let regime = if motion.speed_mps == 0.0 { Regime::Standstill } else { doing };
         let to = row(&world, plan, history, motion, [demanded, applied], regime);
@@ -329,6 +334,7 @@ pub(super) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::StartingResistance;
     use crate::sensors::SpeedReading;
     use crate::train::{DavisTruth, GRAVITY_MPS2};
     use rayon::prelude::*;
@@ -504,6 +510,21 @@ mod tests {
                 trace.iter().filter(|s| s.speed_mps == 0.0 && s.location_m > 100.0 && s.location_m < 20_000.0).count();
             assert!((stood as f64 * scenario.step_s - 45.0).abs() < 1.5, "seed {seed}: {stood} steps");
         }
+    }
+
+    #[test]
+    fn a_train_is_hard_to_start_before_the_run_and_a_little_after_a_short_stop() {
+        let red = UnscheduledStop { at_m: 14_000.0, dwell_s: 45.0, share: 1.0 };
+        let grease = StartingResistance { amplitude: 0.04, decay_kmh: 5.0, standing_min: 10.0, cold_per_deg_c: 0.0 };
+        let scenario = Scenario { unscheduled_stop: Some(red), effects: vec![grease.into()], ..Scenario::default() };
+        let (trace, _) = drive(&scenario, 3);
+        let moving = |pair: &&[TraceStep]| pair[0].speed_mps == 0.0 && pair[1].speed_mps > 0.0;
+        let starts: Vec<f64> = trace.windows(2).filter(moving).map(|pair| pair[0].extra_n_per_kg).collect();
+        let [first, second] = starts[..] else { panic!("two starts, found {starts:?}") };
+        assert_eq!(first, 0.04);
+        // 45 s and the time until the effort has overcome it.
+        let least = 0.04 * (1.0 - (-45.0_f64 / 600.0).exp());
+        assert!(second >= least && second < 1.1 * least, "{second} {least}");
     }
 
     #[test]

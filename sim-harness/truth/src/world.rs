@@ -29,6 +29,10 @@ pub struct History {
     pub departed_s: Option<f64>,
     /// A brake has been applied since.
     pub braked: bool,
+    /// Since when it stands at a stop on the way, s.
+    pub standing_since_s: Option<f64>,
+    /// How long it stood at the last one, s.
+    pub stood_s: Option<f64>,
 }
 
 /// What acts in one run.
@@ -98,6 +102,7 @@ impl World {
         Moment {
             motion,
             since_departure_s: history.departed_s.map_or(0.0, |from| history.time_s - from),
+            stood_s: history.standing_since_s.map(|from| history.time_s - from).or(history.stood_s),
             braked: history.braked,
             temperature_c: self.weather.temperature_c(history.time_s),
             season: self.season,

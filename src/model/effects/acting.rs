@@ -16,8 +16,8 @@ use crate::model::point::Point;
 use crate::model::resistance::Davis;
 use serde::{Deserialize, Serialize};
 
-/// A train that is faster than this has departed, m/s.
-const DEPARTED_MPS: Real = 0.5;
+/// A train that is faster than this moves, m/s.
+const MOVING_MPS: Real = 0.5;
 
 /// What nobody measures on the train itself. What was told holds until it is told anew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -44,6 +44,10 @@ pub struct Journey {
     departure_s: Option<Real>,
     departed: bool,
     braked: bool,
+    /// Since when it stands at a stop on the way, s.
+    standing_since_s: Option<Real>,
+    /// How long it stood at the last one, or stands there, s.
+    stood_s: Option<Real>,
     pub(crate) surroundings: Surroundings,
 }
 
@@ -53,6 +57,8 @@ impl Journey {
         departure_s: None,
         departed: false,
         braked: false,
+        standing_since_s: None,
+        stood_s: None,
         surroundings: Surroundings { temperature_c: None, day: None },
     };
 
@@ -63,12 +69,18 @@ impl Journey {
 
     /// A measurement, before it is worked with.
     pub(crate) fn measured(&mut self, time_s: Real, speed_mps: Option<Real>) {
-        let Some(speed_mps) = speed_mps.filter(|_| !self.departed) else {
+        let Some(moving) = speed_mps.map(|speed_mps| speed_mps > MOVING_MPS) else {
             return;
         };
-        self.departed = speed_mps > DEPARTED_MPS;
-        if self.departure_s.is_none() || !self.departed {
-            self.departure_s = Some(time_s);
+        if !self.departed {
+            self.departed = moving;
+            if self.departure_s.is_none() || !moving {
+                self.departure_s = Some(time_s);
+            }
+        } else if moving {
+            self.standing_since_s = None;
+        } else {
+            self.stood_s = Some(time_s - *self.standing_since_s.get_or_insert(time_s));
         }
     }
 
@@ -110,6 +122,7 @@ impl<'a> Acting<'a> {
             speed_mps: at.speed_mps.max(0.0),
             effort_n_per_kg,
             since_departure_s: self.journey.since_departure_s(at.time_s),
+            stood_s: self.journey.stood_s,
             braked: self.journey.braked,
             temperature_c: self.journey.surroundings.temperature_c,
             day: self.journey.surroundings.day,
@@ -160,6 +173,26 @@ mod tests {
         let mut under_way = Journey::default();
         under_way.measured(50.0, Some(30.0));
         assert_eq!(under_way.since_departure_s(60.0), 10.0);
+    }
+
+    #[test]
+    fn stops_on_the_way_are_timed_and_what_was_before_the_run_is_not() {
+        let mut journey = Journey::default();
+        for (time_s, speed_mps, stood_s) in [
+            (0.0, Some(0.0), None),
+            (600.0, Some(0.0), None),
+            (610.0, Some(5.0), None),
+            (700.0, Some(0.0), Some(0.0)),
+            (710.0, None, Some(0.0)),
+            (730.0, Some(0.1), Some(30.0)),
+            (740.0, Some(4.0), Some(30.0)),
+            (900.0, Some(0.0), Some(0.0)),
+        ] {
+            journey.measured(time_s, speed_mps);
+            assert_eq!(journey.stood_s, stood_s, "{time_s}");
+        }
+        journey.begin();
+        assert_eq!(journey.stood_s, None);
     }
 
     #[test]

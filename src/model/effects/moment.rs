@@ -13,6 +13,8 @@ pub struct Moment {
     pub effort_n_per_kg: Real,
     /// Time since the run's departure, s.
     pub since_departure_s: Real,
+    /// How long the train stood before its last start, or stands now, s; `None`: since before the run.
+    pub stood_s: Option<Real>,
     /// A brake has been applied since the departure.
     pub braked: bool,
     /// Ambient temperature, °C.

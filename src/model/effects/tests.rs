@@ -57,6 +57,7 @@ fn each_acts_in_one_way_only() {
         speed_mps: 25.0,
         effort_n_per_kg: 0.1,
         since_departure_s: 60.0,
+        stood_s: None,
         braked: true,
         temperature_c: Some(0.0),
         day: Some(50.0),

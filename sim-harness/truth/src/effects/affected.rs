@@ -24,7 +24,7 @@ impl Affected {
     /// For each run, whether it is affected. Runs with equal values in `groups` (the date, or their own number) share their fate.
     ///
     /// ```
-    /// use crate::effects::Affected;
+    /// use rundown_truth::effects::Affected;
     ///
     /// let chosen = Affected::Share(0.5).choose(&[0, 0, 1, 1], 3);
     /// assert!(chosen == [true, true, false, false] || chosen == [false, false, true, true]);

@@ -15,6 +15,8 @@ pub struct Moment {
     pub motion: Motion,
     /// Since the departure of the run, s; 0 before.
     pub since_departure_s: f64,
+    /// How long the train stood before its last start, or stands now, s; `None`: since before the run.
+    pub stood_s: Option<f64>,
     /// A brake has been applied since the departure.
     pub braked: bool,
     /// Ambient temperature, °C.

@@ -45,6 +45,7 @@ fn at(location_m: f64, speed_mps: f64) -> Moment {
     Moment {
         motion: Motion { location_m, speed_mps },
         since_departure_s: 0.0,
+        stood_s: None,
         braked: false,
         temperature_c: 10.0,
         season: 0.0,
@@ -89,6 +90,24 @@ fn a_dragging_brake_waits_for_the_first_application() {
     assert_eq!(extra(&drag, &line, before), 0.0);
     let after = Moment { braked: true, ..before };
     assert_eq!(extra(&drag, &line, after), 0.01);
+}
+
+#[test]
+fn a_train_starts_harder_after_long_and_cold_standing() {
+    let line = Line::level(10_000.0, 140.0);
+    let grease = StartingResistance { amplitude: 0.04, decay_kmh: 7.2, standing_min: 10.0, cold_per_deg_c: 0.02 };
+    let grease = Effect::from(grease);
+    let cases = [
+        (None, 10.0, 0.0, 0.04),
+        (None, 10.0, 2.0, 0.04 * 0.367_879),
+        (Some(600.0), 10.0, 0.0, 0.04 * 0.632_121),
+        (None, -15.0, 0.0, 0.06),
+        (Some(0.0), -15.0, 0.0, 0.0),
+    ];
+    for (stood_s, temperature_c, speed_mps, expected) in cases {
+        let found = extra(&grease, &line, Moment { stood_s, temperature_c, ..at(0.0, speed_mps) });
+        assert!((found - expected).abs() < 1e-7, "{stood_s:?} {temperature_c} {speed_mps}: {found}");
+    }
 }
 
 #[test]
