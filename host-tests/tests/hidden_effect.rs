@@ -127,6 +127,24 @@ fn a_warm_up_has_its_time_constant_and_limits_that_hold_it() {
     assert!(low < tau_s && tau_s < high && high < 4.0 * low, "{low} {tau_s} {high}");
 }
 
+/// It is over in the first seconds after a start, and comes back after long standing only.
+#[test]
+fn starting_resistance_is_found_with_an_effort_column() {
+    let (set, score, Answer { found, .. }) =
+        of_size(Size::Clear, 40, &["starting_resistance"], true, false, 3_358_701_518);
+    assert!(score.exact, "{score:?}");
+    let Hidden::StartingResistance(hidden) = &set.scenario.effects[0] else {
+        panic!("{:?}", set.scenario.effects);
+    };
+    let Effect::StartingResistance(named) = &found.named[0].effect else {
+        panic!("{:?}", found.named);
+    };
+    // At 15 km/h, where the first intervals that count begin: beyond them amplitude and decay hide in each other.
+    let at_15 = |amplitude: f64, decay_kmh: f64| amplitude * (-15.0 / decay_kmh).exp();
+    let (truth, size) = (at_15(hidden.amplitude, hidden.decay_kmh), at_15(named.amplitude, named.decay_kmh));
+    assert!((size / truth - 1.0).abs() < 0.25, "{truth} {size}");
+}
+
 #[test]
 fn slippery_days_are_found_with_their_runs() {
     let (set, score, Answer { found, .. }) = of_size(Size::Clear, MANY, &["low_adhesion"], true, false, 51);

@@ -94,9 +94,9 @@ impl Candidate for This {
             return String::new();
         };
         format!(
-            "The train starts hard after standing: {} more at first, 37\u{a0}% of it left at {} km/h",
+            "After standing the train is hard to start: {} more, 37\u{a0}% of it left at {}",
             with_unit(named, "amplitude", e.amplitude),
-            number(e.decay_kmh, 0)
+            with_unit(named, "decay_kmh", e.decay_kmh)
         )
     }
 

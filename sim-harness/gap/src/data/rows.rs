@@ -51,7 +51,7 @@ impl Row {
             speed_mps: point.speed_mps,
             effort_n_per_kg: self.effort_n_per_kg,
             since_departure_s: point.since_departure_s,
-            stood_s: None,
+            stood_s: self.interval.stood_s,
             braked: self.interval.braked,
             temperature_c: self.interval.temperature_c,
             day: self.interval.day,
