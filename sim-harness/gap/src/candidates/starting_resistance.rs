@@ -37,7 +37,7 @@ impl Candidate for This {
             least: 4e-3,
             most: 0.3,
             shapes: &[6.0, 12.0, 20.0, 32.0],
-            source: "Least in a row, N/kg, most at the start, N/kg; decay, km/h. Measured by others: 0.025 to 0.25 N/kg (AREMA). Judgement: what is over below 6 km/h no interval of 10 s shows.",
+            source: "Least in a row, N/kg, most at the start, N/kg; decay, km/h. Judgement, no source checked yet: 0.025 to 0.25 N/kg; what is over below 6 km/h no interval of 10 s shows.",
         }
     }
 
