@@ -12,11 +12,17 @@ use rundown_wire::Failure;
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
     let failure = match info.location() {
-        Some(place) => Failure::panic(place.file(), place.line()),
+        Some(place) => Failure::panic(without_detour(place.file()), place.line()),
         None => Failure::panic("", 0),
     };
     kept_ram::write_down(failure);
     SCB::sys_reset()
+}
+
+/// `src/bin/firmware/../../board/l475.rs` is `board/l475.rs`: 24 bytes are kept, too few for the way there.
+fn without_detour(path: &str) -> &str {
+    let detour = path.as_bytes().windows(3).rposition(|part| part == b"../");
+    detour.and_then(|at| path.get(at + 3..)).unwrap_or(path)
 }
 
 /// Takes the stack from its top again, because there may be none left, then goes on in [`fault`].
