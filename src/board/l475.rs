@@ -52,7 +52,7 @@ pub fn start(mut core: cortex_m::Peripherals) -> Option<Board> {
         port,
         watchdog,
         #[cfg(not(feature = "emulator"))]
-        flash: Flash::new(chip.FLASH),
+        flash: Flash::new(flash::Controller(chip.FLASH)),
         #[cfg(feature = "emulator")]
         flash: Flash::start(),
         clock,

@@ -29,6 +29,8 @@ pub mod serial;
 #[cfg(feature = "onboard")]
 pub mod stack;
 #[cfg(feature = "onboard")]
+pub mod stm32l4_flash;
+#[cfg(feature = "onboard")]
 pub mod store;
 #[cfg(feature = "onboard")]
 pub mod task;
