@@ -11,7 +11,7 @@
 //!
 //! A limit that fewer than [`LEAST_RUNS`] runs have shown stays as described. What drivers did not ask for nobody has seen: a learned limit is what the runs have used.
 
-use rundown::model::train::TrainError;
+use rundown::model::bounds::OutOfRange;
 use rundown_files::toml_file::TomlError;
 use rundown_files::train_file::{DavisTable, TrainFile};
 use serde::Deserialize;
@@ -57,7 +57,7 @@ pub enum LearnedTrainError {
     },
     /// What was learned is no train.
     #[error("what was learned is no train: {0}")]
-    NoTrain(TrainError),
+    NoTrain(OutOfRange),
 }
 
 /// Where a value comes from.
@@ -233,6 +233,6 @@ mod tests {
     #[test]
     fn what_no_train_has_is_refused() {
         let error = learned(&[run("7", -0.1, "null", "null")], None).unwrap_err();
-        assert_eq!(error.to_string(), "what was learned is no train: train: davis.r0 must be 0.00001 to 1, found -0.1");
+        assert_eq!(error.to_string(), "what was learned is no train: davis.r0: expected 0.00001 to 1, found -0.1");
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::toml_file::{TomlError, TomlFile};
 use rundown::estimator::config::Config;
-use rundown::tick::bounds::ConfigError;
 use std::path::Path;
 
 /// Reads and checks a configuration file.
@@ -36,10 +35,7 @@ pub fn parse(path: &Path, text: &str) -> Result<Config, TomlError> {
 fn checked(file: TomlFile<Config>) -> Result<Config, TomlError> {
     match file.values.check() {
         Ok(()) => Ok(file.values),
-        Err(error) => Err(match error {
-            ConfigError::OutOfRange { field, .. } => file.refuse_dotted(field, error.to_string()),
-            _ => file.refuse_dotted("features", error.to_string()),
-        }),
+        Err(error) => Err(file.refuse_dotted(error.field(), error.to_string())),
     }
 }
 
@@ -77,7 +73,7 @@ mod tests {
                 .starts_with("c.toml:2:1: unknown field `location_sd`, expected one of")
         );
         let found = message("\n[sensor]\nlocation_sd_m = -3\n");
-        assert_eq!(found, "c.toml:3:17: configuration: sensor.location_sd_m must be 0.01 to 10000, found -3");
+        assert_eq!(found, "c.toml:3:17: sensor.location_sd_m: expected 0.01 to 10000, found -3");
         let found = message("[features]\nbridge_samples = 2\npower_window_kmh = [130, 50]\n");
         assert!(found.starts_with("c.toml:1:1: configuration: "), "{found}");
     }

@@ -57,7 +57,7 @@ pub(crate) fn check<T>(file: &TomlFile<T>, entries: &[EffectEntry]) -> Result<()
 /// The parameter that an error is about.
 fn parameter(error: &EffectError) -> &'static str {
     match error {
-        EffectError::OutOfRange { parameter, .. } => parameter,
+        EffectError::OutOfRange(_, error) => error.field,
         EffectError::Section { .. } => "to_m",
         EffectError::Point { .. } | EffectError::NoPoints => "table",
         _ => "name",
@@ -142,11 +142,11 @@ mod tests {
     fn a_wrong_effect_is_named_with_its_place() {
         assert_eq!(
             refused("name = \"warm_up\"\namplitude = 3\ntau_s = 300\n"),
-            "track.toml:5:13: effect warm_up: amplitude must be -0.5 to 0.5, found 3"
+            "track.toml:5:13: warm_up.amplitude: expected -0.5 to 0.5, found 3"
         );
         assert_eq!(
             refused("name = \"tunnel_drag\"\nfrom_m = 9\nto_m = 8\nk = 0\n"),
-            "track.toml:6:8: effect tunnel_drag: to_m must be beyond from_m = 9, found 8"
+            "track.toml:6:8: tunnel_drag.to_m: expected beyond from_m = 9, found 8"
         );
         for (table, says) in [
             ("name = \"tunnel\"\n", "unknown variant `tunnel`"),

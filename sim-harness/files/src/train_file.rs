@@ -2,8 +2,9 @@
 
 use crate::effect_file::{self, EffectEntry};
 use crate::toml_file::{TomlError, TomlFile};
+use rundown::model::bounds::OutOfRange;
 use rundown::model::resistance::Davis;
-use rundown::model::train::{Train, TrainDescription, TrainError};
+use rundown::model::train::{Train, TrainDescription};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -62,8 +63,8 @@ impl TrainFile {
     /// The estimator's train.
     ///
     /// # Errors
-    /// [`TrainError`] names the field that is out of range.
-    pub fn train(&self) -> Result<Train, TrainError> {
+    /// [`OutOfRange`] names the field that is out of range.
+    pub fn train(&self) -> Result<Train, OutOfRange> {
         Train::try_new(self.description())
     }
 
@@ -85,10 +86,7 @@ fn checked(file: TomlFile<TrainFile>) -> Result<(TrainFile, Train), TomlError> {
     effect_file::check(&file, &file.values.effect)?;
     match file.values.train() {
         Ok(train) => Ok((file.values, train)),
-        Err(error) => Err(match error {
-            TrainError::OutOfRange { field, .. } => file.refuse_dotted(field, error.to_string()),
-            _ => file.refuse(&[], error.to_string()),
-        }),
+        Err(error) => Err(file.refuse_dotted(error.field, error.to_string())),
     }
 }
 
@@ -116,13 +114,10 @@ mod tests {
     #[test]
     fn refusals_name_line_and_column() {
         let error = |from: &str, to: &str| parse(&TRAIN.replace(from, to)).unwrap_err().to_string();
-        assert_eq!(
-            error("r0 = 0.00738", "r0 = 7.38"),
-            "train.toml:9:6: train: davis.r0 must be 0.00001 to 1, found 7.38"
-        );
+        assert_eq!(error("r0 = 0.00738", "r0 = 7.38"), "train.toml:9:6: davis.r0: expected 0.00001 to 1, found 7.38");
         assert_eq!(
             error("mass_kg = 364000", "mass_kg = nan"),
-            "train.toml:2:11: train: mass_kg must be 1000 to 100000000, found NaN"
+            "train.toml:2:11: mass_kg: expected 1000 to 100000000, found NaN"
         );
         assert!(
             error("length_m", "lenght_m")

@@ -4,7 +4,7 @@
 
 use super::believed;
 use jiff::civil::Date;
-use rundown::model::train::TrainError;
+use rundown::model::bounds::OutOfRange;
 use rundown_files::toml_file::{Step, TomlError, TomlFile};
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::{DavisTable, TrainFile};
@@ -418,10 +418,9 @@ impl Simulation {
         let values = &file.values;
         let (line, track) = line(&file, path)?;
         let train = believed::train_file(&values.train);
-        train.train().map_err(|error| match error {
-            TrainError::OutOfRange { field, .. } => file.refuse_dotted(&format!("train.{field}"), error.to_string()),
-            _ => file.refuse_dotted("train", error.to_string()),
-        })?;
+        let refused =
+            |error: OutOfRange| file.refuse_dotted(&format!("train.{}", error.field), format!("train.{error}"));
+        train.train().map_err(refused)?;
         for (index, effect) in values.effect.iter().enumerate() {
             let place = [Step::Name("effect"), Step::Index(index)];
             effect.check(!line.curves().is_empty()).map_err(|error| file.refuse(&place, error.to_string()))?;
@@ -668,10 +667,10 @@ mod tests {
             error("[sensors]\nsampling_s = 5.01\n"),
             "s.toml:2:14: scenario: expected step_s = 0.05 to divide sampling_s, found 5.01 s"
         );
-        assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train: mass_kg must be 1000 to 100000000, found 5");
+        assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train.mass_kg: expected 1000 to 100000000, found 5");
         assert_eq!(
             error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),
-            "s.toml:2:1: tunnel_drag: expected to_m beyond from_m, found 4"
+            "s.toml:2:1: tunnel_drag.to_m: expected beyond from_m, found 4"
         );
         assert!(error("[line]\nfile = \"no.toml\"\n").starts_with("no.toml: cannot be read"));
         assert!(error("[driver]\nkindd = 1\n").starts_with("s.toml:2:1: unknown field `kindd`"));

@@ -1,8 +1,9 @@
 //! The description that goes with a simulation: what the manufacturer and the infrastructure manager say, which is not what is true.
 
 use crate::simulation::scenario_file::Simulation;
+use rundown::model::bounds::OutOfRange;
 use rundown::model::track::Track;
-use rundown::model::train::{Train, TrainError};
+use rundown::model::train::Train;
 use rundown_files::toml_file::TomlError;
 use rundown_files::track_file::TrackFile;
 use rundown_files::train_file::TrainFile;
@@ -24,7 +25,7 @@ pub struct Description {
 pub enum DescriptionError {
     /// Of the train.
     #[error(transparent)]
-    Train(#[from] TrainError),
+    Train(#[from] OutOfRange),
     /// Of the track.
     #[error(transparent)]
     Track(#[from] TomlError),
