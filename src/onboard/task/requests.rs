@@ -25,7 +25,7 @@ impl<F: NorFlash> Task<'_, F> {
             Request::Command(command) => self.command(*command, port),
             Request::Surroundings(surroundings) if !surroundings.are_plausible() => Err(Refusal::OutOfRange),
             Request::Surroundings(surroundings) => {
-                self.estimator.tell(self.run, *surroundings);
+                self.estimator.set_surroundings(self.run, *surroundings);
                 Ok(())
             }
             _ if self.running => Err(Refusal::Running),
