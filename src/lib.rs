@@ -75,8 +75,10 @@ pub mod features;
 pub mod filter;
 mod listed;
 pub mod model;
+#[cfg(feature = "onboard")]
 pub mod onboard;
 pub mod tick;
+pub mod uplink;
 
 pub use estimator::{Estimator, config::Config};
 pub use model::{direction::Direction, resistance::Davis, track::Track, train::Train};

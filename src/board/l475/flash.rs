@@ -3,11 +3,12 @@
 //! A word is programmed once between two erasures. Power that goes away while a word is programmed or a page erased leaves bits that may read either way;
 //! that is the caller's to survive (checksums, two places). Every wait is bounded.
 
+use super::L475;
 use super::device::FLASH;
-use super::flash_errors;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
+use rundown::onboard::board::Board;
 use rundown::onboard::clock::MOST_POLLS;
 
 /// Page, bytes.
@@ -107,11 +108,11 @@ impl ReadNorFlash for Flash {
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
         check_read(self, offset, bytes.len()).map_err(FlashError::Range)?;
-        let before = flash_errors();
+        let before = L475::flash_errors();
         for (offset, byte) in (offset..).zip(bytes) {
             *byte = Self::byte(offset);
         }
-        if flash_errors() == before { Ok(()) } else { Err(FlashError::Torn) }
+        if L475::flash_errors() == before { Ok(()) } else { Err(FlashError::Torn) }
     }
 
     fn capacity(&self) -> usize {
