@@ -22,7 +22,7 @@
 //! | Eq. (6) measurement | [`tick::learning::LocationAndSpeed`] |
 //! | Eq. (7)-(18) filter | [`filter::ukf::Ukf`], [`filter::elimination`] |
 //! | Table 1 | [`tick::paper::PaperConfig`] |
-//! | Eq. (1) at no effort, over the way | [`coast_ahead`] |
+//! | Eq. (1) at no effort, over distance | [`coast_ahead`] |
 //! | section 3.2 regimes | [`tick::regime::PaperRule`], [`tick::regime::Recogniser`] |
 //! | section 3.3 features | [`features`] |
 //!

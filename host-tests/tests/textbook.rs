@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 use rand::{RngExt, SeedableRng};
 use rundown::filter::elimination::Column;
 use rundown::filter::gaussian::Gaussian;
-use rundown::filter::ukf::{Observation, Pair, Process, Spread, Ukf};
+use rundown::filter::ukf::{MeasurementModel, Pair, Process, Spread, Ukf};
 use rundown::model::direction::Direction;
 use rundown::model::line::Line;
 use rundown::model::motion::{Evaluate, Motion};
@@ -299,7 +299,7 @@ impl Process<3, 3> for Pendulum {
 /// Rate before angle: a reading's number is not its component's.
 struct RateAndAngle;
 
-impl Observation<2> for RateAndAngle {
+impl MeasurementModel<2> for RateAndAngle {
     const COMPONENTS: [usize; 2] = [1, 0];
 
     fn variance(&self, i: usize) -> f64 {

@@ -63,7 +63,7 @@ impl Board for L475 {
 fn reset_cause(rcc: &device::RCC) -> ResetCause {
     let flags = rcc.csr().read();
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
-    // Several may be set: every internal reset pulls the pin too.
+    // Several may be set: every internal reset drives the pin too.
     if flags.iwdgrstf().bit() || flags.wwdgrstf().bit() {
         ResetCause::Watchdog
     } else if flags.sftrstf().bit() {

@@ -97,7 +97,7 @@ impl DogTimer {
 
 impl Watchdog for DogTimer {
     fn feed(&mut self) {
-        // SAFETY: register of the watchdog; any value loads its counter anew.
+        // SAFETY: register of the watchdog; any value reloads its counter.
         unsafe { CLEAR.write_volatile(1) };
     }
 }

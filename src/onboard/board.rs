@@ -2,7 +2,7 @@
 //!
 //! - [`Board::start`] is called once, with interrupts off. It waits for nothing without a bound, starts the watchdog before it returns, and may come back
 //!   with a [`Clock::Slow`]: a dead oscillator costs speed, not the estimates. `None`: the registers were taken already, and the firmware resets.
-//! - The serial port has one interrupt, of priority 3, for bytes that came and for room to send; [`serial::Port`](Port) says what it must clear.
+//! - The serial port has one interrupt, of priority 3, for bytes that came and for room to send; [`LinePort`] says what it must clear.
 //! - The watchdog cannot be stopped, bites after 2 s, and its bite is [`ResetCause::Watchdog`] at the next start.
 //! - The flash has [`RECORDS`](super::flash::RECORDS) bytes in pages that nothing else uses, and survives power that goes away at any moment.
 //! - Two interrupts that no device uses run the tasks `tick` and `link`, and the system timer runs at 10 Hz.
@@ -11,7 +11,7 @@
 //! board's `board.x`.
 
 use super::clock::Clock;
-use super::serial::Port;
+use super::serial::LinePort;
 use super::watchdog::Watchdog;
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::ResetCause;
@@ -21,7 +21,7 @@ pub trait Board: Sized {
     /// The processor's own peripherals.
     type Core;
     /// The line to the outside.
-    type Port: Port;
+    type Port: LinePort;
     /// Resets the board when it is not fed.
     type Watchdog: Watchdog;
     /// The pages for records.
