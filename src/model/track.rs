@@ -100,19 +100,23 @@ pub enum TrackError {
 impl fmt::Display for TrackError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Length { found } => write!(f, "track: length_m must be above 0, found {found}"),
+            Self::Length { found } => write!(f, "length_m: expected above 0, found {found}"),
             Self::TooMany { found } => {
-                write!(f, "track: at most {MAX_GRADIENTS} gradients, found {found}")
+                write!(f, "gradient: expected at most {MAX_GRADIENTS}, found {found}")
             }
-            Self::BadGradient { index } => write!(f, "track: gradient {index} must be finite and within 200 permille"),
-            Self::NotSorted { index } => write!(f, "track: gradient {index} must begin after the one before it"),
+            Self::BadGradient { index } => {
+                write!(f, "gradient[{index}]: expected finite numbers within 200 permille, found another")
+            }
+            Self::NotSorted { index } => {
+                write!(f, "gradient[{index}].from_m: expected beyond that of the entry before, found less")
+            }
             Self::BadCurve { index } => write!(
                 f,
-                "track: curve {index} must have a radius above 0 and an end behind its beginning, not begin before the one before it, and be one of at most {MAX_CURVES}"
+                "curve[{index}]: expected one of at most {MAX_CURVES}, sorted, of a radius above 0 and ending beyond its beginning, found another"
             ),
             Self::BadTarget { index } => write!(
                 f,
-                "track: target {index} must be a stop or a permitted speed above 0, not lie before the one before it, and be one of at most {MAX_TARGETS}"
+                "target[{index}]: expected one of at most {MAX_TARGETS}, sorted, a stop or a permitted speed above 0, found another"
             ),
         }
     }
