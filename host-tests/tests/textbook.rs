@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 use rand::{RngExt, SeedableRng};
 use rundown::filter::elimination::Column;
 use rundown::filter::gaussian::Gaussian;
-use rundown::filter::ukf::{Observation, Pair, Process, Spread, Ukf};
+use rundown::filter::ukf::{MeasurementModel, Pair, Process, Spread, Ukf};
 use rundown::model::direction::Direction;
 use rundown::model::line::Line;
 use rundown::model::motion::{Evaluate, Motion};
@@ -299,7 +299,7 @@ impl Process<3, 3> for Pendulum {
 /// Rate before angle: a reading's number is not its component's.
 struct RateAndAngle;
 
-impl Observation<2> for RateAndAngle {
+impl MeasurementModel<2> for RateAndAngle {
     const COMPONENTS: [usize; 2] = [1, 0];
 
     fn variance(&self, i: usize) -> f64 {
@@ -339,7 +339,7 @@ fn the_witness_has_the_weights_of_the_paper() {
     let (lambda, w0_mean, w0_covariance, w) = textbook::weights(shape, SIZE);
     assert!((lambda + 4.999_997).abs() < 1e-12);
     assert!((w0_mean + 1_666_665.67).abs() < 0.01 && (w - 166_666.67).abs() < 0.01);
-    let (mean, covariance, others) = Spread::PAPER.weights(SIZE);
+    let (mean, covariance, others) = Spread::<SIZE>::PAPER.weights();
     let relative = |a: f64, b: f64| (a / b - 1.0).abs();
     // The witness forms L + λ from λ and keeps ten digits of it; `Spread` does not.
     assert!(relative(mean, w0_mean) < 1e-9 && relative(covariance, w0_covariance) < 1e-9);

@@ -1,5 +1,6 @@
 //! What is known of a train on its track, and how it moves: descriptions, the equation of motion, effects that a description may lack.
 
+pub mod bounds;
 pub mod curves;
 pub mod direction;
 pub mod effects;
@@ -9,6 +10,7 @@ pub mod motion;
 pub mod point;
 pub mod resistance;
 pub mod state;
+pub(crate) mod table;
 pub mod targets;
 pub mod track;
 pub mod train;

@@ -13,6 +13,7 @@ use crate::Real;
 use crate::model::curves::Curves;
 pub use crate::model::curves::{Curve, MAX_CURVES};
 use crate::model::direction::Direction;
+use crate::model::table::Table;
 use crate::model::targets::Targets;
 pub use crate::model::targets::{MAX_TARGETS, Target};
 use core::fmt;
@@ -47,10 +48,10 @@ pub struct Track {
     pieces: Vec<Piece, { MAX_GRADIENTS + 1 }>,
     /// Not written where there are none, so that the digest of a track without curves is what it always was.
     #[serde(skip_serializing_if = "Curves::is_empty")]
-    curves: Curves,
+    pub(crate) curves: Curves,
     /// The same.
     #[serde(skip_serializing_if = "Targets::is_empty")]
-    targets: Targets,
+    pub(crate) targets: Targets,
 }
 
 const FLAT_START: Piece = Piece {
@@ -99,19 +100,23 @@ pub enum TrackError {
 impl fmt::Display for TrackError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Length { found } => write!(f, "track: length_m must be above 0, found {found}"),
+            Self::Length { found } => write!(f, "length_m: expected above 0, found {found}"),
             Self::TooMany { found } => {
-                write!(f, "track: at most {MAX_GRADIENTS} gradients, found {found}")
+                write!(f, "gradient: expected at most {MAX_GRADIENTS}, found {found}")
             }
-            Self::BadGradient { index } => write!(f, "track: gradient {index} must be finite and within 200 permille"),
-            Self::NotSorted { index } => write!(f, "track: gradient {index} must begin after the one before it"),
+            Self::BadGradient { index } => {
+                write!(f, "gradient[{index}]: expected finite numbers within 200 permille, found another")
+            }
+            Self::NotSorted { index } => {
+                write!(f, "gradient[{index}].from_m: expected beyond that of the entry before, found less")
+            }
             Self::BadCurve { index } => write!(
                 f,
-                "track: curve {index} must have a radius above 0 and an end behind its beginning, not begin before the one before it, and be one of at most {MAX_CURVES}"
+                "curve[{index}]: expected one of at most {MAX_CURVES}, sorted, of a radius above 0 and ending beyond its beginning, found another"
             ),
             Self::BadTarget { index } => write!(
                 f,
-                "track: target {index} must be a stop or a permitted speed above 0, not lie before the one before it, and be one of at most {MAX_TARGETS}"
+                "target[{index}]: expected one of at most {MAX_TARGETS}, sorted, a stop or a permitted speed above 0, found another"
             ),
         }
     }
@@ -152,7 +157,7 @@ impl Track {
         Self { length_m: 0.0, pieces: Vec::new(), curves: Curves::NONE, targets: Targets::NONE }
     }
 
-    /// Begins anew, in place.
+    /// Begins with nothing but a length, in place.
     pub(crate) fn restart(&mut self, length_m: Real) -> Result<(), TrackError> {
         if !(length_m.is_finite() && length_m > 0.0) {
             return Err(TrackError::Length { found: length_m });
@@ -204,30 +209,8 @@ impl Track {
     /// # Ok::<(), rundown::model::track::TrackError>(())
     /// ```
     pub fn with_curves(mut self, curves: impl IntoIterator<Item = Curve>) -> Result<Self, TrackError> {
-        self.curves.clear();
-        for curve in curves {
-            self.push_curve(curve)?;
-        }
+        self.curves.refill(curves).map_err(|index| TrackError::BadCurve { index })?;
         Ok(self)
-    }
-
-    /// Appends a curve.
-    ///
-    /// # Errors
-    /// [`TrackError::BadCurve`]; the track is as before.
-    pub(crate) fn push_curve(&mut self, curve: Curve) -> Result<(), TrackError> {
-        let index = self.curves.len();
-        if self.curves.push(curve) { Ok(()) } else { Err(TrackError::BadCurve { index }) }
-    }
-
-    /// Takes all curves out.
-    pub(crate) fn clear_curves(&mut self) {
-        self.curves.clear();
-    }
-
-    /// Number of curves.
-    pub(crate) fn curves(&self) -> usize {
-        self.curves.len()
     }
 
     /// The same track with these stops and permitted speeds, sorted.
@@ -245,25 +228,8 @@ impl Track {
     /// # Ok::<(), rundown::model::track::TrackError>(())
     /// ```
     pub fn with_targets(mut self, targets: impl IntoIterator<Item = Target>) -> Result<Self, TrackError> {
-        self.targets.clear();
-        for target in targets {
-            self.push_target(target)?;
-        }
+        self.targets.refill(targets).map_err(|index| TrackError::BadTarget { index })?;
         Ok(self)
-    }
-
-    /// Appends a stop or a permitted speed.
-    ///
-    /// # Errors
-    /// [`TrackError::BadTarget`]; the track is as before.
-    pub(crate) fn push_target(&mut self, target: Target) -> Result<(), TrackError> {
-        let index = self.targets.len();
-        if self.targets.push(target) { Ok(()) } else { Err(TrackError::BadTarget { index }) }
-    }
-
-    /// Takes all stops and permitted speeds out.
-    pub(crate) fn clear_targets(&mut self) {
-        self.targets.clear();
     }
 
     /// Number of stops and permitted speeds.
@@ -343,14 +309,14 @@ impl Track {
 
     /// The point at a location.
     #[inline]
-    fn search(&self, location_m: Real) -> Point {
+    fn search(&self, location_m: Real) -> TrackPoint {
         let begun = self.pieces.partition_point(|p| p.from_m <= location_m);
         self.point(begun.saturating_sub(1), location_m)
     }
 
     /// The point at a distance of either sign, found by walking from here.
     #[inline]
-    fn walk(&self, from: &Point, distance_m: Real) -> Point {
+    fn walk(&self, from: &TrackPoint, distance_m: Real) -> TrackPoint {
         let location_m = from.location_m + distance_m;
         let mut index = from.index;
         if distance_m < 0.0 {
@@ -366,11 +332,11 @@ impl Track {
     }
 
     #[inline]
-    fn point(&self, index: usize, location_m: Real) -> Point {
+    fn point(&self, index: usize, location_m: Real) -> TrackPoint {
         let piece = self.piece(index);
         let behind_m = location_m - piece.from_m;
         let before_m = self.begin_m(index + 1) - location_m;
-        Point {
+        TrackPoint {
             location_m,
             index,
             slope: piece.slope,
@@ -392,7 +358,7 @@ impl Track {
 
     /// Height gained from a point over a distance of either sign, m: summed piece by piece, so that it is exact
     /// to rounding of the distance even where the height is large and the distance tiny.
-    fn rise_m(&self, from: &Point, distance_m: Real) -> Real {
+    fn rise_m(&self, from: &TrackPoint, distance_m: Real) -> Real {
         let end_m = from.location_m + distance_m;
         let mut index = from.index;
         let mut at_m = from.location_m;
@@ -427,7 +393,7 @@ impl Piece {
 
 /// A location and what is found there.
 #[derive(Clone, Copy, Debug)]
-struct Point {
+struct TrackPoint {
     location_m: Real,
     /// The piece.
     index: usize,
@@ -441,8 +407,8 @@ struct Point {
 #[derive(Clone, Copy, Debug)]
 pub struct UnderTrain<'a> {
     track: &'a Track,
-    front: Point,
-    tail: Point,
+    front: TrackPoint,
+    tail: TrackPoint,
 }
 
 impl<'a> UnderTrain<'a> {

@@ -11,85 +11,48 @@
 use crate::Real;
 use crate::filter::elimination::NotPositiveDefinite;
 use crate::filter::gaussian::Gaussian;
-use crate::filter::ukf::{Innovation, Observation, Reading, Spread, Ukf};
+use crate::filter::ukf::{Innovation, MeasurementModel, Reading, Spread, Ukf};
 use crate::model::effects::Acting;
 use crate::model::line::Line;
 use crate::model::motion::{Evaluate, Motion};
 use crate::model::state::{LOCATION, R0, SIZE_WITH_GAIN, SPEED};
-use crate::tick::bounds::{ConfigError, between};
+use crate::tick::bounds::settings;
 use crate::tick::sensor::SensorConfig;
-use crate::tick::snapshot::{Source, take, take_each};
+use crate::tick::snapshot::{InPlace, in_place};
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
-/// When and how the resistance is learned.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LearningConfig {
-    /// Spread of the sigma points.
-    pub spread: Spread,
-    /// Slowest speed at which coasting is learned from, km/h: below, holding a speed and coasting look alike.
-    pub min_speed_kmh: Real,
-    /// Probability that a whole interval was coasted, above which a segment begins; the interval itself is cut off.
-    pub begin_probability: Real,
-    /// The same, below which it ends. Lower: a segment that a single unlucky reading may end would keep the lucky ones,
-    /// and r would come out too large where coasting and holding are near each other.
-    pub end_probability: Real,
-    /// Time cut from the end of a segment, s.
-    pub end_cut_s: Real,
-    /// Shortest segment that counts, s, cuts taken off.
-    pub min_segment_s: Real,
-    /// A reading further from what is expected than this many standard deviations (of r's uncertainty too) ends the segment.
-    pub gate: Real,
-    /// Standard deviation of the acceleration beyond the model over one tick of 10 s, m/s²: gusts, track description.
-    pub acceleration_noise_mps2: Real,
-    /// Time over which the rounding of neighbouring speed readings is correlated, s: faster readings count as one of these.
-    /// A coasting train needs about this long to cross 1 km/h.
-    pub staircase_s: Real,
-    /// Longest sub-step of the motion inside a tick, s.
-    pub sub_step_s: Real,
-    /// Longest time without a speed, or without a location, inside a segment, s.
-    pub max_gap_s: Real,
-    /// Standard deviation of the gain of a measured effort.
-    pub gain_sd: Real,
-    /// Share of a change of the measured effort by which its mean over the interval is uncertain.
-    pub effort_change_share: Real,
-}
-
-impl Default for LearningConfig {
-    fn default() -> Self {
-        Self {
-            spread: Spread::WIDE,
-            min_speed_kmh: 50.0,
-            begin_probability: 0.9,
-            end_probability: 0.3,
-            end_cut_s: 15.0,
-            min_segment_s: 60.0,
-            gate: 4.0,
-            acceleration_noise_mps2: 0.0005,
-            staircase_s: 6.25,
-            sub_step_s: 2.5,
-            max_gap_s: 30.0,
-            gain_sd: 0.03,
-            effort_change_share: 0.6,
-        }
-    }
-}
-
-impl LearningConfig {
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        between("learning.min_speed_kmh", self.min_speed_kmh, 5.0, 300.0)?;
-        between("learning.begin_probability", self.begin_probability, 0.5, 1.0)?;
-        between("learning.end_probability", self.end_probability, 0.0, 1.0)?;
-        between("learning.end_cut_s", self.end_cut_s, 0.0, 600.0)?;
-        between("learning.min_segment_s", self.min_segment_s, 0.0, 3600.0)?;
-        between("learning.gate", self.gate, 1.0, 1e3)?;
-        between("learning.acceleration_noise_mps2", self.acceleration_noise_mps2, 0.0, 1.0)?;
-        between("learning.staircase_s", self.staircase_s, 0.0, 60.0)?;
-        between("learning.sub_step_s", self.sub_step_s, 0.1, 60.0)?;
-        between("learning.max_gap_s", self.max_gap_s, 1.0, 600.0)?;
-        between("learning.gain_sd", self.gain_sd, 1e-6, 0.5)?;
-        between("learning.effort_change_share", self.effort_change_share, 0.0, 10.0)
+settings! {
+    /// When and how the resistance is learned.
+    LearningConfig in "learning" {
+        /// Spread of the sigma points.
+        spread: Spread<SIZE_WITH_GAIN> = Spread::WIDE;
+        /// Slowest speed at which coasting is learned from, km/h: below, holding a speed and coasting look alike.
+        min_speed_kmh: Real = 50.0, 5.0 to 300.0;
+        /// Probability that a whole interval was coasted, above which a segment begins; the interval itself is cut off.
+        begin_probability: Real = 0.9, 0.5 to 1.0;
+        /// The same, below which it ends. Lower: a segment that a single unlucky reading may end would keep the lucky ones,
+        /// and r would come out too large where coasting and holding are near each other.
+        end_probability: Real = 0.3, 0.0 to 1.0;
+        /// Time cut from the end of a segment, s.
+        end_cut_s: Real = 15.0, 0.0 to 600.0;
+        /// Shortest segment that counts, s, cuts taken off.
+        min_segment_s: Real = 60.0, 0.0 to 3600.0;
+        /// A reading further from what is expected than this many standard deviations (of r's uncertainty too) ends the segment.
+        gate: Real = 4.0, 1.0 to 1e3;
+        /// Standard deviation of the acceleration beyond the model over one tick of 10 s, m/s²: gusts, track description.
+        acceleration_noise_mps2: Real = 0.0005, 0.0 to 1.0;
+        /// Time over which the rounding of neighbouring speed readings is correlated, s: faster readings count as one of these.
+        /// A coasting train needs about this long to cross 1 km/h.
+        staircase_s: Real = 6.25, 0.0 to 60.0;
+        /// Longest sub-step of the motion inside a tick, s.
+        sub_step_s: Real = 2.5, 0.1 to 60.0;
+        /// Longest time without a speed, or without a location, inside a segment, s.
+        max_gap_s: Real = 30.0, 1.0 to 600.0;
+        /// Standard deviation of the gain of a measured effort.
+        gain_sd: Real = 0.03, 1e-6 to 0.5;
+        /// Share of a change of the measured effort by which its mean over the interval is uncertain.
+        effort_change_share: Real = 0.6, 0.0 to 10.0;
     }
 }
 
@@ -102,7 +65,7 @@ pub struct LocationAndSpeed {
     pub speed_variance: Real,
 }
 
-impl Observation<2> for LocationAndSpeed {
+impl MeasurementModel<2> for LocationAndSpeed {
     const COMPONENTS: [usize; 2] = [LOCATION, SPEED];
 
     fn variance(&self, i: usize) -> Real {
@@ -141,82 +104,46 @@ struct Reached {
     constants: Gaussian<4>,
 }
 
-/// A running segment.
-#[derive(Clone, Debug, Serialize)]
-struct Segment {
-    begin_s: Real,
-    /// Up to here what was learned is valid.
-    settled_s: Real,
-    belief: Gaussian<SIZE_WITH_GAIN>,
-    last_speed_s: Real,
-    last_location_s: Real,
-    waiting: Deque<Reached, WAITING>,
+in_place! {
+    /// A running segment.
+    #[derive(Clone, Debug, Serialize)]
+    struct Segment {
+        begin_s: Real = (0.0);
+        /// Up to here what was learned is valid.
+        settled_s: Real = (0.0);
+        belief: Gaussian<SIZE_WITH_GAIN> = (Gaussian::ZEROED);
+        last_speed_s: Real = (0.0);
+        last_location_s: Real = (0.0);
+        waiting: Deque<Reached, WAITING> = (in place);
+    }
 }
 
-/// What is learned in one run.
-#[derive(Clone, Debug, Serialize)]
-pub struct Learner {
-    /// r0, r1, r2 and the gain of the effort.
-    constants: Gaussian<4>,
-    segment: Option<Segment>,
-    learned_s: Real,
-}
-
-impl Segment {
-    /// Zeros.
-    const ZEROED: Self = Self {
-        begin_s: 0.0,
-        settled_s: 0.0,
-        belief: Gaussian::ZEROED,
-        last_speed_s: 0.0,
-        last_location_s: 0.0,
-        waiting: Deque::new(),
-    };
-
-    fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        take(&mut self.begin_s, source)?;
-        take(&mut self.settled_s, source)?;
-        take(&mut self.belief, source)?;
-        take(&mut self.last_speed_s, source)?;
-        take(&mut self.last_location_s, source)?;
-        self.waiting.clear();
-        take_each(source, |reached| self.waiting.push_back(reached).is_ok())
+in_place! {
+    /// What is learned in one run.
+    #[derive(Clone, Debug, Serialize)]
+    pub struct Learner {
+        /// r0, r1, r2 and the gain of the effort.
+        constants: Gaussian<4> = (Gaussian::ZEROED);
+        segment: Option<Segment> = (in place);
+        learned_s: Real = (0.0);
     }
 }
 
 impl Learner {
-    /// Zeros; to be begun.
-    pub(crate) const ZEROED: Self =
-        Self { constants: Gaussian::ZEROED, segment: Some(Segment::ZEROED), learned_s: 0.0 };
-
     /// Begins with a belief of the run's Davis coefficients.
     pub fn new(config: &LearningConfig, davis: &Gaussian<3>) -> Self {
         let mut learner = Self::ZEROED;
+        learner.clear_fields();
         learner.begin_run(config, davis);
         learner
     }
 
-    /// As new, in place.
+    /// After [`InPlace::clear_fields`].
     pub(crate) fn begin_run(&mut self, config: &LearningConfig, davis: &Gaussian<3>) {
         let constants = &mut self.constants;
         *constants = Gaussian::independent([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, config.gain_sd]);
         constants.mean.fixed_rows_mut::<3>(0).copy_from(&davis.mean);
         constants.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&davis.covariance);
-        self.segment = None;
-        self.learned_s = 0.0;
-    }
-
-    /// Takes the fields of a snapshot in place, in the order in which they are declared.
-    #[inline(never)]
-    pub(crate) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        take(&mut self.constants, source)?;
-        self.segment = None;
-        let mut there = false;
-        take(&mut there, source)?;
-        if there {
-            self.segment.insert(Segment::ZEROED).take_fields(source)?;
-        }
-        take(&mut self.learned_s, source)
     }
 
     /// The run's Davis coefficients as learned so far.

@@ -5,7 +5,7 @@
 //! | input | behaviour |
 //! |---|---|
 //! | time equal or back | the measurement is dropped and counted |
-//! | no measurement for more than `long_gap_s` | location and speed are taken up anew, what was learned stays |
+//! | no measurement for more than `long_gap_s` | location and speed begin again, what was learned stays |
 //! | not finite, negative, off the track, faster than any train | the field is dropped, the other one is used |
 //! | location far from where the speed leads | dropped; three in a row that agree with each other are believed, counted as `Contradiction` |
 //! | the same location while the train runs | dropped for as long as it lasts |
@@ -16,7 +16,7 @@
 use crate::Real;
 use crate::model::direction::Direction;
 use crate::model::train::Train;
-use crate::tick::bounds::{ConfigError, between};
+use crate::tick::bounds::settings;
 use crate::tick::estimate::Cause;
 use crate::tick::measurement::Measurement;
 use crate::tick::sensor::SensorConfig;
@@ -25,49 +25,23 @@ use serde::{Deserialize, Serialize};
 /// Gravity on a descent of 30 permille, N/kg.
 const DESCENT_N_PER_KG: Real = 0.3;
 
-/// When a reading is not believed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PlausibilityConfig {
-    /// Fastest believable speed, km/h.
-    pub max_speed_kmh: Real,
-    /// Largest believable change of speed, m/s², and not more than twice the train's effort upwards; slip and slide lie beyond.
-    pub max_acceleration_mps2: Real,
-    /// How far a location may lie from where the speed leads, m, beyond `location_share`.
-    pub location_jump_m: Real,
-    /// The same as a share of the distance run since the last location.
-    pub location_share: Real,
-    /// How far a location may lie beyond the ends of the track, m.
-    pub off_track_m: Real,
-    /// A longer pause is a new beginning, s.
-    pub long_gap_s: Real,
-    /// Rejected readings in a row which, agreeing with each other, are believed.
-    pub agreeing: u32,
-}
-
-impl Default for PlausibilityConfig {
-    fn default() -> Self {
-        Self {
-            max_speed_kmh: 400.0,
-            max_acceleration_mps2: 2.0,
-            location_jump_m: 120.0,
-            location_share: 0.2,
-            off_track_m: 2000.0,
-            long_gap_s: 600.0,
-            agreeing: 3,
-        }
-    }
-}
-
-impl PlausibilityConfig {
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        between("plausibility.max_speed_kmh", self.max_speed_kmh, 1.0, 1000.0)?;
-        between("plausibility.max_acceleration_mps2", self.max_acceleration_mps2, 0.1, 100.0)?;
-        between("plausibility.location_jump_m", self.location_jump_m, 1.0, 1e6)?;
-        between("plausibility.location_share", self.location_share, 0.0, 10.0)?;
-        between("plausibility.off_track_m", self.off_track_m, 0.0, 1e9)?;
-        between("plausibility.long_gap_s", self.long_gap_s, 10.0, 1e6)?;
-        between("plausibility.agreeing", Real::from(self.agreeing), 1.0, 100.0)
+settings! {
+    /// When a reading is not believed.
+    PlausibilityConfig in "plausibility" {
+        /// Fastest believable speed, km/h.
+        max_speed_kmh: Real = 400.0, 1.0 to 1000.0;
+        /// Largest believable change of speed, m/s², and not more than twice the train's effort upwards; slip and slide lie beyond.
+        max_acceleration_mps2: Real = 2.0, 0.1 to 100.0;
+        /// How far a location may lie from where the speed leads, m, beyond `location_share`.
+        location_jump_m: Real = 120.0, 1.0 to 1e6;
+        /// The same as a share of the distance run since the last location.
+        location_share: Real = 0.2, 0.0 to 10.0;
+        /// How far a location may lie beyond the ends of the track, m.
+        off_track_m: Real = 2000.0, 0.0 to 1e9;
+        /// A longer pause is a new beginning, s.
+        long_gap_s: Real = 600.0, 10.0 to 1e6;
+        /// Rejected readings in a row which, agreeing with each other, are believed.
+        agreeing: u32 = 3, 1.0 to 100.0;
     }
 }
 
@@ -76,10 +50,10 @@ impl PlausibilityConfig {
 pub struct Judged {
     /// Time, s.
     pub time_s: Real,
-    /// Time since the last measurement, s; 0 when location and speed begin anew.
+    /// Time since the last measurement, s; 0 when location and speed begin.
     pub dt_s: Real,
-    /// Location and speed begin anew: first measurement, or a long gap.
-    pub anew: bool,
+    /// Location and speed begin here: first measurement, or a long gap.
+    pub begins: bool,
     /// Location, m.
     pub location_m: Result<Real, Cause>,
     /// Speed, m/s: the middle of the reading's interval.
@@ -88,7 +62,7 @@ pub struct Judged {
     pub effort_n_per_kg: Option<Real>,
     /// Location and speed were both read, but contradict each other.
     pub contradiction: Option<Cause>,
-    /// Locations that the speed does not lead to agreed with each other: the location is taken up anew.
+    /// Locations that the speed does not lead to agreed with each other: it is taken up where they are.
     pub shifted: bool,
 }
 
@@ -133,7 +107,10 @@ impl Plausibility {
         backward: 0,
     };
 
-    /// Judges one measurement; `None`: its time is not after the last one's, nothing has changed.
+    /// Judges one measurement.
+    ///
+    /// # Errors
+    /// The time of the last measurement, if there was one: this one's is not after it, or not finite. Nothing has changed.
     pub fn judge(
         &mut self,
         config: &PlausibilityConfig,
@@ -148,11 +125,11 @@ impl Plausibility {
             return Err(self.last_time_s);
         }
         let gap_s = self.last_time_s.map(|last_s| time_s - last_s);
-        let anew = gap_s.is_none_or(|gap_s| gap_s > config.long_gap_s);
-        if anew {
+        let begins = gap_s.is_none_or(|gap_s| gap_s > config.long_gap_s);
+        if begins {
             *self = Self::default();
         }
-        let dt_s = if anew { 0.0 } else { gap_s.unwrap_or(0.0) };
+        let dt_s = if begins { 0.0 } else { gap_s.unwrap_or(0.0) };
         self.last_time_s = Some(time_s);
 
         let before_mps = self.speed.map(|(speed_mps, _)| speed_mps);
@@ -189,7 +166,7 @@ impl Plausibility {
             }
         };
         let effort_n_per_kg = measurement.effort_n_per_kg.filter(|effort| effort.abs() < 10.0);
-        Ok(Judged { time_s, dt_s, anew, location_m, speed_mps, effort_n_per_kg, contradiction, shifted })
+        Ok(Judged { time_s, dt_s, begins, location_m, speed_mps, effort_n_per_kg, contradiction, shifted })
     }
 
     fn judge_speed(
@@ -311,7 +288,7 @@ mod tests {
     fn agreeing_readings_are_at_least_one_and_not_a_whole_run() {
         for (agreeing, accepted) in [(0, false), (1, true), (100, true), (101, false)] {
             let config = PlausibilityConfig { agreeing, ..PlausibilityConfig::default() };
-            assert_eq!(config.check().is_ok(), accepted, "{agreeing}");
+            assert_eq!(config.check_ranges().is_ok(), accepted, "{agreeing}");
         }
     }
 }

@@ -48,7 +48,7 @@ const fn word(order: Order) -> &'static str {
         Order::After { .. } => "after",
         Order::Late => "late",
         Order::Repeated => "repeated",
-        Order::Anew => "anew",
+        Order::Restart => "restart",
     }
 }
 

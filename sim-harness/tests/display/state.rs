@@ -86,7 +86,7 @@ fn effects_have_the_names_of_the_estimator() {
         for section_m in [None, Some([0.0, 1.0])] {
             effect.section_m = section_m;
             match Effect::from_frame(&effect) {
-                Err(FrameError::Refused(EffectError::OutOfRange { effect, .. })) => {
+                Err(FrameError::Refused(EffectError::OutOfRange(effect, _))) => {
                     names.push(effect);
                 }
                 Err(FrameError::Shape) => {}
@@ -147,7 +147,7 @@ proptest! {
         let tally = reader.tally();
         let came = order.iter().filter(|(_, drop)| !drop).count();
         prop_assert_eq!(tally.frames as usize, came);
-        prop_assert_eq!(tally.anew, 0);
+        prop_assert_eq!(tally.restarts, 0);
         // First to last number: each came, or is lost.
         let span = order.len() + 12;
         let fresh = tally.frames - tally.repeated;

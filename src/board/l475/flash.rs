@@ -1,7 +1,8 @@
 //! Registers and pages of the flash; the sequence is in `rundown::onboard::stm32l4_flash`.
 
+use super::L475;
 use super::device::FLASH;
-use super::flash_errors;
+use rundown::onboard::board::Board;
 use rundown::onboard::stm32l4_flash::{FlashController, PAGE, Register, Stm32l4Flash};
 
 /// Pages for records; `memory.x` has the same.
@@ -72,6 +73,6 @@ impl FlashController for Controller {
     }
 
     fn double_bit_errors(&self) -> u32 {
-        flash_errors()
+        L475::flash_errors()
     }
 }

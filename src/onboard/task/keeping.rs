@@ -12,6 +12,7 @@ use crate::onboard::store::{EpochError, Identity, Refused, Store};
 use crate::onboard::train_id::TrainId;
 use crate::onboard::uplink::Pace;
 use crate::tick::memory::{MemoryConfig, Vehicle};
+use crate::tick::snapshot::InPlace;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use rundown_wire::{Memory, REFUSALS};
@@ -72,7 +73,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
             store,
             lifetime: Lifetime::default(),
             memory,
-            effects_told: false,
+            effects_received: false,
             effects_unsaved: false,
             records: [0; 2],
             snapshot: SnapshotBuffer::new(&mut room.snapshot),
@@ -104,7 +105,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
             Ok(Some((vehicle, fallen_back))) => {
                 self.vehicle = vehicle;
                 self.lifetime = persisted.lifetime;
-                if !self.effects_told {
+                if !self.effects_received {
                     core::mem::swap(self.estimator.effects_mut(), self.kept_effects);
                 }
                 if fallen_back { Memory::RestoredOlder } else { Memory::Restored }
