@@ -19,9 +19,7 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Pause before a source is opened again.
 pub const FIRST_PAUSE: Duration = Duration::from_millis(250);
-/// The longest one.
 pub const LONGEST_PAUSE: Duration = Duration::from_secs(4);
 /// How often a silent link is polled.
 const POLL: Duration = Duration::from_millis(5);
@@ -30,26 +28,20 @@ const FOLLOW: Duration = Duration::from_millis(100);
 /// First bytes of a recording in text.
 const TEXT: &[u8] = b"time_us,";
 
-/// A source of frames.
 #[derive(Clone, Debug)]
 pub enum Source {
     /// A board, or an emulated one.
     Board {
-        /// Where it is.
         address: Address,
         /// On a CAN bus another computer answers the board.
         listen_only: bool,
     },
-    /// A recording.
     File {
-        /// The file.
         path: PathBuf,
         /// It grows: its end is not the end.
         follow: bool,
     },
-    /// A recording on standard input.
     Stdin,
-    /// The case study without a board.
     Demo,
 }
 
@@ -92,15 +84,12 @@ impl Source {
     }
 }
 
-/// A source that is open.
 pub enum Open {
     /// Is opened again and again.
     Board(Address, bool),
-    /// Bytes.
     Recording(Box<dyn Read + Send>),
     /// A file that somebody writes to, or will.
     Growing(PathBuf),
-    /// Simulated runs.
     Demo,
 }
 

@@ -1,16 +1,16 @@
 //! Recordings, files that grow, a board that goes and comes.
 
 use super::{MESSAGES, file, hub, on_the_line, shown};
+use crate::desk::Description;
+use crate::display::demo;
+use crate::display::hub::{Connection, Hub};
+use crate::display::setup::Setup;
+use crate::display::source::Source;
 use rundown::estimator::config::Config;
 use rundown::model::direction::Direction;
 use rundown::onboard::auth::TRAILER;
 use rundown::onboard::uplink::{self, Command, Request, SECURED, Uplink};
 use rundown_files::track_file::TrackFile;
-use sim_harness::desk::Description;
-use sim_harness::display::demo;
-use sim_harness::display::hub::{Connection, Hub};
-use sim_harness::display::setup::Setup;
-use sim_harness::display::source::Source;
 use std::io::Write;
 use std::net::TcpListener;
 use std::sync::Arc;
