@@ -20,20 +20,16 @@ use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
 
 /// What a board gets before a run.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "as in the files")]
 pub struct Description {
-    /// The train.
     pub train: TrainDescription,
     /// Length of the track, m.
     pub track_length_m: f64,
-    /// Its gradients.
     pub gradients: Vec<Gradient>,
-    /// Its curves.
     pub curves: Vec<Curve>,
-    /// Its stops and permitted speeds.
     pub targets: Vec<Target>,
     /// Named effects, which take the place of the board's; with none the board keeps those that it has.
     pub effects: Effects,
-    /// The configuration.
     pub config: Config,
 }
 

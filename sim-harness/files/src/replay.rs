@@ -38,27 +38,22 @@ pub enum Tick {
 
 /// A row that gave no estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "named with their units")]
 pub struct Dropped {
     /// Line of the log, counted from 1.
     pub line: u64,
-    /// Its time, s.
     pub time_s: f64,
-    /// Why.
     pub reason: StepError,
 }
 
 /// What a replay gave.
 #[derive(Clone, Debug)]
+#[expect(missing_docs, reason = "as in Recording, where not said")]
 pub struct ReplayedRun {
-    /// Name in every output.
     pub name: String,
-    /// Where it was read from.
     pub path: PathBuf,
-    /// Whose memory it belongs to.
     pub unit: String,
-    /// Direction of travel.
     pub direction: Direction,
-    /// Rows of the log.
     pub rows: usize,
     /// The accepted measurements.
     pub measurements: Vec<Measurement>,
@@ -76,7 +71,6 @@ pub struct ReplayedRun {
     pub vehicle_before: Gaussian<3>,
     /// The vehicle's Davis coefficients after the run.
     pub vehicle_after: Gaussian<3>,
-    /// What looked wrong in the log.
     pub warnings: Vec<String>,
 }
 

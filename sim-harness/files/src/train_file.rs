@@ -11,24 +11,20 @@ use std::path::Path;
 /// What a train file holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "named with their units")]
 pub struct TrainFile {
-    /// For people.
     pub name: String,
     /// Mass as loaded, kg.
     pub mass_kg: f64,
     /// Rotating mass factor γ.
     pub rotating_mass_factor: f64,
-    /// Length, m.
     pub length_m: f64,
-    /// Largest tractive effort, N.
     pub max_tractive_effort_n: f64,
-    /// Largest tractive power, W.
     pub max_power_w: f64,
     /// Largest deceleration by brake, m/s², positive.
     pub max_brake_mps2: f64,
     /// Manufacturer's Davis coefficients: N/kg, N/(kg m/s), N/(kg (m/s)²), per rotating mass γ m.
     pub davis: Davis,
-    /// Named effects of the train.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effect: Vec<EffectEntry>,
 }

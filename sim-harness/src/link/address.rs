@@ -27,35 +27,32 @@ use std::str::FromStr;
 
 /// A port that carries bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "as in the table above")]
 pub enum PortAddress {
     /// A serial port.
     Serial {
-        /// Name of the device.
         path: String,
-        /// Its bit rate.
         baud: u32,
     },
     /// A TCP server.
     Tcp(String),
-    /// Standard input and output.
     Stdio,
 }
 
 /// A link.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "as in the table above")]
 pub enum Address {
     /// Messages in COBS.
     Serial(PortAddress),
     /// Messages in ISO-TP in SLCAN.
     Slcan {
-        /// Where the adapter is.
         port: PortAddress,
         /// Whether frames have up to 64 bytes.
         fd: bool,
     },
     /// Messages in ISO-TP.
     Can {
-        /// Name of the network interface.
         interface: String,
         /// Whether frames have up to 64 bytes.
         fd: bool,
