@@ -24,11 +24,11 @@ fn near(found: f64, expected: f64, tolerance: f64) -> bool {
 
 #[test]
 fn weights_of_the_central_point_are_near_1_7_million() {
-    let (w0_mean, w0_covariance, w) = Spread::PAPER.weights(SIZE);
+    let (w0_mean, w0_covariance, w) = Spread::<SIZE>::PAPER.weights();
     assert!(near(w0_mean, -1_666_665.67, 0.01), "{w0_mean}");
     assert!(near(w0_covariance - w0_mean, 3.0 - 1e-6, 1e-6), "{w0_covariance}");
     assert!(near(w, 166_666.67, 0.01), "{w}");
-    assert!(near(Spread::PAPER.reach(SIZE), 3e-6, 1e-20));
+    assert!(near(Spread::<SIZE>::PAPER.reach(), 3e-6, 1e-20));
 }
 
 #[test]

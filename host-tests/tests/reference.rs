@@ -22,7 +22,7 @@ fn number(row: &Row, column: &str) -> f64 {
     row[column].parse().unwrap()
 }
 
-fn replayed(spread: Spread) -> Vec<Estimate> {
+fn replayed(spread: Spread<SIZE>) -> Vec<Estimate> {
     let (train, track) = train_and_track();
     let mut config = Config::with_mode(Mode::Paper);
     config.paper.spread = spread;
@@ -96,7 +96,7 @@ fn regimes_are_equal(estimates: &[Estimate], reference: &[Row]) {
 }
 
 /// One run against its 50-digit twin: state and covariance of every step to the rounding of double precision, regimes by name.
-fn equals_50_digits(spread: Spread, name: &str) {
+fn equals_50_digits(spread: Spread<SIZE>, name: &str) {
     let estimates = replayed(spread);
     let reference = rows(name);
     let worst = distance(&estimates, &reference);

@@ -339,7 +339,7 @@ fn the_witness_has_the_weights_of_the_paper() {
     let (lambda, w0_mean, w0_covariance, w) = textbook::weights(shape, SIZE);
     assert!((lambda + 4.999_997).abs() < 1e-12);
     assert!((w0_mean + 1_666_665.67).abs() < 0.01 && (w - 166_666.67).abs() < 0.01);
-    let (mean, covariance, others) = Spread::PAPER.weights(SIZE);
+    let (mean, covariance, others) = Spread::<SIZE>::PAPER.weights();
     let relative = |a: f64, b: f64| (a / b - 1.0).abs();
     // The witness forms L + λ from λ and keeps ten digits of it; `Spread` does not.
     assert!(relative(mean, w0_mean) < 1e-9 && relative(covariance, w0_covariance) < 1e-9);

@@ -179,6 +179,6 @@ mod tests {
     #[test]
     fn what_no_train_has_is_refused() {
         let error = learned(&[run("7", -0.1, "null", "null")], None).unwrap_err();
-        assert_eq!(error, "what was learned is no train: train: davis.r0 must be 0.00001 to 1, found -0.1");
+        assert_eq!(error, "what was learned is no train: davis.r0: expected 0.00001 to 1, found -0.1");
     }
 }

@@ -25,34 +25,18 @@ pub(crate) use predict::predict;
 pub use steady::Steady;
 
 use crate::Real;
-use crate::tick::bounds::{ConfigError, between};
-use serde::{Deserialize, Serialize};
+use crate::tick::bounds::settings;
 
-/// How far ahead, and when a prediction is another one.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct CoastConfig {
-    /// Furthest target, m. A train that coasts for longer is rare.
-    pub horizon_m: Real,
-    /// Standard deviation by which the mean wind along the way ahead differs from that so far, m/s: gusts of some minutes, woods and banks, the line's bends.
-    pub wind_change_mps: Real,
-    /// A prediction is published again when it moves the coasting point by more than this, m: where coasting must begin for the same speed at the target, on the level.
-    pub coasting_point_m: Real,
-    /// The same for the arrival at the target, s.
-    pub arrival_s: Real,
-}
-
-impl Default for CoastConfig {
-    fn default() -> Self {
-        Self { horizon_m: 25e3, wind_change_mps: 0.3, coasting_point_m: 150.0, arrival_s: 3.0 }
-    }
-}
-
-impl CoastConfig {
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        between("coast.horizon_m", self.horizon_m, 100.0, 1e5)?;
-        between("coast.wind_change_mps", self.wind_change_mps, 0.0, 20.0)?;
-        between("coast.coasting_point_m", self.coasting_point_m, 0.0, 1e5)?;
-        between("coast.arrival_s", self.arrival_s, 0.0, 3600.0)
+settings! {
+    /// How far ahead, and when a prediction is another one.
+    CoastConfig in "coast" {
+        /// Furthest target, m. A train that coasts for longer is rare.
+        horizon_m: Real = 25e3, 100.0 to 1e5;
+        /// Standard deviation by which the mean wind along the way ahead differs from that so far, m/s: gusts of some minutes, woods and banks, the line's bends.
+        wind_change_mps: Real = 0.3, 0.0 to 20.0;
+        /// A prediction is published again when it moves the coasting point by more than this, m: where coasting must begin for the same speed at the target, on the level.
+        coasting_point_m: Real = 150.0, 0.0 to 1e5;
+        /// The same for the arrival at the target, s.
+        arrival_s: Real = 3.0, 0.0 to 3600.0;
     }
 }

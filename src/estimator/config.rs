@@ -2,7 +2,7 @@
 
 use crate::coast_ahead::CoastConfig;
 use crate::features::FeatureConfig;
-use crate::tick::bounds::{ConfigError, between};
+use crate::tick::bounds::ConfigError;
 use crate::tick::learning::LearningConfig;
 use crate::tick::memory::MemoryConfig;
 use crate::tick::paper::PaperConfig;
@@ -61,33 +61,14 @@ impl Config {
     /// # Errors
     /// [`ConfigError`] names the first field that is out of range.
     pub fn check(&self) -> Result<(), ConfigError> {
-        let sensor = &self.sensor;
-        let paper = &self.paper;
-        between("sensor.speed_quantum_kmh", sensor.speed_quantum_kmh, 0.0, 20.0)?;
-        between("sensor.speed_noise_kmh", sensor.speed_noise_kmh, 0.0, 20.0)?;
-        between(
-            "sensor speed_quantum_kmh + speed_noise_kmh",
-            sensor.speed_quantum_kmh + sensor.speed_noise_kmh,
-            1e-3,
-            40.0,
-        )?;
-        between("sensor.location_sd_m", sensor.location_sd_m, 0.01, 1e4)?;
-        between("paper.initial_location_sd_m", paper.initial_location_sd_m, 1e-6, 1e5)?;
-        between("paper.initial_speed_sd_kmh", paper.initial_speed_sd_kmh, 1e-6, 1e3)?;
-        for sd in paper.initial_davis_sd {
-            between("paper.initial_davis_sd", sd, 1e-15, 1.0)?;
-        }
-        between("paper.location_sd_m", paper.location_sd_m, 1e-3, 1e5)?;
-        between("paper.speed_sd_kmh", paper.speed_sd_kmh, 1e-3, 1e3)?;
-        between("paper.acceleration_noise_mps2", paper.acceleration_noise_mps2, 0.0, 10.0)?;
-        between("paper.sub_step_s", paper.sub_step_s, 0.1, 1e12)?;
-        between("paper_rule.coast_n_per_kg", self.paper_rule.coast_n_per_kg, 0.0, 10.0)?;
-        between("paper_rule.cruise_mps2", self.paper_rule.cruise_mps2, 0.0, 10.0)?;
-        self.learning.check()?;
-        self.memory.check()?;
-        self.recogniser.check()?;
-        self.plausibility.check()?;
-        self.coast.check()?;
+        self.sensor.check()?;
+        self.paper.check_ranges()?;
+        self.paper_rule.check_ranges()?;
+        self.learning.check_ranges()?;
+        self.memory.check_ranges()?;
+        self.recogniser.check_ranges()?;
+        self.plausibility.check_ranges()?;
+        self.coast.check_ranges()?;
         self.features.check()
     }
 }

@@ -5,53 +5,34 @@
 
 use crate::Real;
 use crate::model::units::KmPerHour;
-use crate::tick::bounds::{ConfigError, between};
-use serde::{Deserialize, Serialize};
+use crate::tick::bounds::{ConfigError, settings};
 
-/// Settings of the features. Windows include their edges.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct FeatureConfig {
-    /// Speeds of the fit of the largest effort, km/h (section 3.3).
-    pub effort_window_kmh: [Real; 2],
-    /// Speeds of the mean power, km/h (section 3.3).
-    pub power_window_kmh: [Real; 2],
-    /// Speeds of the largest power, km/h (Fig. 9).
-    pub max_power_window_kmh: [Real; 2],
-    /// Edges of the ATB-EG steps, falling, km/h (section 3.3).
-    pub brake_steps_kmh: [Real; 4],
-    /// Interruptions of a phase of at most this many ticks (or as many times `window_s`) are bridged; 0 bridges none.
-    pub bridge_samples: u32,
-    /// An interruption whose effort moves the speed by more than this is real at any length, and so is a turn of power inside one tick of a coast, km/h.
-    /// Rounding to 1 km/h alone can make 1.
-    pub bridge_speed_kmh: Real,
-    /// Below this the train comes to a stop within the interval, km/h.
-    pub stop_speed_kmh: Real,
-    /// Time over which a rate is taken, s: the sampling of the case study. Ticks that come faster are taken together.
-    pub window_s: Real,
-    /// Width of one cruising level, km/h: cruising slower than the fastest by more than this belongs to another level.
-    pub cruise_band_kmh: Real,
-    /// Coasting and re-accelerating that change the speed by no more than this hold the speed, km/h.
-    pub cruise_cycle_kmh: Real,
-    /// Share of the top speed since the last stop below which the train has left line speed and approaches the platform.
-    pub approach_share: Real,
-}
-
-impl Default for FeatureConfig {
-    fn default() -> Self {
-        Self {
-            effort_window_kmh: [10.0, 30.0],
-            power_window_kmh: [50.0, 130.0],
-            max_power_window_kmh: [50.0, 90.0],
-            brake_steps_kmh: [130.0, 80.0, 60.0, 40.0],
-            bridge_samples: 2,
-            bridge_speed_kmh: 1.6,
-            stop_speed_kmh: 1.0,
-            window_s: 10.0,
-            cruise_band_kmh: 10.0,
-            cruise_cycle_kmh: 8.0,
-            approach_share: 0.5,
-        }
+settings! {
+    /// Settings of the features. Windows include their edges.
+    FeatureConfig in "features" {
+        /// Speeds of the fit of the largest effort, km/h (section 3.3).
+        effort_window_kmh: [Real; 2] = [10.0, 30.0];
+        /// Speeds of the mean power, km/h (section 3.3).
+        power_window_kmh: [Real; 2] = [50.0, 130.0];
+        /// Speeds of the largest power, km/h (Fig. 9).
+        max_power_window_kmh: [Real; 2] = [50.0, 90.0];
+        /// Edges of the ATB-EG steps, falling, km/h (section 3.3).
+        brake_steps_kmh: [Real; 4] = [130.0, 80.0, 60.0, 40.0];
+        /// Interruptions of a phase of at most this many ticks (or as many times `window_s`) are bridged; 0 bridges none.
+        bridge_samples: u32 = 2, 0.0 to 10.0;
+        /// An interruption whose effort moves the speed by more than this is real at any length, and so is a turn of power inside one tick of a coast, km/h.
+        /// Rounding to 1 km/h alone can make 1.
+        bridge_speed_kmh: Real = 1.6, 0.0 to 50.0;
+        /// Below this the train comes to a stop within the interval, km/h.
+        stop_speed_kmh: Real = 1.0, 0.0 to 20.0;
+        /// Time over which a rate is taken, s: the sampling of the case study. Ticks that come faster are taken together.
+        window_s: Real = 10.0, 1.0 to 60.0;
+        /// Width of one cruising level, km/h: cruising slower than the fastest by more than this belongs to another level.
+        cruise_band_kmh: Real = 10.0, 1.0 to 100.0;
+        /// Coasting and re-accelerating that change the speed by no more than this hold the speed, km/h.
+        cruise_cycle_kmh: Real = 8.0, 0.0 to 50.0;
+        /// Share of the top speed since the last stop below which the train has left line speed and approaches the platform.
+        approach_share: Real = 0.5, 0.0 to 1.0;
     }
 }
 
@@ -66,14 +47,14 @@ impl FeatureConfig {
     ///
     /// assert_eq!(FeatureConfig::default().check(), Ok(()));
     /// let swapped = FeatureConfig { effort_window_kmh: [30.0, 10.0], ..Default::default() };
-    /// let error = ConfigError::Window { field: "effort_window_kmh", found: [30.0, 10.0] };
+    /// let error = ConfigError::Window { field: "features.effort_window_kmh", found: [30.0, 10.0] };
     /// assert_eq!(swapped.check(), Err(error));
     /// ```
     pub fn check(&self) -> Result<(), ConfigError> {
         for (field, found) in [
-            ("effort_window_kmh", self.effort_window_kmh),
-            ("power_window_kmh", self.power_window_kmh),
-            ("max_power_window_kmh", self.max_power_window_kmh),
+            ("features.effort_window_kmh", self.effort_window_kmh),
+            ("features.power_window_kmh", self.power_window_kmh),
+            ("features.max_power_window_kmh", self.max_power_window_kmh),
         ] {
             let [lower, upper] = found;
             if !(0.0 <= lower && lower < upper && upper.is_finite()) {
@@ -82,19 +63,12 @@ impl FeatureConfig {
         }
         let [a, b, c, d] = self.brake_steps_kmh;
         if !(a.is_finite() && a > b && b > c && c > d && d > 0.0) {
-            return Err(ConfigError::StepsNotFalling { field: "brake_steps_kmh", found: self.brake_steps_kmh });
+            return Err(ConfigError::StepsNotFalling {
+                field: "features.brake_steps_kmh",
+                found: self.brake_steps_kmh,
+            });
         }
-        for (field, found, most) in [
-            ("bridge_samples", Real::from(self.bridge_samples), 10.0),
-            ("bridge_speed_kmh", self.bridge_speed_kmh, 50.0),
-            ("stop_speed_kmh", self.stop_speed_kmh, 20.0),
-            ("cruise_cycle_kmh", self.cruise_cycle_kmh, 50.0),
-            ("approach_share", self.approach_share, 1.0),
-        ] {
-            between(field, found, 0.0, most)?;
-        }
-        between("window_s", self.window_s, 1.0, 60.0)?;
-        between("cruise_band_kmh", self.cruise_band_kmh, 1.0, 100.0)
+        Ok(self.check_ranges()?)
     }
 
     /// Both ends of an interval lie in the window; its edges belong to it.
@@ -107,15 +81,16 @@ impl FeatureConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tick::bounds::OutOfRange;
 
     #[test]
     fn a_refusal_names_the_field() {
         let steps = FeatureConfig { brake_steps_kmh: [130.0, 80.0, 80.0, 40.0], ..Default::default() };
-        assert!(matches!(steps.check(), Err(ConfigError::StepsNotFalling { field: "brake_steps_kmh", .. })));
+        assert!(matches!(steps.check(), Err(ConfigError::StepsNotFalling { field: "features.brake_steps_kmh", .. })));
         let window = FeatureConfig { window_s: Real::NAN, ..Default::default() };
-        assert!(matches!(window.check(), Err(ConfigError::OutOfRange { field: "window_s", .. })));
+        assert!(matches!(window.check(), Err(ConfigError::OutOfRange(OutOfRange { field: "features.window_s", .. }))));
         let nan = FeatureConfig { power_window_kmh: [50.0, Real::NAN], ..Default::default() };
-        assert!(matches!(nan.check(), Err(ConfigError::Window { field: "power_window_kmh", .. })));
+        assert!(matches!(nan.check(), Err(ConfigError::Window { field: "features.power_window_kmh", .. })));
     }
 
     #[test]

@@ -24,9 +24,6 @@ mod phases;
 mod statistic;
 mod steady;
 
-#[cfg(test)]
-mod synthetic;
-
 pub use config::FeatureConfig;
 pub use extractor::FeatureExtractor;
 
@@ -181,7 +178,7 @@ pub struct Features {
     /// Largest tractive effort at low speed.
     pub max_effort: Option<EffortLine>,
     /// Tractive power per rotating mass while accelerating, effort times speed, W/kg; one value for each stretch of `window_s`, weighted with its time.
-    /// Within 0.8 % of the true mean in 90 % of 400 runs (`synthetic.rs`).
+    /// Within 0.8 % of the true mean in 90 % of 400 runs (`host-tests/tests/features.rs`).
     pub power_w_per_kg: Statistic,
     /// Its largest value in the narrower window (red crosses of Fig. 9), W/kg. The largest of some values with the noise of readings in whole km/h:
     /// 6 % above the true power on average.

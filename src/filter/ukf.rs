@@ -85,10 +85,10 @@ pub trait Observation<const M: usize> {
     fn variance(&self, i: usize) -> Real;
 }
 
-/// Spread of the sigma points, Table 1. Made by [`Spread::try_new`].
+/// Spread of the sigma points of a state of N components, Table 1. Made by [`Spread::try_new`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "SpreadTable", into = "SpreadTable")]
-pub struct Spread {
+pub struct Spread<const N: usize> {
     alpha: Real,
     beta: Real,
     kappa: Real,
@@ -103,7 +103,7 @@ struct SpreadTable {
     kappa: Real,
 }
 
-impl TryFrom<SpreadTable> for Spread {
+impl<const N: usize> TryFrom<SpreadTable> for Spread<N> {
     type Error = SpreadError;
 
     fn try_from(table: SpreadTable) -> Result<Self, SpreadError> {
@@ -111,25 +111,28 @@ impl TryFrom<SpreadTable> for Spread {
     }
 }
 
-impl From<Spread> for SpreadTable {
-    fn from(spread: Spread) -> Self {
+impl<const N: usize> From<Spread<N>> for SpreadTable {
+    fn from(spread: Spread<N>) -> Self {
         Self { alpha: spread.alpha, beta: spread.beta, kappa: spread.kappa }
     }
 }
 
 /// α and N + κ must be above zero, and all three finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SpreadError;
+pub struct SpreadError {
+    /// Number of components N of the state.
+    pub components: usize,
+}
 
 impl core::fmt::Display for SpreadError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("spread: alpha and 5 + kappa must be above zero, beta finite")
+        write!(f, "spread: expected alpha above 0, kappa above -{} and all finite", self.components)
     }
 }
 
 impl core::error::Error for SpreadError {}
 
-impl Spread {
+impl<const N: usize> Spread<N> {
     /// Table 1.
     pub const PAPER: Self = Self::new(1e-3, 2.0, -2.0);
     /// The same points at α = 1: the spread of a normal distribution in three dimensions.
@@ -142,20 +145,20 @@ impl Spread {
     pub const fn new(alpha: Real, beta: Real, kappa: Real) -> Self {
         match Self::try_new(alpha, beta, kappa) {
             Ok(spread) => spread,
-            Err(_) => panic!("alpha and 5 + kappa must be above zero"),
+            Err(_) => panic!("alpha and N + kappa must be above zero"),
         }
     }
 
-    /// Checks α, β, κ for states of five components or more.
+    /// Checks α, β, κ for a state of N components.
     ///
     /// # Errors
-    /// [`SpreadError`] when α or 5 + κ is not above zero, or β is not finite.
+    /// [`SpreadError`] when α or N + κ is not above zero, or one of them is not finite.
     pub const fn try_new(alpha: Real, beta: Real, kappa: Real) -> Result<Self, SpreadError> {
-        let reaches = alpha > 0.0 && kappa + 5.0 > 0.0;
+        let reaches = alpha > 0.0 && kappa + N as Real > 0.0;
         if reaches && alpha.is_finite() && beta.is_finite() && kappa.is_finite() {
             Ok(Self { alpha, beta, kappa })
         } else {
-            Err(SpreadError)
+            Err(SpreadError { components: N })
         }
     }
 
@@ -165,8 +168,8 @@ impl Spread {
     }
 
     /// c = N + λ = α² (N + κ): squared reach of the points in standard deviations.
-    pub fn reach(&self, n: usize) -> Real {
-        self.alpha * self.alpha * (n as Real + self.kappa)
+    pub fn reach(&self) -> Real {
+        self.alpha * self.alpha * (N as Real + self.kappa)
     }
 
     /// Weights of Eq. (9), w0 of the mean, w0 of the covariance and w_i. The filter never needs them.
@@ -174,14 +177,14 @@ impl Spread {
     /// ```
     /// use rundown::filter::ukf::Spread;
     ///
-    /// let (w0_mean, w0_covariance, w) = Spread::PAPER.weights(5);
+    /// let (w0_mean, w0_covariance, w) = Spread::<5>::PAPER.weights();
     /// assert!((w - 1.0 / 6e-6).abs() < 1e-3);
     /// assert!((w0_mean + 10.0 * w - 1.0).abs() < 1e-6);
     /// assert!((w0_covariance - w0_mean - 2.999999).abs() < 1e-6);
     /// ```
-    pub fn weights(&self, n: usize) -> (Real, Real, Real) {
-        let reach = self.reach(n);
-        let mean = 1.0 - n as Real / reach;
+    pub fn weights(&self) -> (Real, Real, Real) {
+        let reach = self.reach();
+        let mean = 1.0 - N as Real / reach;
         let covariance = mean + 1.0 - self.alpha * self.alpha + self.beta;
         (mean, covariance, 0.5 / reach)
     }
@@ -191,7 +194,7 @@ impl Spread {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ukf<const N: usize, const M: usize> {
     /// Spread of the sigma points.
-    pub spread: Spread,
+    pub spread: Spread<N>,
     /// Largest accepted |innovation| in standard deviations, for each reading; none: every reading is taken.
     pub gate: [Option<Real>; M],
     /// Form the gain from the propagated points, which do not know Q, as Eq. (12)-(15) are printed. Makes a difference only with a Q.
@@ -313,7 +316,7 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         noise_variance: Real,
     ) -> Result<(), NotPositiveDefinite> {
         let (x, p) = (&belief.mean, &belief.covariance);
-        let c = self.spread.reach(N);
+        let c = self.spread.reach();
         let columns = eliminate::<N, K>(p)?;
 
         // What the pairs see; then ĝ by back substitution.
@@ -428,6 +431,26 @@ fn mirror<const N: usize>(matrix: &mut SMatrix<Real, N, N>) {
     for j in 0..N {
         for i in j + 1..N {
             matrix[(j, i)] = matrix[(i, j)];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spread_is_checked_for_its_own_number_of_components() {
+        for (kappa, of_three, of_six) in
+            [(-2.0, true, true), (-3.0, false, true), (-5.5, false, true), (-6.0, false, false)]
+        {
+            assert_eq!(Spread::<3>::try_new(1.0, 2.0, kappa).is_ok(), of_three, "{kappa}");
+            assert_eq!(Spread::<6>::try_new(1.0, 2.0, kappa).is_ok(), of_six, "{kappa}");
+        }
+        for (alpha, beta, kappa) in
+            [(0.0, 2.0, 0.0), (Real::NAN, 2.0, 0.0), (1.0, Real::INFINITY, 0.0), (1.0, 2.0, Real::INFINITY)]
+        {
+            assert_eq!(Spread::<5>::try_new(alpha, beta, kappa), Err(SpreadError { components: 5 }));
         }
     }
 }

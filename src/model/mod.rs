@@ -1,5 +1,6 @@
 //! What is known of a train on its track, and how it moves: descriptions, the equation of motion, effects that a description may lack.
 
+pub mod bounds;
 pub mod curves;
 pub mod direction;
 pub mod effects;

@@ -1,8 +1,8 @@
 //! The train as its description states it: mass, length, manufacturer's Davis coefficients and limits.
 
 use crate::Real;
+use crate::model::bounds::{OutOfRange, between};
 use crate::model::resistance::Davis;
-use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Largest effort of the weakest train, N/kg: less than any train needs to start on the level (r0 is near 0.01), so it was stated in kN.
@@ -50,40 +50,11 @@ impl TrainDescription {
     };
 }
 
-/// Why a description of a train was refused. The old one stays in force.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum TrainError {
-    /// `field` was `found`, outside `least..=most`.
-    OutOfRange {
-        /// Name of the field as in the train file.
-        field: &'static str,
-        /// Smallest accepted value.
-        least: Real,
-        /// Largest accepted value.
-        most: Real,
-        /// What stood there.
-        found: Real,
-    },
-}
-
-impl fmt::Display for TrainError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::OutOfRange { field, least, most, found } => {
-                write!(f, "train: {field} must be {least} to {most}, found {found}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for TrainError {}
-
 impl Train {
     /// Checks a description.
     ///
     /// # Errors
-    /// [`TrainError::OutOfRange`] names the first field that no train has (NaN included).
+    /// [`OutOfRange`] names the first field that no train has (NaN included).
     ///
     /// ```
     /// use rundown::model::resistance::Davis;
@@ -96,9 +67,9 @@ impl Train {
     /// };
     /// let train = Train::try_new(description)?;
     /// assert!((train.max_effort_n_per_kg(20.0) - 0.2639).abs() < 1e-4);
-    /// # Ok::<(), rundown::model::train::TrainError>(())
+    /// # Ok::<(), rundown::model::bounds::OutOfRange>(())
     /// ```
-    pub fn try_new(description: TrainDescription) -> Result<Self, TrainError> {
+    pub fn try_new(description: TrainDescription) -> Result<Self, OutOfRange> {
         let d = &description;
         // Not a number there leaves a bound that refuses everything; the mass itself is refused first.
         let rotating_mass_kg = d.rotating_mass_factor * d.mass_kg;
@@ -114,9 +85,7 @@ impl Train {
             ("max_brake_mps2", d.max_brake_mps2, 0.01, 10.0),
         ];
         for (field, found, least, most) in bounds {
-            if !(least..=most).contains(&found) {
-                return Err(TrainError::OutOfRange { field, least, most, found });
-            }
+            between(field, found, least, most)?;
         }
         Ok(Self::new(description))
     }
@@ -194,7 +163,7 @@ mod tests {
         let mut description = description();
         spoil(&mut description);
         match Train::try_new(description) {
-            Err(TrainError::OutOfRange { field, .. }) => field,
+            Err(error) => error.field,
             Ok(_) => "nothing",
         }
     }

@@ -1,50 +1,57 @@
-//! Ranges of settings, and the refusal of a value outside.
+//! Settings, each written once with its default and its range, and the refusal of a value outside.
 
 use crate::Real;
+pub use crate::model::bounds::OutOfRange;
 use core::fmt;
 
 /// Why a configuration was refused. The old one stays in force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ConfigError {
-    /// `field` was `found`, outside `least..=most`.
-    OutOfRange {
-        /// Name of the field as in the configuration file.
-        field: &'static str,
-        /// Smallest accepted value.
-        least: Real,
-        /// Largest accepted value.
-        most: Real,
-        /// What stood there.
-        found: Real,
-    },
+    /// A number lies outside its range.
+    OutOfRange(OutOfRange),
     /// A window is not two speeds, the smaller first.
     Window {
-        /// Name of the field.
+        /// Name of the field as in the configuration file.
         field: &'static str,
         /// What stood there, km/h.
         found: [Real; 2],
     },
     /// The brake steps are not falling, all above 0.
     StepsNotFalling {
-        /// Name of the field.
+        /// Name of the field as in the configuration file.
         field: &'static str,
         /// What stood there, km/h.
         found: [Real; 4],
     },
 }
 
+impl ConfigError {
+    /// Name of the field as in the configuration file.
+    pub const fn field(&self) -> &'static str {
+        match self {
+            Self::OutOfRange(OutOfRange { field, .. })
+            | Self::Window { field, .. }
+            | Self::StepsNotFalling { field, .. } => field,
+        }
+    }
+}
+
+impl From<OutOfRange> for ConfigError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
+
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::OutOfRange { field, least, most, found } => {
-                write!(f, "configuration: {field} must be {least} to {most}, found {found}")
-            }
+            Self::OutOfRange(error) => error.fmt(f),
             Self::Window { field, found: [lower, upper] } => {
-                write!(f, "configuration: {field} must be two speeds, the smaller first, found {lower}, {upper}")
+                write!(f, "{field}: expected two speeds, the smaller first, found {lower}, {upper}")
             }
             Self::StepsNotFalling { field, found: [a, b, c, d] } => {
-                write!(f, "configuration: {field} must be falling and above 0, found {a}, {b}, {c}, {d}")
+                write!(f, "{field}: expected falling speeds above 0, found {a}, {b}, {c}, {d}")
             }
         }
     }
@@ -52,7 +59,64 @@ impl fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
-/// `found` lies within `least..=most`; NaN does not.
-pub(crate) fn between(field: &'static str, found: Real, least: Real, most: Real) -> Result<(), ConfigError> {
-    if (least..=most).contains(&found) { Ok(()) } else { Err(ConfigError::OutOfRange { field, least, most, found }) }
+/// A setting whose numbers have a range.
+pub(crate) trait Numbers {
+    fn numbers(&self) -> impl Iterator<Item = Real>;
 }
+
+impl Numbers for Real {
+    fn numbers(&self) -> impl Iterator<Item = Real> {
+        core::iter::once(*self)
+    }
+}
+
+impl Numbers for u32 {
+    fn numbers(&self) -> impl Iterator<Item = Real> {
+        core::iter::once(Real::from(*self))
+    }
+}
+
+impl<const N: usize> Numbers for [Real; N] {
+    fn numbers(&self) -> impl Iterator<Item = Real> {
+        self.iter().copied()
+    }
+}
+
+/// A table of the configuration file: for each setting its type, its default, and where it has one its range, that of each number of a list.
+macro_rules! settings {
+    ($(#[$attribute:meta])* $Name:ident in $table:literal { $(
+        $(#[$of_field:meta])*
+        $field:ident: $Type:ty = $default:expr $(, $least:literal to $most:literal)?;
+    )* }) => {
+        $(#[$attribute])*
+        #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $Name {
+            $(
+                $(#[$of_field])*
+                $(#[doc = concat!("\n\nFrom ", stringify!($least), " to ", stringify!($most), ".")])?
+                pub $field: $Type,
+            )*
+        }
+
+        impl Default for $Name {
+            fn default() -> Self {
+                Self { $($field: $default,)* }
+            }
+        }
+
+        impl $Name {
+            pub(crate) fn check_ranges(&self) -> Result<(), crate::model::bounds::OutOfRange> {
+                $($(
+                    for found in crate::tick::bounds::Numbers::numbers(&self.$field) {
+                        crate::model::bounds::between(
+                            concat!($table, ".", stringify!($field)), found, $least, $most,
+                        )?;
+                    }
+                )?)*
+                Ok(())
+            }
+        }
+    };
+}
+pub(crate) use settings;

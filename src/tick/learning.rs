@@ -16,80 +16,43 @@ use crate::model::effects::Acting;
 use crate::model::line::Line;
 use crate::model::motion::{Evaluate, Motion};
 use crate::model::state::{LOCATION, R0, SIZE_WITH_GAIN, SPEED};
-use crate::tick::bounds::{ConfigError, between};
+use crate::tick::bounds::settings;
 use crate::tick::sensor::SensorConfig;
 use crate::tick::snapshot::{Source, take, take_each};
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
-/// When and how the resistance is learned.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LearningConfig {
-    /// Spread of the sigma points.
-    pub spread: Spread,
-    /// Slowest speed at which coasting is learned from, km/h: below, holding a speed and coasting look alike.
-    pub min_speed_kmh: Real,
-    /// Probability that a whole interval was coasted, above which a segment begins; the interval itself is cut off.
-    pub begin_probability: Real,
-    /// The same, below which it ends. Lower: a segment that a single unlucky reading may end would keep the lucky ones,
-    /// and r would come out too large where coasting and holding are near each other.
-    pub end_probability: Real,
-    /// Time cut from the end of a segment, s.
-    pub end_cut_s: Real,
-    /// Shortest segment that counts, s, cuts taken off.
-    pub min_segment_s: Real,
-    /// A reading further from what is expected than this many standard deviations (of r's uncertainty too) ends the segment.
-    pub gate: Real,
-    /// Standard deviation of the acceleration beyond the model over one tick of 10 s, m/s²: gusts, track description.
-    pub acceleration_noise_mps2: Real,
-    /// Time over which the rounding of neighbouring speed readings is correlated, s: faster readings count as one of these.
-    /// A coasting train needs about this long to cross 1 km/h.
-    pub staircase_s: Real,
-    /// Longest sub-step of the motion inside a tick, s.
-    pub sub_step_s: Real,
-    /// Longest time without a speed, or without a location, inside a segment, s.
-    pub max_gap_s: Real,
-    /// Standard deviation of the gain of a measured effort.
-    pub gain_sd: Real,
-    /// Share of a change of the measured effort by which its mean over the interval is uncertain.
-    pub effort_change_share: Real,
-}
-
-impl Default for LearningConfig {
-    fn default() -> Self {
-        Self {
-            spread: Spread::WIDE,
-            min_speed_kmh: 50.0,
-            begin_probability: 0.9,
-            end_probability: 0.3,
-            end_cut_s: 15.0,
-            min_segment_s: 60.0,
-            gate: 4.0,
-            acceleration_noise_mps2: 0.0005,
-            staircase_s: 6.25,
-            sub_step_s: 2.5,
-            max_gap_s: 30.0,
-            gain_sd: 0.03,
-            effort_change_share: 0.6,
-        }
-    }
-}
-
-impl LearningConfig {
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        between("learning.min_speed_kmh", self.min_speed_kmh, 5.0, 300.0)?;
-        between("learning.begin_probability", self.begin_probability, 0.5, 1.0)?;
-        between("learning.end_probability", self.end_probability, 0.0, 1.0)?;
-        between("learning.end_cut_s", self.end_cut_s, 0.0, 600.0)?;
-        between("learning.min_segment_s", self.min_segment_s, 0.0, 3600.0)?;
-        between("learning.gate", self.gate, 1.0, 1e3)?;
-        between("learning.acceleration_noise_mps2", self.acceleration_noise_mps2, 0.0, 1.0)?;
-        between("learning.staircase_s", self.staircase_s, 0.0, 60.0)?;
-        between("learning.sub_step_s", self.sub_step_s, 0.1, 60.0)?;
-        between("learning.max_gap_s", self.max_gap_s, 1.0, 600.0)?;
-        between("learning.gain_sd", self.gain_sd, 1e-6, 0.5)?;
-        between("learning.effort_change_share", self.effort_change_share, 0.0, 10.0)
+settings! {
+    /// When and how the resistance is learned.
+    LearningConfig in "learning" {
+        /// Spread of the sigma points.
+        spread: Spread<SIZE_WITH_GAIN> = Spread::WIDE;
+        /// Slowest speed at which coasting is learned from, km/h: below, holding a speed and coasting look alike.
+        min_speed_kmh: Real = 50.0, 5.0 to 300.0;
+        /// Probability that a whole interval was coasted, above which a segment begins; the interval itself is cut off.
+        begin_probability: Real = 0.9, 0.5 to 1.0;
+        /// The same, below which it ends. Lower: a segment that a single unlucky reading may end would keep the lucky ones,
+        /// and r would come out too large where coasting and holding are near each other.
+        end_probability: Real = 0.3, 0.0 to 1.0;
+        /// Time cut from the end of a segment, s.
+        end_cut_s: Real = 15.0, 0.0 to 600.0;
+        /// Shortest segment that counts, s, cuts taken off.
+        min_segment_s: Real = 60.0, 0.0 to 3600.0;
+        /// A reading further from what is expected than this many standard deviations (of r's uncertainty too) ends the segment.
+        gate: Real = 4.0, 1.0 to 1e3;
+        /// Standard deviation of the acceleration beyond the model over one tick of 10 s, m/s²: gusts, track description.
+        acceleration_noise_mps2: Real = 0.0005, 0.0 to 1.0;
+        /// Time over which the rounding of neighbouring speed readings is correlated, s: faster readings count as one of these.
+        /// A coasting train needs about this long to cross 1 km/h.
+        staircase_s: Real = 6.25, 0.0 to 60.0;
+        /// Longest sub-step of the motion inside a tick, s.
+        sub_step_s: Real = 2.5, 0.1 to 60.0;
+        /// Longest time without a speed, or without a location, inside a segment, s.
+        max_gap_s: Real = 30.0, 1.0 to 600.0;
+        /// Standard deviation of the gain of a measured effort.
+        gain_sd: Real = 0.03, 1e-6 to 0.5;
+        /// Share of a change of the measured effort by which its mean over the interval is uncertain.
+        effort_change_share: Real = 0.6, 0.0 to 10.0;
     }
 }
 

@@ -25,7 +25,7 @@ pub use record::{HypothesisRecord, Implausible, LEAST_SHARE, MOST_SHARE, Vehicle
 use crate::Real;
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
-use crate::tick::bounds::{ConfigError, between};
+use crate::tick::bounds::settings;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -34,37 +34,23 @@ pub const SCALES: [Real; 4] = [0.0, 0.3, 0.7, 1.5];
 /// What is believed of them before the first run.
 const SCALE_WEIGHTS: [Real; 4] = [0.4, 0.3, 0.2, 0.1];
 
-/// What may differ between vehicles, and between runs of one vehicle.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct MemoryConfig {
-    /// Standard deviation of a vehicle's whole resistance from its description, share.
-    pub vehicle_scale_sd: Real,
-    /// Standard deviation of each coefficient beyond that, share.
-    pub vehicle_shape_sd: Real,
-    /// Run-to-run standard deviation of the wind along the line at scale 1, m/s.
-    pub wind_sd_mps: Real,
-    /// Run-to-run standard deviation of the quadratic term by load at scale 1, share.
-    pub load_sd: Real,
-    /// Standard deviation by which the vehicle itself changes from one run to the next, share.
-    pub drift_sd: Real,
-}
-
-impl Default for MemoryConfig {
-    fn default() -> Self {
-        Self { vehicle_scale_sd: 0.15, vehicle_shape_sd: 0.10, wind_sd_mps: 2.0, load_sd: 0.02, drift_sd: 5e-4 }
+settings! {
+    /// What may differ between vehicles, and between runs of one vehicle.
+    MemoryConfig in "memory" {
+        /// Standard deviation of a vehicle's whole resistance from its description, share.
+        vehicle_scale_sd: Real = 0.15, 0.0 to 2.0;
+        /// Standard deviation of each coefficient beyond that, share.
+        vehicle_shape_sd: Real = 0.10, 1e-3 to 2.0;
+        /// Run-to-run standard deviation of the wind along the line at scale 1, m/s.
+        wind_sd_mps: Real = 2.0, 0.0 to 20.0;
+        /// Run-to-run standard deviation of the quadratic term by load at scale 1, share.
+        load_sd: Real = 0.02, 0.0 to 1.0;
+        /// Standard deviation by which the vehicle itself changes from one run to the next, share.
+        drift_sd: Real = 5e-4, 0.0 to 0.1;
     }
 }
 
 impl MemoryConfig {
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        between("memory.vehicle_scale_sd", self.vehicle_scale_sd, 0.0, 2.0)?;
-        between("memory.vehicle_shape_sd", self.vehicle_shape_sd, 1e-3, 2.0)?;
-        between("memory.wind_sd_mps", self.wind_sd_mps, 0.0, 20.0)?;
-        between("memory.load_sd", self.load_sd, 0.0, 1.0)?;
-        between("memory.drift_sd", self.drift_sd, 0.0, 0.1)
-    }
-
     /// A run's deviation at a scale, in shares.
     fn deviation(&self, nominal: &Davis, scale: Real) -> Gaussian<3> {
         let wind_sd_mps = scale * self.wind_sd_mps;

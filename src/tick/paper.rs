@@ -20,6 +20,7 @@ use crate::model::motion::Evaluate;
 use crate::model::motion::Motion;
 use crate::model::point::Point;
 use crate::model::state::{self, LOCATION, R0, SIZE, SPEED};
+use crate::tick::bounds::settings;
 use crate::tick::learning::LocationAndSpeed;
 use serde::{Deserialize, Serialize};
 
@@ -34,49 +35,31 @@ pub enum Difference {
     Forward,
 }
 
-/// Table 1 and what section 4.2 says about noise: the filter of the `paper` mode.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PaperConfig {
-    /// Sigma-point spread α, β, κ.
-    pub spread: Spread,
-    /// Initial standard deviation of the location, m.
-    pub initial_location_sd_m: Real,
-    /// Initial standard deviation of the speed, km/h.
-    pub initial_speed_sd_kmh: Real,
-    /// Initial standard deviations of r0, r1, r2, SI units.
-    pub initial_davis_sd: [Real; 3],
-    /// Measurement noise of the location, m.
-    pub location_sd_m: Real,
-    /// Measurement noise of the speed, km/h.
-    pub speed_sd_kmh: Real,
-    /// Standard deviation of the acceleration noise, m/s² (Q); zero in the paper.
-    pub acceleration_noise_mps2: Real,
-    /// Form the gain from the propagated points, which leave Q out, as Eq. (12)-(15) are printed.
-    pub reuse_points: bool,
-    /// Difference of the calculated effort.
-    pub difference: Difference,
-    /// Where in a step Eq. (5) is evaluated.
-    pub evaluate: Evaluate,
-    /// Longest sub-step, s; longer than the sampling time means the single step of Eq. (4).
-    pub sub_step_s: Real,
-}
-
-impl Default for PaperConfig {
-    fn default() -> Self {
-        Self {
-            spread: Spread::PAPER,
-            initial_location_sd_m: 1.0,
-            initial_speed_sd_kmh: 0.0018,
-            initial_davis_sd: [1e-6, 1e-8, 1e-9],
-            location_sd_m: 4.0,
-            speed_sd_kmh: 1.0,
-            acceleration_noise_mps2: 0.0,
-            reuse_points: true,
-            difference: Difference::Backward,
-            evaluate: Evaluate::Beginning,
-            sub_step_s: 1e9,
-        }
+settings! {
+    /// Table 1 and what section 4.2 says about noise: the filter of the `paper` mode.
+    PaperConfig in "paper" {
+        /// Sigma-point spread α, β, κ.
+        spread: Spread<SIZE> = Spread::PAPER;
+        /// Initial standard deviation of the location, m.
+        initial_location_sd_m: Real = 1.0, 1e-6 to 1e5;
+        /// Initial standard deviation of the speed, km/h.
+        initial_speed_sd_kmh: Real = 0.0018, 1e-6 to 1e3;
+        /// Initial standard deviations of r0, r1, r2, SI units.
+        initial_davis_sd: [Real; 3] = [1e-6, 1e-8, 1e-9], 1e-15 to 1.0;
+        /// Measurement noise of the location, m.
+        location_sd_m: Real = 4.0, 1e-3 to 1e5;
+        /// Measurement noise of the speed, km/h.
+        speed_sd_kmh: Real = 1.0, 1e-3 to 1e3;
+        /// Standard deviation of the acceleration noise, m/s² (Q); zero in the paper.
+        acceleration_noise_mps2: Real = 0.0, 0.0 to 10.0;
+        /// Form the gain from the propagated points, which leave Q out, as Eq. (12)-(15) are printed.
+        reuse_points: bool = true;
+        /// Difference of the calculated effort.
+        difference: Difference = Difference::Backward;
+        /// Where in a step Eq. (5) is evaluated.
+        evaluate: Evaluate = Evaluate::Beginning;
+        /// Longest sub-step, s; longer than the sampling time means the single step of Eq. (4).
+        sub_step_s: Real = 1e9, 0.1 to 1e12;
     }
 }
 

@@ -16,7 +16,7 @@
 use crate::Real;
 use crate::model::direction::Direction;
 use crate::model::train::Train;
-use crate::tick::bounds::{ConfigError, between};
+use crate::tick::bounds::settings;
 use crate::tick::estimate::Cause;
 use crate::tick::measurement::Measurement;
 use crate::tick::sensor::SensorConfig;
@@ -25,49 +25,23 @@ use serde::{Deserialize, Serialize};
 /// Gravity on a descent of 30 permille, N/kg.
 const DESCENT_N_PER_KG: Real = 0.3;
 
-/// When a reading is not believed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PlausibilityConfig {
-    /// Fastest believable speed, km/h.
-    pub max_speed_kmh: Real,
-    /// Largest believable change of speed, m/s², and not more than twice the train's effort upwards; slip and slide lie beyond.
-    pub max_acceleration_mps2: Real,
-    /// How far a location may lie from where the speed leads, m, beyond `location_share`.
-    pub location_jump_m: Real,
-    /// The same as a share of the distance run since the last location.
-    pub location_share: Real,
-    /// How far a location may lie beyond the ends of the track, m.
-    pub off_track_m: Real,
-    /// A longer pause is a new beginning, s.
-    pub long_gap_s: Real,
-    /// Rejected readings in a row which, agreeing with each other, are believed.
-    pub agreeing: u32,
-}
-
-impl Default for PlausibilityConfig {
-    fn default() -> Self {
-        Self {
-            max_speed_kmh: 400.0,
-            max_acceleration_mps2: 2.0,
-            location_jump_m: 120.0,
-            location_share: 0.2,
-            off_track_m: 2000.0,
-            long_gap_s: 600.0,
-            agreeing: 3,
-        }
-    }
-}
-
-impl PlausibilityConfig {
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        between("plausibility.max_speed_kmh", self.max_speed_kmh, 1.0, 1000.0)?;
-        between("plausibility.max_acceleration_mps2", self.max_acceleration_mps2, 0.1, 100.0)?;
-        between("plausibility.location_jump_m", self.location_jump_m, 1.0, 1e6)?;
-        between("plausibility.location_share", self.location_share, 0.0, 10.0)?;
-        between("plausibility.off_track_m", self.off_track_m, 0.0, 1e9)?;
-        between("plausibility.long_gap_s", self.long_gap_s, 10.0, 1e6)?;
-        between("plausibility.agreeing", Real::from(self.agreeing), 1.0, 100.0)
+settings! {
+    /// When a reading is not believed.
+    PlausibilityConfig in "plausibility" {
+        /// Fastest believable speed, km/h.
+        max_speed_kmh: Real = 400.0, 1.0 to 1000.0;
+        /// Largest believable change of speed, m/s², and not more than twice the train's effort upwards; slip and slide lie beyond.
+        max_acceleration_mps2: Real = 2.0, 0.1 to 100.0;
+        /// How far a location may lie from where the speed leads, m, beyond `location_share`.
+        location_jump_m: Real = 120.0, 1.0 to 1e6;
+        /// The same as a share of the distance run since the last location.
+        location_share: Real = 0.2, 0.0 to 10.0;
+        /// How far a location may lie beyond the ends of the track, m.
+        off_track_m: Real = 2000.0, 0.0 to 1e9;
+        /// A longer pause is a new beginning, s.
+        long_gap_s: Real = 600.0, 10.0 to 1e6;
+        /// Rejected readings in a row which, agreeing with each other, are believed.
+        agreeing: u32 = 3, 1.0 to 100.0;
     }
 }
 
@@ -311,7 +285,7 @@ mod tests {
     fn agreeing_readings_are_at_least_one_and_not_a_whole_run() {
         for (agreeing, accepted) in [(0, false), (1, true), (100, true), (101, false)] {
             let config = PlausibilityConfig { agreeing, ..PlausibilityConfig::default() };
-            assert_eq!(config.check().is_ok(), accepted, "{agreeing}");
+            assert_eq!(config.check_ranges().is_ok(), accepted, "{agreeing}");
         }
     }
 }

@@ -1,6 +1,8 @@
 //! What the readings are worth.
 
 use crate::Real;
+use crate::model::bounds::{OutOfRange, between};
+use crate::tick::bounds::settings;
 use serde::{Deserialize, Serialize};
 
 /// How the recorder turns a speed into a reading.
@@ -14,28 +16,27 @@ pub enum Rounding {
     Truncated,
 }
 
-/// What the readings are worth.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct SensorConfig {
-    /// Step of the speed reading, km/h.
-    pub speed_quantum_kmh: Real,
-    /// How the reading falls into its step.
-    pub rounding: Rounding,
-    /// Standard deviation of the speed beyond its rounding, km/h.
-    pub speed_noise_kmh: Real,
-    /// Standard deviation of the location, m.
-    pub location_sd_m: Real,
-}
-
-impl Default for SensorConfig {
-    /// Location with ten times the paper's 4 m: costs little, and a wrong speed scale or a late fix then reaches the resistance far less.
-    fn default() -> Self {
-        Self { speed_quantum_kmh: 1.0, rounding: Rounding::Rounded, speed_noise_kmh: 0.05, location_sd_m: 40.0 }
+settings! {
+    /// What the readings are worth.
+    SensorConfig in "sensor" {
+        /// Step of the speed reading, km/h.
+        speed_quantum_kmh: Real = 1.0, 0.0 to 20.0;
+        /// How the reading falls into its step.
+        rounding: Rounding = Rounding::Rounded;
+        /// Standard deviation of the speed beyond its rounding, km/h.
+        speed_noise_kmh: Real = 0.05, 0.0 to 20.0;
+        /// Standard deviation of the location, m. Ten times the paper's 4 m: costs little, and a wrong speed scale or a late fix then reaches the resistance far less.
+        location_sd_m: Real = 40.0, 0.01 to 1e4;
     }
 }
 
 impl SensorConfig {
+    pub(crate) fn check(&self) -> Result<(), OutOfRange> {
+        self.check_ranges()?;
+        let sum_kmh = self.speed_quantum_kmh + self.speed_noise_kmh;
+        between("sensor.speed_quantum_kmh + speed_noise_kmh", sum_kmh, 1e-3, 40.0)
+    }
+
     /// Middle of the interval that a reading stands for, m/s. Zero stays zero: a standing train is not rounded.
     pub fn centre_mps(&self, reading_mps: Real) -> Real {
         match self.rounding {

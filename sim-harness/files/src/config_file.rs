@@ -3,7 +3,6 @@
 use crate::refusal::ReadError;
 use crate::toml_file::TomlFile;
 use rundown::estimator::config::Config;
-use rundown::tick::bounds::ConfigError;
 use std::path::Path;
 
 /// Reads and checks a configuration file.
@@ -37,18 +36,7 @@ pub fn parse(path: &Path, text: &str) -> Result<Config, ReadError> {
 fn checked(file: TomlFile<Config>) -> Result<Config, ReadError> {
     match file.values.check() {
         Ok(()) => Ok(file.values),
-        Err(ConfigError::OutOfRange { field, least, most, found }) => {
-            Err(file.refuse_dotted(field, format!("expected {least} to {most}, found {found}")))
-        }
-        Err(ConfigError::Window { field, found: [lower, upper] }) => Err(file.refuse_dotted(
-            &format!("features.{field}"),
-            format!("expected two speeds, the smaller first, found {lower}, {upper}"),
-        )),
-        Err(ConfigError::StepsNotFalling { field, found: [a, b, c, d] }) => {
-            Err(file
-                .refuse_dotted(field, format!("expected speeds that fall and are above 0, found {a}, {b}, {c}, {d}")))
-        }
-        Err(error) => Err(file.refuse(&[], error.to_string())),
+        Err(error) => Err(file.refuse_error(&[], &error)),
     }
 }
 

@@ -14,7 +14,9 @@ use crate::refusal::ReadError;
 use crate::toml_file::{Step, TomlFile};
 use jiff::civil::{Date, DateTime};
 use rundown::model::effects::{Effect, EffectError, Effects};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use std::fmt::Display;
 
 /// One table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,31 +45,24 @@ impl EffectEntry {
 ///
 /// # Errors
 /// [`ReadError`] names the place of the first parameter that is out of range.
-pub(crate) fn check<T>(file: &TomlFile<T>, entries: &[EffectEntry]) -> Result<(), ReadError> {
+pub(crate) fn check<T: DeserializeOwned>(file: &TomlFile<T>, entries: &[EffectEntry]) -> Result<(), ReadError> {
     for (index, entry) in entries.iter().enumerate() {
         let Err(error) = entry.effect.check() else { continue };
-        let refuse = |field, message| {
-            let steps = [Step::Name("effect"), Step::Index(index), Step::Name(field)];
-            Err(file.refuse(&steps, message))
-        };
-        return match error {
-            EffectError::OutOfRange { parameter, least, most, found, .. } => {
-                refuse(parameter, format!("expected {least} to {most}, found {found}"))
-            }
-            EffectError::Section { from_m, to_m, .. } => {
-                refuse("to_m", format!("expected beyond from_m = {from_m}, found {to_m}"))
-            }
-            EffectError::Point { index } => refuse(
-                "table",
-                format!(
-                    "expected finite points, each beyond the one before it and within 1 N/kg, found another in point {index}"
-                ),
-            ),
-            EffectError::NoPoints => refuse("table", "expected a point, found none".to_owned()),
-            _ => refuse("name", error.to_string()),
-        };
+        return Err(refuse_effect(file, index, entry.effect.name(), &error));
     }
     Ok(())
+}
+
+/// Refuses entry `index` of `[[effect]]`, of the kind `name`, for an error that names kind and parameter.
+pub fn refuse_effect<T: DeserializeOwned>(
+    file: &TomlFile<T>,
+    index: usize,
+    name: &str,
+    error: &dyn Display,
+) -> ReadError {
+    let text = error.to_string();
+    let of_kind = text.strip_prefix(name).unwrap_or(&text);
+    file.refuse_error(&[Step::Name("effect"), Step::Index(index)], &of_kind)
 }
 
 /// The effects of the track and of the train that act in a run; `None`: those that act in all.

@@ -5,6 +5,7 @@
 
 use crate::refusal::{Place, ReadError};
 use serde::de::DeserializeOwned;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -80,6 +81,15 @@ impl<T> TomlFile<T> {
     /// As [`TomlFile::refuse`], the path written as in `davis.r0`.
     pub fn refuse_dotted(&self, dotted: &str, message: impl Into<String>) -> ReadError {
         let steps: Vec<Step<'_>> = dotted.split('.').map(Step::Name).collect();
+        self.refuse(&steps, message)
+    }
+
+    /// As [`TomlFile::refuse`], for an error that reads `field: expected X, found Y`, its field below `steps` and written as in `davis.r0`.
+    pub fn refuse_error(&self, steps: &[Step<'_>], error: &dyn Display) -> ReadError {
+        let text = error.to_string();
+        let (field, message) = text.split_once(": ").unwrap_or(("", &text));
+        let names = field.split('.').filter(|name| !name.is_empty()).map(Step::Name);
+        let steps: Vec<Step<'_>> = steps.iter().copied().chain(names).collect();
         self.refuse(&steps, message)
     }
 

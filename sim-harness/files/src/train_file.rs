@@ -3,8 +3,9 @@
 use crate::effect_file::{self, EffectEntry};
 use crate::refusal::ReadError;
 use crate::toml_file::TomlFile;
+use rundown::model::bounds::OutOfRange;
 use rundown::model::resistance::Davis;
-use rundown::model::train::{Train, TrainDescription, TrainError};
+use rundown::model::train::{Train, TrainDescription};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -49,8 +50,8 @@ impl TrainFile {
     /// The estimator's train.
     ///
     /// # Errors
-    /// [`TrainError`] names the field that is out of range.
-    pub fn train(&self) -> Result<Train, TrainError> {
+    /// [`OutOfRange`] names the field that is out of range.
+    pub fn train(&self) -> Result<Train, OutOfRange> {
         Train::try_new(self.description())
     }
 
@@ -71,12 +72,7 @@ fn checked(file: TomlFile<TrainFile>) -> Result<(TrainFile, Train), ReadError> {
     effect_file::check(&file, &file.values.effect)?;
     match file.values.train() {
         Ok(train) => Ok((file.values, train)),
-        Err(error) => Err(match error {
-            TrainError::OutOfRange { field, least, most, found } => {
-                file.refuse_dotted(field, format!("expected {least} to {most}, found {found}"))
-            }
-            _ => file.refuse(&[], error.to_string()),
-        }),
+        Err(error) => Err(file.refuse_error(&[], &error)),
     }
 }
 

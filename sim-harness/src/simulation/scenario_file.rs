@@ -5,7 +5,7 @@
 use super::believed;
 pub(crate) use super::train_table::TrainTable;
 use jiff::civil::Date;
-use rundown::model::train::TrainError;
+use rundown_files::effect_file::refuse_effect;
 use rundown_files::refusal::ReadError;
 use rundown_files::toml_file::{Step, TomlFile};
 use rundown_files::track_file::TrackFile;
@@ -286,15 +286,10 @@ impl Simulation {
         let values = &file.values;
         let (line, track) = line(&file, path)?;
         let train = believed::train_file(&values.train);
-        train.train().map_err(|error| match error {
-            TrainError::OutOfRange { field, least, most, found } => {
-                file.refuse_dotted(&format!("train.{field}"), format!("expected {least} to {most}, found {found}"))
-            }
-            _ => file.refuse_dotted("train", error.to_string()),
-        })?;
+        train.train().map_err(|error| file.refuse_error(&[Step::Name("train")], &error))?;
         for (index, effect) in values.effect.iter().enumerate() {
-            let place = [Step::Name("effect"), Step::Index(index)];
-            effect.check(!line.curves().is_empty()).map_err(|error| file.refuse(&place, error.to_string()))?;
+            let refuse = |error| refuse_effect(&file, index, effect.name(), &error);
+            effect.check(!line.curves().is_empty()).map_err(refuse)?;
         }
         let dates = dates(&file)?;
         Ok(Self {
@@ -491,7 +486,7 @@ mod tests {
         assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train.mass_kg: expected 1000 to 100000000, found 5");
         assert_eq!(
             error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),
-            "s.toml:2:1: effect[0]: tunnel_drag: expected to_m beyond from_m, found 4"
+            "s.toml:5:8: effect[0].to_m: expected beyond from_m, found 4"
         );
         assert!(error("[line]\nfile = \"no.toml\"\n").starts_with("no.toml: cannot be read"));
         assert!(error("[driver]\nkindd = 1\n").starts_with("s.toml:2:1: unknown field `kindd`"));

@@ -131,7 +131,7 @@ mod tests {
         assert!(near(found.initial_davis_sd[1], 1e-8) && near(found.speed_sd_kmh, 1.0));
         assert_eq!(found.acceleration_noise_mps2, 0.0);
         assert_eq!(found.reuse_points, base.paper.reuse_points);
-        let [a, b] = [found.spread, base.paper.spread].map(|spread| spread.weights(5));
+        let [a, b] = [found.spread, base.paper.spread].map(|spread| spread.weights());
         assert!(near(a.2, b.2));
     }
 

@@ -81,7 +81,7 @@ impl Effect {
     ///
     /// assert!(Effect::SteadyWind(SteadyWind { wind_mps: 3.0 }).check().is_ok());
     /// let gale = Effect::SteadyWind(SteadyWind { wind_mps: 300.0 });
-    /// assert_eq!(gale.check().unwrap_err().to_string(), "effect steady_wind: wind_mps must be -40 to 40, found 300");
+    /// assert_eq!(gale.check().unwrap_err().to_string(), "steady_wind.wind_mps: expected -40 to 40, found 300");
     /// ```
     pub fn check(&self) -> Result<(), EffectError> {
         for_kind!(self, effect => effect.check())

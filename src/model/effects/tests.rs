@@ -3,6 +3,7 @@
 extern crate std;
 use super::*;
 use crate::Real;
+use crate::model::bounds::OutOfRange;
 use crate::model::direction::Direction;
 use crate::model::line::Line;
 use crate::model::resistance::Davis;
@@ -130,7 +131,7 @@ fn wrong_parameters_are_named() {
     );
     assert!(matches!(
         message(Effect::WarmUp(WarmUp { amplitude: Real::NAN, tau_s: 60.0 })),
-        EffectError::OutOfRange { parameter: "amplitude", .. }
+        EffectError::OutOfRange(EffectKind::WarmUp, OutOfRange { field: "amplitude", .. })
     ));
     let table = |points: &[(f32, f32)]| {
         message(Effect::Unknown(Unknown { coordinate: Coordinate::Time, table: points.iter().copied().collect() }))

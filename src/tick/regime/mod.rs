@@ -6,21 +6,15 @@ pub use recogniser::{Evidence, Recognised, Recogniser, RecogniserConfig};
 pub use rundown_wire::Regime;
 
 use crate::Real;
-use serde::{Deserialize, Serialize};
+use crate::tick::bounds::settings;
 
-/// Thresholds of the paper's rule.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PaperRule {
-    /// Half-width of the coasting band, N/kg; about 5 % of the largest effort (section 3.2).
-    pub coast_n_per_kg: Real,
-    /// Half-width of the cruising band, m/s²; 2 km/h in 10 s (section 3.2).
-    pub cruise_mps2: Real,
-}
-
-impl Default for PaperRule {
-    fn default() -> Self {
-        Self { coast_n_per_kg: 0.025, cruise_mps2: 0.06 }
+settings! {
+    /// Thresholds of the paper's rule.
+    PaperRule in "paper_rule" {
+        /// Half-width of the coasting band, N/kg; about 5 % of the largest effort (section 3.2).
+        coast_n_per_kg: Real = 0.025, 0.0 to 10.0;
+        /// Half-width of the cruising band, m/s²; 2 km/h in 10 s (section 3.2).
+        cruise_mps2: Real = 0.06, 0.0 to 10.0;
     }
 }
 

@@ -19,54 +19,28 @@
 
 use super::Regime;
 use crate::Real;
-use crate::tick::bounds::{ConfigError, between};
+use crate::tick::bounds::settings;
 use serde::{Deserialize, Serialize};
 
 const COUNT: usize = Regime::ALL.len();
 
-/// What the recogniser expects of drivers and trains.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct RecogniserConfig {
-    /// Spacing of the evidence, s. Faster logs are judged on differences over this time.
-    pub interval_s: Real,
-    /// Share of the largest effort in traction, and its spread.
-    pub traction_share: Real,
-    /// Spread of `traction_share`.
-    pub traction_share_sd: Real,
-    /// Deceleration while braking, m/s².
-    pub brake_mps2: Real,
-    /// Spread of `brake_mps2`.
-    pub brake_sd_mps2: Real,
-    /// Spread of the acceleration while cruising, m/s².
-    pub cruise_sd_mps2: Real,
-    /// Spread of the effort while coasting, N/kg: what track and weather do beyond the model.
-    pub coast_sd_n_per_kg: Real,
-}
-
-impl Default for RecogniserConfig {
-    fn default() -> Self {
-        Self {
-            interval_s: 10.0,
-            traction_share: 0.8,
-            traction_share_sd: 0.3,
-            brake_mps2: 0.3,
-            brake_sd_mps2: 0.15,
-            cruise_sd_mps2: 0.015,
-            coast_sd_n_per_kg: 0.003,
-        }
-    }
-}
-
-impl RecogniserConfig {
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        between("recogniser.interval_s", self.interval_s, 1.0, 60.0)?;
-        between("recogniser.traction_share", self.traction_share, 0.05, 2.0)?;
-        between("recogniser.traction_share_sd", self.traction_share_sd, 0.01, 2.0)?;
-        between("recogniser.brake_mps2", self.brake_mps2, 0.01, 3.0)?;
-        between("recogniser.brake_sd_mps2", self.brake_sd_mps2, 0.01, 3.0)?;
-        between("recogniser.cruise_sd_mps2", self.cruise_sd_mps2, 1e-4, 1.0)?;
-        between("recogniser.coast_sd_n_per_kg", self.coast_sd_n_per_kg, 1e-5, 1.0)
+settings! {
+    /// What the recogniser expects of drivers and trains.
+    RecogniserConfig in "recogniser" {
+        /// Spacing of the evidence, s. Faster logs are judged on differences over this time.
+        interval_s: Real = 10.0, 1.0 to 60.0;
+        /// Share of the largest effort in traction, and its spread.
+        traction_share: Real = 0.8, 0.05 to 2.0;
+        /// Spread of `traction_share`.
+        traction_share_sd: Real = 0.3, 0.01 to 2.0;
+        /// Deceleration while braking, m/s².
+        brake_mps2: Real = 0.3, 0.01 to 3.0;
+        /// Spread of `brake_mps2`.
+        brake_sd_mps2: Real = 0.15, 0.01 to 3.0;
+        /// Spread of the acceleration while cruising, m/s².
+        cruise_sd_mps2: Real = 0.015, 1e-4 to 1.0;
+        /// Spread of the effort while coasting, N/kg: what track and weather do beyond the model.
+        coast_sd_n_per_kg: Real = 0.003, 1e-5 to 1.0;
     }
 }
 

@@ -96,7 +96,7 @@ fn effects_have_the_names_of_the_estimator() {
         for section_m in [None, Some([0.0, 1.0])] {
             effect.section_m = section_m;
             match Effect::from_frame(&effect) {
-                Err(FrameError::Refused(EffectError::OutOfRange { effect, .. })) => {
+                Err(FrameError::Refused(EffectError::OutOfRange(effect, _))) => {
                     names.push(effect);
                 }
                 Err(FrameError::Shape) => {}

@@ -13,7 +13,7 @@ pub struct BrakeFade {
 impl Law for BrakeFade {
     fn check(&self, expect: &Expect) -> Result<(), EffectError> {
         expect.within("fade_at_140", self.fade_at_140, 0.0, 0.8)?;
-        expect.that((0.0..140.0).contains(&self.from_kmh), "from_kmh", "from 0 to below 140", self.from_kmh)
+        expect.that((0.0..140.0).contains(&self.from_kmh), "from_kmh", "0 to below 140", self.from_kmh)
     }
 
     fn brake_share(&self, speed_mps: f64) -> f64 {

@@ -8,7 +8,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum EffectError {
     /// A parameter is out of range.
-    #[error("{effect}: expected {field} {expected}, found {found}")]
+    #[error("{effect}.{field}: expected {expected}, found {found}")]
     OutOfRange {
         /// Name of the effect.
         effect: &'static str,
@@ -51,7 +51,7 @@ impl Expect {
     }
 
     pub(super) fn within(&self, field: &'static str, value: f64, least: f64, most: f64) -> Result<(), EffectError> {
-        self.that((least..=most).contains(&value), field, &format!("within {least} to {most}"), value)
+        self.that((least..=most).contains(&value), field, &format!("{least} to {most}"), value)
     }
 
     pub(super) fn section(&self, from_m: f64, to_m: f64) -> Result<(), EffectError> {
@@ -62,8 +62,8 @@ impl Expect {
 
     pub(super) fn runs(&self, runs: &Affected) -> Result<(), EffectError> {
         match runs {
-            Affected::Share(share) => self.that((0.0..=1.0).contains(share), "runs", "to be a share of 0 to 1", *share),
-            Affected::Numbers(numbers) => self.that(!numbers.contains(&0), "runs", "to be counted from 1", 0.0),
+            Affected::Share(share) => self.that((0.0..=1.0).contains(share), "runs", "a share of 0 to 1", *share),
+            Affected::Numbers(numbers) => self.that(!numbers.contains(&0), "runs", "numbers counted from 1", 0.0),
         }
     }
 

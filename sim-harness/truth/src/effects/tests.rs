@@ -25,14 +25,14 @@ fn a_section_seen_from_the_other_end() {
 fn refusals_name_effect_parameter_and_value() {
     let error = |effect: Effect, curves| effect.check(curves).unwrap_err().to_string();
     let tunnel = Effect::TunnelDrag(TunnelDrag { from_m: 500.0, to_m: 400.0, k: 1e-5 });
-    assert_eq!(error(tunnel, true), "tunnel_drag: expected to_m beyond from_m, found 400");
+    assert_eq!(error(tunnel, true), "tunnel_drag.to_m: expected beyond from_m, found 400");
     let curves = Effect::CurveResistance(CurveResistance { coefficient_roeckl: 1.0 });
     assert_eq!(curves.check(true), Ok(()));
     assert_eq!(error(curves, false), "curve_resistance: expected a line with curves, found none");
     let nan = Effect::CubicDrag(CubicDrag { k: f64::NAN });
-    assert_eq!(error(nan, true), "cubic_drag: expected k finite, found NaN");
+    assert_eq!(error(nan, true), "cubic_drag.k: expected finite, found NaN");
     let share = Effect::DraggingBrake(DraggingBrake { drag_n_per_kg: 0.01, runs: Affected::Share(1.5) });
-    assert_eq!(error(share, true), "dragging_brake: expected runs to be a share of 0 to 1, found 1.5");
+    assert_eq!(error(share, true), "dragging_brake.runs: expected a share of 0 to 1, found 1.5");
 }
 
 fn extra(effect: &Effect, line: &Line, at: Moment) -> f64 {

@@ -1,11 +1,8 @@
 //! Whole runs with a known truth: integrated in steps of 0.1 s, then read in whole km/h every 10 s or every second, at any phase of the sampling grid.
 
-extern crate std;
-use super::{FeatureConfig, FeatureExtractor, Features, Observation};
-use crate::Real;
-use crate::model::resistance::Davis;
-use crate::tick::regime::{PaperRule, Regime};
-use std::vec::Vec;
+use rundown::features::{FeatureConfig, FeatureExtractor, Features, Observation};
+use rundown::tick::regime::{PaperRule, Regime};
+use rundown::{Davis, Real};
 
 const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 const STEP_S: Real = 0.1;
@@ -37,7 +34,7 @@ struct Truth {
 }
 
 fn gradient(location_m: Real) -> Real {
-    0.015 * libm::sin(location_m / 700.0)
+    0.015 * (location_m / 700.0).sin()
 }
 
 /// Time, location and speed every 0.1 s.
@@ -125,10 +122,10 @@ fn features(
     let config = FeatureConfig::default();
     let rule = PaperRule::default();
     let mut extractor = FeatureExtractor::new();
-    let every = libm::round(dt_s / STEP_S) as usize;
-    let skip = libm::round(phase_s / STEP_S) as usize;
+    let every = (dt_s / STEP_S).round() as usize;
+    let skip = (phase_s / STEP_S).round() as usize;
     let rows: Vec<_> =
-        course.iter().skip(skip).step_by(every).map(|&(t, s, v)| (t, s, libm::round(v * 3.6) / 3.6)).collect();
+        course.iter().skip(skip).step_by(every).map(|&(t, s, v)| (t, s, (v * 3.6).round() / 3.6)).collect();
     let between = |a: &(Real, Real, Real), b: &(Real, Real, Real)| {
         let rate = (b.2 - a.2) / (b.0 - a.0);
         let mid = 0.5 * (a.2 + b.2);
@@ -138,7 +135,7 @@ fn features(
     let mut last_regime = Regime::Standstill;
     for (k, row) in rows.iter().enumerate() {
         let before = rows[k.saturating_sub(1)];
-        let back = (libm::round(10.0 / dt_s) as usize).max(1);
+        let back = ((10.0 / dt_s).round() as usize).max(1);
         let seen = (k > 0).then(|| between(&before, row)).filter(|_| !dropped(row.0));
         // Recognised from the last 10 s.
         let (effort, rate) = between(&rows[k.saturating_sub(back)], row);
@@ -237,10 +234,10 @@ fn errors(dt_s: Real, runs: u64, believed: Davis, dropped: impl Fn(Real) -> bool
         if std::env::var("ROWS").is_ok()
             && (row[0].abs() > 5.0 || row[1].abs() > 17.0 || row[5].abs() > 1.5 || row[6].abs() > 0.5)
         {
-            std::println!("seed {seed} {driver:?}\n   {truth:?}\n   {row:.2?}");
+            println!("seed {seed} {driver:?}\n   {truth:?}\n   {row:.2?}");
             if row[0].abs() > 20.0 || row[1].abs() > 30.0 {
                 for p in &found.switching_points {
-                    std::println!("     {:8.1} {:6.1} km/h {} -> {}", p.time_s, p.speed_mps * 3.6, p.from, p.to);
+                    println!("     {:8.1} {:6.1} km/h {} -> {}", p.time_s, p.speed_mps * 3.6, p.from, p.to);
                 }
             }
         }
@@ -252,7 +249,7 @@ fn errors(dt_s: Real, runs: u64, believed: Davis, dropped: impl Fn(Real) -> bool
             .enumerate()
     {
         let (p50, p90, p98) = (errors.p(column, 0.5), errors.p(column, 0.9), errors.p(column, 0.98));
-        std::println!(
+        println!(
             "dt {dt_s}: {name:12} mean {:7.2}  |.| 50 % {p50:6.2} 90 % {p90:6.2} 98 % {p98:6.2}",
             errors.mean(column)
         );
@@ -310,7 +307,7 @@ fn readings_that_are_no_readings_do_not_panic() {
 #[test]
 fn lost_ticks_cost_little() {
     // Every 16th tick or so, at other places in each run.
-    let errors = errors(10.0, 400, DAVIS, |time_s| libm::sin(time_s * time_s) > 0.98);
+    let errors = errors(10.0, 400, DAVIS, |time_s| (time_s * time_s).sin() > 0.98);
     assert!(errors.p(0, 0.9) < 5.0);
     assert!(errors.p(1, 0.9) < 17.0);
     assert!(errors.p(5, 0.9) < 2.0);
