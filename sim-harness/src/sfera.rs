@@ -196,19 +196,12 @@ fn decimal(value: f64) -> String {
 mod tests {
     use super::*;
     use rundown::model::resistance::Davis;
+    use rundown::model::train::TrainDescription;
 
     fn train() -> TrainFile {
-        TrainFile {
-            name: "six & \"double\" <decks>".to_owned(),
-            mass_kg: 363_700.0,
-            rotating_mass_factor: 1.06,
-            length_m: 162.4,
-            max_tractive_effort_n: 192_920.0,
-            max_power_w: 2_036_377.8,
-            max_brake_mps2: 0.66,
-            davis: Davis { r0: 7.1e-3, r1: 1.5e-4, r2: 2.7e-5 },
-            effect: Vec::new(),
-        }
+        let davis = Davis { r0: 7.1e-3, r1: 1.5e-4, r2: 2.7e-5 };
+        let sized = TrainDescription { mass_kg: 363_700.0, length_m: 162.4, ..TrainDescription::CASE_STUDY };
+        TrainFile::of("six & \"double\" <decks>", &TrainDescription { max_power_w: 2_036_377.8, davis, ..sized })
     }
 
     fn document(traction: &str) -> String {

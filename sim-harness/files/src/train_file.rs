@@ -55,6 +55,23 @@ impl TrainFile {
         Train::try_new(self.description())
     }
 
+    /// The file of a description, without effects.
+    pub fn of(name: impl Into<String>, description: &TrainDescription) -> Self {
+        let TrainDescription { mass_kg, rotating_mass_factor, length_m, davis, .. } = *description;
+        let TrainDescription { max_tractive_effort_n, max_power_w, max_brake_mps2, .. } = *description;
+        Self {
+            name: name.into(),
+            mass_kg,
+            rotating_mass_factor,
+            length_m,
+            max_tractive_effort_n,
+            max_power_w,
+            max_brake_mps2,
+            davis,
+            effect: Vec::new(),
+        }
+    }
+
     fn description(&self) -> TrainDescription {
         TrainDescription {
             mass_kg: self.mass_kg,
