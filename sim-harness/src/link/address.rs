@@ -229,17 +229,9 @@ mod tests {
 
     #[test]
     fn addresses_are_read_and_written_back() {
-        for word in [
-            "/dev/ttyACM0@115200",
-            "COM3@9600",
-            "tcp:127.0.0.1:5555",
-            "tcp:[::1]:5555",
-            "stdio:",
-            "slcan:tcp:localhost:5555",
-            "slcanfd:/dev/ttyACM0@115200",
-            "can:can0",
-            "canfd:vcan0",
-        ] {
+        let words = "/dev/ttyACM0@115200 COM3@9600 tcp:127.0.0.1:5555 tcp:[::1]:5555 stdio: \
+            slcan:tcp:localhost:5555 slcanfd:/dev/ttyACM0@115200 can:can0 canfd:vcan0";
+        for word in words.split_whitespace() {
             let address: Address = word.parse().unwrap();
             assert_eq!(address.to_string(), word);
         }
@@ -251,20 +243,9 @@ mod tests {
 
     #[test]
     fn words_that_are_no_address_are_named() {
-        for word in [
-            "",
-            "/dev/ttyACM0",
-            "/dev/ttyACM0@fast",
-            "@9600",
-            "/dev/ttyACM0@0",
-            "tcp:127.0.0.1",
-            "tcp::5555",
-            "tcp:host:99999",
-            "can:",
-            "slcan:can0",
-            "udp:1.2.3.4:5",
-            "http:host@80",
-        ] {
+        let words = "/dev/ttyACM0 /dev/ttyACM0@fast @9600 /dev/ttyACM0@0 tcp:127.0.0.1 tcp::5555 tcp:host:99999 can: \
+            slcan:can0 udp:1.2.3.4:5 http:host@80";
+        for word in words.split_whitespace().chain([""]) {
             let error = word.parse::<Address>().unwrap_err().to_string();
             assert!(error.starts_with("no address: "), "{word}: {error}");
         }

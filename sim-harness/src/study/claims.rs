@@ -43,14 +43,6 @@ impl Verdict {
             Self::NoData => "no data",
         }
     }
-
-    fn of(holds: Option<bool>) -> Self {
-        match holds {
-            Some(true) => Self::Reproduced,
-            Some(false) => Self::Not,
-            None => Self::NoData,
-        }
-    }
 }
 
 pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim> {
@@ -89,15 +81,33 @@ pub fn records(claims: &[Claim]) -> Vec<Record> {
 /// What the paper's mode says of a claim, the gated mode, and the truth; a dash where there is nothing.
 type Columns = [Option<String>; 3];
 
-fn claim(
-    place: &'static str,
-    statement: &'static str,
-    columns: Columns,
-    holds: Option<bool>,
-    why: impl Into<String>,
-) -> Claim {
-    let [paper, gated, truth] = columns.map(|text| text.unwrap_or_else(|| NOTHING.to_owned()));
-    Claim { place, statement, paper, gated, truth, verdict: Verdict::of(holds), why: why.into() }
+/// A claim of which nothing is known yet.
+fn claim(place: &'static str, statement: &'static str) -> Claim {
+    let nothing = || NOTHING.to_owned();
+    let [paper, gated, truth] = [nothing(), nothing(), nothing()];
+    Claim { place, statement, paper, gated, truth, verdict: Verdict::NoData, why: String::new() }
+}
+
+impl Claim {
+    fn columns(self, columns: Columns) -> Self {
+        let [paper, gated, truth] = columns.map(|text| text.unwrap_or_else(|| NOTHING.to_owned()));
+        Self { paper, gated, truth, ..self }
+    }
+
+    /// Whether the criterion is met; none where there are no data.
+    fn holds(self, holds: Option<bool>) -> Self {
+        let verdict = match holds {
+            Some(true) => Verdict::Reproduced,
+            Some(false) => Verdict::Not,
+            None => Verdict::NoData,
+        };
+        Self { verdict, ..self }
+    }
+
+    /// By which criterion.
+    fn by(self, why: impl Into<String>) -> Self {
+        Self { why: why.into(), ..self }
+    }
 }
 
 /// The columns of a claim on the description, or on the paper's mode alone.
