@@ -6,7 +6,6 @@ use rundown_files::run_log::BadRows;
 use rundown_files::run_set::RunFile;
 use std::path::PathBuf;
 
-/// A log that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failed {
     pub file: PathBuf,

@@ -27,11 +27,8 @@ const CURVE_STEP_KMH: f64 = 5.0;
 pub struct Identity {
     /// `TC_RU_ID`: RICS code of the railway undertaking, four characters.
     pub company: String,
-    /// `TC_ID`.
     pub id: String,
-    /// `TC_VersionMajor`.
     pub version: String,
-    /// `TFC_TractionType`.
     pub traction: Traction,
     /// `trainMaxSpeed`, km/h; the traction curve ends there.
     pub max_speed_kmh: u16,
@@ -41,7 +38,6 @@ pub struct Identity {
 pub enum Traction {
     /// Overhead line or third rail.
     Electrical {
-        /// Rated voltage, V.
         volts: u32,
         /// Frequency, mHz; 0: direct current.
         millihertz: u32,
@@ -123,7 +119,6 @@ pub fn traction_curve(train: &TrainFile, max_speed_kmh: f64) -> Vec<(f64, f64)> 
 /// What a reader of the file must know and the schema does not say.
 const MEANING: &str = " rotatingMassFactor: mass with its rotating part over trainWeight. Rollout coefficients and tractionForce: forces on a train of trainWeight. ";
 
-/// Writes the document.
 pub fn write(writer: impl io::Write, train: &TrainFile, identity: &Identity) -> io::Result<()> {
     let mut xml = Writer::new_with_indent(writer, b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;

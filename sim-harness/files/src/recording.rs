@@ -36,14 +36,12 @@ pub enum DirectionChoice {
 
 /// A run, ready to be replayed.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "as in RunFile, where not said")]
 pub struct Recording {
-    /// Name in every output.
     pub name: String,
-    /// Where it was read from.
     pub path: PathBuf,
     /// Whose memory it belongs to; empty when there is only one unit.
     pub unit: String,
-    /// Direction of travel.
     pub direction: Direction,
     /// Date of the departure, days since 1970-01-01 UTC, if the index has one that can be read.
     pub day: Option<f64>,

@@ -63,7 +63,6 @@ impl ReadError {
         Self::Io { path: path.to_owned(), source }
     }
 
-    /// A refusal of the file as a whole.
     pub(crate) fn of_file(path: &Path, message: impl Into<String>) -> Self {
         Self::Refused(Place::of_file(path).refuse("", message))
     }

@@ -26,11 +26,10 @@ use std::path::PathBuf;
 
 /// Which rows are steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said by the table above")]
 pub enum Tick {
-    /// Every row.
     #[default]
     EverySample,
-    /// The newest row of each so many seconds.
     Period {
         /// The period, s, above 0.
         seconds: f64,

@@ -30,7 +30,6 @@ const TEXT: &[u8] = b"time_us,";
 
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// A board, or an emulated one.
     Board {
         address: Address,
         /// On a CAN bus another computer answers the board.
@@ -57,7 +56,6 @@ impl fmt::Display for Source {
 }
 
 impl Source {
-    /// Whether it is opened again when it fails.
     pub const fn is_tried_again(&self) -> bool {
         matches!(self, Self::Board { .. } | Self::File { follow: true, .. })
     }
@@ -85,7 +83,6 @@ impl Source {
 }
 
 pub enum Open {
-    /// Is opened again and again.
     Board(Address, bool),
     Recording(Box<dyn Read + Send>),
     /// A file that somebody writes to, or will.

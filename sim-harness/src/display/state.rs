@@ -12,7 +12,6 @@ use serde::Serialize;
 
 /// Points of a run that are kept: two days at 10 s. Then the older half goes.
 const MOST_POINTS: usize = 20_000;
-/// Past runs that are kept.
 const MOST_RUNS: usize = 200;
 /// A train that stands adds no points; its location is noise within this.
 const STANDING_M: f32 = 25.0;
@@ -25,7 +24,6 @@ pub const UNSETTLED: usize = 2;
 pub struct Point {
     pub location_m: f32,
     pub speed_mps: f32,
-    /// Its standard deviation.
     pub speed_sd_mps: f32,
     /// Regime: the estimate's, then the confirmed one.
     pub regime: Regime,

@@ -23,12 +23,10 @@ use std::time::Duration;
 const PAUSE: Duration = Duration::from_millis(100);
 /// Dots of a curve across a chart.
 const DOTS: f64 = 240.0;
-/// Columns below which a screen is narrow.
 const NARROW: u16 = 116;
 /// Speeds of the ATB-EG steps, as the features frame has them.
 pub const BRAKE_STEPS: [&str; 5] = ["> 130", "130-80", "80-60", "60-40", "< 40"];
 
-/// Draws until the user leaves.
 pub fn run(hub: &Hub) -> io::Result<()> {
     let mut terminal = ratatui::try_init()?;
     let done = loop {

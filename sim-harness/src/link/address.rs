@@ -64,8 +64,8 @@ pub enum Address {
 #[error(
     "no address: `{found}`; expected for instance /dev/ttyACM0@115200, tcp:127.0.0.1:5555, stdio:, slcan:/dev/ttyACM0@115200 or can:can0"
 )]
+#[expect(missing_docs, reason = "said by the messages")]
 pub struct AddressError {
-    /// The word.
     pub found: String,
 }
 

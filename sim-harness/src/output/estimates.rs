@@ -39,7 +39,6 @@ fn upper_triangle() -> impl Iterator<Item = (usize, usize)> {
     (0..SIZE).flat_map(|row| (row..SIZE).map(move |column| (row, column)))
 }
 
-/// Writes the estimates of a run.
 pub fn write(writer: impl Write, run: &ReplayedRun) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
     csv.write_record(columns())?;

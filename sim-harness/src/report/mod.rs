@@ -80,7 +80,6 @@ pub struct TruthView {
     pub starts: Vec<(Real, Real)>,
 }
 
-/// Writes the page.
 pub fn write_report(path: &Path, report: &Report) -> Result<(), WriteError> {
     files::text(path, &page::html(report))
 }

@@ -65,7 +65,6 @@ impl Plan {
         })
     }
 
-    /// Runs after which is looked.
     pub fn stages(&self) -> Vec<usize> {
         let before = STAGES.into_iter().filter(|stage| *stage < self.runs);
         before.chain([self.runs]).collect()
@@ -100,13 +99,11 @@ pub struct Answer {
     pub coverage: f64,
 }
 
-/// What came of a self-test.
 #[derive(Clone, Debug)]
 pub struct SelfTest {
     pub looks: Vec<Look>,
     /// One for each mode and stage.
     pub answers: Vec<Answer>,
-    /// The described resistance.
     pub stated: Davis,
 }
 

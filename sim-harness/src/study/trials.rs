@@ -130,7 +130,6 @@ pub fn sensitivity(
     Ok(found)
 }
 
-/// Tries noises of the acceleration.
 fn noise(config: &Config, train: Train, track: &Track, runs: &[Recording]) -> Result<Vec<Noise>, ConfigError> {
     let of = |sd_mps2: f64| {
         let mut config = *config;

@@ -13,7 +13,6 @@ use std::path::{Path, PathBuf};
 
 pub const RUNS: &str = "runs";
 
-/// Writes each picture and what it draws.
 pub fn pictures(folder: &Path, pictures: &[Picture]) -> Result<(), WriteError> {
     for picture in pictures {
         text(&folder.join(format!("{}.svg", picture.name)), &standalone(&picture.svg))?;
@@ -32,7 +31,6 @@ pub struct RunTable {
 }
 
 impl RunTable {
-    /// Begins the files in a folder.
     pub fn begin(folder: &Path) -> Result<Self, WriteError> {
         let csv_path = folder.join(format!("{RUNS}.csv"));
         let file = File::create(&csv_path).map_err(|source| failed(&csv_path, source))?;
@@ -44,7 +42,6 @@ impl RunTable {
         })
     }
 
-    /// Adds rows.
     pub fn add(&mut self, records: &[Record]) -> io::Result<()> {
         for record in records {
             if !self.has_header {
@@ -56,7 +53,6 @@ impl RunTable {
         self.parquet.write(records).map_err(io::Error::other)
     }
 
-    /// Ends the files.
     pub fn end(mut self) -> Result<(), WriteError> {
         self.csv.flush().map_err(|source| failed(&self.csv_path, source))?;
         let parquet = self.parquet.close().map_err(io::Error::other);

@@ -14,12 +14,10 @@ use rundown_pages::shell::{column, document, figure, table, text_column};
 /// What came of a tuning; of two, Table 1 is the first and the optimum the second.
 #[derive(Clone, Debug)]
 pub struct Tuning {
-    /// What was tuned on, in words.
     pub source: String,
     pub table1: Place,
     pub found: Found,
     pub scores: [FilterScore; 2],
-    /// The surface around the optimum.
     pub pictures: [Picture; 2],
     /// The remark of section 4.2, with Table 1.
     pub sensitivity: Vec<Sensitivity>,

@@ -104,14 +104,11 @@ pub enum Axes {
 
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "as it looks")]
 pub enum Stroke {
-    /// Solid, thick.
     Solid,
-    /// Solid, thin.
     Thin,
-    /// Dashed.
     Dashed,
-    /// Dotted.
     Dotted,
 }
 
