@@ -133,7 +133,7 @@ fn learned_from(
     let mut found = (DESCRIBED, 0.0);
     for log in logs {
         let mut run = estimator.begin_run(vehicle, Direction::Up);
-        estimator.tell(&mut run, surroundings);
+        estimator.set_surroundings(&mut run, surroundings);
         for measurement in log {
             estimator.step(&mut run, measurement).unwrap();
         }

@@ -354,7 +354,7 @@ fn effects_act_on_the_board_as_on_the_desk_and_survive_the_power() {
     let bare_estimator = bare.estimator().unwrap();
     let (mut run, mut bare_run) =
         (estimator.begin_run(&vehicle, Direction::Up), bare_estimator.begin_run(&vehicle, Direction::Up));
-    estimator.tell(&mut run, cold);
+    estimator.set_surroundings(&mut run, cold);
     let (mut same, mut seen) = (true, None);
     for measurement in &log {
         let frames = board.measure(measurement);

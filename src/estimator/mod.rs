@@ -4,6 +4,7 @@
 //! The board, the replay and the tests run the same [`Estimator::step`].
 
 pub mod config;
+mod modes;
 pub mod run_state;
 
 use crate::Real;
@@ -17,27 +18,20 @@ use crate::model::effects::{Acting, Effects, Surroundings};
 use crate::model::effort;
 use crate::model::line::Line;
 use crate::model::point::Point;
-use crate::model::resistance::Davis;
-use crate::model::state::resistance_sd;
 use crate::model::state::{LOCATION, SPEED};
 use crate::model::track::Track;
 use crate::model::train::Train;
 use crate::tick::bounds::ConfigError;
 use crate::tick::estimate::{Cause, Counters, Estimate, Validity};
-use crate::tick::kinematics::Kinematics;
-use crate::tick::learning::Tick;
 use crate::tick::measurement::Measurement;
 use crate::tick::memory::{MemoryConfig, Vehicle};
-use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Judged;
-use crate::tick::regime::{Evidence, Recogniser, Regime};
+use crate::tick::regime::Regime;
 use core::borrow::{Borrow, BorrowMut};
 use core::fmt;
 
 /// Without a location for longer than this the location is invalid; the same for the speed, s.
 const INVALID_AFTER_S: Real = 60.0;
-/// Without a speed for longer than this the regime is unknown, s.
-const LOST_S: Real = 60.0;
 
 /// What is set once: configuration, train, track, effects. The board lends its track and effects (`T = &mut Track`, `E = &mut Effects`), for they take 16 kB and 2 kB.
 #[derive(Clone, Debug)]
@@ -134,7 +128,7 @@ impl<T: Borrow<Track>> Estimator<T> {
 }
 
 impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
-    /// Without a train, for a board that is still to be told: not to be stepped before train and track are set.
+    /// Without a train, for a board that has no description yet: not to be stepped before train and track are set.
     pub(crate) fn undescribed(track: T, effects: E) -> Self {
         Self { config: Config::default(), train: Train::undescribed(), track, effects }
     }
@@ -201,16 +195,11 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
 
     /// Largest tractive effort and largest brake effort, N/kg, both positive, as the model believes them at a location and speed.
     pub fn limits_n_per_kg(&self, location_m: Real, speed_mps: Real) -> (Real, Real) {
-        if self.effects().is_empty() {
-            let train = &self.train;
-            return (train.max_effort_n_per_kg(speed_mps), train.max_brake_n_per_kg());
-        }
-        let limits = self.effects().limits(&self.train, location_m, speed_mps);
-        (limits.traction_n_per_kg(speed_mps), limits.brake_n_per_kg)
+        self.effects().limits_n_per_kg(&self.train, location_m, speed_mps)
     }
 
-    /// Temperature and date, for the effects that depend on them; from the next tick on, until they are told anew.
-    pub fn tell(&self, run: &mut RunState, surroundings: Surroundings) {
+    /// Temperature and date, for the effects that depend on them; from the next tick on, until others are given.
+    pub fn set_surroundings(&self, run: &mut RunState, surroundings: Surroundings) {
         run.journey.surroundings = surroundings;
     }
 
@@ -264,8 +253,8 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         let acting = Acting::new(self.effects.borrow(), run.journey);
         let validity = self.count(run, &judged);
         let estimate = match config.mode {
-            Mode::Paper => self.paper_tick(run, &line, &acting, &judged, validity),
-            Mode::Gated | Mode::Measured => self.learning_tick(run, &line, &acting, &judged, validity),
+            Mode::Paper => modes::paper_tick(config, run, &line, &acting, &judged, validity),
+            Mode::Gated | Mode::Measured => modes::learning_tick(config, run, &line, &acting, &judged, validity),
         };
         self.observe(run, &line, &acting, &judged, &estimate);
         // What the regime is at this tick may be taken back at the next one; a brake is not.
@@ -327,7 +316,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     }
 
     fn count(&self, run: &mut RunState, judged: &Judged) -> Validity {
-        if judged.anew && run.last.is_some() {
+        if judged.begins && run.last.is_some() {
             run.counters.count(Cause::LongGap);
         }
         if judged.shifted {
@@ -352,247 +341,6 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             (Some(held), _) | (None, Some(held)) => held,
             (None, None) => Validity::Valid,
         }
-    }
-
-    fn paper_tick(
-        &self,
-        run: &mut RunState,
-        line: &Line<'_>,
-        acting: &Acting<'_>,
-        judged: &Judged,
-        validity: Validity,
-    ) -> Estimate {
-        let config = &self.config.paper;
-        let (location_m, speed_mps) = (judged.location_m.ok(), judged.speed_mps.ok());
-        let time_s = judged.time_s;
-        let davis = run.davis();
-        let mut innovation = None;
-        let mut validity = validity;
-        let mut next = match run.paper {
-            Some(paper) if !judged.anew => paper,
-            _ => PaperLoop::begin(config, line, acting, time_s, &davis, location_m, speed_mps),
-        };
-        if !judged.anew {
-            match next.step(config, line, acting, time_s, judged.dt_s, [location_m, speed_mps]) {
-                Ok(found) => innovation = Some(found),
-                Err(_) => {
-                    // The covariance is of no use any more: begin again with what was learned.
-                    run.counters.count(Cause::Numerics);
-                    validity = Validity::Held(Cause::Numerics);
-                    next = PaperLoop::begin(config, line, acting, time_s, &run.begin, location_m, speed_mps);
-                }
-            }
-        }
-        run.paper = Some(next);
-        run.last = Some(Point {
-            time_s: judged.time_s,
-            location_m: next.belief.mean[LOCATION],
-            speed_mps: next.belief.mean[SPEED],
-        });
-        let confirmed = run.unconfirmed.map(|_| run.regime);
-        run.regime = self.config.paper_rule.recognise(next.effort_n_per_kg, next.acceleration_mps2);
-        let regime = run.regime;
-        Estimate {
-            time_s: judged.time_s,
-            dt_s: judged.dt_s,
-            belief: next.belief,
-            effort_n_per_kg: Some(next.effort_n_per_kg),
-            acceleration_mps2: Some(next.acceleration_mps2),
-            gradient_n_per_kg: line.gradient_n_per_kg(next.belief.mean[LOCATION]),
-            regime,
-            confirmed,
-            learning: innovation.is_some(),
-            innovation,
-            validity,
-        }
-    }
-
-    fn learning_tick(
-        &self,
-        run: &mut RunState,
-        line: &Line<'_>,
-        acting: &Acting<'_>,
-        judged: &Judged,
-        validity: Validity,
-    ) -> Estimate {
-        let config = &self.config;
-        let (location_m, speed_mps) = (judged.location_m.ok(), judged.speed_mps.ok());
-        if judged.anew {
-            run.kinematics = Kinematics::begin(&config.sensor, location_m, speed_mps);
-            run.recogniser = Recogniser::default();
-            run.anchor = None;
-            run.last = None;
-            run.last_effort_n_per_kg = None;
-            run.learner.end();
-        } else {
-            let sign = line.direction.sign();
-            run.kinematics.step(&config.sensor, sign, judged.dt_s, location_m, speed_mps);
-            if let Some(location_m) = location_m
-                && (location_m - run.kinematics.belief().mean[LOCATION]).abs() > config.plausibility.location_jump_m
-            {
-                run.kinematics.anchor(&config.sensor, location_m);
-                run.learner.end();
-            }
-        }
-        let moving = run.kinematics.belief();
-        let now = Point { time_s: judged.time_s, location_m: moving.mean[LOCATION], speed_mps: moving.mean[SPEED] };
-
-        // Effort over the piece of evidence that ends now.
-        let read = speed_mps.is_some();
-        let standing = read && now.speed_mps <= 0.25 * config.sensor.speed_quantum_kmh / 3.6;
-        let recognised = self.recognise(run, line, acting, &now, read, standing);
-        let regime = run.regime;
-
-        // Learning.
-        let enough =
-            if run.learner.in_segment() { config.learning.end_probability } else { config.learning.begin_probability };
-        let coasting = config.mode == Mode::Gated && recognised.coasted > enough;
-        let fast = now.speed_mps > config.learning.min_speed_kmh / 3.6;
-        let known = match config.mode {
-            Mode::Gated if coasting && fast => Some((0.0, 0.0)),
-            Mode::Measured if !standing => self.measured(run, judged),
-            _ => None,
-        };
-        run.last_effort_n_per_kg = judged.effort_n_per_kg;
-        let mut innovation = None;
-        let mut learning = false;
-        let mut validity = validity;
-        match known {
-            Some((effort_n_per_kg, effort_sd_n_per_kg)) if judged.contradiction.is_none() => {
-                if run.learner.in_segment() {
-                    let tick = Tick {
-                        time_s: judged.time_s,
-                        dt_s: judged.dt_s,
-                        location_m,
-                        speed_mps,
-                        effort_n_per_kg,
-                        effort_sd_n_per_kg,
-                    };
-                    match run.learner.step(&config.learning, &config.sensor, line, acting, &tick) {
-                        Ok(found) => {
-                            innovation = found;
-                            learning = run.learner.in_segment();
-                        }
-                        Err(_) => {
-                            run.counters.count(Cause::Numerics);
-                            validity = Validity::Held(Cause::Numerics);
-                        }
-                    }
-                } else if read && location_m.is_some() {
-                    run.learner.begin(judged.time_s, &moving);
-                }
-            }
-            // A missing speed tells nothing about the regime: the segment waits for the next one.
-            _ if !read && run.learner.in_segment() && judged.contradiction.is_none() => {
-                let tick = Tick {
-                    time_s: judged.time_s,
-                    dt_s: judged.dt_s,
-                    location_m,
-                    speed_mps: None,
-                    effort_n_per_kg: 0.0,
-                    effort_sd_n_per_kg: 0.0,
-                };
-                if config.mode == Mode::Measured
-                    || run.learner.step(&config.learning, &config.sensor, line, acting, &tick).is_err()
-                {
-                    run.learner.end();
-                }
-            }
-            _ => run.learner.end(),
-        }
-
-        let belief = run.belief();
-        if read {
-            run.last = Some(now);
-        }
-        Estimate {
-            time_s: judged.time_s,
-            dt_s: judged.dt_s,
-            belief,
-            effort_n_per_kg: recognised.effort.map(|effort| effort.effort_n_per_kg),
-            acceleration_mps2: recognised.effort.map(|effort| effort.acceleration_mps2),
-            gradient_n_per_kg: line.gradient_n_per_kg(belief.mean[LOCATION]),
-            regime,
-            confirmed: recognised.confirmed,
-            learning,
-            innovation,
-            validity,
-        }
-    }
-
-    /// Effort and regime over the piece of evidence that ends now.
-    fn recognise(
-        &self,
-        run: &mut RunState,
-        line: &Line<'_>,
-        acting: &Acting<'_>,
-        now: &Point,
-        read: bool,
-        standing: bool,
-    ) -> Recognition {
-        let config = &self.config.recogniser;
-        let before = run.regime;
-        let belief = run.learner.provisional();
-        let over = run
-            .anchor
-            .filter(|_| read)
-            .map(|anchor| (anchor, effort::over_interval(line, acting, &davis_of(&belief), &anchor, now)));
-        let mut recognition = Recognition {
-            effort: over.map(|(_, effort)| effort),
-            confirmed: run.unconfirmed.map(|_| before),
-            coasted: 0.0,
-        };
-        if standing {
-            run.recogniser = Recogniser::standing();
-            run.regime = Regime::Standstill;
-            run.anchor = Some(*now);
-            return recognition;
-        }
-        let Some((anchor, effort)) = over else {
-            if read {
-                run.anchor = Some(*now);
-                run.regime = run.recogniser.regime();
-            } else if run.anchor.is_some_and(|anchor| now.time_s - anchor.time_s > LOST_S) {
-                run.anchor = None;
-                run.recogniser = Recogniser::default();
-            }
-            return recognition;
-        };
-        let interval_s = now.time_s - anchor.time_s;
-        let midway_mps = 0.5 * (anchor.speed_mps + now.speed_mps);
-        let recognised = run.recogniser.step(
-            config,
-            &Evidence {
-                interval_s,
-                acceleration_mps2: effort.acceleration_mps2,
-                acceleration_sd_mps2: core::f64::consts::SQRT_2 * self.config.sensor.speed_sd_mps() / interval_s,
-                resistance_n_per_kg: effort.resistance_n_per_kg,
-                resistance_sd_n_per_kg: resistance_sd(&belief, midway_mps),
-                max_effort_n_per_kg: self.limits_n_per_kg(now.location_m, midway_mps).0,
-            },
-        );
-        run.regime = recognised.now.regime();
-        recognition.coasted = recognised.coasted;
-        let slow_log = run.last.is_none_or(|last| last.time_s == anchor.time_s);
-        // In a fast log the regime a tick later is the answer; in a slow one the interval speaks for its beginning.
-        recognition.confirmed = run.unconfirmed.map(|last| match (last.regime, slow_log) {
-            (Regime::Standstill, _) => Regime::Standstill,
-            (_, true) => recognised.before.regime(),
-            (_, false) => run.regime,
-        });
-        if interval_s >= 0.95 * config.interval_s {
-            run.recogniser = recognised.now;
-            run.anchor = Some(*now);
-        }
-        recognition
-    }
-
-    /// Measured effort over the interval: its mean, and how uncertain that is. Not while braking, whose effort has another gain.
-    fn measured(&self, run: &RunState, judged: &Judged) -> Option<(Real, Real)> {
-        let (before, now) = (run.last_effort_n_per_kg?, judged.effort_n_per_kg?);
-        let share = self.config.learning.effort_change_share;
-        let applied = before.min(now) > -0.01 && judged.speed_mps.ok()? > 3.0;
-        applied.then_some((0.5 * (before + now), share * (now - before).abs()))
     }
 
     /// Hands the last tick to the features, now that its regime is confirmed, and keeps this one.
@@ -632,16 +380,4 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
             },
         });
     }
-}
-
-/// What the recogniser says at a tick.
-struct Recognition {
-    effort: Option<effort::Effort>,
-    confirmed: Option<Regime>,
-    coasted: Real,
-}
-
-fn davis_of(belief: &Gaussian<3>) -> Davis {
-    let [r0, r1, r2] = belief.mean.into();
-    Davis { r0, r1, r2 }
 }

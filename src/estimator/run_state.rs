@@ -15,38 +15,40 @@ use crate::tick::learning::{Learner, LearningConfig};
 use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Plausibility;
 use crate::tick::regime::{Recogniser, Regime};
-use crate::tick::snapshot::{Source, take};
+use crate::tick::snapshot::{InPlace, in_place};
 use core::fmt;
 use serde::Serialize;
 
-/// What changes every tick of a run. Made by [`Estimator::begin_run`](crate::estimator::Estimator::begin_run).
-#[derive(Clone, Debug, Serialize)]
-pub struct RunState {
-    pub(crate) direction: Direction,
-    /// What was believed of this run's train when it began.
-    pub(crate) begin: Gaussian<3>,
-    pub(crate) plausibility: Plausibility,
-    pub(crate) kinematics: Kinematics,
-    pub(crate) paper: Option<PaperLoop>,
-    pub(crate) learner: Learner,
-    /// Regimes at the anchor.
-    pub(crate) recogniser: Recogniser,
-    /// Regime at the last tick.
-    pub(crate) regime: Regime,
-    /// Where the current piece of evidence began.
-    pub(crate) anchor: Option<Point>,
-    /// Last tick with a speed, for the effort of one interval.
-    pub(crate) last: Option<Point>,
-    pub(crate) last_effort_n_per_kg: Option<Real>,
-    /// Last speed reading, for the features.
-    pub(crate) reading: Option<Point>,
-    /// The last tick waits here until its regime is confirmed.
-    pub(crate) unconfirmed: Option<Observation>,
-    pub(crate) without_location_s: Real,
-    pub(crate) without_speed_s: Real,
-    pub(crate) counters: Counters,
-    pub(crate) journey: Journey,
-    pub(crate) features: FeatureExtractor,
+in_place! {
+    /// What changes every tick of a run. Made by [`Estimator::begin_run`](crate::estimator::Estimator::begin_run).
+    #[derive(Clone, Debug, Serialize)]
+    pub struct RunState {
+        pub(crate) direction: Direction = (Direction::Up);
+        /// What was believed of this run's train when it began.
+        pub(crate) begin: Gaussian<3> = (Gaussian::ZEROED);
+        pub(crate) plausibility: Plausibility = (Plausibility::ZEROED);
+        pub(crate) kinematics: Kinematics = (Kinematics::ZEROED);
+        pub(crate) paper: Option<PaperLoop> = (None, zeroed Some(PaperLoop::ZEROED));
+        pub(crate) learner: Learner = (in place);
+        /// Regimes at the anchor.
+        pub(crate) recogniser: Recogniser = (Recogniser::default(), zeroed Recogniser::ZEROED);
+        /// Regime at the last tick.
+        pub(crate) regime: Regime = (Regime::Standstill);
+        /// Where the current piece of evidence began.
+        pub(crate) anchor: Option<Point> = (None);
+        /// Last tick with a speed, for the effort of one interval.
+        pub(crate) last: Option<Point> = (None);
+        pub(crate) last_effort_n_per_kg: Option<Real> = (None);
+        /// Last speed reading, for the features.
+        pub(crate) reading: Option<Point> = (None);
+        /// The last tick waits here until its regime is confirmed.
+        pub(crate) unconfirmed: Option<Observation> = (None, zeroed Some(Observation::ZEROED));
+        pub(crate) without_location_s: Real = (0.0);
+        pub(crate) without_speed_s: Real = (0.0);
+        pub(crate) counters: Counters = (Counters::ZEROED);
+        pub(crate) journey: Journey = (Journey::ZEROED);
+        pub(crate) features: FeatureExtractor = (in place);
+    }
 }
 
 /// Most bytes that a snapshot takes. Held by a test over a run that fills every buffer.
@@ -66,27 +68,7 @@ impl core::error::Error for NoSnapshot {}
 
 impl RunState {
     /// Zeros: as a static it takes no flash, and its start no stack. No run before [`RunState::reset`].
-    // `None` of a type with a regime or a flag in it is not stored as zeros; `Some` of zeros is.
-    pub const ZEROED: Self = Self {
-        direction: Direction::Up,
-        begin: Gaussian::ZEROED,
-        plausibility: Plausibility::ZEROED,
-        kinematics: Kinematics::ZEROED,
-        paper: Some(PaperLoop::ZEROED),
-        learner: Learner::ZEROED,
-        recogniser: Recogniser::ZEROED,
-        regime: Regime::Standstill,
-        anchor: None,
-        last: None,
-        last_effort_n_per_kg: None,
-        reading: None,
-        unconfirmed: Some(Observation::ZEROED),
-        without_location_s: 0.0,
-        without_speed_s: 0.0,
-        counters: Counters::ZEROED,
-        journey: Journey::ZEROED,
-        features: FeatureExtractor::ZEROED,
-    };
+    pub const ZEROED: Self = InPlace::ZEROED;
 
     /// No run.
     pub fn idle() -> Self {
@@ -101,26 +83,16 @@ impl RunState {
         self.begin(&LearningConfig::default(), Gaussian::ZEROED, Direction::Up);
     }
 
-    /// Begins with a belief of this run's train, in place and without a copy of the features' buffers.
+    /// Begins with a belief of this run's train, in place and without a copy of the features' buffers. The surroundings stay.
     pub(crate) fn begin(&mut self, config: &LearningConfig, begin: Gaussian<3>, direction: Direction) {
+        let mut journey = self.journey;
+        journey.begin();
+        self.clear_fields();
+        self.journey = journey;
         self.direction = direction;
-        self.begin = begin;
-        self.plausibility = Plausibility::default();
-        self.kinematics = Kinematics::default();
-        self.paper = None;
         self.learner.begin_run(config, &begin);
-        self.recogniser = Recogniser::default();
-        self.regime = Regime::Standstill;
-        self.anchor = None;
-        self.last = None;
-        self.last_effort_n_per_kg = None;
-        self.reading = None;
-        self.unconfirmed = None;
-        self.without_location_s = 0.0;
-        self.without_speed_s = 0.0;
-        self.counters = Counters::default();
-        self.journey.begin();
-        self.features.clear();
+        self.features.begin();
+        self.begin = begin;
     }
 
     /// Direction of travel.
@@ -172,29 +144,6 @@ impl RunState {
             return Err(NoSnapshot);
         }
         Ok(())
-    }
-
-    /// In the order in which they are declared, which is the order in which they were written.
-    #[inline(never)]
-    fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        take(&mut self.direction, source)?;
-        take(&mut self.begin, source)?;
-        take(&mut self.plausibility, source)?;
-        take(&mut self.kinematics, source)?;
-        take(&mut self.paper, source)?;
-        self.learner.take_fields(source)?;
-        take(&mut self.recogniser, source)?;
-        take(&mut self.regime, source)?;
-        take(&mut self.anchor, source)?;
-        take(&mut self.last, source)?;
-        take(&mut self.last_effort_n_per_kg, source)?;
-        take(&mut self.reading, source)?;
-        take(&mut self.unconfirmed, source)?;
-        take(&mut self.without_location_s, source)?;
-        take(&mut self.without_speed_s, source)?;
-        take(&mut self.counters, source)?;
-        take(&mut self.journey, source)?;
-        self.features.take_fields(source)
     }
 
     /// What a filter needs to go on: finite numbers.

@@ -13,7 +13,7 @@
 use super::Statistic;
 use crate::Real;
 use crate::model::units::KmPerHour;
-use crate::tick::snapshot::{Source, take};
+use crate::tick::snapshot::{InPlace, Source, take};
 use serde::Serialize;
 
 const BINS: usize = 721;
@@ -26,19 +26,20 @@ pub(super) struct HeldSpeeds {
     time_ms: [u32; BINS],
 }
 
-impl HeldSpeeds {
-    /// No speed.
-    pub(super) const ZEROED: Self = Self { time_ms: [0; BINS] };
+impl InPlace for HeldSpeeds {
+    const ZEROED: Self = Self { time_ms: [0; BINS] };
 
-    /// A tuple of counts, as it was written; not all of them on the stack.
-    pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        self.time_ms.iter_mut().try_for_each(|time_ms| take(time_ms, source))
-    }
-
-    pub(super) fn clear(&mut self) {
+    fn clear_fields(&mut self) {
         self.time_ms.fill(0);
     }
 
+    /// A tuple of counts, as it was written.
+    fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
+        self.time_ms.iter_mut().try_for_each(|time_ms| take(time_ms, source))
+    }
+}
+
+impl HeldSpeeds {
     /// Adds a stretch in which the speed went from one value to the other in a straight line.
     pub(super) fn add(&mut self, from_mps: Real, to_mps: Real, dt_s: Real) {
         // In bins; bin i reaches from i to i + 1.

@@ -18,35 +18,37 @@ use crate::Real;
 use crate::model::resistance::Davis;
 use crate::model::units::KmPerHour;
 use crate::tick::regime::Regime;
-use crate::tick::snapshot::{Source, take, take_each};
+use crate::tick::snapshot::{InPlace, in_place};
 use heapless::{Deque, Vec};
 use serde::Serialize;
 
 /// Boundaries kept with what is needed to place them; the final approach must lie within them.
 const MAX_RECENT: usize = 24;
 
-/// Collects the features of a run.
-#[derive(Clone, Debug, Serialize)]
-pub struct FeatureExtractor {
-    before: Option<Observation>,
-    stretches: Stretches,
-    steady_effort: Steady,
-    steady_power: Steady,
-    steady_brake: Steady,
-    effort: LineFit,
-    power: Spread,
-    power_hindsight: Hindsight,
-    max_power_w_per_kg: Option<Real>,
-    brake_rates: [Spread; 5],
-    phases: Phases,
-    course: Course,
-    recent: Deque<(Boundary, SwitchingPoint), MAX_RECENT>,
-    older: Vec<SwitchingPoint, MAX_SWITCHING_POINTS>,
-    lost: u32,
-    top_speed_mps: Real,
-    arrival_top_speed_mps: Real,
-    regime_time_s: [Real; 5],
-    energy: Energy,
+in_place! {
+    /// Collects the features of a run.
+    #[derive(Clone, Debug, Serialize)]
+    pub struct FeatureExtractor {
+        before: Option<Observation> = (None, zeroed Some(Observation::ZEROED));
+        stretches: Stretches = (in place);
+        steady_effort: Steady = (in place);
+        steady_power: Steady = (in place);
+        steady_brake: Steady = (in place);
+        effort: LineFit = (LineFit::ZEROED);
+        power: Spread = (Spread::ZEROED);
+        power_hindsight: Hindsight = (Hindsight::ZEROED);
+        max_power_w_per_kg: Option<Real> = (None);
+        brake_rates: [Spread; 5] = ([Spread::ZEROED; 5]);
+        phases: Phases = (in place);
+        course: Course = (in place);
+        recent: Deque<(Boundary, SwitchingPoint), MAX_RECENT> = (in place);
+        older: Vec<SwitchingPoint, MAX_SWITCHING_POINTS> = (in place);
+        lost: u32 = (0);
+        top_speed_mps: Real = (0.0);
+        arrival_top_speed_mps: Real = (0.0);
+        regime_time_s: [Real; 5] = ([0.0; 5]);
+        energy: Energy = (Energy::ZEROED);
+    }
 }
 
 impl Default for FeatureExtractor {
@@ -56,84 +58,19 @@ impl Default for FeatureExtractor {
 }
 
 impl FeatureExtractor {
-    /// Zeros, for a static; a run begins with [`FeatureExtractor::clear`].
-    pub(crate) const ZEROED: Self = Self {
-        before: Some(Observation::ZEROED),
-        stretches: Stretches::ZEROED,
-        steady_effort: Steady::ZEROED,
-        steady_power: Steady::ZEROED,
-        steady_brake: Steady::ZEROED,
-        effort: LineFit::ZEROED,
-        power: Spread::ZEROED,
-        power_hindsight: Hindsight::ZEROED,
-        max_power_w_per_kg: None,
-        brake_rates: [Spread::ZEROED; 5],
-        phases: Phases::ZEROED,
-        course: Course::ZEROED,
-        recent: Deque::new(),
-        older: Vec::new(),
-        lost: 0,
-        top_speed_mps: 0.0,
-        arrival_top_speed_mps: 0.0,
-        regime_time_s: [0.0; 5],
-        energy: Energy::ZEROED,
-    };
-
     /// Before the first tick of a run.
     pub fn new() -> Self {
         let mut extractor = Self::ZEROED;
-        extractor.clear();
+        extractor.clear_fields();
+        extractor.begin();
         extractor
     }
 
-    /// As new, in place.
-    pub(crate) fn clear(&mut self) {
-        self.before = None;
-        self.stretches = Stretches::ZEROED;
-        self.stretches.interrupt();
+    /// After [`InPlace::clear_fields`]: which regime each of the filters is for.
+    pub(crate) fn begin(&mut self) {
         self.steady_effort.begin(Regime::Traction);
         self.steady_power.begin(Regime::Traction);
         self.steady_brake.begin(Regime::Brake);
-        self.effort = LineFit::ZEROED;
-        self.power = Spread::ZEROED;
-        self.power_hindsight = Hindsight::ZEROED;
-        self.max_power_w_per_kg = None;
-        self.brake_rates = [Spread::ZEROED; 5];
-        self.phases.clear();
-        self.course.clear();
-        self.recent.clear();
-        self.older.clear();
-        self.lost = 0;
-        self.top_speed_mps = 0.0;
-        self.arrival_top_speed_mps = 0.0;
-        self.regime_time_s = [0.0; 5];
-        self.energy = Energy::ZEROED;
-    }
-
-    /// Takes the fields of a snapshot, one after the other in place, in the order in which they are declared.
-    pub(crate) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        take(&mut self.before, source)?;
-        take(&mut self.stretches, source)?;
-        self.steady_effort.take_fields(source)?;
-        self.steady_power.take_fields(source)?;
-        self.steady_brake.take_fields(source)?;
-        take(&mut self.effort, source)?;
-        take(&mut self.power, source)?;
-        take(&mut self.power_hindsight, source)?;
-        take(&mut self.max_power_w_per_kg, source)?;
-        take(&mut self.brake_rates, source)?;
-        self.phases.take_fields(source)?;
-        self.course.take_fields(source)?;
-        self.recent.clear();
-        take_each(source, |recent| self.recent.push_back(recent).is_ok())?;
-        self.older.clear();
-        take_each(source, |point| self.older.push(point).is_ok())?;
-        take(&mut self.lost, source)?;
-        take(&mut self.top_speed_mps, source)?;
-        take(&mut self.arrival_top_speed_mps, source)?;
-        take(&mut self.regime_time_s, source)?;
-        take(&mut self.energy, source)?;
-        Ok(())
     }
 
     /// Takes the next tick, with its confirmed regime.
@@ -279,7 +216,7 @@ impl FeatureExtractor {
         }
     }
 
-    /// Places the points anew whose surroundings are still coming in.
+    /// Places those points again whose surroundings are still coming in.
     fn place_recent(&mut self, config: &FeatureConfig, tick: &Observation) {
         let open_since_s = tick.time_s - 8.0 * config.window_s.max(tick.dt_s);
         for i in (0..self.recent.len()).rev() {

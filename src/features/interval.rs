@@ -8,6 +8,7 @@
 use super::Observation;
 use crate::Real;
 use crate::tick::regime::Regime;
+use crate::tick::snapshot::in_place;
 use serde::{Deserialize, Serialize};
 
 /// From one tick to the next, or several of them taken together.
@@ -75,17 +76,16 @@ impl Interval {
     }
 }
 
-/// Takes intervals together until they are long enough.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Stretches {
-    open: Option<Interval>,
-    time_s: [Real; 5],
+in_place! {
+    /// Takes intervals together until they are long enough.
+    #[derive(Clone, Debug, Serialize)]
+    pub(super) struct Stretches {
+        open: Option<Interval> = (None, zeroed Some(Interval::ZEROED));
+        time_s: [Real; 5] = ([0.0; 5]);
+    }
 }
 
 impl Stretches {
-    /// Zeros; to be interrupted.
-    pub(super) const ZEROED: Self = Self { open: Some(Interval::ZEROED), time_s: [0.0; 5] };
-
     /// The stretch that this interval completes. `least_s` of 0 gives every interval back.
     pub(super) fn push(&mut self, least_s: Real, interval: &Interval) -> Option<Interval> {
         let mut sum = *interval;
@@ -125,6 +125,7 @@ impl Stretches {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tick::snapshot::InPlace;
 
     fn second(before_mps: Real, regime: Regime) -> Interval {
         Interval { before_mps, after_mps: before_mps + 0.5, dt_s: 1.0, impulse_mps: 0.5, work_j_per_kg: 1.0, regime }
@@ -132,7 +133,8 @@ mod tests {
 
     #[test]
     fn short_ticks_are_taken_together() {
-        let mut stretches = Stretches::default();
+        let mut stretches = Stretches::ZEROED;
+        stretches.clear_fields();
         let regimes = [Regime::Cruise, Regime::Traction, Regime::Traction];
         let mut made = None;
         for (k, regime) in regimes.into_iter().enumerate() {

@@ -27,7 +27,7 @@ use super::phases::Boundary;
 use super::{FeatureConfig, Observation, SwitchingPoint};
 use crate::Real;
 use crate::tick::regime::Regime;
-use crate::tick::snapshot::{Source, take, take_each};
+use crate::tick::snapshot::in_place;
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
@@ -46,31 +46,17 @@ struct Knot {
     location_m: Real,
 }
 
-/// The last minutes.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct Course {
-    knots: Deque<Knot, KNOTS>,
-    head: Option<Knot>,
-    last_good: Option<Observation>,
+in_place! {
+    /// The last minutes.
+    #[derive(Clone, Debug, Serialize)]
+    pub(super) struct Course {
+        knots: Deque<Knot, KNOTS> = (in place);
+        head: Option<Knot> = (None);
+        last_good: Option<Observation> = (None, zeroed Some(Observation::ZEROED));
+    }
 }
 
 impl Course {
-    /// Zeros; to be cleared.
-    pub(super) const ZEROED: Self = Self { knots: Deque::new(), head: None, last_good: Some(Observation::ZEROED) };
-
-    pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        self.knots.clear();
-        take_each(source, |knot| self.knots.push_back(knot).is_ok())?;
-        take(&mut self.head, source)?;
-        take(&mut self.last_good, source)
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.knots.clear();
-        self.head = None;
-        self.last_good = None;
-    }
-
     /// Takes a tick. After a dropout the effort since the last good tick comes from the speeds at both ends, Eq. (1).
     pub(super) fn push(&mut self, config: &FeatureConfig, tick: &Observation) {
         let Some(effort) = tick.effort_n_per_kg else {

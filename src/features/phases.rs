@@ -9,7 +9,7 @@
 //!   samples split the final coast and its start is found 125 to 370 s late. Not bridged: a standstill, and an interruption whose effort
 //!   alone moved the speed by more than `bridge_speed_kmh`, for that is a driver and no noise.
 //! - Split: a coast by an interval in the midst of it whose effort moved the speed by more than that. The train coasted at both its ends and had power in
-//!   between, so the regime does not show it. Without this a tenth of the final coasts of drivers who cruise by turns of power were found one turn, 30 to 50 s, early.
+//!   between, so the regime does not show it. Without this a tenth of the final coasts of drivers who cruise by on/off cycles were found one cycle, 30 to 50 s, early.
 //! - Absorbed: one cruising sample between two other regimes. It is an interval in which both had a share.
 //! - An interval without effort (dropout) neither begins nor ends a phase, however long it is: when the regime is the same after it, the phase went on.
 
@@ -19,7 +19,7 @@ use super::interval::Interval;
 use crate::Real;
 use crate::model::units::KmPerHour;
 use crate::tick::regime::Regime;
-use crate::tick::snapshot::{Source, take, take_each};
+use crate::tick::snapshot::in_place;
 use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +37,10 @@ pub(super) struct Boundary {
     pub(super) from: Regime,
     /// Regime after.
     pub(super) to: Regime,
+}
+
+impl Boundary {
+    const ZEROED: Self = Self { time_s: 0.0, first_sample_s: 0.0, from: Regime::Standstill, to: Regime::Standstill };
 }
 
 /// Samples of one regime in a row.
@@ -93,39 +97,18 @@ impl Segment {
 /// Boundaries that one interval can make known.
 pub(super) type Boundaries = Vec<Boundary, { MAX_PENDING + 1 }>;
 
-/// Makes phases of samples.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct Phases {
-    phase: Option<Segment>,
-    pending: Deque<Segment, MAX_PENDING>,
-    last: Option<Boundary>,
-    held_speeds: HeldSpeeds,
+in_place! {
+    /// Makes phases of samples.
+    #[derive(Clone, Debug, Serialize)]
+    pub(super) struct Phases {
+        phase: Option<Segment> = (None, zeroed Some(Segment::ZEROED));
+        pending: Deque<Segment, MAX_PENDING> = (in place);
+        last: Option<Boundary> = (None, zeroed Some(Boundary::ZEROED));
+        held_speeds: HeldSpeeds = (in place);
+    }
 }
 
 impl Phases {
-    /// Zeros; to be cleared.
-    pub(super) const ZEROED: Self = Self {
-        phase: Some(Segment::ZEROED),
-        pending: Deque::new(),
-        last: Some(Boundary { time_s: 0.0, first_sample_s: 0.0, from: Regime::Standstill, to: Regime::Standstill }),
-        held_speeds: HeldSpeeds::ZEROED,
-    };
-
-    pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        take(&mut self.phase, source)?;
-        self.pending.clear();
-        take_each(source, |segment| self.pending.push_back(segment).is_ok())?;
-        take(&mut self.last, source)?;
-        self.held_speeds.take_fields(source)
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.phase = None;
-        self.pending.clear();
-        self.last = None;
-        self.held_speeds.clear();
-    }
-
     /// Speeds held so far.
     pub(super) fn held_speeds(&self) -> &HeldSpeeds {
         &self.held_speeds
@@ -134,16 +117,7 @@ impl Phases {
     /// The first tick of a run. Standing it needs no interval to be recognised, and departure is then a switching point.
     pub(super) fn begin(&mut self, time_s: Real, regime: Regime) {
         if regime == Regime::Standstill {
-            self.phase = Some(Segment {
-                regime,
-                end_s: time_s,
-                first_sample_s: time_s,
-                start_mps: 0.0,
-                end_mps: 0.0,
-                dt_s: 0.0,
-                samples: 0,
-                impulse_mps: 0.0,
-            });
+            self.phase = Some(Segment { regime, end_s: time_s, first_sample_s: time_s, ..Segment::ZEROED });
         }
     }
 
@@ -151,7 +125,7 @@ impl Phases {
     pub(super) fn push(&mut self, config: &FeatureConfig, end_s: Real, interval: &Interval) -> Boundaries {
         let mut known = Boundaries::new();
         let mut sample = Segment::new(end_s, interval);
-        if self.is_turn_of_power(config, interval) {
+        if self.is_powering_phase(config, interval) {
             sample.regime = Regime::Traction;
         }
         match self.pending.back_mut() {
@@ -170,7 +144,7 @@ impl Phases {
 
     /// An interval of a coast with too much effort for one: power was taken for a few seconds and let go again, and at both its ends the train coasted.
     /// Where a coast begins the effort is that of the regime before, and over ticks that come faster it is noise.
-    fn is_turn_of_power(&self, config: &FeatureConfig, interval: &Interval) -> bool {
+    fn is_powering_phase(&self, config: &FeatureConfig, interval: &Interval) -> bool {
         let coast = Some(Regime::Coast);
         let before = self.pending.back().or(self.phase.as_ref());
         interval.regime == Regime::Coast
@@ -271,13 +245,14 @@ fn bridgeable<'a>(config: &FeatureConfig, regime: Regime, gap: impl Iterator<Ite
 mod tests {
     extern crate std;
     use super::*;
+    use crate::tick::snapshot::InPlace;
     use Regime::{Brake, Coast, Cruise, Standstill, Traction};
 
     /// Boundaries of samples of 10 s with a weak effort, except braking: time, from, to.
     fn boundaries(regimes: &[Regime], brake: Real) -> std::vec::Vec<(Real, Regime, Regime)> {
         let config = FeatureConfig::default();
         let mut phases = Phases::ZEROED;
-        phases.clear();
+        phases.clear_fields();
         let mut found: std::vec::Vec<Boundary> = std::vec::Vec::new();
         for (k, &regime) in regimes.iter().enumerate() {
             let effort = if regime == Brake { brake } else { 0.02 };
@@ -318,7 +293,7 @@ mod tests {
         let found = |efforts: &[Real], dt_s: Real| {
             let config = FeatureConfig::default();
             let mut phases = Phases::ZEROED;
-            phases.clear();
+            phases.clear_fields();
             let mut found = std::vec::Vec::new();
             for (k, &effort) in efforts.iter().enumerate() {
                 let interval = Interval {

@@ -8,36 +8,28 @@
 
 use super::interval::Interval;
 use crate::tick::regime::Regime;
-use crate::tick::snapshot::{Source, take, take_each};
+use crate::tick::snapshot::in_place;
 use heapless::Vec;
 use serde::Serialize;
 
 const MAX_HELD: usize = 12;
 
-/// The filter for one regime.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct Steady {
-    regime: Regime,
-    /// The interval before was of the regime.
-    inside: bool,
-    /// One interval of the regime, then the cruising ones after it.
-    held: Vec<Interval, MAX_HELD>,
+in_place! {
+    /// The filter for one regime.
+    #[derive(Clone, Debug, Serialize)]
+    pub(super) struct Steady {
+        regime: Regime = (Regime::Standstill);
+        /// The interval before was of the regime.
+        inside: bool = (false);
+        /// One interval of the regime, then the cruising ones after it.
+        held: Vec<Interval, MAX_HELD> = (in place);
+    }
 }
 
 impl Steady {
-    /// Zeros; to be begun.
-    pub(super) const ZEROED: Self = Self { regime: Regime::Standstill, inside: false, held: Vec::new() };
-
     pub(super) fn begin(&mut self, regime: Regime) {
         self.regime = regime;
         self.interrupt();
-    }
-
-    pub(super) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        take(&mut self.regime, source)?;
-        take(&mut self.inside, source)?;
-        self.held.clear();
-        take_each(source, |interval| self.held.push(interval).is_ok())
     }
 
     /// Gives those intervals to `accept` that `next` shows to be steady.
@@ -77,6 +69,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::Real;
+    use crate::tick::snapshot::InPlace;
     use Regime::{Brake, Coast, Cruise, Standstill, Traction};
 
     fn accepted(wanted: Regime, rows: &[(Regime, Real)]) -> std::vec::Vec<Real> {

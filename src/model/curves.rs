@@ -5,6 +5,7 @@
 //! Where two curves overlap the first one counts. The sums are made once, at construction. Single precision, for the board has two tracks in RAM: 16 bytes a curve, 0.01 m at 100 km, 1e-6 of the resistance.
 
 use crate::Real;
+use crate::model::table::Table;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -62,17 +63,28 @@ impl Curves {
         self.bends.is_empty()
     }
 
-    pub(crate) fn len(&self) -> usize {
+    /// Integral of Roeckl's formula from the beginning of the track to a location, m.
+    pub(crate) fn integral_m(&self, location_m: Real) -> Real {
+        let location_m = location_m as f32;
+        let begun = self.bends.partition_point(|bend| bend.from_m <= location_m);
+        let last = begun.checked_sub(1).and_then(|index| self.bends.get(index));
+        last.map_or(0.0, |bend| Real::from(bend.integral_m(location_m)))
+    }
+}
+
+impl Table for Curves {
+    type Entry = Curve;
+
+    fn len(&self) -> usize {
         self.bends.len()
     }
 
-    pub(crate) fn clear(&mut self) {
+    fn clear(&mut self) {
         self.bends.clear();
         self.begun_m = 0.0;
     }
 
-    /// False: it is not a curve, it begins before the last one does, or there is no room. The table is as before.
-    pub(crate) fn push(&mut self, curve: Curve) -> bool {
+    fn push(&mut self, curve: Curve) -> bool {
         let last = self.bends.last();
         let last_begin_m = last.map_or(Real::NEG_INFINITY, |_| self.begun_m);
         let last_end_m = last.map_or(Real::NEG_INFINITY, |last| Real::from(last.to_m));
@@ -96,14 +108,6 @@ impl Curves {
             self.begun_m = curve.from_m;
         }
         taken
-    }
-
-    /// Integral of Roeckl's formula from the beginning of the track to a location, m.
-    pub(crate) fn integral_m(&self, location_m: Real) -> Real {
-        let location_m = location_m as f32;
-        let begun = self.bends.partition_point(|bend| bend.from_m <= location_m);
-        let last = begun.checked_sub(1).and_then(|index| self.bends.get(index));
-        last.map_or(0.0, |bend| Real::from(bend.integral_m(location_m)))
     }
 }
 

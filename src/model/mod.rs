@@ -10,6 +10,7 @@ pub mod motion;
 pub mod point;
 pub mod resistance;
 pub mod state;
+pub(crate) mod table;
 pub mod targets;
 pub mod track;
 pub mod train;

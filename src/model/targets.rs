@@ -7,6 +7,7 @@
 
 use crate::Real;
 use crate::model::direction::Direction;
+use crate::model::table::Table;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -43,16 +44,33 @@ impl Targets {
         self.places.is_empty()
     }
 
-    pub(crate) fn len(&self) -> usize {
+    /// The first target further than `beyond_m` ahead.
+    pub(crate) fn next(&self, direction: Direction, location_m: Real, beyond_m: Real) -> Option<Target> {
+        let reached_m = (location_m + direction.sign() * beyond_m) as f32;
+        let asks = |place: &&Place| match direction {
+            Direction::Up => place.at_m > reached_m && place.is_target(place.below_mps, place.above_mps),
+            Direction::Down => place.at_m < reached_m && place.is_target(place.above_mps, place.below_mps),
+        };
+        let (place, behind_mps) = match direction {
+            Direction::Up => self.places.iter().find(asks).map(|p| (p, p.above_mps)),
+            Direction::Down => self.places.iter().rev().find(asks).map(|p| (p, p.below_mps)),
+        }?;
+        Some(Target { at_m: Real::from(place.at_m), limit_mps: (behind_mps > 0.0).then_some(Real::from(behind_mps)) })
+    }
+}
+
+impl Table for Targets {
+    type Entry = Target;
+
+    fn len(&self) -> usize {
         self.places.len()
     }
 
-    pub(crate) fn clear(&mut self) {
+    fn clear(&mut self) {
         self.places.clear();
     }
 
-    /// False: it is no place, it lies before the last one, or there is no room. The table is as before.
-    pub(crate) fn push(&mut self, target: Target) -> bool {
+    fn push(&mut self, target: Target) -> bool {
         let at_m = target.at_m as f32;
         let last_m = self.places.last().map_or(f32::NEG_INFINITY, |p| p.at_m);
         // Also refuses NaN.
@@ -72,20 +90,6 @@ impl Targets {
         };
         let place = Place { at_m, below_mps, above_mps };
         good && self.places.push(place).is_ok()
-    }
-
-    /// The first target further than `beyond_m` ahead.
-    pub(crate) fn next(&self, direction: Direction, location_m: Real, beyond_m: Real) -> Option<Target> {
-        let reached_m = (location_m + direction.sign() * beyond_m) as f32;
-        let asks = |place: &&Place| match direction {
-            Direction::Up => place.at_m > reached_m && place.is_target(place.below_mps, place.above_mps),
-            Direction::Down => place.at_m < reached_m && place.is_target(place.above_mps, place.below_mps),
-        };
-        let (place, behind_mps) = match direction {
-            Direction::Up => self.places.iter().find(asks).map(|p| (p, p.above_mps)),
-            Direction::Down => self.places.iter().rev().find(asks).map(|p| (p, p.below_mps)),
-        }?;
-        Some(Target { at_m: Real::from(place.at_m), limit_mps: (behind_mps > 0.0).then_some(Real::from(behind_mps)) })
     }
 }
 

@@ -13,6 +13,7 @@ use crate::Real;
 use crate::model::curves::Curves;
 pub use crate::model::curves::{Curve, MAX_CURVES};
 use crate::model::direction::Direction;
+use crate::model::table::Table;
 use crate::model::targets::Targets;
 pub use crate::model::targets::{MAX_TARGETS, Target};
 use core::fmt;
@@ -47,10 +48,10 @@ pub struct Track {
     pieces: Vec<Piece, { MAX_GRADIENTS + 1 }>,
     /// Not written where there are none, so that the digest of a track without curves is what it always was.
     #[serde(skip_serializing_if = "Curves::is_empty")]
-    curves: Curves,
+    pub(crate) curves: Curves,
     /// The same.
     #[serde(skip_serializing_if = "Targets::is_empty")]
-    targets: Targets,
+    pub(crate) targets: Targets,
 }
 
 const FLAT_START: Piece = Piece {
@@ -152,7 +153,7 @@ impl Track {
         Self { length_m: 0.0, pieces: Vec::new(), curves: Curves::NONE, targets: Targets::NONE }
     }
 
-    /// Begins anew, in place.
+    /// Begins with nothing but a length, in place.
     pub(crate) fn restart(&mut self, length_m: Real) -> Result<(), TrackError> {
         if !(length_m.is_finite() && length_m > 0.0) {
             return Err(TrackError::Length { found: length_m });
@@ -204,30 +205,8 @@ impl Track {
     /// # Ok::<(), rundown::model::track::TrackError>(())
     /// ```
     pub fn with_curves(mut self, curves: impl IntoIterator<Item = Curve>) -> Result<Self, TrackError> {
-        self.curves.clear();
-        for curve in curves {
-            self.push_curve(curve)?;
-        }
+        self.curves.refill(curves).map_err(|index| TrackError::BadCurve { index })?;
         Ok(self)
-    }
-
-    /// Appends a curve.
-    ///
-    /// # Errors
-    /// [`TrackError::BadCurve`]; the track is as before.
-    pub(crate) fn push_curve(&mut self, curve: Curve) -> Result<(), TrackError> {
-        let index = self.curves.len();
-        if self.curves.push(curve) { Ok(()) } else { Err(TrackError::BadCurve { index }) }
-    }
-
-    /// Takes all curves out.
-    pub(crate) fn clear_curves(&mut self) {
-        self.curves.clear();
-    }
-
-    /// Number of curves.
-    pub(crate) fn curves(&self) -> usize {
-        self.curves.len()
     }
 
     /// The same track with these stops and permitted speeds, sorted.
@@ -245,25 +224,8 @@ impl Track {
     /// # Ok::<(), rundown::model::track::TrackError>(())
     /// ```
     pub fn with_targets(mut self, targets: impl IntoIterator<Item = Target>) -> Result<Self, TrackError> {
-        self.targets.clear();
-        for target in targets {
-            self.push_target(target)?;
-        }
+        self.targets.refill(targets).map_err(|index| TrackError::BadTarget { index })?;
         Ok(self)
-    }
-
-    /// Appends a stop or a permitted speed.
-    ///
-    /// # Errors
-    /// [`TrackError::BadTarget`]; the track is as before.
-    pub(crate) fn push_target(&mut self, target: Target) -> Result<(), TrackError> {
-        let index = self.targets.len();
-        if self.targets.push(target) { Ok(()) } else { Err(TrackError::BadTarget { index }) }
-    }
-
-    /// Takes all stops and permitted speeds out.
-    pub(crate) fn clear_targets(&mut self) {
-        self.targets.clear();
     }
 
     /// Number of stops and permitted speeds.

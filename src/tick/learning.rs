@@ -18,7 +18,7 @@ use crate::model::motion::{Evaluate, Motion};
 use crate::model::state::{LOCATION, R0, SIZE_WITH_GAIN, SPEED};
 use crate::tick::bounds::settings;
 use crate::tick::sensor::SensorConfig;
-use crate::tick::snapshot::{Source, take, take_each};
+use crate::tick::snapshot::{InPlace, in_place};
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
@@ -104,82 +104,46 @@ struct Reached {
     constants: Gaussian<4>,
 }
 
-/// A running segment.
-#[derive(Clone, Debug, Serialize)]
-struct Segment {
-    begin_s: Real,
-    /// Up to here what was learned is valid.
-    settled_s: Real,
-    belief: Gaussian<SIZE_WITH_GAIN>,
-    last_speed_s: Real,
-    last_location_s: Real,
-    waiting: Deque<Reached, WAITING>,
+in_place! {
+    /// A running segment.
+    #[derive(Clone, Debug, Serialize)]
+    struct Segment {
+        begin_s: Real = (0.0);
+        /// Up to here what was learned is valid.
+        settled_s: Real = (0.0);
+        belief: Gaussian<SIZE_WITH_GAIN> = (Gaussian::ZEROED);
+        last_speed_s: Real = (0.0);
+        last_location_s: Real = (0.0);
+        waiting: Deque<Reached, WAITING> = (in place);
+    }
 }
 
-/// What is learned in one run.
-#[derive(Clone, Debug, Serialize)]
-pub struct Learner {
-    /// r0, r1, r2 and the gain of the effort.
-    constants: Gaussian<4>,
-    segment: Option<Segment>,
-    learned_s: Real,
-}
-
-impl Segment {
-    /// Zeros.
-    const ZEROED: Self = Self {
-        begin_s: 0.0,
-        settled_s: 0.0,
-        belief: Gaussian::ZEROED,
-        last_speed_s: 0.0,
-        last_location_s: 0.0,
-        waiting: Deque::new(),
-    };
-
-    fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        take(&mut self.begin_s, source)?;
-        take(&mut self.settled_s, source)?;
-        take(&mut self.belief, source)?;
-        take(&mut self.last_speed_s, source)?;
-        take(&mut self.last_location_s, source)?;
-        self.waiting.clear();
-        take_each(source, |reached| self.waiting.push_back(reached).is_ok())
+in_place! {
+    /// What is learned in one run.
+    #[derive(Clone, Debug, Serialize)]
+    pub struct Learner {
+        /// r0, r1, r2 and the gain of the effort.
+        constants: Gaussian<4> = (Gaussian::ZEROED);
+        segment: Option<Segment> = (in place);
+        learned_s: Real = (0.0);
     }
 }
 
 impl Learner {
-    /// Zeros; to be begun.
-    pub(crate) const ZEROED: Self =
-        Self { constants: Gaussian::ZEROED, segment: Some(Segment::ZEROED), learned_s: 0.0 };
-
     /// Begins with a belief of the run's Davis coefficients.
     pub fn new(config: &LearningConfig, davis: &Gaussian<3>) -> Self {
         let mut learner = Self::ZEROED;
+        learner.clear_fields();
         learner.begin_run(config, davis);
         learner
     }
 
-    /// As new, in place.
+    /// After [`InPlace::clear_fields`].
     pub(crate) fn begin_run(&mut self, config: &LearningConfig, davis: &Gaussian<3>) {
         let constants = &mut self.constants;
         *constants = Gaussian::independent([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, config.gain_sd]);
         constants.mean.fixed_rows_mut::<3>(0).copy_from(&davis.mean);
         constants.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&davis.covariance);
-        self.segment = None;
-        self.learned_s = 0.0;
-    }
-
-    /// Takes the fields of a snapshot in place, in the order in which they are declared.
-    #[inline(never)]
-    pub(crate) fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        take(&mut self.constants, source)?;
-        self.segment = None;
-        let mut there = false;
-        take(&mut there, source)?;
-        if there {
-            self.segment.insert(Segment::ZEROED).take_fields(source)?;
-        }
-        take(&mut self.learned_s, source)
     }
 
     /// The run's Davis coefficients as learned so far.

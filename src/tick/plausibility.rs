@@ -52,8 +52,8 @@ pub struct Judged {
     pub time_s: Real,
     /// Time since the last measurement, s; 0 when location and speed begin anew.
     pub dt_s: Real,
-    /// Location and speed begin anew: first measurement, or a long gap.
-    pub anew: bool,
+    /// Location and speed begin here: first measurement, or a long gap.
+    pub begins: bool,
     /// Location, m.
     pub location_m: Result<Real, Cause>,
     /// Speed, m/s: the middle of the reading's interval.
@@ -62,7 +62,7 @@ pub struct Judged {
     pub effort_n_per_kg: Option<Real>,
     /// Location and speed were both read, but contradict each other.
     pub contradiction: Option<Cause>,
-    /// Locations that the speed does not lead to agreed with each other: the location is taken up anew.
+    /// Locations that the speed does not lead to agreed with each other: it is taken up where they are.
     pub shifted: bool,
 }
 
@@ -107,7 +107,10 @@ impl Plausibility {
         backward: 0,
     };
 
-    /// Judges one measurement; `None`: its time is not after the last one's, nothing has changed.
+    /// Judges one measurement.
+    ///
+    /// # Errors
+    /// The time of the last measurement, if there was one: this one's is not after it, or not finite. Nothing has changed.
     pub fn judge(
         &mut self,
         config: &PlausibilityConfig,
@@ -122,11 +125,11 @@ impl Plausibility {
             return Err(self.last_time_s);
         }
         let gap_s = self.last_time_s.map(|last_s| time_s - last_s);
-        let anew = gap_s.is_none_or(|gap_s| gap_s > config.long_gap_s);
-        if anew {
+        let begins = gap_s.is_none_or(|gap_s| gap_s > config.long_gap_s);
+        if begins {
             *self = Self::default();
         }
-        let dt_s = if anew { 0.0 } else { gap_s.unwrap_or(0.0) };
+        let dt_s = if begins { 0.0 } else { gap_s.unwrap_or(0.0) };
         self.last_time_s = Some(time_s);
 
         let before_mps = self.speed.map(|(speed_mps, _)| speed_mps);
@@ -163,7 +166,7 @@ impl Plausibility {
             }
         };
         let effort_n_per_kg = measurement.effort_n_per_kg.filter(|effort| effort.abs() < 10.0);
-        Ok(Judged { time_s, dt_s, anew, location_m, speed_mps, effort_n_per_kg, contradiction, shifted })
+        Ok(Judged { time_s, dt_s, begins, location_m, speed_mps, effort_n_per_kg, contradiction, shifted })
     }
 
     fn judge_speed(

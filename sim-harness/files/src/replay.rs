@@ -86,7 +86,7 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
     let mut surroundings = recording.surroundings();
     for row in steps(&recording.rows, tick) {
         row.update(&mut surroundings);
-        estimator.tell(&mut run, surroundings);
+        estimator.set_surroundings(&mut run, surroundings);
         match estimator.step(&mut run, &row.measurement()) {
             Ok(estimate) => {
                 if has_targets {

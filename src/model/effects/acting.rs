@@ -14,6 +14,7 @@ use crate::Real;
 use crate::model::line::Line;
 use crate::model::point::Point;
 use crate::model::resistance::Davis;
+use crate::model::train::Train;
 use serde::{Deserialize, Serialize};
 
 /// A train that is faster than this moves, m/s.
@@ -142,6 +143,11 @@ impl<'a> Acting<'a> {
         };
         let extra = |at| self.extra_n_per_kg(line, davis, at, 0.0);
         (extra(from) + 4.0 * extra(&midway) + extra(to)) / 6.0
+    }
+
+    /// See [`Effects::limits_n_per_kg`].
+    pub fn limits_n_per_kg(&self, train: &Train, location_m: Real, speed_mps: Real) -> (Real, Real) {
+        self.effects.limits_n_per_kg(train, location_m, speed_mps)
     }
 
     /// Applied effort, per believed γ m, of a resultant; see [`Effects::effort_n_per_kg`].

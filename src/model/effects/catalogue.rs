@@ -2,8 +2,8 @@
 //!
 //! A parameter is written once, in the catalogue. From it come field, name in files, accepted range, and place in the frame.
 
-use super::error::{EffectError, within};
-use super::frame::FrameError;
+use super::error::{EffectError, FrameError, within};
+use super::parameters::Parameters;
 use super::{Unknown, section};
 use crate::Real;
 use crate::listed::listed;
@@ -15,21 +15,6 @@ use serde::{Deserialize, Serialize};
 /// Default of [`SeasonalDrift::period_days`].
 const fn a_year() -> Real {
     365.0
-}
-
-/// What the catalogue says of the parameters of a kind. Only [`Unknown`] has it by hand.
-pub(super) trait Parameters: Sized {
-    /// The section where it acts, m.
-    fn section_m(&self) -> Option<(Real, Real)>;
-
-    /// Whether each is within its range.
-    fn check(&self) -> Result<(), EffectError>;
-
-    /// As a frame has them.
-    fn values(&self) -> Vec<Real, EFFECT_VALUES>;
-
-    /// From a frame, not checked.
-    fn from_frame(frame: &wire::Effect) -> Result<Self, FrameError>;
 }
 
 macro_rules! parameters {

@@ -1,4 +1,4 @@
-//! Why an effect was refused.
+//! Why an effect, or its frame, was refused.
 
 use crate::Real;
 use crate::model::bounds::{OutOfRange, between};
@@ -60,6 +60,35 @@ impl fmt::Display for EffectError {
 }
 
 impl core::error::Error for EffectError {}
+
+/// Why an effect frame was refused; the effects are as before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum FrameError {
+    /// No effect has this number.
+    UnknownKind,
+    /// Not the number of values that its kind has, or a section where there is none, or none where there is one.
+    Shape,
+    /// A point of a table that does not follow the one before it.
+    OutOfOrder,
+    /// The effect itself is refused.
+    Refused(EffectError),
+}
+
+impl fmt::Display for FrameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UnknownKind => f.write_str("expected the number of a kind of effect, found another one"),
+            Self::Shape => f.write_str("expected the values and the section that the kind of effect has, found others"),
+            Self::OutOfOrder => {
+                f.write_str("expected the next point of the table of an unknown effect, found another one")
+            }
+            Self::Refused(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
 
 /// A parameter and its range. Refuses NaN.
 pub(super) fn within(

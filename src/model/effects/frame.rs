@@ -3,41 +3,12 @@
 //! The table of an [`Unknown`] does not fit into four values. It comes point by point, each in a frame of its own with values (coordinate, number of the point, where, N/kg); point 0 begins
 //! a new table. What the board says of it is a summary: (coordinate, number of points, smallest, largest N/kg).
 
-use super::catalogue::Parameters;
-use super::{Coordinate, Effect, EffectError, MAX_POINTS, Unknown};
+use super::error::FrameError;
+use super::parameters::Parameters;
+use super::{Coordinate, Effect, MAX_POINTS, Unknown};
 use crate::Real;
 use crate::listed::listed;
-use core::fmt;
 use rundown_wire::{self as wire, EffectKind};
-
-/// Why an effect frame was refused; the effects are as before.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum FrameError {
-    /// No effect has this number.
-    UnknownKind,
-    /// Not the number of values that its kind has, or a section where there is none, or none where there is one.
-    Shape,
-    /// A point of a table that does not follow the one before it.
-    OutOfOrder,
-    /// The effect itself is refused.
-    Refused(EffectError),
-}
-
-impl fmt::Display for FrameError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::UnknownKind => f.write_str("expected the number of a kind of effect, found another one"),
-            Self::Shape => f.write_str("expected the values and the section that the kind of effect has, found others"),
-            Self::OutOfOrder => {
-                f.write_str("expected the next point of the table of an unknown effect, found another one")
-            }
-            Self::Refused(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for FrameError {}
 
 impl Effect {
     /// Its frame, as the board publishes it. Of an unknown effect a summary.

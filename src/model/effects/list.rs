@@ -1,7 +1,7 @@
 //! The effects of a model.
 
-use super::catalogue::Parameters;
 use super::frame::point_of;
+use super::parameters::Parameters;
 use super::{Effect, EffectError, FrameError, Limits, Moment, Unknown};
 use crate::Real;
 use crate::listed::listed;
@@ -84,9 +84,9 @@ impl Effects {
             }
             Some(unknown) if index == 0 => {
                 let table = listed([point]);
-                let anew = Unknown { coordinate, table };
-                anew.check().map_err(FrameError::Refused)?;
-                *unknown = anew;
+                let replaced = Unknown { coordinate, table };
+                replaced.check().map_err(FrameError::Refused)?;
+                *unknown = replaced;
                 Ok(())
             }
             Some(unknown) => {
@@ -149,6 +149,15 @@ impl Effects {
     /// The limits of a train with all effects.
     pub fn limits(&self, train: &Train, location_m: Real, speed_mps: Real) -> Limits {
         self.iter().fold(Limits::of(train), |limits, effect| effect.limit(&limits, location_m, speed_mps))
+    }
+
+    /// Largest tractive effort and largest brake effort of a train with all effects, N/kg, both positive.
+    pub fn limits_n_per_kg(&self, train: &Train, location_m: Real, speed_mps: Real) -> (Real, Real) {
+        if self.is_empty() {
+            return (train.max_effort_n_per_kg(speed_mps), train.max_brake_n_per_kg());
+        }
+        let limits = self.limits(train, location_m, speed_mps);
+        (limits.traction_n_per_kg(speed_mps), limits.brake_n_per_kg)
     }
 
     /// Location and speed as they are, from the readings; see [`Effect::correct`]. The speed is put right before a late location is carried on by it.

@@ -22,12 +22,14 @@
 #[macro_use]
 mod catalogue;
 mod acting;
+mod effect;
 mod error;
 mod frame;
 mod law;
 mod limits;
 mod list;
 mod moment;
+mod parameters;
 mod section;
 
 macro_rules! laws {
@@ -40,8 +42,7 @@ rundown_wire::effects_catalogue!(laws);
 
 pub use acting::{Acting, Journey, Surroundings};
 pub use catalogue::*;
-pub use error::EffectError;
-pub use frame::FrameError;
+pub use error::{EffectError, FrameError};
 use law::{Law, Situation};
 pub use limits::Limits;
 pub use list::{Effects, MAX_EFFECTS};

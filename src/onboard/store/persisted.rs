@@ -9,7 +9,7 @@ use crate::model::effects::{Effect, Effects, MAX_EFFECTS, MAX_POINTS, Unknown};
 use crate::model::resistance::Davis;
 use crate::onboard::train_id::TrainId;
 use crate::tick::memory::{Implausible, Vehicle, VehicleRecord};
-use crate::tick::snapshot::{Source, take, take_each};
+use crate::tick::snapshot::{InPlace, in_place};
 use core::fmt;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
@@ -19,17 +19,19 @@ use serde::{Deserialize, Serialize};
 /// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order, or [`SCALES`](crate::tick::memory::SCALES).
 pub const LAYOUT: u16 = 2;
 
-/// What survives a power cut.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Persisted {
-    /// What is known of the train's resistance.
-    pub vehicle: VehicleRecord,
-    /// What happened since the board was provisioned.
-    pub lifetime: Lifetime,
-    /// Effects that were added to the model, but for the unknown one.
-    pub effects: Vec<StoredEffect, MAX_EFFECTS>,
-    /// The unknown one.
-    pub table: Option<Unknown>,
+in_place! {
+    /// What survives a power cut.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    pub struct Persisted {
+        /// What is known of the train's resistance.
+        pub vehicle: VehicleRecord = (VehicleRecord::ZEROED);
+        /// What happened since the board was provisioned.
+        pub lifetime: Lifetime = (Lifetime { resets: 0, runs: 0, stops: 0 });
+        /// Effects that were added to the model, but for the unknown one.
+        pub effects: Vec<StoredEffect, MAX_EFFECTS> = (in place);
+        /// The unknown one.
+        pub table: Option<Unknown> = (None);
+    }
 }
 
 /// Counts over the life of the board.
@@ -95,14 +97,6 @@ impl Persisted {
     /// Largest number of bytes it is stored in: 8 a number, 5 a count.
     pub const MAX_SIZE: usize =
         8 * 3 + 4 * 8 * 10 + 5 + 3 * 5 + 1 + MAX_EFFECTS * (1 + 1 + 2 * 8 + 1 + 4 * 8) + 1 + 1 + 1 + MAX_POINTS * 2 * 4;
-
-    /// Zeros.
-    pub(crate) const ZEROED: Self = Self {
-        vehicle: VehicleRecord::ZEROED,
-        lifetime: Lifetime { resets: 0, runs: 0, stops: 0 },
-        effects: Vec::new(),
-        table: None,
-    };
 
     /// A vehicle and the effects of the model, nothing counted.
     pub fn new(vehicle: &Vehicle, effects: &Effects) -> Self {
@@ -177,15 +171,6 @@ impl Persisted {
         let vehicle = Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
         self.effects_in(effects)?;
         Ok(vehicle)
-    }
-
-    /// In place and in the order in which they are declared, for the sake of the stack.
-    fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        take(&mut self.vehicle, source)?;
-        take(&mut self.lifetime, source)?;
-        self.effects.clear();
-        take_each(source, |effect| self.effects.push(effect).is_ok())?;
-        take(&mut self.table, source)
     }
 
     /// Stores it; at each stop.

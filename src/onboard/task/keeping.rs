@@ -12,6 +12,7 @@ use crate::onboard::store::{EpochError, Identity, Refused, Store};
 use crate::onboard::train_id::TrainId;
 use crate::onboard::uplink::Pace;
 use crate::tick::memory::{MemoryConfig, Vehicle};
+use crate::tick::snapshot::InPlace;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use rundown_wire::{Memory, REFUSALS};

@@ -5,12 +5,13 @@ use crate::coast_ahead::Steady;
 use crate::estimator::config::Mode;
 use crate::model::direction::Direction;
 use crate::model::effects::{self, Effects, FrameError};
-use crate::model::state::SPEED;
-use crate::model::state::resistance_sd;
+use crate::model::state::{SPEED, resistance_sd};
+use crate::model::table::Table;
+use crate::model::track::Track;
 use crate::model::train::Train;
 use crate::model::units::KmPerHour;
 use crate::onboard::published::JUDGED_KMH;
-use crate::onboard::uplink::{Command, CurvePart, Pace, Request, Setting, TargetPart, TrackPart, TrainFrame};
+use crate::onboard::uplink::{Command, Pace, Request, Setting, TrackPart, TrainFrame};
 use crate::tick::digest;
 use crate::tick::estimate::Estimate;
 use crate::tick::regime::Regime;
@@ -25,7 +26,7 @@ impl<F: NorFlash> Task<'_, F> {
             Request::Command(command) => self.command(*command, port),
             Request::Surroundings(surroundings) if !surroundings.are_plausible() => Err(Refusal::OutOfRange),
             Request::Surroundings(surroundings) => {
-                self.estimator.tell(self.run, *surroundings);
+                self.estimator.set_surroundings(self.run, *surroundings);
                 Ok(())
             }
             _ if self.running => Err(Refusal::Running),
@@ -34,8 +35,12 @@ impl<F: NorFlash> Task<'_, F> {
             Request::Setting(setting) => self.take_setting(setting),
             Request::Snapshot(part) => self.take_snapshot(part),
             Request::Effect(effect) => self.take_effect(effect, port),
-            Request::Curves(part) => self.take_curves(part),
-            Request::Targets(part) => self.take_targets(part),
+            Request::Curves(part) => {
+                self.take_entries(|track| &mut track.curves, part.track_id, part.first, &part.curves)
+            }
+            Request::Targets(part) => {
+                self.take_entries(|track| &mut track.targets, part.track_id, part.first, &part.targets)
+            }
             // Taken care of before.
             Request::Measurement(_) => Err(Refusal::Malformed),
         }
@@ -173,48 +178,34 @@ impl<F: NorFlash> Task<'_, F> {
         Ok(())
     }
 
+    /// Curves or targets of the track in force.
     #[inline(never)]
-    fn take_curves(&mut self, part: &CurvePart) -> Result<(), Refusal> {
-        if self.track_id != Some(part.track_id) {
+    fn take_entries<T: Table>(
+        &mut self,
+        table: impl FnOnce(&mut Track) -> &mut T,
+        track_id: u32,
+        first: u16,
+        entries: &[T::Entry],
+    ) -> Result<(), Refusal>
+    where
+        T::Entry: Copy,
+    {
+        if self.track_id != Some(track_id) {
             return Err(Refusal::OtherTrack);
         }
-        let track = self.estimator.track_mut();
-        if part.first == 0 {
-            track.clear_curves();
+        let table = table(self.estimator.track_mut());
+        if first == 0 {
+            table.clear();
         }
-        let taken = if track.curves() == usize::from(part.first) {
-            let mut curves = part.curves.iter();
-            curves.try_for_each(|curve| track.push_curve(*curve).map_err(|_| Refusal::OutOfRange))
-        } else {
+        let taken = if table.len() != usize::from(first) {
             Err(Refusal::OutOfOrder)
-        };
-        if taken == Err(Refusal::OutOfRange) {
-            // Half of a description is none.
-            track.clear_curves();
-        }
-        self.settle();
-        taken
-    }
-
-    #[inline(never)]
-    fn take_targets(&mut self, part: &TargetPart) -> Result<(), Refusal> {
-        if self.track_id != Some(part.track_id) {
-            return Err(Refusal::OtherTrack);
-        }
-        let track = self.estimator.track_mut();
-        if part.first == 0 {
-            track.clear_targets();
-        }
-        let taken = if track.targets() == usize::from(part.first) {
-            let mut targets = part.targets.iter();
-            targets.try_for_each(|target| track.push_target(*target).map_err(|_| Refusal::OutOfRange))
+        } else if entries.iter().all(|entry| table.push(*entry)) {
+            Ok(())
         } else {
-            Err(Refusal::OutOfOrder)
+            // A partial description is rejected.
+            table.clear();
+            Err(Refusal::OutOfRange)
         };
-        if taken == Err(Refusal::OutOfRange) {
-            // Half of a description is none.
-            track.clear_targets();
-        }
         self.settle();
         taken
     }

@@ -1,0 +1,21 @@
+//! Parameters of a kind of effect: their check, and their way into a frame and back.
+
+use super::error::{EffectError, FrameError};
+use crate::Real;
+use heapless::Vec;
+use rundown_wire::{self as wire, EFFECT_VALUES};
+
+/// What the catalogue says of the parameters of a kind. Only [`Unknown`] has it by hand.
+pub(super) trait Parameters: Sized {
+    /// The section where it acts, m.
+    fn section_m(&self) -> Option<(Real, Real)>;
+
+    /// Whether each is within its range.
+    fn check(&self) -> Result<(), EffectError>;
+
+    /// As a frame has them.
+    fn values(&self) -> Vec<Real, EFFECT_VALUES>;
+
+    /// From a frame, not checked.
+    fn from_frame(frame: &wire::Effect) -> Result<Self, FrameError>;
+}
