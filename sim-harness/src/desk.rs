@@ -2,19 +2,17 @@
 //!
 //! In: train, track, configuration, measurements. Out: messages, secured where they must be. The link that carries them is the caller's.
 
-use rundown::estimator::Estimator;
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
 use rundown::model::effects::{Effect, Effects};
 use rundown::model::track::{Curve, Gradient, Target, Track};
 use rundown::model::train::{Train, TrainDescription};
 use rundown::onboard::auth::{Provisioning, Refusal, SealError, Signer};
-use rundown::onboard::task::DATA_ID;
 use rundown::onboard::uplink::{
     self, CURVES, Command, CurvePart, GRADIENTS, Pace, Request, SECURED, Setting, TARGETS, TargetPart, TrackPart,
     TrainFrame, Uplink,
 };
-use rundown::tick::digest;
+use rundown::{
+    estimator::Estimator, estimator::config::Config, model::direction::Direction, onboard::task::DATA_ID, tick::digest,
+};
 use rundown_files::track_file::TrackFile;
 use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
 

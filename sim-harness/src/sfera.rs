@@ -17,8 +17,7 @@
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 use rundown_files::train_file::TrainFile;
-use std::io;
-use std::str::FromStr;
+use std::{io, str::FromStr};
 
 const CURVE_STEP_KMH: f64 = 5.0;
 
@@ -190,8 +189,7 @@ fn decimal(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rundown::model::resistance::Davis;
-    use rundown::model::train::TrainDescription;
+    use rundown::{model::resistance::Davis, model::train::TrainDescription};
 
     fn train() -> TrainFile {
         let davis = Davis { r0: 7.1e-3, r1: 1.5e-4, r2: 2.7e-5 };

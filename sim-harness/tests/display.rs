@@ -4,9 +4,8 @@ use rundown::link::serial;
 use rundown_wire::{Body, Downlink};
 use sim_harness::display::demo;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpListener;
 use std::process::{Command, Output, Stdio};
-use std::sync::LazyLock;
+use std::{net::TcpListener, sync::LazyLock};
 
 /// Messages of two simulated runs.
 static MESSAGES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {

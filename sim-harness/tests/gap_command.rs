@@ -4,18 +4,13 @@ mod common;
 
 use common::{Folder, Said, TUNNEL};
 use rundown::model::effects::{Effect, SteadyWind};
-use rundown_gap::answer::files::Files;
-use rundown_gap::answer::notes::NO_ROWS;
-use rundown_gap::answer::report::page;
-use rundown_gap::answer::story::story;
-use rundown_gap::answer::whole::Answer;
-use rundown_gap::config::GapConfig;
-use rundown_gap::input::Input;
-use rundown_gap::named::Named;
+use rundown_gap::{
+    answer::files::Files, answer::notes::NO_ROWS, answer::report::page, answer::story::story, answer::whole::Answer,
+    config::GapConfig, input::Input, named::Named,
+};
 use serde_json::Value;
 use std::fmt::Write as _;
-use std::path::Path;
-use std::process::Command;
+use std::{path::Path, process::Command};
 
 /// A folder with `set`: so many runs with an effort column.
 fn simulated(runs: usize, effect: &str) -> Folder {

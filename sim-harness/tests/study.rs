@@ -7,8 +7,7 @@ use parquet::file::reader::FileReader;
 use parquet::record::{Field, Row};
 use rundown_files::parquet::RunReader;
 use serde_json::Value;
-use std::collections::BTreeSet;
-use std::path::Path;
+use std::{collections::BTreeSet, path::Path};
 
 /// Runs of the study in these tests: enough for every figure.
 const COUNT: usize = 12;

@@ -34,8 +34,7 @@ pub mod track_file;
 pub mod train_file;
 pub mod units;
 
-use std::io;
-use std::path::PathBuf;
+use std::{io, path::PathBuf};
 use thiserror::Error;
 
 /// A file that could not be written.

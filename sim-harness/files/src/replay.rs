@@ -9,20 +9,15 @@
 //!
 //! Rows whose time does not increase are dropped and named by [`Dropped`]; nothing else is.
 
-use crate::recording::Recording;
-use crate::sample::Sample;
+use crate::{recording::Recording, sample::Sample};
 use rayon::prelude::*;
-use rundown::coast_ahead::CoastAhead;
 use rundown::estimator::{Estimator, RunSummary, StepError};
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::direction::Direction;
-use rundown::tick::estimate::Estimate;
-use rundown::tick::measurement::Measurement;
-use rundown::tick::memory::Vehicle;
-use rundown::tick::regime::Regime;
-use std::borrow::Borrow;
+use rundown::{
+    coast_ahead::CoastAhead, filter::gaussian::Gaussian, model::direction::Direction, tick::estimate::Estimate,
+    tick::measurement::Measurement, tick::memory::Vehicle, tick::regime::Regime,
+};
 use std::collections::{BTreeMap, HashMap};
-use std::path::PathBuf;
+use std::{borrow::Borrow, path::PathBuf};
 
 /// Which rows are steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -6,8 +6,7 @@ use crate::toml_file::{Step, TomlFile};
 use rundown::model::track::{Curve, Gradient, MAX_CURVES, MAX_GRADIENTS, MAX_TARGETS, Target, Track, TrackError};
 use rundown::model::units::KmPerHour;
 use serde::{Deserialize, Serialize};
-use std::fmt::Display;
-use std::path::Path;
+use std::{fmt::Display, path::Path};
 
 /// What a track file holds. Every table is sorted by where its entries begin.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,11 +1,9 @@
 //! Train descriptions: a TOML file, see [`TrainFile`]. Out: the estimator's [`Train`].
 
 use crate::effect_file::{self, EffectEntry};
-use crate::refusal::ReadError;
-use crate::toml_file::TomlFile;
-use rundown::model::bounds::OutOfRange;
-use rundown::model::resistance::Davis;
+use crate::{refusal::ReadError, toml_file::TomlFile};
 use rundown::model::train::{Train, TrainDescription};
+use rundown::{model::bounds::OutOfRange, model::resistance::Davis};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

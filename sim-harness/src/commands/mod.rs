@@ -19,17 +19,12 @@ mod simulate;
 mod study;
 mod tune;
 
-use crate::simulation::folder::FolderError;
-use crate::study::Refused;
+use crate::{simulation::folder::FolderError, study::Refused};
 use clap::{CommandFactory, Parser, Subcommand};
-use rundown::estimator::config::Config;
-use rundown::model::effects::EffectError;
-use rundown::tick::bounds::ConfigError;
+use rundown::{estimator::config::Config, model::effects::EffectError, tick::bounds::ConfigError};
 use rundown_files::refusal::ReadError;
 use rundown_files::{WriteError, config_file};
-use std::ffi::OsString;
-use std::path::Path;
-use std::process::ExitCode;
+use std::{ffi::OsString, path::Path, process::ExitCode};
 
 /// What `--help` says about exit codes.
 const AFTER_HELP: &str = "\

@@ -1,28 +1,23 @@
 //! `rundown replay`: recorded runs, a train and a track in; estimates, features, parameters and a report out.
 
 use super::{Failure, SOME_RUNS_FAILED, screen};
-use crate::advice::advice;
 use crate::logs::{self, Failed};
 use crate::output::json::{self, mode_word};
-use crate::output::write_tables;
 use crate::report::{Report, RunView, write_report};
+use crate::{advice::advice, output::write_tables};
 use clap::ValueEnum;
 use rayon::prelude::*;
-use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
-use rundown::model::train::Train;
-use rundown_files::effect_file;
-use rundown_files::map_matching::CentreLine;
+use rundown::{estimator::Estimator, model::train::Train};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
-use rundown_files::run_log::BadRows;
-use rundown_files::run_set::RunSet;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use rundown_files::{
+    effect_file, map_matching::CentreLine, run_log::BadRows, run_set::RunSet, track_file::TrackFile,
+    train_file::TrainFile,
+};
 use serde_json::Value;
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::{collections::HashMap, process::ExitCode};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -2,25 +2,20 @@
 
 use super::recorded::{Opened, RecordedRuns};
 use super::{Failure, SOME_RUNS_FAILED, screen};
-use crate::simulation::scenario_file::Simulation;
 use crate::study::case::{calm, case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, gather};
 use crate::study::page::{StudyPage, known, page};
 use crate::study::slope::{Answer, Plan};
-use crate::study::source::RunSource;
-use crate::study::trials::Trials;
-use crate::study::write::RunTable;
 use crate::study::{claims, description, slope as self_test, write};
-use rundown::estimator::config::Config;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
-use rundown_files::parquet::RunWriter;
-use rundown_files::recording::Recording;
-use rundown_files::table::Record;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use crate::{
+    simulation::scenario_file::Simulation, study::source::RunSource, study::trials::Trials, study::write::RunTable,
+};
+use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
+use rundown_files::{
+    parquet::RunWriter, recording::Recording, table::Record, track_file::TrackFile, train_file::TrainFile,
+};
 use rundown_pages::numbers::counted;
 use serde_json::json;
 use std::path::{Path, PathBuf};

@@ -2,9 +2,7 @@
 //!
 //! In: messages of the board and to it, damage, what becomes of the connection. Out: [`View`]s under one lock, and a wait for the next change.
 
-use super::sent::SentSetup;
-use super::setup::Setup;
-use super::state::State;
+use super::{sent::SentSetup, setup::Setup, state::State};
 use rundown_wire::{Reader, Received, Tally};
 use serde::Serialize;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};

@@ -2,8 +2,7 @@
 //!
 //! In: train and track files, each or none; what was sent to the board. Out: [`Setup`], which the page gets whenever it changes.
 
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use rundown_files::{track_file::TrackFile, train_file::TrainFile};
 use serde::Serialize;
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -5,19 +5,15 @@
 //! A port, a connection or an interface that fails is opened again, after [`FIRST_PAUSE`], then twice as long, at most [`LONGEST_PAUSE`]; a source that brings frames begins with the first pause again.
 //! A recording is the bytes of a serial line, or what `rundown link --record` writes (`docs/formats.md`); its first bytes show which.
 
-use super::demo;
 use super::hub::{Connection, Hub};
-use super::player::Player;
-use crate::link::Clock;
-use crate::link::address::Address;
+use super::{demo, player::Player};
 use crate::link::record::{Way, recorded_line};
+use crate::{link::Clock, link::address::Address};
 use rundown::link::serial::Decoder;
 use rundown::link::{Counters, Link};
-use std::fmt;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::{fmt, fs::File, time::Duration};
 
 pub const FIRST_PAUSE: Duration = Duration::from_millis(250);
 pub const LONGEST_PAUSE: Duration = Duration::from_secs(4);

@@ -15,15 +15,9 @@
 use super::port::HostPort;
 use super::{HostLink, Unwrapped};
 use embedded_can::nb::Can;
-use rundown::link::can::CanFrame;
-use rundown::link::can_link::CanLink;
-use rundown::link::isotp::Config;
-use rundown::link::serial::SerialLink;
 use rundown::link::slcan::{PortError, Slcan};
-use std::fmt;
-use std::io;
-use std::net::TcpStream;
-use std::str::FromStr;
+use rundown::{link::can::CanFrame, link::can_link::CanLink, link::isotp::Config, link::serial::SerialLink};
+use std::{fmt, io, net::TcpStream, str::FromStr};
 
 /// A port that carries bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -263,9 +257,7 @@ mod tests {
     #[test]
     fn who_only_listens_sends_nothing_and_hears_all() {
         use crate::link::pipe;
-        use rundown::link::Link;
-        use rundown::link::can::Format;
-        use rundown::link::can_link::TO_BOARD;
+        use rundown::{link::Link, link::can::Format, link::can_link::TO_BOARD};
         let (here, mut there) = pipe::bus();
         let mut other = here.clone();
         let mut listener = CanLink::host(Silent(here), Config::CLASSIC);

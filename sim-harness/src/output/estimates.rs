@@ -12,12 +12,9 @@
 //! | `validity`, `cause` | how far location and speed may be trusted, and why not |
 //! | `regime_confirmed` | the regime of this row's sample as known one sample later; the last row keeps its causal one |
 
-use rundown::filter::ukf::Reading;
 use rundown::model::state::{LOCATION, R0, R1, R2, SIZE, SPEED};
-use rundown::tick::estimate::Estimate;
-use rundown::tick::regime::Regime;
-use rundown_files::replay::ReplayedRun;
-use rundown_files::table::digits_17;
+use rundown::{filter::ukf::Reading, tick::estimate::Estimate, tick::regime::Regime};
+use rundown_files::{replay::ReplayedRun, table::digits_17};
 use std::io::{self, Write};
 
 pub fn file_name(run: &ReplayedRun) -> String {

@@ -4,8 +4,7 @@
 //! over the time, because a standing train has many of them at one place.
 
 use super::RunView;
-use rundown::Real;
-use rundown::tick::estimate::Estimate;
+use rundown::{Real, tick::estimate::Estimate};
 use rundown_pages::chart::range_of;
 use std::ops::Range;
 

@@ -1,17 +1,14 @@
 //! A plausible run for the tests of the report, made by hand and replayed: traction, cruise, a final coast with learning, brake, standstill.
 
 use super::{Report, RunView};
-use rundown::Real;
-use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
-use rundown::features::FeatureConfig;
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::direction::Direction;
-use rundown::model::track::Track;
 use rundown::model::train::{Train, TrainDescription};
-use rundown_files::recording::Recording;
+use rundown::{
+    Real, estimator::Estimator, features::FeatureConfig, filter::gaussian::Gaussian, model::direction::Direction,
+    model::track::Track,
+};
 use rundown_files::replay::{ReplayedRun, Tick, replay};
-use rundown_files::sample::Sample;
+use rundown_files::{recording::Recording, sample::Sample};
 use std::ops::Range;
 
 const TICK_S: Real = 10.0;

@@ -19,17 +19,11 @@ pub(crate) mod resistance;
 pub(crate) mod example;
 
 use crate::output::files;
-use rundown::Real;
-use rundown::features::FeatureConfig;
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::resistance::Davis;
-use rundown::model::state;
-use rundown::model::train::Train;
-use rundown::tick::estimate::Estimate;
-use rundown::tick::measurement::Measurement;
-use rundown::tick::regime::Regime;
-use rundown_files::WriteError;
-use rundown_files::replay::ReplayedRun;
+use rundown::{
+    Real, features::FeatureConfig, filter::gaussian::Gaussian, model::resistance::Davis, model::state,
+    model::train::Train, tick::estimate::Estimate, tick::measurement::Measurement, tick::regime::Regime,
+};
+use rundown_files::{WriteError, replay::ReplayedRun};
 use std::ops::{Deref, Range};
 use std::path::Path;
 

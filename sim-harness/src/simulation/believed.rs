@@ -1,8 +1,7 @@
 //! The descriptions that the estimator gets: track and train as they are believed to be, before any effect.
 
-use rundown::model::resistance::Davis;
 use rundown::model::track::{Curve, Gradient};
-use rundown::model::train::TrainDescription;
+use rundown::{model::resistance::Davis, model::train::TrainDescription};
 use rundown_files::track_file::{FeedingSection, SpeedLimit, Stop, TrackFile, Tunnel};
 use rundown_files::train_file::TrainFile;
 use rundown_truth::line::{self, Line};

@@ -4,21 +4,14 @@
 
 use super::believed;
 use jiff::civil::Date;
-use rundown::model::resistance::Davis;
-use rundown::model::train::TrainDescription;
-use rundown_files::effect_file::refuse_effect;
-use rundown_files::refusal::ReadError;
+use rundown::{model::resistance::Davis, model::train::TrainDescription};
 use rundown_files::toml_file::{Step, TomlFile};
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
-use rundown_truth::effects::Effect;
-use rundown_truth::habits::DriverKind;
-use rundown_truth::line::Line;
+use rundown_files::{effect_file::refuse_effect, refusal::ReadError, track_file::TrackFile, train_file::TrainFile};
 use rundown_truth::plan::{Dates, Headings};
 use rundown_truth::scenario::{Scenario, UnscheduledStop};
 use rundown_truth::sensors::{Bursts, LocationWalk, Sensors, SpeedReading};
 use rundown_truth::train::{DavisTruth, TrainTruth};
-use rundown_truth::weather::Climate;
+use rundown_truth::{effects::Effect, habits::DriverKind, line::Line, weather::Climate};
 use serde::Deserialize;
 use std::path::Path;
 

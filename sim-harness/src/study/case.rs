@@ -1,11 +1,8 @@
 //! One run of the study: what the estimator gets and, of a simulated run, what was true.
 
 use crate::simulation::scenario_file::Simulation;
-use rundown::model::direction::Direction;
-use rundown::model::units::KmPerHour;
-use rundown_files::recording::Recording;
-use rundown_files::refusal::ReadError;
-use rundown_files::sample::Sample;
+use rundown::{model::direction::Direction, model::units::KmPerHour};
+use rundown_files::{recording::Recording, refusal::ReadError, sample::Sample};
 use rundown_truth::facts::{Facts, Mark};
 use rundown_truth::plan::{Heading, RunPlan, plan};
 use rundown_truth::scenario::{DriveError, Run, Scenario, simulate_planned};

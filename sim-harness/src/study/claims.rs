@@ -7,10 +7,7 @@ mod driving;
 mod resistance;
 mod trials;
 
-use super::gather::Gathered;
-use super::moments::Moments;
-use super::tallies::Tallies;
-use super::trials::Trials;
+use super::{gather::Gathered, moments::Moments, tallies::Tallies, trials::Trials};
 use rundown::model::train::Train;
 use rundown_files::table::{Cell, Record};
 use rundown_pages::numbers::{NOTHING, number};
@@ -143,9 +140,8 @@ fn from_to(moments: &Moments, per_unit: f64, decimals: usize) -> Option<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::case::case_study;
-    use crate::study::description;
     use crate::study::trials::{Misses, Pace, Sensitivity};
+    use crate::{study::case::case_study, study::description};
 
     fn train() -> Train {
         description::of(&case_study().unwrap()).unwrap().train

@@ -8,22 +8,17 @@
 //! The paper's filter begins each run with the manufacturer's values, as the paper does; the gated mode carries each unit's vehicle.
 //! What is kept does not grow with the number of runs: [`DRAWN`] runs for figures at most, evenly spread, and one vehicle for each unit.
 
-use super::Refused;
 use super::case::{Case, CaseTruth};
-use super::moments::Moments;
-use super::source::RunSource;
 use super::tallies::{LIMIT_KMH, Tallies};
 use super::view::{Outcome, Seen};
+use super::{Refused, moments::Moments, source::RunSource};
 use crate::logs::Failed;
 use rayon::prelude::*;
-use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::state;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
-use rundown::tick::bounds::ConfigError;
-use rundown::tick::memory::Vehicle;
+use rundown::{
+    estimator::Estimator, filter::gaussian::Gaussian, model::state, model::track::Track, model::train::Train,
+    tick::bounds::ConfigError, tick::memory::Vehicle,
+};
 use rundown_files::recording::Recording;
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_units_by};
 use rundown_files::table::{Cell, Record};

@@ -3,13 +3,10 @@
 use super::figures::Picture;
 use crate::output::files::failed;
 pub use crate::output::files::{folder, records, text};
-use rundown_files::WriteError;
-use rundown_files::parquet::TableWriter;
-use rundown_files::table::Record;
+use rundown_files::{WriteError, parquet::TableWriter, table::Record};
 use rundown_pages::chart::standalone;
-use std::fs::File;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs::File, io};
 
 pub const RUNS: &str = "runs";
 

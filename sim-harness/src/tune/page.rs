@@ -1,12 +1,8 @@
 //! `report.html` of a tuning.
 
 use super::parameters::{PARAMETERS, Place, values};
-use super::score::FilterScore;
-use super::search::Found;
-use crate::study::figures::Picture;
-use crate::study::page::initial;
-use crate::study::slope::Answer;
-use crate::study::trials::Sensitivity;
+use super::{score::FilterScore, search::Found};
+use crate::{study::figures::Picture, study::page::initial, study::slope::Answer, study::trials::Sensitivity};
 use maud::{Markup, html};
 use rundown_pages::numbers::number;
 use rundown_pages::shell::{column, document, figure, table, text_column};

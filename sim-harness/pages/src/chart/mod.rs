@@ -14,10 +14,9 @@ mod scale;
 pub use scale::range_of;
 
 use header::draw_header;
-use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::{coord::Shift, coord::types::RangedCoordf64};
 use rundown::Real;
 use scale::{tick, widened};
 use std::ops::Range;

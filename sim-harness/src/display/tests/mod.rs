@@ -4,10 +4,7 @@ mod screen;
 mod sources;
 mod state;
 
-use super::demo;
-use super::hub::Hub;
-use super::setup::Setup;
-use super::source::Source;
+use super::{demo, hub::Hub, setup::Setup, source::Source};
 use rundown::link::serial;
 use rundown_wire::{Body, Downlink};
 use std::path::PathBuf;

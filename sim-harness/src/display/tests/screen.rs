@@ -2,8 +2,7 @@
 
 use super::{MESSAGES, hub, on_the_line, shown};
 use crate::display::terminal;
-use ratatui::Terminal;
-use ratatui::backend::TestBackend;
+use ratatui::{Terminal, backend::TestBackend};
 use rundown_wire::Value;
 
 #[test]

@@ -1,20 +1,13 @@
 //! Recordings, files that grow, a board that goes and comes.
 
 use super::{MESSAGES, file, hub, on_the_line, shown};
-use crate::desk::Description;
-use crate::display::demo;
 use crate::display::hub::{Connection, Hub};
-use crate::display::setup::Setup;
-use crate::display::source::Source;
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
-use rundown::onboard::auth::TRAILER;
+use crate::{desk::Description, display::demo, display::setup::Setup, display::source::Source};
 use rundown::onboard::uplink::{self, Command, Request, SECURED, Uplink};
+use rundown::{estimator::config::Config, model::direction::Direction, onboard::auth::TRAILER};
 use rundown_files::track_file::TrackFile;
-use std::io::Write;
-use std::net::TcpListener;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
+use std::{io::Write, net::TcpListener, sync::Arc};
 
 #[test]
 fn a_recording_in_text_shows_the_same() {

@@ -2,9 +2,7 @@
 
 use super::{MESSAGES, estimates, on_the_line, shown};
 use crate::display::hub::{Connection, Hub};
-use crate::display::setup::Setup;
-use crate::display::state::State;
-use crate::display::text;
+use crate::{display::setup::Setup, display::state::State, display::text};
 use proptest::prelude::*;
 use rundown::link::serial;
 use rundown_wire::{Answer, Body, Downlink, Order, Reader, Received};

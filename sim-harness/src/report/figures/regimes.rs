@@ -5,11 +5,9 @@ use super::motion::speed_range;
 use super::{KMH, figure, nothing_estimated, trusted};
 use crate::report::axis::Axis;
 use plotters::style::RGBColor;
-use rundown::model::state;
-use rundown::tick::regime::Regime;
+use rundown::{model::state, tick::regime::Regime};
 use rundown_pages::chart::{Layer, Panel, Point};
-use rundown_pages::colours;
-use rundown_pages::numbers::percent;
+use rundown_pages::{colours, numbers::percent};
 
 /// Fig. 6: the speed profile in the colours of the regimes, their shares in the legend.
 pub fn regimes(run: &RunView) -> String {

@@ -2,10 +2,7 @@
 
 use super::super::example::{self, report, train};
 use super::*;
-use rundown::Real;
-use rundown::features::FeatureConfig;
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::state;
+use rundown::{Real, features::FeatureConfig, filter::gaussian::Gaussian, model::state};
 use rundown_files::replay::ReplayedRun;
 
 /// What no page may hold, whatever the runs were.

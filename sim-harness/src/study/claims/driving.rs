@@ -1,10 +1,7 @@
 //! Claims on how trains are driven: sections 4.1, 4.3, 4.4.
 
 use super::{Claim, alone, claim, from_to, mean, near, percent, three};
-use crate::study::gather::Gathered;
-use crate::study::moments::Moments;
-use crate::study::tallies::Tallies;
-use crate::study::view::CLOUDS_KMH;
+use crate::{study::gather::Gathered, study::moments::Moments, study::tallies::Tallies, study::view::CLOUDS_KMH};
 use rundown::model::train::Train;
 use rundown_pages::numbers::{NOTHING, number};
 

@@ -1,16 +1,10 @@
 //! Claims on the filter and the resistance: section 4.2.
 
 use super::{Claim, Columns, alone, claim, from_to, mean, near, percent, three};
-use crate::study::case::CaseTruth;
 use crate::study::gather::{Example, Gathered};
-use crate::study::moments::Moments;
 use crate::study::tallies::{R0_BAND, Tallies};
-use crate::study::trials::Sensitivity;
-use crate::study::view::CLOUDS_KMH;
-use rundown::model::state;
-use rundown::model::train::Train;
-use rundown::tick::estimate::Estimate;
-use rundown::tick::regime::Regime;
+use crate::{study::case::CaseTruth, study::moments::Moments, study::trials::Sensitivity, study::view::CLOUDS_KMH};
+use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
 use rundown_pages::numbers::number;
 use rundown_truth::sensors::TruthSample;

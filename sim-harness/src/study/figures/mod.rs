@@ -16,8 +16,7 @@ pub(crate) mod profiles;
 pub(crate) mod run;
 pub(crate) mod slope;
 
-use super::gather::Drawn;
-use super::view::Seen;
+use super::{gather::Drawn, view::Seen};
 use rundown_files::table::{Cell, Record};
 
 #[derive(Clone, Debug, PartialEq)]

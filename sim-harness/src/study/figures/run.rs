@@ -2,13 +2,9 @@
 
 use super::{Eyes, Picture, number, text};
 use crate::report::{RunView, TruthView, figures};
-use crate::study::case::CaseTruth;
-use crate::study::gather::Example;
-use rundown::model::resistance::Davis;
-use rundown::model::state;
-use rundown::model::train::Train;
-use rundown_files::replay::ReplayedRun;
-use rundown_files::table::Record;
+use crate::{study::case::CaseTruth, study::gather::Example};
+use rundown::{model::resistance::Davis, model::state, model::train::Train};
+use rundown_files::{replay::ReplayedRun, table::Record};
 
 pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
     let run = match eyes {
