@@ -78,31 +78,26 @@ impl Description {
         if parts.is_empty() {
             parts.push(&[]);
         }
-        let mut first = 0;
-        for part in parts {
-            requests.push(Request::Track(TrackPart {
-                id: self.track_id(),
+        let first = |index: usize, size: usize| u16::try_from(index * size).unwrap_or(u16::MAX);
+        let (id, track_id) = (self.track_id(), self.track_id());
+        requests.extend(parts.into_iter().enumerate().map(|(index, part)| {
+            let gradients = part.iter().copied().collect();
+            Request::Track(TrackPart {
+                id,
                 length_m: self.track_length_m,
                 total,
-                first,
-                gradients: part.iter().copied().collect(),
-            }));
-            first += u16::try_from(part.len()).unwrap_or(0);
-        }
-        for (index, part) in self.curves.chunks(CURVES).enumerate() {
-            requests.push(Request::Curves(CurvePart {
-                track_id: self.track_id(),
-                first: u16::try_from(index * CURVES).unwrap_or(u16::MAX),
-                curves: part.iter().copied().collect(),
-            }));
-        }
-        for (index, part) in self.targets.chunks(TARGETS).enumerate() {
-            requests.push(Request::Targets(TargetPart {
-                track_id: self.track_id(),
-                first: u16::try_from(index * TARGETS).unwrap_or(u16::MAX),
-                targets: part.iter().copied().collect(),
-            }));
-        }
+                first: first(index, GRADIENTS),
+                gradients,
+            })
+        }));
+        requests.extend(self.curves.chunks(CURVES).enumerate().map(|(index, part)| {
+            let curves = part.iter().copied().collect();
+            Request::Curves(CurvePart { track_id, first: first(index, CURVES), curves })
+        }));
+        requests.extend(self.targets.chunks(TARGETS).enumerate().map(|(index, part)| {
+            let targets = part.iter().copied().collect();
+            Request::Targets(TargetPart { track_id, first: first(index, TARGETS), targets })
+        }));
         if !self.effects.is_empty() {
             requests.push(Request::Command(Command::ClearEffects));
             let parts = self.effects.iter().flat_map(Effect::parts);

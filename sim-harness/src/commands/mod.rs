@@ -103,6 +103,11 @@ impl Failure {
         Self { message: error.to_string(), code: DESCRIPTION_REFUSED }
     }
 
+    /// Of all runs none could be used.
+    fn no_runs(message: impl Into<String>) -> Self {
+        Self { message: message.into(), code: SOME_RUNS_FAILED }
+    }
+
     #[cfg(feature = "link")]
     fn board(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), code: BOARD }

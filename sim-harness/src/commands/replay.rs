@@ -109,21 +109,21 @@ fn period(text: &str) -> Result<f64, String> {
     }
 }
 
-pub(super) struct ReplaySetup {
-    pub(super) config: Config,
-    pub(super) train: TrainFile,
-    pub(super) core_train: Train,
-    pub(super) track: TrackFile,
+struct ReplaySetup {
+    config: Config,
+    train: TrainFile,
+    core_train: Train,
+    track: TrackFile,
     /// With the effects that act in all runs.
-    pub(super) estimator: Estimator,
+    estimator: Estimator,
 }
 
-pub(super) struct Results {
-    pub(super) runs: Vec<ReplayedRun>,
-    pub(super) failed: Vec<Failed>,
-    pub(super) notes: Vec<String>,
-    pub(super) carried: bool,
-    pub(super) tick: Tick,
+struct Results {
+    runs: Vec<ReplayedRun>,
+    failed: Vec<Failed>,
+    notes: Vec<String>,
+    carried: bool,
+    tick: Tick,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -137,8 +137,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             0 => "expected at least one run log, found none; nothing was written".to_owned(),
             failed => format!("none of {failed} run logs could be used; nothing was written"),
         };
-        let code = SOME_RUNS_FAILED;
-        return Err(Failure { message, code });
+        return Err(Failure::no_runs(message));
     }
     let json = write(&arguments.out, &setup, &results)?;
     if arguments.json {
@@ -208,7 +207,7 @@ fn own_estimators(setup: &ReplaySetup, recordings: &[Recording]) -> Result<HashM
 }
 
 /// Writes the tables and the report; returns what `--json` prints.
-pub(super) fn write(folder: &Path, setup: &ReplaySetup, results: &Results) -> Result<Value, Failure> {
+fn write(folder: &Path, setup: &ReplaySetup, results: &Results) -> Result<Value, Failure> {
     let json = json::value(&json::Replay {
         config: &setup.config,
         train: &setup.train.name,

@@ -126,10 +126,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         screen::error(&failed.error);
     }
     if study.gathered.paper.runs == 0 {
-        return Err(Failure {
-            message: "no run could be used; the report says why".to_owned(),
-            code: SOME_RUNS_FAILED,
-        });
+        return Err(Failure::no_runs("no run could be used; the report says why"));
     }
     if arguments.json {
         let claims: Vec<_> = claims::records(&study.claims).iter().map(rundown_files::table::to_json).collect();
@@ -270,10 +267,7 @@ fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
     let drawn = &gathered.drawn;
     let mut pictures = vec![profiles::profiles(drawn, gathered.paper.runs)];
     for eyes in Eyes::BOTH {
-        let tallies = match eyes {
-            Eyes::Paper => &gathered.paper,
-            Eyes::Gated => &gathered.gated,
-        };
+        let tallies = eyes.pick(&gathered.paper, &gathered.gated);
         pictures.push(histograms::davis(drawn, eyes, &train.davis()));
         pictures.push(histograms::style(drawn, eyes));
         pictures.push(brake::brake(drawn, eyes, tallies, &gathered.truth));

@@ -1,7 +1,7 @@
 //! `rundown tune`: the paper's filter tuned by the two criteria of section 4.2.
 
 use super::recorded::RecordedRuns;
-use super::{Failure, SOME_RUNS_FAILED, screen};
+use super::{Failure, screen};
 use crate::study::case::{calm, case_study};
 use crate::study::slope::{Answer, Plan};
 use crate::study::{description, slope, write};
@@ -117,10 +117,7 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure
     }
     runs.truncate(count);
     if runs.is_empty() {
-        return Err(Failure {
-            message: "no run could be used; nothing was written".to_owned(),
-            code: SOME_RUNS_FAILED,
-        });
+        return Err(Failure::no_runs("no run could be used; nothing was written"));
     }
     let words = format!("{} {words} runs", runs.len());
     let bench = Bench { base, train, track, runs };
