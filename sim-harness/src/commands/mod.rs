@@ -20,17 +20,12 @@ mod simulate;
 mod study;
 mod tune;
 
-use crate::simulation::folder::FolderError;
-use crate::study::Refused;
+use crate::{simulation::folder::FolderError, study::Refused};
 use clap::{CommandFactory, Parser, Subcommand};
-use rundown::estimator::config::Config;
-use rundown::model::effects::EffectError;
-use rundown::tick::bounds::ConfigError;
+use rundown::{estimator::config::Config, model::effects::EffectError, tick::bounds::ConfigError};
 use rundown_files::refusal::ReadError;
 use rundown_files::{WriteError, config_file};
-use std::ffi::OsString;
-use std::path::Path;
-use std::process::ExitCode;
+use std::{ffi::OsString, path::Path, process::ExitCode};
 
 /// What `--help` says about exit codes.
 const AFTER_HELP: &str = "\
@@ -109,6 +104,11 @@ struct Failure {
 impl Failure {
     fn refused(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), code: DESCRIPTION_REFUSED }
+    }
+
+    /// Of all runs none could be used.
+    fn no_runs(message: impl Into<String>) -> Self {
+        Self { message: message.into(), code: SOME_RUNS_FAILED }
     }
 
     #[cfg(feature = "link")]

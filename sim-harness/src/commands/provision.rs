@@ -3,8 +3,7 @@
 use super::{Failure, screen};
 use rundown::onboard::auth::{Key, Provisioning};
 use rundown::onboard::train_id::TrainId;
-use std::path::PathBuf;
-use std::process::ExitCode;
+use std::{path::PathBuf, process::ExitCode};
 
 const EXAMPLES: &str = "\
 Examples:
