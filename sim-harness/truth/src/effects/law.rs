@@ -1,6 +1,6 @@
 //! What an effect can change of the truth.
 
-use super::{Affected, EffectError, Expect};
+use super::{Affected, EffectError, Expect, Parameter};
 use crate::line::Line;
 use crate::motion::Motion;
 use crate::train::TrainTruth;
@@ -87,13 +87,21 @@ pub enum Together {
     Day,
 }
 
+/// The parameters of a kind of effect.
+pub trait Parameters {
+    /// With their names, in the order of files.
+    fn parameters(&self) -> Vec<(&'static str, Parameter<'_>)>;
+}
+
 /// The law of a kind of effect. What it does not state, it leaves as it is.
-pub trait Law {
-    /// Checks the parameters.
+pub trait Law: Parameters {
+    /// Checks what the ranges of the parameters do not say.
     ///
     /// # Errors
     /// [`EffectError`] names effect, parameter and what was expected.
-    fn check(&self, expect: &Expect) -> Result<(), EffectError>;
+    fn check(&self, _expect: &Expect) -> Result<(), EffectError> {
+        Ok(())
+    }
 
     /// The runs in which it acts, where these are not all.
     fn affected(&self) -> Option<(&Affected, Together)> {

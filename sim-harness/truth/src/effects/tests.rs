@@ -13,6 +13,25 @@ fn the_name_is_the_one_in_files() {
     assert_eq!(toml::from_str::<Effect>(&text).unwrap(), effect);
 }
 
+macro_rules! fields {
+    ($($number:literal $Kind:ident $name:ident $place:ident $summary:literal $parameters:tt)*) => {
+        [$((EffectKind::$Kind, $Kind::FIELDS)),*]
+    };
+}
+
+/// Ranges are looked up by place. A kind may have fewer parameters than the estimator's.
+#[test]
+fn parameters_stand_in_the_order_of_the_catalogue() {
+    for (kind, fields) in effects_catalogue!(named: fields) {
+        let ends = if kind.has_section() { ["from_m", "to_m"].as_slice() } else { &[] };
+        let numbers = fields.strip_prefix(ends).unwrap_or_else(|| panic!("{kind}: {fields:?}"));
+        let numbers = numbers.strip_suffix(&["runs"]).unwrap_or(numbers);
+        let known: Vec<&str> = kind.parameters().iter().map(|it| it.name).collect();
+        let numbers: Vec<String> = numbers.iter().map(|name| name.replace("deg_c", "degC")).collect();
+        assert!(!numbers.is_empty() && known[..numbers.len()] == numbers, "{kind}: {fields:?}, {known:?}");
+    }
+}
+
 #[test]
 fn a_section_seen_from_the_other_end() {
     let bump = Effect::LocationBump(LocationBump { from_m: 100.0, to_m: 300.0, drag_n_per_kg: 0.01 });
@@ -25,14 +44,14 @@ fn a_section_seen_from_the_other_end() {
 fn refusals_name_effect_parameter_and_value() {
     let error = |effect: Effect, curves| effect.check(curves).unwrap_err().to_string();
     let tunnel = Effect::TunnelDrag(TunnelDrag { from_m: 500.0, to_m: 400.0, k: 1e-5 });
-    assert_eq!(error(tunnel, true), "tunnel_drag: expected to_m beyond from_m, found 400");
+    assert_eq!(error(tunnel, true), "tunnel_drag: to_m: expected a place beyond from_m, found 400");
     let curves = Effect::CurveResistance(CurveResistance { coefficient_roeckl: 1.0 });
     assert_eq!(curves.check(true), Ok(()));
     assert_eq!(error(curves, false), "curve_resistance: expected a line with curves, found none");
     let nan = Effect::CubicDrag(CubicDrag { k: f64::NAN });
-    assert_eq!(error(nan, true), "cubic_drag: expected k finite, found NaN");
+    assert_eq!(error(nan, true), "cubic_drag: k: expected a finite number, found NaN");
     let share = Effect::DraggingBrake(DraggingBrake { drag_n_per_kg: 0.01, runs: Affected::Share(1.5) });
-    assert_eq!(error(share, true), "dragging_brake: expected runs to be a share of 0 to 1, found 1.5");
+    assert_eq!(error(share, true), "dragging_brake: runs: expected 0 to 1, found 1.5");
 }
 
 fn extra(effect: &Effect, line: &Line, at: Moment) -> f64 {
