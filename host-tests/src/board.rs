@@ -3,17 +3,11 @@
 use crate::accuracy::measurements;
 use crate::coasting::with_targets;
 use crate::flash::Flash;
-use rundown::estimator::config::Config;
+use crate::prelude::*;
 use rundown::estimator::run_state::RunState;
-use rundown::model::direction::Direction;
 use rundown::onboard::auth::{Key, Provisioning, ProvisioningError};
 use rundown::onboard::task::{Port, Room, Task};
-use rundown::onboard::train_id::TrainId;
-use rundown::onboard::uplink::{Command, Pace, Request};
-use rundown::tick::measurement::Measurement;
-use rundown_truth::scenario::{Scenario, simulate};
 use rundown_wire::{Answer, Downlink, Estimate, Health, Refusal, SnapshotPart, Status};
-use sim_harness::desk::{Description, Desk};
 
 /// The first frame of a kind: `said!(frames, Status)`.
 #[macro_export]

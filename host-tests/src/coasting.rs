@@ -1,21 +1,14 @@
 //! Coast-ahead predictions judged against truth: what the train would do if it coasted from there, driven on by the simulator.
 
 use crate::accuracy::{description, measurements};
+use crate::prelude::*;
 use rundown::coast_ahead::{CoastAhead, Outcome, Steady};
-use rundown::estimator::Estimator;
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
-use rundown::model::track::Target;
 use rundown::model::units::KmPerHour;
-use rundown::tick::estimate::Estimate;
-use rundown::tick::memory::Vehicle;
 use rundown_truth::driver::Regime;
 use rundown_truth::motion::Motion;
 use rundown_truth::plan::plan;
-use rundown_truth::scenario::{Scenario, drive_planned, simulate_planned};
 use rundown_truth::sensors::TraceStep;
 use rundown_truth::world::{History, World};
-use sim_harness::desk::Description;
 
 /// Standard deviations of a 90 % interval to either side.
 const NINETY_PERCENT: f64 = 1.645;

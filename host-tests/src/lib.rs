@@ -8,6 +8,7 @@ pub mod board;
 pub mod coasting;
 pub mod fields;
 pub mod flash;
+pub mod prelude;
 pub mod reference;
 pub mod target;
 pub mod textbook;

@@ -12,10 +12,9 @@
 //! K = Pxz Pz⁻¹, x = x̄ + K (z - z̄), P = Px - K Pz Kᵀ                                                Eq. (16)-(18)
 //! ```
 
+use crate::prelude::*;
 use nalgebra::{SMatrix, SVector};
-use rundown::filter::gaussian::Gaussian;
 use rundown::model::line::Line;
-use rundown::model::motion::Evaluate;
 
 /// α, β, κ as plain numbers.
 #[derive(Clone, Copy, Debug)]

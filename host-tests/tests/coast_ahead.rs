@@ -4,16 +4,13 @@
 
 use host_tests::board::{Board, case_study};
 use host_tests::coasting::{Calibration, Judged, judge, published};
+use host_tests::prelude::*;
 use host_tests::said;
 use rayon::prelude::*;
 use rundown::coast_ahead::CoastConfig;
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
-use rundown::model::track::{MAX_TARGETS, Target};
-use rundown::onboard::uplink::{Request, Setting, TargetPart};
-use rundown::tick::measurement::Measurement;
+use rundown::model::track::MAX_TARGETS;
+use rundown::onboard::uplink::{Setting, TargetPart};
 use rundown_truth::driver::Regime;
-use rundown_truth::scenario::Scenario;
 use rundown_wire::{Body, CoastAhead, CoastOutcome, Refusal};
 
 /// Share of the described resistance of r0, r1, r2 of eight vehicles.

@@ -3,12 +3,9 @@
 #[path = "documents/snippet.rs"]
 mod snippet;
 
-use rundown::model::resistance::Davis;
-use rundown::model::train::{Train, TrainDescription};
-use rundown::tick::measurement::Measurement;
+use host_tests::prelude::*;
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
 
 /// Longest line of prose. Tables, code and headings may be longer.
 const LINE: usize = 120;

@@ -2,15 +2,8 @@
 //!
 //! `cargo test -p host-tests --test effects -- --nocapture` prints the figures.
 
-use rundown::estimator::Estimator;
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
+use host_tests::prelude::*;
 use rundown::model::effects::*;
-use rundown::model::resistance::Davis;
-use rundown::model::track::{Curve, Gradient, Track};
-use rundown::model::train::{Train, TrainDescription};
-use rundown::tick::measurement::Measurement;
-use rundown::tick::memory::Vehicle;
 
 const DESCRIBED: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 /// A tenth off the description, so that there is something to learn beside the effect.

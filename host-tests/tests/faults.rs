@@ -4,19 +4,12 @@ use host_tests::accuracy::measurements;
 use host_tests::board::{Board, answer, case_study, estimate};
 use host_tests::coasting::with_targets;
 use host_tests::flash::Flash;
+use host_tests::prelude::*;
 use host_tests::said;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rundown::estimator::config::{Config, Mode};
 use rundown::link::serial::{Decoder, encode};
-use rundown::model::direction::Direction;
 use rundown::model::effects::*;
-use rundown::model::track::Gradient;
-use rundown::onboard::uplink::{self, Command, Request, Setting, Uplink};
-use rundown::tick::measurement::Measurement;
-use rundown_truth::scenario::{Scenario, simulate};
+use rundown::onboard::uplink::{self, Setting, Uplink};
 use rundown_wire::{Downlink, Refusal};
-use sim_harness::desk::Description;
 
 fn running() -> (Board, Description, Vec<Measurement>) {
     let (description, log) = case_study();

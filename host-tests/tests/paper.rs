@@ -1,17 +1,12 @@
 //! Is this the method of the paper? Its tables, thresholds and worked numbers, and the one number that its step gets wrong.
 
 use host_tests::accuracy::TRAIN;
+use host_tests::prelude::*;
 use nalgebra::SVector;
-use rundown::estimator::config::{Config, Mode};
 use rundown::features::FeatureConfig;
 use rundown::filter::ukf::{Process, Spread};
-use rundown::model::direction::Direction;
 use rundown::model::line::Line;
-use rundown::model::motion::{Evaluate, Motion};
-use rundown::model::resistance::Davis;
-use rundown::model::state::{SIZE, SPEED};
-use rundown::model::track::Track;
-use rundown::model::train::Train;
+use rundown::model::motion::Motion;
 use rundown::tick::paper::Difference;
 use rundown::tick::regime::{PaperRule, Regime};
 

@@ -1,18 +1,11 @@
 //! Does it behave? Logs with faults cut into them; every scenario is judged against truth or against the same log without the fault.
 
 use host_tests::accuracy::{Errors, estimator, measurements, resistance};
-use rand::{RngExt, SeedableRng};
-use rundown::estimator::config::{Config, Mode};
-use rundown::estimator::{Estimator, RunSummary, StepError};
-use rundown::model::direction::Direction;
-use rundown::model::resistance::Davis;
-use rundown::model::state::{LOCATION, SPEED};
-use rundown::model::track::{Gradient, Track};
-use rundown::tick::estimate::{Cause, Estimate, Validity};
-use rundown::tick::measurement::Measurement;
+use host_tests::prelude::*;
+use rundown::estimator::StepError;
+use rundown::tick::estimate::{Cause, Validity};
 use rundown::tick::regime::Regime;
-use rundown_truth::scenario::{Run, Scenario, simulate};
-use rundown_truth::sensors::{LocationWalk, Sensors};
+use rundown_truth::sensors::LocationWalk;
 use rundown_truth::train::DavisTruth;
 
 const SEED: u64 = 31;

@@ -3,14 +3,11 @@
 use crc::{CRC_32_ISCSI, Crc};
 use embedded_storage::nor_flash::NorFlash;
 use host_tests::flash::{CUT_MODES, CutMode, Flash, PAGE, TornReads, WORD};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use host_tests::prelude::*;
 use rundown::model::effects::{Coordinate, Effect, Effects, TunnelDrag, Unknown, WarmUp};
-use rundown::model::resistance::Davis;
 use rundown::onboard::store::persisted::{LAYOUT, Lifetime, NotRestored, Persisted};
 use rundown::onboard::store::{AppendError, EpochError, Identity, OVERHEAD, Refused, Store, TooFewPages};
-use rundown::onboard::train_id::TrainId;
-use rundown::tick::memory::{Implausible, MemoryConfig, Vehicle};
+use rundown::tick::memory::{Implausible, MemoryConfig};
 
 const SLOT: usize = 1024;
 const PAGES: usize = 4;

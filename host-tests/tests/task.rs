@@ -3,19 +3,13 @@
 use host_tests::accuracy::{description, measurements};
 use host_tests::board::{Board, PROVISIONING, answer, estimate, task};
 use host_tests::flash::Flash;
+use host_tests::prelude::*;
 use host_tests::said;
-use rundown::estimator::config::{Config, Mode};
-use rundown::model::direction::Direction;
 use rundown::model::effects::*;
-use rundown::model::track::Curve;
 use rundown::onboard::auth::{Provisioning, Signer};
-use rundown::onboard::uplink::{Command, CurvePart, Pace, Request, Setting};
-use rundown::tick::digest;
-use rundown::tick::measurement::Measurement;
+use rundown::onboard::uplink::{CurvePart, Setting};
 use rundown::tick::regime::Regime;
-use rundown_truth::scenario::{Scenario, simulate};
 use rundown_wire::{Body, Memory, Refusal};
-use sim_harness::desk::{Description, Desk};
 
 fn described() -> (Description, Vec<Measurement>) {
     let scenario = Scenario::default();

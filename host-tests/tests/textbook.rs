@@ -5,20 +5,14 @@
 //! (`reference.rs` shows that against 50 digits).
 
 use host_tests::accuracy::TRAIN;
+use host_tests::prelude::*;
 use host_tests::textbook::{self, Points, Read, Shape};
 use nalgebra::{SMatrix, SVector};
-use rand::{RngExt, SeedableRng};
 use rundown::filter::elimination::Column;
-use rundown::filter::gaussian::Gaussian;
 use rundown::filter::ukf::{Observation, Pair, Process, Spread, Ukf};
-use rundown::model::direction::Direction;
 use rundown::model::line::Line;
-use rundown::model::motion::{Evaluate, Motion};
-use rundown::model::resistance::Davis;
-use rundown::model::state::{LOCATION, SIZE, SIZE_WITH_GAIN, SPEED};
-use rundown::model::track::{Gradient, Track};
-use rundown::model::train::Train;
-use rundown::tick::learning::LocationAndSpeed;
+use rundown::model::motion::Motion;
+use rundown::model::state::SIZE_WITH_GAIN;
 
 const LENGTH_M: f64 = 60_000.0;
 const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };

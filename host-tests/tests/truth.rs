@@ -3,24 +3,16 @@
 //!
 //! The account of a step: speed change over time against the described model under the effort in newton. What is missing is what the effect took.
 
-use rundown::estimator::Estimator;
-use rundown::estimator::config::{Config, Mode};
-use rundown_files::recording::{DirectionChoice, Recording};
+use host_tests::prelude::*;
 use rundown_files::replay::{Tick, replay_carried_by};
-use rundown_files::run_log::{BadRows, RunLog};
-use rundown_files::run_set::RunSet;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
 use rundown_truth::driver::Regime;
 use rundown_truth::effects::*;
 use rundown_truth::facts::Facts;
 use rundown_truth::line::Line;
 use rundown_truth::plan::{Heading, Headings, RunPlan, plan};
-use rundown_truth::scenario::{Scenario, drive_planned, simulate_planned};
-use rundown_truth::sensors::{Sensors, SpeedReading, TraceStep};
+use rundown_truth::sensors::{SpeedReading, TraceStep};
 use sim_harness::simulation::folder;
 use sim_harness::simulation::scenario_file::Simulation;
-use std::path::Path;
 
 const GRAVITY_MPS2: f64 = 9.80665;
 /// Described train of the case study.
@@ -424,12 +416,9 @@ fn drivers_stop_within_two_metres_under_every_effect_and_a_finer_step_changes_li
 }
 
 #[test]
+#[ignore = "needs a folder of real lines: RUNDOWN_TRACKS=FOLDER"]
 fn every_real_line_can_be_driven_both_ways() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/tracks");
-    if !folder.is_dir() {
-        println!("skipped: no real lines in ../shared/data/tracks beside the workspace");
-        return;
-    }
+    let folder = std::env::var("RUNDOWN_TRACKS").expect("a folder of real lines in RUNDOWN_TRACKS");
     let mut lines = 0;
     for entry in std::fs::read_dir(&folder).unwrap() {
         let path = entry.unwrap().path();

@@ -3,11 +3,7 @@
 use host_tests::accuracy::{description, measurements};
 use host_tests::board::Board;
 use host_tests::flash::Flash;
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
-use rundown::onboard::uplink::{Command, Request};
-use rundown::tick::measurement::Measurement;
-use rundown_truth::scenario::{Scenario, simulate};
+use host_tests::prelude::*;
 use rundown_wire::{Body, Downlink};
 
 fn names(frames: &[Downlink]) -> Vec<&'static str> {
