@@ -4,6 +4,7 @@
 mod snippet;
 
 use host_tests::prelude::*;
+use host_tests::project::{files, shown, text};
 use std::collections::BTreeSet;
 use std::fs;
 
@@ -38,28 +39,13 @@ const NOT: &[(&str, &str)] = &[
     ("by luck", "unreliably"),
 ];
 
-fn root() -> PathBuf {
-    fs::canonicalize(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).expect("the project")
+/// Files whose names end so: path and text.
+fn read(end: &str) -> Vec<(PathBuf, String)> {
+    files("", end).into_iter().map(|path| (path.clone(), text(path))).collect()
 }
 
-/// All files of the project whose names end so, without what is built, kept by git or downloaded.
-fn files(folder: &Path, end: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
-        let name = entry.file_name().unwrap_or_default().to_string_lossy();
-        if entry.is_dir() && !name.starts_with('.') && !["target", "out", "corpus", "assets"].contains(&&*name) {
-            found.extend(files(&entry, end));
-        } else if name.ends_with(end) {
-            found.push(entry);
-        }
-    }
-    found
-}
-
-/// The documents: path and text.
 fn documents() -> Vec<(PathBuf, String)> {
-    let read = |path: PathBuf| (path.clone(), fs::read_to_string(path).expect("UTF-8"));
-    files(&root(), ".md").into_iter().map(read).collect()
+    read(".md")
 }
 
 /// The lines outside of code blocks, with their numbers.
@@ -96,7 +82,7 @@ fn report(findings: &[String]) {
 }
 
 fn place(path: &Path, line: usize) -> String {
-    format!("{}:{line}", path.strip_prefix(root()).unwrap_or(path).display())
+    format!("{}:{line}", shown(path))
 }
 
 #[test]
@@ -126,7 +112,7 @@ fn links_lead_to_files_and_headings() {
                 let (file, heading) = link.split_once('#').unwrap_or((link, ""));
                 let target = if file.is_empty() { path.clone() } else { path.with_file_name("").join(file) };
                 let there = fs::exists(&target).unwrap_or(false);
-                let found = || heading.is_empty() || anchors(&fs::read_to_string(&target).unwrap()).contains(heading);
+                let found = || heading.is_empty() || anchors(&self::text(&target)).contains(heading);
                 if !there || !found() {
                     findings.push(format!("{}: {link} does not exist", place(&path, number)));
                 }
@@ -164,8 +150,7 @@ fn words_are_those_of_the_field() {
 /// A test is named `file.rs::name`, wherever the file lies.
 #[test]
 fn tests_that_are_named_exist() {
-    let sources: Vec<(PathBuf, String)> =
-        files(&root(), ".rs").into_iter().map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect();
+    let sources = read(".rs");
     let mut findings = Vec::new();
     let mut count = 0;
     for (path, text) in documents() {
@@ -187,7 +172,7 @@ fn tests_that_are_named_exist() {
 
 #[test]
 fn the_snippet_of_the_readme_learns_the_resistance_of_a_coasting_train() {
-    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let readme = text("README.md");
     let shown = readme.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next());
     assert_eq!(shown, Some(include_str!("documents/snippet.rs")));
 

@@ -1,8 +1,7 @@
 //! What is left when the power goes? The firmware on the test board of the emulator, whose flash is a file: killing the emulator is the loss of power.
 
 use emulator::{Board, Emulator, FlashFile, Settings};
-use host_tests::accuracy::{description, measurements};
-use host_tests::board::PROVISIONING;
+use host_tests::board::{PROVISIONING, described};
 use host_tests::prelude::*;
 use host_tests::said;
 use host_tests::target::on_target;
@@ -27,9 +26,7 @@ fn provisioned() -> (Settings, tempfile::TempDir) {
 #[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
     let (settings, _folder) = provisioned();
-    let scenario = Scenario::default();
-    let description = description(Config::default(), &scenario);
-    let log = measurements(&simulate(&scenario, 3));
+    let (description, log) = described();
 
     let mut emulator = Emulator::start(&settings).unwrap();
     let mut session = on_target(&mut emulator).unwrap();
@@ -72,11 +69,9 @@ fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
 #[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_run_goes_on_after_a_brown_out() {
     let (settings, _folder) = provisioned();
-    let scenario = Scenario::default();
-    let description = description(Config::default(), &scenario);
+    let (description, log) = described();
     let estimator = description.estimator().unwrap();
     let mut run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
-    let log = measurements(&simulate(&scenario, 3));
     let (before, after) = log.split_at(100);
 
     let mut emulator = Emulator::start(&settings).unwrap();

@@ -334,7 +334,7 @@ fn a_location_off_the_track_is_named_and_freezes_the_resistance() {
 }
 
 #[test]
-fn a_pause_of_eleven_minutes_begins_anew_and_keeps_what_was_learned() {
+fn a_pause_of_eleven_minutes_initialises_again_and_keeps_what_was_learned() {
     let found = spoilt(0.7, |log, _| log.iter_mut().for_each(|measurement| measurement.time_s += 660.0));
     assert_eq!(found.count(Cause::LongGap), 1);
     let [before, after] = [&found.estimates[found.k - 1], &found.estimates[found.k]];

@@ -166,7 +166,7 @@ fn rot_after_the_mount_falls_back_too() {
 }
 
 #[test]
-fn blank_and_zeroed_flash_other_trains_and_older_layouts_are_told_apart() {
+fn blank_and_zeroed_flash_other_trains_and_older_layouts_are_distinguished() {
     let mut blank = Ring::mount(Flash::erased(PAGES)).unwrap();
     assert_eq!(blank.newest(identity()), Ok(None));
 

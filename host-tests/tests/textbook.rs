@@ -1,6 +1,6 @@
-//! Is `rundown::filter::ukf` the filter that is printed? The witness is `host_tests::textbook`, Eq. (7)-(18) word for word.
+//! Is `rundown::filter::ukf` the filter that is printed? The reference implementation is `host_tests::textbook`, Eq. (7)-(18) word for word.
 //!
-//! With α = 1 both forms round to the last digits and must agree to 1e-9 standard deviations. With α = 0.001 the witness has weights near
+//! With α = 1 both forms round to the last digits and must agree to 1e-9 standard deviations. With α = 0.001 the reference has weights near
 //! 1.7e6: it subtracts numbers that agree to six digits or more, so what remains of sixteen digits bounds the comparison, not `rundown`
 //! (`reference.rs` shows that against 50 digits).
 
@@ -39,8 +39,8 @@ struct Case {
     evaluate: Evaluate,
     /// Leaves out each 3rd location, each 4th speed and now and then both.
     gaps: bool,
-    /// The witness begins each step from our belief, not from its own: no error of its own is carried on.
-    each_step_anew: bool,
+    /// The reference begins each step from our belief, not from its own: no error of its own is carried on.
+    each_step_from_ours: bool,
     /// Initial standard deviations.
     sd: [f64; SIZE],
 }
@@ -55,7 +55,7 @@ const CASE: Case = Case {
     direction: Direction::Up,
     evaluate: Evaluate::Beginning,
     gaps: false,
-    each_step_anew: false,
+    each_step_from_ours: false,
     sd: UNCERTAIN,
 };
 
@@ -72,13 +72,13 @@ impl Difference {
         self.mean.max(self.covariance).max(self.innovation)
     }
 
-    fn add<const N: usize>(&mut self, ours: &Gaussian<N>, witness: &Gaussian<N>) {
+    fn add<const N: usize>(&mut self, ours: &Gaussian<N>, reference: &Gaussian<N>) {
         for i in 0..N {
-            let error = (ours.mean[i] - witness.mean[i]).abs() / witness.sd(i);
+            let error = (ours.mean[i] - reference.mean[i]).abs() / reference.sd(i);
             self.mean = worst(self.mean, error);
             for j in 0..N {
-                let error = ours.covariance[(i, j)] - witness.covariance[(i, j)];
-                let error = error.abs() / (witness.sd(i) * witness.sd(j));
+                let error = ours.covariance[(i, j)] - reference.covariance[(i, j)];
+                let error = error.abs() / (reference.sd(i) * reference.sd(j));
                 self.covariance = worst(self.covariance, error);
             }
         }
@@ -90,8 +90,8 @@ fn worst(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 
-/// One step of the witness with the readings that are there.
-fn witness_step<const N: usize>(
+/// One step of the reference with the readings that are there.
+fn reference_step<const N: usize>(
     case: &Case,
     belief: &Gaussian<N>,
     f: impl Fn(&SVector<f64, N>) -> SVector<f64, N>,
@@ -147,7 +147,7 @@ fn compare<const N: usize>(case: &Case, begin: Gaussian<N>) -> Difference {
             z[1] = z[1].filter(|_| k % 4 != 0);
         }
         let motion = Motion::new(&line, &ours.mean, effort, dt_s, case.evaluate).with_noise(case.noise_mps2);
-        if case.each_step_anew {
+        if case.each_step_from_ours {
             theirs = ours;
         }
         let found = ukf.step(&mut ours, &motion, &observation, &z).unwrap();
@@ -157,7 +157,7 @@ fn compare<const N: usize>(case: &Case, begin: Gaussian<N>) -> Difference {
         let q = motion.noise(case.noise_mps2);
         theirs.mean[LOCATION] -= origin_m;
         let z = [z[0].map(|m| m - origin_m), z[1]];
-        let (next, innovation) = witness_step(case, &theirs, |x| motion.advance(x), &q, z, variance);
+        let (next, innovation) = reference_step(case, &theirs, |x| motion.advance(x), &q, z, variance);
         theirs = next;
         theirs.mean[LOCATION] += origin_m;
         difference.add(&ours, &theirs);
@@ -197,7 +197,7 @@ fn combinations(shape: Shape) -> Vec<Case> {
                         direction,
                         evaluate,
                         gaps,
-                        each_step_anew: shape.alpha < 0.01,
+                        each_step_from_ours: shape.alpha < 0.01,
                         sd: UNCERTAIN,
                     });
                 }
@@ -226,25 +226,25 @@ fn alpha_beta_and_kappa_enter_as_printed() {
     }
 }
 
-/// The witness loses here: it sums numbers x with weights of 1.7e6 that cancel to 1, so a step of it is good to about 1.7e6 · 1.1e-16 · |x| / sd,
+/// The reference loses here: it sums numbers x with weights of 1.7e6 that cancel to 1, so a step of it is good to about 1.7e6 · 1.1e-16 · |x| / sd,
 /// which is 1e-8 sd for a speed of 30 m/s known to 0.5 m/s, and ten to a hundred times that where few digits of a mean are uncertain.
 /// So each step begins from our belief, and locations are counted from near the train: then it reaches 3e-6 sd. What accumulates over a run is
 /// compared with 50 digits, by `reference.rs`.
 #[test]
-fn points_of_table_1_agree_as_far_as_the_witness_reaches() {
+fn points_of_table_1_agree_as_far_as_the_reference_reaches() {
     let shape = Shape { alpha: 1e-3, ..WIDE };
     for case in combinations(shape) {
         agrees(&case, 1e-5);
     }
 }
 
-/// The standard deviations of Table 1 too: 0.0005 m/s beside 30 m/s, which leaves the witness 1e-4 sd in one step.
+/// The standard deviations of Table 1 too: 0.0005 m/s beside 30 m/s, which leaves the reference 1e-4 sd in one step.
 #[test]
-fn table_1_agrees_as_far_as_the_witness_reaches() {
+fn table_1_agrees_as_far_as_the_reference_reaches() {
     let sd = [1.0, 0.0005, 1e-6, 1e-8, 1e-9];
     agrees(&Case { sd, reuse_points: true, ..CASE }, 1e-9);
     let shape = Shape { alpha: 1e-3, ..WIDE };
-    agrees(&Case { sd, shape, reuse_points: true, each_step_anew: true, ..CASE }, 1e-3);
+    agrees(&Case { sd, shape, reuse_points: true, each_step_from_ours: true, ..CASE }, 1e-3);
 }
 
 #[test]
@@ -318,7 +318,7 @@ fn a_motion_without_constants_is_filtered_as_printed() {
             let z = [(k % 5 != 0).then_some(truth[0]), (k % 3 != 0).then_some(truth[1])];
             ukf.step(&mut ours, &pendulum, &RateAndAngle, &[z[1], z[0]]).unwrap();
             let f = |x: &SVector<f64, 3>| pendulum.advance(x);
-            theirs = witness_step(&case, &theirs, f, &q, z, [0.01, 0.04]).0;
+            theirs = reference_step(&case, &theirs, f, &q, z, [0.01, 0.04]).0;
             difference.add(&ours, &theirs);
         }
         println!("{difference:?}");
@@ -328,14 +328,14 @@ fn a_motion_without_constants_is_filtered_as_printed() {
 
 /// The reference implementation itself: weights of Eq. (9) for Table 1, and points that give back what they were drawn from.
 #[test]
-fn the_witness_has_the_weights_of_the_paper() {
+fn the_reference_has_the_weights_of_the_paper() {
     let shape = Shape { alpha: 1e-3, ..WIDE };
     let (lambda, w0_mean, w0_covariance, w) = textbook::weights(shape, SIZE);
     assert!((lambda + 4.999_997).abs() < 1e-12);
     assert!((w0_mean + 1_666_665.67).abs() < 0.01 && (w - 166_666.67).abs() < 0.01);
     let (mean, covariance, others) = Spread::PAPER.weights(SIZE);
     let relative = |a: f64, b: f64| (a / b - 1.0).abs();
-    // The witness forms L + λ from λ and keeps ten digits of it; `Spread` does not.
+    // The reference forms L + λ from λ and keeps ten digits of it; `Spread` does not.
     assert!(relative(mean, w0_mean) < 1e-9 && relative(covariance, w0_covariance) < 1e-9);
     assert!(relative(others, w) < 1e-9);
 

@@ -144,7 +144,7 @@ const DATA: [[&str; 4]; 2] = [
     ["RUNDOWN_TRACKS", "../shared/data/tracks", "", "truth"],
 ];
 
-/// Documentation tests are part of `cargo test` as long as it is not told which targets to take.
+/// Documentation tests are part of `cargo test` as long as no targets are named.
 fn test() -> Result<(), String> {
     setup::setup()?;
     all(firmware::firmware)?;

@@ -156,8 +156,8 @@ impl World {
     /// A deceleration that the brake can give everywhere on this line, with a tenth in reserve, m/s².
     pub fn safe_deceleration_mps2(&self) -> f64 {
         let steepest = self.line.gradients_permille().iter().map(|g| g.1).fold(0.0, f64::min);
-        let pull = GRAVITY_MPS2 / self.train.gamma * steepest / 1000.0;
-        (0.9 * self.max_brake_n_per_kg() + pull).max(LEAST_DECELERATION_MPS2)
+        let downhill = GRAVITY_MPS2 / self.train.gamma * steepest / 1000.0;
+        (0.9 * self.max_brake_n_per_kg() + downhill).max(LEAST_DECELERATION_MPS2)
     }
 
     /// What arrives at the wheels of a demanded effort, N/kg.

@@ -16,18 +16,12 @@ pub enum Board {
 
 /// Why there is no firmware to start.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each has its message")]
 pub enum NoImage {
-    /// It was never built.
     #[error("no firmware at {0}: build it with `cargo xtask firmware`")]
     Missing(PathBuf),
-    /// A source is newer.
     #[error("the firmware at {image} is older than {source_file}: build it with `cargo xtask firmware`")]
-    Stale {
-        /// The firmware.
-        image: PathBuf,
-        /// A file that changed since.
-        source_file: PathBuf,
-    },
+    Stale { image: PathBuf, source_file: PathBuf },
 }
 
 impl Board {
@@ -71,9 +65,6 @@ impl Board {
     }
 
     /// Its firmware, if it is there and no source of it is newer.
-    ///
-    /// # Errors
-    /// [`NoImage`] says what to do.
     pub fn image(self) -> Result<PathBuf, NoImage> {
         let image = self.image_path();
         let Some(built) = modified(&image) else {

@@ -52,7 +52,7 @@ fn a_panic_is_reported_with_its_line() {
 
 #[test]
 #[ignore = "needs the firmware and its emulator: cargo xtask test"]
-fn a_stack_overflow_is_told_from_other_faults() {
+fn a_stack_overflow_is_distinguished_from_other_faults() {
     let kept = after(Provoke::StackOverflow, 1);
     assert_eq!(kept.last, Failure::StackOverflow);
 }

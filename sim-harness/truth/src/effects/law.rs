@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 /// A moment of a run, as the laws of the effects see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// Location along the way travelled, and speed.
+    /// Location along the distance travelled, and speed.
     pub motion: Motion,
     /// Since the departure of the run, s; 0 before.
     pub since_departure_s: f64,
