@@ -122,27 +122,105 @@ fn links_lead_to_files_and_headings() {
     report(&findings);
 }
 
+/// Letters, digits, hyphens; one blank between words.
+fn words(line: &str) -> String {
+    let line = without_code(line).to_lowercase();
+    let letters = line.replace(|letter: char| !letter.is_alphanumeric() && !"-'".contains(letter), " ");
+    letters.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The words of [`NOT`] in lines of prose, each with the finding.
+fn found(path: &Path, lines: &[(usize, String)]) -> Vec<(&'static str, String)> {
+    let mut findings = Vec::new();
+    for (index, (number, line)) in lines.iter().enumerate() {
+        // A phrase may go on in the next line.
+        let next = lines.get(index + 1).map_or("", |(_, next)| next);
+        let (both, next) = (format!(" {line} {next} "), format!(" {next} "));
+        for (not, instead) in NOT {
+            let phrase = format!(" {not} ");
+            if both.contains(&phrase) && !next.contains(&phrase) {
+                findings.push((*not, format!("{}: \"{not}\": write {instead}", place(path, *number))));
+            }
+        }
+    }
+    findings
+}
+
 #[test]
 fn words_are_those_of_the_field() {
-    let words = |line: &str| {
-        let line = without_code(line).to_lowercase();
-        let letters = line.replace(|letter: char| !letter.is_alphanumeric() && !"-'".contains(letter), " ");
-        letters.split_whitespace().collect::<Vec<_>>().join(" ")
-    };
     let mut findings = Vec::new();
     for (path, text) in documents() {
         let lines: Vec<(usize, String)> = lines(&text).map(|(number, line)| (number, words(line))).collect();
-        for (index, (number, line)) in lines.iter().enumerate() {
-            // A phrase may go on in the next line.
-            let next = lines.get(index + 1).map_or("", |(_, next)| next);
-            let (both, next) = (format!(" {line} {next} "), format!(" {next} "));
-            for (not, instead) in NOT {
-                let phrase = format!(" {not} ");
-                if both.contains(&phrase) && !next.contains(&phrase) {
-                    findings.push(format!("{}: \"{not}\": write {instead}", place(&path, *number)));
-                }
-            }
+        findings.extend(found(&path, &lines).into_iter().map(|(_, finding)| finding));
+    }
+    report(&findings);
+}
+
+/// Folders whose code still says so. The list may only become shorter.
+const STILL_IN_CODE: &[(&str, &[&str])] = &[
+    (
+        "sim-harness/gap/",
+        &[
+            "anew",
+            "cannot be told",
+            "gauge",
+            "has for itself",
+            "held-out",
+            "is told",
+            "pull",
+            "pulls",
+            "signs of whole runs",
+            "told from",
+            "took no part",
+            "ways between stops",
+        ],
+    ),
+    ("sim-harness/src/", &["anew", "held-out", "pulls"]),
+    ("sim-harness/tests/", &["held-out", "is told", "pull"]),
+    ("sim-harness/files/", &["pulls"]),
+    (
+        "src/",
+        &[
+            "anew",
+            "cannot be told",
+            "flutters",
+            "is told",
+            "pulls",
+            "the way ahead",
+            "told from",
+            "turn of power",
+            "turns of power",
+            "witness",
+        ],
+    ),
+    ("wire/", &["anew", "told from"]),
+];
+
+/// What a line of code says to a reader: its comment and its strings.
+fn prose(line: &str) -> String {
+    let (code, comment) = match line.split_once("//") {
+        Some((code, comment)) if !code.ends_with(':') => (code, comment),
+        _ => (line, ""),
+    };
+    let strings = code.split('"').skip(1).step_by(2);
+    words(&strings.chain([comment]).collect::<Vec<_>>().join(" "))
+}
+
+#[test]
+fn words_in_code_are_those_of_the_field() {
+    let mut findings = Vec::new();
+    for (path, text) in read(".rs") {
+        // Here they all stand.
+        if path.ends_with("tests/documents.rs") {
+            continue;
         }
+        let name = shown(&path);
+        let lines: Vec<(usize, String)> =
+            text.lines().map(prose).enumerate().map(|(at, line)| (at + 1, line)).collect();
+        let known =
+            STILL_IN_CODE.iter().find(|(folder, _)| name.starts_with(folder)).map_or(&[][..], |(_, words)| words);
+        let new = found(&path, &lines).into_iter().filter(|(not, _)| !known.contains(not));
+        findings.extend(new.map(|(_, finding)| finding));
     }
     report(&findings);
 }

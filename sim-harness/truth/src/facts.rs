@@ -5,7 +5,7 @@
 use crate::habits::Habits;
 use crate::plan::RunPlan;
 use crate::regime::Regime;
-use crate::sensors::TraceStep;
+use crate::sensors::TruthSample;
 use crate::train::{DavisTruth, TrainTruth};
 use crate::weather::Weather;
 use crate::world::World;
@@ -94,8 +94,8 @@ impl Default for Recorder {
 
 impl Recorder {
     /// One step, from the row before to its own. `plateau`: between the approach brake and the stop.
-    pub fn observe(&mut self, from: &TraceStep, to: &TraceStep, plateau: bool) {
-        let mark = |at: &TraceStep| Mark { time_s: at.time_s, location_m: at.location_m, speed_mps: at.speed_mps };
+    pub fn observe(&mut self, from: &TruthSample, to: &TruthSample, plateau: bool) {
+        let mark = |at: &TruthSample| Mark { time_s: at.time_s, location_m: at.location_m, speed_mps: at.speed_mps };
         let regime = to.regime;
         if regime != self.last {
             if regime == Regime::Brake {

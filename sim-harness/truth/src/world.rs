@@ -37,6 +37,17 @@ pub struct History {
     pub stood_s: Option<f64>,
 }
 
+impl History {
+    /// The train stops or starts in the step that ends now.
+    pub(crate) fn stand(&mut self, from_mps: f64, to_mps: f64) {
+        if to_mps > 0.0 {
+            self.stood_s = self.standing_since_s.take().map(|since_s| self.time_s - since_s).or(self.stood_s);
+        } else if from_mps > 0.0 {
+            self.standing_since_s = Some(self.time_s);
+        }
+    }
+}
+
 /// What acts in one run.
 #[derive(Clone, Debug)]
 pub struct World {
