@@ -11,6 +11,11 @@ pub const TRAIN: TrainDescription = TrainDescription { max_power_w: 2_036_377.8,
 /// Its Davis coefficients.
 pub const NOMINAL: Davis = TRAIN.davis;
 
+/// The same as the estimator takes it.
+pub fn train() -> Train {
+    Train::try_new(TRAIN).unwrap()
+}
+
 /// The scenario's line and a train as described (not as it truly is).
 pub fn description(config: Config, scenario: &Scenario) -> Description {
     let gradients = scenario.line.gradients_permille().iter();

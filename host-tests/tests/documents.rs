@@ -3,6 +3,7 @@
 #[path = "documents/snippet.rs"]
 mod snippet;
 
+use host_tests::accuracy::{NOMINAL, train};
 use host_tests::prelude::*;
 use host_tests::project::{files, shown, text};
 use std::collections::BTreeSet;
@@ -254,16 +255,7 @@ fn the_snippet_of_the_readme_learns_the_resistance_of_a_coasting_train() {
     let shown = readme.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next());
     assert_eq!(shown, Some(include_str!("documents/snippet.rs")));
 
-    let davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
-    let train = Train::try_new(TrainDescription {
-        mass_kg: 364e3,
-        rotating_mass_factor: 1.06,
-        length_m: 162.0,
-        davis,
-        max_tractive_effort_n: 192.92e3,
-        max_power_w: 2.036e6,
-        max_brake_mps2: 0.66,
-    });
+    let davis = NOMINAL;
     // It coasts from 140 km/h with a tenth less resistance than described.
     let (mut location_m, mut speed_mps) = (0.0, 140.0 / 3.6);
     let mut log = Vec::new();
@@ -279,7 +271,7 @@ fn the_snippet_of_the_readme_learns_the_resistance_of_a_coasting_train() {
             speed_mps -= 0.1 * 0.9 * davis.resistance_n_per_kg(speed_mps);
         }
     }
-    let learned = snippet::learn(train.unwrap(), &log).unwrap();
+    let learned = snippet::learn(train(), &log).unwrap();
     let share = learned.resistance_n_per_kg(30.0) / davis.resistance_n_per_kg(30.0);
     assert!((share - 0.9).abs() < 0.02, "{share}");
 }

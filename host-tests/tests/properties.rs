@@ -1,6 +1,6 @@
 //! What always holds, whatever comes in.
 
-use host_tests::accuracy::TRAIN;
+use host_tests::accuracy::train;
 use host_tests::prelude::*;
 use host_tests::textbook::{Points, Shape};
 use nalgebra::{SMatrix, SVector, Vector2};
@@ -10,10 +10,6 @@ use rundown::filter::ukf::{Pair, Process, Spread, Ukf};
 use rundown::model::line::Line;
 use rundown::model::motion::Motion;
 use rundown::tick::regime::{PaperRule, Regime};
-
-fn train() -> Train {
-    Train::try_new(TRAIN).unwrap()
-}
 
 fn track(steps: &[(f64, f64)]) -> Track {
     let mut from_m = 0.0;

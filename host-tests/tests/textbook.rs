@@ -4,7 +4,7 @@
 //! 1.7e6: it subtracts numbers that agree to six digits or more, so what remains of sixteen digits bounds the comparison, not `rundown`
 //! (`reference.rs` shows that against 50 digits).
 
-use host_tests::accuracy::TRAIN;
+use host_tests::accuracy::{NOMINAL, train};
 use host_tests::prelude::*;
 use host_tests::textbook::{self, Points, Read, Shape};
 use nalgebra::{SMatrix, SVector};
@@ -15,11 +15,6 @@ use rundown::model::motion::Motion;
 use rundown::model::state::SIZE_WITH_GAIN;
 
 const LENGTH_M: f64 = 60_000.0;
-const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
-
-fn train() -> Train {
-    Train::try_new(TRAIN).unwrap()
-}
 
 /// A new gradient each 130 m, up and down by up to 25 permille.
 fn track() -> Track {
@@ -174,7 +169,7 @@ fn begin(case: &Case) -> Gaussian<SIZE> {
         Direction::Up => 500.0,
         Direction::Down => LENGTH_M - 500.0,
     };
-    Gaussian::independent([location_m, 20.0, DAVIS.r0, DAVIS.r1, DAVIS.r2], case.sd)
+    Gaussian::independent([location_m, 20.0, NOMINAL.r0, NOMINAL.r1, NOMINAL.r2], case.sd)
 }
 
 fn agrees(case: &Case, tolerance_sd: f64) {
@@ -253,7 +248,7 @@ fn the_gain_of_a_measured_effort_is_a_constant_like_the_others() {
         let case = Case { evaluate, ..CASE };
         let mut sd = [0.03; SIZE_WITH_GAIN];
         sd[..SIZE].copy_from_slice(&UNCERTAIN);
-        let mean = [500.0, 20.0, DAVIS.r0, DAVIS.r1, DAVIS.r2, 1.0];
+        let mean = [500.0, 20.0, NOMINAL.r0, NOMINAL.r1, NOMINAL.r2, 1.0];
         let difference = compare(&case, Gaussian::independent(mean, sd));
         assert!(difference.largest() < 1e-9, "{difference:?}");
     }

@@ -28,13 +28,18 @@ impl Board {
     /// All.
     pub const ALL: [Self; 3] = [Self::L475, Self::L475Emulated, Self::Mps2];
 
+    /// Its name on the command line, the feature of the firmware that makes it, QEMU's name for it.
+    const fn names(self) -> (&'static str, Option<&'static str>, &'static str) {
+        match self {
+            Self::L475 => ("l475", None, "b-l475e-iot01a"),
+            Self::L475Emulated => ("l475-emulated", Some("emulator"), "b-l475e-iot01a"),
+            Self::Mps2 => ("mps2", Some("mps2"), "mps2-an386"),
+        }
+    }
+
     /// Name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::L475 => "l475",
-            Self::L475Emulated => "l475-emulated",
-            Self::Mps2 => "mps2",
-        }
+        self.names().0
     }
 
     /// The board of that name.
@@ -44,19 +49,11 @@ impl Board {
 
     /// The feature of the firmware that makes it.
     pub fn feature(self) -> Option<&'static str> {
-        match self {
-            Self::L475 => None,
-            Self::L475Emulated => Some("emulator"),
-            Self::Mps2 => Some("mps2"),
-        }
+        self.names().1
     }
 
-    /// QEMU's name for it.
-    pub fn machine(self) -> &'static str {
-        match self {
-            Self::L475 | Self::L475Emulated => "b-l475e-iot01a",
-            Self::Mps2 => "mps2-an386",
-        }
+    pub(crate) fn machine(self) -> &'static str {
+        self.names().2
     }
 
     /// Where `cargo xtask firmware` puts its firmware.
