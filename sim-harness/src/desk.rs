@@ -214,14 +214,26 @@ impl Desk {
         direction: Direction,
         pace: Pace,
     ) -> Result<Vec<Vec<u8>>, DeskError> {
-        let mut requests = description.requests(self.provisioning.train.0);
-        requests.push(Request::Command(Command::Pace(pace)));
-        requests.push(Request::Command(Command::Begin { direction, track_id: description.track_id() }));
+        let requests = self.preparation(description, direction, pace);
         requests.into_iter().map(|request| self.secured(request)).collect()
     }
 
+    /// What [`Desk::prepare`] secures.
+    pub fn preparation(&self, description: &Description, direction: Direction, pace: Pace) -> Vec<Request> {
+        let mut requests = description.requests(self.provisioning.train.0);
+        requests.push(Request::Command(Command::Pace(pace)));
+        requests.push(Request::Command(Command::Begin { direction, track_id: description.track_id() }));
+        requests
+    }
+
+    /// Sequence number of the message that was made last; an answer names it.
+    pub fn sequence(&self) -> u16 {
+        self.sequence
+    }
+
     fn uplink(&mut self, request: Request) -> Uplink {
-        self.sequence = self.sequence.wrapping_add(1);
+        // 0 is what a board answers to that could not read the message.
+        self.sequence = self.sequence.checked_add(1).unwrap_or(1);
         Uplink { sequence: self.sequence, request }
     }
 }

@@ -17,6 +17,9 @@ pub const PATIENCE: Duration = Duration::from_secs(10);
 /// How long a board that may be just starting is given for its status, before it is asked again.
 const ASK_AGAIN: Duration = Duration::from_millis(500);
 
+/// How long an answer may be late before the question counts as lost and is asked again.
+const LATE: Duration = Duration::from_secs(3);
+
 /// A frame as it came.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heard {
@@ -90,48 +93,64 @@ where
         }
     }
 
-    /// Frames, until one answers or the time is up; whether one did.
-    fn collect(&mut self, patience: Duration, answers: fn(&Body) -> bool) -> Result<(Vec<Heard>, bool), SessionError> {
+    /// Adds the frames that come, until one closes the exchange or the time is up; whether one did.
+    fn collect(
+        &mut self,
+        patience: Duration,
+        heard: &mut Vec<Heard>,
+        closes: impl Fn(&Body) -> bool,
+    ) -> Result<bool, SessionError> {
         let begin = Instant::now();
-        let mut heard = Vec::new();
         while begin.elapsed() < patience {
             let Some(next) = self.listen()? else {
                 std::thread::yield_now();
                 continue;
             };
-            let answered = answers(&next.frame.body);
+            let closed = closes(&next.frame.body);
             heard.push(next);
-            if answered {
-                return Ok((heard, true));
+            if closed {
+                return Ok(true);
             }
         }
-        Ok((heard, false))
+        Ok(false)
     }
 
-    /// Sends a message and collects frames until it is answered: by an answer, or by the estimate that closes a tick.
-    fn exchange(&mut self, message: &[u8], to: &'static str) -> Result<Vec<Heard>, SessionError> {
-        self.tell(message)?;
-        match self.collect(PATIENCE, |body| matches!(body, Body::Answer(_) | Body::Estimate(_)))? {
-            (heard, true) => Ok(heard),
-            (_, false) => Err(SessionError::Silent { to, after: PATIENCE }),
+    /// Asks until it is answered: by an answer to one of the questions, not to an earlier one, or by what else closes it.
+    fn exchange(
+        &mut self,
+        to: &'static str,
+        late: Duration,
+        question: impl Fn(&mut Desk) -> Result<Vec<u8>, DeskError>,
+        closes: impl Fn(&Body) -> bool,
+    ) -> Result<Vec<Heard>, SessionError> {
+        let begin = Instant::now();
+        let (mut asked, mut heard) = (Vec::new(), Vec::new());
+        while begin.elapsed() < PATIENCE {
+            let message = question(&mut self.desk)?;
+            asked.push(self.desk.sequence());
+            let known = heard.len();
+            self.tell(&message)?;
+            let answers = |body: &Body| matches!(body, Body::Answer(answer) if asked.contains(&answer.to));
+            if self.collect(late, &mut heard, |body| answers(body) || closes(body))? {
+                return Ok(heard);
+            }
+            // A board that cannot read a message, or may not, does not know its number.
+            if let Some(refusal) = heard.iter().skip(known).find_map(|heard| nameless_refusal(&heard.frame.body)) {
+                return Err(SessionError::Refused { what: to, refusal });
+            }
         }
+        Err(SessionError::Silent { to, after: PATIENCE })
     }
 
-    /// The same, where a refusal is an error.
-    fn accepted(&mut self, message: &[u8], what: &'static str) -> Result<Vec<Heard>, SessionError> {
-        let heard = self.exchange(message, what)?;
+    /// Asks something that changes the board.
+    pub fn ask(&mut self, request: Request, what: &'static str) -> Result<Vec<Heard>, SessionError> {
+        let heard = self.exchange(what, LATE, |desk| desk.secured(request.clone()), |_| false)?;
         match heard.last().map(|last| &last.frame.body) {
             Some(Body::Answer(Answer { result: Err(refusal), .. })) => {
                 Err(SessionError::Refused { what, refusal: *refusal })
             }
             _ => Ok(heard),
         }
-    }
-
-    /// Asks something that changes the board.
-    pub fn ask(&mut self, request: Request, what: &'static str) -> Result<Vec<Heard>, SessionError> {
-        let message = self.desk.secured(request)?;
-        self.accepted(&message, what)
     }
 
     /// Describes train, track and configuration, and begins a run. Asks for the status first, until the board answers: it may be just starting.
@@ -142,33 +161,30 @@ where
         pace: Pace,
     ) -> Result<Vec<Heard>, SessionError> {
         let mut heard = self.greet()?;
-        for message in self.desk.prepare(description, direction, pace)? {
-            let what = "the description of train, track and configuration";
-            heard.extend(self.accepted(&message, what)?);
+        for request in self.desk.preparation(description, direction, pace) {
+            heard.extend(self.ask(request, "the description of train, track and configuration")?);
         }
         Ok(heard)
     }
 
     /// Asks for the status until the board answers.
     pub fn greet(&mut self) -> Result<Vec<Heard>, SessionError> {
-        let begin = Instant::now();
-        loop {
-            let message = self.desk.open(Request::Command(Command::Status))?;
-            self.tell(&message)?;
-            let (heard, answered) = self.collect(ASK_AGAIN, |body| matches!(body, Body::Answer(_)))?;
-            if answered {
-                return Ok(heard);
-            }
-            if begin.elapsed() > PATIENCE {
-                return Err(SessionError::Silent { to: "the question for its status", after: PATIENCE });
-            }
-        }
+        let question = |desk: &mut Desk| desk.open(Request::Command(Command::Status));
+        self.exchange("the question for its status", ASK_AGAIN, question, |_| false)
     }
 
     /// One measurement in lockstep: the frames of its tick, or the answer that refuses it.
     pub fn measure(&mut self, measurement: &Measurement) -> Result<Vec<Heard>, SessionError> {
-        let message = self.desk.open(Request::Measurement(*measurement))?;
-        self.exchange(&message, "a measurement")
+        let question = |desk: &mut Desk| desk.open(Request::Measurement(*measurement));
+        let its = |body: &Body| matches!(body, Body::Estimate(estimate) if estimate.time_s == measurement.time_s);
+        self.exchange("a measurement", LATE, question, its)
+    }
+
+    /// Frames that come within this time, until the summary of a run is among them.
+    pub fn summary(&mut self, patience: Duration) -> Result<Vec<Heard>, SessionError> {
+        let mut heard = Vec::new();
+        self.collect(patience, &mut heard, |body| matches!(body, Body::RunSummary(_)))?;
+        Ok(heard)
     }
 
     /// Ends the run.
@@ -180,5 +196,13 @@ where
     pub fn report(&mut self, measurement: &Measurement) -> Result<(), SessionError> {
         let message = self.desk.open(Request::Measurement(*measurement))?;
         self.tell(&message)
+    }
+}
+
+/// The refusal of a message whose number the board does not know.
+fn nameless_refusal(body: &Body) -> Option<Refusal> {
+    match body {
+        Body::Answer(Answer { to: 0, result }) => result.err(),
+        _ => None,
     }
 }

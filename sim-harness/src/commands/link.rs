@@ -13,6 +13,7 @@ use rundown_files::{
     train_file::TrainFile,
 };
 use rundown_wire::{Body, RunSummary};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use std::{fs::File, io::BufWriter, process::ExitCode};
@@ -63,6 +64,9 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t)]
     direction: DirectionChoice,
 }
+
+/// How long the summary of a run may be late.
+const LAST_FRAMES: Duration = Duration::from_secs(3);
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let (train_file, train) = TrainFile::read(&arguments.train)?;
@@ -158,7 +162,11 @@ where
         }
         let end = Request::Command(Command::End);
         said.hear(&session.ask(end, "the end of the run").map_err(board)?);
-        bar.suspend(|| screen::print(&said.line(&recording.name)));
+        if said.summary.is_none() {
+            said.hear(&session.summary(LAST_FRAMES).map_err(board)?);
+        }
+        let line = said.line(&recording.name).map_err(Failure::board)?;
+        bar.suspend(|| screen::print(&line));
     }
     bar.finish_and_clear();
     Ok(())
@@ -168,7 +176,8 @@ where
 struct Said {
     frames: usize,
     estimates: usize,
-    refused: usize,
+    /// How often the board refused something, by its reason.
+    refused: BTreeMap<&'static str, usize>,
     summary: Option<RunSummary>,
 }
 
@@ -179,21 +188,29 @@ impl Said {
             match &heard.frame.body {
                 Body::Estimate(_) => self.estimates += 1,
                 Body::RunSummary(summary) => self.summary = Some(*summary),
-                Body::Answer(answer) if answer.result.is_err() => self.refused += 1,
+                Body::Answer(answer) => {
+                    if let Err(refusal) = answer.result {
+                        *self.refused.entry(refusal.as_str()).or_default() += 1;
+                    }
+                }
                 _ => {}
             }
         }
     }
 
-    fn line(&self, name: &str) -> String {
+    /// What came of a run, in a line; the reason, where there is no summary.
+    fn line(&self, name: &str) -> Result<String, String> {
         let Self { frames, estimates, refused, .. } = self;
-        let learned = match &self.summary {
-            Some(summary) => {
-                let [r0, r1, r2] = summary.run_davis.map(|term| term.value);
-                format!("r = {r0:.3e} + {r1:.3e} v + {r2:.3e} v2 N/kg, learned over {:.0} s", summary.learned_s)
-            }
-            None => "no summary".to_owned(),
+        let reasons: Vec<String> = refused.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
+        let refused =
+            if reasons.is_empty() { "0 refused".to_owned() } else { format!("refused: {}", reasons.join(", ")) };
+        let Some(summary) = &self.summary else {
+            return Err(format!(
+                "{name}: expected the summary of the run, found none ({frames} frames, {estimates} estimates, {refused}): the frames were lost on the link, or another program talks to the board"
+            ));
         };
-        format!("{name}: {frames} frames, {estimates} estimates, {refused} refused; {learned}\n")
+        let [r0, r1, r2] = summary.run_davis.map(|term| term.value);
+        let learned = format!("r = {r0:.3e} + {r1:.3e} v + {r2:.3e} v2 N/kg, learned over {:.0} s", summary.learned_s);
+        Ok(format!("{name}: {frames} frames, {estimates} estimates, {refused}; {learned}\n"))
     }
 }
