@@ -35,15 +35,23 @@ fn mentions(words: &[&str], not_below: &[&str]) -> BTreeSet<String> {
 /// Name of the worked example of an effect.
 const EXAMPLE: &str = "starting_resistance";
 
+/// Walks the catalogue and names all that its kinds lack.
 #[test]
-fn each_effect_has_the_files_that_are_listed() {
-    // An unknown effect is no law but a table: the truth has none.
-    for kind in EffectKind::ALL.into_iter().filter(|kind| *kind != EffectKind::Unknown) {
-        for file in listed("An effect") {
-            let path = root().join(file.replace(EXAMPLE, kind.name()));
-            assert!(path.is_file(), "{} lacks {}", kind.name(), path.display());
+fn every_kind_has_its_files_and_its_meaning() {
+    let mut missing = Vec::new();
+    for kind in EffectKind::ALL {
+        // An unknown effect is no law but a table: the truth has none.
+        let files = listed("An effect").into_iter().filter(|_| kind != EffectKind::Unknown);
+        let files = files.map(|file| file.replace(EXAMPLE, kind.name())).filter(|file| !root().join(file).is_file());
+        missing.extend(files.map(|file| format!("{kind}: expected {file}, found no file")));
+        if kind.parameters().is_empty() || kind.parameters().iter().any(|parameter| parameter.meaning.is_empty()) {
+            missing.push(format!("{kind}: expected what each of its parameters means in wire/src/catalogue.rs"));
+        }
+        if !kind.summary().ends_with('.') {
+            missing.push(format!("{kind}: expected a sentence as its summary, found {:?}", kind.summary()));
         }
     }
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
 }
 
 /// No other code, tests left out, knows the worked example by its name.
