@@ -25,7 +25,7 @@ to_m = 21000.0
 k = 1.2e-5
 "#;
 
-fn told(output: &Output) -> (Option<i32>, String, String) {
+fn outcome(output: &Output) -> (Option<i32>, String, String) {
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
     (output.status.code(), text(&output.stdout), text(&output.stderr))
 }
@@ -44,7 +44,7 @@ fn gap(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
     let mut all = vec!["gap", "--train", "set/train.toml", "--out", "out"];
     all.extend(["--track", "set/track.toml"]);
     all.extend(more);
-    told(&rundown(folder, &all))
+    outcome(&rundown(folder, &all))
 }
 
 const RUNS: [&str; 2] = ["--runs", "set/runs"];
@@ -71,7 +71,7 @@ fn holding_out_too_many_is_refused_with_the_largest_number() {
 }
 
 #[test]
-fn few_runs_are_told_everywhere() {
+fn few_runs_are_reported_everywhere() {
     let folder = simulated(4, "");
     let (code, screen, words) = gap(folder.path(), &["--runs", "set/runs"]);
     assert_eq!(code, Some(0), "{words}");
@@ -92,9 +92,9 @@ fn runs_that_are_nowhere_are_refused() {
     assert!(!folder.path().join("out").exists());
 }
 
-/// A model found before is no part of the belief: it is told, and not doubled.
+/// A model found before is no part of the belief: it is reported, and not doubled.
 #[test]
-fn effects_that_were_described_are_replaced_and_told() {
+fn effects_that_were_described_are_replaced_and_reported() {
     let folder = simulated(24, TUNNEL);
     let path = folder.path().join("set/track.toml");
     let track = std::fs::read_to_string(&path).unwrap();
@@ -156,16 +156,16 @@ fn without_effort_and_coasting_no_resistance_is_judged_and_no_map_drawn() {
 
 /// The numbers of a bad outcome are put in place of those that were found: no data set is bad on purpose.
 #[test]
-fn a_repair_that_makes_things_worse_is_told_everywhere() {
+fn a_repair_that_makes_things_worse_is_reported_everywhere() {
     let folder = simulated(8, "");
     let input = Input::of_set(&folder.path().join("set")).unwrap();
     let mut answer = rundown_gap::run(input, GapConfig::default(), None, |_| ()).unwrap();
-    let told = |answer: &Answer| (answer.json(), story(answer), page(answer));
-    let (json, screen, html) = told(&answer);
+    let outcome = |answer: &Answer| (answer.json(), story(answer), page(answer));
+    let (json, screen, html) = outcome(&answer);
     assert_eq!(json["gap"]["worse_than_before"], false);
     assert!(!screen.contains("orse than before") && !html.contains("Worse than before"));
     answer.found.gap.after = 2.0 * answer.found.gap.before;
-    let (json, screen, html) = told(&answer);
+    let (json, screen, html) = outcome(&answer);
     assert_eq!(json["gap"]["worse_than_before"], true);
     assert!(caveats(&json)[0].starts_with("Worse than before"));
     assert!(screen.contains("worse than before") && html.contains("Worse than before"));
@@ -180,7 +180,7 @@ fn a_repair_that_makes_things_worse_is_told_everywhere() {
 #[test]
 fn thresholds_are_printed_changed_and_refused() {
     let folder = simulated(8, TUNNEL);
-    let (code, printed, words) = told(&rundown(folder.path(), &["gap", "--print-config"]));
+    let (code, printed, words) = outcome(&rundown(folder.path(), &["gap", "--print-config"]));
     assert_eq!(code, Some(0), "{words}");
     assert!(printed.contains("[penalty]") && printed.contains("[prior.warm_up]"), "{printed}");
     let with = |text: &str| {
@@ -206,7 +206,7 @@ fn thresholds_are_printed_changed_and_refused() {
 #[test]
 fn the_example_of_the_help_works_word_for_word() {
     let folder = tempfile::tempdir().unwrap();
-    let (code, help, _) = told(&rundown(folder.path(), &["gap", "--help"]));
+    let (code, help, _) = outcome(&rundown(folder.path(), &["gap", "--help"]));
     assert_eq!(code, Some(0));
     let after = help.split("A set with a hidden effect").nth(1).unwrap();
     let lines = after.lines().skip(1).map(str::trim);
@@ -226,7 +226,7 @@ fn the_example_of_the_help_works_word_for_word() {
 }
 
 #[test]
-fn a_copy_of_a_run_and_a_log_that_is_none_are_left_out_and_told() {
+fn a_copy_of_a_run_and_a_log_that_is_none_are_left_out_and_reported() {
     let folder = simulated(8, "");
     let runs = folder.path().join("set/runs");
     std::fs::copy(runs.join("run001.csv"), runs.join("copy.csv")).unwrap();
@@ -235,7 +235,7 @@ fn a_copy_of_a_run_and_a_log_that_is_none_are_left_out_and_told() {
         folder.path(),
         &["gap", "--train", "set/train.toml", "--track", "set/track.toml", "--runs", "set/runs", "--out", "gap"],
     );
-    let (code, screen, notes) = told(&output);
+    let (code, screen, notes) = outcome(&output);
     assert_eq!(code, Some(1), "{notes}");
     assert!(notes.contains("samples of another run"), "{notes}");
     assert!(screen.contains("2 of 10 logs could not be used"), "{screen}");
@@ -263,6 +263,44 @@ fn rewritten(set: &Path, change: impl Fn(&mut Vec<String>)) {
     }
 }
 
+/// Runs in winds that differ, once without and once with the column that measures them.
+#[test]
+fn a_wind_that_is_measured_is_none_to_be_found() {
+    let folder = simulated(24, "[[effect]]\nname = \"run_wind\"\nsd_mps = 6.0\n");
+    let investigated = || -> (Value, String) {
+        let (code, screen, words) = gap(folder.path(), &RUNS);
+        assert_eq!(code, Some(0), "{words}");
+        (serde_json::from_str(&read(folder.path(), "gap.json")).unwrap(), screen)
+    };
+    let winds = |json: &Value| {
+        let names = json["effects"].as_array().unwrap().iter().map(|one| one["name"].as_str().unwrap().to_owned());
+        names.filter(|name| name.ends_with("_wind")).collect::<Vec<_>>()
+    };
+    let (without, screen) = investigated();
+    assert_eq!(winds(&without), ["run_wind"], "{without}");
+    assert!(without["headwind"].is_null() && !screen.contains("headwind column"), "{without}");
+
+    let set = folder.path().join("set");
+    let truth = std::fs::read_to_string(set.join("truth/truth.json")).unwrap();
+    let truth: Value = serde_json::from_str(&truth).unwrap();
+    for run in truth["runs"].as_array().unwrap() {
+        let path = set.join("runs").join(run["file"].as_str().unwrap());
+        let text = std::fs::read_to_string(&path).unwrap();
+        let column = |(i, line): (usize, &str)| match i {
+            0 => format!("{line},headwind_mps\n"),
+            _ => format!("{line},{}\n", run["headwind_mps"]),
+        };
+        std::fs::write(&path, text.lines().enumerate().map(column).collect::<String>()).unwrap();
+    }
+    let (with, screen) = investigated();
+    assert_eq!(winds(&with), [""; 0], "{with}");
+    let wind = |name: &str| with["headwind"][name].as_f64().unwrap();
+    assert!((wind("scale") - 1.0).abs() < 0.1, "{with}");
+    assert_eq!(with["headwind"]["agrees"], true, "{with}");
+    assert!(wind("after") < 0.8 * wind("before"), "{with}");
+    assert!(screen.contains("they agree"), "{screen}");
+}
+
 #[test]
 fn logs_in_other_units_are_refused_with_the_unit_that_they_seem_to_have() {
     for (column, factor, words) in [
@@ -286,7 +324,7 @@ fn logs_in_other_units_are_refused_with_the_unit_that_they_seem_to_have() {
 }
 
 #[test]
-fn a_track_that_is_too_short_or_flat_is_told() {
+fn a_track_that_is_too_short_or_flat_is_reported() {
     let folder = simulated(8, "");
     let path = folder.path().join("set/track.toml");
     let text = std::fs::read_to_string(&path).unwrap();
@@ -299,15 +337,15 @@ fn a_track_that_is_too_short_or_flat_is_told() {
             false => format!("{line}\n"),
         })
         .collect();
-    let told = |track: &str| {
+    let outcome = |track: &str| {
         std::fs::write(&path, track).unwrap();
         gap(folder.path(), &RUNS);
         let json = read(folder.path(), "gap.json");
         caveats(&serde_json::from_str(&json).unwrap()).join(" ")
     };
-    let as_it_is = told(&text);
+    let as_it_is = outcome(&text);
     assert!(!as_it_is.contains("described"), "{as_it_is}");
-    let wrong = told(&flat);
+    let wrong = outcome(&flat);
     assert!(wrong.contains("the track from 0 to 20000 m"), "{wrong}");
     assert!(wrong.contains("without gradients"), "{wrong}");
 }

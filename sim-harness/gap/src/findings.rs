@@ -8,8 +8,9 @@ use crate::data::runs::Readings;
 use crate::fit::HALF_95;
 use crate::noise::calibrate::Calibrated;
 use crate::readings::kinematics::Kinematics;
+use crate::search::headwind::Headwind;
 use crate::traction::limit::FoundLimit;
-use crate::traction::pulls::Pull;
+use crate::traction::powering::SteadyPower;
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -30,10 +31,12 @@ pub struct Findings {
     pub terms: Vec<Fitted>,
     /// Limits of the traction, the best first.
     pub limits: Vec<FoundLimit>,
-    /// Intervals of steady power from which the limits were judged, run by run.
-    pub pulls: Vec<Vec<Pull>>,
+    /// Intervals of steady power from which the limits were found, run by run.
+    pub powering: Vec<Vec<SteadyPower>>,
     /// Gain of log-likelihood of a wind of its own in each run, over other differences between runs.
     pub wind_gain: f64,
+    /// Where the logs have a headwind column.
+    pub headwind: Option<Headwind>,
     /// Temperature and dates of the runs.
     pub conditions: Conditions,
 }

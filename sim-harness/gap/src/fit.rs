@@ -15,6 +15,12 @@ pub fn choices(chosen: usize, all: usize) -> f64 {
     -(all as f64) * (p * p.ln() + (1.0 - p) * (1.0 - p).ln()) + 0.5 * (all as f64).ln()
 }
 
+/// Share of the runs that are of a second kind, by expectation and maximisation. `expected`: how many of them are, under a share.
+pub fn mixed_share(runs: usize, rounds: usize, most: f64, mut expected: impl FnMut(f64) -> f64) -> f64 {
+    let runs = runs as f64;
+    (0..rounds).fold(0.2, |share, _| (expected(share) / runs).clamp(0.5 / runs, most))
+}
+
 /// A coordinate search: each coordinate is moved by its step to either side as long as that gains, then the steps are made smaller.
 pub struct Climb<const N: usize> {
     /// First steps.

@@ -65,7 +65,7 @@ impl Files {
         let effects = effects.map_err(|error| failed(name, &error))?;
         files.add(name, effect_frame::write(&effects))?;
         files.add("residuals.csv", tables::residuals(&answer.found.findings.rows))?;
-        files.add("pulls.csv", tables::pulls(&answer.found.findings.pulls))?;
+        files.add("pulls.csv", tables::powering(&answer.found.findings.powering))?;
         files.add("before_after.csv", tables::before_after(&answer.found))?;
         Ok(files)
     }

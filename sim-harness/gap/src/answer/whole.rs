@@ -16,7 +16,7 @@ use rundown_files::train_file::TrainFile;
 pub struct Answer {
     /// What was read.
     pub input: Input,
-    /// By what it was judged.
+    /// Thresholds and priors.
     pub config: GapConfig,
     /// What came of it.
     pub found: Investigation,
@@ -29,7 +29,7 @@ pub struct Answer {
 const J_PER_KWH: f64 = 3.6e6;
 
 impl Answer {
-    /// By what the findings were judged.
+    /// Belief, conditions and settings of the findings.
     pub fn context(&self) -> Context<'_> {
         Context {
             believed: Believed::new(&self.input.train, &self.input.track),

@@ -31,6 +31,8 @@ pub struct Interval {
     /// Effort at the end less effort at the beginning, N/kg.
     pub effort_step_n_per_kg: f64,
     pub temperature_c: Option<f64>,
+    /// Measured mean headwind, m/s.
+    pub wind_mps: Option<f64>,
     /// Day, since 1970-01-01 UTC.
     pub day: Option<f64>,
     /// How long the train stood before its last start, s; `None`: since before the run.

@@ -1,7 +1,7 @@
 //! Runs from a folder, as the gap workflow takes them.
 
 use crate::data::believed::Surroundings;
-use crate::data::runs::{Run, Sample};
+use crate::data::runs::Run;
 use rayon::prelude::*;
 use rundown::model::units::KmPerHour;
 use rundown_files::map_matching::CentreLine;
@@ -9,7 +9,7 @@ use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::ReadError;
 use rundown_files::run_log::{BadRows, RunLog};
 use rundown_files::run_set::{RunFile, RunSet};
-use rundown_files::sample::{MOST_LOCATION_M, MOST_SPEED_KMH};
+use rundown_files::sample::{MOST_LOCATION_M, MOST_SPEED_KMH, Sample};
 use rundown_files::track_file::TrackFile;
 use rundown_files::units;
 use std::path::PathBuf;
@@ -55,12 +55,12 @@ pub fn run(
             continue;
         }
         samples.push(Sample {
-            time_s: row.time_s,
-            // What no train has was warned of when the log was read; no estimator judges it here.
+            // The same reading in another line of another log is the same.
+            line: 0,
+            // What no train has was warned of when the log was read; no estimator checks it here.
             location_m: row.location_m.filter(|at| at.abs() < MOST_LOCATION_M),
             speed_mps: row.speed_mps.filter(|v| (0.0..most_mps).contains(v)),
-            effort_n_per_kg: row.effort_n_per_kg,
-            temperature_c: row.temperature_c,
+            ..*row
         });
     }
     let run = Run { name: recording.name.clone(), direction: recording.direction, day: recording.day, samples };
@@ -89,7 +89,7 @@ pub fn runs(set: &RunSet, track: &TrackFile, direction: DirectionChoice) -> (Vec
     (runs, notes)
 }
 
-/// What is doubtful about the track that these runs are judged by.
+/// What is doubtful about the track that these runs are compared with.
 pub fn about_track(track: &TrackFile, runs: &[Run]) -> Vec<String> {
     /// A location may be this far beyond an end, m: half a train, and the noise of a receiver.
     const BEYOND_M: f64 = 300.0;

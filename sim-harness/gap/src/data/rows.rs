@@ -4,6 +4,7 @@
 //! y = u - dv/dt - mean(r(v) + g(s))        N/kg, positive: more resistance than believed
 //! ```
 //!
+//! Where a log has a headwind column, r is taken at the air speed: a wind that is measured is none to be found.
 //! With an effort column every moving interval gives one; without, only established coasting does (u = 0).
 
 use crate::config::IntervalConfig;
@@ -74,6 +75,7 @@ impl Row {
             effort_change_n_per_kg: 0.0,
             effort_step_n_per_kg: 0.0,
             temperature_c: None,
+            wind_mps: None,
             day: None,
             stood_s: None,
             braked: false,

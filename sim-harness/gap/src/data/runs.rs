@@ -1,20 +1,7 @@
 //! Recorded runs as the gap workflow sees them, and how their readings are corrected.
 
 use rundown::model::direction::Direction;
-
-/// One sample. What was not recorded is `None`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
-    pub time_s: f64,
-    /// Location of the front along the track, m.
-    pub location_m: Option<f64>,
-    /// Speed reading, m/s.
-    pub speed_mps: Option<f64>,
-    /// Measured applied effort, N/kg.
-    pub effort_n_per_kg: Option<f64>,
-    /// Ambient temperature, °C.
-    pub temperature_c: Option<f64>,
-}
+use rundown_files::sample::Sample;
 
 /// One recorded run.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,12 +4,12 @@
 //! the noise floor: what a perfect model would leave with these sensors.
 //!
 //! Windows of up to 120 s begin at a measured speed; in them the train is driven by the recorded effort (measured, or zero while coasting), or by the limits of the
-//! model where it pulls with full power. Resistance and limits of the effects come from [`rundown::model::effects`], the code of the board.
+//! model where it powers fully. Resistance and limits of the effects come from [`rundown::model::effects`], the code of the board.
 
 use crate::candidate::ShowsIn;
 use crate::candidates;
 use crate::config::HoldoutConfig;
-use crate::data::believed::{Believed, Context};
+use crate::data::believed::{Believed, Context, wind_n_per_kg};
 use crate::data::interval::{Interval, Point};
 use crate::data::rows::Row;
 use crate::holdout::share::{Share, Squares};
@@ -17,7 +17,7 @@ use crate::named::Named;
 use crate::noise::calibrate::{Calibrated, Own};
 use crate::noise::own_wind::own_wind;
 use core::ops::Range;
-use rundown::model::effects::{Effect, EffectError, Effects, Limits, Moment, SteadyWind};
+use rundown::model::effects::{Effect, EffectError, Effects, Limits, SteadyWind};
 use rundown::model::line::Line;
 use std::collections::BTreeMap;
 
@@ -81,7 +81,7 @@ pub fn windows(rows: &[Row], config: &HoldoutConfig) -> Vec<Range<usize>> {
 /// The repaired model and the noise that it was found in.
 #[derive(Clone, Copy)]
 pub struct Repaired<'a> {
-    /// By what it is judged.
+    /// Belief, conditions and settings.
     pub context: &'a Context<'a>,
     /// The noise.
     pub calibrated: &'a Calibrated,
@@ -99,16 +99,14 @@ pub struct Model {
 }
 
 impl Repaired<'_> {
-    /// The repaired model in one window: where winds differ from run to run, with the wind that the run's other windows tell.
+    /// The repaired model in one window: where winds differ from run to run, with the wind that the run's other windows show.
     ///
     /// # Errors
     /// [`EffectError`]: more effects than a board takes.
     pub fn model(&self, effects: &Effects, rows: &[Row], window: Range<usize>) -> Result<Model, EffectError> {
         let mut own = self.calibrated.own;
-        let spread_mps = effects.iter().find_map(|effect| match effect {
-            Effect::RunWind(wind) => Some(wind.sd_mps),
-            _ => None,
-        });
+        let spread_mps =
+            effects.iter().find_map(|e| if let Effect::RunWind(wind) = e { Some(wind.sd_mps) } else { None });
         let (Some(spread_mps), Some(first)) = (spread_mps, rows.get(window.start)) else {
             return Ok(Model { effects: effects.clone(), own });
         };
@@ -170,17 +168,15 @@ impl Repaired<'_> {
 
 /// The same effects and this wind, in the `up` direction.
 fn in_wind(effects: &Effects, wind_mps: f64) -> Result<Effects, EffectError> {
-    let steady = effects.iter().find_map(|effect| match effect {
-        Effect::SteadyWind(wind) => Some(wind.wind_mps),
-        _ => None,
-    });
+    let steady = effects.iter().find_map(|e| if let Effect::SteadyWind(wind) = e { Some(wind.wind_mps) } else { None });
     let both = Effect::SteadyWind(SteadyWind { wind_mps: wind_mps + steady.unwrap_or(0.0) });
     let others = effects.iter().filter(|effect| !matches!(effect, Effect::SteadyWind(_) | Effect::RunWind(_)));
     Effects::try_new(std::iter::once(both).chain(others.cloned()))
 }
 
-/// What the effort leaves after resistance, gradient and effects; a brake gives what the effects leave of it.
-pub fn acceleration_mps2(line: &Line<'_>, effects: &Effects, moment: &Moment) -> f64 {
+/// What the effort of a row leaves at a point after resistance, gradient and effects; a brake gives what the effects leave of it.
+pub fn acceleration_mps2(line: &Line<'_>, effects: &Effects, row: &Row, point: &Point) -> f64 {
+    let moment = &row.moment(point);
     let (location_m, speed) = (moment.location_m, moment.speed_mps);
     let davis = line.train.davis();
     let effort = if moment.effort_n_per_kg < 0.0 {
@@ -189,10 +185,11 @@ pub fn acceleration_mps2(line: &Line<'_>, effects: &Effects, moment: &Moment) ->
     } else {
         moment.effort_n_per_kg
     };
-    effort
+    let in_still_air = effort
         - davis.resistance_n_per_kg(speed)
         - line.gradient_n_per_kg(location_m)
-        - effects.resistance_n_per_kg(line, &davis, moment)
+        - effects.resistance_n_per_kg(line, &davis, moment);
+    row.interval.wind_mps.map_or(in_still_air, |wind_mps| in_still_air - wind_n_per_kg(line, speed, wind_mps))
 }
 
 /// Where an interval begins, m. `sign`: of its direction. The points of its path are the middles of its parts.
@@ -220,8 +217,8 @@ fn simulate(believed: &Believed<'_>, effects: &Effects, window: &[Row]) -> Vec<f
         let dt = interval.dt_s / steps;
         for k in 0..steps as usize {
             let since_departure_s = interval.path[k * interval.path.len() / steps as usize].since_departure_s;
-            let moment = row.moment(&Point { location_m, speed_mps: speed, since_departure_s });
-            let acceleration = acceleration_mps2(line, effects, &moment);
+            let point = Point { location_m, speed_mps: speed, since_departure_s };
+            let acceleration = acceleration_mps2(line, effects, row, &point);
             location_m += sign * (speed * dt + 0.5 * acceleration * dt * dt);
             speed = (speed + acceleration * dt).max(0.0);
         }
@@ -235,6 +232,6 @@ fn simulate(believed: &Believed<'_>, effects: &Effects, window: &[Row]) -> Vec<f
 /// # Errors
 /// [`EffectError`]: more than a board takes.
 pub fn effects<'a>(named: impl IntoIterator<Item = &'a Named>) -> Result<Effects, EffectError> {
-    let acts = |one: &&Named| candidates::of_effect(&one.effect).nature().shows_in != ShowsIn::Readings;
+    let acts = |one: &&Named| candidates::of_effect(&one.effect).facts().nature.shows_in != ShowsIn::Readings;
     Effects::try_new(named.into_iter().filter(acts).map(|one| one.effect.clone()))
 }

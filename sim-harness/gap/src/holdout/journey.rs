@@ -3,7 +3,7 @@
 //! | compared | how |
 //! |---|---|
 //! | running time | each window of up to 120 s begins at the measured speed and place; the train is driven by the recorded effort, place by place. The time until it is where the window ends, less the time that was measured, summed over a run |
-//! | energy | what the traction has to give at the wheel on the speeds that were measured: the effort that each model needs, times the way, over the intervals in which the train pulled, less what the effort column says |
+//! | energy | what the traction has to give at the wheel on the speeds that were measured: the effort that each model needs, times the distance, over the intervals in which the train powered, less what the effort column says |
 //!
 //! Both are errors: zero is right. Floor: what the noise of these sensors, and what each run has for itself, leaves of them with a perfect model.
 
@@ -41,7 +41,7 @@ pub struct Journey {
     pub windows: usize,
     /// Windows in which a simulated train did not arrive; they count in neither model.
     pub stalled: usize,
-    /// Energy at the wheel for each kg of rotating mass, J/kg; none without an effort column, or where the train never pulled.
+    /// Energy at the wheel for each kg of rotating mass, J/kg; none without an effort column, or where the train never powered.
     pub energy_j_per_kg: Option<Error>,
 }
 
@@ -67,7 +67,7 @@ fn covers_in(believed: &Believed<'_>, effects: &Effects, window: &[Row], config:
             at += 1;
         }
         let point = Point { location_m, speed_mps: speed, since_departure_s: since_s + time_s };
-        let acceleration = acceleration_mps2(line, effects, &window[at].moment(&point));
+        let acceleration = acceleration_mps2(line, effects, &window[at], &point);
         let next_mps = speed + acceleration * STEP_S;
         let step_m = STEP_S * (speed + 0.5 * acceleration * STEP_S);
         let left_m = sign * (end_m - location_m);
@@ -241,11 +241,11 @@ mod tests {
 
     #[test]
     fn errors_of_both_signs_count_and_what_chance_leaves_is_no_gap() {
-        let told = Summary::of(&errors(3.0, 1.0), &HoldoutConfig::default()).unwrap();
-        assert_eq!(told.share.before, 3.0);
-        assert_eq!(told.share.removed, Some(1.0));
-        assert_eq!((told.before.mean, told.measured), (0.0, 1000.0));
-        assert_eq!(told.before.quantiles, [-3.0, 0.0, 3.0]);
+        let summary = Summary::of(&errors(3.0, 1.0), &HoldoutConfig::default()).unwrap();
+        assert_eq!(summary.share.before, 3.0);
+        assert_eq!(summary.share.removed, Some(1.0));
+        assert_eq!((summary.before.mean, summary.measured), (0.0, 1000.0));
+        assert_eq!(summary.before.quantiles, [-3.0, 0.0, 3.0]);
         // Ten runs exceed their floor by a tenth in two cases of five.
         let chance = Summary::of(&errors(1.1, 1.0), &HoldoutConfig::default()).unwrap();
         assert_eq!(chance.share.removed, None);

@@ -173,7 +173,7 @@ pub fn calibrate(context: &Context<'_>, rows: &[Row], measured: bool, wind: bool
     let mut reached = f64::NEG_INFINITY;
     let sought = Sought::all(config, measured, wind);
     for round in 0..3 {
-        // The flexible model is taken out once a round, under the noise found so far; what is left, widened for what it took, is judged.
+        // The flexible model is taken out once a round, under the noise found so far; what is left, widened for what it took, is evaluated.
         let Some((residual, _)) = left_of(&y, &flexible, &whitening(&at, &spread, rows, &columns)) else {
             break;
         };
@@ -290,7 +290,7 @@ mod tests {
         let context = Context {
             believed: Believed::new(&train, &track),
             surroundings: &surroundings,
-            conditions: Conditions { temperature_c: 10.0, first_day: 0.0, period_days: 40.0 },
+            conditions: Conditions { temperature_c: 10.0, first_day: 0.0, period_days: 40.0, runs: 40 },
             config: &config,
         };
         let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -15,7 +15,7 @@ use std::rc::Rc;
 
 /// All that a search needs.
 pub struct Search<'a> {
-    /// By what rows are judged.
+    /// Belief, conditions and settings.
     pub context: &'a Context<'a>,
     pub rows: &'a [Row],
     /// Their whitening.

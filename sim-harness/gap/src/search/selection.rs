@@ -104,7 +104,7 @@ impl Search<'_> {
                 extra.abs() > config.most_share * believed + config.most_beyond_n_per_kg
             })
         };
-        let may_be_large = term.section().is_some() || term.of.nature().may_be_large;
+        let may_be_large = term.section().is_some() || term.of.facts().nature.may_be_large;
         let size = Size { term, beta, context: self.context, rows: self.rows };
         (may_be_large || !absurd()) && term.of.is_plausible(&size)
     }
@@ -193,7 +193,7 @@ impl Search<'_> {
             };
             let brought = at_first - now;
             let next = self.candidates(model).into_iter().find(|found| {
-                // What differs from run to run is no shadow of what acts along the line, and the other way round.
+                // What differs from run to run is no shadow of what acts along the line, nor the reverse.
                 let alike = |term: &Term| term.between_runs() == found.term.between_runs();
                 let shadow = if model.iter().any(alike) { config.shadow * brought } else { 0.0 };
                 found.value > self.enough().max(shadow)

@@ -25,7 +25,7 @@ fn data(answer: &Answer) -> String {
     text.push_str(if findings.measured {
         "The logs have an effort column; intervals in which the effort changes much are left out."
     } else {
-        "The logs have no effort column, so only coasting counts, where the effort is known to be zero. What acts while the train powers or brakes shows only in the limits, if at all, and mass, traction and resistance are hard to tell apart."
+        "The logs have no effort column, so only coasting counts, where the effort is known to be zero. What acts while the train powers or brakes shows only in the limits, if at all, and mass, traction and resistance are hard to separate."
     });
     text
 }
