@@ -130,7 +130,6 @@ impl Term {
         }
     }
 
-    /// It has no name in the catalogue.
     pub fn is_unnamed(&self) -> bool {
         self.is(EffectKind::Unknown)
     }
@@ -288,12 +287,10 @@ impl Size<'_> {
         self.sorted().get(self.rows.len() * 4 / 5).copied().unwrap_or(0.0)
     }
 
-    /// Smallest size that matters.
     pub fn least(&self) -> f64 {
         range(self.term.of, self.context).0
     }
 
-    /// Largest size that is possible.
     pub fn largest(&self) -> f64 {
         range(self.term.of, self.context).1
     }
@@ -310,11 +307,8 @@ pub fn range(of: &dyn Candidate, context: &Context<'_>) -> (f64, f64) {
 /// What is believed of the size of an effect, and the shapes that are tried first; a file may change it.
 #[derive(Clone, Copy, Debug)]
 pub struct Prior {
-    /// Smallest size that matters.
     pub least: f64,
-    /// Largest size that is possible.
     pub most: f64,
-    /// Shapes that are tried first.
     pub shapes: &'static [f64],
     /// Units and source of these.
     pub source: &'static str,
@@ -336,7 +330,6 @@ impl Prior {
 /// 95 % limits of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionLimits {
-    /// Of its edges, m.
     pub edges_m: [(f64, f64); 2],
     /// Of its coefficient, as shares of it: the section may be another, and go by another name.
     pub share: (f64, f64),
@@ -358,7 +351,6 @@ pub struct Fitted {
     pub sd: Vec<f64>,
     /// Log-likelihood that would be lost without it.
     pub gain: f64,
-    /// Limits of a section.
     pub section: Option<SectionLimits>,
     /// Limits of a shape that is a number.
     pub shape: Option<ShapeLimits>,
@@ -387,7 +379,6 @@ impl Fitted {
         (self.beta[0], unit * self.term.shape.number(), intervals)
     }
 
-    /// The 95 % intervals of the edges of a section.
     pub fn edges(&self) -> Vec<Interval95> {
         self.section.as_ref().map_or_else(Vec::new, |SectionLimits { edges_m: [from, to], .. }| {
             vec![("from_m", from.0, from.1), ("to_m", to.0, to.1)]

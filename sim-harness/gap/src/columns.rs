@@ -52,12 +52,10 @@ pub fn coordinate(which: Coordinate, interval: &Interval, point: &Point) -> Opti
     }
 }
 
-/// The same in the middle of a row.
 pub fn in_the_middle(which: Coordinate, row: &Row) -> Option<f64> {
     coordinate(which, &row.interval, row.interval.middle())
 }
 
-/// Name of a coordinate in files.
 pub fn coordinate_name(which: Coordinate) -> &'static str {
     match which {
         Coordinate::Location => "location",
@@ -104,7 +102,6 @@ pub fn knots(values: impl Iterator<Item = f64>, count: usize) -> Vec<f64> {
     knots
 }
 
-/// Whether both directions occur.
 pub fn both_directions(rows: &[Row]) -> bool {
     rows.iter().any(|row| row.direction == Direction::Up) && rows.iter().any(|row| row.direction == Direction::Down)
 }

@@ -83,6 +83,7 @@ settings! {
         held_share: f64 = 0.6, /// A driver who holds the speed follows a steeper gradient with the effort, within this share of it. Judgement.
         held_least_n_per_kg: f64 = 0.004, /// A gradient that changes by less is followed in any case, N/kg. Judgement: 0.4 permille.
         slowest_mps: f64 = 2.0, /// Slower intervals count for nothing: readings of zero, creeping, the last metres, m/s. Judgement.
+        beyond_m: f64 = 300.0, /// A location may be this far beyond an end of the line, m. Judgement: half a train, and the noise of a receiver.
         most_change_n_per_kg: f64 = 0.03, /// An effort that changes by more within an interval has no mean that is known well enough, N/kg. Measured: a switch of the regime, a brake being applied.
     }
     /// Speed against location: scale, offset and lag.
@@ -239,6 +240,7 @@ settings! {
         nothing_n_per_kg: f64 = 1e-4, /// A dependence up to this is none: what rounding and the reading of the sensors leave, N/kg. Measured.
         near: f64 = 3.0, /// A rival within this log-likelihood is not distinguishable. Derived: odds of 20.
         far: f64 = 10.0, /// A rival that is worse by more has no odds. Derived: odds of 22 000.
+        ruled_out: f64 = 6.9, /// A rival that is worse by more is ruled out. Derived: odds of 1000.
         same: f64 = 1.5, /// A tunnel and a gradient this near take the name that the track describes, log-likelihood. Judgement.
         described_m: f64 = 600.0, /// A described section whose edges are this near to those found takes their place, m. Judgement.
         overlap: f64 = 0.4, /// Sections overlap from this share of both together. Judgement.
@@ -292,6 +294,7 @@ settings! {
         before_m: f64 = 50.0, /// The readings that exceed a limit show where it begins: just before, m. Judgement.
         beyond_m: f64 = 500.0, /// Or as far on as a train goes between two readings, m. Derived: 10 s at 180 km/h.
         slippery_gain: f64 = 0.5, /// Gain of log-likelihood below which a run says nothing of bad days. Judgement.
+        least_factor_sd: f64 = 0.005, /// Standard deviation of a factor of adhesion, at least. Judgement: half of what the sensor differs by.
         low_kmh: f64 = 75.0, /// What may as well act above this speed is no matter of starting, km/h. Judgement.
         most_slippery: f64 = 0.6, /// More than this share of the runs are no bad days but the train. Judgement.
     }
@@ -324,6 +327,8 @@ settings! {
         most_without: f64 = 0.05, /// Where more than this share of them has nothing to remove, there is no interval. Derived: 5 % lie outside.
         explained: f64 = 0.7, /// A gap of which less was removed is explained only in part. Judgement.
         worse: f64 = 1.001, /// The repaired model is worse if it is off by so many times as much. Judgement.
+        free_share: f64 = 0.01, /// A limit within this share of the described one holds nobody back: what a driver gives there is what he demands. Judgement.
+        free_sd: f64 = 2.0, /// Nor does a limit that is so many standard deviations above the effort. Judgement.
         one_sided: f64 = 1.64, /// Standard deviations above the floor of running times and energies that chance reaches. Derived: 95 % of the normal distribution, one-sided.
     }
 }

@@ -17,16 +17,11 @@ use core::f64::consts::SQRT_2;
 /// Runs with their intervals, and the model that they are looked at with.
 #[derive(Clone, Copy)]
 pub struct Looked<'a> {
-    /// Belief, conditions and settings.
     pub context: &'a Context<'a>,
     pub runs: &'a [Run],
-    /// Their intervals.
     pub cut: &'a [Vec<Interval>],
-    /// How readings are corrected.
     pub readings: &'a Readings,
-    /// With an effort column.
     pub measured: bool,
-    /// Terms and coefficients.
     pub model: (&'a [Term], &'a [f64]),
 }
 

@@ -22,7 +22,6 @@ use rundown::model::effects::Coordinate;
 pub enum Along {
     /// A coordinate of the runs.
     Over(Coordinate),
-    /// The effort.
     Effort,
     /// Power 1, coast 0, brake -1.
     Regime,
@@ -45,11 +44,9 @@ impl Along {
 /// How strongly the residuals depend on one coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evidence {
-    /// Along what.
     pub along: Along,
     /// Largest score over runs, in standard deviations.
     pub score: f64,
-    /// Where it is largest.
     pub at: f64,
     /// Probability of such a score, or a larger one, somewhere along this coordinate, without a gap.
     pub p_value: f64,

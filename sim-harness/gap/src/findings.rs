@@ -12,20 +12,15 @@ use crate::search::headwind::Headwind;
 use crate::traction::limit::FoundLimit;
 use crate::traction::powering::SteadyPower;
 
-/// What was found.
 #[derive(Clone, Debug)]
 pub struct Findings {
-    /// Speed against location.
     pub kinematics: Kinematics,
-    /// How the readings are corrected.
     pub readings: Readings,
-    /// With an effort column.
     pub measured: bool,
     /// Intervals in which a train moved.
     pub moving: usize,
     /// Rows that counted.
     pub rows: Vec<Row>,
-    /// Their noise.
     pub calibrated: Calibrated,
     /// Missing terms of the resistance, with their coefficients.
     pub terms: Vec<Fitted>,
@@ -37,7 +32,6 @@ pub struct Findings {
     pub wind_gain: f64,
     /// Where the logs have a headwind column.
     pub headwind: Option<Headwind>,
-    /// Temperature and dates of the runs.
     pub conditions: Conditions,
 }
 

@@ -5,7 +5,6 @@ use crate::named::Named;
 use rundown::model::effects::EffectKind;
 use rundown_pages::numbers::number;
 
-/// A name as it is read.
 pub fn plain(name: &str) -> String {
     name.replace('_', " ")
 }
@@ -16,7 +15,6 @@ pub fn place(from_m: f64, to_m: f64) -> String {
     format!("km {} to {}", km(from_m), km(to_m))
 }
 
-/// More or less.
 pub fn side(more: bool) -> &'static str {
     if more { "more" } else { "less" }
 }
@@ -61,7 +59,6 @@ fn superscript(power: i32) -> String {
     format!("{sign}{}", raised.collect::<String>())
 }
 
-/// 95 % interval of a parameter.
 pub fn interval(named: &Named, parameter: &str) -> Option<(f64, f64)> {
     let mut all = named.intervals.iter();
     let found = all.find(|(name, ..)| *name == parameter)?;

@@ -43,7 +43,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     }
     notes.extend(other_names(found));
     notes.extend(contradiction(found, answer.config.evidence.significant));
-    notes.extend(about_track(&input.track_file, &input.runs));
+    notes.extend(about_track(&input.track_file, &input.runs, answer.config.interval.beyond_m));
     if input.left_out > 0 {
         notes.push(format!(
             "{} of {} logs could not be used; why stands on the screen.",

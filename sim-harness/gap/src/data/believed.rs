@@ -16,13 +16,11 @@ pub struct Believed<'a> {
 }
 
 impl<'a> Believed<'a> {
-    /// Of a train on a track.
     pub fn new(train: &'a Train, track: &'a Track) -> Self {
         let line = |direction| Line { train, track, direction };
         Self { up: line(Direction::Up), down: line(Direction::Down) }
     }
 
-    /// The line in a direction.
     pub fn line(&self, direction: Direction) -> &Line<'a> {
         match direction {
             Direction::Up => &self.up,
@@ -56,7 +54,6 @@ pub fn wind_n_per_kg(line: &Line<'_>, speed_mps: f64, wind_mps: f64) -> f64 {
 /// What may be known of a line beyond its gradients.
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {
-    /// Length of the line, m.
     pub length_m: f64,
     /// Curves: (from, to, Röckl's number), m, N/N.
     pub curves: Vec<(f64, f64, f64)>,
@@ -64,7 +61,6 @@ pub struct Surroundings {
     pub tunnels: Vec<(f64, f64)>,
     /// Feeding sections: (from, to), m.
     pub feeding: Vec<(f64, f64)>,
-    /// Platforms, m.
     pub stops: Vec<f64>,
 }
 
@@ -81,7 +77,6 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// Of these runs.
     pub fn of(runs: &[Run]) -> Self {
         let days = || runs.iter().filter_map(|run| run.day);
         let first_day = days().fold(f64::INFINITY, f64::min).min(1e6);
@@ -95,13 +90,11 @@ impl Conditions {
 /// What runs are compared with: the belief, the conditions that its terms refer to, and the settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Context<'a> {
-    /// The believed model.
     pub believed: Believed<'a>,
     /// What else is known of the line.
     pub surroundings: &'a Surroundings,
     /// Temperature and dates of the runs that were analysed.
     pub conditions: Conditions,
-    /// Thresholds and priors.
     pub config: &'a GapConfig,
 }
 

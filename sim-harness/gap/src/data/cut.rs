@@ -16,7 +16,6 @@ struct Node {
     time_s: f64,
     location_m: f64,
     speed_mps: f64,
-    /// Index of its sample.
     sample: usize,
 }
 
@@ -31,7 +30,6 @@ pub fn intervals(
     Cut { run, line, readings, config }.intervals(index)
 }
 
-/// The intervals of each run.
 pub fn all(context: &Context<'_>, runs: &[Run], readings: &Readings) -> Vec<Vec<Interval>> {
     let of = |(i, run): (usize, &Run)| {
         intervals(i, run, context.believed.line(run.direction), readings, &context.config.interval)
@@ -39,7 +37,6 @@ pub fn all(context: &Context<'_>, runs: &[Run], readings: &Readings) -> Vec<Vec<
     runs.iter().enumerate().map(of).collect()
 }
 
-/// A run that is cut.
 struct Cut<'a> {
     run: &'a Run,
     line: &'a Line<'a>,
@@ -76,7 +73,6 @@ impl Cut<'_> {
         intervals
     }
 
-    /// From one node to the next.
     fn interval(&self, run: usize, from: &Node, to: &Node, departure_s: f64) -> Interval {
         let dt_s = to.time_s - from.time_s;
         let sign = self.line.direction.sign();

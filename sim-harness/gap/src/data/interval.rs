@@ -16,11 +16,8 @@ pub struct Point {
 /// From one reading of the speed to the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interval {
-    /// Index of its run.
     pub run: usize,
-    /// Begins at this time, s.
     pub begin_s: f64,
-    /// Lasts this long, s.
     pub dt_s: f64,
     /// Speed at both ends, m/s.
     pub speed_mps: [f64; 2],
@@ -59,7 +56,6 @@ impl Interval {
         self.path.iter().map(law).sum::<f64>() / POINTS as f64
     }
 
-    /// The middle of the path.
     pub fn middle(&self) -> &Point {
         &self.path[POINTS / 2]
     }

@@ -25,7 +25,6 @@ pub enum LoadError {
     /// Its numbers are in other units.
     #[error("{}: {doubt}", path.display())]
     Units {
-        /// The log.
         path: PathBuf,
         /// Which, and why it is thought so.
         doubt: units::Doubt,
@@ -89,13 +88,11 @@ pub fn runs(set: &RunSet, track: &TrackFile, direction: DirectionChoice) -> (Vec
     (runs, notes)
 }
 
-/// What is doubtful about the track that these runs are compared with.
-pub fn about_track(track: &TrackFile, runs: &[Run]) -> Vec<String> {
-    /// A location may be this far beyond an end, m: half a train, and the noise of a receiver.
-    const BEYOND_M: f64 = 300.0;
+/// What is doubtful about the track that these runs are compared with. `beyond_m`: how far a location may lie beyond its ends.
+pub fn about_track(track: &TrackFile, runs: &[Run], beyond_m: f64) -> Vec<String> {
     let mut notes = Vec::new();
     let located = || runs.iter().flat_map(|run| run.samples.iter().filter_map(|s| s.location_m));
-    let line = -BEYOND_M..=track.length_m + BEYOND_M;
+    let line = -beyond_m..=track.length_m + beyond_m;
     let beyond = located().filter(|at| !line.contains(at)).count();
     if beyond > 0 {
         let (first_m, last_m) = located().fold((f64::INFINITY, 0.0_f64), |(low, high), at| (low.min(at), high.max(at)));

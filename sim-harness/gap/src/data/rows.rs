@@ -18,7 +18,6 @@ use rundown::model::line::Line;
 #[derive(Clone, Debug)]
 pub struct Row {
     pub interval: Interval,
-    /// Direction of its run.
     pub direction: Direction,
     /// The effort over it: measured, or known to be zero, N/kg.
     pub effort_n_per_kg: f64,

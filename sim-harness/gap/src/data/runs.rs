@@ -3,12 +3,10 @@
 use rundown::model::direction::Direction;
 use rundown_files::sample::Sample;
 
-/// One recorded run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// Name in every output.
     pub name: String,
-    /// Direction of travel.
     pub direction: Direction,
     /// Day of the departure, since 1970-01-01 UTC, if the index knows it.
     pub day: Option<f64>,
@@ -16,7 +14,6 @@ pub struct Run {
     pub samples: Vec<Sample>,
 }
 
-/// How the effort column is to be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EffortReading {
     /// At the moment of its sample.
@@ -36,7 +33,6 @@ pub struct Readings {
     pub speed_quantum_mps: f64,
     /// The location reading is this old, s.
     pub location_lag_s: f64,
-    /// How the effort is read.
     pub effort: EffortReading,
 }
 

@@ -20,9 +20,7 @@ use rundown::model::effects::{EffectError, Effects};
 /// What the hold-out runs say.
 #[derive(Default)]
 pub struct Evaluation {
-    /// Speeds.
     pub compared: Vec<Compared>,
-    /// Running times and energy.
     pub journeys: Vec<Journey>,
     /// Probability of the residuals without a gap, before and after; none with too few runs.
     pub p_values: Option<[f64; 2]>,
@@ -53,7 +51,9 @@ pub fn evaluate(
         let mut compared = repaired.resisted(effects, &rows)?;
         if found.limit(&context.config.search).is_some() {
             let train = context.believed.train();
-            compared.extend(powering.iter().flat_map(|powering| powered(train, effects, powering, 10.0)));
+            compared.extend(
+                powering.iter().flat_map(|powering| powered(train, effects, powering, 10.0, &context.config.holdout)),
+            );
         }
         Ok(compared)
     };

@@ -27,7 +27,6 @@ const STEP_S: f64 = 1.0;
 /// A simulated speed beside the measured one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compared {
-    /// Index of the run.
     pub run: usize,
     pub time_s: f64,
     /// Time since its window began at the measured speed, s; 0: no window but an interval of full power, or the mean speed between two locations.
@@ -81,11 +80,8 @@ pub fn windows(rows: &[Row], config: &HoldoutConfig) -> Vec<Range<usize>> {
 /// The repaired model and the noise that it was found in.
 #[derive(Clone, Copy)]
 pub struct Repaired<'a> {
-    /// Belief, conditions and settings.
     pub context: &'a Context<'a>,
-    /// The noise.
     pub calibrated: &'a Calibrated,
-    /// With an effort column.
     pub measured: bool,
 }
 

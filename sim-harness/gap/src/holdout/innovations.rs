@@ -23,7 +23,6 @@ pub struct Innovations {
     pub before_mps: f64,
     /// With the repaired one.
     pub after_mps: f64,
-    /// How many of each, before and after.
     pub count: [u32; 2],
 }
 

@@ -31,7 +31,6 @@ pub struct Error {
     pub floor: f64,
 }
 
-/// One run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Journey {
     /// Index of the run among those compared.
@@ -185,18 +184,14 @@ impl Repaired<'_> {
 pub struct Summary {
     /// Root mean squares, and the share that is gone.
     pub share: Share,
-    /// Sum of what was measured.
     pub measured: f64,
-    /// Of the believed model.
     pub before: Spread,
-    /// Of the repaired model.
     pub after: Spread,
 }
 
 /// How the errors of the runs lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Mean error of a run.
     pub mean: f64,
     /// A tenth of the runs, half, and nine tenths lie below.
     pub quantiles: [f64; 3],

@@ -1,12 +1,19 @@
 //! Powering at full power on hold-out runs: the limits of the model against what the train did.
 
+use crate::config::HoldoutConfig;
 use crate::holdout::forward::Compared;
 use crate::traction::powering::{SteadyPower, by_number};
 use rundown::model::effects::Effects;
 use rundown::model::train::Train;
 
 /// Full power: the change of speed that limit and driver's share foresee, against the one that was.
-pub fn powered(train: &Train, effects: &Effects, powering: &[SteadyPower], dt_s: f64) -> Vec<Compared> {
+pub fn powered(
+    train: &Train,
+    effects: &Effects,
+    powering: &[SteadyPower],
+    dt_s: f64,
+    config: &HoldoutConfig,
+) -> Vec<Compared> {
     let none = Effects::NONE;
     let limit = |effects: &Effects, power: &SteadyPower| {
         effects.limits(train, power.location_m, power.speed_mps).traction_n_per_kg(power.speed_mps)
@@ -17,7 +24,8 @@ pub fn powered(train: &Train, effects: &Effects, powering: &[SteadyPower], dt_s:
     let demand = |parts: &[&SteadyPower]| {
         let free = parts.iter().filter(|part| {
             let limit = limit(effects, part);
-            limit > 0.99 && limit < 1.01 || part.ratio < limit - 2.0 * part.sd
+            let described = 1.0 - config.free_share < limit && limit < 1.0 + config.free_share;
+            described || part.ratio < limit - config.free_sd * part.sd
         });
         let mut ratios: Vec<f64> = free.map(|part| part.ratio).collect();
         ratios.sort_by(f64::total_cmp);

@@ -25,7 +25,6 @@ pub struct Own {
     pub mass: f64,
 }
 
-/// The noise of a data set.
 #[derive(Clone, Debug, Default)]
 pub struct Calibrated {
     /// Of rows.
@@ -37,7 +36,6 @@ pub struct Calibrated {
 }
 
 impl Calibrated {
-    /// The whitening of these rows.
     pub fn whitening(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
         let deviations = Deviations { noise: self.noise, own: self.own };
         whitening(&deviations, &self.spread, rows, &own_columns(context, rows))
@@ -49,7 +47,6 @@ pub fn own_columns(context: &Context<'_>, rows: &[Row]) -> [Vec<f64>; 3] {
     [vec![1.0; rows.len()], columns::wind(context, rows, 0.0), columns::mass(context, rows)]
 }
 
-/// All standard deviations.
 #[derive(Clone, Copy, Debug)]
 pub struct Deviations {
     /// Of rows.

@@ -48,11 +48,9 @@ impl RunDrag {
 struct Mixture {
     drag: f64,
     share: f64,
-    /// Of log-likelihood.
     gain: f64,
 }
 
-/// By expectation and maximisation.
 fn mixture(runs: &[RunDrag], mut drag: f64, config: &BetweenRunsConfig) -> Mixture {
     let odds = |share: f64, gain: f64| share * gain.clamp(-500.0, 500.0).exp() / (1.0 - share);
     let share = mixed_share(runs.len(), 60, config.most_dragging, |share| {

@@ -23,13 +23,11 @@ pub struct Wheel {
     /// Indices of the runs; none: all.
     pub runs: Vec<usize>,
     pub measured_over_true: f64,
-    /// Its standard deviation.
     pub sd: f64,
     /// The odometer gave the locations, too.
     pub locations: bool,
 }
 
-/// One run's scale.
 #[derive(Clone, Copy, Debug)]
 struct Scale {
     run: usize,

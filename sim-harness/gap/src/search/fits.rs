@@ -13,12 +13,9 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// All that a search needs.
 pub struct Search<'a> {
-    /// Belief, conditions and settings.
     pub context: &'a Context<'a>,
     pub rows: &'a [Row],
-    /// Their whitening.
     pub whitening: Whitening,
     y: DVector<f64>,
     /// Whitened columns of what sensors do; part of every fit.
@@ -50,7 +47,6 @@ impl<'a> Search<'a> {
         Self { context, rows, whitening, y, sensors, families, scans, known: RefCell::default() }
     }
 
-    /// The whitened columns of a term.
     pub fn white(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {
         let key = format!("{term:?}");
         if let Some(known) = self.known.borrow().get(&key) {
@@ -97,7 +93,6 @@ impl<'a> Search<'a> {
         0.5 * self.y.norm_squared() - base.half_sum() - penalties
     }
 
-    /// Penalty of a term's freedom.
     pub fn penalty(&self, term: &Term) -> f64 {
         term.penalty(self.context, self.rows)
     }

@@ -12,7 +12,6 @@ use crate::data::rows::Row;
 use crate::fit::HALF_95;
 use crate::search::fits::Search;
 
-/// What a measured headwind comes to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Headwind {
     /// Intervals with a measured wind.

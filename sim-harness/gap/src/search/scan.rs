@@ -19,7 +19,6 @@ const LEAST_GAIN: f64 = 1e-6;
 /// Cumulative columns of one kind, whitened.
 #[derive(Clone, Debug)]
 pub struct Scan {
-    /// The term of any section.
     pub term: Term,
     config: SearchConfig,
     edges_m: Vec<f64>,

@@ -161,7 +161,6 @@ impl Search<'_> {
         best.map(|(_, runs)| term.with(Shape::Runs(runs)))
     }
 
-    /// The model.
     pub fn select(&self) -> Vec<Term> {
         let first = self.candidates(&[]);
         let mut best: (f64, Vec<Term>) = (0.0, Vec::new());

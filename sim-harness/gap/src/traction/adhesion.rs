@@ -72,7 +72,7 @@ pub fn adhesion(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyC
     Some(FoundLimit {
         effect: Effect::LowAdhesion(LowAdhesion { factor, below_kmh: below }),
         factor,
-        factor_sd: (0.25 * (up - down)).max(0.005),
+        factor_sd: (0.25 * (up - down)).max(config.least_factor_sd),
         runs: slippery,
         gain: total,
         value: total - 2.0 * penalty.coefficient - penalty.shape - penalty.bad_days,

@@ -5,9 +5,7 @@ use crate::fit::LOSS_AT_LIMIT;
 
 /// Where the edges of a section may lie.
 pub struct Edges {
-    /// Taken.
     pub likely_m: [f64; 2],
-    /// 95 % limits.
     pub limits_m: [(f64, f64); 2],
 }
 

@@ -9,11 +9,8 @@ use rundown_files::sample::Sample;
 /// An interval of steady power: a part of a powering phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyPower {
-    /// Index of its run.
     pub run: usize,
-    /// Location of the front half-way, m.
     pub location_m: f64,
-    /// Mean speed, m/s.
     pub speed_mps: f64,
     /// Effort over believed limit.
     pub ratio: f64,
@@ -156,7 +153,6 @@ fn without_end<'a>(parts: &'a [Part], config: &TractionConfig) -> &'a [Part] {
     &parts[..kept.map_or(0, |last| last + 1)]
 }
 
-/// The parts of each powering phase.
 pub fn by_number(powering: &[SteadyPower]) -> impl Iterator<Item = &[SteadyPower]> {
     powering.chunk_by(|a, b| a.number == b.number)
 }

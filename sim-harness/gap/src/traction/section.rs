@@ -8,7 +8,6 @@ use crate::traction::powering::SteadyPower;
 use crate::traction::shares::{ByPower, SHARES, Shares, density, over_shares, shares};
 use rundown::model::effects::{Effect, PowerLimitSection};
 
-/// The line in bins.
 struct Bins {
     low: f64,
     width: f64,

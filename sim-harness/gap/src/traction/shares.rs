@@ -32,7 +32,6 @@ pub fn over_shares(of_share: &[f64]) -> f64 {
 /// Parts that share what a driver demands: of a run or of one powering phase, by effort or by power.
 #[derive(Clone, Debug)]
 struct Demand {
-    /// Indices of the parts.
     parts: Vec<usize>,
     /// Log-likelihood at each share without a limit.
     at_share: [f64; SHARES],
@@ -49,7 +48,6 @@ impl Demand {
 /// The powering phases of a run with their log densities at all shares: a limit changes those above it only.
 #[derive(Clone, Debug)]
 pub struct Shares<'a> {
-    /// The parts of the powering phases.
     pub powering: &'a [SteadyPower],
     tables: Vec<[f64; SHARES]>,
     config: &'a TractionConfig,
@@ -59,7 +57,6 @@ pub struct Shares<'a> {
 }
 
 impl<'a> Shares<'a> {
-    /// Of a run.
     pub fn new(powering: &'a [SteadyPower], config: &'a TractionConfig) -> Self {
         let tables = tables(powering, 1.0, config);
         let demand = |number: Option<usize>, power: bool| {

@@ -5,7 +5,6 @@ use crate::data::runs::EffortReading;
 use maud::{Markup, html};
 use rundown_pages::numbers::{counted, number, percent};
 
-/// The list at the end of the page.
 pub(super) fn caveats(answer: &Answer) -> Markup {
     let items = [data(answer), noise(answer), readings(answer)];
     html! {

@@ -14,7 +14,6 @@ use rundown::model::direction::Direction;
 use rundown_pages::chart::{Figure, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 
-/// Points of a law.
 const MOST_BINS: usize = 24;
 
 /// Picture and caption of each effect that has a law over the residuals.
@@ -156,7 +155,6 @@ fn layers_of(rows: &[&At], group: Option<Direction>, (width, least): (f64, usize
     ]
 }
 
-/// Each run's own wind.
 fn winds(one: &Named) -> Option<(String, String)> {
     let at = |i: usize| i as f64 + 1.0;
     let each = || one.per_run.iter().enumerate();

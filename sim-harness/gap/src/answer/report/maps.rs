@@ -21,7 +21,6 @@ fn others(answer: &Answer) -> [(Axis<'static>, usize); 4] {
     [(Axis::speed(), 30), (Axis::time(), 30), (Axis::temperature(), 15), (Axis::day(first_day), 15)]
 }
 
-/// Pictures and captions.
 pub(super) fn maps(answer: &Answer, explained: &[f64]) -> Vec<(String, String)> {
     let directions = directions(answer);
     let location = (Axis::location(), MOST_PLACES);

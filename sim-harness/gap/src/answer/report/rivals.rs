@@ -8,9 +8,6 @@ use maud::{Markup, html};
 use rundown_pages::numbers::number;
 use rundown_pages::shell::{column, table, text_column};
 
-/// A thousand times less likely.
-const FAR: f64 = 6.9;
-
 /// A table of all rivals; nothing where no effect has any.
 pub(super) fn rivals(answer: &Answer) -> Markup {
     let each = answer.found.named.iter().zip(&answer.rivals);
@@ -18,10 +15,10 @@ pub(super) fn rivals(answer: &Answer) -> Markup {
     if each.is_empty() {
         return html! {};
     }
-    let near = answer.config.certainty.near;
+    let (near, far) = (answer.config.certainty.near, answer.config.certainty.ruled_out);
     let verdict = |worse: f64| match worse {
         w if w < near => "not distinguishable",
-        w if w < FAR => "less likely",
+        w if w < far => "less likely",
         _ => "ruled out",
     };
     let digits = |worse: f64| number(worse, if worse.abs() < 100.0 { 1 } else { 0 });

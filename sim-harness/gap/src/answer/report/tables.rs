@@ -14,7 +14,6 @@ use rundown_pages::shell::{column, table, text_column};
 /// A cell beside several rows begins with the first of them.
 const TOP: &str = "vertical-align: top";
 
-/// Along what the residuals vary.
 pub(super) fn evidence(found: &Investigation) -> Markup {
     let (evidence, p_value) = (&found.evidence, found.p_value);
     let place = |one: &Evidence| match one.along {
@@ -60,7 +59,6 @@ pub(super) fn evidence(found: &Investigation) -> Markup {
     }
 }
 
-/// What was found.
 pub(super) fn effects(found: &Investigation) -> Markup {
     if found.named.is_empty() {
         return html! { p { "Nothing was added to the model." } };

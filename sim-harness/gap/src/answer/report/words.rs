@@ -13,7 +13,6 @@ fn any(kinds: &[EffectKind]) -> String {
     kinds.iter().map(|kind| plain(kind.name())).collect::<Vec<_>>().join(" or ")
 }
 
-/// The sentences at the top of the page.
 pub(super) fn verdict(answer: &Answer) -> Vec<String> {
     let found = &answer.found;
     let all = counted(answer.input.runs.len(), "run", "runs");
