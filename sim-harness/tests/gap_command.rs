@@ -4,11 +4,7 @@ mod common;
 
 use common::{done, rundown};
 use rundown::model::effects::{Effect, SteadyWind};
-use rundown_gap::answer::files::Files;
-use rundown_gap::answer::notes::NO_ROWS;
-use rundown_gap::answer::report::page;
-use rundown_gap::answer::story::story;
-use rundown_gap::answer::whole::Answer;
+use rundown_gap::answer::{files::Files, notes::NO_ROWS, report::page, story::story, whole::Answer};
 use rundown_gap::config::GapConfig;
 use rundown_gap::input::Input;
 use rundown_gap::named::Named;

@@ -3,20 +3,15 @@
 use crate::candidate::{Shape, Term};
 use crate::candidates::dragging_brake;
 use crate::data::believed::{Conditions, Context};
-use crate::data::cut;
-use crate::data::interval::Interval;
-use crate::data::rows::Row;
 use crate::data::runs::{Readings, Run};
+use crate::data::{cut, interval::Interval, rows::Row};
 use crate::efforts::{Looked, effort_reading, measured};
 use crate::findings::Findings;
 use crate::noise::calibrate::{Calibrated, calibrate};
 use crate::noise::dragging::dragging;
 use crate::readings::kinematics::kinematics;
-use crate::search::fits::Search;
-use crate::search::fitting::fitted;
-use crate::search::headwind::headwind;
-use crate::traction::hypotheses::limits;
-use crate::traction::powering::SteadyPower;
+use crate::search::{fits::Search, fitting::fitted, headwind::headwind};
+use crate::traction::{hypotheses::limits, powering::SteadyPower};
 
 /// What rounds of recognising coasting, calibrating and selecting come to.
 struct Model {

@@ -6,16 +6,13 @@
 use crate::axis::Axis;
 use crate::columns::{both_directions, coordinate};
 use crate::config::{PenaltyConfig, PriorChange};
-use crate::data::believed::Context;
-use crate::data::interval::Interval;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, interval::Interval, rows::Row};
 use crate::named::{Interval95, Named, around};
 use crate::readings::kinematics::Kinematics;
 use crate::traction::limit::FoundLimit;
 use rand_chacha::ChaCha8Rng;
-use rundown::model::effects::EffectKind;
 use rundown::model::effects::{Coordinate, Effect};
-use rundown::model::resistance::Davis;
+use rundown::model::{effects::EffectKind, resistance::Davis};
 use serde_json::Value;
 use std::fmt;
 

@@ -14,8 +14,7 @@
 //! beside it: its effort is a part of the one before. How often regimes change is found from the runs.
 
 use crate::config::CoastingConfig;
-use crate::data::believed::believed_load;
-use crate::data::interval::Interval;
+use crate::data::{believed::believed_load, interval::Interval};
 use crate::noise::calibrate::Own;
 use rundown::model::line::Line;
 
@@ -215,8 +214,7 @@ fn scaled(mut p: [f64; REGIMES]) -> [f64; REGIMES] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::believed::Believed;
-    use crate::data::rows::Row;
+    use crate::data::{believed::Believed, rows::Row};
     use rundown::model::direction::Direction;
     use rundown::model::track::{Gradient, Track};
     use rundown::model::train::{Train, TrainDescription};

@@ -1,11 +1,8 @@
 //! Columns of a linear fit: what a law adds to the resistance in each row, averaged along the path of its interval.
 
-use crate::data::believed::Context;
 use crate::data::interval::{Interval, Point};
-use crate::data::rows::Row;
-use rundown::model::direction::Direction;
-use rundown::model::effects::Coordinate;
-use rundown::model::line::Line;
+use crate::data::{believed::Context, rows::Row};
+use rundown::model::{direction::Direction, effects::Coordinate, line::Line};
 
 /// One column by a law of the line, the row and the point.
 pub fn along(context: &Context<'_>, rows: &[Row], law: impl Fn(&Line<'_>, &Row, &Point) -> f64) -> Vec<f64> {

@@ -6,16 +6,14 @@
 
 use crate::columns::{coordinate_name, hats, in_the_middle, knots};
 use crate::config::EvidenceConfig;
-use crate::data::believed::Context;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, rows::Row};
 use crate::fit::Base;
 use crate::noise::calibrate::Calibrated;
 use crate::search::fits::sensors;
 use nalgebra::DVector;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rundown::model::direction::Direction;
-use rundown::model::effects::Coordinate;
+use rundown::model::{direction::Direction, effects::Coordinate};
 
 /// Along what residuals may vary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,14 +3,12 @@
 use crate::candidate::{Fitted, Naming};
 use crate::config::{BetweenRunsConfig, SearchConfig};
 use crate::data::believed::{Conditions, Context};
-use crate::data::rows::Row;
-use crate::data::runs::Readings;
+use crate::data::{rows::Row, runs::Readings};
 use crate::fit::HALF_95;
 use crate::noise::calibrate::Calibrated;
 use crate::readings::kinematics::Kinematics;
 use crate::search::headwind::Headwind;
-use crate::traction::limit::FoundLimit;
-use crate::traction::powering::SteadyPower;
+use crate::traction::{limit::FoundLimit, powering::SteadyPower};
 
 #[derive(Clone, Debug)]
 pub struct Findings {

@@ -4,19 +4,15 @@
 
 use crate::analysis::analyse;
 use crate::config::HoldoutConfig;
-use crate::data::believed::Context;
-use crate::data::rows::Row;
-use crate::data::runs::Run;
+use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::evidence::{Evidence, evidence};
 use crate::explained::repaired;
 use crate::findings::Findings;
 use crate::holdout::evaluation::{Evaluation, evaluate};
 use crate::holdout::forward::{Compared, effects, gap};
-use crate::holdout::journey::Journey;
-use crate::holdout::share::Share;
+use crate::holdout::{journey::Journey, share::Share};
 use crate::named::Named;
-use crate::naming::names::named;
-use crate::naming::on_line::on_line;
+use crate::naming::{names::named, on_line::on_line};
 use crate::noise::own_wind::own_wind;
 use crate::readings::wheels::{put_right, wheels};
 use rundown::model::effects::{Effect, EffectError, Effects};

@@ -13,8 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use rundown_gap::answer::tables as gap_tables;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{process::ExitCode, time::Instant};
 
 const EXAMPLES: &str = "\
 Examples:

@@ -16,8 +16,7 @@ use rundown_gap::answer::whole::Answer;
 use rundown_gap::config::GapConfig;
 use rundown_gap::input::Input;
 use rundown_gap::refusal::Refusal;
-use std::fs;
-use std::path::Path;
+use std::{fs, path::Path};
 
 /// Why a set was not investigated.
 #[derive(Debug, thiserror::Error)]

@@ -1,8 +1,6 @@
 //! `gap.json`: the answer for programs.
 
-use crate::answer::notes::notes;
-use crate::answer::rivals::MEANING;
-use crate::answer::whole::Answer;
+use crate::answer::{notes::notes, rivals::MEANING, whole::Answer};
 use crate::holdout::journey::{Spread, Summary};
 use crate::named::Named;
 use serde_json::{Value, json};

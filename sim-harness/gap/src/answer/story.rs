@@ -1,8 +1,6 @@
 //! What a person reads on the screen when `rundown gap` is through.
 
-use crate::answer::json::NO_ENERGY;
-use crate::answer::notes::notes;
-use crate::answer::whole::Answer;
+use crate::answer::{json::NO_ENERGY, notes::notes, whole::Answer};
 use crate::candidates;
 use crate::holdout::journey::Summary;
 use crate::named::Named;

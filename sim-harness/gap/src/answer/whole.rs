@@ -7,9 +7,7 @@ use crate::holdout::innovations::Innovations;
 use crate::holdout::journey::{Error, Journey, Summary};
 use crate::input::Input;
 use crate::investigation::Investigation;
-use rundown_files::effect_file::EffectEntry;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use rundown_files::{effect_file::EffectEntry, track_file::TrackFile, train_file::TrainFile};
 
 /// All that is known of a data set.
 #[derive(Clone, Debug)]

@@ -23,7 +23,6 @@ impl Candidate for This {
                 source: "Share that is missing at 140 km/h; speeds from which it fades, km/h. Judgement.",
             },
             size: Some(("fade_at_140", 0.0)),
-            ..Facts::default()
         }
     }
 

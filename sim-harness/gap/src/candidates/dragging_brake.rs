@@ -20,7 +20,6 @@ impl Candidate for This {
             nature: Nature { shows_in: ShowsIn::Runs, ..Nature::default() },
             prior: Prior::least(1.5e-3, "N/kg. Judgement: winds and loads of single runs do less."),
             size: Some(("drag_n_per_kg", 0.0)),
-            ..Facts::default()
         }
     }
 

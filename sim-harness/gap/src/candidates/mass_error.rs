@@ -25,7 +25,6 @@ impl Candidate for This {
                 source: "Share of the mass. Judgement: a load of a few passengers is no finding, and no description is further off; without an effort column it would be the air drag of another train.",
             },
             size: Some(("relative", 0.0)),
-            ..Facts::default()
         }
     }
 

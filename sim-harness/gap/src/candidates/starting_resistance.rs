@@ -31,7 +31,6 @@ impl Candidate for This {
                 source: "Least in a row, N/kg, most at the start, N/kg; decay, km/h. Judgement, no source checked yet: 0.025 to 0.25 N/kg; what is over below 6 km/h no interval of 10 s shows.",
             },
             size: Some(("amplitude", 0.0)),
-            ..Facts::default()
         }
     }
 

@@ -3,10 +3,7 @@
 use crate::config::{GapConfig, PenaltyConfig};
 use crate::data::interval::{Interval, Point};
 use crate::data::runs::Run;
-use rundown::model::direction::Direction;
-use rundown::model::line::Line;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
+use rundown::model::{direction::Direction, line::Line, track::Track, train::Train};
 
 /// The believed model, with a line for each direction.
 #[derive(Clone, Copy, Debug)]
@@ -116,8 +113,7 @@ pub fn described(section: [f64; 2], edges: [(f64, f64); 2], descriptions: &[(f64
 mod tests {
     use super::*;
     use crate::data::rows::Row;
-    use rundown::model::track::Gradient;
-    use rundown::model::train::TrainDescription;
+    use rundown::model::{track::Gradient, train::TrainDescription};
 
     #[test]
     fn a_measured_headwind_changes_the_load_by_the_air_speed_and_none_changes_nothing() {

@@ -19,20 +19,11 @@ struct Node {
     sample: usize,
 }
 
-/// Cuts a run into intervals. `line` has the run's direction.
-pub fn intervals(
-    index: usize,
-    run: &Run,
-    line: &Line<'_>,
-    readings: &Readings,
-    config: &IntervalConfig,
-) -> Vec<Interval> {
-    Cut { run, line, readings, config }.intervals(index)
-}
-
+/// The intervals of each run.
 pub fn all(context: &Context<'_>, runs: &[Run], readings: &Readings) -> Vec<Vec<Interval>> {
+    let config = &context.config.interval;
     let of = |(i, run): (usize, &Run)| {
-        intervals(i, run, context.believed.line(run.direction), readings, &context.config.interval)
+        Cut { run, line: context.believed.line(run.direction), readings, config }.intervals(i)
     };
     runs.iter().enumerate().map(of).collect()
 }

@@ -1,17 +1,13 @@
 //! Runs from a folder, as the gap workflow takes them.
 
-use crate::data::believed::Surroundings;
-use crate::data::runs::Run;
+use crate::data::{believed::Surroundings, runs::Run};
 use rayon::prelude::*;
 use rundown::model::units::KmPerHour;
-use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::refusal::ReadError;
 use rundown_files::run_log::{BadRows, RunLog};
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::sample::{MOST_LOCATION_M, MOST_SPEED_KMH, Sample};
-use rundown_files::track_file::TrackFile;
-use rundown_files::units;
+use rundown_files::{map_matching::CentreLine, refusal::ReadError, track_file::TrackFile, units};
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -32,9 +28,6 @@ pub enum LoadError {
 }
 
 /// Reads one run: as the workflow takes it, and as an estimator replays it.
-///
-/// # Errors
-/// [`LoadError`] names file and place.
 pub fn run(
     file: &RunFile,
     line: Option<&CentreLine>,

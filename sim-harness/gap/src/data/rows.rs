@@ -10,9 +10,7 @@
 use crate::config::IntervalConfig;
 use crate::data::believed::believed_load;
 use crate::data::interval::{Interval, Point};
-use rundown::model::direction::Direction;
-use rundown::model::effects::Moment;
-use rundown::model::line::Line;
+use rundown::model::{direction::Direction, effects::Moment, line::Line};
 
 /// An interval that counts, with its residual.
 #[derive(Clone, Debug)]

@@ -3,16 +3,12 @@
 use crate::analysis::apply;
 use crate::candidate::ShowsIn;
 use crate::candidates;
-use crate::data::believed::Context;
-use crate::data::rows::Row;
-use crate::data::runs::Run;
+use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::evidence::evidence;
 use crate::explained::repaired;
 use crate::findings::Findings;
 use crate::holdout::forward::{Compared, Repaired, effects};
-use crate::holdout::journey::Journey;
-use crate::holdout::powered::powered;
-use crate::holdout::travelled::travelled;
+use crate::holdout::{journey::Journey, powered::powered, travelled::travelled};
 use crate::named::Named;
 use crate::noise::calibrate::Calibrated;
 use rundown::model::effects::{EffectError, Effects};
@@ -27,9 +23,6 @@ pub struct Evaluation {
 }
 
 /// Tries the effects that `found` has by name on other runs. `context`: that of the findings.
-///
-/// # Errors
-/// [`EffectError`]: more effects than a board takes.
 pub fn evaluate(
     context: &Context<'_>,
     found: &Findings,

@@ -96,9 +96,6 @@ pub struct Model {
 
 impl Repaired<'_> {
     /// The repaired model in one window: where winds differ from run to run, with the wind that the run's other windows show.
-    ///
-    /// # Errors
-    /// [`EffectError`]: more effects than a board takes.
     pub fn model(&self, effects: &Effects, rows: &[Row], window: Range<usize>) -> Result<Model, EffectError> {
         let mut own = self.calibrated.own;
         let spread_mps =
@@ -125,9 +122,6 @@ impl Repaired<'_> {
     }
 
     /// Simulates each window of adjacent rows with and without the effects.
-    ///
-    /// # Errors
-    /// [`EffectError`]: more effects than a board takes.
     pub fn resisted(&self, effects: &Effects, rows: &[Row]) -> Result<Vec<Compared>, EffectError> {
         let noise = &self.calibrated.noise;
         let believed = &self.context.believed;
@@ -224,10 +218,21 @@ fn simulate(believed: &Believed<'_>, effects: &Effects, window: &[Row]) -> Vec<f
 }
 
 /// The effects that act on motion or limits, as the board takes them; readings are put right before anything is compared.
-///
-/// # Errors
-/// [`EffectError`]: more than a board takes.
 pub fn effects<'a>(named: impl IntoIterator<Item = &'a Named>) -> Result<Effects, EffectError> {
     let acts = |one: &&Named| candidates::of_effect(&one.effect).facts().nature.shows_in != ShowsIn::Readings;
     Effects::try_new(named.into_iter().filter(acts).map(|one| one.effect.clone()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ninth_effect_is_an_error_and_readings_are_no_effects_of_the_motion() {
+        let named = |effect: Effect| Named::plain(effect, Vec::new(), 9.0, 30.0);
+        let winds = |count| (0..count).map(|_| named(SteadyWind { wind_mps: 1.0 }.into())).collect::<Vec<_>>();
+        let wheel = named(rundown::model::effects::SpeedScale { measured_over_true: 1.01 }.into());
+        assert!(effects(winds(8).iter().chain([&wheel])).is_ok_and(|effects| effects.iter().count() == 8));
+        assert!(matches!(effects(&winds(9)), Err(EffectError::TooMany { most: 8 })));
+    }
 }

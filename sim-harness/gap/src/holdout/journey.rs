@@ -8,9 +8,7 @@
 //! Both are errors: zero is right. Floor: what the noise of these sensors, and what each run has for itself, leaves of them with a perfect model.
 
 use crate::config::HoldoutConfig;
-use crate::data::believed::Believed;
-use crate::data::interval::Point;
-use crate::data::rows::Row;
+use crate::data::{believed::Believed, interval::Point, rows::Row};
 use crate::explained::extra;
 use crate::holdout::forward::{Model, Repaired, acceleration_mps2, begin_m, end_m, windows};
 use crate::holdout::share::{Share, Squares, quantile};
@@ -87,9 +85,6 @@ fn covers_in(believed: &Believed<'_>, effects: &Effects, window: &[Row], config:
 
 impl Repaired<'_> {
     /// Of the rows of one run. `None`: no window could be covered.
-    ///
-    /// # Errors
-    /// [`EffectError`]: more effects than a board takes.
     pub fn journey(&self, effects: &Effects, rows: &[Row]) -> Result<Option<Journey>, EffectError> {
         let Some(first) = rows.first() else {
             return Ok(None);

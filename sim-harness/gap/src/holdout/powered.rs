@@ -3,8 +3,7 @@
 use crate::config::HoldoutConfig;
 use crate::holdout::forward::Compared;
 use crate::traction::powering::{SteadyPower, by_number};
-use rundown::model::effects::Effects;
-use rundown::model::train::Train;
+use rundown::model::{effects::Effects, train::Train};
 
 /// Full power: the change of speed that limit and driver's share foresee, against the one that was.
 pub fn powered(

@@ -5,8 +5,7 @@ use crate::candidates::tunnel_drag::renamed;
 use crate::candidates::{self, mass_error, sensors, separates};
 use crate::named::{Named, around, not_chance};
 use crate::traction::limit::FoundLimit;
-use rundown::model::effects::EffectKind;
-use rundown::model::effects::{Effect, MassError};
+use rundown::model::effects::{Effect, EffectKind, MassError};
 
 /// All that was found, by name, the largest gain first.
 pub fn named(terms: &[Fitted], limit: Option<&FoundLimit>, naming: &Naming<'_>) -> Vec<Named> {

@@ -6,9 +6,7 @@
 use crate::candidate::Term;
 use crate::columns::{self, both_directions, hats, in_the_middle, knots};
 use crate::config::NoiseConfig;
-use crate::data::believed::Context;
-use crate::data::interval::Interval;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, interval::Interval, rows::Row};
 use crate::fit::Base;
 use crate::noise::whitening::{Noise, Whitening};
 use nalgebra::{DMatrix, DVector};

@@ -12,8 +12,7 @@
 use crate::candidate::Term;
 use crate::columns::braked;
 use crate::config::BetweenRunsConfig;
-use crate::data::believed::Context;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, rows::Row};
 use crate::fit::mixed_share;
 use crate::noise::calibrate::{Calibrated, Deviations, Own, left, own_columns, whitening};
 use core::ops::Range;

@@ -8,8 +8,7 @@
 //! Where platforms are described, the second also checks all runs together. What all runs have alike in the first is found by [`kinematics`](super::kinematics).
 
 use crate::config::{GapConfig, WheelConfig};
-use crate::data::believed::Surroundings;
-use crate::data::runs::Run;
+use crate::data::{believed::Surroundings, runs::Run};
 use crate::fit::median;
 use crate::named::{Named, around};
 use crate::readings::kinematics::scale_of_run;

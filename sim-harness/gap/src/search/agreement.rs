@@ -11,13 +11,11 @@
 
 use crate::candidate::{Shape, Term};
 use crate::config::SearchConfig;
-use crate::data::believed::load_at;
-use crate::data::rows::Row;
+use crate::data::{believed::load_at, rows::Row};
 use crate::fit::Base;
 use crate::search::fits::Search;
 use nalgebra::DVector;
-use rundown::model::direction::Direction;
-use rundown::model::line::Line;
+use rundown::model::{direction::Direction, line::Line};
 
 /// One of two parts of the rows; the other is the rest.
 type Part = fn(&Row, &SearchConfig) -> bool;

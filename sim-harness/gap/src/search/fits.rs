@@ -2,16 +2,12 @@
 
 use crate::candidate::{Family, Offer, Shape, Term};
 use crate::candidates::{self, sensors};
-use crate::data::believed::Context;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, rows::Row};
 use crate::fit::{Base, Gain};
-use crate::noise::calibrate::Calibrated;
-use crate::noise::whitening::Whitening;
+use crate::noise::{calibrate::Calibrated, whitening::Whitening};
 use crate::search::scan::Scan;
 use nalgebra::DVector;
-use std::cell::RefCell;
-use std::collections::HashMap;
-use std::rc::Rc;
+use std::{cell::RefCell, collections::HashMap, rc::Rc};
 
 pub struct Search<'a> {
     pub context: &'a Context<'a>,
@@ -89,12 +85,8 @@ impl<'a> Search<'a> {
             return f64::NEG_INFINITY;
         };
         let enough = self.context.config.search.enough;
-        let penalties: f64 = model.iter().map(|term| self.penalty(term) + enough).sum();
+        let penalties: f64 = model.iter().map(|term| term.penalty(self.context, self.rows) + enough).sum();
         0.5 * self.y.norm_squared() - base.half_sum() - penalties
-    }
-
-    pub fn penalty(&self, term: &Term) -> f64 {
-        term.penalty(self.context, self.rows)
     }
 }
 

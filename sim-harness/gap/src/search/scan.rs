@@ -5,8 +5,7 @@
 
 use crate::candidate::{Shape, Term};
 use crate::config::SearchConfig;
-use crate::data::believed::Context;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, rows::Row};
 use crate::fit::{ANYWHERE, Base, Climb};
 use crate::noise::whitening::Whitening;
 use nalgebra::{DMatrix, DVector};

@@ -6,8 +6,7 @@
 use crate::candidate::{Family, Shape, Size, Term};
 use crate::fit::{Base, Gain, choices};
 use crate::noise::dragging::RunDrag;
-use crate::search::fits::Search;
-use crate::search::shape;
+use crate::search::{fits::Search, shape};
 
 /// A term with what was found of it.
 #[derive(Clone, Debug)]
@@ -78,7 +77,7 @@ impl Search<'_> {
         if !self.is_plausible(&term, gain.beta.as_slice()) {
             return None;
         }
-        let penalty = self.penalty(&term);
+        let penalty = term.penalty(self.context, self.rows);
         let (value, sure) = (gain.naive_gain - penalty, gain.gain - penalty);
         // A gain that rests on a few runs is worth what it is worth run by run.
         let few = matches!(term.shape, Shape::Runs(_));
@@ -113,7 +112,7 @@ impl Search<'_> {
     fn best_whole(&self, terms: &[Term], base: &Base) -> Option<Found> {
         let found = |term: Term| {
             let gain = self.gain(base, &term)?;
-            let value = gain.gain - self.penalty(&term);
+            let value = gain.gain - term.penalty(self.context, self.rows);
             if value > self.enough() && !self.agrees(base, &term, &[1.0]) {
                 return None;
             }

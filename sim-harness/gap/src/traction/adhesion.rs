@@ -2,9 +2,7 @@
 
 use crate::config::{PenaltyConfig, TractionConfig};
 use crate::fit::{ANYWHERE, Climb, LOSS_AT_LIMIT, mixed_share};
-use crate::traction::limit::FoundLimit;
-use crate::traction::powering::SteadyPower;
-use crate::traction::shares::Shares;
+use crate::traction::{limit::FoundLimit, powering::SteadyPower, shares::Shares};
 use rundown::model::effects::{Effect, LowAdhesion};
 
 /// Share of the runs on slippery days, by expectation and maximisation, and the log-likelihood of all runs.

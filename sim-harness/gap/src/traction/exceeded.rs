@@ -7,8 +7,7 @@ use crate::config::TractionConfig;
 use crate::data::interval::{Interval, POINTS};
 use crate::data::runs::{EffortReading, Readings, Run};
 use crate::traction::limit::FoundLimit;
-use rundown::model::effects::Effect;
-use rundown::model::train::Train;
+use rundown::model::{effects::Effect, train::Train};
 use rundown_files::sample::Sample;
 use std::cmp::Ordering;
 
@@ -121,9 +120,8 @@ fn exceeded(
 mod tests {
     use super::*;
     use crate::data::rows::Row;
-    use rundown::model::direction::Direction;
-    use rundown::model::effects::PowerLimitSection;
     use rundown::model::train::{Train, TrainDescription};
+    use rundown::model::{direction::Direction, effects::PowerLimitSection};
 
     /// Twenty runs that read the effort every 100 m; so many give 0.6 at these places, and otherwise 0.3.
     fn runs(above: usize, at_m: &[f64]) -> Vec<Vec<Reading>> {

@@ -2,10 +2,9 @@
 
 use crate::config::{PenaltyConfig, TractionConfig};
 use crate::fit::{ANYWHERE, Climb};
-use crate::traction::edges::edges;
 use crate::traction::limit::{FoundLimit, factor_sd, trimmed};
-use crate::traction::powering::SteadyPower;
 use crate::traction::shares::{ByPower, SHARES, Shares, density, over_shares, shares};
+use crate::traction::{edges::edges, powering::SteadyPower};
 use rundown::model::effects::{Effect, PowerLimitSection};
 
 struct Bins {

@@ -1,7 +1,6 @@
 //! Means over bins of a coordinate, with standard errors that take a run as the unit.
 
-use std::collections::BTreeMap;
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Value {

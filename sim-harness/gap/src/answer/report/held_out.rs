@@ -7,8 +7,7 @@ use crate::fit::HALF_95;
 use crate::holdout::forward::Compared;
 use plotters::style::RGBColor;
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
-use rundown_pages::colours;
-use rundown_pages::numbers::number;
+use rundown_pages::{colours, numbers::number};
 
 const BEFORE: RGBColor = colours::HELD;
 const AFTER: RGBColor = colours::TRUTH;

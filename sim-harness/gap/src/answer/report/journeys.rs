@@ -1,7 +1,6 @@
 //! Running time and energy of the held-out runs, before and after.
 
-use crate::answer::json::NO_ENERGY;
-use crate::answer::whole::Answer;
+use crate::answer::{json::NO_ENERGY, whole::Answer};
 use crate::candidate::ShowsIn;
 use crate::candidates;
 use crate::holdout::journey::{Spread, Summary};

@@ -1,7 +1,6 @@
 //! Who else was tried in the place of each effect.
 
-use crate::answer::rivals::Rival;
-use crate::answer::whole::Answer;
+use crate::answer::{rivals::Rival, whole::Answer};
 use crate::named::Named;
 use crate::wording::plain;
 use maud::{Markup, html};

@@ -1,7 +1,6 @@
 //! The verdict in sentences: what, where, how large, how sure, and what it is not distinguishable from.
 
-use crate::answer::notes::notes;
-use crate::answer::whole::Answer;
+use crate::answer::{notes::notes, whole::Answer};
 use crate::candidates;
 use crate::named::Named;
 use crate::wording::{confidence, plain};
