@@ -41,7 +41,7 @@ fn holding_out_too_many_is_refused_with_the_largest_number() {
 }
 
 #[test]
-fn few_runs_are_told_everywhere() {
+fn few_runs_are_reported_everywhere() {
     let folder = simulated(4, "");
     let Said { code, out: screen, err: words } = gap(&folder, "set/runs", &[]);
     assert_eq!(code, Some(0), "{words}");
@@ -62,9 +62,9 @@ fn runs_that_are_nowhere_are_refused() {
     assert!(!folder.path("out").exists());
 }
 
-/// A model found before is no part of the belief: it is told, and not doubled.
+/// A model found before is no part of the belief: it is reported, and not doubled.
 #[test]
-fn effects_that_were_described_are_replaced_and_told() {
+fn effects_that_were_described_are_replaced_and_reported() {
     let folder = simulated(24, TUNNEL);
     folder.write("set/track.toml", &format!("{}\n{TUNNEL}", folder.read("set/track.toml")));
     let Said { code, out: screen, err: words } = gap(&folder, "set/runs", &[]);
@@ -120,7 +120,7 @@ fn without_effort_and_coasting_no_resistance_is_judged_and_no_map_drawn() {
 
 /// The numbers of a bad outcome are put in place of those that were found: no data set is bad on purpose.
 #[test]
-fn a_repair_that_makes_things_worse_is_told_everywhere() {
+fn a_repair_that_makes_things_worse_is_reported_everywhere() {
     let folder = simulated(8, "");
     let input = Input::of_set(&folder.path("set")).unwrap();
     let mut answer = rundown_gap::run(input, GapConfig::default(), None, |_| ()).unwrap();
@@ -188,7 +188,7 @@ fn the_example_of_the_help_works_word_for_word() {
 }
 
 #[test]
-fn a_copy_of_a_run_and_a_log_that_is_none_are_left_out_and_told() {
+fn a_copy_of_a_run_and_a_log_that_is_none_are_left_out_and_reported() {
     let folder = simulated(8, "");
     folder.write("set/runs/copy.csv", &folder.read("set/runs/run001.csv"));
     folder.write("set/runs/none.csv", "no log at all\n");
@@ -198,6 +198,41 @@ fn a_copy_of_a_run_and_a_log_that_is_none_are_left_out_and_told() {
     assert!(screen.contains("2 of 10 logs could not be used"), "{screen}");
     let json = folder.json("out/gap.json");
     assert_eq!((json["runs"].as_u64(), json["runs_left_out"].as_u64()), (Some(8), Some(2)));
+}
+
+/// Runs in winds that differ, once without and once with the column that measures them.
+#[test]
+fn a_wind_that_is_measured_is_none_to_be_found() {
+    let folder = simulated(24, "[[effect]]\nname = \"run_wind\"\nsd_mps = 6.0\n");
+    let investigated = || -> (Value, String) {
+        let said = gap(&folder, "set/runs", &[]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        (folder.json("out/gap.json"), said.out)
+    };
+    let winds = |json: &Value| {
+        let names = json["effects"].as_array().unwrap().iter().map(|one| one["name"].as_str().unwrap().to_owned());
+        names.filter(|name| name.ends_with("_wind")).collect::<Vec<_>>()
+    };
+    let (without, screen) = investigated();
+    assert_eq!(winds(&without), ["run_wind"], "{without}");
+    assert!(without["headwind"].is_null() && !screen.contains("headwind column"), "{without}");
+
+    for run in folder.json("set/truth/truth.json")["runs"].as_array().unwrap() {
+        let path = format!("set/runs/{}", run["file"].as_str().unwrap());
+        let column = |(i, line): (usize, &str)| match i {
+            0 => format!("{line},headwind_mps\n"),
+            _ => format!("{line},{}\n", run["headwind_mps"]),
+        };
+        let text: String = folder.read(&path).lines().enumerate().map(column).collect();
+        folder.write(&path, &text);
+    }
+    let (with, screen) = investigated();
+    assert_eq!(winds(&with), [""; 0], "{with}");
+    let wind = |name: &str| with["headwind"][name].as_f64().unwrap();
+    assert!((wind("scale") - 1.0).abs() < 0.1, "{with}");
+    assert_eq!(with["headwind"]["agrees"], true, "{with}");
+    assert!(wind("after") < 0.8 * wind("before"), "{with}");
+    assert!(screen.contains("they agree"), "{screen}");
 }
 
 #[test]
@@ -228,7 +263,7 @@ fn logs_in_other_units_are_refused_with_the_unit_that_they_seem_to_have() {
 }
 
 #[test]
-fn a_track_that_is_too_short_or_flat_is_told() {
+fn a_track_that_is_too_short_or_flat_is_reported() {
     let folder = simulated(8, "");
     let text = folder.read("set/track.toml");
     let shorter = text.replace("length_m = 32103.0", "length_m = 20000.0");

@@ -84,7 +84,7 @@ fn with_the_right_model_time_and_energy_err_as_the_floor_says() {
 
 /// Logs without an effort column cannot tell energy, and say so.
 #[test]
-fn without_an_effort_column_energy_is_not_told() {
+fn without_an_effort_column_energy_is_not_reported() {
     let (json, page) = investigated("[line]\nname = \"hilly\"\n[effort]\ncolumn = false\n");
     let why = json["energy"]["why_not"].as_str().unwrap();
     assert!(why.starts_with("cannot be measured") && page.contains(why));

@@ -3,19 +3,15 @@
 use crate::candidate::{Shape, Term};
 use crate::candidates::dragging_brake;
 use crate::data::believed::{Conditions, Context};
-use crate::data::cut;
-use crate::data::interval::Interval;
-use crate::data::rows::Row;
 use crate::data::runs::{Readings, Run};
+use crate::data::{cut, interval::Interval, rows::Row};
 use crate::efforts::{Looked, effort_reading, measured};
 use crate::findings::Findings;
 use crate::noise::calibrate::{Calibrated, calibrate};
 use crate::noise::dragging::dragging;
 use crate::readings::kinematics::kinematics;
-use crate::search::fits::Search;
-use crate::search::fitting::fitted;
-use crate::traction::hypotheses::limits;
-use crate::traction::pulls::Pull;
+use crate::search::{fits::Search, fitting::fitted, headwind::headwind};
+use crate::traction::{hypotheses::limits, powering::SteadyPower};
 
 /// What rounds of recognising coasting, calibrating and selecting come to.
 struct Model {
@@ -42,19 +38,20 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], mut progress: impl FnMut(&str)
     if last.is_none() && kinematics.runs == 0 {
         return None;
     }
-    // Without rows forces cannot be judged; wheels and locations can.
-    let judged = last.is_some();
+    // Without rows forces cannot be evaluated; wheels and locations can.
+    let has_rows = last.is_some();
     let (rows, calibrated) = last.unwrap_or_default();
-    let (fitted, wind_gain) = if judged {
+    let (fitted, wind_gain, headwind) = if has_rows {
         // Beside the same model, which was not known when the noise was found.
         let reached = |wind| calibrate(context, &rows, measured, wind, &terms).1;
         let wind_gain = reached(true) - reached(false);
-        (fitted(&Search::new(context, &rows, &calibrated, measured), &terms), wind_gain)
+        let search = Search::new(context, &rows, &calibrated, measured);
+        (fitted(&search, &terms), wind_gain, headwind(&search, &terms))
     } else {
-        (Vec::new(), 0.0)
+        (Vec::new(), 0.0, None)
     };
     let looked = Looked { context, runs, cut: &cut, readings: &readings, measured, model: (&terms, &beta) };
-    let (pulls, traction) = looked.traction(&calibrated);
+    let (powering, traction) = looked.traction(&calibrated);
     let moves = |interval: &&Interval| interval.mean_speed_mps() > config.interval.slowest_mps;
     Some(Findings {
         kinematics,
@@ -62,16 +59,17 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], mut progress: impl FnMut(&str)
         measured,
         moving: cut.iter().flatten().filter(moves).count(),
         terms: fitted,
-        limits: limits(&pulls, &traction, &config.traction, &config.penalty),
-        pulls,
+        limits: limits(&powering, &traction, &config.traction, &context.penalty()),
+        powering,
         wind_gain,
+        headwind,
         rows,
         calibrated,
         conditions: context.conditions,
     })
 }
 
-/// With an effort column one round; without, the model tells where trains coast, and coasting the model.
+/// With an effort column one round; without, the model shows where trains coast, and coasting the model.
 fn model(
     context: &Context<'_>,
     runs: &[Run],
@@ -95,12 +93,12 @@ fn model(
         if !found.terms.iter().any(drags)
             && let Some(runs) = dragging(context, &rows, &calibrated, &found.terms)
         {
-            let drags = Term { of: dragging_brake::CANDIDATE, shape: Shape::Runs(runs) };
+            let drags = Term { of: &dragging_brake::This, shape: Shape::Runs(runs) };
             let with: Vec<Term> = found.terms.iter().cloned().chain([drags]).collect();
             (calibrated, _) = calibrate(context, &rows, measured, true, &with);
         }
         let search = Search::new(context, &rows, &calibrated, measured);
-        // So few rows would fit anything; limits can be judged nevertheless.
+        // So few rows would fit anything; limits can be evaluated nevertheless.
         found.terms = if rows.len() < config.search.few_rows { Vec::new() } else { search.select() };
         let base = search.base(&found.terms)?;
         found.beta = expanded(&found.terms, base.beta.as_slice());
@@ -111,7 +109,7 @@ fn model(
 }
 
 /// Rows and powering phases of other runs, as the findings would have them: for judging on hold-out runs. `context`: that of the findings.
-pub fn apply(context: &Context<'_>, findings: &Findings, runs: &[Run]) -> (Vec<Row>, Vec<Vec<Pull>>) {
+pub fn apply(context: &Context<'_>, findings: &Findings, runs: &[Run]) -> (Vec<Row>, Vec<Vec<SteadyPower>>) {
     let cut = cut::all(context, runs, &findings.readings);
     let terms: Vec<Term> = findings.terms.iter().map(|fitted| fitted.term.clone()).collect();
     let of_term = |fitted: &crate::candidate::Fitted| match fitted.term.is_whole() {

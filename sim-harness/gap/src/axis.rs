@@ -2,10 +2,8 @@
 
 use crate::data::rows::Row;
 
-/// A value of a row.
 pub type Of<'a, T> = Box<dyn Fn(&Row) -> T + 'a>;
 
-/// What a law is drawn over.
 pub struct Axis<'a> {
     /// Name with the unit.
     pub x_label: &'static str,
@@ -22,44 +20,36 @@ pub struct Axis<'a> {
 }
 
 impl<'a> Axis<'a> {
-    /// Over a value of each row.
     pub fn over(x_label: &'static str, x: impl Fn(&Row) -> Option<f64> + 'a) -> Self {
         Self { x_label, x: Box::new(x), by_direction: false, of_run: false, run_by_run: false, per: None }
     }
 
-    /// Over the speed.
     pub fn speed() -> Self {
         Self::over("speed, km/h", |row| Some(kmh(row)))
     }
 
-    /// Over the location.
     pub fn location() -> Self {
         Self::over("location of the train's front, km", |row| Some(km(row)))
     }
 
-    /// Over the time since departure.
     pub fn time() -> Self {
         Self::over("time since departure, min", |row| Some(row.interval.middle().since_departure_s / 60.0))
     }
 
-    /// Over the temperature.
     pub fn temperature() -> Self {
         Self { of_run: true, ..Self::over("ambient temperature, \u{b0}C", |row| row.interval.temperature_c) }
     }
 
-    /// Over the date.
     pub fn day(first_day: f64) -> Self {
         let day = move |row: &Row| Some(row.interval.day? - first_day);
         Self { of_run: true, ..Self::over("days since the first run", day) }
     }
 }
 
-/// Mean speed of a row, km/h.
 pub fn kmh(row: &Row) -> f64 {
     3.6 * row.interval.mean_speed_mps()
 }
 
-/// Where a row lies, km.
 pub fn km(row: &Row) -> f64 {
     row.interval.middle().location_m / 1000.0
 }

@@ -6,16 +6,13 @@
 use crate::axis::Axis;
 use crate::columns::{both_directions, coordinate};
 use crate::config::{PenaltyConfig, PriorChange};
-use crate::data::believed::Context;
-use crate::data::interval::Interval;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, interval::Interval, rows::Row};
 use crate::named::{Interval95, Named, around};
 use crate::readings::kinematics::Kinematics;
 use crate::traction::limit::FoundLimit;
 use rand_chacha::ChaCha8Rng;
-use rundown::model::effects::EffectKind;
 use rundown::model::effects::{Coordinate, Effect};
-use rundown::model::resistance::Davis;
+use rundown::model::{effects::EffectKind, resistance::Davis};
 use serde_json::Value;
 use std::fmt;
 
@@ -38,21 +35,36 @@ pub enum Shape {
     Table(Coordinate, Vec<f64>),
 }
 
-/// Where a step acts.
+/// On which side of its value a step acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// Below its value.
     Below,
-    /// Above it.
     Above,
+}
+
+/// What a shape is made of, for the candidate that made it: of another form it has nothing.
+impl Shape {
+    pub fn number(&self) -> f64 {
+        if let Self::Number(number) = self { *number } else { f64::NAN }
+    }
+
+    pub fn section(&self) -> [f64; 2] {
+        if let Self::Section(section) = self { *section } else { [f64::NAN; 2] }
+    }
+
+    pub fn powers(&self) -> [bool; 3] {
+        if let Self::Powers(wrong) = self { *wrong } else { [false; 3] }
+    }
+
+    pub fn runs(&self) -> &[usize] {
+        if let Self::Runs(runs) = self { runs } else { &[] }
+    }
 }
 
 /// A candidate of the resistance with its shape.
 #[derive(Clone)]
 pub struct Term {
-    /// The candidate.
     pub of: &'static dyn Candidate,
-    /// Its shape.
     pub shape: Shape,
 }
 
@@ -75,36 +87,27 @@ impl Term {
         self.of.name() == other.of.name() && form(self) == form(other)
     }
 
-    /// The same candidate with another shape.
     pub fn with(&self, shape: Shape) -> Self {
         Self { of: self.of, shape }
     }
 
-    /// It is a term of this kind.
     pub fn is(&self, kind: EffectKind) -> bool {
-        self.of.kind() == Some(kind)
+        self.of.facts().kind == Some(kind)
     }
 
-    /// Its columns, one for each coefficient.
     pub fn columns(&self, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
         self.of.columns(&self.shape, context, rows)
     }
 
-    /// How many coefficients it has.
     pub fn count(&self) -> usize {
-        match &self.shape {
-            Shape::Powers(wrong) => wrong.iter().filter(|w| **w).count(),
-            Shape::Table(_, knots) => knots.len(),
-            _ => 1 + usize::from(self.of.nature().constant_beside),
-        }
+        coefficients(self.of.facts().nature, &self.shape)
     }
 
     /// Its column is what it is: the coefficient is 1 and not fitted.
     pub fn is_whole(&self) -> bool {
-        self.of.nature().whole
+        self.of.facts().nature.whole
     }
 
-    /// It acts in a section of the line.
     pub fn section(&self) -> Option<[f64; 2]> {
         match self.shape {
             Shape::Section(section) => Some(section),
@@ -112,20 +115,18 @@ impl Term {
         }
     }
 
-    /// It acts by place.
     pub fn by_place(&self) -> bool {
-        self.section().is_some() || self.of.nature().by_place
+        self.section().is_some() || self.of.facts().nature.by_place
     }
 
     /// The same all through a run, another in each.
     pub fn between_runs(&self) -> bool {
         match &self.shape {
             Shape::Runs(_) | Shape::Step(..) | Shape::Table(Coordinate::Day | Coordinate::Temperature, _) => true,
-            _ => self.of.nature().between_runs,
+            _ => self.of.facts().nature.between_runs,
         }
     }
 
-    /// It has no name in the catalogue.
     pub fn is_unnamed(&self) -> bool {
         self.is(EffectKind::Unknown)
     }
@@ -150,7 +151,7 @@ impl Term {
 
     /// Penalty of its freedom, of log-likelihood.
     pub fn penalty(&self, context: &Context<'_>, rows: &[Row]) -> f64 {
-        self.of.penalty(&self.shape, &context.config.penalty, rows)
+        self.of.penalty(&self.shape, &context.penalty(), rows)
     }
 
     /// What an unnamed section must be better by only because it has no name: it fits as well as one with a name that is better by no more.
@@ -178,18 +179,14 @@ pub enum Family {
 /// The data that families are made for.
 #[derive(Clone, Copy)]
 pub struct Offer<'a> {
-    /// By what they are judged.
     pub context: &'a Context<'a>,
-    /// The rows.
     pub rows: &'a [Row],
-    /// With an effort column.
     pub measured: bool,
 }
 
 /// How a shape that is a number is made finer.
 #[derive(Clone, Copy, Debug)]
 pub struct Dial {
-    /// The first step.
     pub step: f64,
     /// The range in which it makes sense; the step too is of the logarithm where that is what turns.
     pub range: (f64, f64),
@@ -211,10 +208,9 @@ pub enum ShowsIn {
     Readings,
 }
 
-/// Facts of a candidate that stages ask for.
+/// How a candidate differs from the usual one, for the stages.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Nature {
-    /// Where it shows.
     pub shows_in: ShowsIn,
     /// It acts by place, without being a section.
     pub by_place: bool,
@@ -233,20 +229,21 @@ pub struct Nature {
 }
 
 impl Offer<'_> {
-    /// The shapes of a candidate that are tried first.
-    pub fn shapes(&self, of: &dyn Candidate) -> Vec<f64> {
+    /// The numbers of a candidate that are tried first. `unit`: how many of the prior's units are one of the shape.
+    pub fn numbers(&self, of: &'static dyn Candidate, unit: f64) -> Family {
         let changed = self.context.config.prior.get(of.name()).and_then(|change| change.shapes.clone());
-        changed.unwrap_or_else(|| of.prior().shapes.to_vec())
+        let shapes = changed.unwrap_or_else(|| of.facts().prior.shapes.to_vec());
+        Family::Shapes(shapes.into_iter().map(|number| Term { of, shape: Shape::Number(number / unit) }).collect())
     }
 }
 
-/// What `--explain` tells.
-pub struct Page {
-    /// What it is.
+/// What is always so of a candidate. The first texts are for `--explain`.
+#[derive(Clone, Copy, Default)]
+pub struct Facts {
+    /// None: a matter of sensors, which the board does not need to know.
+    pub kind: Option<EffectKind>,
     pub what: &'static str,
-    /// Its law.
     pub law: &'static str,
-    /// Its parameters.
     pub parameters: &'static str,
     /// How it shows in the residuals.
     pub shows: &'static str,
@@ -254,17 +251,18 @@ pub struct Page {
     pub confused: &'static str,
     /// Which data would separate it.
     pub separates: &'static str,
+    pub nature: Nature,
+    /// Without a source it has none of its own.
+    pub prior: Prior,
+    /// The parameter that is the effect's size, and its value without the effect.
+    pub size: Option<(&'static str, f64)>,
 }
 
 /// The size of a term with its coefficients, on the rows.
 pub struct Size<'a> {
-    /// The term.
     pub term: &'a Term,
-    /// Its coefficients.
     pub beta: &'a [f64],
-    /// By what it is judged.
     pub context: &'a Context<'a>,
-    /// The rows.
     pub rows: &'a [Row],
 }
 
@@ -286,12 +284,10 @@ impl Size<'_> {
         self.sorted().get(self.rows.len() * 4 / 5).copied().unwrap_or(0.0)
     }
 
-    /// Smallest size that matters.
     pub fn least(&self) -> f64 {
         range(self.term.of, self.context).0
     }
 
-    /// Largest size that is possible.
     pub fn largest(&self) -> f64 {
         range(self.term.of, self.context).1
     }
@@ -299,7 +295,7 @@ impl Size<'_> {
 
 /// Smallest size of a candidate that matters, and the largest that is possible.
 pub fn range(of: &dyn Candidate, context: &Context<'_>) -> (f64, f64) {
-    let prior = of.prior();
+    let prior = of.facts().prior;
     let change = context.config.prior.get(of.name());
     let of = |one: fn(&PriorChange) -> Option<f64>, other: f64| change.and_then(one).unwrap_or(other);
     (of(|change| change.least, prior.least), of(|change| change.most, prior.most))
@@ -308,14 +304,17 @@ pub fn range(of: &dyn Candidate, context: &Context<'_>) -> (f64, f64) {
 /// What is believed of the size of an effect, and the shapes that are tried first; a file may change it.
 #[derive(Clone, Copy, Debug)]
 pub struct Prior {
-    /// Smallest size that matters.
     pub least: f64,
-    /// Largest size that is possible.
     pub most: f64,
-    /// Shapes that are tried first.
     pub shapes: &'static [f64],
     /// Units and source of these.
     pub source: &'static str,
+}
+
+impl Default for Prior {
+    fn default() -> Self {
+        Self::least(0.0, "")
+    }
 }
 
 impl Prior {
@@ -328,7 +327,6 @@ impl Prior {
 /// 95 % limits of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionLimits {
-    /// Of its edges, m.
     pub edges_m: [(f64, f64); 2],
     /// Of its coefficient, as shares of it: the section may be another, and go by another name.
     pub share: (f64, f64),
@@ -337,24 +335,19 @@ pub struct SectionLimits {
 /// 95 % limits of a shape that is a number, and of the coefficient that goes with it: where the shape moves, the coefficient follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeLimits {
-    /// Of the shape.
     pub shape: (f64, f64),
-    /// Of the coefficient.
     pub beta: (f64, f64),
 }
 
 /// A term with its coefficients.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// The term.
     pub term: Term,
-    /// Its coefficients.
     pub beta: Vec<f64>,
     /// Their standard deviations: the larger of noise model and spread between runs, and what sensors may do in all runs alike.
     pub sd: Vec<f64>,
     /// Log-likelihood that would be lost without it.
     pub gain: f64,
-    /// Limits of a section.
     pub section: Option<SectionLimits>,
     /// Limits of a shape that is a number.
     pub shape: Option<ShapeLimits>,
@@ -375,32 +368,31 @@ impl Fitted {
         (value, interval)
     }
 
-    /// The 95 % intervals of the edges of a section.
+    /// The first coefficient, the number that is its shape in another unit, and the intervals of both.
+    pub fn with_number(&self, parameter: &'static str, number: &'static str, unit: f64) -> (f64, f64, Vec<Interval95>) {
+        let intervals = self.shape.map_or_else(Vec::new, |ShapeLimits { shape, beta }| {
+            vec![(parameter, beta.0, beta.1), (number, unit * shape.0, unit * shape.1)]
+        });
+        (self.beta[0], unit * self.term.shape.number(), intervals)
+    }
+
     pub fn edges(&self) -> Vec<Interval95> {
-        let of = |limits: &SectionLimits| {
-            let [from, to] = limits.edges_m;
+        self.section.as_ref().map_or_else(Vec::new, |SectionLimits { edges_m: [from, to], .. }| {
             vec![("from_m", from.0, from.1), ("to_m", to.0, to.1)]
-        };
-        self.section.as_ref().map_or_else(Vec::new, of)
+        })
     }
 }
 
 /// What was found, for naming it.
 #[derive(Clone, Copy)]
 pub struct Naming<'a> {
-    /// By what it was judged.
     pub context: &'a Context<'a>,
-    /// Names of the runs.
     pub runs: &'a [String],
-    /// The rows.
     pub rows: &'a [Row],
-    /// With an effort column.
     pub measured: bool,
-    /// Speed against location.
     pub kinematics: &'a Kinematics,
     /// Spread of the wind between runs with its standard deviation, m/s, where runs surely differ by it.
     pub run_wind: Option<(f64, f64)>,
-    /// Gain of log-likelihood of such winds.
     pub wind_gain: f64,
     /// Limits of the traction, the best first.
     pub limits: &'a [FoundLimit],
@@ -416,9 +408,7 @@ impl Naming<'_> {
 /// What the data at hand have already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Have {
-    /// An effort column.
     pub effort: bool,
-    /// Runs in both directions.
     pub both_directions: bool,
 }
 
@@ -436,11 +426,11 @@ pub enum HiddenSize {
 
 /// What the bench has drawn of a set when it hides an effect.
 pub struct Hide<'a> {
-    /// How large.
+    /// How large the effect is.
     pub size: HiddenSize,
-    /// A section, m.
+    /// Where an effect of a section acts, m.
     pub section_m: [f64; 2],
-    /// A sign.
+    /// Of effects that may have either.
     pub sign: f64,
     /// The true coefficients.
     pub davis: Davis,
@@ -462,27 +452,10 @@ pub type Odds = Vec<(EffectKind, f64)>;
 
 /// A kind of effect to the workflow.
 pub trait Candidate: Sync {
-    /// Its kind; none is a matter of sensors, which the board does not need to know.
-    fn kind(&self) -> Option<EffectKind>;
+    fn facts(&self) -> Facts;
 
-    /// Its name.
     fn name(&self) -> &'static str {
-        self.kind().map_or("sensors", EffectKind::name)
-    }
-
-    /// For `--explain`.
-    fn page(&self) -> Option<Page> {
-        None
-    }
-
-    /// Facts.
-    fn nature(&self) -> Nature {
-        Nature::default()
-    }
-
-    /// Its prior; without a source it has none of its own.
-    fn prior(&self) -> Prior {
-        Prior::least(0.0, "")
+        self.facts().kind.map_or("sensors", EffectKind::name)
     }
 
     /// The terms that these data can show.
@@ -496,8 +469,13 @@ pub trait Candidate: Sync {
     }
 
     /// Penalty of a shape's freedom, of log-likelihood.
-    fn penalty(&self, _: &Shape, penalty: &PenaltyConfig, _: &[Row]) -> f64 {
-        penalty.coefficient
+    fn penalty(&self, shape: &Shape, penalty: &PenaltyConfig, _: &[Row]) -> f64 {
+        let chosen = match shape {
+            Shape::Section(_) => penalty.section,
+            _ if self.dial(shape).is_some() => penalty.shape,
+            _ => 0.0,
+        };
+        coefficients(self.facts().nature, shape) as f64 * penalty.coefficient + chosen
     }
 
     /// Large enough to matter to a train, and not too large to be it.
@@ -515,7 +493,7 @@ pub trait Candidate: Sync {
         None
     }
 
-    /// The effect by what readings or differences between runs tell.
+    /// The effect by what readings or differences between runs show.
     fn beside(&self, _: &Naming<'_>) -> Option<(Named, Odds)> {
         None
     }
@@ -555,8 +533,17 @@ pub trait Candidate: Sync {
         None
     }
 
-    /// The parameter that is the effect's size, and its value without the effect.
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        None
+    /// The parameter that is the effect's size, and its value without the effect. `length_m`: of the train as described.
+    fn main_parameter(&self, _length_m: f64) -> Option<(&'static str, f64)> {
+        self.facts().size
+    }
+}
+
+/// How many coefficients a shape has.
+fn coefficients(nature: Nature, shape: &Shape) -> usize {
+    match shape {
+        Shape::Powers(wrong) => wrong.iter().filter(|w| **w).count(),
+        Shape::Table(_, knots) => knots.len(),
+        _ => 1 + usize::from(nature.constant_beside),
     }
 }

@@ -14,8 +14,7 @@
 //! beside it: its effort is a part of the one before. How often regimes change is found from the runs.
 
 use crate::config::CoastingConfig;
-use crate::data::believed::believed_load;
-use crate::data::interval::Interval;
+use crate::data::{believed::believed_load, interval::Interval};
 use crate::noise::calibrate::Own;
 use rundown::model::line::Line;
 
@@ -44,15 +43,15 @@ pub struct Extra {
     pub beyond_places: Vec<f64>,
 }
 
-/// The intervals of one run, ready to be judged.
+/// The intervals of one run, each weighed.
 pub struct Driven<'a> {
-    told: Vec<Said>,
+    weighed: Vec<Weighed>,
     noise_n_per_kg: f64,
     config: &'a CoastingConfig,
 }
 
-/// What one interval says.
-struct Said {
+/// One interval under each regime.
+struct Weighed {
     effort_n_per_kg: f64,
     /// Weight of its effort under each regime.
     weights: [f64; REGIMES],
@@ -60,7 +59,7 @@ struct Said {
     rather: f64,
 }
 
-impl Said {
+impl Weighed {
     fn new(line: &Line<'_>, interval: &Interval, extra: [f64; 2], recognised: &Recognised<'_>) -> Self {
         let config = recognised.config;
         // Beyond that it would be power that drivers apply at the same place, taken for a gradient, and found there ever more.
@@ -113,14 +112,14 @@ impl Said {
 }
 
 impl<'a> Driven<'a> {
-    /// What each interval of a run tells.
+    /// Each interval of a run.
     pub fn new(line: &Line<'_>, intervals: &[Interval], extra: &Extra, recognised: Recognised<'a>) -> Self {
         let extra = extra.all.iter().zip(&extra.beyond_places);
-        let told = |(interval, (all, beyond)): (&Interval, (&f64, &f64))| {
-            Said::new(line, interval, [*all, *beyond], &recognised)
+        let weighed = |(interval, (all, beyond)): (&Interval, (&f64, &f64))| {
+            Weighed::new(line, interval, [*all, *beyond], &recognised)
         };
         Self {
-            told: intervals.iter().zip(extra).map(told).collect(),
+            weighed: intervals.iter().zip(extra).map(weighed).collect(),
             noise_n_per_kg: recognised.noise_n_per_kg,
             config: recognised.config,
         }
@@ -130,9 +129,9 @@ impl<'a> Driven<'a> {
     fn forward(&self, change: f64) -> (Vec<[f64; REGIMES]>, f64) {
         let mut now = [1.0 / REGIMES as f64; REGIMES];
         let mut likelihood = 0.0;
-        let forward = self.told.iter().map(|told| {
+        let forward = self.weighed.iter().map(|weighed| {
             let foreseen = step(&now, change);
-            let joint = core::array::from_fn(|i| foreseen[i] * told.weights[i]);
+            let joint = core::array::from_fn(|i| foreseen[i] * weighed.weights[i]);
             likelihood += joint.iter().sum::<f64>().max(1e-300).ln();
             now = scaled(joint);
             now
@@ -144,9 +143,9 @@ impl<'a> Driven<'a> {
     fn regimes(&self, change: f64) -> Vec<[f64; REGIMES]> {
         let (mut regimes, _) = self.forward(change);
         let mut backward = [1.0; REGIMES];
-        for (regimes, told) in regimes.iter_mut().zip(&self.told).rev() {
+        for (regimes, weighed) in regimes.iter_mut().zip(&self.weighed).rev() {
             *regimes = scaled(core::array::from_fn(|i| regimes[i] * backward[i]));
-            let weighted = core::array::from_fn(|i| told.weights[i] * backward[i]);
+            let weighted = core::array::from_fn(|i| weighed.weights[i] * backward[i]);
             backward = scaled(step(&weighted, change));
         }
         regimes
@@ -162,7 +161,7 @@ impl<'a> Driven<'a> {
                 return true;
             };
             let changed = |beyond: usize| {
-                let [part, all] = [beside, beyond].map(|i| self.told[i].effort_n_per_kg);
+                let [part, all] = [beside, beyond].map(|i| self.weighed[i].effort_n_per_kg);
                 all.abs() > self.config.clear * self.noise_n_per_kg
                     && (self.config.part_from..self.config.part_to).contains(&(part / all))
             };
@@ -174,13 +173,13 @@ impl<'a> Driven<'a> {
         // Down a gradient that balances the resistance a held speed looks like coasting, interval by interval; and power between two coasts must not hide in them.
         let mut at = 0;
         for stretch in coasted.chunk_by_mut(|a, b| a == b) {
-            let told = &self.told[at..at + stretch.len()];
+            let weighed = &self.weighed[at..at + stretch.len()];
             at += stretch.len();
-            let rather = |told: &[Said]| told.iter().map(|told| told.rather).sum::<f64>();
-            let all = rather(told);
+            let rather = |weighed: &[Weighed]| weighed.iter().map(|weighed| weighed.rather).sum::<f64>();
+            let all = rather(weighed);
             for (i, coasted) in stretch.iter_mut().enumerate() {
                 let around = self.config.around;
-                let around = &told[i.saturating_sub(around)..(i + around + 1).min(told.len())];
+                let around = &weighed[i.saturating_sub(around)..(i + around + 1).min(weighed.len())];
                 *coasted &= all > self.config.rather && rather(around) > -self.config.rather_not;
             }
         }
@@ -215,8 +214,7 @@ fn scaled(mut p: [f64; REGIMES]) -> [f64; REGIMES] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::believed::Believed;
-    use crate::data::rows::Row;
+    use crate::data::{believed::Believed, rows::Row};
     use rundown::model::direction::Direction;
     use rundown::model::track::{Gradient, Track};
     use rundown::model::train::{Train, TrainDescription};
@@ -249,19 +247,19 @@ mod tests {
     }
 
     #[test]
-    fn a_short_coast_between_pulls_counts_where_the_changes_lie_beside_it() {
-        let pull = [POWER; 3];
-        let run = [&pull[..], &[0.08, 0.0, 0.0, 0.09], &pull, &[0.1, 0.0, 0.0, 0.07], &pull].concat();
+    fn a_short_coast_between_phases_counts_where_the_changes_lie_beside_it() {
+        let power = [POWER; 3];
+        let run = [&power[..], &[0.08, 0.0, 0.0, 0.09], &power, &[0.1, 0.0, 0.0, 0.07], &power].concat();
         let expected: Vec<bool> = run.iter().map(|effort| *effort == 0.0).collect();
         assert_eq!(coasted_of(&run), expected);
     }
 
     #[test]
     fn an_interval_with_a_rest_of_the_power_does_not() {
-        let pull = [POWER; 3];
+        let power = [POWER; 3];
         let coast = [0.0; 4];
         // The power went off a fifth of a second after the interval began.
-        let run = [&pull[..], &[0.02 * POWER], &coast, &[0.1], &pull].concat();
+        let run = [&power[..], &[0.02 * POWER], &coast, &[0.1], &power].concat();
         let found = coasted_of(&run);
         assert!(!found[3]);
         assert!(found[4..8].iter().all(|coasted| *coasted));
@@ -288,7 +286,7 @@ mod tests {
         let rather = |beyond_places: f64| {
             let recognised = Recognised { noise_n_per_kg: 0.006, uncertain: 0.1, own: Own::default(), config: &config };
             let line = believed.line(Direction::Up);
-            Said::new(line, &held, [-resistance, beyond_places], &recognised).rather
+            Weighed::new(line, &held, [-resistance, beyond_places], &recognised).rather
         };
         assert!(rather(-resistance) > -0.5);
         assert!(rather(0.0) < -config.rather_not);

@@ -1,11 +1,8 @@
 //! Columns of a linear fit: what a law adds to the resistance in each row, averaged along the path of its interval.
 
-use crate::data::believed::Context;
 use crate::data::interval::{Interval, Point};
-use crate::data::rows::Row;
-use rundown::model::direction::Direction;
-use rundown::model::effects::Coordinate;
-use rundown::model::line::Line;
+use crate::data::{believed::Context, rows::Row};
+use rundown::model::{direction::Direction, effects::Coordinate, line::Line};
 
 /// One column by a law of the line, the row and the point.
 pub fn along(context: &Context<'_>, rows: &[Row], law: impl Fn(&Line<'_>, &Row, &Point) -> f64) -> Vec<f64> {
@@ -52,12 +49,10 @@ pub fn coordinate(which: Coordinate, interval: &Interval, point: &Point) -> Opti
     }
 }
 
-/// The same in the middle of a row.
 pub fn in_the_middle(which: Coordinate, row: &Row) -> Option<f64> {
     coordinate(which, &row.interval, row.interval.middle())
 }
 
-/// Name of a coordinate in files.
 pub fn coordinate_name(which: Coordinate) -> &'static str {
     match which {
         Coordinate::Location => "location",
@@ -104,7 +99,6 @@ pub fn knots(values: impl Iterator<Item = f64>, count: usize) -> Vec<f64> {
     knots
 }
 
-/// Whether both directions occur.
 pub fn both_directions(rows: &[Row]) -> bool {
     rows.iter().any(|row| row.direction == Direction::Up) && rows.iter().any(|row| row.direction == Direction::Down)
 }

@@ -83,6 +83,7 @@ settings! {
         held_share: f64 = 0.6, /// A driver who holds the speed follows a steeper gradient with the effort, within this share of it. Judgement.
         held_least_n_per_kg: f64 = 0.004, /// A gradient that changes by less is followed in any case, N/kg. Judgement: 0.4 permille.
         slowest_mps: f64 = 2.0, /// Slower intervals count for nothing: readings of zero, creeping, the last metres, m/s. Judgement.
+        beyond_m: f64 = 300.0, /// A location may be this far beyond an end of the line, m. Judgement: half a train, and the noise of a receiver.
         most_change_n_per_kg: f64 = 0.03, /// An effort that changes by more within an interval has no mean that is known well enough, N/kg. Measured: a switch of the regime, a brake being applied.
     }
     /// Speed against location: scale, offset and lag.
@@ -121,13 +122,13 @@ settings! {
         least_stops: usize = 3, /// Least runs that make a place of their stops; and a third of all. Judgement.
         stop_m: f64 = 60.0, /// How far a stop may be from its place, m. Judgement: drivers, and the noise of a receiver.
         stop_sd_m: f64 = 10.0, /// Standard deviation of a stop, m. Judgement.
-        least_distance_m: f64 = 1_500.0, /// Shorter distances tell nothing, m. Derived: 60 m are 4 % of them.
+        least_distance_m: f64 = 1_500.0, /// Shorter distances show nothing, m. Derived: 60 m are 4 % of them.
     }
     /// The effort column, or the effort calculated from the change of speed.
     effort: EffortConfig {
         measured_share: f64 = 0.7, /// Share of moving samples with an effort above which the effort counts as measured. Judgement.
         moving_mps: f64 = 1.0, /// A faster train moves, m/s. Judgement.
-        telling_change_n_per_kg: f64 = 0.03, /// Intervals whose effort changes by more tell how the column is to be read, N/kg. Judgement.
+        telling_change_n_per_kg: f64 = 0.03, /// Intervals whose effort changes by more show how the column is to be read, N/kg. Judgement.
         mean_share: f64 = 0.7, /// Residuals below this share of those of momentary readings make it a mean since the sample before. Judgement.
         steady_n_per_kg: f64 = 0.05, /// An effort that changes by more is no ground for judging the traction, N/kg. Judgement.
         disturbed_n_per_kg: f64 = 0.005, /// What a calculated effort has beyond the rounding of the speeds, standard deviation at first, N/kg. Measured.
@@ -201,6 +202,7 @@ settings! {
     /// What freedom costs, in log-likelihood: the same for resistance, traction and readings.
     penalty: PenaltyConfig {
         coefficient: f64 = 2.1, /// A free coefficient. Derived: half the logarithm of about 67 runs.
+        coefficient_runs: usize = 67, /// Of more runs than these it is so much dearer as their logarithm is larger; of fewer it is no cheaper, for they show less. Derived.
         section: f64 = 5.0, /// The choice of a section. Derived: about the logarithm of the sections that differ.
         shape: f64 = 1.5, /// The choice of a time constant, or another number that is a shape. Judgement.
         unnamed: f64 = 4.0, /// What an unnamed term must be better by than a named one. Judgement.
@@ -227,7 +229,7 @@ settings! {
         shortest_m: f64 = 300.0, /// Shortest section, m. Judgement.
         longest_share: f64 = 0.4, /// Longest section, as a share of the line. Judgement: more is no matter of place.
         against: f64 = -3.0, /// A part of the rows in which a term makes the fit worse by more contradicts it, log-likelihood. Derived: with a true effect, about one part in a hundred.
-        braking_n_per_kg: f64 = -0.02, /// A part contradicts, or tells, by rows with a measured effort above this: drivers brake at the same places in each run, N/kg. Judgement.
+        braking_n_per_kg: f64 = -0.02, /// A part contradicts, or supports, by rows with a measured effort above this: drivers brake at the same places in each run, N/kg. Judgement.
         acting: f64 = 0.1, /// A term acts where it adds more than this share of the most that it adds. Judgement.
         held_mps2: f64 = 0.02, /// A speed that changes by less is held, m/s². Judgement.
     }
@@ -238,6 +240,7 @@ settings! {
         nothing_n_per_kg: f64 = 1e-4, /// A dependence up to this is none: what rounding and the reading of the sensors leave, N/kg. Measured.
         near: f64 = 3.0, /// A rival within this log-likelihood is not distinguishable. Derived: odds of 20.
         far: f64 = 10.0, /// A rival that is worse by more has no odds. Derived: odds of 22 000.
+        ruled_out: f64 = 6.9, /// A rival that is worse by more is ruled out. Derived: odds of 1000.
         same: f64 = 1.5, /// A tunnel and a gradient this near take the name that the track describes, log-likelihood. Judgement.
         described_m: f64 = 600.0, /// A described section whose edges are this near to those found takes their place, m. Judgement.
         overlap: f64 = 0.4, /// Sections overlap from this share of both together. Judgement.
@@ -251,7 +254,7 @@ settings! {
     }
     /// Limits of the traction.
     traction: TractionConfig {
-        least_share: f64 = 0.4, /// The least share of the nominal that drivers ask for. Judgement.
+        least_share: f64 = 0.4, /// The least share of the nominal that drivers demand. Judgement.
         stray: f64 = 0.1, /// Probability that an interval is not steady power after all. Judgement.
         by_power: f64 = 1.001, /// Effort limit over power limit above which the power limits. Derived: 1 but for rounding.
         corner: f64 = 1.35, /// The same up to which the corner reaches, near which neither share limits. Judgement.
@@ -267,7 +270,7 @@ settings! {
         sampled_speed_sd_mps: f64 = 0.08, /// The same of a sample, m/s. Derived.
         starting_speed_sd_mps: f64 = 0.03, /// The same where the effort limits and only its rise counts, m/s. Derived.
         left_mps: f64 = 2.0, /// Near the speed that is wanted, m/s. Judgement.
-        taken_back: f64 = 0.85, /// There less than this share of what was asked before is power taken back. Judgement.
+        taken_back: f64 = 0.85, /// There less than this share of what was demanded before is power taken back. Judgement.
         floating: f64 = 0.015, /// The power stays within this share of the limit while the speed floats. Judgement.
         floating_s: f64 = 50.0, /// For so long, s. Judgement.
         floating_mps: f64 = 0.8, /// Meanwhile the speed differs by this much, m/s. Derived: more than rounding and a driver who corrects it.
@@ -288,9 +291,10 @@ settings! {
         few_runs: usize = 3, /// Fewer runs that exceed a limit are strays. Judgement.
         few_share: f64 = 0.1, /// And fewer than this share of those that power there. Judgement.
         left_share: f64 = 0.5, /// A section of which less is left is none. Judgement.
-        before_m: f64 = 50.0, /// The readings that exceed a limit tell where it begins: just before, m. Judgement.
+        before_m: f64 = 50.0, /// The readings that exceed a limit show where it begins: just before, m. Judgement.
         beyond_m: f64 = 500.0, /// Or as far on as a train goes between two readings, m. Derived: 10 s at 180 km/h.
         slippery_gain: f64 = 0.5, /// Gain of log-likelihood below which a run says nothing of bad days. Judgement.
+        least_factor_sd: f64 = 0.005, /// Standard deviation of a factor of adhesion, at least. Judgement: half of what the sensor differs by.
         low_kmh: f64 = 75.0, /// What may as well act above this speed is no matter of starting, km/h. Judgement.
         most_slippery: f64 = 0.6, /// More than this share of the runs are no bad days but the train. Judgement.
     }
@@ -312,7 +316,7 @@ settings! {
         one_in: usize = 5, /// One run in so many is held out unless the caller says how many. Judgement.
         least_training: usize = 5, /// Fewer runs are no ground to find an effect in. Judgement.
         few_runs: usize = 10, /// With fewer runs a name rests on little. Judgement.
-        least_flipped: usize = 8, /// With fewer hold-out runs signs can be flipped in too few ways to tell chance. Derived: 128 ways.
+        least_flipped: usize = 8, /// With fewer hold-out runs signs can be flipped in too few combinations to exclude chance. Derived: 128 combinations.
         window_s: f64 = 120.0, /// Length of a window that begins at a measured speed, s. Judgement.
         stalled_mps: f64 = 0.5, /// A simulated train slower than this does not arrive, m/s. Judgement.
         most_time: f64 = 3.0, /// Nor one that takes so many times as long as was measured. Judgement.
@@ -323,13 +327,30 @@ settings! {
         most_without: f64 = 0.05, /// Where more than this share of them has nothing to remove, there is no interval. Derived: 5 % lie outside.
         explained: f64 = 0.7, /// A gap of which less was removed is explained only in part. Judgement.
         worse: f64 = 1.001, /// The repaired model is worse if it is off by so many times as much. Judgement.
+        free_share: f64 = 0.01, /// A limit within this share of the described one holds nobody back: what a driver gives there is what he demands. Judgement.
+        free_sd: f64 = 2.0, /// Nor does a limit that is so many standard deviations above the effort. Judgement.
         one_sided: f64 = 1.64, /// Standard deviations above the floor of running times and energies that chance reaches. Derived: 95 % of the normal distribution, one-sided.
+    }
+}
+
+impl PenaltyConfig {
+    /// As it is for a set of so many runs.
+    pub(crate) fn of_runs(&self, runs: usize) -> Self {
+        let larger = (runs.max(1) as f64).ln() / (self.coefficient_runs.max(2) as f64).ln();
+        Self { coefficient: self.coefficient * larger.max(1.0), ..self.clone() }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_coefficient_costs_more_in_more_runs_and_no_less_in_fewer() {
+        let of = |runs| PenaltyConfig::default().of_runs(runs).coefficient;
+        assert_eq!([of(0), of(20), of(67)], [2.1; 3]);
+        assert!((of(67 * 67) - 4.2).abs() < 1e-12);
+    }
 
     #[test]
     fn each_setting_says_its_source_and_the_printed_file_is_the_default() {

@@ -4,29 +4,22 @@ use crate::candidate::Term;
 use crate::coasting::{Driven, Extra, Recognised, coasted};
 use crate::config::EffortConfig;
 use crate::data::believed::{Context, believed_load};
-use crate::data::cut;
-use crate::data::interval::Interval;
-use crate::data::rows::Row;
 use crate::data::runs::{EffortReading, Readings, Run, usual_step_s};
+use crate::data::{cut, interval::Interval, rows::Row};
 use crate::fit::median;
 use crate::noise::calibrate::{Calibrated, Own};
 use crate::traction::exceeded::{Reading, calculated, traction};
-use crate::traction::pulls::{Pull, pulls, sampled_pulls};
+use crate::traction::powering::{SteadyPower, powering, sampled_powering};
 use core::f64::consts::SQRT_2;
 
 /// Runs with their intervals, and the model that they are looked at with.
 #[derive(Clone, Copy)]
 pub struct Looked<'a> {
-    /// By what they are judged.
     pub context: &'a Context<'a>,
     pub runs: &'a [Run],
-    /// Their intervals.
     pub cut: &'a [Vec<Interval>],
-    /// How readings are corrected.
     pub readings: &'a Readings,
-    /// With an effort column.
     pub measured: bool,
-    /// Terms and coefficients.
     pub model: (&'a [Term], &'a [f64]),
 }
 
@@ -176,7 +169,7 @@ impl Looked<'_> {
     }
 
     /// Powering phases of each run, and all that it gives where the power limits.
-    pub fn traction(&self, calibrated: &Calibrated) -> (Vec<Vec<Pull>>, Vec<Vec<Reading>>) {
+    pub fn traction(&self, calibrated: &Calibrated) -> (Vec<Vec<SteadyPower>>, Vec<Vec<Reading>>) {
         let believed = &self.context.believed;
         let (config, traction_config) = (&self.context.config.effort, &self.context.config.traction);
         // The noise was found where coasting was recognised, and there it is at its smallest.
@@ -189,15 +182,15 @@ impl Looked<'_> {
             if !self.measured {
                 let effort = self.efforts(run, intervals);
                 let given = calculated(line.train, intervals, &effort, sd, traction_config);
-                return (pulls(line.train, intervals, &effort, sd, traction_config), given);
+                return (powering(line.train, intervals, &effort, sd, traction_config), given);
             }
             let sampled = self.readings.effort == EffortReading::Momentary || usual_step_s(run) < config.fast_s;
-            let pulls = if sampled {
-                sampled_pulls(line.train, index, run, self.readings, traction_config)
+            let powering = if sampled {
+                sampled_powering(line.train, index, run, self.readings, traction_config)
             } else {
-                pulls(line.train, intervals, &self.efforts(run, intervals), sd, traction_config)
+                powering(line.train, intervals, &self.efforts(run, intervals), sd, traction_config)
             };
-            (pulls, traction(line.train, run, self.readings))
+            (powering, traction(line.train, run, self.readings))
         };
         self.each().enumerate().map(of_run).unzip()
     }

@@ -6,23 +6,20 @@
 
 use crate::columns::{coordinate_name, hats, in_the_middle, knots};
 use crate::config::EvidenceConfig;
-use crate::data::believed::Context;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, rows::Row};
 use crate::fit::Base;
 use crate::noise::calibrate::Calibrated;
 use crate::search::fits::sensors;
 use nalgebra::DVector;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rundown::model::direction::Direction;
-use rundown::model::effects::Coordinate;
+use rundown::model::{direction::Direction, effects::Coordinate};
 
 /// Along what residuals may vary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Along {
     /// A coordinate of the runs.
     Over(Coordinate),
-    /// The effort.
     Effort,
     /// Power 1, coast 0, brake -1.
     Regime,
@@ -45,11 +42,9 @@ impl Along {
 /// How strongly the residuals depend on one coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evidence {
-    /// Along what.
     pub along: Along,
     /// Largest score over runs, in standard deviations.
     pub score: f64,
-    /// Where it is largest.
     pub at: f64,
     /// Probability of such a score, or a larger one, somewhere along this coordinate, without a gap.
     pub p_value: f64,

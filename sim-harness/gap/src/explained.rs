@@ -1,8 +1,6 @@
 //! What effects add to the resistance, interval by interval: the law as the board runs it, comparable with a residual.
 
-use crate::data::believed::Believed;
-use crate::data::rows::Row;
-use crate::data::runs::Run;
+use crate::data::{believed::Believed, rows::Row, runs::Run};
 use crate::named::Named;
 use rundown::model::effects::{Effect, Limits};
 

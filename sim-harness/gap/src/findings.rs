@@ -3,38 +3,33 @@
 use crate::candidate::{Fitted, Naming};
 use crate::config::{BetweenRunsConfig, SearchConfig};
 use crate::data::believed::{Conditions, Context};
-use crate::data::rows::Row;
-use crate::data::runs::Readings;
+use crate::data::{rows::Row, runs::Readings};
 use crate::fit::HALF_95;
 use crate::noise::calibrate::Calibrated;
 use crate::readings::kinematics::Kinematics;
-use crate::traction::limit::FoundLimit;
-use crate::traction::pulls::Pull;
+use crate::search::headwind::Headwind;
+use crate::traction::{limit::FoundLimit, powering::SteadyPower};
 
-/// What was found.
 #[derive(Clone, Debug)]
 pub struct Findings {
-    /// Speed against location.
     pub kinematics: Kinematics,
-    /// How the readings are corrected.
     pub readings: Readings,
-    /// With an effort column.
     pub measured: bool,
     /// Intervals in which a train moved.
     pub moving: usize,
     /// Rows that counted.
     pub rows: Vec<Row>,
-    /// Their noise.
     pub calibrated: Calibrated,
     /// Missing terms of the resistance, with their coefficients.
     pub terms: Vec<Fitted>,
     /// Limits of the traction, the best first.
     pub limits: Vec<FoundLimit>,
-    /// Intervals of steady power from which the limits were judged, run by run.
-    pub pulls: Vec<Vec<Pull>>,
+    /// Intervals of steady power from which the limits were found, run by run.
+    pub powering: Vec<Vec<SteadyPower>>,
     /// Gain of log-likelihood of a wind of its own in each run, over other differences between runs.
     pub wind_gain: f64,
-    /// Temperature and dates of the runs.
+    /// Where the logs have a headwind column.
+    pub headwind: Option<Headwind>,
     pub conditions: Conditions,
 }
 

@@ -15,9 +15,14 @@ pub fn choices(chosen: usize, all: usize) -> f64 {
     -(all as f64) * (p * p.ln() + (1.0 - p) * (1.0 - p).ln()) + 0.5 * (all as f64).ln()
 }
 
+/// Share of the runs that are of a second kind, by expectation and maximisation. `expected`: how many of them are, under a share.
+pub fn mixed_share(runs: usize, rounds: usize, most: f64, mut expected: impl FnMut(f64) -> f64) -> f64 {
+    let runs = runs as f64;
+    (0..rounds).fold(0.2, |share, _| (expected(share) / runs).clamp(0.5 / runs, most))
+}
+
 /// A coordinate search: each coordinate is moved by its step to either side as long as that gains, then the steps are made smaller.
 pub struct Climb<const N: usize> {
-    /// First steps.
     pub steps: [f64; N],
     /// Factor on the steps.
     pub shrink: f64,
@@ -35,7 +40,6 @@ pub struct Climb<const N: usize> {
     pub range: (f64, f64),
 }
 
-/// No range.
 pub const ANYWHERE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 impl<const N: usize> Climb<N> {
@@ -79,14 +83,11 @@ pub struct Base {
     x: DMatrix<f64>,
     /// (XᵀX)⁻¹.
     inverse: DMatrix<f64>,
-    /// Coefficients.
     pub beta: DVector<f64>,
-    /// Whitened residuals.
     pub residual: DVector<f64>,
     runs: Vec<Range<usize>>,
 }
 
-/// What further columns would bring.
 #[derive(Clone, Debug)]
 pub struct Gain {
     /// Coefficients of the further columns.
@@ -140,7 +141,6 @@ impl Base {
         gram - with.transpose() * &self.inverse * with
     }
 
-    /// Half the sum of squares.
     pub fn half_sum(&self) -> f64 {
         0.5 * self.residual.norm_squared()
     }

@@ -1,15 +1,10 @@
 //! What the workflow reads: the believed train and track, and the runs.
 
-use crate::data::believed::Surroundings;
-use crate::data::load;
-use crate::data::runs::Run;
+use crate::data::{believed::Surroundings, load, runs::Run};
 use crate::refusal::Refusal;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
+use rundown::model::{track::Track, train::Train};
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_set::RunSet;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use rundown_files::{run_set::RunSet, track_file::TrackFile, train_file::TrainFile};
 use std::path::{Path, PathBuf};
 
 /// The believed train and track, and the runs that they are compared with.

@@ -1,22 +1,18 @@
 //! The five steps, in their order: is there a gap, where, which effect, add it, show the gap shrink.
 //!
-//! Names and sizes come from all runs. How much of the gap they remove comes from an analysis that saw only the training runs, judged on the others.
+//! Names and sizes come from all runs. How much of the gap they remove comes from an analysis that saw only the training runs, evaluated on the others.
 
 use crate::analysis::analyse;
 use crate::config::HoldoutConfig;
-use crate::data::believed::Context;
-use crate::data::rows::Row;
-use crate::data::runs::Run;
+use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::evidence::{Evidence, evidence};
 use crate::explained::repaired;
 use crate::findings::Findings;
+use crate::holdout::evaluation::{Evaluation, evaluate};
 use crate::holdout::forward::{Compared, effects, gap};
-use crate::holdout::journey::Journey;
-use crate::holdout::judge::{Judged, judge};
-use crate::holdout::share::Share;
+use crate::holdout::{journey::Journey, share::Share};
 use crate::named::Named;
-use crate::naming::names::named;
-use crate::naming::on_line::on_line;
+use crate::naming::{names::named, on_line::on_line};
 use crate::noise::own_wind::own_wind;
 use crate::readings::wheels::{put_right, wheels};
 use rundown::model::effects::{Effect, EffectError, Effects};
@@ -36,7 +32,7 @@ pub struct Investigation {
     pub p_value: f64,
     /// The same of what is left with the effects in the model, on the very runs that the effects were found in.
     pub p_value_after: f64,
-    /// Both on the hold-out runs, with the effects that the training runs tell; none with too few runs or rows.
+    /// Both on the hold-out runs, with the effects that the training runs show; none with too few runs or rows.
     pub p_value_held_out: Option<[f64; 2]>,
     /// Running time and energy of the hold-out runs.
     pub journeys: Vec<Journey>,
@@ -125,23 +121,14 @@ pub fn investigate(
     let rows = repaired(&context.believed, &named, runs, &findings.rows);
     let (_, p_value_after) = crate::evidence::evidence(context, &rows, &findings.calibrated);
     let held_out = held_out(runs.len(), hold_out, &config.holdout);
-    let of = |tested: bool| -> Vec<Run> {
-        let wanted = runs.iter().enumerate().filter(|(i, _)| held_out.contains(i) == tested);
-        wanted.map(|(_, run)| run.clone()).collect()
-    };
-    let (tested, training) = (of(true), of(false));
-    let (mut judged, mut trained) = (Judged::default(), Vec::new());
-    if !tested.is_empty() {
-        progress("the same on the training runs, judged on the others");
-        if let Some(found) = analyse(given, &training, |_| ()) {
-            let context = &Context { conditions: found.conditions, ..*given };
-            trained = all_named(&found, context, &training);
-            judged = judge(context, &found, &trained, &tested)?;
-        }
+    let (mut evaluation, mut trained) = (Evaluation::default(), Vec::new());
+    if !held_out.is_empty() {
+        progress("the same on the training runs, evaluated on the others");
+        (evaluation, trained) = out_of_sample(given, runs, &held_out)?;
     }
-    let gap = gap(&judged.compared, &config.holdout);
+    let gap = gap(&evaluation.compared, &config.holdout);
     Ok(Some(Investigation {
-        verdict: verdict(context, &named, p_value, (!judged.compared.is_empty()).then_some(&gap)),
+        verdict: verdict(context, &named, p_value, (!evaluation.compared.is_empty()).then_some(&gap)),
         gap,
         findings,
         named,
@@ -149,11 +136,30 @@ pub fn investigate(
         evidence,
         p_value,
         p_value_after,
-        p_value_held_out: judged.p_values,
-        journeys: judged.journeys,
-        compared: judged.compared,
+        p_value_held_out: evaluation.p_values,
+        journeys: evaluation.journeys,
+        compared: evaluation.compared,
         held_out,
     }))
+}
+
+/// What the training runs alone give, and how that does on the others.
+fn out_of_sample(
+    given: &Context<'_>,
+    runs: &[Run],
+    held_out: &[usize],
+) -> Result<(Evaluation, Vec<Named>), EffectError> {
+    let of = |tested: bool| -> Vec<Run> {
+        let wanted = runs.iter().enumerate().filter(|(i, _)| held_out.contains(i) == tested);
+        wanted.map(|(_, run)| run.clone()).collect()
+    };
+    let training = of(false);
+    let Some(found) = analyse(given, &training, |_| ()) else {
+        return Ok((Evaluation::default(), Vec::new()));
+    };
+    let context = &Context { conditions: found.conditions, ..*given };
+    let trained = all_named(&found, context, &training);
+    Ok((evaluate(context, &found, &trained, &of(true))?, trained))
 }
 
 /// What was found, by name; nothing of it lies beyond the ends of the line.

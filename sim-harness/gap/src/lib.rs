@@ -42,7 +42,7 @@
 mod analysis;
 pub mod answer;
 mod axis;
-pub mod candidate;
+mod candidate;
 pub mod candidates;
 mod coasting;
 mod columns;
@@ -65,6 +65,7 @@ mod search;
 mod traction;
 mod wording;
 
+pub use candidate::{HiddenSize, Hide};
 pub use fit::median;
 
 use answer::rivals::rivals;
@@ -77,7 +78,7 @@ use investigation::{investigate, most_held_out};
 use refusal::Refusal;
 use rundown_files::recording::Recording;
 
-/// Does all of it. `hold_out`: how many runs judge the repaired model; a fifth unless said. `progress` is told what is being done.
+/// Does all of it. `hold_out`: how many runs evaluate the repaired model; a fifth without it. `progress` gets a line for each step.
 ///
 /// # Errors
 /// [`Refusal`]: too few runs to hold out so many, runs that have too little to compare, or more effects than a board takes.
@@ -88,8 +89,8 @@ pub fn run(
     mut progress: impl FnMut(&str),
 ) -> Result<Answer, Refusal> {
     let (runs, most) = (input.runs.len(), most_held_out(input.runs.len(), &config.holdout));
-    if let Some(asked) = hold_out.filter(|asked| *asked > most) {
-        return Err(Refusal::HoldOut { asked, most, runs, least: config.holdout.least_training });
+    if let Some(wanted) = hold_out.filter(|wanted| *wanted > most) {
+        return Err(Refusal::HoldOut { wanted, most, runs, least: config.holdout.least_training });
     }
     let given = Context {
         believed: Believed::new(&input.train, &input.track),

@@ -66,18 +66,25 @@ impl Named {
 
     /// What an unknown effect depends on.
     pub fn coordinate(&self) -> Option<&'static str> {
-        match &self.effect {
-            Effect::Unknown(unknown) => Some(coordinate_name(unknown.coordinate)),
-            _ => None,
+        if let Effect::Unknown(unknown) = &self.effect { Some(coordinate_name(unknown.coordinate)) } else { None }
+    }
+
+    /// All parameters by their names in files.
+    fn parameters(&self) -> Map<String, Value> {
+        match serde_json::to_value(&self.effect) {
+            Ok(Value::Object(map)) => map,
+            _ => Map::new(),
         }
+    }
+
+    /// A parameter by its name in files.
+    pub fn value(&self, parameter: &str) -> f64 {
+        self.parameters().get(parameter).and_then(Value::as_f64).unwrap_or(f64::NAN)
     }
 
     /// As in `gap.json`.
     pub fn json(&self) -> Value {
-        let mut parameters = match serde_json::to_value(&self.effect) {
-            Ok(Value::Object(map)) => map,
-            _ => Map::new(),
-        };
+        let mut parameters = self.parameters();
         parameters.remove("name");
         let from_m = parameters.remove("from_m");
         let to_m = parameters.remove("to_m");

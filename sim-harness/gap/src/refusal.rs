@@ -13,11 +13,11 @@ pub enum Refusal {
     Unread(String),
     /// So many runs cannot be held out.
     #[error(
-        "--hold-out {asked}: an analysis needs {least} runs and there are {runs}, so at most {most} can be held out; nothing was written"
+        "--hold-out {wanted}: an analysis needs {least} runs and there are {runs}, so at most {most} can be held out; nothing was written"
     )]
     HoldOut {
         /// How many were to be.
-        asked: usize,
+        wanted: usize,
         /// How many can be.
         most: usize,
         /// How many runs there are.

@@ -5,7 +5,6 @@ use crate::named::Named;
 use rundown::model::effects::EffectKind;
 use rundown_pages::numbers::number;
 
-/// A name as it is read.
 pub fn plain(name: &str) -> String {
     name.replace('_', " ")
 }
@@ -16,7 +15,6 @@ pub fn place(from_m: f64, to_m: f64) -> String {
     format!("km {} to {}", km(from_m), km(to_m))
 }
 
-/// More or less.
 pub fn side(more: bool) -> &'static str {
     if more { "more" } else { "less" }
 }
@@ -61,7 +59,6 @@ fn superscript(power: i32) -> String {
     format!("{sign}{}", raised.collect::<String>())
 }
 
-/// 95 % interval of a parameter.
 pub fn interval(named: &Named, parameter: &str) -> Option<(f64, f64)> {
     let mut all = named.intervals.iter();
     let found = all.find(|(name, ..)| *name == parameter)?;
@@ -88,18 +85,23 @@ pub fn confidence(named: &Named) -> String {
     number(named.confidence, 2)
 }
 
-/// With the unit of the parameter: see [`told`].
-pub fn with_unit(named: &Named, parameter: &str, value: f64) -> String {
-    told(named, parameter, value, 1.0, unit(named.effect.kind(), parameter))
+/// The section in which an effect acts.
+pub fn section(named: &Named) -> String {
+    named.effect.section_m().map_or_else(String::new, |(from_m, to_m)| place(from_m, to_m))
 }
 
-/// `4.9 m/s (95 % interval 4.6 to 5.2)`; factor: from the parameter's unit and sign to what is told.
-pub fn told(named: &Named, parameter: &str, value: f64, factor: f64, unit: &str) -> String {
+/// A parameter in its own unit: see [`scaled`].
+pub fn with_unit(named: &Named, parameter: &str) -> String {
+    scaled(named, parameter, 1.0, unit(named.effect.kind(), parameter))
+}
+
+/// `4.9 m/s (95 % interval 4.6 to 5.2)`; factor: from the parameter's unit and sign to those that are written.
+pub fn scaled(named: &Named, parameter: &str, factor: f64, unit: &str) -> String {
     let ends = interval(named, parameter).map(|(low, high)| {
         let (one, other) = (factor * low, factor * high);
         (one.min(other), one.max(other))
     });
-    let (value, ends) = with_ends(factor * value, ends);
+    let (value, ends) = with_ends(factor * named.value(parameter), ends);
     match ends {
         Some([low, high]) => format!("{value} {unit} (95\u{a0}% interval {low} to {high})").replace("  ", " "),
         None => format!("{value} {unit}").trim_end().to_owned(),

@@ -1,7 +1,7 @@
 //! `rundown gap-bench`: how often `rundown gap` finds what was hidden, and nothing else.
 
 use super::{Failure, screen};
-use crate::gap_bench::draw::{Ask, SIZES, Set, Size, kinds};
+use crate::gap_bench::draw::{Request, SIZES, Set, Size, kinds};
 use crate::gap_bench::score::Score;
 use crate::gap_bench::table::{Done, tables};
 use crate::gap_bench::{BenchError, blind};
@@ -13,8 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use rundown_gap::answer::tables as gap_tables;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{process::ExitCode, time::Instant};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -100,14 +99,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             code: super::WRONG_ARGUMENTS,
         });
     }
-    let asks = asks(arguments);
+    let requests = requests(arguments);
     let sets = arguments.out.join("sets");
-    let bar = screen::progress(asks.len());
-    let done = asks
+    let bar = screen::progress(requests.len());
+    let done = requests
         .into_par_iter()
-        .map(|ask| {
-            let kept = arguments.keep.then(|| sets.join(ask.seed.to_string()));
-            let done = one(ask, kept.as_deref())?;
+        .map(|request| {
+            let kept = arguments.keep.then(|| sets.join(request.seed.to_string()));
+            let done = one(request, kept.as_deref())?;
             if arguments.list {
                 bar.suspend(|| screen::print(&line(&done)));
             }
@@ -134,7 +133,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 }
 
 /// All sets, each with its own seed.
-fn asks(arguments: &Arguments) -> Vec<Ask> {
+fn requests(arguments: &Arguments) -> Vec<Request> {
     let efforts: &[bool] = match arguments.effort {
         None => &[true, false],
         Some(Effort::With) => &[true],
@@ -147,9 +146,9 @@ fn asks(arguments: &Arguments) -> Vec<Ask> {
     let chosen = |kind: &&str| arguments.kind.is_empty() || arguments.kind.iter().any(|k| k == kind);
     let kinds: Vec<&'static str> = kinds().filter(chosen).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(arguments.seed);
-    let mut asks = Vec::new();
-    let mut ask = |kinds: Vec<&'static str>, size, effort, dirty, rng: &mut ChaCha8Rng| {
-        asks.push(Ask {
+    let mut requests = Vec::new();
+    let mut request = |kinds: Vec<&'static str>, size, effort, dirty, rng: &mut ChaCha8Rng| {
+        requests.push(Request {
             kinds,
             size,
             effort,
@@ -161,30 +160,30 @@ fn asks(arguments: &Arguments) -> Vec<Ask> {
     for &effort in efforts {
         for _ in 0..arguments.none {
             for dirty in [false, true] {
-                ask(Vec::new(), Size::Clear, effort, dirty, &mut rng);
+                request(Vec::new(), Size::Clear, effort, dirty, &mut rng);
             }
         }
         for &size in &sizes {
             for &kind in &kinds {
                 for _ in 0..arguments.sets {
                     let dirty = rng.random_bool(arguments.dirty);
-                    ask(vec![kind], size, effort, dirty, &mut rng);
+                    request(vec![kind], size, effort, dirty, &mut rng);
                 }
             }
             for _ in 0..arguments.pairs {
                 let dirty = rng.random_bool(arguments.dirty);
                 let pair = kinds.sample(&mut rng, 2).copied().collect();
-                ask(pair, size, effort, dirty, &mut rng);
+                request(pair, size, effort, dirty, &mut rng);
             }
         }
     }
-    asks.retain(|ask| arguments.only.is_empty() || arguments.only.contains(&ask.seed));
-    asks
+    requests.retain(|request| arguments.only.is_empty() || arguments.only.contains(&request.seed));
+    requests
 }
 
-fn one(ask: Ask, kept: Option<&Path>) -> Result<Done, BenchError> {
-    let (seed, kinds) = (ask.seed, ask.kinds.join(" + "));
-    let set = Set::draw(ask).map_err(|reason| BenchError { seed, kinds, reason })?;
+fn one(request: Request, kept: Option<&Path>) -> Result<Done, BenchError> {
+    let (seed, kinds) = (request.seed, request.kinds.join(" + "));
+    let set = Set::draw(request).map_err(|reason| BenchError { seed, kinds, reason })?;
     let failed = |error: std::io::Error| BenchError::new(&set, error);
     let folder = tempfile::tempdir().map_err(failed)?;
     let folder = kept.unwrap_or(folder.path());
@@ -198,7 +197,7 @@ fn one(ask: Ask, kept: Option<&Path>) -> Result<Done, BenchError> {
             std::fs::write(folder.join(name), table.map_err(std::io::Error::other)?)
         };
         put("residuals.csv", gap_tables::residuals(&found.findings.rows)).map_err(failed)?;
-        put("pulls.csv", gap_tables::pulls(&found.findings.pulls)).map_err(failed)?;
+        put("pulls.csv", gap_tables::powering(&found.findings.powering)).map_err(failed)?;
     }
     let scenario = &set.scenario;
     Ok(Done {
@@ -211,14 +210,14 @@ fn one(ask: Ask, kept: Option<&Path>) -> Result<Done, BenchError> {
             scenario.headings,
             scenario.sensors.sampling_s
         ),
-        ask: set.ask,
+        request: set.request,
         seconds,
     })
 }
 
 /// A set in a line, with what was hidden where that was not named.
 fn line(done: &Done) -> String {
-    let (ask, score) = (&done.ask, &done.score);
+    let (request, score) = (&done.request, &done.score);
     let word = match (score.exact, score.shared) {
         (true, _) => "named ",
         (false, true) => "shared",
@@ -231,11 +230,11 @@ fn line(done: &Done) -> String {
     let removed = score.removed.map_or("-".to_owned(), |r| format!("{r:.2}"));
     let mut text = format!(
         "{word} {:<24} {:<6} {} {} seed {:<10} {:<44} p {:.3} removed {removed} {:.3?} size error {:.2?} place {:.2?} intervals {:?}{}  found {}",
-        if ask.kinds.is_empty() { "nothing".to_owned() } else { ask.kinds.join("+") },
-        format!("{:?}", ask.size).to_lowercase(),
-        if ask.effort { "effort   " } else { "no effort" },
-        if ask.dirty { "dirty" } else { "clean" },
-        ask.seed,
+        if request.kinds.is_empty() { "nothing".to_owned() } else { request.kinds.join("+") },
+        format!("{:?}", request.size).to_lowercase(),
+        if request.effort { "effort   " } else { "no effort" },
+        if request.dirty { "dirty" } else { "clean" },
+        request.seed,
         done.data,
         score.p_value,
         score.gap_mps,
@@ -248,7 +247,7 @@ fn line(done: &Done) -> String {
     if !score.rivals.is_empty() {
         text.push_str(&format!(" or {}", score.rivals.join(", ")));
     }
-    if !score.exact && !done.ask.kinds.is_empty() {
+    if !score.exact && !done.request.kinds.is_empty() {
         text.push_str(&format!("\n       hidden {}", done.hidden));
     }
     text.push('\n');

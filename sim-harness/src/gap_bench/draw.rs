@@ -6,18 +6,12 @@ use crate::simulation::folder::FolderError;
 use crate::simulation::scenario_file::Simulation;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rundown::model::effects::EffectKind;
-use rundown::model::resistance::Davis;
-pub use rundown_gap::candidate::HiddenSize as Size;
-use rundown_gap::candidate::Hide;
-use rundown_gap::candidates;
-use rundown_truth::effects::Effect;
-use rundown_truth::habits::DriverKind;
+use rundown::model::{effects::EffectKind, resistance::Davis};
+pub use rundown_gap::HiddenSize as Size;
+use rundown_gap::{Hide, candidates};
 use rundown_truth::line::{Curve, Line as TrueLine};
-use rundown_truth::plan::Headings;
-use rundown_truth::scenario::Scenario;
-use rundown_truth::sensors::LocationWalk;
 use rundown_truth::train::{DavisTruth, TrainTruth};
+use rundown_truth::{effects::Effect, habits::DriverKind, plan::Headings, scenario::Scenario, sensors::LocationWalk};
 use serde::Serialize;
 use std::path::Path;
 
@@ -29,9 +23,9 @@ pub fn kinds() -> impl Iterator<Item = &'static str> {
     EffectKind::ALL.into_iter().flat_map(|kind| candidates::of(kind).hidden_names())
 }
 
-/// What is asked of a set; the seed draws the rest.
+/// What a set is to be; the seed draws the rest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Ask {
+pub struct Request {
     /// Of [`kinds`]: none, one or several.
     pub kinds: Vec<&'static str>,
     /// How large.
@@ -49,8 +43,8 @@ pub struct Ask {
 /// One set, with its key.
 #[derive(Clone, Debug)]
 pub struct Set {
-    /// What was asked.
-    pub ask: Ask,
+    /// What it was to be.
+    pub request: Request,
     /// All that is simulated, what is hidden included.
     pub scenario: Scenario,
 }
@@ -60,20 +54,20 @@ impl Set {
     ///
     /// # Errors
     /// Names a kind that cannot be hidden.
-    pub fn draw(ask: Ask) -> Result<Self, String> {
-        let mut rng = ChaCha8Rng::seed_from_u64(ask.seed ^ 0xA5A5);
+    pub fn draw(request: Request) -> Result<Self, String> {
+        let mut rng = ChaCha8Rng::seed_from_u64(request.seed ^ 0xA5A5);
         let mut scenario = Scenario::default();
         if rng.random_bool(0.6) {
             scenario.train = train(&mut rng);
         }
         if rng.random_bool(0.5) {
-            scenario.line = TrueLine::hilly(ask.seed);
+            scenario.line = TrueLine::hilly(request.seed);
         }
         scenario.line.set_curves(curves(&mut rng));
         if rng.random_bool(0.3) {
             scenario.driver = DriverKind::ShortHop;
         }
-        let bump = ask.kinds.contains(&"location_bump");
+        let bump = request.kinds.contains(&"location_bump");
         // Seen in one direction, bad track is a wrong gradient.
         if rng.random_bool(0.5) || bump {
             scenario.headings = Headings::Both;
@@ -82,16 +76,16 @@ impl Set {
             scenario.sensors.sampling_s = 1.0;
         }
         scenario.sensors.effort_momentary = rng.random_bool(0.5);
-        if ask.dirty {
+        if request.dirty {
             scenario.sensors.location_noise_m = 2.0;
             scenario.sensors.location_walk = Some(LocationWalk::of(6.0));
             scenario.sensors.dropout_probability = 0.03;
             scenario.sensors.location_lag_s = 0.7;
             scenario.load_sd = 0.02;
         }
-        let one = |kind: &&str| effect(kind, ask.size, &scenario.train, &mut rng);
-        scenario.effects = ask.kinds.iter().map(one).collect::<Result<_, String>>()?;
-        Ok(Self { ask, scenario })
+        let one = |kind: &&str| effect(kind, request.size, &scenario.train, &mut rng);
+        scenario.effects = request.kinds.iter().map(one).collect::<Result<_, String>>()?;
+        Ok(Self { request, scenario })
     }
 
     /// Writes the set as `rundown simulate` does: the key is in its folder `truth`.
@@ -100,14 +94,14 @@ impl Set {
     /// [`FolderError`] names the file or the run.
     pub fn write(&self, folder: &Path) -> Result<(), FolderError> {
         let simulation = Simulation {
-            name: format!("set {}", self.ask.seed),
+            name: format!("set {}", self.request.seed),
             track: corridor(&self.scenario.line, "line".to_owned()),
             train: train_file(TRAIN_NAME, &self.scenario.train),
             scenario: self.scenario.clone(),
-            runs: self.ask.runs,
-            seed: self.ask.seed,
+            runs: self.request.runs,
+            seed: self.request.seed,
             unit: "1".to_owned(),
-            effort_column: self.ask.effort,
+            effort_column: self.request.effort,
             temperature_column: true,
             text: String::new(),
         };

@@ -16,8 +16,7 @@ use rundown_gap::answer::whole::Answer;
 use rundown_gap::config::GapConfig;
 use rundown_gap::input::Input;
 use rundown_gap::refusal::Refusal;
-use std::fs;
-use std::path::Path;
+use std::{fs, path::Path};
 
 /// Why a set was not investigated.
 #[derive(Debug, thiserror::Error)]
@@ -34,7 +33,7 @@ pub struct BenchError {
 impl BenchError {
     /// Of a set.
     pub fn new(set: &Set, reason: impl std::fmt::Display) -> Self {
-        Self { seed: set.ask.seed, kinds: set.ask.kinds.join(" + "), reason: reason.to_string() }
+        Self { seed: set.request.seed, kinds: set.request.kinds.join(" + "), reason: reason.to_string() }
     }
 }
 
@@ -47,9 +46,9 @@ pub fn blind(set: &Set, folder: &Path) -> Result<Option<Answer>, BenchError> {
     set.write(folder).map_err(|error| BenchError::new(set, error))?;
     fs::remove_dir_all(folder.join("truth")).map_err(|error| BenchError::new(set, error))?;
     let input = Input::of_set(folder).map_err(|error| BenchError::new(set, error))?;
-    if input.runs.len() != set.ask.runs {
+    if input.runs.len() != set.request.runs {
         let (read, notes) = (input.runs.len(), input.notes.join("; "));
-        return Err(BenchError::new(set, format!("{read} of {} runs could be read: {notes}", set.ask.runs)));
+        return Err(BenchError::new(set, format!("{read} of {} runs could be read: {notes}", set.request.runs)));
     }
     match rundown_gap::run(input, GapConfig::default(), None, |_| ()) {
         Ok(answer) => Ok(Some(answer)),

@@ -1,6 +1,6 @@
 //! Many scores in tables that a person reads: Markdown.
 
-use crate::gap_bench::draw::{Ask, SIZES};
+use crate::gap_bench::draw::{Request, SIZES};
 use crate::gap_bench::score::Score;
 use rundown_gap::median;
 use serde::Serialize;
@@ -9,8 +9,9 @@ use std::collections::BTreeMap;
 /// A set that was investigated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Done {
-    /// What was asked.
-    pub ask: Ask,
+    /// What it was to be.
+    #[serde(rename = "ask")]
+    pub request: Request,
     /// The key's values, for people.
     pub hidden: String,
     /// Train, line, drivers, sampling, for people.
@@ -34,7 +35,7 @@ fn false_alarms(done: &[Done]) -> String {
         for dirty in [false, true] {
             let sets: Vec<&Done> = done
                 .iter()
-                .filter(|d| d.ask.kinds.is_empty() && d.ask.effort == effort && d.ask.dirty == dirty)
+                .filter(|d| d.request.kinds.is_empty() && d.request.effort == effort && d.request.dirty == dirty)
                 .collect();
             if sets.is_empty() {
                 continue;
@@ -66,7 +67,7 @@ fn sizes(done: &[Done]) -> String {
         for size in SIZES {
             let sets: Vec<&Score> = done
                 .iter()
-                .filter(|d| d.ask.kinds.len() == count && d.ask.effort == effort && d.ask.size == size)
+                .filter(|d| d.request.kinds.len() == count && d.request.effort == effort && d.request.size == size)
                 .map(|d| &d.score)
                 .collect();
             if sets.is_empty() {
@@ -98,10 +99,10 @@ fn sizes(done: &[Done]) -> String {
 fn confusion(done: &[Done], effort: bool) -> String {
     let mut rows: BTreeMap<&str, [Vec<String>; 3]> = BTreeMap::new();
     for one in done {
-        if let [kind] = one.ask.kinds[..]
-            && one.ask.effort == effort
+        if let [kind] = one.request.kinds[..]
+            && one.request.effort == effort
         {
-            let cell = &mut rows.entry(kind).or_default()[one.ask.size as usize];
+            let cell = &mut rows.entry(kind).or_default()[one.request.size as usize];
             let score = &one.score;
             cell.push(if score.exact {
                 "✓".to_owned()

@@ -1,11 +1,7 @@
 //! All files of `rundown gap`: rendered first, then written, so that nothing is written where something cannot be rendered.
 
-use crate::answer::report::page;
-use crate::answer::tables;
-use crate::answer::whole::Answer;
-use rundown_files::WriteError;
-use rundown_files::effect_file;
-use rundown_files::effect_frame;
+use crate::answer::{report::page, tables, whole::Answer};
+use rundown_files::{WriteError, effect_file, effect_frame};
 use std::path::Path;
 use std::{fs, io};
 use thiserror::Error;
@@ -65,7 +61,7 @@ impl Files {
         let effects = effects.map_err(|error| failed(name, &error))?;
         files.add(name, effect_frame::write(&effects))?;
         files.add("residuals.csv", tables::residuals(&answer.found.findings.rows))?;
-        files.add("pulls.csv", tables::pulls(&answer.found.findings.pulls))?;
+        files.add("pulls.csv", tables::powering(&answer.found.findings.powering))?;
         files.add("before_after.csv", tables::before_after(&answer.found))?;
         Ok(files)
     }

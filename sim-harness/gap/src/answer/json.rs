@@ -1,14 +1,12 @@
 //! `gap.json`: the answer for programs.
 
-use crate::answer::notes::notes;
-use crate::answer::rivals::MEANING;
-use crate::answer::whole::Answer;
+use crate::answer::{notes::notes, rivals::MEANING, whole::Answer};
 use crate::holdout::journey::{Spread, Summary};
 use crate::named::Named;
 use serde_json::{Value, json};
 
-/// Energy cannot be told without an effort column.
-pub const NO_ENERGY: &str = "cannot be measured: the logs have no effort column, or no held-out run that pulls";
+/// Energy cannot be measured without an effort column.
+pub const NO_ENERGY: &str = "cannot be measured: the logs have no effort column, or no held-out run that powers";
 
 impl Answer {
     /// The object.
@@ -16,7 +14,7 @@ impl Answer {
         let (found, input) = (&self.found, &self.input);
         let gap = &found.gap;
         // Without rows there is nothing to flip, and without speeds nothing to compare.
-        let judged = !found.findings.rows.is_empty();
+        let has_rows = !found.findings.rows.is_empty();
         let compared = |value: f64| (!found.compared.is_empty()).then_some(value);
         let mut json = json!({
             "dataset": input.dataset,
@@ -34,13 +32,13 @@ impl Answer {
                 "removed_share_95": gap.removed_95,
                 "worse_than_before": gap.is_worse(self.holdout()),
                 "held_out_runs": found.held_out.len(),
-                "p_value_before": judged.then_some(found.p_value),
-                "p_value_after": judged.then_some(found.p_value_after),
+                "p_value_before": has_rows.then_some(found.p_value),
+                "p_value_after": has_rows.then_some(found.p_value_after),
                 "p_value_held_out": found.p_value_held_out.map(|[before, after]| json!({ "before": before, "after": after })),
             },
             "running_time": self.running_time(),
             "energy": self.energy(),
-            "p_value": judged.then_some(found.p_value),
+            "p_value": has_rows.then_some(found.p_value),
             "evidence": found.evidence.iter().map(|e| json!({
                 "coordinate": e.along.name(),
                 "score": e.score,
@@ -50,6 +48,18 @@ impl Answer {
             "rivals": MEANING,
             "caveats": notes(self),
         });
+        if let Some(wind) = &found.findings.headwind {
+            json["headwind"] = json!({
+                "what": "root mean square of the residuals of intervals with a measured headwind, in still air and at the air speed; share of that wind that the residuals fit",
+                "unit": "N/kg",
+                "intervals": wind.rows,
+                "before": wind.before_n_per_kg,
+                "after": wind.after_n_per_kg,
+                "scale": wind.scale.0,
+                "scale_95": wind.scale.1,
+                "agrees": wind.agrees(),
+            });
+        }
         if let Some(found) = &self.innovations {
             json["innovations"] = json!({
                 "what": "root mean square of the speed innovation of the estimator, held-out runs",
@@ -79,7 +89,7 @@ impl Answer {
         let mut json = of_summary(&summary, "s");
         let journeys = &self.found.journeys;
         json["what"] = json!(
-            "time to cover the way of each window of up to 120 s from its measured first speed, driven by the recorded effort; simulated less measured, summed over each held-out run"
+            "time to cover the distance of each window of up to 120 s from its measured first speed, driven by the recorded effort; simulated less measured, summed over each held-out run"
         );
         json["windows"] = json!(journeys.iter().map(|j| j.windows).sum::<usize>());
         json["windows_not_covered"] = json!(journeys.iter().map(|j| j.stalled).sum::<usize>());
@@ -92,7 +102,7 @@ impl Answer {
         };
         let mut json = of_summary(&summary, "kWh");
         json["what"] = json!(
-            "energy at the wheel that the model needs on the measured speeds while the train pulls, less what the effort column says, for each held-out run"
+            "energy at the wheel that the model needs on the measured speeds while the train powers, less what the effort column says, for each held-out run"
         );
         json
     }

@@ -7,6 +7,7 @@ use crate::data::load::about_track;
 use crate::findings::Findings;
 use crate::investigation::Investigation;
 use crate::named::Named;
+use crate::search::headwind::Headwind;
 use rundown::model::effects::Effect;
 use rundown_pages::numbers::counted;
 
@@ -20,6 +21,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     }
     notes.extend(seen(&found.findings, answer.config.search.few_rows));
     notes.extend(gain(&found.findings));
+    notes.extend(found.findings.headwind.as_ref().map(measured_wind));
     if found.gap.is_worse(config) {
         notes.push(format!(
             "Worse than before: on the held-out runs the simulated speed is off by {:.3} m/s with the effects and by {:.3} without them. Do not use the repaired model before this is understood.",
@@ -41,7 +43,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     }
     notes.extend(other_names(found));
     notes.extend(contradiction(found, answer.config.evidence.significant));
-    notes.extend(about_track(&input.track_file, &input.runs));
+    notes.extend(about_track(&input.track_file, &input.runs, answer.config.interval.beyond_m));
     if input.left_out > 0 {
         notes.push(format!(
             "{} of {} logs could not be used; why stands on the screen.",
@@ -70,7 +72,25 @@ fn gain(findings: &Findings) -> Option<String> {
     ))
 }
 
-/// How much of the runs tells of the resistance, where that is not nearly all.
+/// What the headwind column explains, and whether the residuals fit just as much of it.
+fn measured_wind(found: &Headwind) -> String {
+    let (scale, [low, high]) = found.scale;
+    let explained = 1.0 - (found.after_n_per_kg / found.before_n_per_kg).powi(2);
+    format!(
+        "The logs have a headwind column, so the air drag is taken at the air speed: in {} intervals that changes the residuals from {:.4} to {:.4} N/kg (root mean square), {:.0} % of their mean square. The residuals fit {scale:.2} times the measured wind (95 % interval {low:.2} to {high:.2}): {}.",
+        found.rows,
+        found.before_n_per_kg,
+        found.after_n_per_kg,
+        100.0 * explained,
+        if found.agrees() {
+            "they agree"
+        } else {
+            "they do not agree; look at the sensor, its sign and its unit, and at r2"
+        },
+    )
+}
+
+/// How much of the runs shows the resistance, where that is not nearly all.
 fn seen(findings: &Findings, few_rows: usize) -> Option<String> {
     let rows = findings.rows.len();
     if rows == 0 {
@@ -78,7 +98,7 @@ fn seen(findings: &Findings, few_rows: usize) -> Option<String> {
     }
     if rows < few_rows {
         return Some(format!(
-            "Only {rows} intervals tell of the resistance, too few to look for an effect in: wheels, locations and limits of the traction alone were looked at."
+            "Only {rows} intervals show the resistance, too few to look for an effect in: wheels, locations and limits of the traction alone were looked at."
         ));
     }
     if findings.measured {
@@ -94,18 +114,18 @@ fn seen(findings: &Findings, few_rows: usize) -> Option<String> {
     ))
 }
 
-/// What is said where nothing could be judged by forces.
+/// What is said where nothing could be evaluated by forces.
 pub fn no_rows(findings: &Findings) -> &'static str {
     if findings.measured { TOO_FEW_ROWS } else { NO_ROWS }
 }
 
 /// Without an effort column and without coasting.
-pub const NO_ROWS: &str = "No resistance could be judged: the logs have no effort column, and no train coasts long enough in them. Only wheels, locations and limits of the traction were looked at.";
+pub const NO_ROWS: &str = "No resistance could be evaluated: the logs have no effort column, and no train coasts long enough in them. Only wheels, locations and limits of the traction were looked at.";
 
 /// With an effort column that says too little.
-const TOO_FEW_ROWS: &str = "No resistance could be judged: the logs have an effort column, but hardly an interval in which the train moves and the effort is steady. Only wheels, locations and limits of the traction were looked at.";
+const TOO_FEW_ROWS: &str = "No resistance could be evaluated: the logs have an effort column, but hardly an interval in which the train moves and the effort is steady. Only wheels, locations and limits of the traction were looked at.";
 
-/// Before and after are measured with what the training runs tell, which may be something else than all runs do.
+/// Before and after are measured with what the training runs show, which may be something else than all runs do.
 fn other_names(found: &Investigation) -> Option<String> {
     let names = |named: &[Named]| {
         // A wheel of one run is put right before.
@@ -121,7 +141,7 @@ fn other_names(found: &Investigation) -> Option<String> {
     };
     (!found.held_out.is_empty() && all != training).then(|| {
         format!(
-            "All runs tell of {}, those that were not held out of {}: before and after on the held-out runs are measured with the second.",
+            "All runs show {}, those that were not held out {}: before and after on the held-out runs are measured with the second.",
             listed(&all),
             listed(&training)
         )
@@ -160,7 +180,7 @@ fn contradiction(found: &Investigation, significant: f64) -> Option<String> {
 
 /// In what effects show that leave no mean residual.
 fn shows_in(named: &[Named]) -> String {
-    let of = |one: &Named| match candidates::of_effect(&one.effect).nature().shows_in {
+    let of = |one: &Named| match candidates::of_effect(&one.effect).facts().nature.shows_in {
         ShowsIn::FullPower => "the effort at full power",
         ShowsIn::Runs => "the differences between runs",
         ShowsIn::Readings => "the distance by location against the distance by speed",

@@ -22,15 +22,15 @@ pub struct Rival {
 }
 
 /// What the number of a rival means, for readers.
-pub const MEANING: &str = "log-likelihood lost when the rival stands in the effect's place, the cost of each one's freedom included: the effect is exp(worse) times more likely; below 3 these data cannot tell the two apart";
+pub const MEANING: &str = "log-likelihood lost when the rival stands in the effect's place, the penalty of each one's freedom included: the effect is exp(worse) times more likely; below 3 these data do not separate the two";
 
-/// The rivals of each effect, nearest first; in the order of `named`. Effects that the readings or the differences between runs tell have none. `context`: that of the findings.
+/// The rivals of each effect, nearest first; in the order of `named`. Effects that the readings or the differences between runs show have none. `context`: that of the findings.
 pub fn rivals(named: &[Named], findings: &Findings, context: &Context<'_>) -> Vec<Vec<Rival>> {
     let model: Vec<Term> = findings.terms.iter().map(|f| f.term.clone()).collect();
     let search =
         (!model.is_empty()).then(|| Search::new(context, &findings.rows, &findings.calibrated, findings.measured));
     let of = |one: &Named| match (&search, one.term) {
-        _ if candidates::of_effect(&one.effect).nature().shows_in == ShowsIn::FullPower => {
+        _ if candidates::of_effect(&one.effect).facts().nature.shows_in == ShowsIn::FullPower => {
             of_limit(findings, one.effect.name())
         }
         (Some(search), Some(index)) => of_term(search, &model, index, one.effect.name()),

@@ -1,8 +1,6 @@
 //! What a person reads on the screen when `rundown gap` is through.
 
-use crate::answer::json::NO_ENERGY;
-use crate::answer::notes::notes;
-use crate::answer::whole::Answer;
+use crate::answer::{json::NO_ENERGY, notes::notes, whole::Answer};
 use crate::candidates;
 use crate::holdout::journey::Summary;
 use crate::named::Named;
@@ -120,7 +118,7 @@ mod tests {
         let unknown =
             Unknown { coordinate: Coordinate::Speed, table: [(10.0, 0.0), (40.0, 2e-3)].into_iter().collect() };
         let text = of_effect(&Named::plain(Effect::Unknown(unknown), Vec::new(), 9.0, 30.0));
-        let told = "along the speed, a table from 36 to 144 km/h, 0.0000 to 0.0020 N/kg";
-        assert!(text.contains(told), "{text}");
+        let words = "along the speed, a table from 36 to 144 km/h, 0.0000 to 0.0020 N/kg";
+        assert!(text.contains(words), "{text}");
     }
 }

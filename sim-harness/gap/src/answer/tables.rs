@@ -2,7 +2,7 @@
 
 use crate::data::rows::Row;
 use crate::investigation::Investigation;
-use crate::traction::pulls::Pull;
+use crate::traction::powering::SteadyPower;
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -22,9 +22,10 @@ struct Residual {
 }
 
 #[derive(Serialize)]
-struct PulledAt {
+struct PoweredAt {
     run: usize,
-    pull: usize,
+    #[serde(rename = "pull")]
+    phase: usize,
     location_m: f64,
     speed_kmh: f64,
     /// Effort over the believed limit.
@@ -72,15 +73,15 @@ pub fn residuals(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
 ///
 /// # Errors
 /// [`csv::Error`] when a row cannot be written as text.
-pub fn pulls(pulls: &[Vec<Pull>]) -> Result<Vec<u8>, csv::Error> {
-    let rows = pulls.iter().flatten().map(|pull| PulledAt {
-        run: pull.run + 1,
-        pull: pull.number + 1,
-        location_m: pull.location_m,
-        speed_kmh: 3.6 * pull.speed_mps,
-        ratio: pull.ratio,
-        sd: pull.sd,
-        by_power: pull.by_power,
+pub fn powering(powering: &[Vec<SteadyPower>]) -> Result<Vec<u8>, csv::Error> {
+    let rows = powering.iter().flatten().map(|power| PoweredAt {
+        run: power.run + 1,
+        phase: power.number + 1,
+        location_m: power.location_m,
+        speed_kmh: 3.6 * power.speed_mps,
+        ratio: power.ratio,
+        sd: power.sd,
+        by_power: power.by_power,
     });
     table(rows)
 }

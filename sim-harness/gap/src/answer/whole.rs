@@ -7,16 +7,14 @@ use crate::holdout::innovations::Innovations;
 use crate::holdout::journey::{Error, Journey, Summary};
 use crate::input::Input;
 use crate::investigation::Investigation;
-use rundown_files::effect_file::EffectEntry;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use rundown_files::{effect_file::EffectEntry, track_file::TrackFile, train_file::TrainFile};
 
 /// All that is known of a data set.
 #[derive(Clone, Debug)]
 pub struct Answer {
     /// What was read.
     pub input: Input,
-    /// By what it was judged.
+    /// Thresholds and priors.
     pub config: GapConfig,
     /// What came of it.
     pub found: Investigation,
@@ -29,7 +27,7 @@ pub struct Answer {
 const J_PER_KWH: f64 = 3.6e6;
 
 impl Answer {
-    /// By what the findings were judged.
+    /// Belief, conditions and settings of the findings.
     pub fn context(&self) -> Context<'_> {
         Context {
             believed: Believed::new(&self.input.train, &self.input.track),

@@ -3,59 +3,40 @@
 use crate::candidates::kit::*;
 use rundown::model::effects::BrakeFade;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::BrakeFade)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::BrakeFade),
             what: "Brakes lose effort at high speed.",
             law: "brake effort x (1 - fade x (v - from) / (140 km/h - from)) above the speed `from`",
             parameters: "fade_at_140, from_kmh",
             shows: "an applied brake slows the train less than its effort says, the more the faster it is",
             confused: "davis_error at high speed, in braking only",
             separates: "an effort column (of the demanded brake effort); without one it cannot be seen",
-        })
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { needs_effort: true, may_be_large: true, ..Nature::default() }
-    }
-
-    fn prior(&self) -> Prior {
-        Prior {
-            least: 0.04,
-            most: f64::INFINITY,
-            shapes: &[20.0, 40.0, 60.0, 80.0, 100.0],
-            source: "Share that is missing at 140 km/h; speeds from which it fades, km/h. Judgement.",
+            nature: Nature { needs_effort: true, may_be_large: true, ..Nature::default() },
+            prior: Prior {
+                least: 0.04,
+                most: f64::INFINITY,
+                shapes: &[20.0, 40.0, 60.0, 80.0, 100.0],
+                source: "Share that is missing at 140 km/h; speeds from which it fades, km/h. Judgement.",
+            },
+            size: Some(("fade_at_140", 0.0)),
         }
     }
 
     fn families(&self, offer: &Offer<'_>) -> Vec<Family> {
-        let from = |kmh: f64| Term { of: CANDIDATE, shape: Shape::Number(kmh / 3.6) };
-        let shapes = || Family::Shapes(offer.shapes(CANDIDATE).into_iter().map(from).collect());
-        offer.measured.then(shapes).into_iter().collect()
+        offer.measured.then(|| offer.numbers(&This, 3.6)).into_iter().collect()
     }
 
     /// u (v - from)/(140 km/h - from) while braking, from in m/s.
     fn columns(&self, shape: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
-        let Shape::Number(from_mps) = *shape else {
-            return Vec::new();
-        };
+        let from_mps = shape.number();
         vec![along(context, rows, |_, row, p| {
             let over = (p.speed_mps - from_mps) / (140.0 / 3.6 - from_mps);
             row.effort_n_per_kg.min(0.0) * over.max(0.0)
         })]
-    }
-
-    fn penalty(&self, _: &Shape, penalty: &PenaltyConfig, _: &[Row]) -> f64 {
-        penalty.coefficient + penalty.shape
     }
 
     fn is_plausible(&self, size: &Size<'_>) -> bool {
@@ -67,29 +48,20 @@ impl Candidate for This {
     }
 
     fn effect(&self, fitted: &Fitted, _: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {
-        let Shape::Number(from_mps) = fitted.term.shape else {
-            return None;
-        };
-        let intervals = fitted.shape.map_or_else(Vec::new, |limits| {
-            let (low, high) = limits.shape;
-            vec![("fade_at_140", limits.beta.0, limits.beta.1), ("from_kmh", 3.6 * low, 3.6 * high)]
-        });
-        Some((Effect::BrakeFade(BrakeFade { fade_at_140: fitted.beta[0], from_kmh: 3.6 * from_mps }), intervals))
+        let (fade_at_140, from_kmh, intervals) = fitted.with_number("fade_at_140", "from_kmh", 3.6);
+        Some((BrakeFade { fade_at_140, from_kmh }.into(), intervals))
     }
 
     fn sentence(&self, named: &Named, _: &Context<'_>) -> String {
-        let Effect::BrakeFade(e) = &named.effect else {
-            return String::new();
-        };
         format!(
             "The brake weakens above {} km/h: at 140 km/h it lacks {} of its effort",
-            number(e.from_kmh, 0),
-            told(named, "fade_at_140", e.fade_at_140, 100.0, "%")
+            number(named.value("from_kmh"), 0),
+            scaled(named, "fade_at_140", 100.0, "%")
         )
     }
 
     fn axis<'a>(&self, _: &'a Named, context: &Context<'a>) -> Option<Axis<'a>> {
-        // Strong enough to tell what share of it is lacking.
+        // Strong enough to show what share of it is lacking.
         let braking = context.config.interval.braked_n_per_kg;
         let speed = move |row: &Row| Some(kmh(row)).filter(|_| row.effort_n_per_kg < braking);
         Some(Axis { per: Some(|row| row.effort_n_per_kg), ..Axis::over("speed, km/h, while braking", speed) })
@@ -98,9 +70,5 @@ impl Candidate for This {
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         let fade_at_140 = hide.of([0.45, 0.3, 0.15]);
         Some(json!({ "fade_at_140": fade_at_140, "from_kmh": hide.rng.random_range(40.0..80.0) }))
-    }
-
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        Some(("fade_at_140", 0.0))
     }
 }

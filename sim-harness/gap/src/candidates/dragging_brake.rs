@@ -5,49 +5,34 @@ use crate::columns::braked;
 use crate::fit::choices;
 use rundown::model::effects::DraggingBrake;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::DraggingBrake)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::DraggingBrake),
             what: "A brake does not come off after its first application, in some runs.",
             law: "resistance + constant, from the first application on",
             parameters: "drag_n_per_kg; the runs in which it acts",
             shows: "more resistance at every speed after the first braking, in some runs and not in others",
             confused: "a load that differs; warm_up with the other sign",
             separates: "runs that go on after a braking; temperatures of axle boxes and discs",
-        })
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { shows_in: ShowsIn::Runs, ..Nature::default() }
-    }
-
-    fn prior(&self) -> Prior {
-        Prior::least(1.5e-3, "N/kg. Judgement: winds and loads of single runs do less.")
+            nature: Nature { shows_in: ShowsIn::Runs, ..Nature::default() },
+            prior: Prior::least(1.5e-3, "N/kg. Judgement: winds and loads of single runs do less."),
+            size: Some(("drag_n_per_kg", 0.0)),
+        }
     }
 
     fn families(&self, _: &Offer<'_>) -> Vec<Family> {
-        vec![Family::Runs(Term { of: CANDIDATE, shape: Shape::Runs(Vec::new()) })]
+        vec![Family::Runs(Term { of: &This, shape: Shape::Runs(Vec::new()) })]
     }
 
     fn columns(&self, shape: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
-        let Shape::Runs(runs) = shape else {
-            return Vec::new();
-        };
-        vec![braked(context, rows, runs)]
+        vec![braked(context, rows, shape.runs())]
     }
 
     fn penalty(&self, shape: &Shape, penalty: &PenaltyConfig, rows: &[Row]) -> f64 {
-        let chosen = if let Shape::Runs(runs) = shape { runs.len() } else { 0 };
-        penalty.coefficient + choices(chosen, rows.last().map_or(1, |r| r.interval.run + 1))
+        penalty.coefficient + choices(shape.runs().len(), rows.last().map_or(1, |r| r.interval.run + 1))
     }
 
     fn is_plausible(&self, size: &Size<'_>) -> bool {
@@ -56,17 +41,11 @@ impl Candidate for This {
 
     fn effect(&self, fitted: &Fitted, _: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {
         let (drag_n_per_kg, interval) = fitted.first("drag_n_per_kg", 1.0);
-        Some((Effect::DraggingBrake(DraggingBrake { drag_n_per_kg }), vec![interval]))
+        Some((DraggingBrake { drag_n_per_kg }.into(), vec![interval]))
     }
 
     fn sentence(&self, named: &Named, _: &Context<'_>) -> String {
-        let Effect::DraggingBrake(e) = &named.effect else {
-            return String::new();
-        };
-        format!(
-            "A brake drags after an application: {} of extra resistance",
-            with_unit(named, "drag_n_per_kg", e.drag_n_per_kg)
-        )
+        format!("A brake drags after an application: {} of extra resistance", with_unit(named, "drag_n_per_kg"))
     }
 
     fn axis<'a>(&self, _: &'a Named, _: &Context<'a>) -> Option<Axis<'a>> {
@@ -76,9 +55,5 @@ impl Candidate for This {
 
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         Some(json!({ "drag_n_per_kg": hide.of([0.01, 0.006, 0.003]), "runs": 0.25 }))
-    }
-
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        Some(("drag_n_per_kg", 0.0))
     }
 }

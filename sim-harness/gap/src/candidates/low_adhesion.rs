@@ -2,29 +2,22 @@
 
 use crate::candidates::kit::*;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::LowAdhesion)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::LowAdhesion),
             what: "Wheels slip at low speed, on some days.",
             law: "maximum effort x factor below a speed",
             parameters: "factor, below_kmh; the runs in which it acts",
             shows: "in some runs the effort stays far below its limit at low speed and is normal above",
             confused: "traction_scale, where it acts in all runs; drivers who start gently",
             separates: "records of slip control and sanding; rain",
-        })
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { shows_in: ShowsIn::FullPower, ..Nature::default() }
+            nature: Nature { shows_in: ShowsIn::FullPower, ..Nature::default() },
+            size: Some(("factor", 1.0)),
+            ..Facts::default()
+        }
     }
 
     fn limit(&self, found: &FoundLimit, naming: &Naming<'_>) -> Option<(Named, Odds)> {
@@ -37,22 +30,15 @@ impl Candidate for This {
     }
 
     fn sentence(&self, named: &Named, _: &Context<'_>) -> String {
-        let Effect::LowAdhesion(e) = &named.effect else {
-            return String::new();
-        };
         format!(
             "Low adhesion: below {} the effort reaches {} of the described one",
-            with_unit(named, "below_kmh", e.below_kmh),
-            told(named, "factor", e.factor, 100.0, "%")
+            with_unit(named, "below_kmh"),
+            scaled(named, "factor", 100.0, "%")
         )
     }
 
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         let factor = hide.of([0.4, 0.5, 0.65]);
         Some(json!({ "factor": factor, "below_kmh": hide.rng.random_range(35.0..60.0), "runs": 0.25 }))
-    }
-
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        Some(("factor", 1.0))
     }
 }

@@ -5,43 +5,32 @@ use crate::columns::mass;
 use crate::fit::HALF_95;
 use rundown::model::effects::MassError;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::MassError)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::MassError),
             what: "The train is heavier or lighter than described.",
             law: "inertia, gravity and rolling resistance in newton times 1 + relative; effort and air drag in newton stay",
             parameters: "relative: true mass / described mass - 1",
-            shows: "the train answers less (or more) to its effort, pulling and braking alike; gradients stay as they are",
+            shows: "the train answers less (or more) to its effort, powering and braking alike; gradients stay as they are",
             confused: "without an effort column with davis_error (less air drag) and traction_scale; with one, with an effort that is shown too large",
             separates: "an effort column that is calibrated; a weighing",
-        })
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { needs_effort: true, may_be_large: true, ..Nature::default() }
-    }
-
-    fn prior(&self) -> Prior {
-        Prior {
-            least: 0.008,
-            most: 0.4,
-            shapes: &[],
-            source: "Share of the mass. Judgement: a load of a few passengers is no finding, and no description is further off; without an effort column it would be the air drag of another train.",
+            nature: Nature { needs_effort: true, may_be_large: true, ..Nature::default() },
+            prior: Prior {
+                least: 0.008,
+                most: 0.4,
+                shapes: &[],
+                source: "Share of the mass. Judgement: a load of a few passengers is no finding, and no description is further off; without an effort column it would be the air drag of another train.",
+            },
+            size: Some(("relative", 0.0)),
         }
     }
 
     /// In coasting it is a wrong r2, and so a rival of that.
     fn families(&self, _: &Offer<'_>) -> Vec<Family> {
-        vec![Family::Shapes(vec![Term { of: CANDIDATE, shape: Shape::Law }])]
+        vec![Family::Shapes(vec![Term { of: &This, shape: Shape::Law }])]
     }
 
     fn columns(&self, _: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
@@ -57,17 +46,14 @@ impl Candidate for This {
         let relative = |b: f64| b / (1.0 - b);
         let (beta, half) = (fitted.beta[0], HALF_95 * fitted.sd[0]);
         let interval = ("relative", relative(beta - half), relative(beta + half));
-        Some((Effect::MassError(MassError { relative: relative(beta) }), vec![interval]))
+        Some((MassError { relative: relative(beta) }.into(), vec![interval]))
     }
 
     fn sentence(&self, named: &Named, _: &Context<'_>) -> String {
-        let Effect::MassError(e) = &named.effect else {
-            return String::new();
-        };
         format!(
             "The train is {} than described, by {}",
-            if e.relative > 0.0 { "heavier" } else { "lighter" },
-            told(named, "relative", e.relative, 100.0 * e.relative.signum(), "%")
+            if named.value("relative") > 0.0 { "heavier" } else { "lighter" },
+            scaled(named, "relative", 100.0 * named.value("relative").signum(), "%")
         )
     }
 
@@ -81,10 +67,6 @@ impl Candidate for This {
 
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         Some(json!({ "relative": hide.sign * hide.of([0.10, 0.05, 0.025]) }))
-    }
-
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        Some(("relative", 0.0))
     }
 }
 

@@ -6,12 +6,12 @@ use rundown::model::effects::{Effect, EffectKind};
 
 macro_rules! candidates {
     ($($number:literal $Kind:ident $name:ident $place:ident $summary:literal $parameters:tt)*) => {
-        $(pub mod $name;)*
+        $(pub(crate) mod $name;)*
 
         /// The candidate of a kind.
         pub fn of(kind: EffectKind) -> &'static dyn Candidate {
             match kind {
-                $(EffectKind::$Kind => $name::CANDIDATE,)*
+                $(EffectKind::$Kind => &$name::This,)*
             }
         }
     };
@@ -19,12 +19,12 @@ macro_rules! candidates {
 
 rundown_wire::effects_catalogue!(candidates);
 mod kit;
-pub mod sensors;
+pub(crate) mod sensors;
 
 /// All that a search looks among. Of terms that fit alike to the last digit the first is taken: a wrong r2 before a mass in coasting, an unnamed one last.
 pub fn searched() -> impl Iterator<Item = &'static dyn Candidate> {
     let named = EffectKind::ALL.iter().rev().filter(|kind| **kind != EffectKind::Unknown);
-    named.map(|kind| of(*kind)).chain([sensors::EFFORT_GAIN, unknown::CANDIDATE])
+    named.map(|kind| of(*kind)).chain([sensors::EFFORT_GAIN, of(EffectKind::Unknown)])
 }
 
 /// The candidate of an effect.
@@ -46,10 +46,10 @@ pub fn by_name(name: &str) -> Option<EffectKind> {
 /// assert_eq!(explain("ghost"), None);
 /// ```
 pub fn explain(name: &str) -> Option<String> {
-    let page = of(by_name(name)?).page()?;
+    let of = of(by_name(name)?).facts();
     Some(format!(
-        "{name}\n\n{}\n\n  law            {}\n  parameters     {}\n  how it shows   {}\n  confused with  {}\n  what tells     {}\n",
-        page.what, page.law, page.parameters, page.shows, page.confused, page.separates
+        "{name}\n\n{}\n\n  law            {}\n  parameters     {}\n  how it shows   {}\n  confused with  {}\n  separated by   {}\n",
+        of.what, of.law, of.parameters, of.shows, of.confused, of.separates
     ))
 }
 
@@ -57,7 +57,7 @@ pub fn explain(name: &str) -> Option<String> {
 pub fn printed_config() -> String {
     let mut text = GapConfig::default().commented();
     for candidate in searched() {
-        let Prior { least, most, shapes, source } = candidate.prior();
+        let Prior { least, most, shapes, source } = candidate.facts().prior;
         if source.is_empty() {
             continue;
         }
@@ -78,7 +78,7 @@ pub fn printed_config() -> String {
 /// # Errors
 /// Names it.
 pub fn check_priors(config: &GapConfig) -> Result<(), String> {
-    let known = |name: &&String| searched().any(|of| of.name() == **name && !of.prior().source.is_empty());
+    let known = |name: &&String| searched().any(|of| of.name() == **name && !of.facts().prior.source.is_empty());
     match config.prior.keys().find(|name| !known(name)) {
         Some(name) => Err(format!("prior.{name}: expected an effect that has sizes or shapes to set, found {name}")),
         None => Ok(()),
@@ -93,7 +93,7 @@ pub const EFFORT: &str = "an effort column";
 /// What would separate two effects that the data at hand do not. Never what the data have already.
 pub fn separates(a: EffectKind, b: EffectKind, have: Have) -> &'static str {
     let [first, second] = [a, b].map(of);
-    let natures = [first, second].map(|candidate| candidate.nature());
+    let natures = [first, second].map(|candidate| candidate.facts().nature);
     if !have.both_directions && natures[0].turns != natures[1].turns {
         return OTHER_DIRECTION;
     }

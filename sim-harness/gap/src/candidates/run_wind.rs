@@ -3,35 +3,28 @@
 use crate::candidates::kit::*;
 use rundown::model::effects::RunWind;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::RunWind)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::RunWind),
             what: "Wind that differs from run to run.",
             law: "r2 (v + w)² with another w in every run",
             parameters: "sd_mps of w between the runs; each run's own w is in `per_run`",
             shows: "each run has its own difference, which grows with the speed, and the mean over the runs is none",
             confused: "loads that differ (a difference under effort, not with the speed)",
             separates: "the wind of each day; an effort column, which shows the load",
-        })
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { shows_in: ShowsIn::Runs, ..Nature::default() }
+            nature: Nature { shows_in: ShowsIn::Runs, ..Nature::default() },
+            size: Some(("sd_mps", 0.0)),
+            ..Facts::default()
+        }
     }
 
     fn beside(&self, naming: &Naming<'_>) -> Option<(Named, Odds)> {
         let (sd_mps, sd) = naming.run_wind?;
         let config = naming.context.config;
-        let effect = Effect::RunWind(RunWind { sd_mps });
+        let effect = RunWind { sd_mps }.into();
         let interval = around("sd_mps", sd_mps, sd);
         // Without an effort column nobody knows when a brake was applied.
         let or_drag = !naming.measured || naming.wind_gain < config.between_runs.wind_or_drag_gain;
@@ -45,20 +38,10 @@ impl Candidate for This {
     }
 
     fn sentence(&self, named: &Named, _: &Context<'_>) -> String {
-        let Effect::RunWind(e) = &named.effect else {
-            return String::new();
-        };
-        format!(
-            "A wind that differs from run to run, with a standard deviation of {}",
-            with_unit(named, "sd_mps", e.sd_mps)
-        )
+        format!("A wind that differs from run to run, with a standard deviation of {}", with_unit(named, "sd_mps"))
     }
 
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         Some(json!({ "sd_mps": hide.of([4.0, 2.5, 1.2]) }))
-    }
-
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        Some(("sd_mps", 0.0))
     }
 }

@@ -3,34 +3,27 @@
 use crate::candidates::kit::*;
 use rundown::model::effects::SeasonalDrift;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::SeasonalDrift)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::SeasonalDrift),
             what: "r0 drifts over the dates of the runs: wear, or what nobody recorded.",
             law: "r0 + dr0_over_period x (day - first day) / period",
             parameters: "dr0_over_period in N/kg",
             shows: "each run has its own constant difference, in line with its date",
             confused: "temperature_resistance, where temperature and date go together",
             separates: "another season; runs after a workshop visit",
-        })
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { between_runs: true, ..Nature::default() }
+            nature: Nature { between_runs: true, ..Nature::default() },
+            size: Some(("dr0_over_period", 0.0)),
+            ..Facts::default()
+        }
     }
 
     fn families(&self, offer: &Offer<'_>) -> Vec<Family> {
         let dated = offer.context.conditions.period_days > 0.0;
-        dated.then(|| Family::Shapes(vec![Term { of: CANDIDATE, shape: Shape::Law }])).into_iter().collect()
+        dated.then(|| Family::Shapes(vec![Term { of: &This, shape: Shape::Law }])).into_iter().collect()
     }
 
     /// Share of the period passed.
@@ -44,7 +37,7 @@ impl Candidate for This {
         let (dr0_over_period, interval) = fitted.first("dr0_over_period", 1.0);
         let conditions = naming.context.conditions;
         let (period_days, reference_day) = (conditions.period_days, conditions.first_day);
-        Some((Effect::SeasonalDrift(SeasonalDrift { dr0_over_period, period_days, reference_day }), vec![interval]))
+        Some((SeasonalDrift { dr0_over_period, period_days, reference_day }.into(), vec![interval]))
     }
 
     fn separated_from(&self, other: EffectKind) -> Option<&'static str> {
@@ -52,12 +45,9 @@ impl Candidate for This {
     }
 
     fn sentence(&self, named: &Named, _: &Context<'_>) -> String {
-        let Effect::SeasonalDrift(e) = &named.effect else {
-            return String::new();
-        };
         format!(
             "The constant resistance r0 drifts over the dates of the runs, by {} from the first to the last",
-            with_unit(named, "dr0_over_period", e.dr0_over_period)
+            with_unit(named, "dr0_over_period")
         )
     }
 
@@ -67,9 +57,5 @@ impl Candidate for This {
 
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         Some(json!({ "dr0_over_period": hide.sign * hide.of([3e-3, 1.5e-3, 8e-4]) }))
-    }
-
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        Some(("dr0_over_period", 0.0))
     }
 }

@@ -19,32 +19,24 @@ enum Sensor {
 }
 
 impl Candidate for Sensor {
-    fn kind(&self) -> Option<EffectKind> {
-        None
+    fn facts(&self) -> Facts {
+        Facts {
+            nature: Nature { may_be_large: true, ..Nature::default() },
+            prior: Prior {
+                least: 0.003,
+                most: 0.03,
+                shapes: &[],
+                source: "Gain of the effort sensor less 1. Judgement: a sensor is off by about so much; what is more is another mass.",
+            },
+            ..Facts::default()
+        }
     }
 
     fn name(&self) -> &'static str {
         match self {
-            Self::EffortGain => "effort_gauge",
+            Self::EffortGain => "effort_gain",
             Self::Delay => "delay",
             Self::LateLocation => "late",
-        }
-    }
-
-    fn page(&self) -> Option<Page> {
-        None
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { may_be_large: true, ..Nature::default() }
-    }
-
-    fn prior(&self) -> Prior {
-        Prior {
-            least: 0.003,
-            most: 0.03,
-            shapes: &[],
-            source: "Gain of the effort sensor less 1. Judgement: a sensor is off by about so much; what is more is another mass.",
         }
     }
 

@@ -3,36 +3,29 @@
 use crate::candidates::kit::*;
 use rundown::model::effects::SpeedScale;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::SpeedScale)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::SpeedScale),
             what: "The speed shows too much or too little: a worn wheel, a wrong diameter; or the locations go by another measure.",
             law: "measured speed = factor x true speed",
             parameters: "measured_over_true",
-            shows: "the location grows slower (or faster) than the speed says, everywhere alike; or, where the odometer gives the location too, a run's ways between its stops are longer (or shorter) than those of the other runs: then the run is named",
+            shows: "the location grows slower (or faster) than the speed says, everywhere alike; or, where the odometer gives the location too, a run's distances between its stops are longer (or shorter) than those of the other runs: then the run is named",
             confused: "a line whose chainage is stretched, in the logs of one vehicle alone; a speed and a location that both come from a receiver cannot show a wheel at all",
             separates: "a satellite receiver beside the odometer; another vehicle on the same line; stops with known chainage",
-        })
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { shows_in: ShowsIn::Readings, ..Nature::default() }
+            nature: Nature { shows_in: ShowsIn::Readings, ..Nature::default() },
+            size: Some(("measured_over_true", 1.0)),
+            ..Facts::default()
+        }
     }
 
     fn beside(&self, naming: &Naming<'_>) -> Option<(Named, Odds)> {
         let config = naming.context.config;
         let (value, sd) = naming.kinematics.scale_that_matters(&config.kinematics)?;
         let measured_over_true = 1.0 + value;
-        let effect = Effect::SpeedScale(SpeedScale { measured_over_true });
+        let effect = SpeedScale { measured_over_true }.into();
         let interval = around("measured_over_true", measured_over_true, sd.hypot(config.kinematics.scale_sd));
         Some((Named::plain(effect, vec![interval], 0.5 * (value / sd).powi(2), config.certainty.most_gain), Vec::new()))
     }
@@ -42,20 +35,13 @@ impl Candidate for This {
     }
 
     fn sentence(&self, named: &Named, _: &Context<'_>) -> String {
-        let Effect::SpeedScale(e) = &named.effect else {
-            return String::new();
-        };
         format!(
             "The speed is read on a wrong scale: measured over true speed is {}",
-            with_unit(named, "measured_over_true", e.measured_over_true)
+            with_unit(named, "measured_over_true")
         )
     }
 
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         Some(json!({ "measured_over_true": 1.0 + hide.sign * hide.of([0.03, 0.015, 0.007]) }))
-    }
-
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        Some(("measured_over_true", 1.0))
     }
 }

@@ -4,40 +4,30 @@ use crate::candidates::kit::*;
 use crate::columns::wind;
 use rundown::model::effects::SteadyWind;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::SteadyWind)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::SteadyWind),
             what: "A headwind that all runs have.",
             law: "r2 (v + w)² instead of r2 v²; w changes its sign with the direction",
             parameters: "wind_mps, against the `up` direction positive",
-            shows: "a difference that grows with the speed, one way in one direction and the other way in the other",
+            shows: "a difference that grows with the speed, with one sign in one direction and the other sign in the other",
             confused: "davis_error (r1 above all), where all runs go in one direction",
             separates: "runs in the other direction; a weather station",
-        })
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { turns: true, ..Nature::default() }
+            nature: Nature { turns: true, ..Nature::default() },
+            size: Some(("wind_mps", 0.0)),
+            ..Facts::default()
+        }
     }
 
     fn families(&self, _: &Offer<'_>) -> Vec<Family> {
-        vec![Family::Linearised(Term { of: CANDIDATE, shape: Shape::Number(0.0) })]
+        vec![Family::Linearised(Term { of: &This, shape: Shape::Number(0.0) })]
     }
 
     fn columns(&self, shape: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
-        let Shape::Number(wind_mps) = *shape else {
-            return Vec::new();
-        };
-        vec![wind(context, rows, wind_mps)]
+        vec![wind(context, rows, shape.number())]
     }
 
     fn is_plausible(&self, size: &Size<'_>) -> bool {
@@ -46,17 +36,14 @@ impl Candidate for This {
 
     fn effect(&self, fitted: &Fitted, _: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {
         let (wind_mps, interval) = fitted.first("wind_mps", 1.0);
-        Some((Effect::SteadyWind(SteadyWind { wind_mps }), vec![interval]))
+        Some((SteadyWind { wind_mps }.into(), vec![interval]))
     }
 
     fn sentence(&self, named: &Named, _: &Context<'_>) -> String {
-        let Effect::SteadyWind(e) = &named.effect else {
-            return String::new();
-        };
         format!(
             "A steady wind blows {} the line, in every run: {}",
-            if e.wind_mps > 0.0 { "down" } else { "up" },
-            told(named, "wind_mps", e.wind_mps, e.wind_mps.signum(), "m/s")
+            if named.value("wind_mps") > 0.0 { "down" } else { "up" },
+            scaled(named, "wind_mps", named.value("wind_mps").signum(), "m/s")
         )
     }
 
@@ -66,9 +53,5 @@ impl Candidate for This {
 
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         Some(json!({ "wind_mps": hide.sign * hide.of([5.0, 2.5, 1.2]) }))
-    }
-
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        Some(("wind_mps", 0.0))
     }
 }

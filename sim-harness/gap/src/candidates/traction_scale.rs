@@ -2,29 +2,22 @@
 
 use crate::candidates::kit::*;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::TractionScale)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::TractionScale),
             what: "The traction gives less (or more) everywhere: a motor is cut out.",
             law: "maximum effort and maximum power x factor",
             parameters: "factor",
-            shows: "no pull goes beyond this share of the described limit, at any speed and place",
-            confused: "drivers who never ask for everything; mass_error without an effort column",
+            shows: "no powering phase goes beyond this share of the described limit, at any speed and place",
+            confused: "drivers who never demand everything; mass_error without an effort column",
             separates: "the position of the controller; the number of motors at work",
-        })
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { shows_in: ShowsIn::FullPower, needs_effort: true, ..Nature::default() }
+            nature: Nature { shows_in: ShowsIn::FullPower, needs_effort: true, ..Nature::default() },
+            size: Some(("factor", 1.0)),
+            ..Facts::default()
+        }
     }
 
     fn limit(&self, found: &FoundLimit, naming: &Naming<'_>) -> Option<(Named, Odds)> {
@@ -34,20 +27,10 @@ impl Candidate for This {
     }
 
     fn sentence(&self, named: &Named, _: &Context<'_>) -> String {
-        let Effect::TractionScale(e) = &named.effect else {
-            return String::new();
-        };
-        format!(
-            "Largest effort and power are everywhere {} of what is described",
-            told(named, "factor", e.factor, 100.0, "%")
-        )
+        format!("Largest effort and power are everywhere {} of what is described", scaled(named, "factor", 100.0, "%"))
     }
 
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         Some(json!({ "factor": hide.of([0.75, 0.85, 0.92]) }))
-    }
-
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        Some(("factor", 1.0))
     }
 }

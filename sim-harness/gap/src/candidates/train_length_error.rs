@@ -3,53 +3,40 @@
 use crate::candidates::kit::*;
 use rundown::model::effects::TrainLengthError;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::TrainLengthError)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::TrainLengthError),
             what: "The train is longer or shorter than described, so the gradient under it is averaged over another length.",
             law: "gradient mean over the true length",
             parameters: "true_length_m",
             shows: "differences at every change of gradient, up and down with the change of slope",
             confused: "location_lag, which shifts the gradients by the distance of the lag; a location of the antenna instead of the front",
             separates: "both directions; a line with short steep gradients; the list of the vehicles",
-        })
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { by_place: true, turns: true, whole: true, ..Nature::default() }
-    }
-
-    fn prior(&self) -> Prior {
-        Prior {
-            least: 0.15,
-            most: 1.95,
-            shapes: &[],
-            source: "Smallest share by which the length differs; largest length as a share of the described one. Judgement.",
+            nature: Nature { by_place: true, turns: true, whole: true, ..Nature::default() },
+            prior: Prior {
+                least: 0.15,
+                most: 1.95,
+                shapes: &[],
+                source: "Smallest share by which the length differs; largest length as a share of the described one. Judgement.",
+            },
+            ..Facts::default()
         }
     }
 
     fn families(&self, offer: &Offer<'_>) -> Vec<Family> {
         let believed_m = offer.context.believed.train().length_m();
-        let (least, most) = range(CANDIDATE, offer.context);
+        let (least, most) = range(self, offer.context);
         let steps = (4..=(20.0 * most).round() as i32).filter(|i| f64::from((i - 20).abs()) >= 20.0 * least);
-        let length = |i: i32| Term { of: CANDIDATE, shape: Shape::Number(believed_m * f64::from(i) / 20.0) };
+        let length = |i: i32| Term { of: &This, shape: Shape::Number(believed_m * f64::from(i) / 20.0) };
         vec![Family::Whole(steps.map(length).collect())]
     }
 
     /// Gradient over another length, m, minus that over the believed one.
     fn columns(&self, shape: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
-        let Shape::Number(true_m) = *shape else {
-            return Vec::new();
-        };
+        let true_m = shape.number();
         let gravity = context.believed.train().gravity_n_per_kg();
         vec![along(context, rows, |line, _, p| {
             gravity
@@ -63,27 +50,20 @@ impl Candidate for This {
     }
 
     fn dial(&self, shape: &Shape) -> Option<Dial> {
-        let Shape::Number(true_m) = shape else {
-            return None;
-        };
-        Some(Dial { step: 0.03, range: (true_m.ln() - 0.3, true_m.ln() + 0.3), exponential: true })
+        let log_m = shape.number().ln();
+        Some(Dial { step: 0.03, range: (log_m - 0.3, log_m + 0.3), exponential: true })
     }
 
     fn effect(&self, fitted: &Fitted, _: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {
-        let Shape::Number(true_length_m) = fitted.term.shape else {
-            return None;
-        };
+        let true_length_m = fitted.term.shape.number();
         let interval = fitted.shape.map(|limits| ("true_length_m", limits.shape.0, limits.shape.1));
-        Some((Effect::TrainLengthError(TrainLengthError { true_length_m }), interval.into_iter().collect()))
+        Some((TrainLengthError { true_length_m }.into(), interval.into_iter().collect()))
     }
 
     fn sentence(&self, named: &Named, context: &Context<'_>) -> String {
-        let Effect::TrainLengthError(e) = &named.effect else {
-            return String::new();
-        };
         format!(
             "The train is not as long as described: {} instead of {} m",
-            with_unit(named, "true_length_m", e.true_length_m),
+            with_unit(named, "true_length_m"),
             number(context.believed.train().length_m(), 0)
         )
     }

@@ -3,44 +3,31 @@
 use crate::candidates::kit::*;
 use rundown::model::effects::TunnelDrag;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::TunnelDrag)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::TunnelDrag),
             what: "Air drag is larger in a tunnel, for the part of the train that is inside.",
             law: "resistance + k v² x (length inside / train length)",
             parameters: "from_m, to_m; k in N/(kg (m/s)²)",
             shows: "more resistance in one section in both directions, growing with the square of the speed; its edges are as soft as the train is long",
             confused: "gradient_error, where all runs go in one direction at similar speeds",
             separates: "runs in the other direction, runs at another speed, a tunnel in the track file",
-        })
-    }
-
-    fn nature(&self) -> Nature {
-        Nature { by_place: true, ..Nature::default() }
+            nature: Nature { by_place: true, ..Nature::default() },
+            size: Some(("k", 0.0)),
+            ..Facts::default()
+        }
     }
 
     fn families(&self, _: &Offer<'_>) -> Vec<Family> {
-        vec![Family::Section(Term { of: CANDIDATE, shape: Shape::Section([0.0; 2]) })]
+        vec![Family::Section(Term { of: &This, shape: Shape::Section([0.0; 2]) })]
     }
 
     fn columns(&self, shape: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
-        let Shape::Section(section) = *shape else {
-            return Vec::new();
-        };
+        let section = shape.section();
         vec![along(context, rows, |line, _, p| p.speed_mps * p.speed_mps * share(line, p.location_m, section))]
-    }
-
-    fn penalty(&self, _: &Shape, penalty: &PenaltyConfig, _: &[Row]) -> f64 {
-        penalty.coefficient + penalty.section
     }
 
     /// A tunnel helps nobody along.
@@ -54,32 +41,24 @@ impl Candidate for This {
         let near_m = config.certainty.described_m;
         let [from_m, to_m] = described(section, section.map(|at| (at, at)), &surroundings.tunnels, near_m);
         let (k, interval) = fitted.first("k", 1.0);
-        let mut intervals = fitted.edges();
-        intervals.push(interval);
-        Some((Effect::TunnelDrag(TunnelDrag { from_m, to_m, k }), intervals))
+        Some((TunnelDrag { from_m, to_m, k }.into(), [fitted.edges(), vec![interval]].concat()))
     }
 
     fn sentence(&self, named: &Named, context: &Context<'_>) -> String {
-        let Effect::TunnelDrag(e) = &named.effect else {
-            return String::new();
-        };
         format!(
             "Tunnel drag from {}: there the air resistance grows by k v\u{b2}, k = {}, which is {}\u{a0}% of the believed r2",
-            place(e.from_m, e.to_m),
-            with_unit(named, "k", e.k),
-            number(100.0 * e.k / context.believed.train().davis().r2, 0)
+            section(named),
+            with_unit(named, "k"),
+            number(100.0 * named.value("k") / context.believed.train().davis().r2, 0)
         )
     }
 
     /// Where the whole train is inside: there the law is one of the speed alone.
     fn axis<'a>(&self, named: &'a Named, context: &Context<'a>) -> Option<Axis<'a>> {
-        let Effect::TunnelDrag(e) = &named.effect else {
-            return None;
-        };
-        let believed = context.believed;
+        let (k, believed) = (named.value("k"), context.believed);
         Some(Axis::over("speed, km/h, with the whole train in the section", move |row| {
             let v2 = row.interval.mean(|p| p.speed_mps * p.speed_mps);
-            let inside = extra(&believed, &named.effect, row) / (e.k * v2);
+            let inside = extra(&believed, &named.effect, row) / (k * v2);
             Some(kmh(row)).filter(|_| inside > 0.98)
         }))
     }
@@ -87,10 +66,6 @@ impl Candidate for This {
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         let [from_m, to_m] = hide.section_m;
         Some(json!({ "from_m": from_m, "to_m": to_m, "k": hide.davis.r2 * hide.of([0.36, 0.18, 0.09]) }))
-    }
-
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        Some(("k", 0.0))
     }
 }
 
@@ -110,7 +85,7 @@ pub fn renamed(fitted: &Fitted, naming: &Naming<'_>) -> Option<Fitted> {
     let possible = other.is(EffectKind::GradientError) || fitted.beta[0] * factor > 0.0;
     possible.then(|| {
         let mut renamed = fitted.clone();
-        renamed.rivals.retain(|(term, _)| term.of.kind() != other.of.kind());
+        renamed.rivals.retain(|(term, _)| term.of.facts().kind != other.of.facts().kind);
         renamed.rivals.insert(0, (fitted.term.clone(), 0.0));
         renamed.term = other.clone();
         renamed.beta.iter_mut().for_each(|b| *b *= factor);
@@ -145,15 +120,15 @@ fn same_force(rows: &[Row], gravity_n_per_kg: f64, section: [f64; 2], other: &Te
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::candidates::gradient_error;
+    use crate::candidates;
     use rundown::model::direction::Direction;
 
     /// 0.02 N/kg more resistance at 50 m/s are a tunnel of 8e-6 in both directions, and a gradient whose sign is that of the direction.
     #[test]
     fn a_gradient_by_the_name_of_a_tunnel_is_the_same_force_in_each_direction() {
         let section = [1_000.0, 3_000.0];
-        let [tunnel, gradient] =
-            [CANDIDATE, gradient_error::CANDIDATE].map(|of| Term { of, shape: Shape::Section(section) });
+        let [tunnel, gradient] = [candidates::of(EffectKind::TunnelDrag), candidates::of(EffectKind::GradientError)]
+            .map(|of| Term { of, shape: Shape::Section(section) });
         let gravity = 9.25;
         for direction in [Direction::Up, Direction::Down] {
             let rows = [

@@ -4,9 +4,6 @@ use crate::candidates::kit::*;
 use crate::columns::{both_directions, coordinate, hats, in_the_middle, knots};
 use rundown::model::effects::{MAX_POINTS, Unknown};
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
 /// Most values of a coordinate between which steps are tried: each run's, where there are no more.
 const STEPS: usize = 100;
 /// Half the width of a steep step, of a day or a degree.
@@ -16,10 +13,10 @@ const EVEN: usize = 12;
 /// Points of the table of a cube.
 const CUBE: u32 = 20;
 
-struct This;
+pub struct This;
 
 fn term(shape: Shape) -> Term {
-    Term { of: CANDIDATE, shape }
+    Term { of: &This, shape }
 }
 
 /// A smooth term along a coordinate.
@@ -40,23 +37,21 @@ fn steps(which: Coordinate, rows: &[Row]) -> Option<Family> {
 }
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::Unknown)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::Unknown),
             what: "Something that is none of these: a table of extra resistance over the coordinate that explains it best.",
             law: "resistance + table(coordinate), straight between its points",
             parameters: "coordinate: location, speed, time since departure, temperature or day; table in N/kg",
             shows: "as in its table",
             confused: "a named effect that these data show only in part",
             separates: "the picture of the table; then somebody who knows the train and the line",
-        })
-    }
-
-    fn prior(&self) -> Prior {
-        Prior::least(6e-4, "N/kg. Judgement: a table without a name takes the faults of all that is named with it.")
+            prior: Prior::least(
+                6e-4,
+                "N/kg. Judgement: a table without a name takes the faults of all that is named with it.",
+            ),
+            ..Facts::default()
+        }
     }
 
     fn families(&self, offer: &Offer<'_>) -> Vec<Family> {
@@ -87,7 +82,7 @@ impl Candidate for This {
         families
     }
 
-    /// A section acts in both directions alike; v³ is hard to tell from wrong Davis coefficients.
+    /// A section acts in both directions alike; v³ is hard to separate from wrong Davis coefficients.
     fn columns(&self, shape: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
         match shape {
             Shape::Section(section) => vec![along(context, rows, |line, _, p| share(line, p.location_m, *section))],

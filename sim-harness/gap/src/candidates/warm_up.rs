@@ -3,51 +3,37 @@
 use crate::candidates::kit::*;
 use rundown::model::effects::WarmUp;
 
-/// What the workflow knows of it.
-pub static CANDIDATE: &dyn Candidate = &This;
-
-struct This;
+pub struct This;
 
 impl Candidate for This {
-    fn kind(&self) -> Option<EffectKind> {
-        Some(EffectKind::WarmUp)
-    }
-
-    fn page(&self) -> Option<Page> {
-        Some(Page {
+    fn facts(&self) -> Facts {
+        Facts {
+            kind: Some(EffectKind::WarmUp),
             what: "Cold bearings and gears: r0 is larger in the first minutes.",
             law: "r0 + amplitude x exp(-t / tau), t since the departure",
             parameters: "amplitude in N/kg, tau_s",
             shows: "more resistance early in every run, at every place and speed, fading with time",
             confused: "a difference at the first kilometres, where all runs begin at one station; less traction, without an effort column",
             separates: "runs that begin elsewhere; long halts; warm starts after a short turn-round",
-        })
-    }
-
-    fn prior(&self) -> Prior {
-        Prior {
-            least: 6e-4,
-            most: 0.03,
-            shapes: &[60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1000.0],
-            source: "Amplitude, N/kg; time constants, s. Judgement: the largest value belongs to the first rows alone, and more than stiff bearings add is a law of something else, carried back to the departure.",
+            prior: Prior {
+                least: 6e-4,
+                most: 0.03,
+                shapes: &[60.0, 120.0, 200.0, 300.0, 450.0, 700.0, 1000.0],
+                source: "Amplitude, N/kg; time constants, s. Judgement: the largest value belongs to the first rows alone, and more than stiff bearings add is a law of something else, carried back to the departure.",
+            },
+            size: Some(("amplitude", 0.0)),
+            ..Facts::default()
         }
     }
 
     fn families(&self, offer: &Offer<'_>) -> Vec<Family> {
-        let tau = |tau_s: f64| Term { of: CANDIDATE, shape: Shape::Number(tau_s) };
-        vec![Family::Shapes(offer.shapes(CANDIDATE).into_iter().map(tau).collect())]
+        vec![offer.numbers(&This, 1.0)]
     }
 
     /// exp(-t/τ), τ in s.
     fn columns(&self, shape: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
-        let Shape::Number(tau_s) = *shape else {
-            return Vec::new();
-        };
+        let tau_s = shape.number();
         vec![along(context, rows, |_, _, p| (-p.since_departure_s / tau_s).exp())]
-    }
-
-    fn penalty(&self, _: &Shape, penalty: &PenaltyConfig, _: &[Row]) -> f64 {
-        penalty.coefficient + penalty.shape
     }
 
     fn is_plausible(&self, size: &Size<'_>) -> bool {
@@ -60,13 +46,8 @@ impl Candidate for This {
     }
 
     fn effect(&self, fitted: &Fitted, _: &Naming<'_>) -> Option<(Effect, Vec<Interval95>)> {
-        let Shape::Number(tau_s) = fitted.term.shape else {
-            return None;
-        };
-        let intervals = fitted.shape.map_or_else(Vec::new, |limits| {
-            vec![("amplitude", limits.beta.0, limits.beta.1), ("tau_s", limits.shape.0, limits.shape.1)]
-        });
-        Some((Effect::WarmUp(WarmUp { amplitude: fitted.beta[0], tau_s }), intervals))
+        let (amplitude, tau_s, intervals) = fitted.with_number("amplitude", "tau_s", 1.0);
+        Some((WarmUp { amplitude, tau_s }.into(), intervals))
     }
 
     fn separated_from(&self, other: EffectKind) -> Option<&'static str> {
@@ -75,13 +56,10 @@ impl Candidate for This {
     }
 
     fn sentence(&self, named: &Named, _: &Context<'_>) -> String {
-        let Effect::WarmUp(e) = &named.effect else {
-            return String::new();
-        };
         format!(
             "A cold train runs heavier: {} more at the departure, 37\u{a0}% of it left after {} min",
-            with_unit(named, "amplitude", e.amplitude),
-            number(e.tau_s / 60.0, 1)
+            with_unit(named, "amplitude"),
+            number(named.value("tau_s") / 60.0, 1)
         )
     }
 
@@ -92,9 +70,5 @@ impl Candidate for This {
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         let amplitude = hide.of([6e-3, 3e-3, 1.5e-3]);
         Some(json!({ "amplitude": amplitude, "tau_s": hide.rng.random_range(150.0..600.0) }))
-    }
-
-    fn main_parameter(&self, _: f64) -> Option<(&'static str, f64)> {
-        Some(("amplitude", 0.0))
     }
 }

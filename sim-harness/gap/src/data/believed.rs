@@ -1,12 +1,9 @@
 //! What is believed of train and line, and the conditions of the runs.
 
-use crate::config::GapConfig;
+use crate::config::{GapConfig, PenaltyConfig};
 use crate::data::interval::{Interval, Point};
 use crate::data::runs::Run;
-use rundown::model::direction::Direction;
-use rundown::model::line::Line;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
+use rundown::model::{direction::Direction, line::Line, track::Track, train::Train};
 
 /// The believed model, with a line for each direction.
 #[derive(Clone, Copy, Debug)]
@@ -16,13 +13,11 @@ pub struct Believed<'a> {
 }
 
 impl<'a> Believed<'a> {
-    /// Of a train on a track.
     pub fn new(train: &'a Train, track: &'a Track) -> Self {
         let line = |direction| Line { train, track, direction };
         Self { up: line(Direction::Up), down: line(Direction::Down) }
     }
 
-    /// The line in a direction.
     pub fn line(&self, direction: Direction) -> &Line<'a> {
         match direction {
             Direction::Up => &self.up,
@@ -41,15 +36,21 @@ pub fn load_at(line: &Line<'_>, point: &Point) -> f64 {
     davis.resistance_n_per_kg(point.speed_mps) + line.gradient_n_per_kg(point.location_m)
 }
 
-/// The same along an interval.
+/// The same along an interval, at the air speed where the wind is measured.
 pub fn believed_load(line: &Line<'_>, interval: &Interval) -> f64 {
-    interval.mean(|p| load_at(line, p))
+    let load = interval.mean(|p| load_at(line, p));
+    interval.wind_mps.map_or(load, |wind_mps| load + interval.mean(|p| wind_n_per_kg(line, p.speed_mps, wind_mps)))
+}
+
+/// What a headwind adds to the air drag, r2 ((v + w)|v + w| - v²), N/kg.
+pub fn wind_n_per_kg(line: &Line<'_>, speed_mps: f64, wind_mps: f64) -> f64 {
+    let air_mps = speed_mps + wind_mps;
+    line.train.davis().r2 * (air_mps * air_mps.abs() - speed_mps * speed_mps)
 }
 
 /// What may be known of a line beyond its gradients.
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {
-    /// Length of the line, m.
     pub length_m: f64,
     /// Curves: (from, to, Röckl's number), m, N/N.
     pub curves: Vec<(f64, f64, f64)>,
@@ -57,7 +58,6 @@ pub struct Surroundings {
     pub tunnels: Vec<(f64, f64)>,
     /// Feeding sections: (from, to), m.
     pub feeding: Vec<(f64, f64)>,
-    /// Platforms, m.
     pub stops: Vec<f64>,
 }
 
@@ -70,31 +70,35 @@ pub struct Conditions {
     pub first_day: f64,
     /// Days from the first run to the last.
     pub period_days: f64,
+    pub runs: usize,
 }
 
 impl Conditions {
-    /// Of these runs.
     pub fn of(runs: &[Run]) -> Self {
         let days = || runs.iter().filter_map(|run| run.day);
         let first_day = days().fold(f64::INFINITY, f64::min).min(1e6);
         let period_days = (days().fold(0.0, f64::max) - first_day).max(0.0);
         let temperatures = || runs.iter().flat_map(|run| run.samples.iter().filter_map(|s| s.temperature_c));
         let temperature_c = temperatures().sum::<f64>() / temperatures().count().max(1) as f64;
-        Self { temperature_c, first_day, period_days }
+        Self { temperature_c, first_day, period_days, runs: runs.len() }
     }
 }
 
-/// By what runs are judged: the belief, the conditions that its terms refer to, and the settings.
+/// What runs are compared with: the belief, the conditions that its terms refer to, and the settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Context<'a> {
-    /// The believed model.
     pub believed: Believed<'a>,
     /// What else is known of the line.
     pub surroundings: &'a Surroundings,
     /// Temperature and dates of the runs that were analysed.
     pub conditions: Conditions,
-    /// Thresholds and priors.
     pub config: &'a GapConfig,
+}
+
+impl Context<'_> {
+    pub fn penalty(&self) -> PenaltyConfig {
+        self.config.penalty.of_runs(self.conditions.runs)
+    }
 }
 
 /// A described section whose edges may be those of the one found, or nearly, takes its place.
@@ -103,4 +107,26 @@ pub fn described(section: [f64; 2], edges: [(f64, f64); 2], descriptions: &[(f64
     let fits = |&&(from, to): &&(f64, f64)| within(from, edges[0]) && within(to, edges[1]);
     let found = descriptions.iter().find(fits);
     found.map_or(section, |(from, to)| [*from, *to])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::rows::Row;
+    use rundown::model::{track::Gradient, train::TrainDescription};
+
+    #[test]
+    fn a_measured_headwind_changes_the_load_by_the_air_speed_and_none_changes_nothing() {
+        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
+        let track = Track::try_new(9_000.0, [Gradient { from_m: 0.0, permille: 0.0 }]).unwrap();
+        let believed = Believed::new(&train, &track);
+        let line = believed.line(Direction::Up);
+        let mut interval = Row::coasting(Direction::Up, 2_000.0, 30.0).interval;
+        let (still, r2) = (believed_load(line, &interval), train.davis().r2);
+        // A tail wind faster than the train pushes it.
+        for (wind_mps, air) in [(0.0, 900.0), (5.0, 35.0 * 35.0), (-5.0, 25.0 * 25.0), (-40.0, -100.0)] {
+            interval.wind_mps = Some(wind_mps);
+            assert!((believed_load(line, &interval) - still - r2 * (air - 900.0)).abs() < 1e-12, "{wind_mps}");
+        }
+    }
 }

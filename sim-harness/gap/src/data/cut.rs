@@ -6,8 +6,9 @@
 use crate::config::IntervalConfig;
 use crate::data::believed::{Context, believed_load};
 use crate::data::interval::{Interval, POINTS, Point};
-use crate::data::runs::{EffortReading, Readings, Run, Sample, usual_step_s};
+use crate::data::runs::{EffortReading, Readings, Run, usual_step_s};
 use rundown::model::line::Line;
+use rundown_files::sample::Sample;
 
 /// A reading of location, speed and effort at one time.
 #[derive(Clone, Copy, Debug)]
@@ -15,30 +16,18 @@ struct Node {
     time_s: f64,
     location_m: f64,
     speed_mps: f64,
-    /// Index of its sample.
     sample: usize,
-}
-
-/// Cuts a run into intervals. `line` has the run's direction.
-pub fn intervals(
-    index: usize,
-    run: &Run,
-    line: &Line<'_>,
-    readings: &Readings,
-    config: &IntervalConfig,
-) -> Vec<Interval> {
-    Cut { run, line, readings, config }.intervals(index)
 }
 
 /// The intervals of each run.
 pub fn all(context: &Context<'_>, runs: &[Run], readings: &Readings) -> Vec<Vec<Interval>> {
+    let config = &context.config.interval;
     let of = |(i, run): (usize, &Run)| {
-        intervals(i, run, context.believed.line(run.direction), readings, &context.config.interval)
+        Cut { run, line: context.believed.line(run.direction), readings, config }.intervals(i)
     };
     runs.iter().enumerate().map(of).collect()
 }
 
-/// A run that is cut.
 struct Cut<'a> {
     run: &'a Run,
     line: &'a Line<'a>,
@@ -75,7 +64,6 @@ impl Cut<'_> {
         intervals
     }
 
-    /// From one node to the next.
     fn interval(&self, run: usize, from: &Node, to: &Node, departure_s: f64) -> Interval {
         let dt_s = to.time_s - from.time_s;
         let sign = self.line.direction.sign();
@@ -105,12 +93,20 @@ impl Cut<'_> {
             effort_change_n_per_kg: effort.map_or(0.0, |(_, change)| change),
             effort_step_n_per_kg: self.effort_at(to.sample) - self.effort_at(from.sample),
             temperature_c: self.run.samples[to.sample].temperature_c,
+            wind_mps: self.wind_mps(from.sample, to.sample),
             day: self.run.day,
             stood_s: None,
             braked: false,
             follows: false,
             path,
         }
+    }
+
+    /// Mean of the measured headwind from one sample to another, if each of them has it.
+    fn wind_mps(&self, from: usize, to: usize) -> Option<f64> {
+        let samples = &self.run.samples[from..=to];
+        let sum = samples.iter().try_fold(0.0, |sum, sample| Some(sum + sample.headwind_mps?))?;
+        Some(sum / samples.len() as f64)
     }
 
     /// The brake was applied in an interval. A brake test of some seconds may lie between two readings of the effort: the speed shows that it was less than both.
@@ -266,12 +262,12 @@ impl Cut<'_> {
         ((t2 * v0 - t1 * v1) / determinant).max(0.0)
     }
 
-    /// Gives each node a location: the way by speed, shifted by what the location readings around it say.
+    /// Gives each node a location: the distance by speed, shifted by what the location readings around it say.
     fn locate(&self, with_speed: &[(usize, f64)], nodes: &mut [Node]) {
         let around_s = self.config.located_s;
         let sign = self.line.direction.sign();
-        // Way by speed at each sample that has one.
-        let mut way_m = vec![f64::NAN; self.run.samples.len()];
+        // Distance by speed at each sample that has one.
+        let mut distance_m = vec![f64::NAN; self.run.samples.len()];
         let mut speed_of = vec![0.0; self.run.samples.len()];
         let mut sum = 0.0;
         let mut last: Option<(usize, f64)> = None;
@@ -280,7 +276,7 @@ impl Cut<'_> {
                 let dt = self.run.samples[sample].time_s - self.run.samples[before].time_s;
                 sum += 0.5 * dt * (speed + slower);
             }
-            way_m[sample] = sum;
+            distance_m[sample] = sum;
             speed_of[sample] = speed;
             last = Some((sample, speed));
         }
@@ -289,10 +285,10 @@ impl Cut<'_> {
             .samples
             .iter()
             .enumerate()
-            .filter(|(index, _)| !way_m[*index].is_nan())
+            .filter(|(index, _)| !distance_m[*index].is_nan())
             .filter_map(|(index, sample)| {
                 let late_m = speed_of[index] * self.readings.location_lag_s;
-                Some((sample.time_s, sample.location_m? - sign * (way_m[index] - late_m)))
+                Some((sample.time_s, sample.location_m? - sign * (distance_m[index] - late_m)))
             })
             .collect();
         if shifts.is_empty() {
@@ -312,7 +308,7 @@ impl Cut<'_> {
             // The mean of the middle half: neither outliers nor single readings count much.
             let (low, high) = (values.len() / 4, values.len() - values.len() / 4);
             let middle = &values[low..high];
-            node.location_m = sign * way_m[node.sample] + middle.iter().sum::<f64>() / middle.len() as f64;
+            node.location_m = sign * distance_m[node.sample] + middle.iter().sum::<f64>() / middle.len() as f64;
         }
     }
 

@@ -16,11 +16,8 @@ pub struct Point {
 /// From one reading of the speed to the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interval {
-    /// Index of its run.
     pub run: usize,
-    /// Begins at this time, s.
     pub begin_s: f64,
-    /// Lasts this long, s.
     pub dt_s: f64,
     /// Speed at both ends, m/s.
     pub speed_mps: [f64; 2],
@@ -31,6 +28,8 @@ pub struct Interval {
     /// Effort at the end less effort at the beginning, N/kg.
     pub effort_step_n_per_kg: f64,
     pub temperature_c: Option<f64>,
+    /// Measured mean headwind, m/s.
+    pub wind_mps: Option<f64>,
     /// Day, since 1970-01-01 UTC.
     pub day: Option<f64>,
     /// How long the train stood before its last start, s; `None`: since before the run.
@@ -57,7 +56,6 @@ impl Interval {
         self.path.iter().map(law).sum::<f64>() / POINTS as f64
     }
 
-    /// The middle of the path.
     pub fn middle(&self) -> &Point {
         &self.path[POINTS / 2]
     }

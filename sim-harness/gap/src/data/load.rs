@@ -1,17 +1,13 @@
 //! Runs from a folder, as the gap workflow takes them.
 
-use crate::data::believed::Surroundings;
-use crate::data::runs::{Run, Sample};
+use crate::data::{believed::Surroundings, runs::Run};
 use rayon::prelude::*;
 use rundown::model::units::KmPerHour;
-use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::refusal::ReadError;
 use rundown_files::run_log::{BadRows, RunLog};
 use rundown_files::run_set::{RunFile, RunSet};
-use rundown_files::sample::{MOST_LOCATION_M, MOST_SPEED_KMH};
-use rundown_files::track_file::TrackFile;
-use rundown_files::units;
+use rundown_files::sample::{MOST_LOCATION_M, MOST_SPEED_KMH, Sample};
+use rundown_files::{map_matching::CentreLine, refusal::ReadError, track_file::TrackFile, units};
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -25,7 +21,6 @@ pub enum LoadError {
     /// Its numbers are in other units.
     #[error("{}: {doubt}", path.display())]
     Units {
-        /// The log.
         path: PathBuf,
         /// Which, and why it is thought so.
         doubt: units::Doubt,
@@ -33,9 +28,6 @@ pub enum LoadError {
 }
 
 /// Reads one run: as the workflow takes it, and as an estimator replays it.
-///
-/// # Errors
-/// [`LoadError`] names file and place.
 pub fn run(
     file: &RunFile,
     line: Option<&CentreLine>,
@@ -55,12 +47,12 @@ pub fn run(
             continue;
         }
         samples.push(Sample {
-            time_s: row.time_s,
-            // What no train has was warned of when the log was read; no estimator judges it here.
+            // The same reading in another line of another log is the same.
+            line: 0,
+            // What no train has was warned of when the log was read; no estimator checks it here.
             location_m: row.location_m.filter(|at| at.abs() < MOST_LOCATION_M),
             speed_mps: row.speed_mps.filter(|v| (0.0..most_mps).contains(v)),
-            effort_n_per_kg: row.effort_n_per_kg,
-            temperature_c: row.temperature_c,
+            ..*row
         });
     }
     let run = Run { name: recording.name.clone(), direction: recording.direction, day: recording.day, samples };
@@ -89,13 +81,11 @@ pub fn runs(set: &RunSet, track: &TrackFile, direction: DirectionChoice) -> (Vec
     (runs, notes)
 }
 
-/// What is doubtful about the track that these runs are judged by.
-pub fn about_track(track: &TrackFile, runs: &[Run]) -> Vec<String> {
-    /// A location may be this far beyond an end, m: half a train, and the noise of a receiver.
-    const BEYOND_M: f64 = 300.0;
+/// What is doubtful about the track that these runs are compared with. `beyond_m`: how far a location may lie beyond its ends.
+pub fn about_track(track: &TrackFile, runs: &[Run], beyond_m: f64) -> Vec<String> {
     let mut notes = Vec::new();
     let located = || runs.iter().flat_map(|run| run.samples.iter().filter_map(|s| s.location_m));
-    let line = -BEYOND_M..=track.length_m + BEYOND_M;
+    let line = -beyond_m..=track.length_m + beyond_m;
     let beyond = located().filter(|at| !line.contains(at)).count();
     if beyond > 0 {
         let (first_m, last_m) = located().fold((f64::INFINITY, 0.0_f64), |(low, high), at| (low.min(at), high.max(at)));

@@ -4,20 +4,18 @@
 //! y = u - dv/dt - mean(r(v) + g(s))        N/kg, positive: more resistance than believed
 //! ```
 //!
+//! Where a log has a headwind column, r is taken at the air speed: a wind that is measured is none to be found.
 //! With an effort column every moving interval gives one; without, only established coasting does (u = 0).
 
 use crate::config::IntervalConfig;
 use crate::data::believed::believed_load;
 use crate::data::interval::{Interval, Point};
-use rundown::model::direction::Direction;
-use rundown::model::effects::Moment;
-use rundown::model::line::Line;
+use rundown::model::{direction::Direction, effects::Moment, line::Line};
 
 /// An interval that counts, with its residual.
 #[derive(Clone, Debug)]
 pub struct Row {
     pub interval: Interval,
-    /// Direction of its run.
     pub direction: Direction,
     /// The effort over it: measured, or known to be zero, N/kg.
     pub effort_n_per_kg: f64,
@@ -74,6 +72,7 @@ impl Row {
             effort_change_n_per_kg: 0.0,
             effort_step_n_per_kg: 0.0,
             temperature_c: None,
+            wind_mps: None,
             day: None,
             stood_s: None,
             braked: false,

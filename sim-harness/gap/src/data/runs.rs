@@ -1,27 +1,12 @@
 //! Recorded runs as the gap workflow sees them, and how their readings are corrected.
 
 use rundown::model::direction::Direction;
+use rundown_files::sample::Sample;
 
-/// One sample. What was not recorded is `None`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
-    pub time_s: f64,
-    /// Location of the front along the track, m.
-    pub location_m: Option<f64>,
-    /// Speed reading, m/s.
-    pub speed_mps: Option<f64>,
-    /// Measured applied effort, N/kg.
-    pub effort_n_per_kg: Option<f64>,
-    /// Ambient temperature, °C.
-    pub temperature_c: Option<f64>,
-}
-
-/// One recorded run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// Name in every output.
     pub name: String,
-    /// Direction of travel.
     pub direction: Direction,
     /// Day of the departure, since 1970-01-01 UTC, if the index knows it.
     pub day: Option<f64>,
@@ -29,7 +14,6 @@ pub struct Run {
     pub samples: Vec<Sample>,
 }
 
-/// How the effort column is to be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EffortReading {
     /// At the moment of its sample.
@@ -49,7 +33,6 @@ pub struct Readings {
     pub speed_quantum_mps: f64,
     /// The location reading is this old, s.
     pub location_lag_s: f64,
-    /// How the effort is read.
     pub effort: EffortReading,
 }
 

@@ -4,12 +4,12 @@
 //! the noise floor: what a perfect model would leave with these sensors.
 //!
 //! Windows of up to 120 s begin at a measured speed; in them the train is driven by the recorded effort (measured, or zero while coasting), or by the limits of the
-//! model where it pulls with full power. Resistance and limits of the effects come from [`rundown::model::effects`], the code of the board.
+//! model where it powers fully. Resistance and limits of the effects come from [`rundown::model::effects`], the code of the board.
 
 use crate::candidate::ShowsIn;
 use crate::candidates;
 use crate::config::HoldoutConfig;
-use crate::data::believed::{Believed, Context};
+use crate::data::believed::{Believed, Context, wind_n_per_kg};
 use crate::data::interval::{Interval, Point};
 use crate::data::rows::Row;
 use crate::holdout::share::{Share, Squares};
@@ -17,7 +17,7 @@ use crate::named::Named;
 use crate::noise::calibrate::{Calibrated, Own};
 use crate::noise::own_wind::own_wind;
 use core::ops::Range;
-use rundown::model::effects::{Effect, EffectError, Effects, Limits, Moment, SteadyWind};
+use rundown::model::effects::{Effect, EffectError, Effects, Limits, SteadyWind};
 use rundown::model::line::Line;
 use std::collections::BTreeMap;
 
@@ -27,7 +27,6 @@ const STEP_S: f64 = 1.0;
 /// A simulated speed beside the measured one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compared {
-    /// Index of the run.
     pub run: usize,
     pub time_s: f64,
     /// Time since its window began at the measured speed, s; 0: no window but an interval of full power, or the mean speed between two locations.
@@ -81,11 +80,8 @@ pub fn windows(rows: &[Row], config: &HoldoutConfig) -> Vec<Range<usize>> {
 /// The repaired model and the noise that it was found in.
 #[derive(Clone, Copy)]
 pub struct Repaired<'a> {
-    /// By what it is judged.
     pub context: &'a Context<'a>,
-    /// The noise.
     pub calibrated: &'a Calibrated,
-    /// With an effort column.
     pub measured: bool,
 }
 
@@ -99,16 +95,11 @@ pub struct Model {
 }
 
 impl Repaired<'_> {
-    /// The repaired model in one window: where winds differ from run to run, with the wind that the run's other windows tell.
-    ///
-    /// # Errors
-    /// [`EffectError`]: more effects than a board takes.
+    /// The repaired model in one window: where winds differ from run to run, with the wind that the run's other windows show.
     pub fn model(&self, effects: &Effects, rows: &[Row], window: Range<usize>) -> Result<Model, EffectError> {
         let mut own = self.calibrated.own;
-        let spread_mps = effects.iter().find_map(|effect| match effect {
-            Effect::RunWind(wind) => Some(wind.sd_mps),
-            _ => None,
-        });
+        let spread_mps =
+            effects.iter().find_map(|e| if let Effect::RunWind(wind) = e { Some(wind.sd_mps) } else { None });
         let (Some(spread_mps), Some(first)) = (spread_mps, rows.get(window.start)) else {
             return Ok(Model { effects: effects.clone(), own });
         };
@@ -131,9 +122,6 @@ impl Repaired<'_> {
     }
 
     /// Simulates each window of adjacent rows with and without the effects.
-    ///
-    /// # Errors
-    /// [`EffectError`]: more effects than a board takes.
     pub fn resisted(&self, effects: &Effects, rows: &[Row]) -> Result<Vec<Compared>, EffectError> {
         let noise = &self.calibrated.noise;
         let believed = &self.context.believed;
@@ -170,17 +158,15 @@ impl Repaired<'_> {
 
 /// The same effects and this wind, in the `up` direction.
 fn in_wind(effects: &Effects, wind_mps: f64) -> Result<Effects, EffectError> {
-    let steady = effects.iter().find_map(|effect| match effect {
-        Effect::SteadyWind(wind) => Some(wind.wind_mps),
-        _ => None,
-    });
+    let steady = effects.iter().find_map(|e| if let Effect::SteadyWind(wind) = e { Some(wind.wind_mps) } else { None });
     let both = Effect::SteadyWind(SteadyWind { wind_mps: wind_mps + steady.unwrap_or(0.0) });
     let others = effects.iter().filter(|effect| !matches!(effect, Effect::SteadyWind(_) | Effect::RunWind(_)));
     Effects::try_new(std::iter::once(both).chain(others.cloned()))
 }
 
-/// What the effort leaves after resistance, gradient and effects; a brake gives what the effects leave of it.
-pub fn acceleration_mps2(line: &Line<'_>, effects: &Effects, moment: &Moment) -> f64 {
+/// What the effort of a row leaves at a point after resistance, gradient and effects; a brake gives what the effects leave of it.
+pub fn acceleration_mps2(line: &Line<'_>, effects: &Effects, row: &Row, point: &Point) -> f64 {
+    let moment = &row.moment(point);
     let (location_m, speed) = (moment.location_m, moment.speed_mps);
     let davis = line.train.davis();
     let effort = if moment.effort_n_per_kg < 0.0 {
@@ -189,10 +175,11 @@ pub fn acceleration_mps2(line: &Line<'_>, effects: &Effects, moment: &Moment) ->
     } else {
         moment.effort_n_per_kg
     };
-    effort
+    let in_still_air = effort
         - davis.resistance_n_per_kg(speed)
         - line.gradient_n_per_kg(location_m)
-        - effects.resistance_n_per_kg(line, &davis, moment)
+        - effects.resistance_n_per_kg(line, &davis, moment);
+    row.interval.wind_mps.map_or(in_still_air, |wind_mps| in_still_air - wind_n_per_kg(line, speed, wind_mps))
 }
 
 /// Where an interval begins, m. `sign`: of its direction. The points of its path are the middles of its parts.
@@ -220,8 +207,8 @@ fn simulate(believed: &Believed<'_>, effects: &Effects, window: &[Row]) -> Vec<f
         let dt = interval.dt_s / steps;
         for k in 0..steps as usize {
             let since_departure_s = interval.path[k * interval.path.len() / steps as usize].since_departure_s;
-            let moment = row.moment(&Point { location_m, speed_mps: speed, since_departure_s });
-            let acceleration = acceleration_mps2(line, effects, &moment);
+            let point = Point { location_m, speed_mps: speed, since_departure_s };
+            let acceleration = acceleration_mps2(line, effects, row, &point);
             location_m += sign * (speed * dt + 0.5 * acceleration * dt * dt);
             speed = (speed + acceleration * dt).max(0.0);
         }
@@ -231,10 +218,21 @@ fn simulate(believed: &Believed<'_>, effects: &Effects, window: &[Row]) -> Vec<f
 }
 
 /// The effects that act on motion or limits, as the board takes them; readings are put right before anything is compared.
-///
-/// # Errors
-/// [`EffectError`]: more than a board takes.
 pub fn effects<'a>(named: impl IntoIterator<Item = &'a Named>) -> Result<Effects, EffectError> {
-    let acts = |one: &&Named| candidates::of_effect(&one.effect).nature().shows_in != ShowsIn::Readings;
+    let acts = |one: &&Named| candidates::of_effect(&one.effect).facts().nature.shows_in != ShowsIn::Readings;
     Effects::try_new(named.into_iter().filter(acts).map(|one| one.effect.clone()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ninth_effect_is_an_error_and_readings_are_no_effects_of_the_motion() {
+        let named = |effect: Effect| Named::plain(effect, Vec::new(), 9.0, 30.0);
+        let winds = |count| (0..count).map(|_| named(SteadyWind { wind_mps: 1.0 }.into())).collect::<Vec<_>>();
+        let wheel = named(rundown::model::effects::SpeedScale { measured_over_true: 1.01 }.into());
+        assert!(effects(winds(8).iter().chain([&wheel])).is_ok_and(|effects| effects.iter().count() == 8));
+        assert!(matches!(effects(&winds(9)), Err(EffectError::TooMany { most: 8 })));
+    }
 }

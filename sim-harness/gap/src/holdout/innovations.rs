@@ -4,17 +4,11 @@
 //! in other runs.
 
 use crate::refusal::Refusal;
-use rundown::estimator::Estimator;
-use rundown::estimator::config::Config;
+use rundown::estimator::{Estimator, config::Config};
 use rundown::filter::ukf::Reading;
-use rundown::model::effects::Effects;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
-use rundown_files::effect_file;
-use rundown_files::recording::Recording;
+use rundown::model::{effects::Effects, track::Track, train::Train};
 use rundown_files::replay::{Tick, replay};
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use rundown_files::{effect_file, recording::Recording, track_file::TrackFile, train_file::TrainFile};
 
 /// Root mean squares, m/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,14 +17,10 @@ pub struct Innovations {
     pub before_mps: f64,
     /// With the repaired one.
     pub after_mps: f64,
-    /// How many of each, before and after.
     pub count: [u32; 2],
 }
 
 /// Of these runs, with the believed train and track and with the repaired ones. `None`: there are no innovations.
-///
-/// # Errors
-/// [`Refusal`]: more effects than a board takes.
 pub fn innovations(
     train: &Train,
     track: &Track,

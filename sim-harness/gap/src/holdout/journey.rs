@@ -3,14 +3,12 @@
 //! | compared | how |
 //! |---|---|
 //! | running time | each window of up to 120 s begins at the measured speed and place; the train is driven by the recorded effort, place by place. The time until it is where the window ends, less the time that was measured, summed over a run |
-//! | energy | what the traction has to give at the wheel on the speeds that were measured: the effort that each model needs, times the way, over the intervals in which the train pulled, less what the effort column says |
+//! | energy | what the traction has to give at the wheel on the speeds that were measured: the effort that each model needs, times the distance, over the intervals in which the train powered, less what the effort column says |
 //!
 //! Both are errors: zero is right. Floor: what the noise of these sensors, and what each run has for itself, leaves of them with a perfect model.
 
 use crate::config::HoldoutConfig;
-use crate::data::believed::Believed;
-use crate::data::interval::Point;
-use crate::data::rows::Row;
+use crate::data::{believed::Believed, interval::Point, rows::Row};
 use crate::explained::extra;
 use crate::holdout::forward::{Model, Repaired, acceleration_mps2, begin_m, end_m, windows};
 use crate::holdout::share::{Share, Squares, quantile};
@@ -31,7 +29,6 @@ pub struct Error {
     pub floor: f64,
 }
 
-/// One run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Journey {
     /// Index of the run among those compared.
@@ -41,7 +38,7 @@ pub struct Journey {
     pub windows: usize,
     /// Windows in which a simulated train did not arrive; they count in neither model.
     pub stalled: usize,
-    /// Energy at the wheel for each kg of rotating mass, J/kg; none without an effort column, or where the train never pulled.
+    /// Energy at the wheel for each kg of rotating mass, J/kg; none without an effort column, or where the train never powered.
     pub energy_j_per_kg: Option<Error>,
 }
 
@@ -67,7 +64,7 @@ fn covers_in(believed: &Believed<'_>, effects: &Effects, window: &[Row], config:
             at += 1;
         }
         let point = Point { location_m, speed_mps: speed, since_departure_s: since_s + time_s };
-        let acceleration = acceleration_mps2(line, effects, &window[at].moment(&point));
+        let acceleration = acceleration_mps2(line, effects, &window[at], &point);
         let next_mps = speed + acceleration * STEP_S;
         let step_m = STEP_S * (speed + 0.5 * acceleration * STEP_S);
         let left_m = sign * (end_m - location_m);
@@ -88,9 +85,6 @@ fn covers_in(believed: &Believed<'_>, effects: &Effects, window: &[Row], config:
 
 impl Repaired<'_> {
     /// Of the rows of one run. `None`: no window could be covered.
-    ///
-    /// # Errors
-    /// [`EffectError`]: more effects than a board takes.
     pub fn journey(&self, effects: &Effects, rows: &[Row]) -> Result<Option<Journey>, EffectError> {
         let Some(first) = rows.first() else {
             return Ok(None);
@@ -185,18 +179,14 @@ impl Repaired<'_> {
 pub struct Summary {
     /// Root mean squares, and the share that is gone.
     pub share: Share,
-    /// Sum of what was measured.
     pub measured: f64,
-    /// Of the believed model.
     pub before: Spread,
-    /// Of the repaired model.
     pub after: Spread,
 }
 
 /// How the errors of the runs lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Mean error of a run.
     pub mean: f64,
     /// A tenth of the runs, half, and nine tenths lie below.
     pub quantiles: [f64; 3],
@@ -241,11 +231,11 @@ mod tests {
 
     #[test]
     fn errors_of_both_signs_count_and_what_chance_leaves_is_no_gap() {
-        let told = Summary::of(&errors(3.0, 1.0), &HoldoutConfig::default()).unwrap();
-        assert_eq!(told.share.before, 3.0);
-        assert_eq!(told.share.removed, Some(1.0));
-        assert_eq!((told.before.mean, told.measured), (0.0, 1000.0));
-        assert_eq!(told.before.quantiles, [-3.0, 0.0, 3.0]);
+        let summary = Summary::of(&errors(3.0, 1.0), &HoldoutConfig::default()).unwrap();
+        assert_eq!(summary.share.before, 3.0);
+        assert_eq!(summary.share.removed, Some(1.0));
+        assert_eq!((summary.before.mean, summary.measured), (0.0, 1000.0));
+        assert_eq!(summary.before.quantiles, [-3.0, 0.0, 3.0]);
         // Ten runs exceed their floor by a tenth in two cases of five.
         let chance = Summary::of(&errors(1.1, 1.0), &HoldoutConfig::default()).unwrap();
         assert_eq!(chance.share.removed, None);

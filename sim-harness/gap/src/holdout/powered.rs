@@ -1,23 +1,30 @@
 //! Powering at full power on hold-out runs: the limits of the model against what the train did.
 
+use crate::config::HoldoutConfig;
 use crate::holdout::forward::Compared;
-use crate::traction::pulls::{Pull, by_number};
-use rundown::model::effects::Effects;
-use rundown::model::train::Train;
+use crate::traction::powering::{SteadyPower, by_number};
+use rundown::model::{effects::Effects, train::Train};
 
 /// Full power: the change of speed that limit and driver's share foresee, against the one that was.
-pub fn powered(train: &Train, effects: &Effects, pulls: &[Pull], dt_s: f64) -> Vec<Compared> {
+pub fn powered(
+    train: &Train,
+    effects: &Effects,
+    powering: &[SteadyPower],
+    dt_s: f64,
+    config: &HoldoutConfig,
+) -> Vec<Compared> {
     let none = Effects::NONE;
-    let limit = |effects: &Effects, pull: &Pull| {
-        effects.limits(train, pull.location_m, pull.speed_mps).traction_n_per_kg(pull.speed_mps)
-            / train.max_effort_n_per_kg(pull.speed_mps)
+    let limit = |effects: &Effects, power: &SteadyPower| {
+        effects.limits(train, power.location_m, power.speed_mps).traction_n_per_kg(power.speed_mps)
+            / train.max_effort_n_per_kg(power.speed_mps)
     };
-    // What the driver asks for in this pull: what it shows where no limit of the effects holds it back. Held back all the way, it was some share between
+    // What the driver demands in this powering phase: what it shows where no limit of the effects holds it back. Held back throughout, it was some share between
     // what the train gives and everything.
-    let asked = |parts: &[&Pull]| {
+    let demand = |parts: &[&SteadyPower]| {
         let free = parts.iter().filter(|part| {
             let limit = limit(effects, part);
-            limit > 0.99 && limit < 1.01 || part.ratio < limit - 2.0 * part.sd
+            let described = 1.0 - config.free_share < limit && limit < 1.0 + config.free_share;
+            described || part.ratio < limit - config.free_sd * part.sd
         });
         let mut ratios: Vec<f64> = free.map(|part| part.ratio).collect();
         ratios.sort_by(f64::total_cmp);
@@ -31,25 +38,25 @@ pub fn powered(train: &Train, effects: &Effects, pulls: &[Pull], dt_s: f64) -> V
         }
     };
     let mut compared = Vec::new();
-    for parts in by_number(pulls) {
+    for parts in by_number(powering) {
         for by_power in [false, true] {
-            let parts: Vec<&Pull> = parts.iter().filter(|p| p.by_power == by_power).collect();
+            let parts: Vec<&SteadyPower> = parts.iter().filter(|p| p.by_power == by_power).collect();
             if parts.is_empty() {
                 continue;
             }
-            let asked = asked(&parts);
-            compared.extend(parts.into_iter().map(|pull| {
-                let most = train.max_effort_n_per_kg(pull.speed_mps);
-                let error = |effects: &Effects| (asked.min(limit(effects, pull)) - pull.ratio) * most * dt_s;
+            let demand = demand(&parts);
+            compared.extend(parts.into_iter().map(|power| {
+                let most = train.max_effort_n_per_kg(power.speed_mps);
+                let error = |effects: &Effects| (demand.min(limit(effects, power)) - power.ratio) * most * dt_s;
                 Compared {
-                    run: pull.run,
+                    run: power.run,
                     time_s: 0.0,
                     since_s: 0.0,
-                    location_m: pull.location_m,
-                    measured_mps: pull.speed_mps,
+                    location_m: power.location_m,
+                    measured_mps: power.speed_mps,
                     before_mps: error(&none),
                     after_mps: error(effects),
-                    floor: (pull.sd * most * dt_s).powi(2),
+                    floor: (power.sd * most * dt_s).powi(2),
                 }
             }));
         }

@@ -28,9 +28,9 @@ pub fn travelled(index: usize, run: &Run, readings: &Readings, config: &HoldoutC
         .filter_map(|s| Some(Read { time_s: s.time_s, location_m: s.location_m?, speed_mps: s.speed_mps? }))
         .collect();
     let none = Readings::default();
-    // Errors of the way between two samples, before and after, m.
+    // Errors of the distance between two samples, before and after, m.
     let errors = |from: usize, to: usize| {
-        let way = |r: &Readings| {
+        let distance = |r: &Readings| {
             let speed = |read: &Read| r.true_speed_mps(read.speed_mps);
             let by_speed: f64 = read[from..=to]
                 .windows(2)
@@ -39,7 +39,7 @@ pub fn travelled(index: usize, run: &Run, readings: &Readings, config: &HoldoutC
             by_speed - r.location_lag_s * (speed(&read[to]) - speed(&read[from]))
         };
         let by_location = sign * (read[to].location_m - read[from].location_m);
-        (way(&none) - by_location, way(readings) - by_location)
+        (distance(&none) - by_location, distance(readings) - by_location)
     };
     let cut = |length_s: f64| {
         let mut pieces = Vec::new();
@@ -79,8 +79,8 @@ pub fn travelled(index: usize, run: &Run, readings: &Readings, config: &HoldoutC
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::runs::Sample;
     use rundown::model::direction::Direction;
+    use rundown_files::sample::Sample;
 
     /// 20 m/s down the line by location, and these readings of the speed.
     fn run(read_mps: impl Fn(u32) -> f64) -> Run {

@@ -5,8 +5,7 @@ use crate::candidates::tunnel_drag::renamed;
 use crate::candidates::{self, mass_error, sensors, separates};
 use crate::named::{Named, around, not_chance};
 use crate::traction::limit::FoundLimit;
-use rundown::model::effects::EffectKind;
-use rundown::model::effects::{Effect, MassError};
+use rundown::model::effects::{Effect, EffectKind, MassError};
 
 /// All that was found, by name, the largest gain first.
 pub fn named(terms: &[Fitted], limit: Option<&FoundLimit>, naming: &Naming<'_>) -> Vec<Named> {
@@ -67,18 +66,18 @@ fn of_term(index: usize, fitted: &Fitted, naming: &Naming<'_>) -> Option<Named> 
     let other = renamed(fitted, naming);
     let fitted = other.as_ref().unwrap_or(fitted);
     let (effect, intervals) = fitted.term.of.effect(fitted, naming)?;
-    let kind = fitted.term.of.kind()?;
+    let kind = fitted.term.of.facts().kind?;
     let odds: f64 = fitted.rivals.iter().map(|(_, worse)| (-worse.max(0.0)).exp()).sum();
     let near: Vec<&Term> =
         fitted.rivals.iter().filter(|(_, worse)| *worse < certainty.near).map(|(term, _)| term).collect();
-    let mut rivals: Vec<EffectKind> = near.iter().filter_map(|term| term.of.kind()).collect();
+    let mut rivals: Vec<EffectKind> = near.iter().filter_map(|term| term.of.facts().kind).collect();
     rivals.retain(|other| *other != kind);
     rivals.dedup();
     rivals.truncate(2);
     let mut would_separate: Vec<&'static str> =
         rivals.iter().map(|other| separates(kind, *other, naming.have())).collect();
     if near.iter().any(|term| term.of.name() == sensors::EFFORT_GAIN.name()) {
-        would_separate.push("a calibrated gauge of the effort");
+        would_separate.push("a calibrated effort sensor");
     }
     would_separate.dedup();
     let mut named = Named::plain(effect, intervals, fitted.gain, certainty.most_gain);

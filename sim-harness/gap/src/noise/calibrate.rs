@@ -6,9 +6,7 @@
 use crate::candidate::Term;
 use crate::columns::{self, both_directions, hats, in_the_middle, knots};
 use crate::config::NoiseConfig;
-use crate::data::believed::Context;
-use crate::data::interval::Interval;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, interval::Interval, rows::Row};
 use crate::fit::Base;
 use crate::noise::whitening::{Noise, Whitening};
 use nalgebra::{DMatrix, DVector};
@@ -25,7 +23,6 @@ pub struct Own {
     pub mass: f64,
 }
 
-/// The noise of a data set.
 #[derive(Clone, Debug, Default)]
 pub struct Calibrated {
     /// Of rows.
@@ -37,7 +34,6 @@ pub struct Calibrated {
 }
 
 impl Calibrated {
-    /// The whitening of these rows.
     pub fn whitening(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
         let deviations = Deviations { noise: self.noise, own: self.own };
         whitening(&deviations, &self.spread, rows, &own_columns(context, rows))
@@ -49,7 +45,6 @@ pub fn own_columns(context: &Context<'_>, rows: &[Row]) -> [Vec<f64>; 3] {
     [vec![1.0; rows.len()], columns::wind(context, rows, 0.0), columns::mass(context, rows)]
 }
 
-/// All standard deviations.
 #[derive(Clone, Copy, Debug)]
 pub struct Deviations {
     /// Of rows.
@@ -173,7 +168,7 @@ pub fn calibrate(context: &Context<'_>, rows: &[Row], measured: bool, wind: bool
     let mut reached = f64::NEG_INFINITY;
     let sought = Sought::all(config, measured, wind);
     for round in 0..3 {
-        // The flexible model is taken out once a round, under the noise found so far; what is left, widened for what it took, is judged.
+        // The flexible model is taken out once a round, under the noise found so far; what is left, widened for what it took, is evaluated.
         let Some((residual, _)) = left_of(&y, &flexible, &whitening(&at, &spread, rows, &columns)) else {
             break;
         };
@@ -290,7 +285,7 @@ mod tests {
         let context = Context {
             believed: Believed::new(&train, &track),
             surroundings: &surroundings,
-            conditions: Conditions { temperature_c: 10.0, first_day: 0.0, period_days: 40.0 },
+            conditions: Conditions { temperature_c: 10.0, first_day: 0.0, period_days: 40.0, runs: 40 },
             config: &config,
         };
         let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -12,8 +12,8 @@
 use crate::candidate::Term;
 use crate::columns::braked;
 use crate::config::BetweenRunsConfig;
-use crate::data::believed::Context;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, rows::Row};
+use crate::fit::mixed_share;
 use crate::noise::calibrate::{Calibrated, Deviations, Own, left, own_columns, whitening};
 use core::ops::Range;
 use nalgebra::DVector;
@@ -47,15 +47,12 @@ impl RunDrag {
 struct Mixture {
     drag: f64,
     share: f64,
-    /// Of log-likelihood.
     gain: f64,
 }
 
-/// By expectation and maximisation.
 fn mixture(runs: &[RunDrag], mut drag: f64, config: &BetweenRunsConfig) -> Mixture {
-    let mut share: f64 = 0.2;
     let odds = |share: f64, gain: f64| share * gain.clamp(-500.0, 500.0).exp() / (1.0 - share);
-    for _ in 0..60 {
+    let share = mixed_share(runs.len(), 60, config.most_dragging, |share| {
         let (mut sum, mut score, mut information) = (0.0, 0.0, 0.0);
         for run in runs {
             let odds = odds(share, run.gain(drag));
@@ -64,9 +61,9 @@ fn mixture(runs: &[RunDrag], mut drag: f64, config: &BetweenRunsConfig) -> Mixtu
             score += drags * run.score;
             information += drags * run.information;
         }
-        share = (sum / runs.len() as f64).clamp(0.5 / runs.len() as f64, config.most_dragging);
         drag = (score / information.max(1e-12)).clamp(config.least_drag_n_per_kg, config.most_drag_n_per_kg);
-    }
+        sum
+    });
     let of_run = |run: &RunDrag| (1.0 - share).ln() + odds(share, run.gain(drag)).ln_1p();
     Mixture { drag, share, gain: runs.iter().map(of_run).sum() }
 }

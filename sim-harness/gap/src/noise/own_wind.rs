@@ -4,8 +4,7 @@
 //! e = residual - effects = r2 (2 v w + w²)        w: headwind of the run, prior 0 with the spread between runs
 //! ```
 
-use crate::data::believed::Believed;
-use crate::data::rows::Row;
+use crate::data::{believed::Believed, rows::Row};
 use crate::noise::whitening::Noise;
 use rundown::model::effects::Effects;
 

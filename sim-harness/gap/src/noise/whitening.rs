@@ -14,7 +14,6 @@ use crate::data::interval::Interval;
 use core::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
-/// Standard deviations of the noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
     /// Of a reading of the speed, q, m/s.
@@ -89,7 +88,6 @@ impl Whitening {
         self
     }
 
-    /// The rows of each run.
     pub fn runs(&self) -> &[Range<usize>] {
         &self.runs
     }

@@ -146,14 +146,14 @@ fn over_runs(runs: &[&OfRun], free: &[usize], config: &KinematicsConfig) -> Opti
     Some((value, sd, outside))
 }
 
-/// One run's measured over true speed with its standard deviation. An offset is left out: it is the recorder's, and no single run can tell it from the wheel.
+/// One run's measured over true speed with its standard deviation. An offset is left out: it is the recorder's, and in a single run it is confounded with the wheel.
 pub fn scale_of_run(run: &Run, config: &KinematicsConfig) -> Option<(f64, f64)> {
     let of_run = of_run(run, config)?;
     let (beta, sd, _) = over_runs(&[&of_run], &[0, 2], config)?;
     Some((1.0 / (1.0 + beta[0]), sd[0]))
 }
 
-/// What a change of the acceleration adds to the way from reading `i` - 1 to reading `i`, m: -dt² Δa/12 (Hermite). Ten seconds beside the end of a strong acceleration are a metre, always
+/// What a change of the acceleration adds to the distance from reading `i` - 1 to reading `i`, m: -dt² Δa/12 (Hermite). Ten seconds beside the end of a strong acceleration are a metre, always
 /// of the same sign.
 fn bent(read: &[(f64, f64, f64)], i: usize, longest_s: f64) -> f64 {
     let (Some(before), Some(after)) = (i.checked_sub(2).map(|j| read[j]), read.get(i + 1)) else {
@@ -168,16 +168,39 @@ fn bent(read: &[(f64, f64, f64)], i: usize, longest_s: f64) -> f64 {
     -(to.0 - from.0).powi(2) / 12.0 * (slope(from, *after) - slope(before, to))
 }
 
-fn of_run(run: &Run, config: &KinematicsConfig) -> Option<OfRun> {
+/// Differences of location and speed over pairs of readings, with their covariance, row by row: that of neighbours is the location that they share.
+#[derive(Default)]
+struct Pairs {
+    /// Distance by location less that by speed.
+    y: Vec<f64>,
+    /// Of scale, offset and lag.
+    columns: [Vec<f64>; 3],
+    diagonal: Vec<f64>,
+    below: Vec<f64>,
+}
+
+impl Pairs {
+    fn whiten(&self, column: &[f64]) -> DVector<f64> {
+        let mut white: Vec<f64> = Vec::with_capacity(column.len());
+        for (i, value) in column.iter().enumerate() {
+            let before = if i == 0 { 0.0 } else { white[i - 1] };
+            white.push((value - self.below[i] * before) / self.diagonal[i]);
+        }
+        DVector::from_vec(white)
+    }
+}
+
+fn pairs(run: &Run, config: &KinematicsConfig) -> Pairs {
     let sign = run.direction.sign();
     let longest_s = 3.0 * usual_step_s(run).max(5.0);
-    // Fast logs: pairs about 10 s apart, or the way between two samples drowns in the noise of the location.
+    // Fast logs: pairs about 10 s apart, or the distance between two samples drowns in the noise of the location.
     let read: Vec<(f64, f64, f64)> =
         run.samples.iter().filter_map(|s| Some((s.time_s, s.location_m?, s.speed_mps?))).collect();
-    let mut way = vec![0.0; read.len()];
+    let mut distance_m = vec![0.0; read.len()];
     for i in 1..read.len() {
-        way[i] =
-            way[i - 1] + 0.5 * (read[i].0 - read[i - 1].0) * (read[i].2 + read[i - 1].2) + bent(&read, i, longest_s);
+        distance_m[i] = distance_m[i - 1]
+            + 0.5 * (read[i].0 - read[i - 1].0) * (read[i].2 + read[i - 1].2)
+            + bent(&read, i, longest_s);
     }
     let mut picked: Vec<usize> = Vec::new();
     for (i, r) in read.iter().enumerate() {
@@ -185,9 +208,8 @@ fn of_run(run: &Run, config: &KinematicsConfig) -> Option<OfRun> {
             picked.push(i);
         }
     }
-    let (mut y, mut scale, mut offset, mut lag) = (vec![], vec![], vec![], vec![]);
+    let mut pairs = Pairs::default();
     let KinematicsConfig { location_sd_m, distance_sd_m, .. } = *config;
-    let (mut diagonal, mut below) = (vec![], vec![]);
     let mut last_end = None;
     for pair in picked.windows(2) {
         let (a, b) = (read[pair[0]], read[pair[1]]);
@@ -197,34 +219,29 @@ fn of_run(run: &Run, config: &KinematicsConfig) -> Option<OfRun> {
             last_end = None;
             continue;
         }
-        let by_speed = way[pair[1]] - way[pair[0]];
-        y.push(sign * (b.1 - a.1) - by_speed);
-        scale.push(by_speed);
-        offset.push(dt);
-        lag.push(-(b.2 - a.2));
+        let by_speed = distance_m[pair[1]] - distance_m[pair[0]];
+        pairs.y.push(sign * (b.1 - a.1) - by_speed);
+        pairs.columns.iter_mut().zip([by_speed, dt, -(b.2 - a.2)]).for_each(|(column, value)| column.push(value));
         let variance = 2.0 * location_sd_m * location_sd_m + distance_sd_m * distance_sd_m * dt;
         let shared = last_end == Some(pair[0]);
         let off: f64 =
-            if shared { -location_sd_m * location_sd_m / diagonal.last().copied().unwrap_or(1.0) } else { 0.0 };
-        diagonal.push((variance - off * off).sqrt());
-        below.push(off);
+            if shared { -location_sd_m * location_sd_m / pairs.diagonal.last().copied().unwrap_or(1.0) } else { 0.0 };
+        pairs.diagonal.push((variance - off * off).sqrt());
+        pairs.below.push(off);
         last_end = Some(pair[1]);
     }
-    if y.len() < config.least_pairs {
+    pairs
+}
+
+fn of_run(run: &Run, config: &KinematicsConfig) -> Option<OfRun> {
+    let pairs = pairs(run, config);
+    if pairs.y.len() < config.least_pairs {
         return None;
     }
-    let whiten = |column: &[f64]| {
-        let mut white: Vec<f64> = Vec::with_capacity(column.len());
-        for (i, value) in column.iter().enumerate() {
-            let before = if i == 0 { 0.0 } else { white[i - 1] };
-            white.push((value - below[i] * before) / diagonal[i]);
-        }
-        DVector::from_vec(white)
-    };
-    let columns = [whiten(&scale), whiten(&offset), whiten(&lag)];
-    // Outliers of the location: winsorised at four deviations around a first fit.
-    let mut white_y = whiten(&y);
-    let all = 0..y.len();
+    let columns = pairs.columns.each_ref().map(|column| pairs.whiten(column));
+    // Outliers of the location: winsorised around a first fit.
+    let mut white_y = pairs.whiten(&pairs.y);
+    let all = 0..white_y.len();
     let base = Base::new(&white_y, &columns, core::slice::from_ref(&all))?;
     for (value, left) in white_y.iter_mut().zip(base.residual.iter()) {
         *value -= left - left.clamp(-config.outlier, config.outlier);

@@ -1,20 +1,20 @@
 //! The wheel of a single train: a run whose odometer differs from those of the others.
 //!
-//! | compared | what it tells |
+//! | compared | what it shows |
 //! |---|---|
 //! | speed against location, run by run | a wrong wheel diameter beside locations of a satellite receiver |
-//! | ways between stops against those of the other runs | a wrong wheel diameter whose odometer gave the locations, too |
+//! | distances between stops against those of the other runs | a wrong wheel diameter whose odometer gave the locations, too |
 //!
-//! Where platforms are described, the second also judges all runs together. What all runs have alike in the first is found by [`kinematics`](super::kinematics).
+//! Where platforms are described, the second also checks all runs together. What all runs have alike in the first is found by [`kinematics`](super::kinematics).
 
 use crate::config::{GapConfig, WheelConfig};
-use crate::data::believed::Surroundings;
-use crate::data::runs::{Run, Sample};
+use crate::data::{believed::Surroundings, runs::Run};
 use crate::fit::median;
 use crate::named::{Named, around};
 use crate::readings::kinematics::scale_of_run;
 use rundown::model::direction::Direction;
 use rundown::model::effects::{Effect, SpeedScale};
+use rundown_files::sample::Sample;
 
 /// A wheel that is not as believed.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,13 +22,11 @@ pub struct Wheel {
     /// Indices of the runs; none: all.
     pub runs: Vec<usize>,
     pub measured_over_true: f64,
-    /// Its standard deviation.
     pub sd: f64,
     /// The odometer gave the locations, too.
     pub locations: bool,
 }
 
-/// One run's scale.
 #[derive(Clone, Copy, Debug)]
 struct Scale {
     run: usize,
@@ -100,7 +98,7 @@ fn common(scales: &[Scale], config: &WheelConfig) -> Option<Wheel> {
     })
 }
 
-/// Each run's way between its stops over that between the places where trains stop: the described platforms, or where the other runs stand.
+/// Each run's distance between its stops over that between the places where trains stop: the described platforms, or where the other runs stand.
 fn scales_by_stops(runs: &[Run], described: &[f64], config: &WheelConfig) -> Vec<Scale> {
     let stops: Vec<Vec<f64>> = runs.iter().map(|run| stops(run, config.standing_mps)).collect();
     let places = |direction: Direction| -> Vec<f64> {
@@ -149,38 +147,38 @@ fn visited(mut all: Vec<(f64, usize)>, config: &WheelConfig) -> Vec<f64> {
         .collect()
 }
 
-/// Scale of the ways from the first stop at a known place to the later ones, with its standard deviation.
+/// Scale of the distances from the first stop at a known place to the later ones, with its standard deviation.
 fn scale_by_stops(stops: &[f64], places: &[f64], config: &WheelConfig) -> Option<(f64, f64)> {
     let (first, begin, from) = stops.iter().enumerate().find_map(|(i, at)| {
         let near = |place: &&f64| (*place - at).abs() < 2.0 * config.stop_m;
         places.iter().find(near).map(|place| (i, *at, *place))
     })?;
-    let ways: Vec<f64> = stops[first + 1..].iter().map(|at| at - begin).collect();
+    let distances: Vec<f64> = stops[first + 1..].iter().map(|at| at - begin).collect();
     // Every place that a stop may be, each with its scale.
-    let likely = |way: f64| {
+    let likely = |distance: f64| {
         let long = move |place: &&f64| (**place - from).abs() > config.least_distance_m;
-        let scale = move |place: &f64| (way / (place - from), place - from);
+        let scale = move |place: &f64| (distance / (place - from), place - from);
         let near = |(scale, _): &(f64, f64)| (scale - 1.0).abs() < config.most;
         places.iter().filter(long).map(scale).filter(near)
     };
-    let off = |scale: f64, (other, way): (f64, f64)| ((other - scale) * way).abs();
+    let off = |scale: f64, (other, distance): (f64, f64)| ((other - scale) * distance).abs();
     // The scale that most stops agree on; of those the nearest to the others' runs.
     let agreeing = |scale: f64| -> Vec<(f64, f64)> {
-        let best = |way: &f64| {
-            let places = likely(*way);
+        let best = |distance: &f64| {
+            let places = likely(*distance);
             places.min_by(|a, b| off(scale, *a).total_cmp(&off(scale, *b)))
         };
         let near = |one: &(f64, f64)| off(scale, *one) < config.stop_m;
-        ways.iter().filter_map(best).filter(near).collect()
+        distances.iter().filter_map(best).filter(near).collect()
     };
-    let tried = ways.iter().flat_map(|way| likely(*way)).map(|(s, _)| s);
+    let tried = distances.iter().flat_map(|distance| likely(*distance)).map(|(s, _)| s);
     let better = |a: &f64, b: &f64| {
         let votes = agreeing(*a).len().cmp(&agreeing(*b).len());
         votes.then((b - 1.0).abs().total_cmp(&(a - 1.0).abs()))
     };
     let kept = agreeing(tried.max_by(better)?);
-    let squares: f64 = kept.iter().map(|(_, way)| way * way).sum();
-    let value = kept.iter().map(|(s, way)| s * way * way).sum::<f64>() / squares;
+    let squares: f64 = kept.iter().map(|(_, distance)| distance * distance).sum();
+    let value = kept.iter().map(|(s, distance)| s * distance * distance).sum::<f64>() / squares;
     Some((value, config.stop_sd_m / squares.sqrt()))
 }
 
@@ -230,18 +228,18 @@ mod tests {
             let mut time_s = 0.0;
             for pair in PLACES_M.windows(2) {
                 let off_m = 5.0 * ((i * 7 + samples.len()) as f64).sin();
-                let way_m = pair[1] - pair[0];
-                // Constant rise and fall of the speed: the mean of the readings is that of the way.
+                let distance_m = pair[1] - pair[0];
+                // Constant rise and fall of the speed: the mean of the readings is that of the distance.
                 let steps = 40;
                 for k in 0..=steps {
                     let t = f64::from(k) / f64::from(steps);
-                    let at_m =
-                        pair[0] + way_m * (t - (2.0 * std::f64::consts::TAU * t).sin() / (2.0 * std::f64::consts::TAU));
-                    let speed_mps = way_m / 400.0 * (1.0 - (2.0 * std::f64::consts::TAU * t).cos());
-                    let told_m = if odometer { at_m * scale } else { at_m };
+                    let at_m = pair[0]
+                        + distance_m * (t - (2.0 * std::f64::consts::TAU * t).sin() / (2.0 * std::f64::consts::TAU));
+                    let speed_mps = distance_m / 400.0 * (1.0 - (2.0 * std::f64::consts::TAU * t).cos());
+                    let shown_m = if odometer { at_m * scale } else { at_m };
                     samples.push(Sample {
                         time_s,
-                        location_m: Some(told_m + off_m * t),
+                        location_m: Some(shown_m + off_m * t),
                         speed_mps: Some(speed_mps * scale),
                         ..Sample::default()
                     });

@@ -1,23 +1,21 @@
-//! Do all rows tell the same of a term, and do those tell it that nothing else could?
+//! Do all rows agree on a term, and do those show it that nothing else could explain?
 //!
 //! An effect of the train or the line acts in all parts of the data. A part in which a term, with its coefficients from all rows, makes the fit worse by more than chance would, contradicts
-//! it. And what acts by place must be told by rows that drivers cannot forge:
+//! it. And what acts by place must be shown by rows that drivers cannot forge:
 //!
 //! | weak evidence | because |
 //! |---|---|
 //! | braking, effort measured | drivers brake at the same places in each run, and what readings of the effort miss between them is the same in each run, too |
 //! | holding a speed, for the length | a driver or a regulator answers each change of the gradient some seconds late, and so looks like a train of another length |
-//! | a load that is nearer to none than believed, effort not measured | a train that is pulled lightly uphill, or braked lightly downhill, looks like one that coasts |
+//! | a load that is nearer to none than believed, effort not measured | a train that is powered lightly uphill, or braked lightly downhill, looks like one that coasts |
 
 use crate::candidate::{Shape, Term};
 use crate::config::SearchConfig;
-use crate::data::believed::load_at;
-use crate::data::rows::Row;
+use crate::data::{believed::load_at, rows::Row};
 use crate::fit::Base;
 use crate::search::fits::Search;
 use nalgebra::DVector;
-use rundown::model::direction::Direction;
-use rundown::model::line::Line;
+use rundown::model::{direction::Direction, line::Line};
 
 /// One of two parts of the rows; the other is the rest.
 type Part = fn(&Row, &SearchConfig) -> bool;
@@ -41,7 +39,7 @@ fn splits(term: &Term) -> &'static [Part] {
 }
 
 impl Search<'_> {
-    /// No part of the rows contradicts a term with these coefficients, and what acts by place is told by more than weak evidencees.
+    /// No part of the rows contradicts a term with these coefficients, and what acts by place is shown by more than weak evidence.
     pub fn agrees(&self, base: &Base, term: &Term, beta: &[f64]) -> bool {
         let config = &self.context.config.search;
         let splits = splits(term);
@@ -65,7 +63,7 @@ impl Search<'_> {
             return true;
         }
         let extra = term.extra(beta, self.context, self.rows);
-        // Whitened rows also tell a little of their neighbours and of the whole run: those count in which the term acts.
+        // Whitened rows also hold a little of their neighbours and of the whole run: those count in which the term acts.
         let most = extra.iter().fold(0.0, |most, e| f64::max(most, e.abs()));
         let strong = |i: usize| {
             let row = &self.rows[i];
@@ -76,7 +74,7 @@ impl Search<'_> {
     }
 }
 
-/// A driver could have forged what this row tells. `extra`: the resistance that the term adds in it, N/kg.
+/// A driver could have forged what this row shows. `extra`: the resistance that the term adds in it, N/kg.
 fn is_weak(term: &Term, row: &Row, extra: f64, line: &Line<'_>, config: &SearchConfig) -> bool {
     let Some(effort) = row.interval.effort_n_per_kg else {
         let mut loads = row.interval.path.iter().map(|p| load_at(line, p));
@@ -89,7 +87,8 @@ fn is_weak(term: &Term, row: &Row, extra: f64, line: &Line<'_>, config: &SearchC
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::candidates::{train_length_error, tunnel_drag, unknown};
+    use crate::candidates;
+    use rundown::model::effects::EffectKind;
     use rundown::model::track::{Gradient, Track};
     use rundown::model::train::{Train, TrainDescription};
 
@@ -102,7 +101,7 @@ mod tests {
     #[test]
     fn without_an_effort_a_load_that_seems_nearer_to_none_may_be_a_held_speed() {
         let (train, track) = (Train::try_new(TrainDescription::CASE_STUDY).unwrap(), track());
-        let bump = Term { of: unknown::CANDIDATE, shape: Shape::Section([0.0, 9_000.0]) };
+        let bump = Term { of: candidates::of(EffectKind::Unknown), shape: Shape::Section([0.0, 9_000.0]) };
         let weak = |direction, location_m, extra| {
             let line = Line { train: &train, track: &track, direction };
             let row = Row::coasting(direction, location_m, 30.0);
@@ -125,8 +124,8 @@ mod tests {
             row.interval.speed_mps[1] += gained_mps;
             is_weak(term, &row, 0.02, &line, &SearchConfig::default())
         };
-        let tunnel = Term { of: tunnel_drag::CANDIDATE, shape: Shape::Section([0.0, 9_000.0]) };
-        let length = Term { of: train_length_error::CANDIDATE, shape: Shape::Number(200.0) };
+        let tunnel = Term { of: candidates::of(EffectKind::TunnelDrag), shape: Shape::Section([0.0, 9_000.0]) };
+        let length = Term { of: candidates::of(EffectKind::TrainLengthError), shape: Shape::Number(200.0) };
         assert!(weak(&tunnel, -0.3, -3.0) && weak(&length, -0.3, -3.0));
         assert!(!weak(&tunnel, 0.05, 0.0) && weak(&length, 0.05, 0.0));
         assert!(!weak(&length, 0.2, 1.5) && !weak(&length, 0.0, 0.0));

@@ -2,23 +2,16 @@
 
 use crate::candidate::{Family, Offer, Shape, Term};
 use crate::candidates::{self, sensors};
-use crate::data::believed::Context;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, rows::Row};
 use crate::fit::{Base, Gain};
-use crate::noise::calibrate::Calibrated;
-use crate::noise::whitening::Whitening;
+use crate::noise::{calibrate::Calibrated, whitening::Whitening};
 use crate::search::scan::Scan;
 use nalgebra::DVector;
-use std::cell::RefCell;
-use std::collections::HashMap;
-use std::rc::Rc;
+use std::{cell::RefCell, collections::HashMap, rc::Rc};
 
-/// All that a search needs.
 pub struct Search<'a> {
-    /// By what rows are judged.
     pub context: &'a Context<'a>,
     pub rows: &'a [Row],
-    /// Their whitening.
     pub whitening: Whitening,
     y: DVector<f64>,
     /// Whitened columns of what sensors do; part of every fit.
@@ -50,7 +43,6 @@ impl<'a> Search<'a> {
         Self { context, rows, whitening, y, sensors, families, scans, known: RefCell::default() }
     }
 
-    /// The whitened columns of a term.
     pub fn white(&self, term: &Term) -> Rc<Vec<DVector<f64>>> {
         let key = format!("{term:?}");
         if let Some(known) = self.known.borrow().get(&key) {
@@ -93,13 +85,8 @@ impl<'a> Search<'a> {
             return f64::NEG_INFINITY;
         };
         let enough = self.context.config.search.enough;
-        let penalties: f64 = model.iter().map(|term| self.penalty(term) + enough).sum();
+        let penalties: f64 = model.iter().map(|term| term.penalty(self.context, self.rows) + enough).sum();
         0.5 * self.y.norm_squared() - base.half_sum() - penalties
-    }
-
-    /// Penalty of a term's freedom.
-    pub fn penalty(&self, term: &Term) -> f64 {
-        term.penalty(self.context, self.rows)
     }
 }
 

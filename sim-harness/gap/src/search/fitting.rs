@@ -2,9 +2,7 @@
 
 use crate::candidate::{Fitted, Term};
 use crate::fit::HALF_95;
-use crate::search::fits::Search;
-use crate::search::selection::Found;
-use crate::search::shape;
+use crate::search::{fits::Search, selection::Found, shape};
 
 /// Each term of the model with its coefficients, what it brings beside the others, and who would do as well.
 pub fn fitted(search: &Search<'_>, model: &[Term]) -> Vec<Fitted> {

@@ -8,7 +8,7 @@ impl Search<'_> {
     /// Its sign is sure, whatever differs in all rows alike.
     pub fn is_sure(&self, term: &Term, gain: &Gain) -> bool {
         // The other coefficient of a temperature is a constant.
-        let one = gain.beta.len() == 1 || term.of.nature().constant_beside;
+        let one = gain.beta.len() == 1 || term.of.facts().nature.constant_beside;
         let (beta, systematic) = (gain.beta.iter().next(), self.in_all_rows(term));
         let (true, Some(beta), Some(systematic)) = (one, beta, systematic.first()) else {
             return true;

@@ -3,6 +3,7 @@
 pub mod agreement;
 pub mod fits;
 pub mod fitting;
+pub mod headwind;
 pub mod limits;
 pub mod scan;
 pub mod selection;

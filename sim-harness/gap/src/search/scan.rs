@@ -5,8 +5,7 @@
 
 use crate::candidate::{Shape, Term};
 use crate::config::SearchConfig;
-use crate::data::believed::Context;
-use crate::data::rows::Row;
+use crate::data::{believed::Context, rows::Row};
 use crate::fit::{ANYWHERE, Base, Climb};
 use crate::noise::whitening::Whitening;
 use nalgebra::{DMatrix, DVector};
@@ -19,7 +18,6 @@ const LEAST_GAIN: f64 = 1e-6;
 /// Cumulative columns of one kind, whitened.
 #[derive(Clone, Debug)]
 pub struct Scan {
-    /// The term of any section.
     pub term: Term,
     config: SearchConfig,
     edges_m: Vec<f64>,

@@ -6,8 +6,7 @@
 use crate::candidate::{Family, Shape, Size, Term};
 use crate::fit::{Base, Gain, choices};
 use crate::noise::dragging::RunDrag;
-use crate::search::fits::Search;
-use crate::search::shape;
+use crate::search::{fits::Search, shape};
 
 /// A term with what was found of it.
 #[derive(Clone, Debug)]
@@ -78,7 +77,7 @@ impl Search<'_> {
         if !self.is_plausible(&term, gain.beta.as_slice()) {
             return None;
         }
-        let penalty = self.penalty(&term);
+        let penalty = term.penalty(self.context, self.rows);
         let (value, sure) = (gain.naive_gain - penalty, gain.gain - penalty);
         // A gain that rests on a few runs is worth what it is worth run by run.
         let few = matches!(term.shape, Shape::Runs(_));
@@ -104,7 +103,7 @@ impl Search<'_> {
                 extra.abs() > config.most_share * believed + config.most_beyond_n_per_kg
             })
         };
-        let may_be_large = term.section().is_some() || term.of.nature().may_be_large;
+        let may_be_large = term.section().is_some() || term.of.facts().nature.may_be_large;
         let size = Size { term, beta, context: self.context, rows: self.rows };
         (may_be_large || !absurd()) && term.of.is_plausible(&size)
     }
@@ -113,7 +112,7 @@ impl Search<'_> {
     fn best_whole(&self, terms: &[Term], base: &Base) -> Option<Found> {
         let found = |term: Term| {
             let gain = self.gain(base, &term)?;
-            let value = gain.gain - self.penalty(&term);
+            let value = gain.gain - term.penalty(self.context, self.rows);
             if value > self.enough() && !self.agrees(base, &term, &[1.0]) {
                 return None;
             }
@@ -161,7 +160,6 @@ impl Search<'_> {
         best.map(|(_, runs)| term.with(Shape::Runs(runs)))
     }
 
-    /// The model.
     pub fn select(&self) -> Vec<Term> {
         let first = self.candidates(&[]);
         let mut best: (f64, Vec<Term>) = (0.0, Vec::new());
@@ -193,7 +191,7 @@ impl Search<'_> {
             };
             let brought = at_first - now;
             let next = self.candidates(model).into_iter().find(|found| {
-                // What differs from run to run is no shadow of what acts along the line, and the other way round.
+                // What differs from run to run is no shadow of what acts along the line, nor the reverse.
                 let alike = |term: &Term| term.between_runs() == found.term.between_runs();
                 let shadow = if model.iter().any(alike) { config.shadow * brought } else { 0.0 };
                 found.value > self.enough().max(shadow)

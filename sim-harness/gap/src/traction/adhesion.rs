@@ -1,34 +1,30 @@
 //! Traction effort capped at low speed on some days.
 
 use crate::config::{PenaltyConfig, TractionConfig};
-use crate::fit::{ANYWHERE, Climb, LOSS_AT_LIMIT};
-use crate::traction::limit::FoundLimit;
-use crate::traction::pulls::Pull;
-use crate::traction::shares::Shares;
+use crate::fit::{ANYWHERE, Climb, LOSS_AT_LIMIT, mixed_share};
+use crate::traction::{limit::FoundLimit, powering::SteadyPower, shares::Shares};
 use rundown::model::effects::{Effect, LowAdhesion};
 
 /// Share of the runs on slippery days, by expectation and maximisation, and the log-likelihood of all runs.
 fn mixture(gains: &[f64], most_slippery: f64) -> (f64, f64) {
-    let mut share: f64 = 0.2;
-    for _ in 0..30 {
+    let share = mixed_share(gains.len(), 30, most_slippery, |share| {
         let slippery = |g: &f64| {
             let odds = share * g.clamp(-50.0, 50.0).exp();
             odds / (odds + 1.0 - share)
         };
-        let sum: f64 = gains.iter().map(slippery).sum();
-        share = (sum / gains.len() as f64).clamp(0.5 / gains.len() as f64, most_slippery);
-    }
+        gains.iter().map(slippery).sum()
+    });
     let total = gains.iter().map(|g| (share * g.clamp(-50.0, 700.0).exp() + 1.0 - share).ln()).sum();
     (share, total)
 }
 
 /// A limit of the effort in the runs in which the powering phases at low speed show it.
 pub fn adhesion(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyConfig) -> Option<FoundLimit> {
-    let limit = |pull: &Pull, factor: f64, below_kmh: f64| {
-        if 3.6 * pull.speed_mps < below_kmh { factor * pull.effort_over_limit } else { 1.0 }
+    let limit = |power: &SteadyPower, factor: f64, below_kmh: f64| {
+        if 3.6 * power.speed_mps < below_kmh { factor * power.effort_over_limit } else { 1.0 }
     };
     let gains = |factor: f64, below_kmh: f64| -> Vec<f64> {
-        let gain = |run: &Shares<'_>| run.gain(|pull| limit(pull, factor, below_kmh));
+        let gain = |run: &Shares<'_>| run.gain(|power| limit(power, factor, below_kmh));
         runs.iter().map(gain).collect()
     };
     let total_of = |factor: f64, below_kmh: f64| mixture(&gains(factor, below_kmh), config.most_slippery).1;
@@ -57,7 +53,7 @@ pub fn adhesion(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyC
     // A run without powering at low speed says nothing, whatever the share of the others.
     let slips = |g: f64| g > config.slippery_gain && share * g.clamp(-50.0, 50.0).exp() > 1.0 - share;
     let slippery = runs.iter().zip(&of_runs).filter(|(_, g)| slips(**g));
-    let slippery: Vec<usize> = slippery.filter_map(|(run, _)| run.pulls.first().map(|p| p.run)).collect();
+    let slippery: Vec<usize> = slippery.filter_map(|(run, _)| run.powering.first().map(|p| p.run)).collect();
     if slippery.is_empty() || slippery.len() as f64 > config.most_slippery * runs.len() as f64 {
         return None;
     }
@@ -74,7 +70,7 @@ pub fn adhesion(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyC
     Some(FoundLimit {
         effect: Effect::LowAdhesion(LowAdhesion { factor, below_kmh: below }),
         factor,
-        factor_sd: (0.25 * (up - down)).max(0.005),
+        factor_sd: (0.25 * (up - down)).max(config.least_factor_sd),
         runs: slippery,
         gain: total,
         value: total - 2.0 * penalty.coefficient - penalty.shape - penalty.bad_days,

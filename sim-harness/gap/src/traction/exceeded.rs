@@ -1,20 +1,20 @@
 //! Did trains give more than a limit allows?
 //!
-//! Drivers who creep up to the same speed on the same slope all ask for the same power there, and that looks like a limit. A limit is refuted by runs that exceed it, however briefly:
+//! Drivers who creep up to the same speed on the same slope all demand the same power there, and that looks like a limit. A limit is refuted by runs that exceed it, however briefly:
 //! here every reading of the effort counts, not only steady power; of a calculated one, what it is at least. Where runs exceed it near its ends alone, it is shorter.
 
 use crate::config::TractionConfig;
 use crate::data::interval::{Interval, POINTS};
-use crate::data::runs::{EffortReading, Readings, Run, Sample};
+use crate::data::runs::{EffortReading, Readings, Run};
 use crate::traction::limit::FoundLimit;
-use rundown::model::effects::Effect;
-use rundown::model::train::Train;
+use rundown::model::{effects::Effect, train::Train};
+use rundown_files::sample::Sample;
 use std::cmp::Ordering;
 
 /// A reading of the effort where the power limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading {
-    /// Where it was read, from and to, m: a mean belongs to all of the way since the reading before.
+    /// Where it was read, from and to, m: a mean belongs to all of the distance since the reading before.
     span_m: [f64; 2],
     /// Effort over believed limit.
     ratio: f64,
@@ -90,7 +90,7 @@ pub fn allowed(mut found: FoundLimit, traction: &[Vec<Reading>], config: &Tracti
     Some(found)
 }
 
-/// How far into a part of the line enough runs give more than `factor`. `inwards`: in which order locations lie on the way to the middle.
+/// How far into a part of the line enough runs give more than `factor`. `inwards`: in which order locations lie towards the middle.
 fn exceeded(
     traction: &[Vec<Reading>],
     part: core::ops::Range<f64>,
@@ -100,11 +100,11 @@ fn exceeded(
 ) -> Option<f64> {
     let within = |r: &&Reading| r.span_m.iter().all(|at| part.contains(at));
     let inside = |run: &&Vec<Reading>| run.iter().any(|r| within(&r));
-    let pulling = traction.iter().filter(inside).count();
-    let few = config.few_runs.max((config.few_share * pulling as f64).ceil() as usize);
+    let powering = traction.iter().filter(inside).count();
+    let few = config.few_runs.max((config.few_share * powering as f64).ceil() as usize);
     let innermost = |run: &Vec<Reading>| {
         let above = run.iter().filter(|r| r.ratio > config.above * factor);
-        // Somewhere along its way: no further in than the end that is nearer to the edge.
+        // Somewhere along its path: no further in than the end that is nearer to the edge.
         let outer = |r: &Reading| {
             let [a, b] = r.span_m;
             if inwards(&a, &b).is_lt() { a } else { b }
@@ -120,9 +120,8 @@ fn exceeded(
 mod tests {
     use super::*;
     use crate::data::rows::Row;
-    use rundown::model::direction::Direction;
-    use rundown::model::effects::PowerLimitSection;
     use rundown::model::train::{Train, TrainDescription};
+    use rundown::model::{direction::Direction, effects::PowerLimitSection};
 
     /// Twenty runs that read the effort every 100 m; so many give 0.6 at these places, and otherwise 0.3.
     fn runs(above: usize, at_m: &[f64]) -> Vec<Vec<Reading>> {

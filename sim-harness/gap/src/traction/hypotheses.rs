@@ -4,20 +4,20 @@ use crate::config::{PenaltyConfig, TractionConfig};
 use crate::traction::adhesion::adhesion;
 use crate::traction::exceeded::{Reading, allowed};
 use crate::traction::limit::FoundLimit;
-use crate::traction::pulls::Pull;
+use crate::traction::powering::SteadyPower;
 use crate::traction::scale::scale;
 use crate::traction::section::section;
 use crate::traction::shares::Shares;
 
-/// All limits that are better than the believed one, best first. `pulls` and `traction` by run.
+/// All limits that are better than the believed one, best first. `powering` and `traction` by run.
 pub fn limits(
-    pulls: &[Vec<Pull>],
+    powering: &[Vec<SteadyPower>],
     traction: &[Vec<Reading>],
     config: &TractionConfig,
     penalty: &PenaltyConfig,
 ) -> Vec<FoundLimit> {
     let runs: Vec<Shares<'_>> =
-        pulls.iter().filter(|pulls| pulls.len() >= 2).map(|pulls| Shares::new(pulls, config)).collect();
+        powering.iter().filter(|powering| powering.len() >= 2).map(|powering| Shares::new(powering, config)).collect();
     if runs.len() < config.least_runs {
         return Vec::new();
     }

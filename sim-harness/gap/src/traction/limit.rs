@@ -4,13 +4,11 @@ use crate::config::CertaintyConfig;
 use crate::named::{Named, around};
 use rundown::model::effects::Effect;
 
-/// A limit with what was found of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundLimit {
     /// As the board runs it, where the data have it.
     pub effect: Effect,
     pub factor: f64,
-    /// Standard deviation of the factor.
     pub factor_sd: f64,
     /// Indices of the runs in which it acts; none: all.
     pub runs: Vec<usize>,

@@ -1,10 +1,10 @@
 //! Limits of the traction: does the train give what its description says, everywhere and every day?
 //!
-//! In: intervals of steady power while the train gains speed, and ρ = effort over believed limit. A driver asks for a share a of the nominal effort and another of the
-//! nominal power, the same all through a run or another in each pull; the train gives the smaller of that share and its true limit F:
+//! In: intervals of steady power while the train gains speed, and ρ = effort over believed limit. A driver demands a share a of the nominal effort and another of the
+//! nominal power, the same all through a run or another in each powering phase; the train gives the smaller of that share and its true limit F:
 //!
 //! ```text
-//! ρ_i = min(a, F(location, speed)) + noise        a unknown in each run, or in each pull, for effort and for power, even prior
+//! ρ_i = min(a, F(location, speed)) + noise        a unknown in each run, or in each powering phase, for effort and for power, even prior
 //! ```
 //!
 //! | hypothesis | F |
@@ -21,7 +21,7 @@ pub mod edges;
 pub mod exceeded;
 pub mod hypotheses;
 pub mod limit;
-pub mod pulls;
+pub mod powering;
 pub mod scale;
 pub mod section;
 pub mod shares;

@@ -29,7 +29,7 @@ fn best_factor(range: impl Iterator<Item = f64>, gain: impl Fn(f64) -> f64) -> O
     Some((factor, factor_sd(most, |by| gain(factor + by))))
 }
 
-/// Either drivers ask for more than the train gives, and many runs lie at the very limit; or what they ask for scales with what there is, and no run comes near the
+/// Either drivers demand more than the train gives, and many runs lie at the very limit; or what they demand scales with what there is, and no run comes near the
 /// described limit (which may also be caution: dearer).
 pub fn scale(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyConfig) -> Option<FoundLimit> {
     let capped = |factor: f64| -> Vec<f64> {

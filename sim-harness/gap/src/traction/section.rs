@@ -2,13 +2,11 @@
 
 use crate::config::{PenaltyConfig, TractionConfig};
 use crate::fit::{ANYWHERE, Climb};
-use crate::traction::edges::edges;
 use crate::traction::limit::{FoundLimit, factor_sd, trimmed};
-use crate::traction::pulls::Pull;
 use crate::traction::shares::{ByPower, SHARES, Shares, density, over_shares, shares};
+use crate::traction::{edges::edges, powering::SteadyPower};
 use rundown::model::effects::{Effect, PowerLimitSection};
 
-/// The line in bins.
 struct Bins {
     low: f64,
     width: f64,
@@ -17,15 +15,15 @@ struct Bins {
 
 impl Bins {
     fn of(runs: &[Shares<'_>], edge_m: f64) -> Self {
-        let at = || runs.iter().flat_map(|run| run.pulls.iter().map(|p| p.location_m));
+        let at = || runs.iter().flat_map(|run| run.powering.iter().map(|p| p.location_m));
         let low = at().fold(f64::INFINITY, f64::min) - edge_m;
         let high = at().fold(f64::NEG_INFINITY, f64::max) + edge_m;
         let count = (((high - low) / edge_m).ceil() as usize).clamp(2, 160);
         Self { low, width: (high - low) / count as f64, count }
     }
 
-    fn bin(&self, pull: &Pull) -> usize {
-        (((pull.location_m - self.low) / self.width) as usize).min(self.count - 1)
+    fn bin(&self, power: &SteadyPower) -> usize {
+        (((power.location_m - self.low) / self.width) as usize).min(self.count - 1)
     }
 
     fn edge_m(&self, bin: usize) -> f64 {
@@ -33,16 +31,16 @@ impl Bins {
     }
 }
 
-/// The factors that most pulls come near to: under a limit many do. A grid fine enough for the few pulls that miss it by three deviations would be dear.
+/// The factors that most phases come near to: under a limit many do. A grid fine enough for the few phases that miss it by three deviations would be dear.
 fn factors(runs: &[Shares<'_>], count: usize) -> Vec<f64> {
     const LEAST: f64 = 0.3;
     const STEP: f64 = 0.005;
     const STEPS: usize = 136;
-    /// Pulls within this of a factor are near, a standard deviation.
+    /// Phases within this of a factor are near, a standard deviation.
     const NEAR: f64 = 0.01;
-    // A short section holds a part of a pull only.
-    let of_pull = |asked: ByPower<'_>| asked.parts().map(|(pull, _)| pull.ratio).collect();
-    let ratios: Vec<Vec<f64>> = runs.iter().flat_map(Shares::by_power).map(of_pull).collect();
+    // A short section holds a part of a powering phase only.
+    let of_phase = |demand: ByPower<'_>| demand.parts().map(|(power, _)| power.ratio).collect();
+    let ratios: Vec<Vec<f64>> = runs.iter().flat_map(Shares::by_power).map(of_phase).collect();
     let factor = |step: usize| LEAST + STEP * step as f64;
     let near = |step: usize| -> f64 {
         let nearest = |parts: &Vec<f64>| {
@@ -61,26 +59,26 @@ fn factors(runs: &[Shares<'_>], count: usize) -> Vec<f64> {
     peaks.into_iter().take(count).map(factor).collect()
 }
 
-/// The best section on the grid for each factor, each pull judged for itself: from, to, factor.
+/// The best section on the grid for each factor, each phase for itself: from, to, factor.
 fn searched(runs: &[Shares<'_>], bins: &Bins, config: &TractionConfig) -> Vec<[f64; 3]> {
     let factors = factors(runs, config.factors);
     // Changes of the gain as the edges move, summed up in both at the end.
     let side = bins.count + 2;
     let mut changes = vec![0.0; factors.len() * side * side];
     let at = shares(config.least_share, 1.0);
-    for asked in runs.iter().flat_map(Shares::by_power) {
-        let at_any = asked.at_share().map(|sum| config.shared * sum);
+    for demand in runs.iter().flat_map(Shares::by_power) {
+        let at_any = demand.at_share().map(|sum| config.shared * sum);
         let unlimited = over_shares(&at_any);
-        let mut touched: Vec<usize> = asked.parts().map(|(pull, _)| bins.bin(pull)).collect();
+        let mut touched: Vec<usize> = demand.parts().map(|(power, _)| bins.bin(power)).collect();
         touched.sort_unstable();
         touched.dedup();
         for (step, factor) in factors.iter().enumerate() {
             // What each touched bin changes at each share.
             let mut of_bins = vec![[0.0; SHARES]; touched.len()];
             let above = at.partition_point(|share| share <= factor);
-            for (pull, table) in asked.parts() {
-                let limited = density(pull, *factor, config.stray);
-                let bin = touched.partition_point(|bin| *bin < bins.bin(pull));
+            for (power, table) in demand.parts() {
+                let limited = density(power, *factor, config.stray);
+                let bin = touched.partition_point(|bin| *bin < bins.bin(power));
                 for k in above..SHARES {
                     of_bins[bin][k] += config.shared * (limited - table[k]);
                 }
@@ -125,7 +123,7 @@ fn searched(runs: &[Shares<'_>], bins: &Bins, config: &TractionConfig) -> Vec<[f
 pub fn section(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyConfig) -> Option<FoundLimit> {
     let bins = Bins::of(runs, config.edge_m);
     let gain = |run: &Shares<'_>, from: f64, to: f64, factor: f64| {
-        run.gain(|pull| if (from..to).contains(&pull.location_m) && pull.by_power { factor } else { 1.0 })
+        run.gain(|power| if (from..to).contains(&power.location_m) && power.by_power { factor } else { 1.0 })
     };
     let gain_of = |from: f64, to: f64, factor: f64| runs.iter().map(|run| gain(run, from, to, factor)).sum::<f64>();
     let half = 0.5 * bins.width;
@@ -147,9 +145,9 @@ pub fn section(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyCo
         .take(config.starts)
         .map(|(_, start)| climb.from(*start, |[from, to, factor]| (to > from).then(|| gain_of(from, to, factor))));
     let ([mut from, mut to, factor], most) = climbed.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let mut pulled: Vec<f64> = at_power(runs).collect();
-    pulled.sort_by(f64::total_cmp);
-    let edges = edges(&pulled, [from, to], most, |[from, to]| gain_of(from, to, factor), config);
+    let mut powered_m: Vec<f64> = at_power(runs).collect();
+    powered_m.sort_by(f64::total_cmp);
+    let edges = edges(&powered_m, [from, to], most, |[from, to]| gain_of(from, to, factor), config);
     [from, to] = edges.likely_m;
     let gain = most.min(trimmed(runs.iter().map(|run| gain(run, from, to, factor))));
     Some(FoundLimit {
@@ -166,6 +164,6 @@ pub fn section(runs: &[Shares<'_>], config: &TractionConfig, penalty: &PenaltyCo
 
 /// Locations at which the power limits.
 fn at_power(runs: &[Shares<'_>]) -> impl Iterator<Item = f64> {
-    let parts = runs.iter().flat_map(|run| run.pulls);
+    let parts = runs.iter().flat_map(|run| run.powering);
     parts.filter(|p| p.by_power).map(|p| p.location_m)
 }

@@ -1,27 +1,20 @@
 //! Means over bins of a coordinate, with standard errors that take a run as the unit.
 
-use std::collections::BTreeMap;
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
-/// One value to be averaged.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Value {
-    /// Its run.
     pub run: usize,
     /// Where it lies on the coordinate.
     pub at: f64,
-    /// The value.
     pub value: f64,
     /// How much it counts.
     pub weight: f64,
 }
 
-/// One bin.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bin {
-    /// Its middle.
     pub at: f64,
-    /// Weighted mean.
     pub mean: f64,
     /// Runs that have values in it.
     pub runs: usize,

@@ -5,7 +5,6 @@ use crate::data::runs::EffortReading;
 use maud::{Markup, html};
 use rundown_pages::numbers::{counted, number, percent};
 
-/// The list at the end of the page.
 pub(super) fn caveats(answer: &Answer) -> Markup {
     let items = [data(answer), noise(answer), readings(answer)];
     html! {
@@ -25,7 +24,7 @@ fn data(answer: &Answer) -> String {
     text.push_str(if findings.measured {
         "The logs have an effort column; intervals in which the effort changes much are left out."
     } else {
-        "The logs have no effort column, so only coasting counts, where the effort is known to be zero. What acts while the train powers or brakes shows only in the limits, if at all, and mass, traction and resistance are hard to tell apart."
+        "The logs have no effort column, so only coasting counts, where the effort is known to be zero. What acts while the train powers or brakes shows only in the limits, if at all, and mass, traction and resistance are hard to separate."
     });
     text
 }

@@ -1,17 +1,17 @@
 //! Simulated against measured speed on hold-out runs.
 
-use super::binned::{Bin, Value, binned, width};
-use super::maps::sections;
+use super::binned::{Value, binned, width};
+use super::maps::{joined, sections};
 use crate::answer::whole::Answer;
 use crate::fit::HALF_95;
 use crate::holdout::forward::Compared;
 use plotters::style::RGBColor;
-use rundown_pages::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
-use rundown_pages::colours;
-use rundown_pages::numbers::number;
+use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::{colours, numbers::number};
 
 const BEFORE: RGBColor = colours::HELD;
 const AFTER: RGBColor = colours::TRUTH;
+const NOTHING_COMPARED: &str = "nothing was compared";
 
 /// Pictures and captions; none where nothing was compared.
 pub(super) fn held_out(answer: &Answer) -> Vec<(String, String)> {
@@ -27,44 +27,31 @@ pub(super) fn held_out(answer: &Answer) -> Vec<(String, String)> {
 fn errors(answer: &Answer) -> (String, String) {
     let km = |c: &Compared| c.location_m / 1000.0;
     let kmh = |c: &Compared| 3.6 * c.measured_mps;
+    let compared = &answer.found.compared;
     let figure = |label: &str, at: &dyn Fn(&Compared) -> f64, backs: Vec<Layer>| {
-        let compared = &answer.found.compared;
         let x = range_of(compared.iter().map(at));
         let width = width(&x, 30);
         let line = |legend: &str, colour, stroke, square: &dyn Fn(&Compared) -> f64| {
             let values = compared.iter().map(|c| Value { run: c.run, at: at(c), value: square(c), weight: 1.0 });
             let bins = binned(&values.collect::<Vec<_>>(), width);
-            let point = |bin: &Bin| Some((bin.at, bin.mean.sqrt()));
-            Layer::Line { legend: legend.to_owned(), colour, stroke, points: bins.iter().map(point).collect() }
+            Layer::line(legend, colour, stroke, bins.iter().map(|bin| Some((bin.at, bin.mean.sqrt()))).collect())
         };
-        let mut layers = backs;
-        layers.extend([
+        let lines = [
             line("noise floor", colours::LIMIT, Stroke::Dotted, &|c| c.floor),
             line("before", BEFORE, Stroke::Solid, &|c| c.before_mps.powi(2)),
             line("after", AFTER, Stroke::Solid, &|c| c.after_mps.powi(2)),
-        ]);
+        ];
+        let layers: Vec<Layer> = backs.into_iter().chain(lines).collect();
         let top = layers.iter().flat_map(Layer::heights).fold(0.0, f64::max);
-        Figure {
-            title: String::new(),
-            description: String::new(),
-            x_label: label.to_owned(),
-            x,
-            panels: vec![Panel {
-                label: "error of speed, m/s".to_owned(),
-                height: 340,
-                y: Some(0.0..1.08 * top),
-                axes: Axes::Left,
-                layers,
-                empty: "nothing was compared".to_owned(),
-            }],
-        }
+        let panel = Panel::new("error of speed, m/s", 340, layers, NOTHING_COMPARED).within(0.0..1.08 * top);
+        Figure::in_grid(label, x, panel)
     };
-    let grid = Grid {
-        title: "Error of the simulated speed before and after".to_owned(),
-        description: "Root mean square over location and over speed, held-out runs".to_owned(),
-        columns: 2,
-        figures: vec![figure("location, km", &km, vec![sections(answer)]), figure("speed, km/h", &kmh, Vec::new())],
-    };
+    let grid = Grid::new(
+        "Error of the simulated speed before and after",
+        "Root mean square over location and over speed, held-out runs",
+        2,
+        vec![figure("location, km", &km, vec![sections(answer)]), figure("speed, km/h", &kmh, Vec::new())],
+    );
     (
         grid.to_svg(),
         "Root mean square of simulated less measured speed on the held-out runs: with the believed model, with the effects, and what noise alone would leave.".to_owned(),
@@ -90,80 +77,41 @@ fn one_run(answer: &Answer) -> Option<(String, String)> {
     let windows: Vec<&Compared> = windows.collect();
     let run = typical(&windows)?;
     let of_run: Vec<&Compared> = windows.into_iter().filter(|c| c.run == run).collect();
-    // A window begins anew at the measured speed: its line must not be joined to the one before.
-    let line = |legend: &str, colour, stroke, of: &dyn Fn(&Compared) -> f64| {
-        let mut points = Vec::new();
-        let mut last_s = 0.0;
-        for c in &of_run {
-            if c.since_s <= last_s {
-                points.push(None);
-            }
-            last_s = c.since_s;
-            points.push(Some((c.location_m / 1000.0, of(c))));
-        }
-        Layer::Line { legend: legend.to_owned(), colour, stroke, points }
+    // A window restarts at the measured speed: its line must not be joined to the one before.
+    let restarts = |a: &&Compared, b: &&Compared| b.since_s <= a.since_s;
+    let km = |c: &Compared| c.location_m / 1000.0;
+    let line = |legend: &str, colour, of: &dyn Fn(&Compared) -> f64| {
+        Layer::line(legend, colour, Stroke::Thin, joined(&of_run, restarts, |c| Some((km(c), of(c)))))
     };
-    let mut band = Vec::new();
-    let mut last_s = 0.0;
-    for c in &of_run {
-        if c.since_s <= last_s {
-            band.push(None);
-        }
-        last_s = c.since_s;
+    let band = joined(&of_run, restarts, |c| {
         let half = HALF_95 * c.floor.sqrt();
-        band.push(Some((c.location_m / 1000.0, -half, half)));
-    }
-    let dots = |of: &dyn Fn(&Compared) -> f64| -> Vec<(f64, f64)> {
-        of_run.iter().map(|c| (c.location_m / 1000.0, of(c))).collect()
-    };
+        Some((km(c), -half, half))
+    });
     let kmh = |mps: f64| 3.6 * mps;
-    let panel = |label: &str, height, layers| Panel {
-        label: label.to_owned(),
-        height,
-        y: None,
-        axes: Axes::Left,
-        layers,
-        empty: "nothing was compared".to_owned(),
-    };
+    let measured = of_run.iter().map(|c| (km(c), kmh(c.measured_mps))).collect();
     let index = answer.found.held_out.get(run)?;
     let name = answer.input.runs.get(*index).map_or("", |run| run.name.as_str());
-    let figure = Figure {
-        title: format!("Held-out run {name}"),
-        description: "Measured and simulated speed over location, and their difference".to_owned(),
-        x_label: "location, km".to_owned(),
-        x: range_of(of_run.iter().map(|c| c.location_m / 1000.0)),
-        panels: vec![
-            panel(
-                "speed, km/h",
-                360,
-                vec![
-                    sections(answer),
-                    line("simulated before", BEFORE, Stroke::Thin, &|c| kmh(c.measured_mps + c.before_mps)),
-                    line("simulated after", AFTER, Stroke::Thin, &|c| kmh(c.measured_mps + c.after_mps)),
-                    Layer::Dots {
-                        legend: "measured".to_owned(),
-                        colour: colours::MEASURED,
-                        opacity: 0.7,
-                        points: dots(&|c| kmh(c.measured_mps)),
-                    },
-                ],
-            ),
-            panel(
-                "simulated \u{2212} measured, m/s",
-                300,
-                vec![
-                    Layer::Band {
-                        legend: "95 % of noise".to_owned(),
-                        colour: colours::LIMIT,
-                        opacity: 0.15,
-                        points: band,
-                    },
-                    line("before", BEFORE, Stroke::Thin, &|c| c.before_mps),
-                    line("after", AFTER, Stroke::Thin, &|c| c.after_mps),
-                ],
-            ),
+    let speeds = [
+        sections(answer),
+        line("simulated before", BEFORE, &|c| kmh(c.measured_mps + c.before_mps)),
+        line("simulated after", AFTER, &|c| kmh(c.measured_mps + c.after_mps)),
+        Layer::dots("measured", colours::MEASURED, 0.7, measured),
+    ];
+    let errors = [
+        Layer::band("95 % of noise", colours::LIMIT, 0.15, band),
+        line("before", BEFORE, &|c| c.before_mps),
+        line("after", AFTER, &|c| c.after_mps),
+    ];
+    let figure = Figure::new(
+        format!("Held-out run {name}"),
+        "Measured and simulated speed over location, and their difference",
+        "location, km",
+        range_of(of_run.iter().map(|c| km(c))),
+        [
+            Panel::new("speed, km/h", 360, speeds, NOTHING_COMPARED),
+            Panel::new("simulated \u{2212} measured, m/s", 300, errors, NOTHING_COMPARED),
         ],
-    };
+    );
     let caption = format!(
         "Held-out run {name}, a typical one: half of the held-out runs had a larger error before. Windows of up to {} s begin at the measured speed and are driven by the recorded effort, or by none while coasting.",
         number(answer.holdout().window_s, 0)

@@ -1,7 +1,6 @@
 //! Running time and energy of the held-out runs, before and after.
 
-use crate::answer::json::NO_ENERGY;
-use crate::answer::whole::Answer;
+use crate::answer::{json::NO_ENERGY, whole::Answer};
 use crate::candidate::ShowsIn;
 use crate::candidates;
 use crate::holdout::journey::{Spread, Summary};
@@ -16,7 +15,7 @@ pub(super) fn journeys(answer: &Answer) -> Markup {
         return html! {};
     };
     let stalled: usize = answer.found.journeys.iter().map(|j| j.stalled).sum();
-    let full_power = |one: &Named| candidates::of_effect(&one.effect).nature().shows_in == ShowsIn::FullPower;
+    let full_power = |one: &Named| candidates::of_effect(&one.effect).facts().nature.shows_in == ShowsIn::FullPower;
     let limited = answer.found.named.iter().any(full_power);
     let least_runs = answer.holdout().least_resampled;
     html! {

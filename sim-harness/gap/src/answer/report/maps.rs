@@ -2,82 +2,45 @@
 
 use super::binned::{Bin, Value, binned, width};
 use crate::answer::whole::Answer;
+use crate::axis::Axis;
 use crate::data::rows::Row;
-use crate::findings::Findings;
 use crate::fit::HALF_95;
 use plotters::style::RGBColor;
 use rundown::model::direction::Direction;
-use rundown_pages::chart::{Axes, Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 
 /// A mean of fewer runs is not drawn.
-const LEAST_RUNS: usize = 5;
+pub(super) const LEAST_RUNS: usize = 5;
+/// Most bins of the location.
+const MOST_PLACES: usize = 80;
 
-/// A coordinate of the maps.
-struct Coordinate {
-    label: &'static str,
-    most_bins: usize,
-    /// A run has one value of it, about.
-    of_run: bool,
-    of: fn(&Findings, &Row) -> Option<f64>,
+/// The axes of the maps beside the location, each with its most bins.
+fn others(answer: &Answer) -> [(Axis<'static>, usize); 4] {
+    let first_day = answer.found.findings.conditions.first_day;
+    [(Axis::speed(), 30), (Axis::time(), 30), (Axis::temperature(), 15), (Axis::day(first_day), 15)]
 }
 
-const LOCATION: Coordinate = Coordinate {
-    label: "location of the train's front, km",
-    most_bins: 80,
-    of_run: false,
-    of: |_, row| Some(row.interval.middle().location_m / 1000.0),
-};
-
-const OTHERS: [Coordinate; 4] = [
-    Coordinate {
-        label: "speed, km/h",
-        most_bins: 30,
-        of_run: false,
-        of: |_, row| Some(3.6 * row.interval.mean_speed_mps()),
-    },
-    Coordinate {
-        label: "time since departure, min",
-        most_bins: 30,
-        of_run: false,
-        of: |_, row| Some(row.interval.middle().since_departure_s / 60.0),
-    },
-    Coordinate {
-        label: "ambient temperature, \u{b0}C",
-        most_bins: 15,
-        of_run: true,
-        of: |_, row| row.interval.temperature_c,
-    },
-    Coordinate {
-        label: "days since the first run",
-        most_bins: 15,
-        of_run: true,
-        of: |findings, row| Some(row.interval.day? - findings.conditions.first_day),
-    },
-];
-
-/// Pictures and captions.
 pub(super) fn maps(answer: &Answer, explained: &[f64]) -> Vec<(String, String)> {
     let directions = directions(answer);
-    let one = |coordinate, direction| figure(answer, explained, coordinate, &[direction]);
-    let by_location = Grid {
-        title: "Residual over location".to_owned(),
-        description: "Mean residual of all runs over location, with the sections found".to_owned(),
-        columns: 1,
-        figures: directions.iter().map(|d| one(&LOCATION, *d)).collect(),
-    };
-    let known = |coordinate: &&Coordinate| {
-        let findings = &answer.found.findings;
-        let at = || findings.rows.iter().filter_map(|row| (coordinate.of)(findings, row));
+    let location = (Axis::location(), MOST_PLACES);
+    let by_location = Grid::new(
+        "Residual over location",
+        "Mean residual of all runs over location, with the sections found",
+        1,
+        directions.iter().map(|d| figure(answer, explained, &location, &[*d])).collect(),
+    );
+    let known = |(axis, _): &&(Axis<'_>, usize)| {
+        let at = || answer.found.findings.rows.iter().filter_map(|row| (axis.x)(row));
         let range = range_of(at());
         at().count() > 0 && range.end > range.start
     };
-    let by_others = Grid {
-        title: "Residual over speed, time and more".to_owned(),
-        description: "Mean residual of all runs over each coordinate".to_owned(),
-        columns: 2,
-        figures: OTHERS.iter().filter(known).map(|c| figure(answer, explained, c, &directions)).collect(),
-    };
+    let by_others = Grid::new(
+        "Residual over speed, time and more",
+        "Mean residual of all runs over each coordinate",
+        2,
+        others(answer).iter().filter(known).map(|c| figure(answer, explained, c, &directions)).collect(),
+    );
     let found = if answer.found.named.is_empty() {
         ""
     } else {
@@ -105,6 +68,12 @@ fn directions(answer: &Answer) -> Vec<Direction> {
     all.into_iter().filter(travelled).collect()
 }
 
+/// Points in their order with a gap wherever `parted` says so of two of them.
+pub(super) fn joined<T, P>(all: &[T], parted: impl Fn(&T, &T) -> bool, of: impl Fn(&T) -> Option<P>) -> Vec<Option<P>> {
+    let gap = |i: usize| (i > 0 && parted(&all[i - 1], &all[i])).then_some(None);
+    all.iter().enumerate().flat_map(|(i, one)| gap(i).into_iter().chain([of(one)])).collect()
+}
+
 pub(super) fn word(direction: Direction) -> &'static str {
     match direction {
         Direction::Up => "up",
@@ -119,101 +88,55 @@ pub(super) fn colour(direction: Direction) -> RGBColor {
     }
 }
 
-fn figure(answer: &Answer, explained: &[f64], coordinate: &Coordinate, directions: &[Direction]) -> Figure {
+fn figure(
+    answer: &Answer,
+    explained: &[f64],
+    (axis, most_bins): &(Axis<'_>, usize),
+    directions: &[Direction],
+) -> Figure {
     let findings = &answer.found.findings;
-    let at = |row: &Row| (coordinate.of)(findings, row);
-    let x = range_of(findings.rows.iter().filter_map(at));
+    let x = range_of(findings.rows.iter().filter_map(|row| (axis.x)(row)));
     let enough = answer.input.runs.len() / (directions.len().max(1) * LEAST_RUNS);
-    let bins = if coordinate.of_run { coordinate.most_bins.min(enough.max(1)) } else { coordinate.most_bins };
-    let width = width(&x, bins);
+    let width = width(&x, if axis.of_run { (*most_bins).min(enough.max(1)) } else { *most_bins });
     let bins = |direction: Direction, of: &dyn Fn(usize, &Row) -> f64| -> Vec<Bin> {
         let rows = findings.rows.iter().zip(&findings.calibrated.spread);
         let values = rows.enumerate().filter(|(_, (r, _))| r.direction == direction);
         let values = values.filter_map(|(i, (row, spread))| {
-            Some(Value {
-                run: row.interval.run,
-                at: at(row)?,
-                value: of(i, row),
-                // Outliers count as little as they do in the fit.
-                weight: spread.powi(-2),
-            })
+            // Outliers count as little as they do in the fit.
+            Some(Value { run: row.interval.run, at: (axis.x)(row)?, value: of(i, row), weight: spread.powi(-2) })
         });
         let mut bins = binned(&values.collect::<Vec<_>>(), width);
         bins.retain(|bin| bin.runs >= LEAST_RUNS.min(answer.input.runs.len()));
         bins
     };
-    let mut layers = Vec::new();
-    if coordinate.label == LOCATION.label {
-        layers.push(sections(answer));
-    }
-    let joined = |bins: &[Bin]| -> Vec<Option<(f64, f64)>> {
-        let mut points = Vec::new();
-        for (i, bin) in bins.iter().enumerate() {
-            // A bin without values breaks the line.
-            if i > 0 && bin.at - bins[i - 1].at > 1.5 * width {
-                points.push(None);
-            }
-            points.push(Some((bin.at, bin.mean)));
-        }
-        points
+    // A bin without values breaks the line.
+    let apart = |a: &Bin, b: &Bin| b.at - a.at > 1.5 * width;
+    let mean = |bin: &Bin| Some((bin.at, bin.mean));
+    let band = |bin: &Bin| {
+        let half = HALF_95 * bin.se?;
+        Some((bin.at, bin.mean - half, bin.mean + half))
     };
+    let is_map = *most_bins == MOST_PLACES;
+    let mut layers: Vec<Layer> = is_map.then(|| sections(answer)).into_iter().collect();
     for direction in directions {
-        let residuals = bins(*direction, &|_, row| row.residual_n_per_kg);
-        let band = |bin: &Bin| {
-            let half = HALF_95 * bin.se?;
-            Some((bin.at, bin.mean - half, bin.mean + half))
-        };
-        let mut bands = Vec::new();
-        for (i, bin) in residuals.iter().enumerate() {
-            if i > 0 && bin.at - residuals[i - 1].at > 1.5 * width {
-                bands.push(None);
-            }
-            bands.push(band(bin));
-        }
-        layers.push(Layer::Band { legend: String::new(), colour: colour(*direction), opacity: 0.18, points: bands });
-        layers.push(Layer::Line {
-            legend: format!("measured, {} the line", word(*direction)),
-            colour: colour(*direction),
-            stroke: Stroke::Thin,
-            points: joined(&residuals),
-        });
+        let (residuals, colour) = (bins(*direction, &|_, row| row.residual_n_per_kg), colour(*direction));
+        let legend = format!("measured, {} the line", word(*direction));
+        layers.push(Layer::band("", colour, 0.18, joined(&residuals, apart, band)));
+        layers.push(Layer::line(legend, colour, Stroke::Thin, joined(&residuals, apart, mean)));
     }
-    if !answer.found.named.is_empty() {
-        for (i, direction) in directions.iter().enumerate() {
-            let law = bins(*direction, &|i, _| explained.get(i).copied().unwrap_or(f64::NAN));
-            let legend = if i == 0 { "explained" } else { "" };
-            layers.push(Layer::Line {
-                legend: legend.to_owned(),
-                colour: colours::ESTIMATED,
-                stroke: Stroke::Dashed,
-                points: joined(&law),
-            });
-        }
-    }
-    Figure {
-        title: String::new(),
-        description: String::new(),
-        x_label: coordinate.label.to_owned(),
-        x,
-        panels: vec![Panel {
-            label: "residual, N/kg".to_owned(),
-            height: if coordinate.most_bins > 40 { 400 } else { 340 },
-            y: None,
-            axes: Axes::Left,
-            layers,
-            empty: "no intervals".to_owned(),
-        }],
-    }
+    let found = directions.iter().enumerate().filter(|_| !answer.found.named.is_empty());
+    layers.extend(found.map(|(i, direction)| {
+        let law = bins(*direction, &|i, _| explained.get(i).copied().unwrap_or(f64::NAN));
+        let legend = if i == 0 { "explained" } else { "" };
+        Layer::line(legend, colours::ESTIMATED, Stroke::Dashed, joined(&law, apart, mean))
+    }));
+    let panel = Panel::new("residual, N/kg", if is_map { 400 } else { 340 }, layers, "no intervals");
+    Figure::in_grid(axis.x_label, x, panel)
 }
 
 /// Background of the sections that effects act in.
 pub(super) fn sections(answer: &Answer) -> Layer {
     let found = answer.found.named.iter().filter_map(|one| one.effect.section_m());
     let spans: Vec<_> = found.map(|(from, to)| from / 1000.0..to / 1000.0).collect();
-    Layer::Spans {
-        legend: if spans.is_empty() { "" } else { "section found" }.to_owned(),
-        colour: colours::LIMIT,
-        opacity: 0.12,
-        spans,
-    }
+    Layer::spans(if spans.is_empty() { "" } else { "section found" }, colours::LIMIT, 0.12, spans)
 }

@@ -25,8 +25,7 @@ mod rivals;
 mod tables;
 mod words;
 
-use crate::answer::notes::no_rows;
-use crate::answer::whole::Answer;
+use crate::answer::{notes::no_rows, whole::Answer};
 use crate::explained::explained;
 use maud::html;
 use rundown_pages::shell::{document, figure};

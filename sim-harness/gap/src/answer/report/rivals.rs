@@ -1,14 +1,11 @@
 //! Who else was tried in the place of each effect.
 
-use crate::answer::rivals::Rival;
-use crate::answer::whole::Answer;
+use crate::answer::{rivals::Rival, whole::Answer};
 use crate::named::Named;
 use crate::wording::plain;
 use maud::{Markup, html};
 use rundown_pages::numbers::number;
-
-/// A thousand times less likely.
-const FAR: f64 = 6.9;
+use rundown_pages::shell::{column, table, text_column};
 
 /// A table of all rivals; nothing where no effect has any.
 pub(super) fn rivals(answer: &Answer) -> Markup {
@@ -17,31 +14,32 @@ pub(super) fn rivals(answer: &Answer) -> Markup {
     if each.is_empty() {
         return html! {};
     }
-    let near = answer.config.certainty.near;
+    let (near, far) = (answer.config.certainty.near, answer.config.certainty.ruled_out);
     let verdict = |worse: f64| match worse {
         w if w < near => "not distinguishable",
-        w if w < FAR => "less likely",
+        w if w < far => "less likely",
         _ => "ruled out",
     };
     let digits = |worse: f64| number(worse, if worse.abs() < 100.0 { 1 } else { 0 });
+    let head = [
+        text_column("effect found"),
+        text_column("in its place"),
+        column("worse by", "log-likelihood"),
+        text_column("so it is"),
+    ];
+    let rows = html! {
+        @for (one, rivals) in &each {
+            @for (i, rival) in rivals.iter().enumerate() { tr {
+                @if i == 0 { th scope="row" rowspan=(rivals.len()) style="vertical-align: top" { (plain(one.effect.name())) } }
+                td.text { (plain(rival.name)) }
+                td { (digits(rival.worse)) }
+                td.text { (verdict(rival.worse)) }
+            } }
+        }
+    };
     html! {
         h3 { "Rivals" }
-        div.wide { table {
-            thead { tr {
-                th.text scope="col" { "effect found" }
-                th.text scope="col" { "in its place" }
-                th scope="col" { "worse by" br; span.unit { "log-likelihood" } }
-                th.text scope="col" { "so it is" }
-            } }
-            tbody { @for (one, rivals) in &each {
-                @for (i, rival) in rivals.iter().enumerate() { tr {
-                    @if i == 0 { th scope="row" rowspan=(rivals.len()) style="vertical-align: top" { (plain(one.effect.name())) } }
-                    td.text { (plain(rival.name)) }
-                    td { (digits(rival.worse)) }
-                    td.text { (verdict(rival.worse)) }
-                } }
-            } }
-        } }
+        (table(head, rows))
         p.small {
             "Every other candidate was fitted in the place of the effect, beside the other effects; one that would be too small to matter there is not listed. The number is the log-likelihood that is lost, the penalty of each one's freedom included: "
             "with 3 the effect found is 20 times more likely than its rival, with 7 a thousand times. " em { "Unknown" } " stands for a section or a law without a name."

@@ -4,16 +4,15 @@ use crate::answer::whole::Answer;
 use crate::evidence::{Along, Evidence};
 use crate::investigation::Investigation;
 use crate::named::Named;
-use crate::wording::{confidence, interval, unit, with_ends};
-use crate::wording::{place, plain};
+use crate::wording::{confidence, interval, place, plain, unit, with_ends};
 use maud::{Markup, html};
 use rundown::model::effects::Coordinate;
 use rundown_pages::numbers::{NOTHING, number, percent};
+use rundown_pages::shell::{column, table, text_column};
 
 /// A cell beside several rows begins with the first of them.
 const TOP: &str = "vertical-align: top";
 
-/// Along what the residuals vary.
 pub(super) fn evidence(found: &Investigation) -> Markup {
     let (evidence, p_value) = (&found.evidence, found.p_value);
     let place = |one: &Evidence| match one.along {
@@ -28,57 +27,53 @@ pub(super) fn evidence(found: &Investigation) -> Markup {
         Along::Regime => "coast".to_owned(),
         Along::Direction => if one.at > 0.0 { "up" } else { "down" }.to_owned(),
     };
+    let head = [
+        text_column("residuals vary with"),
+        column("score", "standard deviations"),
+        column("most at", ""),
+        column("p-value", ""),
+    ];
+    let rows = html! {
+        @for one in evidence { tr {
+            th scope="row" { (one.along.name()) }
+            td { (number(one.score, 1)) }
+            td { (place(one)) }
+            td { (number(one.p_value, 3)) }
+        } }
+        tr { th scope="row" { "any of them" } td { (NOTHING) } td { (NOTHING) } td { (number(p_value, 3)) } }
+    };
     html! {
         h3 { "Is it chance?" }
-        div.wide { table {
-            thead { tr {
-                th.text scope="col" { "residuals vary with" }
-                th scope="col" { "score" br; span.unit { "standard deviations" } }
-                th scope="col" { "most at" }
-                th scope="col" { "p-value" }
-            } }
-            tbody {
-                @for one in evidence { tr {
-                    th scope="row" { (one.along.name()) }
-                    td { (number(one.score, 1)) }
-                    td { (place(one)) }
-                    td { (number(one.p_value, 3)) }
-                } }
-                tr { th scope="row" { "any of them" } td { (NOTHING) } td { (NOTHING) } td { (number(p_value, 3)) } }
-            }
-        } }
+        (table(head, rows))
         p.small { "Found by flipping the signs of whole runs, 999 times: intervals of one run are not independent, so the run is the unit. The least p-value that can come out is 0.001." }
         @if !found.named.is_empty() {
             p {
                 "With the effects in the model the same test of what is left gives p = " (number(found.p_value_after, 3))
                 ", on the runs that the effects were found in."
                 @if let Some([before, after]) = found.p_value_held_out {
-                    " On the held-out runs alone, with the effects that the others tell: " (number(before, 3)) " before, " (number(after, 3)) " after."
+                    " On the held-out runs alone, with the effects that the others show: " (number(before, 3)) " before, " (number(after, 3)) " after."
                 }
             }
         }
     }
 }
 
-/// What was found.
 pub(super) fn effects(found: &Investigation) -> Markup {
     if found.named.is_empty() {
         return html! { p { "Nothing was added to the model." } };
     }
+    let head = [
+        text_column("effect"),
+        text_column("parameter"),
+        column("value", ""),
+        column("95 % interval", ""),
+        text_column("unit"),
+        column("confidence", "in the name"),
+        text_column("not distinguishable from"),
+        text_column("would separate them"),
+    ];
     html! {
-        div.wide { table {
-            thead { tr {
-                th.text scope="col" { "effect" }
-                th.text scope="col" { "parameter" }
-                th scope="col" { "value" }
-                th scope="col" { "95 % interval" }
-                th.text scope="col" { "unit" }
-                th scope="col" { "confidence" br; span.unit { "in the name" } }
-                th.text scope="col" { "not distinguishable from" }
-                th.text scope="col" { "would separate them" }
-            } }
-            tbody { @for one in &found.named { (effect(one)) } }
-        } }
+        (table(head, html! { @for one in &found.named { (effect(one)) } }))
         p.small { "The same lies beside this page as " code { "model/train.toml" } " and " code { "model/track.toml" } "." }
     }
 }
@@ -146,26 +141,21 @@ pub(super) fn gap(answer: &Answer) -> Markup {
             names.collect::<Vec<_>>().join(", ")
         }
     };
+    let rows = html! {
+        @for (name, value) in [("before: believed model", gap.before), ("after: with the effects", gap.after), ("noise floor: a perfect model", gap.floor)] {
+            tr { th scope="row" { (name) } td { (number(value, 3)) } }
+        }
+        tr { th scope="row" { "share of the removable gap that is gone" } td { @match gap.removed { Some(removed) => { (percent(removed)) }, None => { "there was none" } } } }
+        @if let Some((low, high)) = gap.removed_95 {
+            tr { th scope="row" { "its 95 % interval, from " (gap.runs) " resampled runs" } td { (percent(low)) " to " (percent(high)) } }
+        }
+    };
     html! {
         p {
             (found.held_out.len()) " of " (answer.input.runs.len()) " runs were held out of a second analysis; from the others alone it found " (trained)
             ". With that, the held-out runs were simulated:"
         }
-        div.wide { table {
-            thead { tr {
-                th.text scope="col" { "error of the simulated speed" }
-                th scope="col" { "root mean square" br; span.unit { "m/s" } }
-            } }
-            tbody {
-                tr { th scope="row" { "before: believed model" } td { (number(gap.before, 3)) } }
-                tr { th scope="row" { "after: with the effects" } td { (number(gap.after, 3)) } }
-                tr { th scope="row" { "noise floor: a perfect model" } td { (number(gap.floor, 3)) } }
-                tr { th scope="row" { "share of the removable gap that is gone" } td { @match gap.removed { Some(removed) => { (percent(removed)) }, None => { "there was none" } } } }
-                @if let Some((low, high)) = gap.removed_95 {
-                    tr { th scope="row" { "its 95 % interval, from " (gap.runs) " resampled runs" } td { (percent(low)) " to " (percent(high)) } }
-                }
-            }
-        } }
+        (table([text_column("error of the simulated speed"), column("root mean square", "m/s")], rows))
         p.small { (compared) " speeds compared. The removable gap is what lies between before and the noise floor, in mean squares." }
         @if let Some(innovations) = answer.innovations {
             p {

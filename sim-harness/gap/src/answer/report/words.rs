@@ -1,7 +1,6 @@
-//! The verdict in sentences: what, where, how large, how sure, and what it cannot be told from.
+//! The verdict in sentences: what, where, how large, how sure, and what it is not distinguishable from.
 
-use crate::answer::notes::notes;
-use crate::answer::whole::Answer;
+use crate::answer::{notes::notes, whole::Answer};
 use crate::candidates;
 use crate::named::Named;
 use crate::wording::{confidence, plain};
@@ -13,13 +12,12 @@ fn any(kinds: &[EffectKind]) -> String {
     kinds.iter().map(|kind| plain(kind.name())).collect::<Vec<_>>().join(" or ")
 }
 
-/// The sentences at the top of the page.
 pub(super) fn verdict(answer: &Answer) -> Vec<String> {
     let found = &answer.found;
     let all = counted(answer.input.runs.len(), "run", "runs");
     let mut notes = notes(answer);
-    // What could not be judged at all comes before what was found.
-    let (mut sentences, judged) = match found.findings.rows.is_empty() {
+    // What could not be evaluated at all comes before what was found.
+    let (mut sentences, has_rows) = match found.findings.rows.is_empty() {
         true => (vec![notes.remove(0)], false),
         false => (Vec::new(), true),
     };
@@ -28,9 +26,9 @@ pub(super) fn verdict(answer: &Answer) -> Vec<String> {
         p => format!("with probability {}", number(p, 3)),
     };
     let least = answer.config.evidence.significant;
-    let significant = judged && found.p_value < least;
+    let significant = has_rows && found.p_value < least;
     if found.named.is_empty() {
-        sentences.push(match (judged, significant) {
+        sentences.push(match (has_rows, significant) {
             (false, _) => format!("In what could be looked at, nothing was found in {all}."),
             (true, true) => format!("No effect of the catalogue was found in {all}."),
             (true, false) => format!(

@@ -3,47 +3,38 @@
 use crate::analysis::apply;
 use crate::candidate::ShowsIn;
 use crate::candidates;
-use crate::data::believed::Context;
-use crate::data::rows::Row;
-use crate::data::runs::Run;
+use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::evidence::evidence;
 use crate::explained::repaired;
 use crate::findings::Findings;
 use crate::holdout::forward::{Compared, Repaired, effects};
-use crate::holdout::journey::Journey;
-use crate::holdout::powered::powered;
-use crate::holdout::travelled::travelled;
+use crate::holdout::{journey::Journey, powered::powered, travelled::travelled};
 use crate::named::Named;
 use crate::noise::calibrate::Calibrated;
 use rundown::model::effects::{EffectError, Effects};
 
 /// What the hold-out runs say.
 #[derive(Default)]
-pub struct Judged {
-    /// Speeds.
+pub struct Evaluation {
     pub compared: Vec<Compared>,
-    /// Running times and energy.
     pub journeys: Vec<Journey>,
     /// Probability of the residuals without a gap, before and after; none with too few runs.
     pub p_values: Option<[f64; 2]>,
 }
 
-/// Judges the effects that `found` has by name on other runs. `context`: that of the findings.
-///
-/// # Errors
-/// [`EffectError`]: more effects than a board takes.
-pub fn judge(
+/// Tries the effects that `found` has by name on other runs. `context`: that of the findings.
+pub fn evaluate(
     context: &Context<'_>,
     found: &Findings,
     trained: &[Named],
     tested: &[Run],
-) -> Result<Judged, EffectError> {
+) -> Result<Evaluation, EffectError> {
     // Which of the hold-out runs an effect of some runs acts in, only the run itself can say: the choice that fits it better, one bit a run.
     let (always, sometimes): (Vec<Named>, Vec<Named>) =
         trained.iter().cloned().partition(|named| named.runs.is_empty());
     let without = effects(&always)?;
     let with = effects(always.iter().chain(&sometimes))?;
-    let (mut rows, pulls) = apply(context, found, tested);
+    let (mut rows, powering) = apply(context, found, tested);
     if found.rows.is_empty() {
         // The noise of forces is not known, nor what a perfect model would leave.
         rows.clear();
@@ -53,7 +44,9 @@ pub fn judge(
         let mut compared = repaired.resisted(effects, &rows)?;
         if found.limit(&context.config.search).is_some() {
             let train = context.believed.train();
-            compared.extend(pulls.iter().flat_map(|pulls| powered(train, effects, pulls, 10.0)));
+            compared.extend(
+                powering.iter().flat_map(|powering| powered(train, effects, powering, 10.0, &context.config.holdout)),
+            );
         }
         Ok(compared)
     };
@@ -66,7 +59,7 @@ pub fn judge(
         let chosen = compared.into_iter().zip(acting);
         compared = chosen.map(|(plain, acting)| if acts[plain.run] { acting } else { plain }).collect();
     }
-    let by_readings = |named: &Named| candidates::of_effect(&named.effect).nature().shows_in == ShowsIn::Readings;
+    let by_readings = |named: &Named| candidates::of_effect(&named.effect).facts().nature.shows_in == ShowsIn::Readings;
     if trained.iter().any(by_readings) {
         let of_run = |(i, run)| travelled(i, run, &found.readings, &context.config.holdout);
         compared.extend(tested.iter().enumerate().flat_map(of_run));
@@ -85,7 +78,7 @@ pub fn judge(
         (!one.runs.is_empty()).then_some(one)
     });
     let renamed: Vec<Named> = always.iter().cloned().chain(renamed).collect();
-    Ok(Judged { journeys, p_values: p_values(context, found, &renamed, tested, &rows), compared })
+    Ok(Evaluation { journeys, p_values: p_values(context, found, &renamed, tested, &rows), compared })
 }
 
 /// In which runs the effects of some runs act.
@@ -95,12 +88,12 @@ fn acting_in(plain: &[Compared], acting: &[Compared], runs: usize) -> Vec<bool> 
         of_run.map(of).sum::<f64>()
     };
     let error = |compared: &[Compared], run| of_run(compared, run, |c| c.after_mps * c.after_mps);
-    // A driver may by chance ask for what a limit leaves: where that foresees the pulls as well as a share of his own, the limit acts.
+    // A driver may by chance demand what a limit leaves: where that foresees the powering phases as well as a share of his own, the limit acts.
     let chance = |run| of_run(plain, run, |c| if c.time_s == 0.0 { c.floor } else { 0.0 });
     (0..runs).map(|run| error(acting, run) < error(plain, run) + chance(run)).collect()
 }
 
-/// Is there a gap in the hold-out runs, and is there one left? None with runs whose signs can be flipped in too few ways.
+/// Is there a gap in the hold-out runs, and is there one left? None with runs whose signs can be flipped in too few combinations.
 fn p_values(
     context: &Context<'_>,
     found: &Findings,
