@@ -1,4 +1,39 @@
-//! Rundown: on-board train motion estimator after Cunillera et al. 2022, `no_std`, in fixed memory.
+//! Rundown: on-board train motion estimator after Cunillera et al. 2022, `no_std`, in fixed memory. It learns the running resistance of a train that coasts:
+//!
+//! ```
+//! use rundown::{Config, Direction, Estimator, Measurement, Track, Train, TrainDescription};
+//!
+//! # // Whole km/h every 10 s of a train that coasts from 140 km/h with a tenth less resistance than described.
+//! # fn coasting() -> impl Iterator<Item = Measurement> {
+//! #     let davis = TrainDescription::CASE_STUDY.davis;
+//! #     let (mut location_m, mut speed_mps) = (0.0, 140.0 / 3.6);
+//! #     (0..30).map(move |tick| {
+//! #         let reading_mps = (speed_mps * 3.6_f64).round() / 3.6;
+//! #         let measurement = Measurement {
+//! #             time_s: 10.0 * f64::from(tick),
+//! #             location_m: Some(location_m),
+//! #             speed_mps: Some(reading_mps),
+//! #             effort_n_per_kg: None,
+//! #         };
+//! #         for _ in 0..100 {
+//! #             let r = 0.9 * davis.resistance_n_per_kg(speed_mps);
+//! #             location_m += 0.1 * speed_mps;
+//! #             speed_mps -= 0.1 * r;
+//! #         }
+//! #         measurement
+//! #     })
+//! # }
+//! let train = Train::try_new(TrainDescription::CASE_STUDY)?;
+//! let estimator = Estimator::try_new(Config::default(), train, Track::try_new(32e3, [])?)?;
+//! let (mut run, mut learned) = (estimator.begin_run(&estimator.new_vehicle(), Direction::Up), train.davis());
+//! for measurement in coasting() { learned = estimator.step(&mut run, &measurement)?.davis(); }
+//! let share = learned.resistance_n_per_kg(30.0) / train.davis().resistance_n_per_kg(30.0);
+//!
+//! assert!((share - 0.9).abs() < 0.02, "{share}: the train has a tenth less resistance than described");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! With [`Estimator::end_run`] what was learned goes into the vehicle, from which the next run begins.
 //!
 //! ```text
 //!              set once: Config, Train, Track                        carried from run to run: Vehicle (memory)
@@ -22,7 +57,7 @@
 //! | Eq. (6) measurement | [`tick::learning::LocationAndSpeed`] |
 //! | Eq. (7)-(18) filter | [`filter::ukf::Ukf`], [`filter::elimination`] |
 //! | Table 1 | [`tick::paper::PaperConfig`] |
-//! | Eq. (1) at no effort, over the way | [`coast_ahead`] |
+//! | Eq. (1) at no effort, over distance | [`coast_ahead`] |
 //! | section 3.2 regimes | [`tick::regime::PaperRule`], [`tick::regime::Recogniser`] |
 //! | section 3.3 features | [`features`] |
 //!
@@ -32,37 +67,11 @@
 //! *Final coast*: coasting before the brake that leaves line speed. Effort and resistance are per rotating mass γ m, in N/kg; traction positive, brake negative, uphill positive,
 //! resistance positive against travel.
 //!
-//! ```
-//! use rundown::model::{track::Gradient, train::TrainDescription};
-//! use rundown::{Config, Davis, Direction, Estimator, Measurement, Track, Train};
-//!
-//! let train = Train::try_new(TrainDescription::CASE_STUDY)?;
-//! let track = Track::try_new(32e3, [Gradient { from_m: 0.0, permille: 0.0 }])?;
-//! let estimator = Estimator::try_new(Config::default(), train, track)?;
-//! let mut vehicle = estimator.new_vehicle();
-//! let mut run = estimator.begin_run(&vehicle, Direction::Up);
-//!
-//! // A train coasts from 140 km/h with a tenth less resistance than described.
-//! let (mut location_m, mut speed_mps) = (0.0, 140.0 / 3.6);
-//! for tick in 0..30 {
-//!     estimator.step(&mut run, &Measurement {
-//!         time_s: 10.0 * f64::from(tick),
-//!         location_m: Some(location_m),
-//!         speed_mps: Some((speed_mps * 3.6_f64).round() / 3.6),
-//!         effort_n_per_kg: None,
-//!     })?;
-//!     for _ in 0..100 {
-//!         let r = 0.9 * train.davis().resistance_n_per_kg(speed_mps);
-//!         location_m += 0.1 * speed_mps;
-//!         speed_mps -= 0.1 * r;
-//!     }
-//! }
-//! let summary = estimator.end_run(&mut run, &mut vehicle);
-//! let [r0, r1, r2] = summary.run_davis.mean.into();
-//! let learned = Davis { r0, r1, r2 }.resistance_n_per_kg(30.0) / train.davis().resistance_n_per_kg(30.0);
-//! assert!((learned - 0.9).abs() < 0.02, "{learned}");
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! | feature | default | adds |
+//! |---|---|---|
+//! | `onboard` | yes | [`onboard`]: store, authentication, task, serial line; with it AES, CMAC, `embedded-storage`, `embedded-hal-nb` |
+//! | `alloc` | no | effects are read and written by name (TOML, JSON), which takes an allocator |
+//! | `mps2`, `emulator`, `filter-step` | no | test firmware for the emulator; nothing in the library |
 #![no_std]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -75,11 +84,18 @@ pub mod features;
 pub mod filter;
 mod listed;
 pub mod model;
+#[cfg(feature = "onboard")]
 pub mod onboard;
 pub mod tick;
+pub mod uplink;
 
 pub use estimator::{Estimator, config::Config};
-pub use model::{direction::Direction, resistance::Davis, track::Track, train::Train};
+pub use model::{
+    direction::Direction,
+    resistance::Davis,
+    track::Track,
+    train::{Train, TrainDescription},
+};
 pub use rundown_wire::link;
 pub use tick::measurement::Measurement;
 

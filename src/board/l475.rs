@@ -11,59 +11,59 @@ mod clock_tree;
 mod flash;
 mod serial;
 
-#[cfg(feature = "emulator")]
-pub use super::ram_flash::Flash;
-#[cfg(not(feature = "emulator"))]
-pub use flash::Flash;
-pub use serial::SerialPort;
 pub use stm32l4::stm32l4x5 as device;
 
-use super::{Place, stopwatch};
+#[cfg(feature = "emulator")]
+use super::ram_flash::{self, Flash};
+use super::stopwatch;
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m_rt::exception;
 use device::{IWDG, Peripherals};
+#[cfg(not(feature = "emulator"))]
+use flash::Flash;
+use rundown::onboard::board::{Board, Started};
 use rundown::onboard::clock::{self, Clock, bounded};
 use rundown::onboard::watchdog::Watchdog;
 use rundown_wire::ResetCause;
+use serial::SerialPort;
 
 /// Time until the watchdog bites, in its counts of 2 ms (LSI 32 kHz / 64). The LSI is good to 10 %.
 const BITE_COUNTS: u16 = 1000;
 
-/// Everything that the application is given.
-pub struct Board {
-    pub port: SerialPort,
-    pub watchdog: DogTimer,
-    pub flash: Flash,
-    pub clock: Clock,
-    pub cause: ResetCause,
-}
+/// The board.
+pub struct L475;
 
-/// Starts clock, system timer, serial line and watchdog. Nothing here waits for ever.
-pub fn start(mut core: cortex_m::Peripherals) -> Option<Board> {
-    let chip = Peripherals::take()?;
-    let cause = reset_cause(&chip.RCC);
-    let clock = clock::start(&mut clock_tree::Tree { rcc: &chip.RCC, flash: &chip.FLASH });
-    stopwatch::start(&mut core.SYST, clock.hz());
-    let port = SerialPort::start(&chip.RCC, &chip.GPIOB, chip.USART1, clock.hz());
-    // Stop the watchdog while the debugger has halted the core.
-    chip.DBGMCU.apb1fzr1().modify(|_, w| w.dbg_iwdg_stop().set_bit());
-    let watchdog = DogTimer::start(chip.IWDG);
-    Some(Board {
-        port,
-        watchdog,
+impl Board for L475 {
+    type Core = cortex_m::Peripherals;
+    type Port = SerialPort;
+    type Watchdog = DogTimer;
+    type Flash = Flash;
+
+    fn start(mut core: cortex_m::Peripherals) -> Option<Started<Self>> {
+        let chip = Peripherals::take()?;
+        let cause = reset_cause(&chip.RCC);
+        let clock = clock::start(&mut clock_tree::Tree { rcc: &chip.RCC, flash: &chip.FLASH });
+        stopwatch::start(&mut core.SYST, clock.hz());
+        let port = SerialPort::start(&chip.RCC, &chip.GPIOB, chip.USART1, clock.hz());
+        // Stop the watchdog while the debugger has halted the core.
+        chip.DBGMCU.apb1fzr1().modify(|_, w| w.dbg_iwdg_stop().set_bit());
+        let watchdog = DogTimer::start(chip.IWDG);
         #[cfg(not(feature = "emulator"))]
-        flash: Flash::new(chip.FLASH),
+        let flash = Flash::new(flash::Controller(chip.FLASH));
         #[cfg(feature = "emulator")]
-        flash: Flash::start(),
-        clock,
-        cause,
-    })
+        let flash = ram_flash::start();
+        Some(Started { port, watchdog, flash, clock, cause })
+    }
+
+    fn flash_errors() -> u32 {
+        FLASH_ERRORS.load(Ordering::Relaxed)
+    }
 }
 
 fn reset_cause(rcc: &device::RCC) -> ResetCause {
     let flags = rcc.csr().read();
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
-    // Several may be set: every internal reset pulls the pin too.
+    // Several may be set: every internal reset drives the pin too.
     if flags.iwdgrstf().bit() || flags.wwdgrstf().bit() {
         ResetCause::Watchdog
     } else if flags.sftrstf().bit() {
@@ -104,11 +104,6 @@ impl Watchdog for DogTimer {
 /// Double-bit errors that the flash has reported.
 static FLASH_ERRORS: AtomicU32 = AtomicU32::new(0);
 
-/// Double-bit errors that the flash has reported since boot.
-pub fn flash_errors() -> u32 {
-    FLASH_ERRORS.load(Ordering::Relaxed)
-}
-
 /// A word that was torn by a loss of power is reported as a double-bit error, by this interrupt, at every read of it: cleared and counted, or the firmware
 /// would stay here for ever. The reader sees wrong bytes, and the record's checksum refuses them.
 // SAFETY: touches one register that nothing else uses, and one atomic.
@@ -122,6 +117,3 @@ unsafe fn NonMaskableInt() {
         FLASH_ERRORS.store(count, Ordering::Relaxed);
     }
 }
-
-/// Only the test build fails on demand.
-pub fn provoke(_place: Place) {}

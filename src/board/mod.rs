@@ -1,4 +1,5 @@
-//! The metal: registers and linker symbols. The only place with `unsafe`; what can be decided without a register is in `rundown::onboard`.
+//! The metal: registers and linker symbols. The only place with `unsafe`; what can be decided without a register is in `rundown::onboard`,
+//! and what a board must offer in `rundown::onboard::board`.
 //!
 //! | here | what |
 //! |---|---|
@@ -22,20 +23,13 @@ pub mod stopwatch;
 #[cfg(not(feature = "mps2"))]
 mod l475;
 #[cfg(not(feature = "mps2"))]
-pub use l475::{Board, DogTimer, Flash, SerialPort, device, flash_errors, provoke, start};
+pub use l475::{L475 as Metal, device};
 
 #[cfg(feature = "mps2")]
 mod mps2;
 #[cfg(feature = "mps2")]
-pub use mps2::{Board, DogTimer, Flash, SerialPort, device, flash_errors, provoke, start};
+pub use mps2::{Mps2 as Metal, device};
 
 /// Speed of the serial line, bit/s.
 #[cfg_attr(feature = "mps2", expect(dead_code, reason = "the emulated port takes any"))]
 pub const BAUD: u32 = 115_200;
-
-/// Where a test build can be told to fail.
-#[derive(Clone, Copy)]
-pub enum Place {
-    Tick,
-    Link,
-}

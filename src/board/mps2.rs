@@ -5,45 +5,73 @@
 pub mod device;
 mod serial;
 
-pub use super::ram_flash::Flash;
-pub use serial::SerialPort;
-
-use super::{Place, stopwatch};
+use super::ram_flash::{self, Flash};
+use super::stopwatch;
 use core::hint;
 use cortex_m::peripheral::NVIC;
 use cortex_m_rt::exception;
 use device::Interrupt;
+use rundown::onboard::board::{Board, FailurePoint, Started};
 use rundown::onboard::clock::Clock;
 use rundown::onboard::watchdog::Watchdog;
 use rundown_wire::ResetCause;
+use serial::SerialPort;
 
 const CLOCK_HZ: u32 = 25_000_000;
 
-/// Everything that the application is given.
-pub struct Board {
-    pub port: SerialPort,
-    pub watchdog: DogTimer,
-    pub flash: Flash,
-    pub clock: Clock,
-    pub cause: ResetCause,
-}
+/// As the reference board, without a clock tree. There is no reset register either: a reset that kept the RAM counts as the watchdog's.
+pub struct Mps2;
 
-/// As the reference board's, without a clock tree. There is no reset register either: a reset that kept the RAM counts as the watchdog's.
-pub fn start(mut core: cortex_m::Peripherals) -> Option<Board> {
-    stopwatch::start(&mut core.SYST, CLOCK_HZ);
-    // The line has an interrupt for each direction; RTIC sets up the one that it knows.
-    // SAFETY: the priority of `line`, before any interrupt is enabled.
-    unsafe {
-        core.NVIC.set_priority(Interrupt::USART1_TX, rtic::export::cortex_logical2hw(3, device::NVIC_PRIO_BITS));
-        NVIC::unmask(Interrupt::USART1_TX);
+impl Board for Mps2 {
+    type Core = cortex_m::Peripherals;
+    type Port = SerialPort;
+    type Watchdog = DogTimer;
+    type Flash = Flash;
+
+    fn start(mut core: cortex_m::Peripherals) -> Option<Started<Self>> {
+        stopwatch::start(&mut core.SYST, CLOCK_HZ);
+        // The line has an interrupt for each direction; RTIC sets up the one that it knows.
+        // SAFETY: the priority of `line`, before any interrupt is enabled.
+        unsafe {
+            core.NVIC.set_priority(Interrupt::USART1_TX, rtic::export::cortex_logical2hw(3, device::NVIC_PRIO_BITS));
+            NVIC::unmask(Interrupt::USART1_TX);
+        }
+        Some(Started {
+            port: SerialPort::start(),
+            watchdog: DogTimer::start(),
+            flash: ram_flash::start(),
+            clock: Clock::Fast,
+            cause: ResetCause::Watchdog,
+        })
     }
-    Some(Board {
-        port: SerialPort::start(),
-        watchdog: DogTimer::start(),
-        flash: Flash::start(),
-        clock: Clock::Fast,
-        cause: ResetCause::Watchdog,
-    })
+
+    /// Fails as the test wants it: 1 the tick task hangs, 2 the link task hangs, 3 panic, 4 endless recursion, 5 undefined instruction. Once, unless 0x100 is added.
+    fn provoke(point: FailurePoint) {
+        let word = &raw mut _provoke;
+        // SAFETY: a word of the PSRAM that nothing else uses; volatile, because the test changes it.
+        let wish = unsafe { word.read_volatile() };
+        let here = match point {
+            FailurePoint::Link => wish & 0xFF == 2,
+            FailurePoint::Tick => matches!(wish & 0xFF, 1 | 3 | 4 | 5),
+        };
+        if !here {
+            return;
+        }
+        if wish & 0x100 == 0 {
+            // SAFETY: as above.
+            unsafe { word.write_volatile(0) };
+        }
+        match wish & 0xFF {
+            3 => panic!("on demand"),
+            4 => {
+                dig(0);
+            }
+            5 => cortex_m::asm::udf(),
+            _ => loop {
+                hint::spin_loop();
+            },
+        }
+    }
 }
 
 /// The CMSDK watchdog: half of the time until its interrupt (NMI), the other half until the reset.
@@ -69,7 +97,7 @@ impl DogTimer {
 
 impl Watchdog for DogTimer {
     fn feed(&mut self) {
-        // SAFETY: register of the watchdog; any value loads its counter anew.
+        // SAFETY: register of the watchdog; any value reloads its counter.
         unsafe { CLEAR.write_volatile(1) };
     }
 }
@@ -83,42 +111,9 @@ unsafe fn NonMaskableInt() {
     }
 }
 
-/// There is no flash controller.
-pub fn flash_errors() -> u32 {
-    0
-}
-
 unsafe extern "C" {
     /// What to do wrong, written by the test into the file behind the PSRAM; the linker's symbol.
     static mut _provoke: u32;
-}
-
-/// Fails as the test wants it: 1 the tick task hangs, 2 the link task hangs, 3 panic, 4 endless recursion, 5 undefined instruction. Once, unless 0x100 is added.
-pub fn provoke(place: Place) {
-    let word = &raw mut _provoke;
-    // SAFETY: a word of the PSRAM that nothing else uses; volatile, because the test changes it.
-    let wish = unsafe { word.read_volatile() };
-    let here = match place {
-        Place::Link => wish & 0xFF == 2,
-        Place::Tick => matches!(wish & 0xFF, 1 | 3 | 4 | 5),
-    };
-    if !here {
-        return;
-    }
-    if wish & 0x100 == 0 {
-        // SAFETY: as above.
-        unsafe { word.write_volatile(0) };
-    }
-    match wish & 0xFF {
-        3 => panic!("on demand"),
-        4 => {
-            dig(0);
-        }
-        5 => cortex_m::asm::udf(),
-        _ => loop {
-            hint::spin_loop();
-        },
-    }
 }
 
 /// Uses up the stack.

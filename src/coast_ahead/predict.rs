@@ -76,7 +76,7 @@ fn coast(
     let step_m = ahead_m / steps;
     for _ in 0..steps as u32 {
         if let Err(Stands { after_m }) = way.advance(step_m) {
-            // v² is nearly straight over the way, and its deviation is that of where the step began.
+            // v² is nearly straight over the distance, and its deviation is that of where the step began.
             let sd = here.sd_of(here.energy(&way.by_energy), &way.by_energy, estimate, way.noise_energy);
             let sd_m = Real::from(0.5 * sd / way.braking_n_per_kg().max(davis.r0 as f32));
             let location_m = way.location_m + sign * Real::from(after_m);
@@ -112,7 +112,7 @@ struct Here {
 }
 
 impl Here {
-    /// How v² at a place of the way answers to the location: a train that is further ahead has less of the way to go.
+    /// How v² at a place of the way answers to the location: a train that is further ahead has less distance to go.
     fn energy(&self, by: &[f32; 4]) -> f32 {
         2.0 * by[0] * self.braking_n_per_kg * self.sign
     }

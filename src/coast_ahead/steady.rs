@@ -1,4 +1,4 @@
-//! When a prediction is another one: advice that flutters is none.
+//! When a prediction is published again: with hysteresis.
 
 use super::{CoastAhead, CoastConfig, Outcome};
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,6 @@
-//! A coasting train over the way: v² and time, how they answer to the speed at the beginning and to r0, r1, r2, and what noise adds.
+//! A coasting train over a distance: v² and time, how they answer to the speed at the beginning and to r0, r1, r2, and what noise adds.
 //!
-//! In: where it begins, steps of the way. Out: [`Way`] at the end of each, or where the train stands.
+//! In: where it begins, steps of distance. Out: [`Way`] at the end of each, or where the train stands.
 //!
 //! ```text
 //! mean           E = v²      E' = E - 2 g (H' - H) - 2 h (r(v) + X)       v, X midway; H mean height under the train
@@ -27,7 +27,7 @@ const STANDS_M2_PER_S2: f32 = 1.0;
 /// Number of sensitivities: of the beginning's v², r0, r1, r2.
 const N: usize = 4;
 
-/// The state at a place of the way.
+/// The state at a place on the way.
 pub(super) struct Way<'a> {
     line: &'a Line<'a>,
     acting: &'a Acting<'a>,
@@ -47,7 +47,7 @@ pub(super) struct Way<'a> {
     pub(super) energy: f32,
     /// Integral of the height under the train, m².
     height_m2: Real,
-    /// Of the named effects at the last place where they were asked for, N/kg.
+    /// Of the named effects at the last place where they were evaluated, N/kg.
     extra_n_per_kg: f32,
     /// Of v².
     pub(super) by_energy: [f32; N],

@@ -59,7 +59,7 @@ impl fmt::Display for StepError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TimeNotIncreasing { last_s, found_s } => {
-                write!(f, "time must increase: the last measurement was at {last_s} s, this one is at {found_s} s")
+                write!(f, "time_s: expected beyond {last_s}, found {found_s}")
             }
         }
     }

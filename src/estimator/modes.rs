@@ -288,7 +288,7 @@ fn learn(
     };
     let contradicted = judged.contradiction.is_some();
     let read = judged.speed_mps.is_ok();
-    // A missing speed tells nothing about the regime: a coasted segment waits for the next one.
+    // A missing speed says nothing about the regime: a coasted segment waits for the next one.
     let waits = !read && !contradicted && config.mode == Mode::Gated;
     match effort.filter(|_| !contradicted) {
         Some(known) if run.learner.in_segment() => {

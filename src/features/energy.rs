@@ -17,12 +17,12 @@ impl Energy {
     /// Adds one interval. The coefficients are those of the later tick at both ends.
     pub(super) fn add(&mut self, before: &Observation, after: &Observation, interval: &Interval) {
         let work = interval.work_j_per_kg;
-        let pulls = matches!(after.regime, Regime::Traction | Regime::Cruise | Regime::Brake);
-        if work > 0.0 && pulls {
+        let under_effort = matches!(after.regime, Regime::Traction | Regime::Cruise | Regime::Brake);
+        if work > 0.0 && under_effort {
             self.traction_j_per_kg += work;
         }
         // The tick at which the train stands ends an interval of braking.
-        if work < 0.0 && (pulls || after.regime == Regime::Standstill) {
+        if work < 0.0 && (under_effort || after.regime == Regime::Standstill) {
             self.brake_j_per_kg -= work;
         }
         let [r0, r1, r2] = after.davis.terms_n_per_kg(before.speed_mps);

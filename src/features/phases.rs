@@ -45,7 +45,7 @@ impl Boundary {
 
 /// Samples of one regime in a row.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Segment {
+struct SampleRow {
     regime: Regime,
     end_s: Real,
     first_sample_s: Real,
@@ -56,7 +56,7 @@ struct Segment {
     impulse_mps: Real,
 }
 
-impl Segment {
+impl SampleRow {
     const ZEROED: Self = Self {
         regime: Regime::Standstill,
         end_s: 0.0,
@@ -101,8 +101,8 @@ in_place! {
     /// Makes phases of samples.
     #[derive(Clone, Debug, Serialize)]
     pub(super) struct Phases {
-        phase: Option<Segment> = (None, zeroed Some(Segment::ZEROED));
-        pending: Deque<Segment, MAX_PENDING> = (in place);
+        phase: Option<SampleRow> = (None, zeroed Some(SampleRow::ZEROED));
+        pending: Deque<SampleRow, MAX_PENDING> = (in place);
         last: Option<Boundary> = (None, zeroed Some(Boundary::ZEROED));
         held_speeds: HeldSpeeds = (in place);
     }
@@ -117,14 +117,14 @@ impl Phases {
     /// The first tick of a run. Standing it needs no interval to be recognised, and departure is then a switching point.
     pub(super) fn begin(&mut self, time_s: Real, regime: Regime) {
         if regime == Regime::Standstill {
-            self.phase = Some(Segment { regime, end_s: time_s, first_sample_s: time_s, ..Segment::ZEROED });
+            self.phase = Some(SampleRow { regime, end_s: time_s, first_sample_s: time_s, ..SampleRow::ZEROED });
         }
     }
 
     /// Takes the interval that ends at `end_s`. A boundary with the same `time_s` and `from` as one given before takes its place.
     pub(super) fn push(&mut self, config: &FeatureConfig, end_s: Real, interval: &Interval) -> Boundaries {
         let mut known = Boundaries::new();
-        let mut sample = Segment::new(end_s, interval);
+        let mut sample = SampleRow::new(end_s, interval);
         if self.is_powering_phase(config, interval) {
             sample.regime = Regime::Traction;
         }
@@ -148,7 +148,7 @@ impl Phases {
         let coast = Some(Regime::Coast);
         let before = self.pending.back().or(self.phase.as_ref());
         interval.regime == Regime::Coast
-            && before.map(|segment| segment.regime) == coast
+            && before.map(|row| row.regime) == coast
             && interval.dt_s >= 0.5 * config.window_s
             && interval.impulse_mps > KmPerHour(config.bridge_speed_kmh).to_mps()
     }
@@ -161,7 +161,7 @@ impl Phases {
                 continue;
             };
             let regime = phase.regime;
-            let back = self.pending.iter().position(|segment| segment.regime == regime);
+            let back = self.pending.iter().position(|row| row.regime == regime);
             let gap = self.pending.iter().take(back.unwrap_or(MAX_PENDING));
             if !bridgeable(config, regime, gap) {
                 self.close(config, known);
@@ -178,7 +178,7 @@ impl Phases {
     }
 
     /// The phase goes on with these samples.
-    fn extend(&mut self, next: &Segment) {
+    fn extend(&mut self, next: &SampleRow) {
         if let Some(phase) = &mut self.phase {
             if phase.regime == Regime::Cruise {
                 self.held_speeds.add(next.start_mps, next.end_mps, next.dt_s);
@@ -227,15 +227,15 @@ impl Phases {
     }
 }
 
-fn bridgeable<'a>(config: &FeatureConfig, regime: Regime, gap: impl Iterator<Item = &'a Segment>) -> bool {
+fn bridgeable<'a>(config: &FeatureConfig, regime: Regime, gap: impl Iterator<Item = &'a SampleRow>) -> bool {
     let (mut samples, mut dt_s, mut moved_mps) = (0, 0.0, 0.0);
-    for segment in gap {
-        if regime == Regime::Standstill || segment.regime == Regime::Standstill {
+    for row in gap {
+        if regime == Regime::Standstill || row.regime == Regime::Standstill {
             return false;
         }
-        samples = segment.samples.saturating_add(samples);
-        dt_s += segment.dt_s;
-        moved_mps += segment.impulse_mps.abs();
+        samples = row.samples.saturating_add(samples);
+        dt_s += row.dt_s;
+        moved_mps += row.impulse_mps.abs();
     }
     let short = samples <= config.bridge_samples || dt_s <= Real::from(config.bridge_samples) * config.window_s;
     short && (regime != Regime::Coast || moved_mps <= KmPerHour(config.bridge_speed_kmh).to_mps())

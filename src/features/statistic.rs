@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 
 /// Mean and standard deviation of values that lasted for different times (Welford's recurrence with weights).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Spread {
+pub(super) struct WeightedMoments {
     count: u32,
     weight: Real,
     mean: Real,
     squares: Real,
 }
 
-impl Spread {
+impl WeightedMoments {
     /// No value.
     pub(super) const ZEROED: Self = Self { count: 0, weight: 0.0, mean: 0.0, squares: 0.0 };
 
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn weights_are_repeated_values() {
-        let (mut weighted, mut repeated) = (Spread::default(), Spread::default());
+        let (mut weighted, mut repeated) = (WeightedMoments::default(), WeightedMoments::default());
         weighted.add(1.0, 2.0);
         weighted.add(4.0, 1.0);
         for value in [1.0, 1.0, 4.0] {

@@ -17,7 +17,7 @@ const MAX_HELD: usize = 12;
 in_place! {
     /// The filter for one regime.
     #[derive(Clone, Debug, Serialize)]
-    pub(super) struct Steady {
+    pub(super) struct SteadyIntervals {
         regime: Regime = (Regime::Standstill);
         /// The interval before was of the regime.
         inside: bool = (false);
@@ -26,7 +26,7 @@ in_place! {
     }
 }
 
-impl Steady {
+impl SteadyIntervals {
     pub(super) fn begin(&mut self, regime: Regime) {
         self.regime = regime;
         self.interrupt();
@@ -73,7 +73,7 @@ mod tests {
     use Regime::{Brake, Coast, Cruise, Standstill, Traction};
 
     fn accepted(wanted: Regime, rows: &[(Regime, Real)]) -> std::vec::Vec<Real> {
-        let mut steady = Steady::ZEROED;
+        let mut steady = SteadyIntervals::ZEROED;
         steady.begin(wanted);
         let mut efforts = std::vec::Vec::new();
         for &(regime, effort) in rows {

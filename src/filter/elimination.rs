@@ -18,7 +18,7 @@ pub struct NotPositiveDefinite {
 
 impl fmt::Display for NotPositiveDefinite {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "covariance is not positive definite: pivot {} is {}", self.row, self.pivot)
+        write!(f, "covariance: expected pivot {} above 0, found {}", self.row, self.pivot)
     }
 }
 

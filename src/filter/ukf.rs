@@ -31,7 +31,7 @@
 //! columns odd and even are zero, so the factor ends after K columns.
 //!
 //! Readings are components of the state (Eq. 6: location and speed) and independent, so Eq. (12)-(18) take them in one after another;
-//! a missing one is left out. The paper's own arithmetic stands in the tests as the witness of all this (`host-tests/tests/textbook.rs`).
+//! a missing one is left out. The paper's own arithmetic stands in the tests as the reference implementation of all this (`host-tests/tests/textbook.rs`).
 //!
 //! Printed as it is, Eq. (11)-(15) leave Q out of the gain; [`Ukf::reuse_points`] keeps that.
 
@@ -77,7 +77,7 @@ pub struct Pair {
 }
 
 /// Readings z = (components of x) + noise, M of them, independent of each other, Eq. (6).
-pub trait Observation<const M: usize> {
+pub trait MeasurementModel<const M: usize> {
     /// Which component of the state each reading reads.
     const COMPONENTS: [usize; M];
 
@@ -257,7 +257,7 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
         &self,
         belief: &mut Gaussian<N>,
         process: &impl Process<N, K>,
-        observation: &impl Observation<M>,
+        observation: &impl MeasurementModel<M>,
         z: &[Option<Real>; M],
     ) -> Result<Innovation<M>, NotPositiveDefinite> {
         let noise = process.noise_variance();
@@ -299,7 +299,7 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
     pub fn update(
         &self,
         belief: &mut Gaussian<N>,
-        observation: &impl Observation<M>,
+        observation: &impl MeasurementModel<M>,
         z: &[Option<Real>; M],
     ) -> Result<Innovation<M>, NotPositiveDefinite> {
         let innovation = self.take_in(belief, observation, z)?;
@@ -362,7 +362,7 @@ impl<const N: usize, const M: usize> Ukf<N, M> {
 
     /// [`Ukf::update`] of the lower triangle.
     #[inline]
-    fn take_in<O: Observation<M>>(
+    fn take_in<O: MeasurementModel<M>>(
         &self,
         belief: &mut Gaussian<N>,
         observation: &O,

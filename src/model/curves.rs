@@ -24,7 +24,7 @@ pub struct Curve {
     pub radius_m: Real,
 }
 
-/// Smallest radius that the formula is asked for, m: its pole is at 30 m, and no train of ours runs through less.
+/// Smallest radius that the formula is asked for, m: its pole is at 30 m, and no main line is tighter.
 const LEAST_RADIUS_M: Real = 50.0;
 
 /// Roeckl's formula: resistance of a curve as a share of the weight. A radius below 50 m counts as 50 m.

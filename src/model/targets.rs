@@ -25,7 +25,7 @@ pub struct Target {
 
 /// What is permitted below and above a place along the track's locations; a stop permits 0 on both sides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-struct Place {
+struct Boundary {
     at_m: f32,
     below_mps: f32,
     above_mps: f32,
@@ -34,7 +34,7 @@ struct Place {
 /// The places of a track.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Targets {
-    places: Vec<Place, MAX_TARGETS>,
+    places: Vec<Boundary, MAX_TARGETS>,
 }
 
 impl Targets {
@@ -47,7 +47,7 @@ impl Targets {
     /// The first target further than `beyond_m` ahead.
     pub(crate) fn next(&self, direction: Direction, location_m: Real, beyond_m: Real) -> Option<Target> {
         let reached_m = (location_m + direction.sign() * beyond_m) as f32;
-        let asks = |place: &&Place| match direction {
+        let asks = |place: &&Boundary| match direction {
             Direction::Up => place.at_m > reached_m && place.is_target(place.below_mps, place.above_mps),
             Direction::Down => place.at_m < reached_m && place.is_target(place.above_mps, place.below_mps),
         };
@@ -88,12 +88,12 @@ impl Table for Targets {
             None => (0.0, 0.0),
             Some(limit_mps) => (below_mps.unwrap_or(f32::INFINITY), limit_mps as f32),
         };
-        let place = Place { at_m, below_mps, above_mps };
+        let place = Boundary { at_m, below_mps, above_mps };
         good && self.places.push(place).is_ok()
     }
 }
 
-impl Place {
+impl Boundary {
     fn is_target(&self, before_mps: f32, behind_mps: f32) -> bool {
         behind_mps == 0.0 || behind_mps < before_mps
     }

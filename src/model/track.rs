@@ -100,19 +100,23 @@ pub enum TrackError {
 impl fmt::Display for TrackError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Length { found } => write!(f, "track: length_m must be above 0, found {found}"),
+            Self::Length { found } => write!(f, "length_m: expected above 0, found {found}"),
             Self::TooMany { found } => {
-                write!(f, "track: at most {MAX_GRADIENTS} gradients, found {found}")
+                write!(f, "gradient: expected at most {MAX_GRADIENTS}, found {found}")
             }
-            Self::BadGradient { index } => write!(f, "track: gradient {index} must be finite and within 200 permille"),
-            Self::NotSorted { index } => write!(f, "track: gradient {index} must begin after the one before it"),
+            Self::BadGradient { index } => {
+                write!(f, "gradient[{index}]: expected finite numbers within 200 permille, found another")
+            }
+            Self::NotSorted { index } => {
+                write!(f, "gradient[{index}].from_m: expected beyond that of the entry before, found less")
+            }
             Self::BadCurve { index } => write!(
                 f,
-                "track: curve {index} must have a radius above 0 and an end behind its beginning, not begin before the one before it, and be one of at most {MAX_CURVES}"
+                "curve[{index}]: expected one of at most {MAX_CURVES}, sorted, of a radius above 0 and ending beyond its beginning, found another"
             ),
             Self::BadTarget { index } => write!(
                 f,
-                "track: target {index} must be a stop or a permitted speed above 0, not lie before the one before it, and be one of at most {MAX_TARGETS}"
+                "target[{index}]: expected one of at most {MAX_TARGETS}, sorted, a stop or a permitted speed above 0, found another"
             ),
         }
     }
@@ -305,14 +309,14 @@ impl Track {
 
     /// The point at a location.
     #[inline]
-    fn search(&self, location_m: Real) -> Point {
+    fn search(&self, location_m: Real) -> TrackPoint {
         let begun = self.pieces.partition_point(|p| p.from_m <= location_m);
         self.point(begun.saturating_sub(1), location_m)
     }
 
     /// The point at a distance of either sign, found by walking from here.
     #[inline]
-    fn walk(&self, from: &Point, distance_m: Real) -> Point {
+    fn walk(&self, from: &TrackPoint, distance_m: Real) -> TrackPoint {
         let location_m = from.location_m + distance_m;
         let mut index = from.index;
         if distance_m < 0.0 {
@@ -328,11 +332,11 @@ impl Track {
     }
 
     #[inline]
-    fn point(&self, index: usize, location_m: Real) -> Point {
+    fn point(&self, index: usize, location_m: Real) -> TrackPoint {
         let piece = self.piece(index);
         let behind_m = location_m - piece.from_m;
         let before_m = self.begin_m(index + 1) - location_m;
-        Point {
+        TrackPoint {
             location_m,
             index,
             slope: piece.slope,
@@ -354,7 +358,7 @@ impl Track {
 
     /// Height gained from a point over a distance of either sign, m: summed piece by piece, so that it is exact
     /// to rounding of the distance even where the height is large and the distance tiny.
-    fn rise_m(&self, from: &Point, distance_m: Real) -> Real {
+    fn rise_m(&self, from: &TrackPoint, distance_m: Real) -> Real {
         let end_m = from.location_m + distance_m;
         let mut index = from.index;
         let mut at_m = from.location_m;
@@ -389,7 +393,7 @@ impl Piece {
 
 /// A location and what is found there.
 #[derive(Clone, Copy, Debug)]
-struct Point {
+struct TrackPoint {
     location_m: Real,
     /// The piece.
     index: usize,
@@ -403,8 +407,8 @@ struct Point {
 #[derive(Clone, Copy, Debug)]
 pub struct UnderTrain<'a> {
     track: &'a Track,
-    front: Point,
-    tail: Point,
+    front: TrackPoint,
+    tail: TrackPoint,
 }
 
 impl<'a> UnderTrain<'a> {

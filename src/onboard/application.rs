@@ -36,7 +36,7 @@ impl<'a, F: NorFlash> Application<'a, F> {
         match self.decoder.push(byte) {
             Ok(Some(message)) => {
                 self.messages.received = self.messages.received.saturating_add(1);
-                let mut line = Line { send, health, messages: &mut self.messages };
+                let mut line = AnswerPort { send, health, messages: &mut self.messages };
                 self.task.receive(message, &mut line);
             }
             Ok(None) => {}
@@ -46,19 +46,19 @@ impl<'a, F: NorFlash> Application<'a, F> {
 
     /// A tick of the clock.
     pub fn tick(&mut self, health: impl Fn() -> Health, send: &mut impl FnMut(&[u8]) -> bool) {
-        let mut line = Line { send, health, messages: &mut self.messages };
+        let mut line = AnswerPort { send, health, messages: &mut self.messages };
         self.task.tick(&mut line);
     }
 }
 
 /// The line as the task sees it.
-struct Line<'a, S, H> {
+struct AnswerPort<'a, S, H> {
     send: &'a mut S,
     health: H,
     messages: &'a mut Counters,
 }
 
-impl<S: FnMut(&[u8]) -> bool, H: Fn() -> Health> Port for Line<'_, S, H> {
+impl<S: FnMut(&[u8]) -> bool, H: Fn() -> Health> Port for AnswerPort<'_, S, H> {
     fn send(&mut self, message: &[u8]) -> bool {
         let sent = serial::encode(message).is_ok_and(|frame| (self.send)(&frame));
         if sent {

@@ -95,7 +95,7 @@ pub fn bounded(mut ready: impl FnMut() -> bool) -> Option<()> {
 mod tests {
     use super::*;
 
-    /// A clock tree that dies where it is told to.
+    /// A clock tree that dies at a chosen step.
     struct Mock {
         dead: Option<Late>,
         running_from_pll: bool,

@@ -71,7 +71,7 @@ impl Kept {
     /// A boot: what was found in RAM and in the reset register becomes the report, and what is to be kept from now on.
     ///
     /// RAM that was not kept means that the power was away, whatever the register says. What the firmware wrote down before it fell outranks a register
-    /// that says power-on or watchdog: some parts (and the emulator) do not tell resets apart.
+    /// that says power-on or watchdog: some parts (and the emulator) do not distinguish resets.
     pub fn boot(found: Option<Self>, register: ResetCause) -> (Self, Boot) {
         let mut kept = found.unwrap_or_default();
         let cause = match (found.map(|kept| kept.failure), register) {

@@ -1,4 +1,4 @@
-//! The running resistance as it is published: with a validity that does not flutter, and never a value that no train has.
+//! The running resistance as it is published: with hysteresis in its validity, and never a value that no train has.
 //!
 //! - *Not yet*, until the standard deviation of r(v) at [`JUDGED_KMH`] has fallen below [`LEARNED_SHARE`] of the description's; and again only above [`FORGOTTEN_SHARE`].
 //! - *Out of bounds*, when r(v) at one of [`BOUND_KMH`] leaves 0.5 to 2 times the manufacturer's; until all are back within 0.55 to 1.9 times. The curve is judged

@@ -17,7 +17,7 @@ pub const MOST_PER_CALL: usize = 16;
 /// What a port must offer beyond reading and writing a byte.
 ///
 /// `read` must clear the error flag that it reports, or the interrupt never ends.
-pub trait Port: Read<u8> + Write<u8> {
+pub trait LinePort: Read<u8> + Write<u8> {
     /// Asks for an interrupt when a byte can be written, or does not ask any more.
     fn interrupt_when_writable(&mut self, on: bool);
 }
@@ -74,7 +74,7 @@ fn increment(counter: &AtomicU32) {
 
 /// What the port's interrupt does. Returns whether bytes have come, for the link task to be woken.
 pub fn serve<const N: usize>(
-    port: &mut impl Port,
+    port: &mut impl LinePort,
     ring: &mut Producer<'_, u8>,
     outbox: &mut Outbox<N>,
     errors: &LineErrors,
@@ -97,7 +97,7 @@ pub fn serve<const N: usize>(
 }
 
 /// Starts sending what waits; the interrupt does the rest.
-pub fn send<const N: usize>(port: &mut impl Port, outbox: &mut Outbox<N>) {
+pub fn send<const N: usize>(port: &mut impl LinePort, outbox: &mut Outbox<N>) {
     while let Some(byte) = outbox.front() {
         if matches!(port.write(byte), Err(nb::Error::WouldBlock)) {
             break;
@@ -150,7 +150,7 @@ mod tests {
         }
     }
 
-    impl Port for Mock {
+    impl LinePort for Mock {
         fn interrupt_when_writable(&mut self, on: bool) {
             self.asks = on;
         }

@@ -6,7 +6,7 @@ use crc::{CRC_64_XZ, Crc, NoTable};
 /// CRC without a table: a name is hashed once, so 2 KiB of flash are not worth it.
 const HASH: Crc<u64, NoTable> = Crc::<u64, NoTable>::new(&CRC_64_XZ);
 
-/// Hash of a train's id. Tells trains apart; it does not authenticate.
+/// Hash of a train's id. Separates trains; it does not authenticate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TrainId(pub u64);
 

@@ -7,7 +7,7 @@ pub use rundown_wire::Stalled;
 
 /// A hardware watchdog that is running. It cannot be stopped, only fed.
 pub trait Watchdog {
-    /// Starts its time anew.
+    /// Restarts its time.
     fn feed(&mut self);
 }
 

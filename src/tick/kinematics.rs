@@ -29,7 +29,7 @@ impl Kinematics {
     pub(crate) const ZEROED: Self =
         Self { location_m: 0.0, location_variance: 0.0, speed_mps: 0.0, speed_variance: 0.0 };
 
-    /// Begins anew; a missing location or speed begins at 0 with a standard deviation that says so.
+    /// Begins; a missing location or speed begins at 0 with a standard deviation that says so.
     pub fn begin(sensor: &SensorConfig, location_m: Option<Real>, speed_mps: Option<Real>) -> Self {
         let location_sd_m = location_m.map_or(1e5, |_| sensor.location_sd_m);
         let speed_sd_mps = speed_mps.map_or(30.0, |_| sensor.speed_sd_mps());
@@ -76,7 +76,7 @@ impl Kinematics {
         }
     }
 
-    /// Location is taken up anew after a jump that turned out to be true.
+    /// The location is taken from its reading after a jump that turned out to be true.
     pub fn anchor(&mut self, sensor: &SensorConfig, location_m: Real) {
         self.location_m = location_m;
         self.location_variance = sensor.location_sd_m * sensor.location_sd_m;

@@ -11,7 +11,7 @@
 use crate::Real;
 use crate::filter::elimination::NotPositiveDefinite;
 use crate::filter::gaussian::Gaussian;
-use crate::filter::ukf::{Innovation, Observation, Reading, Spread, Ukf};
+use crate::filter::ukf::{Innovation, MeasurementModel, Reading, Spread, Ukf};
 use crate::model::effects::Acting;
 use crate::model::line::Line;
 use crate::model::motion::{Evaluate, Motion};
@@ -65,7 +65,7 @@ pub struct LocationAndSpeed {
     pub speed_variance: Real,
 }
 
-impl Observation<2> for LocationAndSpeed {
+impl MeasurementModel<2> for LocationAndSpeed {
     const COMPONENTS: [usize; 2] = [LOCATION, SPEED];
 
     fn variance(&self, i: usize) -> Real {

@@ -237,9 +237,9 @@ impl Hypothesis {
         let mean = of_run.mean;
         let eta = vector - information * mean;
         let foreseen = one + information * of_run.covariance;
-        let pull = of_run.covariance * foreseen.try_inverse()?;
+        let gain = of_run.covariance * foreseen.try_inverse()?;
         let evidence = -0.5 * libm::log(foreseen.determinant().max(Real::MIN_POSITIVE))
-            + 0.5 * eta.dot(&(pull * eta))
+            + 0.5 * eta.dot(&(gain * eta))
             + vector.dot(&mean)
             - 0.5 * mean.dot(&(information * mean));
 

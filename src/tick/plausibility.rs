@@ -5,7 +5,7 @@
 //! | input | behaviour |
 //! |---|---|
 //! | time equal or back | the measurement is dropped and counted |
-//! | no measurement for more than `long_gap_s` | location and speed are taken up anew, what was learned stays |
+//! | no measurement for more than `long_gap_s` | location and speed begin again, what was learned stays |
 //! | not finite, negative, off the track, faster than any train | the field is dropped, the other one is used |
 //! | location far from where the speed leads | dropped; three in a row that agree with each other are believed, counted as `Contradiction` |
 //! | the same location while the train runs | dropped for as long as it lasts |
@@ -50,7 +50,7 @@ settings! {
 pub struct Judged {
     /// Time, s.
     pub time_s: Real,
-    /// Time since the last measurement, s; 0 when location and speed begin anew.
+    /// Time since the last measurement, s; 0 when location and speed begin.
     pub dt_s: Real,
     /// Location and speed begin here: first measurement, or a long gap.
     pub begins: bool,

@@ -37,10 +37,10 @@ impl fmt::Display for DecodeError {
         match self {
             Self::Empty => write!(f, "message: empty"),
             Self::Version { found } => {
-                write!(f, "message: version {VERSION} expected, found {found}")
+                write!(f, "message: expected version {VERSION}, found {found}")
             }
             Self::Malformed => write!(f, "message: no frame that this version knows"),
-            Self::TooLong { left } => write!(f, "message: {left} bytes left after the frame"),
+            Self::TooLong { left } => write!(f, "message: expected its end behind the frame, found {left} bytes more"),
         }
     }
 }
@@ -53,7 +53,7 @@ pub struct EncodeError;
 
 impl fmt::Display for EncodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "message: the buffer is too short, {MAX_MESSAGE} bytes hold any")
+        write!(f, "buffer: expected room for the message, at most {MAX_MESSAGE} bytes, found less")
     }
 }
 

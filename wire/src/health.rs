@@ -30,7 +30,7 @@ impl ResetCause {
     }
 }
 
-/// Bytes kept of a file's name: its end, which tells files apart.
+/// Bytes kept of a file's name: its end, which distinguishes files.
 pub const FILE_TAIL: usize = 24;
 
 /// What the firmware wrote down before the reset.

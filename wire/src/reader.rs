@@ -4,11 +4,11 @@
 //!
 //! ```text
 //! bytes -> COBS, CRC-32C -> message -> version, postcard -> sequence number -> frame
-//!          damaged                     unknown              lost, late, repeated, anew
+//!          damaged                     unknown              lost, late, repeated, restarts
 //! ```
 //!
-//! A reader may begin anywhere and meet anything: it is in step again at the next zero byte, and nothing panics. The board's numbers begin anew with each run and after its restart, which is no loss;
-//! they are told from frames out of order by the last [`WINDOW`] numbers and their ticks.
+//! A reader may begin anywhere and meet anything: it is in step again at the next zero byte, and nothing panics. The board's numbers restart with each run and after its restart, which is no loss;
+//! they are distinguished from frames out of order by the last [`WINDOW`] numbers and their ticks.
 
 use crate::downlink::Downlink;
 use crate::link::serial::Decoder;
@@ -30,8 +30,8 @@ pub enum Order {
     Late,
     /// It has come before.
     Repeated,
-    /// The board counts anew: a run begins, or the board has restarted.
-    Anew,
+    /// The board counts from 0 again: a run begins, or the board has restarted.
+    Restart,
 }
 
 /// A frame and where it stands.
@@ -58,8 +58,8 @@ pub struct Tally {
     pub out_of_order: u32,
     /// Frames that came twice.
     pub repeated: u32,
-    /// How often the board began to count anew.
-    pub anew: u32,
+    /// How often the board restarted its count.
+    pub restarts: u32,
 }
 
 /// Reads frames.
@@ -130,8 +130,8 @@ fn read(message: &[u8], sequence: &mut Sequence, tally: &mut Tally) -> Option<Re
             tally.lost = tally.lost.saturating_sub(was_missed.into());
         }
         Order::Repeated => count(&mut tally.repeated),
-        Order::Anew => {
-            count(&mut tally.anew);
+        Order::Restart => {
+            count(&mut tally.restarts);
             tally.lost = tally.lost.saturating_add(frame.sequence.into());
         }
     }
@@ -149,7 +149,7 @@ type Place = (u16, u32);
 #[derive(Debug, Default)]
 struct Sequence {
     newest: Option<Place>,
-    // Numbers since the first one that came, or since the board began anew.
+    // Numbers since the first one that came, or since the board restarted its count.
     span: u16,
     recent: [Option<Place>; WINDOW as usize],
 }
@@ -174,10 +174,10 @@ impl Sequence {
             // A count begins with number 0, and early; the very frame that came last begins nothing.
             let begins = number == 0 || (tick < newest_tick && number < WINDOW);
             let was_missed = behind < self.span;
-            let anew =
+            let restarted =
                 if was_missed { taken || (came && number == 0 && behind > 0) } else { begins || tick > newest_tick };
-            return if anew {
-                (self.begin(place, Order::Anew), false)
+            return if restarted {
+                (self.begin(place, Order::Restart), false)
             } else if came {
                 (Order::Repeated, false)
             } else {
@@ -189,14 +189,14 @@ impl Sequence {
         if tick >= newest_tick && ahead <= u16::MAX / 2 {
             return (self.go_on(place, ahead, Order::After { lost: ahead - 1 }), false);
         }
-        (self.begin(place, Order::Anew), false)
+        (self.begin(place, Order::Restart), false)
     }
 
     fn begin(&mut self, place: Place, order: Order) -> Order {
         self.recent = [None; WINDOW as usize];
         self.span = match order {
             // What is missing of the new count may still come.
-            Order::Anew => place.0.saturating_add(1),
+            Order::Restart => place.0.saturating_add(1),
             _ => 1,
         };
         self.newest = Some(place);
@@ -256,24 +256,24 @@ mod tests {
         let (found, tally) = orders([(102, 9), (101, 9), (105, 9), (100, 8)]);
         assert_eq!(found[1], Order::Late);
         assert_eq!(found[3], Order::Late);
-        assert_eq!((tally.lost, tally.out_of_order, tally.anew), (2, 2, 0));
+        assert_eq!((tally.lost, tally.out_of_order, tally.restarts), (2, 2, 0));
     }
 
     #[test]
     fn numbers_wrap_without_a_loss() {
         let (_, tally) = orders([(65_534, 9), (65_535, 9), (0, 9), (2, 10)]);
-        assert_eq!((tally.lost, tally.anew), (1, 0));
+        assert_eq!((tally.lost, tally.restarts), (1, 0));
     }
 
     #[test]
     fn a_run_that_begins_is_no_loss() {
         // The description of train and track, then `begin`; a long run, then the next one, whose first two frames are lost.
         let (found, tally) = orders([(14, 0), (15, 0), (0, 0), (1, 1), (40_000, 9000), (2, 1), (3, 1)]);
-        assert_eq!(found[2], Order::Anew);
-        assert_eq!(found[4], Order::Anew, "more than half of all numbers ahead");
-        assert_eq!(found[5], Order::Anew);
+        assert_eq!(found[2], Order::Restart);
+        assert_eq!(found[4], Order::Restart, "more than half of all numbers ahead");
+        assert_eq!(found[5], Order::Restart);
         assert_eq!(found[6], Order::Next);
-        assert_eq!((tally.anew, tally.lost), (3, 40_002));
+        assert_eq!((tally.restarts, tally.lost), (3, 40_002));
     }
 
     #[test]
@@ -281,7 +281,7 @@ mod tests {
         let (found, tally) = orders([(5, 1), (5, 1), (6, 1), (5, 1), (7, 2)]);
         assert_eq!(found[1], Order::Repeated);
         assert_eq!(found[3], Order::Repeated);
-        assert_eq!((tally.repeated, tally.lost, tally.anew), (2, 0, 0));
+        assert_eq!((tally.repeated, tally.lost, tally.restarts), (2, 0, 0));
     }
 
     #[test]

@@ -11,7 +11,7 @@
 use rundown::link::checksum::LengthError;
 use rundown::link::serial::{self, Decoder};
 use rundown::model::effects::{Effect, Effects, FrameError};
-use rundown::onboard::uplink::{self, Command, OPEN, Request, Uplink, VERSION};
+use rundown::uplink::{self, Command, OPEN, Request, Uplink, VERSION};
 use rundown_wire::{EncodeError, MAX_MESSAGE};
 use thiserror::Error;
 

@@ -2,6 +2,7 @@
 //!
 //! Exit codes: see `AFTER_HELP`. Errors are one line each on stderr: what, where, what to do.
 
+mod check;
 mod demo;
 #[cfg(feature = "link")]
 mod display;
@@ -60,6 +61,8 @@ struct Arguments {
 enum Command {
     /// Replay recorded runs through the estimator of the board
     Replay(Box<replay::Arguments>),
+    /// What the recorder of some logs did to speed, location and clock, with figures
+    Check(check::Arguments),
     /// Simulate runs with known truth, and with effects that the description does not have
     Simulate(simulate::Arguments),
     /// The paper's case study: its figures and claims on simulated or recorded runs, with the truth beside them
@@ -148,6 +151,7 @@ pub fn main() -> ExitCode {
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let done = match Arguments::parse_from(arguments).command {
         Command::Replay(arguments) => replay::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),

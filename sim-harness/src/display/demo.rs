@@ -5,12 +5,10 @@
 use crate::desk::{Description, Desk};
 use crate::session::{Heard, Session};
 use crate::study::case::{case_study, fleet_run};
-use embedded_storage::nor_flash::{
-    ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
-};
 use rundown::link::{Counters, Link, LinkError, Message};
 use rundown::model::effects::{Effect, Effects, PowerLimitSection, TractionScale};
 use rundown::onboard::auth::{Key, Provisioning};
+use rundown::onboard::flash::{MemoryFlash, RECORDS};
 use rundown::onboard::task::{Port, Room, Task};
 use rundown::{
     estimator::config::Config, estimator::run_state::RunState, onboard::train_id::TrainId, onboard::uplink::Pace,
@@ -45,7 +43,7 @@ pub fn play_runs(runs: usize, mut say: impl FnMut(&[u8])) -> Result<(), String> 
     let description =
         Description { effects: effects()?, ..Description::new(&train, &simulation.track, Config::default()) };
     let (mut run, mut room) = (Box::new(RunState::idle()), Box::new(Room::EMPTY));
-    let task = Task::new(Ok(PROVISIONING), RamFlash::default(), false, &mut run, &mut room);
+    let task = Task::new(Ok(PROVISIONING), MemoryFlash::ERASED, false, &mut run, &mut room);
     let board = Board { task, wire: Outbox::default() };
     let mut session = Session::new(board, Desk::new(PROVISIONING));
     let mut tell = |heard: &[Heard]| heard.iter().for_each(|heard| say(&heard.message));
@@ -87,7 +85,7 @@ impl Port for Outbox {
 
 /// The task as a link: what is sent goes in, what comes out is received.
 struct Board<'a> {
-    task: Task<'a, RamFlash>,
+    task: Task<'a, MemoryFlash<[u8; RECORDS]>>,
     wire: Outbox,
 }
 
@@ -109,59 +107,5 @@ impl Link for Board<'_> {
 
     fn counters(&self) -> Counters {
         Counters::ZERO
-    }
-}
-
-const PAGE: usize = 2048;
-const PAGES: usize = 8;
-
-/// Pages for records that no power cut meets.
-struct RamFlash(Vec<u8>);
-
-impl Default for RamFlash {
-    fn default() -> Self {
-        Self(vec![0xFF; PAGE * PAGES])
-    }
-}
-
-impl RamFlash {
-    fn at(&mut self, offset: u32, length: usize) -> Result<&mut [u8], NorFlashErrorKind> {
-        let from = offset as usize;
-        self.0.get_mut(from..from.saturating_add(length)).ok_or(NorFlashErrorKind::OutOfBounds)
-    }
-}
-
-impl ErrorType for RamFlash {
-    type Error = NorFlashErrorKind;
-}
-
-impl ReadNorFlash for RamFlash {
-    const READ_SIZE: usize = 1;
-
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
-        check_read(self, offset, bytes.len())?;
-        bytes.copy_from_slice(self.at(offset, bytes.len())?);
-        Ok(())
-    }
-
-    fn capacity(&self) -> usize {
-        self.0.len()
-    }
-}
-
-impl NorFlash for RamFlash {
-    const WRITE_SIZE: usize = 8;
-    const ERASE_SIZE: usize = PAGE;
-
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
-        check_erase(self, from, to)?;
-        self.at(from, (to - from) as usize)?.fill(0xFF);
-        Ok(())
-    }
-
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
-        check_write(self, offset, bytes.len())?;
-        self.at(offset, bytes.len())?.copy_from_slice(bytes);
-        Ok(())
     }
 }

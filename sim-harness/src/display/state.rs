@@ -137,7 +137,7 @@ impl State {
         let frame = &received.frame;
         match received.order {
             Order::Late | Order::Repeated => return,
-            Order::Anew => self.begin_run(),
+            Order::Restart => self.begin_run(),
             Order::Next | Order::After { .. } => {}
         }
         // The board has restarted its count and the first number was lost.

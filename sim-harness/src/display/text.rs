@@ -37,7 +37,7 @@ const fn word(order: Order) -> &'static str {
         Order::After { .. } => "after",
         Order::Late => "late",
         Order::Repeated => "repeated",
-        Order::Anew => "anew",
+        Order::Restart => "restart",
     }
 }
 

@@ -40,9 +40,9 @@ pub struct Recorded {
 pub enum RecordError {
     #[error(transparent)]
     Csv(#[from] csv::Error),
-    #[error("expected the columns time_us,direction,message, found {found}")]
+    #[error("header: expected the columns time_us,direction,message, found {found}")]
     Header { found: String },
-    #[error("line {line}, {column}: expected {expected}, found `{found}`")]
+    #[error("{line}: {column}: expected {expected}, found `{found}`")]
     Field { line: u64, column: &'static str, expected: &'static str, found: String },
 }
 
@@ -200,10 +200,10 @@ mod tests {
     #[test]
     fn a_line_that_cannot_be_read_is_named() {
         for (line, cause) in [
-            ("x,sent,00", "line 2, time_us: expected microseconds, found `x`"),
-            ("1,lost,00", "line 2, direction: expected sent or received, found `lost`"),
-            ("1,sent,0g", "line 2, message: expected 1 to 512 bytes in hexadecimal digits, found `0g`"),
-            ("1,sent,", "line 2, message: expected 1 to 512 bytes in hexadecimal digits, found ``"),
+            ("x,sent,00", "2: time_us: expected microseconds, found `x`"),
+            ("1,lost,00", "2: direction: expected sent or received, found `lost`"),
+            ("1,sent,0g", "2: message: expected 1 to 512 bytes in hexadecimal digits, found `0g`"),
+            ("1,sent,", "2: message: expected 1 to 512 bytes in hexadecimal digits, found ``"),
         ] {
             let text = format!("time_us,direction,message\n{line}\n");
             assert_eq!(read(text.as_bytes()).unwrap_err().to_string(), cause);

@@ -400,7 +400,7 @@ mod tests {
         assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train.mass_kg: expected 1000 to 100000000, found 5");
         assert_eq!(
             error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),
-            "s.toml:5:8: effect[0].to_m: expected beyond from_m, found 4"
+            "s.toml:5:8: effect[0].to_m: expected a place beyond from_m, found 4"
         );
         assert!(error("[line]\nfile = \"no.toml\"\n").starts_with("no.toml: cannot be read"));
         assert!(error("[driver]\nkindd = 1\n").starts_with("s.toml:2:1: unknown field `kindd`"));

@@ -26,7 +26,7 @@ const DT_S: f64 = 10.0;
 const OBSERVATION: LocationAndSpeed = LocationAndSpeed { location_variance: 16.0, speed_variance: 1.0 / (3.6 * 3.6) };
 const FILTER: Ukf<SIZE, 2> = Ukf { spread: Spread::PAPER, gate: [None; 2], reuse_points: true };
 
-/// What is measured. Of its own, so that its code and its stack can be told from the rest.
+/// What is measured. Of its own, so that its code and its stack are separate from the rest.
 #[inline(never)]
 fn filter_step(
     belief: &mut Gaussian<SIZE>,

@@ -4,12 +4,10 @@
 //! firmware KEY [RECORDS]      KEY: provisioning record; RECORDS: file that plays the flash, made if it is missing
 //! ```
 
-use embedded_storage::nor_flash::{
-    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
-};
 use rundown::estimator::run_state::RunState;
 use rundown::onboard::application::Application;
 use rundown::onboard::auth::provisioning::{Provisioning, SIZE};
+use rundown::onboard::flash::{Memory, MemoryFlash, RECORDS};
 use rundown::onboard::task::Room;
 use rundown_wire::Health;
 use std::io::{self, BufRead, Write};
@@ -23,9 +21,9 @@ pub fn run() -> io::Result<()> {
     };
     let key: [u8; SIZE] = std::fs::read(&key)?.try_into().map_err(|_| {
         let key = Path::new(&key).display();
-        io::Error::other(format!("{key}: a provisioning record has {SIZE} bytes"))
+        io::Error::other(format!("{key}: expected a provisioning record of {SIZE} bytes"))
     })?;
-    let flash = FileFlash::open(records.map(PathBuf::from))?;
+    let flash = MemoryFlash::new(Pages::open(records.map(PathBuf::from))?);
     let provisioning = Provisioning::from_bytes(&key);
     let (mut run, mut room) = (Box::new(RunState::idle()), Box::new(Room::EMPTY));
     let mut application = Application::new(provisioning, flash, false, &mut run, &mut room);
@@ -50,84 +48,40 @@ pub fn run() -> io::Result<()> {
     }
 }
 
-const PAGE: usize = 2048;
-const PAGES: usize = 8;
-
-/// The board's pages for records, in memory and in a file.
-struct FileFlash {
+/// The board's pages for records, in memory and, where one is named, in a file.
+struct Pages {
     bytes: Vec<u8>,
     path: Option<PathBuf>,
 }
 
-/// Why the pages could not be used.
-#[derive(Debug)]
-enum FileFlashError {
-    Request(NorFlashErrorKind),
-    File,
-}
-
-impl NorFlashError for FileFlashError {
-    fn kind(&self) -> NorFlashErrorKind {
-        match self {
-            Self::Request(kind) => *kind,
-            Self::File => NorFlashErrorKind::Other,
-        }
-    }
-}
-
-impl FileFlash {
+impl Pages {
     fn open(path: Option<PathBuf>) -> io::Result<Self> {
         let bytes = match &path {
             Some(path) if path.exists() => std::fs::read(path)?,
-            _ => vec![0xFF; PAGE * PAGES],
+            _ => vec![0xFF; RECORDS],
         };
-        if bytes.len() != PAGE * PAGES {
-            return Err(io::Error::other(format!("the records must have {} bytes", PAGE * PAGES)));
+        if bytes.len() != RECORDS {
+            let found = bytes.len();
+            return Err(io::Error::other(format!("records: expected {RECORDS} bytes, found {found}")));
         }
         Ok(Self { bytes, path })
     }
+}
 
-    fn save(&self) -> Result<(), FileFlashError> {
-        match &self.path {
-            Some(path) => std::fs::write(path, &self.bytes).map_err(|_| FileFlashError::File),
-            None => Ok(()),
-        }
+impl AsRef<[u8]> for Pages {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
     }
 }
 
-impl ErrorType for FileFlash {
-    type Error = FileFlashError;
-}
-
-impl ReadNorFlash for FileFlash {
-    const READ_SIZE: usize = 1;
-
-    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FileFlashError> {
-        check_read(self, offset, bytes.len()).map_err(FileFlashError::Request)?;
-        let from = offset as usize;
-        bytes.copy_from_slice(&self.bytes[from..from + bytes.len()]);
-        Ok(())
-    }
-
-    fn capacity(&self) -> usize {
-        self.bytes.len()
+impl AsMut<[u8]> for Pages {
+    fn as_mut(&mut self) -> &mut [u8] {
+        &mut self.bytes
     }
 }
 
-impl NorFlash for FileFlash {
-    const WRITE_SIZE: usize = 8;
-    const ERASE_SIZE: usize = PAGE;
-
-    fn erase(&mut self, from: u32, to: u32) -> Result<(), FileFlashError> {
-        check_erase(self, from, to).map_err(FileFlashError::Request)?;
-        self.bytes[from as usize..to as usize].fill(0xFF);
-        self.save()
-    }
-
-    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FileFlashError> {
-        check_write(self, offset, bytes.len()).map_err(FileFlashError::Request)?;
-        let from = offset as usize;
-        self.bytes[from..from + bytes.len()].copy_from_slice(bytes);
-        self.save()
+impl Memory for Pages {
+    fn keep(&mut self) -> bool {
+        self.path.as_ref().is_none_or(|path| std::fs::write(path, &self.bytes).is_ok())
     }
 }

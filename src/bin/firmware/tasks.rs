@@ -18,7 +18,7 @@ pub const PERIOD_S: u32 = 10;
 mod app {
     use super::PERIOD_S;
     use crate::board::stopwatch::{self, Stopwatch, TIMER_HZ};
-    use crate::board::{self, Board, DogTimer, Flash, Place, SerialPort, device::Interrupt, kept_ram};
+    use crate::board::{self, Metal, device::Interrupt, kept_ram};
     use core::mem::MaybeUninit;
     use core::sync::atomic::{AtomicU32, Ordering};
     use heapless::spsc::{Consumer, Producer, Queue};
@@ -26,6 +26,7 @@ mod app {
     use rundown::estimator::run_state::RunState;
     use rundown::onboard::application::Application;
     use rundown::onboard::auth::Provisioning;
+    use rundown::onboard::board::{Board, FailurePoint, Started};
     use rundown::onboard::clock::Clock;
     use rundown::onboard::crash_loop::Operation;
     use rundown::onboard::kept::{Boot, Kept};
@@ -34,6 +35,10 @@ mod app {
     use rundown::onboard::task::Room;
     use rundown::onboard::watchdog::{Beats, FeedRule, Watchdog};
     use rundown_wire::{Failure, Health};
+
+    type SerialPort = <Metal as Board>::Port;
+    type Dog = <Metal as Board>::Watchdog;
+    type Flash = <Metal as Board>::Flash;
 
     /// Bytes from the line that may wait: 89 ms of it.
     const RING: usize = 1024;
@@ -72,7 +77,7 @@ mod app {
     struct Local {
         ring_in: Producer<'static, u8>,
         ring_out: Consumer<'static, u8>,
-        watchdog: DogTimer,
+        watchdog: Dog,
         feed_rule: FeedRule,
         quiet_periods: u32,
         kept: Kept,
@@ -82,7 +87,7 @@ mod app {
     #[init(local = [ring: Queue<u8, RING> = Queue::new(), application: MaybeUninit<Application<'static, Flash>> = MaybeUninit::uninit(), run: RunState = RunState::ZEROED, outbox: Outbox<OUTBOX> = Outbox::new(), room: Room = Room::EMPTY])]
     fn init(cx: init::Context) -> (Shared, Local) {
         // The chip's registers are taken once, here; if they were not free something is very wrong, and a reset is the answer.
-        let Some(Board { port, watchdog, flash, clock, cause }) = board::start(cx.core) else {
+        let Some(Started { port, watchdog, flash, clock, cause }) = Metal::start(cx.core) else {
             cortex_m::peripheral::SCB::sys_reset()
         };
         let (kept, boot) = Kept::boot(kept_ram::load(), cause);
@@ -147,7 +152,7 @@ mod app {
     #[task(binds = COMP, priority = 1, shared = [port, outbox, start, application], local = [next_tick])]
     fn tick(cx: tick::Context) {
         if cx.shared.start.boot.operation == Operation::Normal {
-            board::provoke(Place::Tick);
+            Metal::provoke(FailurePoint::Tick);
         }
         let periods = PERIODS.load(Ordering::Relaxed);
         // The difference, because the counter wraps.
@@ -164,7 +169,7 @@ mod app {
     #[task(binds = TSC, priority = 1, shared = [port, outbox, start, application], local = [ring_out])]
     fn link(cx: link::Context) {
         if cx.shared.start.boot.operation == Operation::Normal {
-            board::provoke(Place::Link);
+            Metal::provoke(FailurePoint::Link);
         }
         let health = health(cx.shared.start);
         let mut say = say(cx.shared.port, cx.shared.outbox);
@@ -223,7 +228,7 @@ mod app {
             slow_clock: start.clock != Clock::Fast,
             stack_bytes: board::painted_stack::high_water(),
             longest_us: stopwatch::longest_us(),
-            flash_errors: board::flash_errors(),
+            flash_errors: Metal::flash_errors(),
             line: LINE_ERRORS.counts(),
             not_sent: DROPPED.load(Ordering::Relaxed),
             ..Health::default()

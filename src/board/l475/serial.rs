@@ -4,7 +4,7 @@ use super::super::BAUD;
 use super::device::{GPIOB, RCC, USART1};
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial::{ErrorKind, ErrorType, Read, Write};
-use rundown::onboard::serial::Port;
+use rundown::onboard::serial::LinePort;
 
 /// The debugger's virtual COM port.
 pub struct SerialPort(USART1);
@@ -78,7 +78,7 @@ impl Write<u8> for SerialPort {
     }
 }
 
-impl Port for SerialPort {
+impl LinePort for SerialPort {
     fn interrupt_when_writable(&mut self, on: bool) {
         self.0.cr1().modify(|_, w| w.txeie().bit(on));
     }

@@ -2,7 +2,7 @@
 
 use embedded_hal_nb::nb;
 use embedded_hal_nb::serial::{ErrorKind, ErrorType, Read, Write};
-use rundown::onboard::serial::Port;
+use rundown::onboard::serial::LinePort;
 
 const UART: usize = 0x4000_4000;
 const DATA: *mut u32 = UART as *mut u32;
@@ -76,7 +76,7 @@ impl Write<u8> for SerialPort {
     }
 }
 
-impl Port for SerialPort {
+impl LinePort for SerialPort {
     fn interrupt_when_writable(&mut self, on: bool) {
         let bits = if on { ENABLED | TX_INTERRUPT } else { ENABLED };
         // SAFETY: register of the UART.

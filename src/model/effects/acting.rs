@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 /// A train that is faster than this moves, m/s.
 const MOVING_MPS: Real = 0.5;
 
-/// What nobody measures on the train itself. What was told holds until it is told anew.
+/// What nobody measures on the train itself. What was sent holds until it is sent again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Surroundings {
     /// Ambient temperature, °C.

@@ -20,7 +20,7 @@ impl Effect {
         }
     }
 
-    /// The frames that tell a board of it: one, or one for each point of an unknown effect.
+    /// The frames that bring it to a board: one, or one for each point of an unknown effect.
     pub fn parts(&self) -> impl Iterator<Item = wire::Effect> {
         let points = self.table().map_or(1, |unknown| unknown.table.len());
         (0..points).map(|index| match self.table() {

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! u and r2 v² are forces over the believed γ m: the same forces move another mass. r0, r1 v and gravity grow with the mass and keep their value per kg.
-//! γ is taken to stay the same. Without a known effort only the air drag tells it, and that looks like another r2.
+//! γ is taken to stay the same. Without a known effort only the air drag shows it, which is confounded with r2.
 
 use super::{Law, MassError, Situation};
 use crate::Real;

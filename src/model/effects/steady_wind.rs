@@ -5,7 +5,7 @@
 //! ```
 //!
 //! A wind that overtakes the train pushes it: hence w |w| and not w². Acts on the quadratic term alone; gusts and crosswind (yaw) are left out.
-//! In one direction only it cannot be told from other Davis coefficients.
+//! In one direction only it is confounded with the Davis coefficients.
 
 use super::{Law, Situation, SteadyWind};
 use crate::Real;

@@ -43,14 +43,14 @@ impl fmt::Display for Refusal {
             Self::Unprovisioned(cause) => write!(f, "auth: no key: {cause}"),
             Self::NoEpoch(cause) => write!(f, "auth: no epoch: {cause}"),
             Self::WrongLength { least, found } => {
-                write!(f, "auth: at least {least} bytes expected, found {found}")
+                write!(f, "message: expected at least {least} bytes, found {found}")
             }
             Self::WrongMac => write!(f, "auth: wrong MAC"),
             Self::OtherEpoch { expected, found } => {
-                write!(f, "auth: epoch {expected} expected, found {found}")
+                write!(f, "epoch: expected {expected}, found {found}")
             }
             Self::Stale { last, found } => {
-                write!(f, "auth: counter above {last} expected, found {found}")
+                write!(f, "counter: expected above {last}, found {found}")
             }
         }
     }
@@ -77,7 +77,7 @@ impl fmt::Display for SealError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::BufferTooShort { least, found } => {
-                write!(f, "auth: buffer of at least {least} bytes expected, found {found}")
+                write!(f, "buffer: expected at least {least} bytes, found {found}")
             }
             Self::CounterExhausted => {
                 write!(f, "auth: all counters of this epoch are used, restart the board")

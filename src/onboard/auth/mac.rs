@@ -22,9 +22,9 @@ pub struct Freshness {
 /// Who signs: a message of one direction is none of the other.
 #[derive(Clone, Copy)]
 #[repr(u8)]
-pub(super) enum Direction {
-    ToBoard = 1,
-    FromBoard = 2,
+pub(super) enum Recipient {
+    Board = 1,
+    Desk = 2,
 }
 
 /// The trailer's freshness and MAC.
@@ -36,7 +36,7 @@ pub(super) struct Trailer {
 impl Trailer {
     pub fn sign(
         provisioning: &Provisioning,
-        direction: Direction,
+        direction: Recipient,
         data_id: u16,
         freshness: Freshness,
         message: &[u8],
@@ -50,7 +50,7 @@ impl Trailer {
     }
 
     /// Compared in constant time.
-    pub fn is_of(&self, provisioning: &Provisioning, direction: Direction, data_id: u16, message: &[u8]) -> bool {
+    pub fn is_of(&self, provisioning: &Provisioning, direction: Recipient, data_id: u16, message: &[u8]) -> bool {
         started(provisioning, direction, data_id, self.freshness, message).verify_truncated_left(&self.mac).is_ok()
     }
 
@@ -71,7 +71,7 @@ impl Trailer {
 
 fn started(
     provisioning: &Provisioning,
-    direction: Direction,
+    direction: Recipient,
     data_id: u16,
     freshness: Freshness,
     message: &[u8],

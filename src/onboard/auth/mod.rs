@@ -13,7 +13,7 @@
 //!
 //! - *Epoch*: rises with every boot of the board ([`Store::advance_epoch`](crate::onboard::store::Store::advance_epoch)), stored before it is used. What was recorded before a reboot is of an older epoch.
 //! - *Counter*: within an epoch every accepted message has a higher one. It does not wrap: after `u32::MAX` messages the board has to be restarted.
-//! - *Announcement*: the board tells its epoch and last counter in its status, with a MAC of the other direction. So nobody can make the sender sign for an epoch that is still to come.
+//! - *Announcement*: the board states its epoch and last counter in its status, with a MAC of the other direction. So nobody can make the sender sign for an epoch that is still to come.
 //! - *Data id*: what kind of message it is; a message of one kind cannot be passed off as another.
 //!
 //! The MAC is checked first and in constant time; epoch and counter of a forged message are never looked at. Nothing of a refused message is parsed.

@@ -81,11 +81,11 @@ impl fmt::Display for ProvisioningError {
         match self {
             Self::Unprovisioned => write!(f, "provisioning: never written"),
             Self::WrongMagic { found } => {
-                write!(f, "provisioning: magic {MAGIC:?} expected, found {found:?}")
+                write!(f, "provisioning: expected magic {MAGIC:?}, found {found:?}")
             }
             Self::Damaged => write!(f, "provisioning: CRC does not fit"),
             Self::OtherVersion { expected, found } => {
-                write!(f, "provisioning: version {expected} expected, found {found}")
+                write!(f, "provisioning: expected version {expected}, found {found}")
             }
             Self::TrivialKey => write!(f, "provisioning: all bytes of the key are equal"),
             Self::Unreadable => write!(f, "provisioning: flash could not be read"),

@@ -1,7 +1,7 @@
 //! The sender's side: on the desk, in the operator's back office, in tests.
 
 use super::error::{Refusal, SealError};
-use super::mac::{Direction, Freshness, TRAILER, Trailer};
+use super::mac::{Freshness, Recipient, TRAILER, Trailer};
 use super::provisioning::Provisioning;
 use super::verifier::ANNOUNCEMENT;
 use crate::onboard::bytes::put;
@@ -31,14 +31,14 @@ impl Signer {
     /// [`Refusal::WrongMac`]: the announcement is not of this board, nothing changes.
     pub fn hear(&mut self, announcement: &[u8; TRAILER]) -> Result<(), Refusal> {
         let trailer = Trailer::from_bytes(announcement).ok_or(Refusal::WrongMac)?;
-        if !trailer.is_of(&self.provisioning, Direction::FromBoard, ANNOUNCEMENT, &[]) {
+        if !trailer.is_of(&self.provisioning, Recipient::Desk, ANNOUNCEMENT, &[]) {
             return Err(Refusal::WrongMac);
         }
         self.last = self.last.max(trailer.freshness);
         Ok(())
     }
 
-    /// Writes message and trailer to the buffer and returns them. Every call uses up a counter, so a message that got lost is sealed anew.
+    /// Writes message and trailer to the buffer and returns them. Every call uses up a counter, so a message that got lost is sealed again.
     ///
     /// # Errors
     /// [`SealError`]; no counter is used up.
@@ -48,7 +48,7 @@ impl Signer {
         let mut space = buffer.get_mut(..least).ok_or(too_short)?;
         let counter = self.last.counter.checked_add(1);
         let freshness = Freshness { counter: counter.ok_or(SealError::CounterExhausted)?, ..self.last };
-        let trailer = Trailer::sign(&self.provisioning, Direction::ToBoard, data_id, freshness, message);
+        let trailer = Trailer::sign(&self.provisioning, Recipient::Board, data_id, freshness, message);
         put(&mut space, message).ok_or(too_short)?;
         put(&mut space, &trailer.to_bytes()).ok_or(too_short)?;
         self.last = freshness;

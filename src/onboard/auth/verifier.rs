@@ -1,7 +1,7 @@
 //! The board's side.
 
 use super::error::Refusal;
-use super::mac::{Direction, Freshness, TRAILER, Trailer};
+use super::mac::{Freshness, Recipient, TRAILER, Trailer};
 use super::provisioning::{Provisioning, ProvisioningError};
 use crate::onboard::store::EpochError;
 use crate::onboard::train_id::TrainId;
@@ -35,7 +35,7 @@ impl Verifier {
         let too_short = Refusal::WrongLength { least: TRAILER, found: secured.len() };
         let (message, trailer) = secured.split_last_chunk::<TRAILER>().ok_or(too_short)?;
         let trailer = Trailer::from_bytes(trailer).ok_or(too_short)?;
-        if !trailer.is_of(&provisioning, Direction::ToBoard, data_id, message) {
+        if !trailer.is_of(&provisioning, Recipient::Board, data_id, message) {
             return Err(Refusal::WrongMac);
         }
         let Freshness { epoch, counter } = trailer.freshness;
@@ -65,7 +65,7 @@ impl Verifier {
     /// [`Verifier::freshness`] with a MAC, for the status frame: what [`Signer::new`](super::Signer::new) begins with.
     pub fn announcement(&self) -> Option<[u8; TRAILER]> {
         let (provisioning, freshness) = (self.provisioning.ok()?, self.freshness()?);
-        let trailer = Trailer::sign(&provisioning, Direction::FromBoard, ANNOUNCEMENT, freshness, &[]);
+        let trailer = Trailer::sign(&provisioning, Recipient::Desk, ANNOUNCEMENT, freshness, &[]);
         Some(trailer.to_bytes())
     }
 }
@@ -88,9 +88,9 @@ mod tests {
         assert!(matches!(board.open(2, last), Err(Refusal::Stale { .. })));
         assert_eq!(desk.seal(2, b"more", &mut [0; 32]), Err(SealError::CounterExhausted));
 
-        // A counter that begins anew is stale.
+        // A counter that restarts is stale.
         let freshness = Freshness { epoch: u32::MAX, counter: 0 };
-        let wrapped = Trailer::sign(&provisioning, Direction::ToBoard, 2, freshness, &[]);
+        let wrapped = Trailer::sign(&provisioning, Recipient::Board, 2, freshness, &[]);
         let (last, found) = (u32::MAX, 0);
         assert_eq!(board.open(2, &wrapped.to_bytes()), Err(Refusal::Stale { last, found }));
     }

@@ -16,7 +16,7 @@ pub struct TooFewPages {
 impl fmt::Display for TooFewPages {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { least, found } = self;
-        write!(f, "store: needs {least} flash pages, found {found}")
+        write!(f, "store: expected at least {least} flash pages, found {found}")
     }
 }
 
@@ -53,7 +53,7 @@ impl fmt::Display for AppendError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TooLong { most, found } => {
-                write!(f, "store: payload of at most {most} bytes expected, found {found}")
+                write!(f, "payload: expected at most {most} bytes, found {found}")
             }
             Self::Driver(kind) => write!(f, "store: flash driver reported {kind:?}"),
             Self::NotErased { page } => {
@@ -97,7 +97,7 @@ impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::OtherTrain { expected, found } | Self::OtherLayout { expected, found } => {
-                write!(f, "store: record of {expected} expected, found {found}")
+                write!(f, "record: expected that of {expected}, found {found}")
             }
             Self::Damaged { slots } => {
                 write!(f, "store: no whole record, {slots} damaged slots")

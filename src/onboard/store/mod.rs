@@ -67,7 +67,7 @@ const PIECE: usize = 64;
 
 /// How often what happened since the mount; the scan's finding stands in `damaged_slots`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counters {
+pub struct StoreCounters {
     /// Records stored and read back.
     pub stored: u32,
     /// Pages erased.
@@ -94,15 +94,15 @@ pub struct Restored<'a> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Place {
+struct SlotPlace {
     page: u32,
     slot: u32,
 }
 
 /// A whole record and where it lies.
 #[derive(Clone, Copy, Debug)]
-struct Kept {
-    place: Place,
+struct WholeRecord {
+    place: SlotPlace,
     header: Header,
 }
 
@@ -118,18 +118,18 @@ enum Slot {
 pub struct Store<F, const SLOT: usize> {
     flash: F,
     pages: u32,
-    newest: Option<Kept>,
-    previous: Option<Kept>,
+    newest: Option<WholeRecord>,
+    previous: Option<WholeRecord>,
     fallen_back: bool,
     /// Next slot of the page that was erased since the mount.
-    open: Option<Place>,
+    open: Option<SlotPlace>,
     /// Page that was begun last.
     last_page: u32,
     /// Number that was given last.
     sequence: u32,
     /// Highest epoch of any record; `None`: there are records and none has one.
     epoch: Option<u32>,
-    counters: Counters,
+    counters: StoreCounters,
     buffer: [u8; SLOT],
 }
 
@@ -163,7 +163,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
             last_page: pages - 1,
             sequence: 0,
             epoch: Some(0),
-            counters: Counters::default(),
+            counters: StoreCounters::default(),
             buffer: [ERASED; SLOT],
         };
         store.scan();
@@ -207,7 +207,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
     }
 
     /// What happened so far.
-    pub fn counters(&self) -> &Counters {
+    pub fn counters(&self) -> &StoreCounters {
         &self.counters
     }
 
@@ -216,7 +216,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
         &self.flash
     }
 
-    /// The driver. Who writes to the flash by it, mounts anew.
+    /// The driver. Who writes to the flash by it, mounts again.
     pub fn flash_mut(&mut self) -> &mut F {
         &mut self.flash
     }
@@ -234,7 +234,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
         match written {
             Ok(place) => {
                 self.previous = self.newest;
-                self.newest = Some(Kept { place, header });
+                self.newest = Some(WholeRecord { place, header });
                 self.fallen_back = false;
                 self.counters.stored = self.counters.stored.saturating_add(1);
                 Ok(header.sequence)
@@ -253,7 +253,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
     }
 
     /// The slot to write to: the next one of the open page, or the first of a newly erased one.
-    fn place(&mut self) -> Result<Place, AppendError> {
+    fn place(&mut self) -> Result<SlotPlace, AppendError> {
         if let Some(place) = self.open {
             return Ok(place);
         }
@@ -269,12 +269,12 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
                 return Err(AppendError::NotErased { page });
             }
         }
-        let place = Place { page, slot: 0 };
+        let place = SlotPlace { page, slot: 0 };
         self.open = Some(place);
         Ok(place)
     }
 
-    fn write(&mut self, place: Place, header: &Header, payload: &[u8]) -> Result<(), AppendError> {
+    fn write(&mut self, place: SlotPlace, header: &Header, payload: &[u8]) -> Result<(), AppendError> {
         let bytes = record::encode(&mut self.buffer, header, payload)
             .and_then(|length| self.buffer.get(..length.next_multiple_of(F::WRITE_SIZE)))
             .ok_or(Self::too_long(payload))?;
@@ -293,7 +293,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
 
     /// The page after the last one in the ring that holds neither of the two newest records.
     fn next_page(&self) -> u32 {
-        let holds = |kept: &Option<Kept>, page| kept.is_some_and(|kept| kept.place.page == page);
+        let holds = |kept: &Option<WholeRecord>, page| kept.is_some_and(|kept| kept.place.page == page);
         let mut page = self.page_after(self.last_page);
         for _ in 0..2 {
             if holds(&self.newest, page) || holds(&self.previous, page) {
@@ -313,13 +313,13 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
         let mut highest = 0;
         for page in 0..self.pages {
             for slot in 0..Self::SLOTS_PER_PAGE {
-                let place = Place { page, slot };
+                let place = SlotPlace { page, slot };
                 match self.read(place) {
                     Slot::Erased => {}
                     Slot::Damaged => self.counters.damaged_slots += 1,
                     Slot::Whole(header) => {
                         highest = highest.max(header.epoch);
-                        self.take_up(Kept { place, header });
+                        self.take_up(WholeRecord { place, header });
                     }
                 }
             }
@@ -334,8 +334,8 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
     }
 
     /// Keeps a record that was found if it is one of the two newest.
-    fn take_up(&mut self, found: Kept) {
-        let later = |than: &Option<Kept>| than.is_none_or(|kept| found.header.is_later_than(&kept.header));
+    fn take_up(&mut self, found: WholeRecord) {
+        let later = |than: &Option<WholeRecord>| than.is_none_or(|kept| found.header.is_later_than(&kept.header));
         if later(&self.newest) {
             self.previous = self.newest;
             self.newest = Some(found);
@@ -345,28 +345,28 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
     }
 
     /// Where the next record was written, or would have been: the next slot, or a new page if a boot lies between.
-    fn is_followed_by_damage(&mut self, place: Place) -> bool {
+    fn is_followed_by_damage(&mut self, place: SlotPlace) -> bool {
         let in_page = self.after(place).map(|next| self.read(next));
         let next = match in_page {
-            Some(Slot::Erased) | None => self.read(Place { page: self.page_after(place.page), slot: 0 }),
+            Some(Slot::Erased) | None => self.read(SlotPlace { page: self.page_after(place.page), slot: 0 }),
             Some(held) => held,
         };
         matches!(next, Slot::Damaged)
     }
 
     /// The next slot of the same page.
-    fn after(&self, place: Place) -> Option<Place> {
+    fn after(&self, place: SlotPlace) -> Option<SlotPlace> {
         let slot = place.slot + 1;
-        (slot < Self::SLOTS_PER_PAGE).then_some(Place { slot, ..place })
+        (slot < Self::SLOTS_PER_PAGE).then_some(SlotPlace { slot, ..place })
     }
 
     /// The record can still be read; it then lies in the buffer.
-    fn is_still(&mut self, kept: &Kept) -> bool {
+    fn is_still(&mut self, kept: &WholeRecord) -> bool {
         matches!(self.read(kept.place), Slot::Whole(header) if header == kept.header)
     }
 
     /// Reads a slot into the buffer.
-    fn read(&mut self, place: Place) -> Slot {
+    fn read(&mut self, place: SlotPlace) -> Slot {
         let offset = self.offset(place);
         if self.flash.read(offset, &mut self.buffer).is_err() {
             return Slot::Damaged;
@@ -384,7 +384,7 @@ impl<F: NorFlash, const SLOT: usize> Store<F, SLOT> {
         AppendError::TooLong { most: Self::CAPACITY, found: payload.len() }
     }
 
-    fn offset(&self, place: Place) -> u32 {
+    fn offset(&self, place: SlotPlace) -> u32 {
         place.page * F::ERASE_SIZE as u32 + place.slot * SLOT as u32
     }
 }

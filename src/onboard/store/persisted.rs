@@ -82,10 +82,10 @@ impl fmt::Display for NotRestored {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Refused(cause) => cause.fmt(f),
-            Self::NotDecoded => write!(f, "store: payload is not of layout {LAYOUT}"),
+            Self::NotDecoded => write!(f, "payload: expected one of layout {LAYOUT}, found another"),
             Self::Vehicle(cause) => cause.fmt(f),
             Self::Effect { kind } => {
-                write!(f, "stored effect {kind}: no effect of this model, or a parameter out of range")
+                write!(f, "effect: expected one of this model with its parameters in range, found kind {kind}")
             }
         }
     }

@@ -73,7 +73,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
             store,
             lifetime: Lifetime::default(),
             memory,
-            effects_told: false,
+            effects_received: false,
             effects_unsaved: false,
             records: [0; 2],
             snapshot: SnapshotBuffer::new(&mut room.snapshot),
@@ -105,7 +105,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
             Ok(Some((vehicle, fallen_back))) => {
                 self.vehicle = vehicle;
                 self.lifetime = persisted.lifetime;
-                if !self.effects_told {
+                if !self.effects_received {
                     core::mem::swap(self.estimator.effects_mut(), self.kept_effects);
                 }
                 if fallen_back { Memory::RestoredOlder } else { Memory::Restored }

@@ -127,8 +127,8 @@ pub struct Task<'a, F> {
     store: Option<Store<F, SLOT>>,
     lifetime: Lifetime,
     memory: Memory,
-    /// Effects were told since the start: those in the store are of the past.
-    effects_told: bool,
+    /// Effects were received since the start: those in the store are of the past.
+    effects_received: bool,
     /// They are not in the store yet.
     effects_unsaved: bool,
     records: [u32; 2],
@@ -270,7 +270,7 @@ impl<F: NorFlash> Task<'_, F> {
     fn count_missed(&mut self, sequence: u16) {
         if let Some(last) = self.last_uplink.replace(sequence) {
             let gap = sequence.wrapping_sub(last).wrapping_sub(1);
-            // A sender that begins anew is not a loss.
+            // A sender that restarts is no loss.
             if gap < 1000 {
                 self.missed = self.missed.saturating_add(u32::from(gap));
             }

@@ -222,7 +222,7 @@ impl<F: NorFlash> Task<'_, F> {
     }
 
     fn effects_changed(&mut self, port: &mut impl Port) {
-        self.effects_told = true;
+        self.effects_received = true;
         self.effects_unsaved = true;
         self.settle();
         self.send(Body::Effects(self.estimator.effects().to_frame()), port);

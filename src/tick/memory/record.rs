@@ -66,15 +66,14 @@ pub enum Implausible {
 impl fmt::Display for Implausible {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotFinite => write!(f, "stored vehicle: a number is not finite"),
-            Self::Weights { sum } => write!(f, "stored vehicle: weights above 0 with sum 1 expected, found sum {sum}"),
+            Self::NotFinite => write!(f, "vehicle: expected finite numbers, found another"),
+            Self::Weights { sum } => write!(f, "vehicle.weight: expected above 0 with sum 1, found sum {sum}"),
             Self::Covariance { hypothesis, cause } => {
-                write!(f, "stored vehicle: hypothesis {hypothesis}: {cause}")
+                write!(f, "vehicle.hypotheses[{hypothesis}]: {cause}")
             }
-            Self::Coefficient { name, share } => write!(
-                f,
-                "stored vehicle: {name} must be {LEAST_SHARE} to {MOST_SHARE} of the manufacturer's, found {share}"
-            ),
+            Self::Coefficient { name, share } => {
+                write!(f, "vehicle.{name}: expected {LEAST_SHARE} to {MOST_SHARE} of the manufacturer's, found {share}")
+            }
         }
     }
 }

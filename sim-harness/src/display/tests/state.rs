@@ -155,7 +155,7 @@ proptest! {
         let tally = reader.tally();
         let came = order.iter().filter(|(_, drop)| !drop).count();
         prop_assert_eq!(tally.frames as usize, came);
-        prop_assert_eq!(tally.anew, 0);
+        prop_assert_eq!(tally.restarts, 0);
         // First to last number: each came, or is lost.
         let span = order.len() + 12;
         let fresh = tally.frames - tally.repeated;

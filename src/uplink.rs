@@ -1,4 +1,4 @@
-//! Uplink: what the board is told. What only asks (a measurement, [`Command::Status`]) comes open or secured; all else changes the board and must be secured.
+//! Uplink: what is sent to the board. What only asks (a measurement, [`Command::Status`]) comes open or secured; all else changes the board and must be secured.
 //!
 //! ```text
 //! open       version, 0, postcard of Uplink
@@ -102,7 +102,7 @@ pub const CURVES: usize = 16;
 pub struct CurvePart {
     /// The track that the sender means.
     pub track_id: u32,
-    /// Number of the first one here; parts come in order, and 0 begins anew.
+    /// Number of the first one here; parts come in order, and 0 begins a new list.
     pub first: u16,
     /// The curves.
     pub curves: Vec<Curve, CURVES>,
@@ -116,7 +116,7 @@ pub const TARGETS: usize = 24;
 pub struct TargetPart {
     /// The track that the sender means.
     pub track_id: u32,
-    /// Number of the first one here; parts come in order, and 0 begins anew.
+    /// Number of the first one here; parts come in order, and 0 begins a new list.
     pub first: u16,
     /// The places.
     pub targets: Vec<Target, TARGETS>,
