@@ -14,7 +14,7 @@
 use rundown::model::resistance::Davis;
 use rundown_files::train_file::TrainFile;
 use serde::Deserialize;
-use std::{fmt::Display, path::Path};
+use std::path::Path;
 
 /// Runs that must have shown a limit before it takes the described one's place.
 pub const LEAST_RUNS: usize = 3;
@@ -70,26 +70,24 @@ struct Features {
 pub fn read(folder: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTrain, String> {
     let (described, _) = TrainFile::read(train).map_err(|error| error.to_string())?;
     let path = folder.join("replay.json");
-    let expected =
-        |error: &dyn Display| format!("{}: {error}; expected the results of `rundown replay`", path.display());
-    let text = std::fs::read_to_string(&path).map_err(|error| expected(&error))?;
-    learn(described, &text, unit, expected)
+    let refused = |place: String, message: String| format!("{}{place}: {message}", path.display());
+    let text = std::fs::read_to_string(&path);
+    let text = text.map_err(|error| refused(String::new(), format!("cannot be read: {error}")))?;
+    let results = serde_json::from_str(&text).map_err(|error| {
+        let place = format!(":{}:{}", error.line(), error.column());
+        refused(place, format!("expected the results of `rundown replay`, found {error}"))
+    })?;
+    learn(described, results, unit).map_err(|message| refused(String::new(), message))
 }
 
-fn learn(
-    described: TrainFile,
-    text: &str,
-    unit: Option<&str>,
-    expected: impl Fn(&dyn Display) -> String,
-) -> Result<LearnedTrain, String> {
-    let results: ReplayJson = serde_json::from_str(text).map_err(|error| expected(&error))?;
+fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Result<LearnedTrain, String> {
     if results.train != described.name {
         let (found, expected) = (results.train, described.name);
-        return Err(format!("the replay is one of the train `{found}`, expected that of the train file, `{expected}`"));
+        return Err(format!("train: expected `{expected}`, as in the train file, found `{found}`"));
     }
     if !results.carried {
-        let expected = "expected one in which the vehicle is carried from run to run";
-        return Err(format!("the replay was made with --no-carry: {expected}"));
+        let expected = "expected a vehicle that is carried from run to run";
+        return Err(format!("carried: {expected}, found a replay made with --no-carry"));
     }
     let mut units: Vec<&String> = results.runs.iter().map(|run| &run.unit).collect();
     units.sort();
@@ -97,11 +95,14 @@ fn learn(
     let chosen = match (unit, units.as_slice()) {
         (None, [only]) => only.as_str(),
         (Some(named), _) if units.iter().any(|unit| *unit == named) => named,
-        _ => return Err(format!("expected one of the units {units:?} to be named, found {unit:?}")),
+        _ => {
+            let found = unit.map_or_else(|| "none named".to_owned(), |unit| format!("{unit:?}"));
+            return Err(format!("unit: expected one of {units:?}, found {found}"));
+        }
     };
     let runs: Vec<&Run> = results.runs.iter().filter(|run| run.unit == chosen).collect();
     let Some(last) = runs.last() else {
-        return Err(expected(&"no run"));
+        return Err("runs: expected at least one, found none".to_owned());
     };
     let Vehicle { r0, r1, r2, .. } = last.vehicle;
     let rotating_mass_kg = described.rotating_mass_factor * described.mass_kg;
@@ -149,7 +150,7 @@ mod tests {
     fn learned(runs: &[String], unit: Option<&str>) -> Result<LearnedTrain, String> {
         let (train, _) = TrainFile::parse("t.toml".as_ref(), TRAIN).unwrap();
         let text = format!("{{\"train\":\"unit\",\"carried\":true,\"runs\":[{}]}}", runs.join(","));
-        learn(train, &text, unit, |error| error.to_string())
+        learn(train, serde_json::from_str(&text).unwrap(), unit)
     }
 
     #[test]
@@ -169,7 +170,7 @@ mod tests {
     fn a_unit_is_asked_for_where_there_are_several() {
         let runs = [run("7", 0.0070, "null", "null"), run("8", 0.0080, "null", "null")];
         let error = learned(&runs, None).unwrap_err();
-        assert_eq!(error, "expected one of the units [\"7\", \"8\"] to be named, found None");
+        assert_eq!(error, "unit: expected one of [\"7\", \"8\"], found none named");
         assert_eq!(learned(&runs, Some("8")).unwrap().train.davis.r0, 0.0080);
         assert!(learned(&runs, Some("9")).is_err());
         assert!(learned(&[], None).is_err());

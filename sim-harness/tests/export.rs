@@ -121,8 +121,8 @@ fn another_train_another_unit_and_no_replay_are_refused() {
         assert_eq!(code, Some(3));
         assert!(err.contains(words), "{err}");
     };
-    refused("other.toml", &[], "expected that of the train file");
-    refused("train.toml", &["--unit", "nobody"], "expected one of the units");
+    refused("other.toml", &[], "out/replay.json: train: expected `");
+    refused("train.toml", &["--unit", "nobody"], "out/replay.json: unit: expected one of");
     std::fs::remove_file(folder.path("out/replay.json")).unwrap();
     refused("train.toml", &[], "replay.json");
     assert!(!folder.path("learned").exists());
