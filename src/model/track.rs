@@ -16,8 +16,8 @@ use crate::model::direction::Direction;
 use crate::model::table::Table;
 use crate::model::targets::Targets;
 pub use crate::model::targets::{MAX_TARGETS, Target};
-use core::fmt;
 use heapless::Vec;
+use rundown_wire::errors;
 use serde::{Deserialize, Serialize};
 
 /// Capacity of a track. The steepest real line at hand (5.8 km of Zurich's suburban railway) has 221 entries.
@@ -61,68 +61,23 @@ const FLAT_START: Piece = Piece {
     height_m: 0.0,
 };
 
-/// Why a track was refused. The old one stays in force.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum TrackError {
-    /// `length_m` was not a finite number above 0.
-    Length {
-        /// What stood there.
-        found: Real,
-    },
-    /// More entries than [`MAX_GRADIENTS`].
-    TooMany {
-        /// How many there were.
-        found: usize,
-    },
-    /// Entry `index` is not finite, or its gradient is beyond ±200 ‰.
-    BadGradient {
-        /// Which entry, counted from 0.
-        index: usize,
-    },
-    /// Entry `index` does not begin after the one before it.
-    NotSorted {
-        /// Which entry, counted from 0.
-        index: usize,
-    },
-    /// Curve `index` is none (ends, radius), begins before the one before it, or is one more than [`MAX_CURVES`].
-    BadCurve {
-        /// Which curve, counted from 0.
-        index: usize,
-    },
-    /// Target `index` is none (location, permitted speed), lies before the one before it, or is one more than [`MAX_TARGETS`].
-    BadTarget {
-        /// Which target, counted from 0.
-        index: usize,
-    },
-}
-
-impl fmt::Display for TrackError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Length { found } => write!(f, "length_m: expected above 0, found {found}"),
-            Self::TooMany { found } => {
-                write!(f, "gradient: expected at most {MAX_GRADIENTS}, found {found}")
-            }
-            Self::BadGradient { index } => {
-                write!(f, "gradient[{index}]: expected finite numbers within 200 permille, found another")
-            }
-            Self::NotSorted { index } => {
-                write!(f, "gradient[{index}].from_m: expected beyond that of the entry before, found less")
-            }
-            Self::BadCurve { index } => write!(
-                f,
-                "curve[{index}]: expected one of at most {MAX_CURVES}, sorted, of a radius above 0 and ending beyond its beginning, found another"
-            ),
-            Self::BadTarget { index } => write!(
-                f,
-                "target[{index}]: expected one of at most {MAX_TARGETS}, sorted, a stop or a permitted speed above 0, found another"
-            ),
-        }
+errors! {
+    /// Why a track was refused. The old one stays in force.
+    #[non_exhaustive]
+    pub enum TrackError {
+        Length { found: Real } => "length_m: expected above 0, found {found}",
+        /// More entries than [`MAX_GRADIENTS`].
+        TooMany { found: usize } => "gradient: expected at most {MAX_GRADIENTS}, found {found}",
+        BadGradient { index: usize } => "gradient[{index}]: expected finite numbers within 200 permille, found another",
+        NotSorted { index: usize } => "gradient[{index}].from_m: expected beyond that of the entry before, found less",
+        /// Curve `index` is none (ends, radius), begins before the one before it, or is one more than [`MAX_CURVES`].
+        BadCurve { index: usize } =>
+            "curve[{index}]: expected one of at most {MAX_CURVES}, sorted, of a radius above 0 and ending beyond its beginning, found another",
+        /// Target `index` is none (location, permitted speed), lies before the one before it, or is one more than [`MAX_TARGETS`].
+        BadTarget { index: usize } =>
+            "target[{index}]: expected one of at most {MAX_TARGETS}, sorted, a stop or a permitted speed above 0, found another",
     }
 }
-
-impl core::error::Error for TrackError {}
 
 impl Track {
     /// Checks the entries and sums the heights.
