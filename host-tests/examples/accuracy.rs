@@ -1,9 +1,7 @@
 //! Prints estimates against truth for fleets of simulated vehicles: `cargo run --release -p host-tests --example accuracy [vehicles] [runs] [mode]`.
 
 use host_tests::accuracy::{judge, scales};
-use rundown::estimator::config::{Config, Mode};
-use rundown_truth::scenario::Scenario;
-use rundown_truth::sensors::Sensors;
+use host_tests::prelude::*;
 
 fn main() {
     let argument = |i: usize| std::env::args().nth(i);

@@ -5,11 +5,10 @@
 
 use host_tests::accuracy::scales;
 use host_tests::coasting::{Calibration, Judged, judge, published};
+use host_tests::prelude::*;
 use rayon::prelude::*;
-use rundown::estimator::config::Config;
 use rundown_truth::driver::Regime;
 use rundown_truth::line::Line;
-use rundown_truth::scenario::Scenario;
 
 /// Slowest speed at which a prediction is judged, km/h.
 const LEAST_KMH: f64 = 60.0;

@@ -2,19 +2,11 @@
 //!
 //! Arguments: RUN.csv TRAIN.toml TRACK.toml [FRAMES.bin]
 
+use host_tests::prelude::*;
 use host_tests::target::{compare, firmware};
-use rundown::estimator::config::Config;
 use rundown::link::serial;
 use rundown_files::map_matching::CentreLine;
-use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_log::BadRows;
-use rundown_files::run_set::RunSet;
-use rundown_files::sample::Sample;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
-use sim_harness::desk::Description;
 use std::error::Error;
-use std::path::{Path, PathBuf};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
@@ -23,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         [run, train, track, frames] => (run, train, track, Some(frames)),
         _ => return Err("expected RUN.csv TRAIN.toml TRACK.toml [FRAMES.bin]".into()),
     };
-    let settings = firmware().ok_or("the firmware is not built")?;
+    let settings = firmware()?;
     let (_, train) = TrainFile::read(train)?;
     let (track, _) = TrackFile::read(track)?;
     let line = CentreLine::new(&track.centre_line);

@@ -1,27 +1,20 @@
 //! Estimates judged against truth: the same table for the test, for tuning and for the README.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rundown::estimator::config::Config;
-use rundown::estimator::{Estimator, RunSummary};
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::direction::Direction;
+use crate::prelude::*;
 use rundown::model::effects::Effects;
-use rundown::model::resistance::Davis;
-use rundown::model::track::Gradient;
-use rundown::model::train::TrainDescription;
-use rundown::tick::estimate::Estimate;
-use rundown::tick::measurement::Measurement;
-use rundown::tick::memory::Vehicle;
 use rundown::tick::regime::Regime;
 use rundown_truth::driver::Regime as TrueRegime;
-use rundown_truth::scenario::{Run, Scenario, fleet};
-use sim_harness::desk::Description;
+use rundown_truth::scenario::fleet;
 
 /// The manufacturer's description that every simulated vehicle deviates from.
 pub const TRAIN: TrainDescription = TrainDescription { max_power_w: 2_036_377.8, ..TrainDescription::CASE_STUDY };
 /// Its Davis coefficients.
 pub const NOMINAL: Davis = TRAIN.davis;
+
+/// The same as the estimator takes it.
+pub fn train() -> Train {
+    Train::try_new(TRAIN).unwrap()
+}
 
 /// The scenario's line and a train as described (not as it truly is).
 pub fn description(config: Config, scenario: &Scenario) -> Description {

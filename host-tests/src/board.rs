@@ -1,19 +1,13 @@
 //! A board on the host: the tick task over a flash and a link of test's own, and a desk that talks to it.
 
-use crate::accuracy::measurements;
+use crate::accuracy::{description, measurements};
 use crate::coasting::with_targets;
 use crate::flash::Flash;
-use rundown::estimator::config::Config;
+use crate::prelude::*;
 use rundown::estimator::run_state::RunState;
-use rundown::model::direction::Direction;
 use rundown::onboard::auth::{Key, Provisioning, ProvisioningError};
 use rundown::onboard::task::{Port, Room, Task};
-use rundown::onboard::train_id::TrainId;
-use rundown::onboard::uplink::{Command, Pace, Request};
-use rundown::tick::measurement::Measurement;
-use rundown_truth::scenario::{Scenario, simulate};
 use rundown_wire::{Answer, Downlink, Estimate, Health, Refusal, SnapshotPart, Status};
-use sim_harness::desk::{Description, Desk};
 
 /// The first frame of a kind: `said!(frames, Status)`.
 #[macro_export]
@@ -174,9 +168,19 @@ pub fn estimate(frames: &[Downlink]) -> Option<Estimate> {
     said!(frames, Estimate)
 }
 
-/// A simulated run of the case study, and a description of its train and line with the targets.
-pub fn case_study() -> (Description, Vec<Measurement>) {
+/// A description of the train and the line of the case study, and a simulated run.
+pub fn described() -> (Description, Vec<Measurement>) {
     let scenario = Scenario::default();
-    let log = measurements(&simulate(&scenario, 3));
-    (with_targets(Config::default(), &scenario), log)
+    (description(Config::default(), &scenario), measurements(&simulate(&scenario, 3)))
+}
+
+/// The same with the line's targets.
+pub fn case_study() -> (Description, Vec<Measurement>) {
+    let (_, log) = described();
+    (with_targets(Config::default(), &Scenario::default()), log)
+}
+
+/// A board with a run under way, its description, and what it is to measure.
+pub fn running((description, log): (Description, Vec<Measurement>)) -> (Board, Description, Vec<Measurement>) {
+    (Board::running(&description), description, log)
 }

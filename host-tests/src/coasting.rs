@@ -1,21 +1,14 @@
 //! Coast-ahead predictions judged against truth: what the train would do if it coasted from there, driven on by the simulator.
 
 use crate::accuracy::{description, measurements};
+use crate::prelude::*;
 use rundown::coast_ahead::{CoastAhead, Outcome, Steady};
-use rundown::estimator::Estimator;
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
-use rundown::model::track::Target;
 use rundown::model::units::KmPerHour;
-use rundown::tick::estimate::Estimate;
-use rundown::tick::memory::Vehicle;
 use rundown_truth::driver::Regime;
 use rundown_truth::motion::Motion;
 use rundown_truth::plan::plan;
-use rundown_truth::scenario::{Scenario, drive_planned, simulate_planned};
-use rundown_truth::sensors::TraceStep;
+use rundown_truth::sensors::TruthSample;
 use rundown_truth::world::{History, World};
-use sim_harness::desk::Description;
 
 /// Standard deviations of a 90 % interval to either side.
 const NINETY_PERCENT: f64 = 1.645;
@@ -31,7 +24,7 @@ pub fn with_targets(config: Config, scenario: &Scenario) -> Description {
 }
 
 /// When and how fast a coasting train is at a place; `None`: it stands before.
-fn coasted(world: &World, from: &TraceStep, at_m: f64) -> Option<(f64, f64)> {
+fn coasted(world: &World, from: &TruthSample, at_m: f64) -> Option<(f64, f64)> {
     let mut motion = Motion { location_m: from.location_m, speed_mps: from.speed_mps };
     let mut history = History { time_s: from.time_s, departed_s: Some(0.0), braked: true, ..History::default() };
     loop {

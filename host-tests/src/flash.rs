@@ -3,11 +3,10 @@
 //! One word programmed, or one page erased, is one operation. The mock knows of each word whether it was wholly erased; programming any other word is counted in
 //! [`Flash::violations`], also where the word happens to read as erased.
 
+use crate::prelude::*;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
-use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// Bytes of a page.
 pub const PAGE: usize = 2048;

@@ -2,15 +2,12 @@
 
 use crate::board::{PROVISIONING, Wire, task};
 use crate::flash::Flash;
-use emulator::{Board, Emulator, FlashFile, Settings};
+use crate::prelude::*;
+use emulator::{Board, Emulator, NoImage, Settings};
 use rundown::link::serial::{self, SerialLink};
 use rundown::link::{Counters, Link, LinkError, Message};
-use rundown::model::direction::Direction;
 use rundown::onboard::task::Task;
-use rundown::onboard::uplink::Pace;
-use rundown::tick::measurement::Measurement;
 use rundown_wire::{Body, Health};
-use sim_harness::desk::{Description, Desk};
 use sim_harness::link::port::HostPort;
 use sim_harness::session::{Heard, PATIENCE, Session};
 use std::error::Error;
@@ -19,26 +16,13 @@ use std::time::Instant;
 /// Where the provisioning record lies in the flash of the reference board.
 const KEY_ADDRESS: u32 = 0x080F_F800;
 
-/// How to start the firmware, or a message that says why it is not: it needs a compiler and an emulator that plain `cargo test` does not bring.
-pub fn firmware() -> Option<Settings> {
+/// How to start the firmware of the reference board with a key in its flash.
+///
+/// # Errors
+/// It is not built: that takes a compiler which plain `cargo test` does not bring.
+pub fn firmware() -> Result<Settings, NoImage> {
     let preloads = vec![(KEY_ADDRESS, PROVISIONING.to_bytes().to_vec())];
-    Some(Settings { preloads, ..settings(Board::L475Emulated)? })
-}
-
-/// The same for the test board, whose flash is a file that outlives the emulator.
-pub fn test_board(flash: &FlashFile) -> Option<Settings> {
-    Some(Settings { flash: Some(flash.clone()), ..settings(Board::Mps2)? })
-}
-
-fn settings(board: Board) -> Option<Settings> {
-    match Settings::new(board) {
-        Ok(settings) => Some(settings),
-        Err(missing) if std::env::var_os("RUNDOWN_EMULATOR").is_some() => panic!("{missing}"),
-        Err(missing) => {
-            println!("SKIPPED: {missing}");
-            None
-        }
-    }
+    Ok(Settings { preloads, ..Settings::new(Board::L475Emulated)? })
 }
 
 /// The task on the host, as a link: what is sent goes in, what comes out is received.

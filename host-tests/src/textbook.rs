@@ -1,4 +1,4 @@
-//! The paper's filter exactly as it is printed: the witness against which `rundown::filter::ukf` is judged, and the yardstick of its cost.
+//! The paper's filter exactly as it is printed: the reference implementation that `rundown::filter::ukf` is compared with, in result and cost.
 //!
 //! In: a belief, any function f, a measurement of some of the components. Out: the belief one step later, and what lay between.
 //!
@@ -12,10 +12,9 @@
 //! K = Pxz Pz⁻¹, x = x̄ + K (z - z̄), P = Px - K Pz Kᵀ                                                Eq. (16)-(18)
 //! ```
 
+use crate::prelude::*;
 use nalgebra::{SMatrix, SVector};
-use rundown::filter::gaussian::Gaussian;
 use rundown::model::line::Line;
-use rundown::model::motion::Evaluate;
 
 /// α, β, κ as plain numbers.
 #[derive(Clone, Copy, Debug)]

@@ -4,10 +4,9 @@
 //! `cargo run --release -p host-tests --example accuracy`.
 
 use host_tests::accuracy::{Table, judge};
-use rundown::estimator::config::{Config, Mode};
+use host_tests::prelude::*;
 use rundown::tick::sensor::Rounding;
-use rundown_truth::scenario::Scenario;
-use rundown_truth::sensors::{Sensors, SpeedReading};
+use rundown_truth::sensors::SpeedReading;
 
 /// Scales of (r0, r1, r2): common from 0.75 to 1.25, each coefficient a little apart.
 fn vehicles(count: usize) -> Vec<[f64; 3]> {

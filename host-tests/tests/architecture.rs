@@ -3,20 +3,13 @@
 //! A module is read from its `mod name;` on, as the compiler does; what stands under `#[cfg(test)]` is left out. A name that a module re-exports counts
 //! as an import of the file that defines it, and the front page of a crate re-exports without importing.
 
+use host_tests::project::{root, shown, text};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 
 /// Files that are still in a circle. The list may only become shorter.
 const KNOWN_CIRCLES: &[&str] = &[];
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
-}
-
-fn shown(path: &Path) -> String {
-    path.strip_prefix(root()).unwrap().display().to_string()
-}
 
 /// A path in a file: `crate::model::track::Track`.
 struct Import {
@@ -168,7 +161,7 @@ impl Target {
     }
 
     fn read_module(&mut self, file: &Path, module: Vec<String>) {
-        let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        let text = text(file);
         let mut source = Source { is_front: module.is_empty(), ..Source::default() };
         source.visit_file(&syn::parse_file(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display())));
         let folder = file.parent().unwrap();
@@ -274,7 +267,7 @@ fn circles(edges: &[(PathBuf, usize, PathBuf)]) -> BTreeSet<BTreeSet<PathBuf>> {
 
 /// The rows of the table of `ARCHITECTURE.md` below a heading, each the names in backticks of its cells.
 fn table(heading: &str) -> Vec<Vec<Vec<String>>> {
-    let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let text = text("ARCHITECTURE.md");
     let (_, after) = text.split_once(&format!("## {heading}\n")).unwrap_or_else(|| panic!("no heading {heading}"));
     let lines = after.lines().skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|'));
     let names = |cell: &str| cell.split('`').skip(1).step_by(2).map(str::to_owned).collect();
@@ -293,7 +286,7 @@ fn packages() -> BTreeMap<String, PathBuf> {
 #[test]
 fn crates_import_what_the_page_says() {
     let packages = packages();
-    let members = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let members = text("Cargo.toml");
     let members = members.split_once("members = [").unwrap().1.split_once(']').unwrap().0;
     for member in members.split('"').skip(1).step_by(2) {
         let folder = root().join(member);
@@ -304,7 +297,7 @@ fn crates_import_what_the_page_says() {
     }
     for row in table("Crates") {
         let manifest = packages[&row[0][0]].join("Cargo.toml");
-        let text = std::fs::read_to_string(&manifest).unwrap();
+        let text = text(&manifest);
         let (mut section, mut found) = ("", [BTreeSet::new(), BTreeSet::new()]);
         for line in text.lines() {
             let name = line.split(['.', '=', ' ']).next().unwrap_or_default();

@@ -110,8 +110,8 @@ fn what_was_recorded_before_a_reboot_is_refused_after_it() {
     let still_old = sealed(&mut desk, b"still old");
     assert!(matches!(board.open(TRACK, &still_old), Err(Refusal::OtherEpoch { .. })));
     desk.hear(&board.announcement().unwrap()).unwrap();
-    let anew = sealed(&mut desk, b"anew");
-    assert_eq!(board.open(TRACK, &anew), Ok(b"anew".as_slice()));
+    let again = sealed(&mut desk, b"again");
+    assert_eq!(board.open(TRACK, &again), Ok(b"again".as_slice()));
 }
 
 #[test]

@@ -2,18 +2,15 @@
 //!
 //! Truth is what the simulated train does when it coasts from there: the simulator's own integrator, with the wind and the load of that run.
 
-use host_tests::board::{Board, case_study};
+use host_tests::board::{case_study, running};
 use host_tests::coasting::{Calibration, Judged, judge, published};
+use host_tests::prelude::*;
 use host_tests::said;
 use rayon::prelude::*;
 use rundown::coast_ahead::CoastConfig;
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
-use rundown::model::track::{MAX_TARGETS, Target};
-use rundown::onboard::uplink::{Request, Setting, TargetPart};
-use rundown::tick::measurement::Measurement;
+use rundown::model::track::MAX_TARGETS;
+use rundown::onboard::uplink::{Setting, TargetPart};
 use rundown_truth::driver::Regime;
-use rundown_truth::scenario::Scenario;
 use rundown_wire::{Body, CoastAhead, CoastOutcome, Refusal};
 
 /// Share of the described resistance of r0, r1, r2 of eight vehicles.
@@ -91,14 +88,9 @@ fn advice_stands_still_while_the_train_coasts() {
     assert!(20 * every[0] > 19 * every[1], "{every:?}");
 }
 
-fn board() -> (Board, Vec<Measurement>) {
-    let (description, log) = case_study();
-    (Board::running(&description), log)
-}
-
 #[test]
 fn the_board_says_it_third_and_again_each_minute() {
-    let (mut board, log) = board();
+    let (mut board, _, log) = running(case_study());
     let (mut said, mut frames_of_it, mut arrivals) = (None, 0, 0);
     for (tick, measurement) in (1..).zip(&log) {
         let frames = board.measure(measurement);
@@ -127,7 +119,7 @@ fn the_board_says_it_third_and_again_each_minute() {
 
 #[test]
 fn a_run_that_goes_on_from_a_snapshot_says_the_same() {
-    let (mut board, log) = board();
+    let (mut board, description, log) = running(case_study());
     let half = log.len() / 2;
     for measurement in &log[..half] {
         board.measure(measurement);
@@ -135,8 +127,8 @@ fn a_run_that_goes_on_from_a_snapshot_says_the_same() {
     let parts = board.snapshot();
     let rest: Vec<_> = log[half..].iter().map(|measurement| said!(board.measure(measurement), CoastAhead)).collect();
     let mut other = board.restart();
-    other.prepare(&case_study().0, Direction::Up);
-    other.ask(Request::Command(rundown::onboard::uplink::Command::End)).unwrap();
+    other.prepare(&description, Direction::Up);
+    other.ask(Request::Command(Command::End)).unwrap();
     for part in parts {
         other.ask(Request::Snapshot(part)).unwrap();
     }
@@ -147,15 +139,14 @@ fn a_run_that_goes_on_from_a_snapshot_says_the_same() {
 
 #[test]
 fn targets_are_taken_whole_and_in_order() {
-    let (description, _) = case_study();
-    let mut board = Board::running(&description);
+    let (mut board, description, _) = running(case_study());
     let stop = |at_m| Target { at_m, limit_mps: None };
     let part = |track_id, first, targets: &[Target]| {
         Request::Targets(TargetPart { track_id, first, targets: targets.iter().copied().collect() })
     };
     let id = description.track_id();
     assert_eq!(board.ask(part(id, 0, &[])), Err(Refusal::Running));
-    board.ask(Request::Command(rundown::onboard::uplink::Command::End)).unwrap();
+    board.ask(Request::Command(Command::End)).unwrap();
     assert_eq!(board.ask(part(id + 1, 0, &[])), Err(Refusal::OtherTrack));
     assert_eq!(board.ask(part(id, 0, &[stop(1e3)])), Ok(()));
     assert_eq!(board.ask(part(id, 2, &[stop(2e3)])), Err(Refusal::OutOfOrder));

@@ -1,16 +1,13 @@
 //! Are the lists of `CONTRIBUTING.md` true? Each is compared with the files that mention its worked example.
 
+use host_tests::project::{files, root, shown, text};
 use rundown_wire::EffectKind;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
-}
+use std::path::PathBuf;
 
 /// The files of the table below a heading.
 fn listed(heading: &str) -> BTreeSet<String> {
-    let text = std::fs::read_to_string(root().join("CONTRIBUTING.md")).unwrap();
+    let text = text("CONTRIBUTING.md");
     let (_, after) = text.split_once(&format!("## {heading}\n")).unwrap_or_else(|| panic!("no heading {heading}"));
     let section = after.split("\n## ").next().unwrap();
     let rows = section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`'));
@@ -19,36 +16,18 @@ fn listed(heading: &str) -> BTreeSet<String> {
     files
 }
 
-/// Sources below a folder, and documents beside them.
-fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_str().unwrap();
-        if path.is_dir() {
-            if !name.starts_with('.') && name != "target" && name != "data" {
-                sources(&path, files);
-            }
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            files.push(path);
-        }
-    }
-}
-
 /// Files whose code, tests and remarks left out, has one of these words.
 fn mentions(words: &[&str], not_below: &[&str]) -> BTreeSet<String> {
-    let mut files = Vec::new();
-    for folder in ["src", "wire", "sim-harness", "xtask", "host-tests"] {
-        sources(&root().join(folder), &mut files);
-    }
-    let short = |path: &Path| path.strip_prefix(root()).unwrap().display().to_string();
+    let folders = ["src", "wire", "sim-harness", "xtask", "host-tests"];
+    let files: Vec<PathBuf> = folders.into_iter().flat_map(|folder| files(folder, ".rs")).collect();
     let has = |path: &PathBuf| {
-        let text = std::fs::read_to_string(path).unwrap();
+        let text = text(path);
         let code = text.split("#[cfg(test)]\nmod tests").next().unwrap();
         let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
         lines.into_iter().any(|line| words.iter().any(|word| line.contains(word)))
     };
     let own = "host-tests/tests/contributing.rs";
-    let found = files.iter().filter(|path| has(path)).map(|path| short(path));
+    let found = files.iter().filter(|path| has(path)).map(|path| shown(path));
     let found = found.filter(|file| !file.ends_with("/tests.rs"));
     found.filter(|file| file != own && !not_below.iter().any(|folder| file.starts_with(folder))).collect()
 }
@@ -103,7 +82,7 @@ fn a_frame_is_the_files_that_are_listed_and_its_users() {
     );
     let listed: BTreeSet<String> = listed("A frame").into_iter().filter(|file| file.ends_with(".rs")).collect();
     assert_eq!(found, listed);
-    assert!(std::fs::read_to_string(root().join("WIRE.md")).unwrap().contains("switching_points"));
+    assert!(text("WIRE.md").contains("switching_points"));
 }
 
 /// Its name may stand where the recogniser is kept and called, its law nowhere else.
@@ -116,8 +95,8 @@ fn the_recogniser_is_one_file() {
 /// Each board has a folder with its memory, and a feature where it is not the default.
 #[test]
 fn a_board_is_a_folder_and_a_feature() {
-    let manifest = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
-    let choice = std::fs::read_to_string(root().join("src/board/mod.rs")).unwrap();
+    let manifest = text("Cargo.toml");
+    let choice = text("src/board/mod.rs");
     let folders = std::fs::read_dir(root().join("src/board")).unwrap().map(|entry| entry.unwrap().path());
     let boards: Vec<PathBuf> = folders.filter(|path| path.is_dir()).collect();
     assert!(boards.len() >= 2);

@@ -2,19 +2,12 @@
 //!
 //! `cargo test -p host-tests --test effects -- --nocapture` prints the figures.
 
-use rundown::estimator::Estimator;
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
+use host_tests::accuracy::NOMINAL as DESCRIBED;
+use host_tests::prelude::*;
 use rundown::model::effects::*;
-use rundown::model::resistance::Davis;
-use rundown::model::track::{Curve, Gradient, Track};
-use rundown::model::train::{Train, TrainDescription};
-use rundown::tick::measurement::Measurement;
-use rundown::tick::memory::Vehicle;
 
-const DESCRIBED: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 /// A tenth off the description, so that there is something to learn beside the effect.
-const TRUE: Davis = Davis { r0: 0.9 * 7.38e-3, r1: 0.9 * 1.6e-4, r2: 0.9 * 2.8e-5 };
+const TRUE: Davis = Davis { r0: 0.9 * DESCRIBED.r0, r1: 0.9 * DESCRIBED.r1, r2: 0.9 * DESCRIBED.r2 };
 const LENGTH_M: f64 = 162.0;
 const GAMMA: f64 = 1.06;
 const TOP_MPS: f64 = 140.0 / 3.6;

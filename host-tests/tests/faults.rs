@@ -1,27 +1,15 @@
 //! Does the board survive what `docs/faults.md` lists? The rows that no other test holds, through the tick task and its messages.
 
 use host_tests::accuracy::measurements;
-use host_tests::board::{Board, answer, case_study, estimate};
+use host_tests::board::{Board, answer, case_study, estimate, running};
 use host_tests::coasting::with_targets;
 use host_tests::flash::Flash;
+use host_tests::prelude::*;
 use host_tests::said;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rundown::estimator::config::{Config, Mode};
 use rundown::link::serial::{Decoder, encode};
-use rundown::model::direction::Direction;
 use rundown::model::effects::*;
-use rundown::model::track::Gradient;
-use rundown::onboard::uplink::{self, Command, Request, Setting, Uplink};
-use rundown::tick::measurement::Measurement;
-use rundown_truth::scenario::{Scenario, simulate};
+use rundown::onboard::uplink::{self, Setting, Uplink};
 use rundown_wire::{Downlink, Refusal};
-use sim_harness::desk::Description;
-
-fn running() -> (Board, Description, Vec<Measurement>) {
-    let (description, log) = case_study();
-    (Board::running(&description), description, log)
-}
 
 /// Digests of the estimates: equal digests, equal states.
 fn digests(board: &mut Board, log: &[Measurement]) -> Vec<u32> {
@@ -37,8 +25,8 @@ fn is_a_number(frame: &Downlink) -> bool {
 /// Row 1, over the decoder and the task: what a flipped bit leaves of a message changes nothing, in the run nor in the counters of what was asked.
 #[test]
 fn a_flipped_bit_on_the_line_leaves_the_state_as_it_was() {
-    let (mut plain, _, log) = running();
-    let (mut board, ..) = running();
+    let (mut plain, _, log) = running(case_study());
+    let (mut board, ..) = running(case_study());
     let (before, after) = log.split_at(60);
     assert_eq!(digests(&mut board, before), digests(&mut plain, before));
     let measurement = board.desk.open(Request::Measurement(after[0])).unwrap();
@@ -70,9 +58,9 @@ fn a_flipped_bit_on_the_line_leaves_the_state_as_it_was() {
 /// Row 3.
 #[test]
 fn a_message_that_comes_twice_is_answered_once_and_changes_nothing() {
-    let (mut plain, _, log) = running();
+    let (mut plain, _, log) = running(case_study());
     let expected = digests(&mut plain, &log);
-    let (mut board, ..) = running();
+    let (mut board, ..) = running(case_study());
     let mut found = Vec::new();
     for measurement in &log {
         let message = board.desk.open(Request::Measurement(*measurement)).unwrap();
@@ -86,7 +74,7 @@ fn a_message_that_comes_twice_is_answered_once_and_changes_nothing() {
 /// Row 4.
 #[test]
 fn a_log_out_of_order_gives_what_its_rising_part_gives() {
-    let (_, _, mut log) = running();
+    let (_, _, mut log) = running(case_study());
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     for _ in 0..log.len() / 2 {
         let at = rng.random_range(1..log.len() - 1);
@@ -99,8 +87,8 @@ fn a_log_out_of_order_gives_what_its_rising_part_gives() {
         }
     }
     assert!(rising.len() + 10 < log.len());
-    let expected = digests(&mut running().0, &rising);
-    let mut board = running().0;
+    let expected = digests(&mut running(case_study()).0, &rising);
+    let mut board = running(case_study()).0;
     assert_eq!(digests(&mut board, &log), expected);
     let refused = board.status().refusals[Refusal::TimeNotIncreasing as usize];
     assert_eq!(refused as usize, log.len() - rising.len());
@@ -109,7 +97,7 @@ fn a_log_out_of_order_gives_what_its_rising_part_gives() {
 /// Row 6.
 #[test]
 fn the_senders_counter_wraps_without_a_gap() {
-    let (mut board, _, log) = running();
+    let (mut board, _, log) = running(case_study());
     let mut say = |sequence: u16, request: Request| {
         let mut buffer = [0; rundown_wire::MAX_MESSAGE];
         let uplink = Uplink { sequence, request };
@@ -117,7 +105,7 @@ fn the_senders_counter_wraps_without_a_gap() {
         said!(board.say(message), Status).map(|status| status.missed)
     };
     let status = Request::Command(Command::Status);
-    // Far from the counter before: taken for a sender that began anew.
+    // Far from the counter before: taken for a sender that has restarted.
     for (sequence, measurement) in (u16::MAX - 3..=u16::MAX).chain(0..4).zip(&log) {
         say(sequence, Request::Measurement(*measurement));
     }
@@ -131,8 +119,8 @@ fn the_senders_counter_wraps_without_a_gap() {
 /// Row 6: the board's own counters. Of a train that waits for its departure, so that the run does not end.
 #[test]
 fn the_boards_counters_wrap_without_a_gap() {
-    let (mut board, _, log) = running();
-    let (mut plain, ..) = running();
+    let (mut board, _, log) = running(case_study());
+    let (mut plain, ..) = running(case_study());
     // The tick of a run that began four years ago. A snapshot says at which tick it was taken.
     board.measure(&log[0]);
     plain.measure(&log[0]);
@@ -152,7 +140,7 @@ fn the_boards_counters_wrap_without_a_gap() {
     assert_eq!(ticks, expected.collect::<Vec<_>>());
 
     // The sequence numbers of its frames.
-    let (mut board, ..) = running();
+    let (mut board, ..) = running(case_study());
     let (mut frames, mut last) = (0_u32, None);
     let mut measurement = Measurement { speed_mps: Some(0.0), ..log[0] };
     while frames < 66_000 {
@@ -173,7 +161,7 @@ fn the_boards_counters_wrap_without_a_gap() {
 /// Row 7.
 #[test]
 fn unknown_versions_kinds_and_lengths_are_refused_by_cause() {
-    let (mut board, ..) = running();
+    let (mut board, ..) = running(case_study());
     let setup = board.status().setup;
     let mut valid = board.desk.open(Request::Command(Command::Status)).unwrap();
     let long = [&valid[..], &[0; 600]].concat();
@@ -194,8 +182,8 @@ fn unknown_versions_kinds_and_lengths_are_refused_by_cause() {
 /// Row 10.
 #[test]
 fn a_run_on_another_track_is_refused_and_the_one_under_way_goes_on() {
-    let (mut board, description, log) = running();
-    let (mut plain, ..) = running();
+    let (mut board, description, log) = running(case_study());
+    let (mut plain, ..) = running(case_study());
     let other = Command::Begin { direction: Direction::Down, track_id: description.track_id() ^ 1 };
     let (before, after) = log.split_at(30);
     assert_eq!(digests(&mut board, before), digests(&mut plain, before));
@@ -226,7 +214,7 @@ fn odd_floats_in_every_field_never_reach_a_frame_and_leave_the_run_usable() {
         401.0 / 3.6,
     ];
     for mode in [Mode::Gated, Mode::Measured, Mode::Paper] {
-        let (mut board, _, log) = running();
+        let (mut board, _, log) = running(case_study());
         board.ask(Request::Command(Command::End)).unwrap();
         board.ask(Request::Setting(Setting::Mode(mode))).unwrap();
         let track_id = board.status().track_id.unwrap();
@@ -261,7 +249,7 @@ fn odd_floats_in_every_field_never_reach_a_frame_and_leave_the_run_usable() {
 /// Row 14, of what the effects depend on.
 #[test]
 fn odd_temperatures_and_dates_are_refused_and_the_old_ones_stay() {
-    let (mut board, description, log) = running();
+    let (mut board, description, log) = running(case_study());
     board.ask(Request::Command(Command::End)).unwrap();
     let with_effects = Description {
         effects: Effects::try_new([
@@ -293,7 +281,7 @@ fn odd_temperatures_and_dates_are_refused_and_the_old_ones_stay() {
 /// Row 28.
 #[test]
 fn a_hostile_train_or_track_leaves_the_old_one_in_force() {
-    let (mut board, description, log) = running();
+    let (mut board, description, log) = running(case_study());
     board.ask(Request::Command(Command::End)).unwrap();
     let setup = board.status().setup;
     let mut hostile = Vec::new();

@@ -3,16 +3,11 @@
 //! Row 36 of `docs/faults.md` promises more than the code keeps: no checksum is looked at. Here stands what is kept.
 
 use host_tests::accuracy::{estimator, measurements};
+use host_tests::prelude::*;
 use rayon::prelude::*;
 use rundown::Real;
-use rundown::estimator::Estimator;
-use rundown::estimator::config::{Config, Mode};
 use rundown::estimator::run_state::{MAX_SNAPSHOT, RunState};
-use rundown::model::direction::Direction;
-use rundown::model::state::{SIZE, SPEED};
-use rundown::tick::estimate::{Estimate, Validity};
-use rundown::tick::measurement::Measurement;
-use rundown_truth::scenario::{Scenario, simulate};
+use rundown::tick::estimate::Validity;
 
 /// Samples after the flip.
 const AFTER: usize = 6;

@@ -57,7 +57,7 @@ fn a_wrong_gradient_is_found_where_it_is_and_as_large_as_it_is() {
 }
 
 #[test]
-fn a_steady_wind_is_told_from_wrong_coefficients() {
+fn a_steady_wind_is_distinguished_from_wrong_coefficients() {
     for effort in [true, false] {
         let (score, found) = investigated(&["steady_wind"], effort, false, 11);
         assert!(score.exact, "{score:?}");
@@ -161,7 +161,7 @@ fn slippery_days_are_found_with_their_runs() {
 
 /// Without an effort column a constant in some runs is no wind of single runs.
 #[test]
-fn a_dragging_brake_is_told_from_winds_without_an_effort_column() {
+fn a_dragging_brake_is_distinguished_from_winds_without_an_effort_column() {
     let (_, score, answer) = of_size(Size::Clear, MANY, &["dragging_brake"], false, false, 517_636_083);
     assert!(score.exact, "{score:?}");
     assert!(score.size_errors[0] < 0.15, "{score:?}");
@@ -171,7 +171,7 @@ fn a_dragging_brake_is_told_from_winds_without_an_effort_column() {
     assert!(notes.iter().any(|note| note.contains("coasting alone")), "{notes:?}");
 }
 
-/// In one direction a tunnel and a wrong gradient differ by the speeds of the runs alone: both names are told, with what would separate them, or the right one.
+/// In one direction a tunnel and a wrong gradient differ by the speeds of the runs alone: both are reported, with what would separate them, or the right one.
 #[test]
 fn a_tunnel_in_one_direction_is_named_or_shared() {
     for seed in [1_231_151_716, 1_714_657_528] {
@@ -185,7 +185,7 @@ fn a_tunnel_in_one_direction_is_named_or_shared() {
 
 /// One of the runs has a worn wheel, and its odometer gives the locations, too: only the other runs tell.
 #[test]
-fn a_worn_wheel_of_one_run_is_found_by_the_ways_of_the_others() {
+fn a_worn_wheel_of_one_run_is_found_by_the_distances_of_the_others() {
     let set = Set::draw(Ask { kinds: Vec::new(), size: Size::Clear, effort: true, dirty: false, runs: RUNS, seed: 1 })
         .unwrap();
     let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,7 @@
 //! Does a CAN bus give the message that was sent, or nothing?
 
 use embedded_can::{Frame, nb::Can};
+use host_tests::port::Narrow;
 use proptest::prelude::*;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -253,39 +254,14 @@ fn a_controller_that_is_full_loses_nothing() {
 
 #[test]
 fn a_serial_port_that_is_full_within_a_line_loses_nothing() {
-    /// Takes as many bytes as there is room for.
-    struct Narrow(pipe::End<u8>, usize);
-    impl embedded_io::ErrorType for Narrow {
-        type Error = std::io::Error;
-    }
-    impl embedded_io::ReadReady for Narrow {
-        fn read_ready(&mut self) -> std::io::Result<bool> {
-            embedded_io::ReadReady::read_ready(&mut self.0)
-        }
-    }
-    impl embedded_io::Read for Narrow {
-        fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-            embedded_io::Read::read(&mut self.0, buffer)
-        }
-    }
-    impl embedded_io::Write for Narrow {
-        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-            let length = bytes.len().min(self.1);
-            self.1 -= length;
-            embedded_io::Write::write(&mut self.0, &bytes[..length])
-        }
-        fn flush(&mut self) -> std::io::Result<()> {
-            Ok(())
-        }
-    }
     let (here, there) = pipe::bytes();
-    let mut host = CanLink::host(Slcan::device(Narrow(here, 0)), Config::CLASSIC);
+    let mut host = CanLink::host(Slcan::device(Narrow { end: here, room: 0 }), Config::CLASSIC);
     let mut board = CanLink::board(Slcan::device(there), Config::CLASSIC);
     let message = random(1, 100);
     host.send(&message, 0).unwrap();
     let received = (0..1000).find_map(|turn| {
         // Lines of 22 bytes do not go into 30, so most are cut.
-        host.controller_mut().port_mut().1 = if turn % 2 == 0 { 30 } else { 7 };
+        host.controller_mut().port_mut().room = if turn % 2 == 0 { 30 } else { 7 };
         host.receive(0).unwrap();
         board.receive(0).unwrap()
     });

@@ -2,16 +2,12 @@
 
 use host_tests::board::{PROVISIONING, Wire, task};
 use host_tests::flash::Flash;
+use host_tests::prelude::*;
 use host_tests::reference::recording;
-use rundown::estimator::Estimator;
-use rundown::estimator::config::Config;
 use rundown::link::Link;
 use rundown::link::serial::SerialLink;
 use rundown::model::effects::{Effect, Effects, TemperatureResistance};
-use rundown::tick::digest;
 use rundown_files::replay::{Tick, replay};
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
 use rundown_wire::{Body, Downlink};
 use sim_harness::commands;
 use sim_harness::link::port::HostPort;
@@ -19,7 +15,6 @@ use sim_harness::link::record::{Way, read};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::net::TcpListener;
-use std::path::Path;
 use std::process::ExitCode;
 use std::thread;
 use std::time::Duration;

@@ -1,5 +1,6 @@
 //! Does a serial line give the message that was sent, or nothing?
 
+use host_tests::port::Narrow;
 use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -282,43 +283,14 @@ fn over_a_bad_wire_come_only_messages_that_were_sent_and_afterwards_all() {
 
 #[test]
 fn a_full_port_costs_the_cut_message_only() {
-    /// Takes `room` bytes, then nothing.
-    struct Ring {
-        taken: Vec<u8>,
-        room: usize,
-    }
-    impl embedded_io::ErrorType for Ring {
-        type Error = std::io::Error;
-    }
-    impl embedded_io::ReadReady for Ring {
-        fn read_ready(&mut self) -> std::io::Result<bool> {
-            Ok(false)
-        }
-    }
-    impl embedded_io::Read for Ring {
-        fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
-            Ok(0)
-        }
-    }
-    impl embedded_io::Write for Ring {
-        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-            let length = bytes.len().min(self.room);
-            self.room -= length;
-            self.taken.extend(&bytes[..length]);
-            Ok(length)
-        }
-        fn flush(&mut self) -> std::io::Result<()> {
-            Ok(())
-        }
-    }
     for room in 0..25 {
-        let ring = Ring { taken: vec![], room };
-        let mut link = SerialLink::new(ring);
+        let (end, mut there) = pipe::bytes();
+        let mut link = SerialLink::new(Narrow { end, room });
         // 20 bytes are 26 on the line.
         assert!(matches!(link.send(&[1; 20], 0), Err(LinkError::Full)));
         link.port_mut().room = 100;
         link.send(&[2; 20], 0).unwrap();
-        let (messages, _) = decode(&link.port_mut().taken);
+        let (messages, _) = decode(&there.take());
         assert_eq!(messages, [vec![2; 20]], "room for {room}");
         assert_eq!(link.counters().sent, 1);
     }
@@ -326,33 +298,11 @@ fn a_full_port_costs_the_cut_message_only() {
 
 #[test]
 fn a_babbling_line_does_not_hold_up_the_caller() {
-    struct Babble(u64);
-    impl embedded_io::ErrorType for Babble {
-        type Error = std::io::Error;
-    }
-    impl embedded_io::ReadReady for Babble {
-        fn read_ready(&mut self) -> std::io::Result<bool> {
-            Ok(true)
-        }
-    }
-    impl embedded_io::Read for Babble {
-        fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-            self.0 += buffer.len() as u64;
-            buffer.fill(0x55);
-            Ok(buffer.len())
-        }
-    }
-    impl embedded_io::Write for Babble {
-        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-            Ok(bytes.len())
-        }
-        fn flush(&mut self) -> std::io::Result<()> {
-            Ok(())
-        }
-    }
-    let mut link = SerialLink::new(Babble(0));
-    assert!(link.receive(0).unwrap().is_none());
-    assert!(link.port_mut().0 <= 2 * MAX_SERIAL as u64);
+    let (mut here, mut there) = pipe::bytes();
+    let babble = vec![0x55; 100 * MAX_SERIAL];
+    there.put(babble.iter().copied());
+    assert!(SerialLink::new(&mut here).receive(0).unwrap().is_none());
+    assert!(babble.len() - here.take().len() <= 2 * MAX_SERIAL);
 }
 
 proptest! {

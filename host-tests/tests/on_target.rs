@@ -3,24 +3,16 @@
 use emulator::Settings;
 use host_tests::accuracy::{description, measurements};
 use host_tests::coasting::with_targets;
-use host_tests::reference::{data, recording};
+use host_tests::prelude::*;
+use host_tests::reference::{Logs, recording};
 use host_tests::target::{Same, compare, firmware};
-use rundown::estimator::config::{Config, Mode};
-use rundown::model::direction::Direction;
 use rundown::model::effects::*;
-use rundown::model::track::Curve;
-use rundown_files::sample::Sample;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
 use rundown_truth::line::Line;
-use rundown_truth::scenario::{Scenario, simulate};
-use rundown_truth::sensors::{Bursts, Sensors};
-use sim_harness::desk::Description;
-use std::path::Path;
+use rundown_truth::sensors::Bursts;
 
 /// Compares a simulated run, and says what it was.
 fn simulated(what: &str, mode: Mode, scenario: &Scenario, seed: u64) {
-    let Some(settings) = firmware() else { return };
+    let settings = firmware().unwrap();
     let description = description(Config::with_mode(mode), scenario);
     described(what, &settings, &description, scenario, seed);
 }
@@ -40,37 +32,43 @@ fn say(what: &str, same: &Same) {
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_run_of_the_case_study() {
     simulated("gated", Mode::Gated, &Scenario::default(), 3);
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_run_towards_targets() {
-    let Some(settings) = firmware() else { return };
+    let settings = firmware().unwrap();
     let scenario = Scenario { line: Line::hilly(8), wind_sd_mps: 2.0, ..Scenario::default() };
     let description = with_targets(Config::default(), &scenario);
     described("targets", &settings, &description, &scenario, 8);
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn the_papers_mode() {
     simulated("paper", Mode::Paper, &Scenario::default(), 4);
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn the_measured_mode() {
     simulated("measured", Mode::Measured, &Scenario::default(), 5);
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_hilly_line_with_wind() {
     let scenario = Scenario { line: Line::hilly(8), wind_sd_mps: 2.0, ..Scenario::default() };
     simulated("hills and wind", Mode::Gated, &scenario, 6);
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_model_with_effects() {
-    let Some(settings) = firmware() else { return };
+    let settings = firmware().unwrap();
     let scenario = Scenario::default();
     let curve = |from_m| Curve { from_m, to_m: from_m + 300.0, radius_m: 600.0 };
     let effects = [
@@ -94,6 +92,7 @@ fn a_model_with_effects() {
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_run_with_dropouts() {
     let sensors = Sensors {
         dropout_probability: 0.2,
@@ -105,18 +104,13 @@ fn a_run_with_dropouts() {
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_recorded_run() {
-    let Some(settings) = firmware() else { return };
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/recorded-gpx");
-    if !folder.join("runs").is_dir() {
-        println!("SKIPPED: no recorded runs in ../shared/data/recorded-gpx beside the workspace");
-        return;
-    }
-    let (track, _) = TrackFile::read(&folder.join("track_kolkata.toml")).unwrap();
-    let (_, train) = TrainFile::read(&data("reference/train.toml")).unwrap();
-    let recording = recording(&folder.join("runs"));
+    let logs = Logs::find();
+    let (train, track) = (logs.train().1, logs.track().0);
+    let recording = recording(&logs.set.files[0].path);
     let log: Vec<_> = recording.rows.iter().map(Sample::measurement).collect();
     let description = Description::new(&train, &track, Config::default());
-    let same = compare(&settings, &description, recording.direction, &log).unwrap();
+    let same = compare(&firmware().unwrap(), &description, recording.direction, &log).unwrap();
     say(&recording.name, &same);
 }

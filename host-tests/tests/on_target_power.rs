@@ -1,15 +1,10 @@
 //! What is left when the power goes? The firmware on the test board of the emulator, whose flash is a file: killing the emulator is the loss of power.
 
-use emulator::{Emulator, FlashFile, Settings};
-use host_tests::accuracy::{description, measurements};
-use host_tests::board::PROVISIONING;
+use emulator::{Board, Emulator, FlashFile, Settings};
+use host_tests::board::{PROVISIONING, described};
+use host_tests::prelude::*;
 use host_tests::said;
-use host_tests::target::{on_target, test_board};
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
-use rundown::onboard::uplink::{Command, Pace, Request};
-use rundown::tick::digest;
-use rundown_truth::scenario::{Scenario, simulate};
+use host_tests::target::on_target;
 use rundown_wire::{Body, Downlink, Memory};
 use sim_harness::session::Heard;
 use std::thread::sleep;
@@ -19,20 +14,19 @@ fn frames(heard: Vec<Heard>) -> Vec<Downlink> {
     heard.into_iter().map(|heard| heard.frame).collect()
 }
 
-/// The test board with a key in its flash, where there is an emulator; the folder holds the flash.
-fn provisioned() -> Option<(Settings, tempfile::TempDir)> {
+/// The test board with a key in its flash; the folder holds the flash.
+fn provisioned() -> (Settings, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let flash = FlashFile::erased(&folder.path().join("flash")).unwrap();
     flash.put_key(&PROVISIONING.to_bytes()).unwrap();
-    Some((test_board(&flash)?, folder))
+    (Settings { flash: Some(flash), ..Settings::new(Board::Mps2).unwrap() }, folder)
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
-    let Some((settings, _folder)) = provisioned() else { return };
-    let scenario = Scenario::default();
-    let description = description(Config::default(), &scenario);
-    let log = measurements(&simulate(&scenario, 3));
+    let (settings, _folder) = provisioned();
+    let (description, log) = described();
 
     let mut emulator = Emulator::start(&settings).unwrap();
     let mut session = on_target(&mut emulator).unwrap();
@@ -72,13 +66,12 @@ fn what_was_learned_outlives_the_power_wherever_it_is_cut() {
 
 /// The run goes on in a board that has lost everything but its flash, from the snapshot that the desk kept.
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_run_goes_on_after_a_brown_out() {
-    let Some((settings, _folder)) = provisioned() else { return };
-    let scenario = Scenario::default();
-    let description = description(Config::default(), &scenario);
+    let (settings, _folder) = provisioned();
+    let (description, log) = described();
     let estimator = description.estimator().unwrap();
     let mut run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
-    let log = measurements(&simulate(&scenario, 3));
     let (before, after) = log.split_at(100);
 
     let mut emulator = Emulator::start(&settings).unwrap();

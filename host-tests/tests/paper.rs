@@ -1,17 +1,12 @@
 //! Is this the method of the paper? Its tables, thresholds and worked numbers, and the one number that its step gets wrong.
 
-use host_tests::accuracy::TRAIN;
+use host_tests::accuracy::train;
+use host_tests::prelude::*;
 use nalgebra::SVector;
-use rundown::estimator::config::{Config, Mode};
 use rundown::features::FeatureConfig;
 use rundown::filter::ukf::{Process, Spread};
-use rundown::model::direction::Direction;
 use rundown::model::line::Line;
-use rundown::model::motion::{Evaluate, Motion};
-use rundown::model::resistance::Davis;
-use rundown::model::state::{SIZE, SPEED};
-use rundown::model::track::Track;
-use rundown::model::train::Train;
+use rundown::model::motion::Motion;
 use rundown::tick::paper::Difference;
 use rundown::tick::regime::{PaperRule, Regime};
 
@@ -91,7 +86,7 @@ fn feature_windows_and_brake_steps_are_those_of_section_3_3() {
 
 /// Ten seconds of coasting on the flat from `v0`, in steps of at most `sub_step_s`: the speed lost, by the motion model.
 fn lost_mps(v0: f64, davis: &Davis, sub_steps: u32, evaluate: Evaluate) -> f64 {
-    let train = Train::try_new(TRAIN).unwrap();
+    let train = train();
     let flat = Track::try_new(10_000.0, []).unwrap();
     let line = Line { train: &train, track: &flat, direction: Direction::Up };
     let mut x = SVector::from([0.0, v0, davis.r0, davis.r1, davis.r2]);

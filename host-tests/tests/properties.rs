@@ -1,28 +1,15 @@
 //! What always holds, whatever comes in.
 
-use host_tests::accuracy::TRAIN;
+use host_tests::accuracy::train;
+use host_tests::prelude::*;
 use host_tests::textbook::{Points, Shape};
 use nalgebra::{SMatrix, SVector, Vector2};
 use proptest::prelude::*;
-use rundown::estimator::Estimator;
-use rundown::estimator::config::{Config, Mode};
 use rundown::filter::elimination::Column;
-use rundown::filter::gaussian::Gaussian;
 use rundown::filter::ukf::{Pair, Process, Spread, Ukf};
-use rundown::model::direction::Direction;
 use rundown::model::line::Line;
-use rundown::model::motion::{Evaluate, Motion};
-use rundown::model::state::SIZE;
-use rundown::model::track::{Gradient, Track};
-use rundown::model::train::Train;
-use rundown::tick::estimate::Estimate;
-use rundown::tick::learning::LocationAndSpeed;
-use rundown::tick::measurement::Measurement;
+use rundown::model::motion::Motion;
 use rundown::tick::regime::{PaperRule, Regime};
-
-fn train() -> Train {
-    Train::try_new(TRAIN).unwrap()
-}
 
 fn track(steps: &[(f64, f64)]) -> Track {
     let mut from_m = 0.0;

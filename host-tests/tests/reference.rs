@@ -1,13 +1,9 @@
 //! Is it the method of the paper, to the last digits? `data/reference` holds one run computed with 50-digit arithmetic
 //! by an implementation that shares no code with this project.
 
+use host_tests::prelude::*;
 use host_tests::reference::{data, measurements, train_and_track};
-use rundown::estimator::Estimator;
-use rundown::estimator::config::{Config, Mode};
 use rundown::filter::ukf::Spread;
-use rundown::model::direction::Direction;
-use rundown::model::state::SIZE;
-use rundown::tick::estimate::Estimate;
 use rundown::tick::regime::Regime;
 use std::collections::HashMap;
 

@@ -3,14 +3,9 @@
 //! `BLESS=1 cargo test -p host-tests --test replay` rewrites it; the commit then says why it moved.
 
 use host_tests::accuracy::{estimator, measurements, resistance};
+use host_tests::prelude::*;
 use host_tests::reference::{self, data, train_and_track};
-use rundown::estimator::Estimator;
-use rundown::estimator::config::{Config, Mode};
-use rundown::model::direction::Direction;
-use rundown::tick::measurement::Measurement;
 use rundown::tick::regime::Regime;
-use rundown_truth::scenario::{Scenario, simulate};
-use rundown_truth::sensors::Sensors;
 use std::fmt::Write as _;
 
 /// Columns after the name, each with the difference that is accepted: another platform rounds libm the same, so these only hide the printing.

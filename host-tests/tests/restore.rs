@@ -2,11 +2,10 @@
 
 use host_tests::accuracy::{NOMINAL, estimator, replay};
 use host_tests::flash::Flash;
-use rundown::estimator::config::{Config, Mode};
+use host_tests::prelude::*;
 use rundown::onboard::store::Store;
 use rundown::onboard::store::persisted::Persisted;
-use rundown::onboard::train_id::TrainId;
-use rundown_truth::scenario::{Scenario, fleet};
+use rundown_truth::scenario::fleet;
 
 /// Every learned vehicle is believed again, bit for bit: in each mode, for trains far off their description, in calm and in wind.
 #[test]

@@ -1,18 +1,11 @@
 //! Does it behave? Logs with faults cut into them; every scenario is judged against truth or against the same log without the fault.
 
 use host_tests::accuracy::{Errors, estimator, measurements, resistance};
-use rand::{RngExt, SeedableRng};
-use rundown::estimator::config::{Config, Mode};
-use rundown::estimator::{Estimator, RunSummary, StepError};
-use rundown::model::direction::Direction;
-use rundown::model::resistance::Davis;
-use rundown::model::state::{LOCATION, SPEED};
-use rundown::model::track::{Gradient, Track};
-use rundown::tick::estimate::{Cause, Estimate, Validity};
-use rundown::tick::measurement::Measurement;
+use host_tests::prelude::*;
+use rundown::estimator::StepError;
+use rundown::tick::estimate::{Cause, Validity};
 use rundown::tick::regime::Regime;
-use rundown_truth::scenario::{Run, Scenario, simulate};
-use rundown_truth::sensors::{LocationWalk, Sensors};
+use rundown_truth::sensors::LocationWalk;
 use rundown_truth::train::DavisTruth;
 
 const SEED: u64 = 31;
@@ -35,6 +28,25 @@ fn replay(estimator: &Estimator, log: &[Measurement]) -> (Vec<Estimate>, RunSumm
     }
     let summary = estimator.end_run(&mut run, &mut vehicle);
     (estimates, summary)
+}
+
+/// A run of a scenario, and what a new vehicle makes of it.
+fn replayed(scenario: &Scenario, seed: u64) -> (Run, Vec<Estimate>, RunSummary) {
+    let run = simulate(scenario, seed);
+    let (estimates, summary) = replay(&estimator(Config::default(), scenario), &measurements(&run));
+    (run, estimates, summary)
+}
+
+/// How far the resistance of a run at this speed is from the truth, in its standard deviations.
+fn error_sd(found: &RunSummary, run: &Run, kmh: f64) -> f64 {
+    let (r, sd) = resistance(&found.run_davis, kmh);
+    (r - run.facts.davis.resistance_n_per_kg(kmh / 3.6)) / sd
+}
+
+/// The same, from another estimate.
+fn moved_sd(found: &RunSummary, from: &RunSummary, kmh: f64) -> f64 {
+    let (r, sd) = resistance(&found.run_davis, kmh);
+    (r - resistance(&from.run_davis, kmh).0) / sd
 }
 
 /// Index of the first sample at or after a share of the final coast.
@@ -105,8 +117,7 @@ fn a_location_jump_of_5_km_is_held_for_one_tick_and_hardly_moves_the_resistance(
     assert_eq!(found.validity(0), Validity::Held(Cause::LocationJump));
     assert_eq!(found.validity(1), Validity::Valid);
     assert!(found.error_m(found.k).abs() < 60.0);
-    let (r, sd) = resistance(&without.run_davis, 100.0);
-    assert!((resistance(&found.summary.run_davis, 100.0).0 - r).abs() < 0.1 * sd);
+    assert!(moved_sd(&without, &found.summary, 100.0).abs() < 0.1);
 }
 
 #[test]
@@ -150,9 +161,7 @@ fn minutes_without_speed_are_bridged_by_the_true_time() {
     assert_eq!(found.validity(0), Validity::Held(Cause::NoSpeed));
     assert_eq!(found.validity(11), Validity::Invalid(Cause::NoSpeed));
     assert_eq!(found.validity(12), Validity::Valid);
-    let (r, sd) = resistance(&found.summary.run_davis, 100.0);
-    let truth = found.run.facts.davis.resistance_n_per_kg(100.0 / 3.6);
-    assert!((r - truth).abs() < 3.0 * sd);
+    assert!(error_sd(&found.summary, &found.run, 100.0).abs() < 3.0);
 }
 
 #[test]
@@ -289,8 +298,7 @@ fn a_slip_of_30_kmh_is_dropped() {
         assert_eq!(estimates[k + 1].validity, Validity::Valid, "seed {seed}");
         let error_mps = estimates[k].belief.mean[SPEED] - run.truth[k].speed_mps;
         assert!(error_mps.abs() < 0.3, "seed {seed}: {error_mps} m/s");
-        let (r, sd) = resistance(&without.run_davis, 100.0);
-        let moved = (resistance(&with.run_davis, 100.0).0 - r) / sd;
+        let moved = moved_sd(&without, &with, 100.0);
         assert!(moved.abs() < 0.1, "seed {seed}: {moved} sd");
     }
 }
@@ -304,9 +312,7 @@ fn a_slide_of_30_kmh_ends_the_segment_and_is_over_with_the_fourth_sample() {
         assert_eq!(after.validity, Validity::Valid, "seed {seed}");
         let error_mps = after.belief.mean[SPEED] - run.truth[k + 3].speed_mps;
         assert!(error_mps.abs() < 0.5, "seed {seed}: {error_mps} m/s");
-        let (r, sd) = resistance(&with.run_davis, 100.0);
-        let truth = run.facts.davis.resistance_n_per_kg(100.0 / 3.6);
-        let error = (r - truth) / sd;
+        let error = error_sd(&with, &run, 100.0);
         assert!(error.abs() < 3.5, "seed {seed}: {error} sd");
     }
 }
@@ -341,7 +347,7 @@ fn a_location_off_the_track_is_named_and_freezes_the_resistance() {
 }
 
 #[test]
-fn a_pause_of_eleven_minutes_begins_anew_and_keeps_what_was_learned() {
+fn a_pause_of_eleven_minutes_initialises_again_and_keeps_what_was_learned() {
     let found = spoilt(0.7, |log, _| log.iter_mut().for_each(|measurement| measurement.time_s += 660.0));
     assert_eq!(found.count(Cause::LongGap), 1);
     let [before, after] = [&found.estimates[found.k - 1], &found.estimates[found.k]];
@@ -355,12 +361,8 @@ fn random_loss_of_samples_costs_precision_and_no_truth() {
         let scenario =
             Scenario { sensors: Sensors { dropout_probability: share, ..Sensors::default() }, ..Scenario::default() };
         for seed in 0..10 {
-            let run = simulate(&scenario, seed);
-            let estimator = estimator(Config::default(), &scenario);
-            let (_, summary) = replay(&estimator, &measurements(&run));
-            let (r, sd) = resistance(&summary.run_davis, 100.0);
-            let truth = run.facts.davis.resistance_n_per_kg(100.0 / 3.6);
-            assert!((r - truth).abs() < 3.5 * sd, "loss {share}, seed {seed}");
+            let (run, _, summary) = replayed(&scenario, seed);
+            assert!(error_sd(&summary, &run, 100.0).abs() < 3.5, "loss {share}, seed {seed}");
         }
     }
 }
@@ -374,9 +376,7 @@ fn clean_logs_raise_no_alarm() {
     ] {
         let scenario = Scenario { sensors, ..Scenario::default() };
         for seed in 0..20 {
-            let run = simulate(&scenario, seed);
-            let estimator = estimator(Config::default(), &scenario);
-            let (_, summary) = replay(&estimator, &measurements(&run));
+            let (_, _, summary) = replayed(&scenario, seed);
             for (cause, count) in summary.counters.iter() {
                 assert_eq!(count, 0, "{name}, seed {seed}: {}", cause.as_str());
             }
@@ -443,23 +443,17 @@ fn a_location_that_wanders_over_a_minute_does_not_bend_the_resistance() {
         sensors: Sensors { location_walk: Some(LocationWalk::of(10.0)), ..Sensors::default() },
         ..Scenario::default()
     };
-    let estimator = estimator(Config::default(), &wandering);
     for seed in 0..10 {
-        let run = simulate(&wandering, seed);
-        let (estimates, found) = replay(&estimator, &measurements(&run));
+        let (run, estimates, found) = replayed(&wandering, seed);
         // The same run with the white part of the noise only
-        let (_, white) = replay(&estimator, &measurements(&simulate(&Scenario::default(), seed)));
+        let (_, _, white) = replayed(&Scenario::default(), seed);
         // Then no reading is doubted, and r is that of the white log and of the truth
         assert!(estimates.iter().all(|e| e.validity == Validity::Valid), "seed {seed}");
         for kmh in [60.0, 100.0, 140.0] {
-            let (r, sd) = resistance(&found.run_davis, kmh);
-            let moved = (r - resistance(&white.run_davis, kmh).0) / sd;
+            let (moved, error) = (moved_sd(&found, &white, kmh), error_sd(&found, &run, kmh));
             let truth = run.facts.davis.resistance_n_per_kg(kmh / 3.6);
-            let error = (r - truth) / sd;
-            println!(
-                "wander {seed} {kmh}: moved {moved:.3} sd, error {error:.3} sd, {:.2} %",
-                100.0 * (r / truth - 1.0)
-            );
+            let percent = 100.0 * (resistance(&found.run_davis, kmh).0 / truth - 1.0);
+            println!("wander {seed} {kmh}: moved {moved:.3} sd, error {error:.3} sd, {percent:.2} %");
             assert!(moved.abs() < 0.5, "seed {seed}, {kmh} km/h: {moved} sd");
             assert!(error.abs() < 3.0, "seed {seed}, {kmh} km/h: {error} sd");
         }
@@ -510,8 +504,7 @@ fn samples_5_to_15_s_apart_say_the_same_as_regular_ones() {
         regular_errors.add(&expected.run_davis, &Davis { r0, r1, r2 });
         jittered_errors.add(&found.run_davis, &Davis { r0, r1, r2 });
         for kmh in [60.0, 100.0, 140.0] {
-            let (r, sd) = resistance(&found.run_davis, kmh);
-            let moved = (r - resistance(&expected.run_davis, kmh).0) / sd;
+            let moved = moved_sd(&found, &expected, kmh);
             // Two sets of rounding errors, each of one sd: 3 sd is 2 of their difference, over 20 runs.
             assert!(moved.abs() < 3.0, "seed {seed}, {kmh} km/h: {moved} sd");
         }

@@ -1,11 +1,8 @@
 //! Does a run go on where its snapshot was taken? To the last bit, in every mode, from any tick.
 
 use host_tests::accuracy::{estimator, measurements};
-use rundown::estimator::config::{Config, Mode};
+use host_tests::prelude::*;
 use rundown::estimator::run_state::{MAX_SNAPSHOT, RunState};
-use rundown::model::direction::Direction;
-use rundown::tick::measurement::Measurement;
-use rundown_truth::scenario::{Scenario, simulate};
 
 #[test]
 fn a_restored_run_goes_on_bit_by_bit() {

@@ -2,15 +2,13 @@
 
 use crc::{CRC_32_ISCSI, Crc};
 use embedded_storage::nor_flash::NorFlash;
+use host_tests::accuracy::NOMINAL;
 use host_tests::flash::{CUT_MODES, CutMode, Flash, PAGE, TornReads, WORD};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use host_tests::prelude::*;
 use rundown::model::effects::{Coordinate, Effect, Effects, TunnelDrag, Unknown, WarmUp};
-use rundown::model::resistance::Davis;
 use rundown::onboard::store::persisted::{LAYOUT, Lifetime, NotRestored, Persisted};
 use rundown::onboard::store::{AppendError, EpochError, Identity, OVERHEAD, Refused, Store, TooFewPages};
-use rundown::onboard::train_id::TrainId;
-use rundown::tick::memory::{Implausible, MemoryConfig, Vehicle};
+use rundown::tick::memory::{Implausible, MemoryConfig};
 
 const SLOT: usize = 1024;
 const PAGES: usize = 4;
@@ -169,7 +167,7 @@ fn rot_after_the_mount_falls_back_too() {
 }
 
 #[test]
-fn blank_and_zeroed_flash_other_trains_and_older_layouts_are_told_apart() {
+fn blank_and_zeroed_flash_other_trains_and_older_layouts_are_distinguished() {
     let mut blank = Ring::mount(Flash::erased(PAGES)).unwrap();
     assert_eq!(blank.newest(identity()), Ok(None));
 
@@ -397,11 +395,9 @@ fn wear_of_a_year_is_even_and_its_size_is_known() {
     }
 }
 
-const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
-
 fn learned() -> (Vehicle, Persisted) {
     let config = MemoryConfig::default();
-    let mut vehicle = Vehicle::new(&config, DAVIS);
+    let mut vehicle = Vehicle::new(&config, NOMINAL);
     let begin = vehicle.next_run(&config);
     let mut end = begin;
     end.mean *= 0.9;
@@ -425,11 +421,11 @@ fn what_was_learned_comes_back_bit_for_bit_after_a_boot() {
     let train = TrainId::of("2451");
     let (vehicle, persisted) = learned();
     let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();
-    assert_eq!(Persisted::load(&mut store, train, &DAVIS), Ok(None));
+    assert_eq!(Persisted::load(&mut store, train, &NOMINAL), Ok(None));
     assert_eq!(persisted.begin_epoch(&mut store, train), Ok(1));
     persisted.save(&mut store, train).unwrap();
     let mut store = boot(store.release());
-    let loaded = Persisted::load(&mut store, train, &DAVIS).unwrap().unwrap();
+    let loaded = Persisted::load(&mut store, train, &NOMINAL).unwrap().unwrap();
     assert_eq!(loaded.vehicle, vehicle);
     assert_eq!(loaded.persisted, persisted);
     let names: Vec<_> = loaded.effects.iter().map(Effect::name).collect();
@@ -449,24 +445,24 @@ fn what_cannot_be_believed_is_not_restored_and_the_cause_is_named() {
         persisted.save(&mut store, train).unwrap();
         Persisted::load(&mut store, train, davis).unwrap_err()
     };
-    let heavier = Davis { r0: 6.0 * DAVIS.r0, ..DAVIS };
+    let heavier = Davis { r0: 6.0 * NOMINAL.r0, ..NOMINAL };
     assert!(matches!(stored(|_| {}, &heavier), NotRestored::Vehicle(Implausible::Coefficient { name: "r0", .. })));
     assert_eq!(
-        stored(|p| p.vehicle.hypotheses[1].covariance[0] = f64::NAN, &DAVIS),
+        stored(|p| p.vehicle.hypotheses[1].covariance[0] = f64::NAN, &NOMINAL),
         NotRestored::Vehicle(Implausible::NotFinite)
     );
-    assert_eq!(stored(|p| p.effects[0].values[1] = f64::INFINITY, &DAVIS), NotRestored::Effect { kind: 17 });
-    assert_eq!(stored(|p| p.effects[1].kind = 200, &DAVIS), NotRestored::Effect { kind: 200 });
+    assert_eq!(stored(|p| p.effects[0].values[1] = f64::INFINITY, &NOMINAL), NotRestored::Effect { kind: 17 });
+    assert_eq!(stored(|p| p.effects[1].kind = 200, &NOMINAL), NotRestored::Effect { kind: 200 });
 
     let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();
     // What the first boot stores: its epoch, nothing learned yet.
     store.append(identity(), &[]).unwrap();
-    assert_eq!(Persisted::load(&mut store, train, &DAVIS), Ok(None));
+    assert_eq!(Persisted::load(&mut store, train, &NOMINAL), Ok(None));
     for not_a_payload in [&[1, 2, 3][..], &[0xFF; 990]] {
         store.append(identity(), not_a_payload).unwrap();
-        assert_eq!(Persisted::load(&mut store, train, &DAVIS), Err(NotRestored::NotDecoded));
+        assert_eq!(Persisted::load(&mut store, train, &NOMINAL), Err(NotRestored::NotDecoded));
     }
-    let other = Persisted::load(&mut store, TrainId::of("2452"), &DAVIS);
+    let other = Persisted::load(&mut store, TrainId::of("2452"), &NOMINAL);
     assert!(matches!(other, Err(NotRestored::Refused(Refused::OtherTrain { .. }))));
 }
 

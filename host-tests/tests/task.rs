@@ -1,27 +1,14 @@
 //! Does the board do what it is asked, and only that? The tick task over a flash and a link of the test's own.
 
-use host_tests::accuracy::{description, measurements};
-use host_tests::board::{Board, PROVISIONING, answer, estimate, task};
+use host_tests::board::{Board, PROVISIONING, answer, described, estimate, running, task};
 use host_tests::flash::Flash;
+use host_tests::prelude::*;
 use host_tests::said;
-use rundown::estimator::config::{Config, Mode};
-use rundown::model::direction::Direction;
 use rundown::model::effects::*;
-use rundown::model::track::Curve;
 use rundown::onboard::auth::{Provisioning, Signer};
-use rundown::onboard::uplink::{Command, CurvePart, Pace, Request, Setting};
-use rundown::tick::digest;
-use rundown::tick::measurement::Measurement;
+use rundown::onboard::uplink::{CurvePart, Setting};
 use rundown::tick::regime::Regime;
-use rundown_truth::scenario::{Scenario, simulate};
 use rundown_wire::{Body, Memory, Refusal};
-use sim_harness::desk::{Description, Desk};
-
-fn described() -> (Description, Vec<Measurement>) {
-    let scenario = Scenario::default();
-    let log = measurements(&simulate(&scenario, 3));
-    (description(Config::default(), &scenario), log)
-}
 
 fn board() -> Board {
     Board::start(Flash::erased(8))
@@ -29,8 +16,7 @@ fn board() -> Board {
 
 #[test]
 fn every_tick_says_what_the_estimator_says() {
-    let (description, log) = described();
-    let mut board = Board::running(&description);
+    let (mut board, description, log) = running(described());
     let estimator = description.estimator().unwrap();
     let mut vehicle = estimator.new_vehicle();
     let mut run = estimator.begin_run(&vehicle, Direction::Up);
@@ -53,8 +39,7 @@ fn every_tick_says_what_the_estimator_says() {
 
 #[test]
 fn sequence_numbers_count_every_frame() {
-    let (description, log) = described();
-    let mut board = Board::running(&description);
+    let (mut board, _, log) = running(described());
     let mut next = None;
     for measurement in &log {
         for frame in board.measure(measurement) {
@@ -68,8 +53,7 @@ fn sequence_numbers_count_every_frame() {
 
 #[test]
 fn by_the_clock_the_newest_measurement_counts() {
-    let (description, log) = described();
-    let mut board = Board::running(&description);
+    let (mut board, _, log) = running(described());
     board.ask(Request::Command(Command::Pace(Pace::Clock))).unwrap();
     assert!(board.measure(&log[0]).is_empty());
     assert!(board.measure(&log[1]).is_empty());
@@ -99,8 +83,7 @@ fn what_changes_the_board_must_be_secured() {
 
 #[test]
 fn a_wrong_key_changes_nothing() {
-    let (description, _) = described();
-    let mut board = Board::running(&description);
+    let (mut board, ..) = running(described());
     let before = board.status();
     let other = Provisioning {
         key: rundown::onboard::auth::Key::new(*b"an attacker's key"[..16].first_chunk().unwrap()),
@@ -152,8 +135,7 @@ fn a_board_without_a_key_refuses_and_says_so() {
 
 #[test]
 fn settings_are_refused_whole() {
-    let (description, log) = described();
-    let mut board = Board::running(&description);
+    let (mut board, description, log) = running(described());
     let setup = board.status().setup;
     assert_eq!(board.ask(Request::Setting(Setting::Mode(Mode::Paper))), Err(Refusal::Running));
     board.ask(Request::Command(Command::End)).unwrap();
@@ -199,8 +181,7 @@ fn a_track_comes_whole_or_not_at_all() {
 
 #[test]
 fn what_was_learned_survives_the_power() {
-    let (description, log) = described();
-    let mut board = Board::running(&description);
+    let (mut board, description, log) = running(described());
     for measurement in &log {
         board.measure(measurement);
     }
@@ -247,8 +228,7 @@ fn a_brown_out_in_the_middle_of_a_run_loses_nothing() {
 
 #[test]
 fn a_snapshot_of_another_setup_is_refused() {
-    let (description, log) = described();
-    let mut board = Board::running(&description);
+    let (mut board, _, log) = running(described());
     board.measure(&log[0]);
     let parts = board.snapshot();
     board.ask(Request::Command(Command::End)).unwrap();
@@ -266,8 +246,7 @@ fn a_snapshot_of_another_setup_is_refused() {
 
 #[test]
 fn a_long_stop_ends_the_run_and_keeps_what_it_taught() {
-    let (description, log) = described();
-    let mut board = Board::running(&description);
+    let (mut board, _, log) = running(described());
     for measurement in &log {
         board.measure(measurement);
     }
@@ -288,8 +267,7 @@ fn a_long_stop_ends_the_run_and_keeps_what_it_taught() {
 
 #[test]
 fn a_reader_that_is_gone_does_not_stop_the_board() {
-    let (description, log) = described();
-    let mut board = Board::running(&description);
+    let (mut board, description, log) = running(described());
     board.wire.room = Some(0);
     for measurement in log.iter().take(40) {
         assert!(board.measure(measurement).is_empty());
@@ -385,8 +363,7 @@ fn effects_act_on_the_board_as_on_the_desk_and_survive_the_power() {
 
 #[test]
 fn wrong_effects_change_nothing() {
-    let (description, log) = with_effects();
-    let mut board = Board::running(&description);
+    let (mut board, description, log) = running(with_effects());
     let setup = board.status().setup;
     let good = Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s: 300.0 }).to_frame();
     let under_way = [Request::Effect(good.clone()), Request::Command(Command::ClearEffects)];

@@ -1,31 +1,20 @@
-//! Is `rundown::filter::ukf` the filter that is printed? The witness is `host_tests::textbook`, Eq. (7)-(18) word for word.
+//! Is `rundown::filter::ukf` the filter that is printed? The reference implementation is `host_tests::textbook`, Eq. (7)-(18) word for word.
 //!
-//! With α = 1 both forms round to the last digits and must agree to 1e-9 standard deviations. With α = 0.001 the witness has weights near
+//! With α = 1 both forms round to the last digits and must agree to 1e-9 standard deviations. With α = 0.001 the reference has weights near
 //! 1.7e6: it subtracts numbers that agree to six digits or more, so what remains of sixteen digits bounds the comparison, not `rundown`
 //! (`reference.rs` shows that against 50 digits).
 
-use host_tests::accuracy::TRAIN;
+use host_tests::accuracy::{NOMINAL, train};
+use host_tests::prelude::*;
 use host_tests::textbook::{self, Points, Read, Shape};
 use nalgebra::{SMatrix, SVector};
-use rand::{RngExt, SeedableRng};
 use rundown::filter::elimination::Column;
-use rundown::filter::gaussian::Gaussian;
 use rundown::filter::ukf::{MeasurementModel, Pair, Process, Spread, Ukf};
-use rundown::model::direction::Direction;
 use rundown::model::line::Line;
-use rundown::model::motion::{Evaluate, Motion};
-use rundown::model::resistance::Davis;
-use rundown::model::state::{LOCATION, SIZE, SIZE_WITH_GAIN, SPEED};
-use rundown::model::track::{Gradient, Track};
-use rundown::model::train::Train;
-use rundown::tick::learning::LocationAndSpeed;
+use rundown::model::motion::Motion;
+use rundown::model::state::SIZE_WITH_GAIN;
 
 const LENGTH_M: f64 = 60_000.0;
-const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
-
-fn train() -> Train {
-    Train::try_new(TRAIN).unwrap()
-}
 
 /// A new gradient each 130 m, up and down by up to 25 permille.
 fn track() -> Track {
@@ -45,8 +34,8 @@ struct Case {
     evaluate: Evaluate,
     /// Leaves out each 3rd location, each 4th speed and now and then both.
     gaps: bool,
-    /// The witness begins each step from our belief, not from its own: no error of its own is carried on.
-    each_step_anew: bool,
+    /// The reference begins each step from our belief, not from its own: no error of its own is carried on.
+    each_step_from_ours: bool,
     /// Initial standard deviations.
     sd: [f64; SIZE],
 }
@@ -61,7 +50,7 @@ const CASE: Case = Case {
     direction: Direction::Up,
     evaluate: Evaluate::Beginning,
     gaps: false,
-    each_step_anew: false,
+    each_step_from_ours: false,
     sd: UNCERTAIN,
 };
 
@@ -78,13 +67,13 @@ impl Difference {
         self.mean.max(self.covariance).max(self.innovation)
     }
 
-    fn add<const N: usize>(&mut self, ours: &Gaussian<N>, witness: &Gaussian<N>) {
+    fn add<const N: usize>(&mut self, ours: &Gaussian<N>, reference: &Gaussian<N>) {
         for i in 0..N {
-            let error = (ours.mean[i] - witness.mean[i]).abs() / witness.sd(i);
+            let error = (ours.mean[i] - reference.mean[i]).abs() / reference.sd(i);
             self.mean = worst(self.mean, error);
             for j in 0..N {
-                let error = ours.covariance[(i, j)] - witness.covariance[(i, j)];
-                let error = error.abs() / (witness.sd(i) * witness.sd(j));
+                let error = ours.covariance[(i, j)] - reference.covariance[(i, j)];
+                let error = error.abs() / (reference.sd(i) * reference.sd(j));
                 self.covariance = worst(self.covariance, error);
             }
         }
@@ -96,8 +85,8 @@ fn worst(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 
-/// One step of the witness with the readings that are there.
-fn witness_step<const N: usize>(
+/// One step of the reference with the readings that are there.
+fn reference_step<const N: usize>(
     case: &Case,
     belief: &Gaussian<N>,
     f: impl Fn(&SVector<f64, N>) -> SVector<f64, N>,
@@ -153,7 +142,7 @@ fn compare<const N: usize>(case: &Case, begin: Gaussian<N>) -> Difference {
             z[1] = z[1].filter(|_| k % 4 != 0);
         }
         let motion = Motion::new(&line, &ours.mean, effort, dt_s, case.evaluate).with_noise(case.noise_mps2);
-        if case.each_step_anew {
+        if case.each_step_from_ours {
             theirs = ours;
         }
         let found = ukf.step(&mut ours, &motion, &observation, &z).unwrap();
@@ -163,7 +152,7 @@ fn compare<const N: usize>(case: &Case, begin: Gaussian<N>) -> Difference {
         let q = motion.noise(case.noise_mps2);
         theirs.mean[LOCATION] -= origin_m;
         let z = [z[0].map(|m| m - origin_m), z[1]];
-        let (next, innovation) = witness_step(case, &theirs, |x| motion.advance(x), &q, z, variance);
+        let (next, innovation) = reference_step(case, &theirs, |x| motion.advance(x), &q, z, variance);
         theirs = next;
         theirs.mean[LOCATION] += origin_m;
         difference.add(&ours, &theirs);
@@ -180,7 +169,7 @@ fn begin(case: &Case) -> Gaussian<SIZE> {
         Direction::Up => 500.0,
         Direction::Down => LENGTH_M - 500.0,
     };
-    Gaussian::independent([location_m, 20.0, DAVIS.r0, DAVIS.r1, DAVIS.r2], case.sd)
+    Gaussian::independent([location_m, 20.0, NOMINAL.r0, NOMINAL.r1, NOMINAL.r2], case.sd)
 }
 
 fn agrees(case: &Case, tolerance_sd: f64) {
@@ -203,7 +192,7 @@ fn combinations(shape: Shape) -> Vec<Case> {
                         direction,
                         evaluate,
                         gaps,
-                        each_step_anew: shape.alpha < 0.01,
+                        each_step_from_ours: shape.alpha < 0.01,
                         sd: UNCERTAIN,
                     });
                 }
@@ -232,25 +221,25 @@ fn alpha_beta_and_kappa_enter_as_printed() {
     }
 }
 
-/// The witness loses here: it sums numbers x with weights of 1.7e6 that cancel to 1, so a step of it is good to about 1.7e6 · 1.1e-16 · |x| / sd,
+/// The reference loses here: it sums numbers x with weights of 1.7e6 that cancel to 1, so a step of it is good to about 1.7e6 · 1.1e-16 · |x| / sd,
 /// which is 1e-8 sd for a speed of 30 m/s known to 0.5 m/s, and ten to a hundred times that where few digits of a mean are uncertain.
 /// So each step begins from our belief, and locations are counted from near the train: then it reaches 3e-6 sd. What accumulates over a run is
 /// compared with 50 digits, by `reference.rs`.
 #[test]
-fn points_of_table_1_agree_as_far_as_the_witness_reaches() {
+fn points_of_table_1_agree_as_far_as_the_reference_reaches() {
     let shape = Shape { alpha: 1e-3, ..WIDE };
     for case in combinations(shape) {
         agrees(&case, 1e-5);
     }
 }
 
-/// The standard deviations of Table 1 too: 0.0005 m/s beside 30 m/s, which leaves the witness 1e-4 sd in one step.
+/// The standard deviations of Table 1 too: 0.0005 m/s beside 30 m/s, which leaves the reference 1e-4 sd in one step.
 #[test]
-fn table_1_agrees_as_far_as_the_witness_reaches() {
+fn table_1_agrees_as_far_as_the_reference_reaches() {
     let sd = [1.0, 0.0005, 1e-6, 1e-8, 1e-9];
     agrees(&Case { sd, reuse_points: true, ..CASE }, 1e-9);
     let shape = Shape { alpha: 1e-3, ..WIDE };
-    agrees(&Case { sd, shape, reuse_points: true, each_step_anew: true, ..CASE }, 1e-3);
+    agrees(&Case { sd, shape, reuse_points: true, each_step_from_ours: true, ..CASE }, 1e-3);
 }
 
 #[test]
@@ -259,7 +248,7 @@ fn the_gain_of_a_measured_effort_is_a_constant_like_the_others() {
         let case = Case { evaluate, ..CASE };
         let mut sd = [0.03; SIZE_WITH_GAIN];
         sd[..SIZE].copy_from_slice(&UNCERTAIN);
-        let mean = [500.0, 20.0, DAVIS.r0, DAVIS.r1, DAVIS.r2, 1.0];
+        let mean = [500.0, 20.0, NOMINAL.r0, NOMINAL.r1, NOMINAL.r2, 1.0];
         let difference = compare(&case, Gaussian::independent(mean, sd));
         assert!(difference.largest() < 1e-9, "{difference:?}");
     }
@@ -324,7 +313,7 @@ fn a_motion_without_constants_is_filtered_as_printed() {
             let z = [(k % 5 != 0).then_some(truth[0]), (k % 3 != 0).then_some(truth[1])];
             ukf.step(&mut ours, &pendulum, &RateAndAngle, &[z[1], z[0]]).unwrap();
             let f = |x: &SVector<f64, 3>| pendulum.advance(x);
-            theirs = witness_step(&case, &theirs, f, &q, z, [0.01, 0.04]).0;
+            theirs = reference_step(&case, &theirs, f, &q, z, [0.01, 0.04]).0;
             difference.add(&ours, &theirs);
         }
         println!("{difference:?}");
@@ -334,14 +323,14 @@ fn a_motion_without_constants_is_filtered_as_printed() {
 
 /// The reference implementation itself: weights of Eq. (9) for Table 1, and points that give back what they were drawn from.
 #[test]
-fn the_witness_has_the_weights_of_the_paper() {
+fn the_reference_has_the_weights_of_the_paper() {
     let shape = Shape { alpha: 1e-3, ..WIDE };
     let (lambda, w0_mean, w0_covariance, w) = textbook::weights(shape, SIZE);
     assert!((lambda + 4.999_997).abs() < 1e-12);
     assert!((w0_mean + 1_666_665.67).abs() < 0.01 && (w - 166_666.67).abs() < 0.01);
     let (mean, covariance, others) = Spread::<SIZE>::PAPER.weights();
     let relative = |a: f64, b: f64| (a / b - 1.0).abs();
-    // The witness forms L + λ from λ and keeps ten digits of it; `Spread` does not.
+    // The reference forms L + λ from λ and keeps ten digits of it; `Spread` does not.
     assert!(relative(mean, w0_mean) < 1e-9 && relative(covariance, w0_covariance) < 1e-9);
     assert!(relative(others, w) < 1e-9);
 

@@ -3,24 +3,16 @@
 //!
 //! The account of a step: speed change over time against the described model under the effort in newton. What is missing is what the effect took.
 
-use rundown::estimator::Estimator;
-use rundown::estimator::config::{Config, Mode};
-use rundown_files::recording::{DirectionChoice, Recording};
+use host_tests::prelude::*;
 use rundown_files::replay::{Tick, replay_carried_by};
-use rundown_files::run_log::{BadRows, RunLog};
-use rundown_files::run_set::RunSet;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
 use rundown_truth::driver::Regime;
 use rundown_truth::effects::*;
 use rundown_truth::facts::Facts;
 use rundown_truth::line::Line;
 use rundown_truth::plan::{Heading, Headings, RunPlan, plan};
-use rundown_truth::scenario::{Scenario, drive_planned, simulate_planned};
-use rundown_truth::sensors::{Sensors, SpeedReading, TraceStep};
+use rundown_truth::sensors::{SpeedReading, TruthSample};
 use sim_harness::simulation::folder;
 use sim_harness::simulation::scenario_file::Simulation;
-use std::path::Path;
 
 const GRAVITY_MPS2: f64 = 9.80665;
 /// Described train of the case study.
@@ -188,7 +180,7 @@ fn planned(scenario: &Scenario, seed: u64) -> RunPlan {
     plan(scenario, 3, seed).swap_remove(1)
 }
 
-fn driven(scenario: &Scenario, seed: u64) -> (Vec<TraceStep>, Facts) {
+fn driven(scenario: &Scenario, seed: u64) -> (Vec<TruthSample>, Facts) {
     let (trace, facts, _) = drive_planned(scenario, &planned(scenario, seed)).unwrap();
     (trace, facts)
 }
@@ -211,7 +203,7 @@ fn every_effect_takes_what_its_law_says() {
 }
 
 /// For each step the difference between what is missing in the described model and the law, and the largest value of the law, N/kg.
-fn account(scenario: &Scenario, trace: &[TraceStep], facts: &Facts, law: &Law) -> (Vec<f64>, f64) {
+fn account(scenario: &Scenario, trace: &[TruthSample], facts: &Facts, law: &Law) -> (Vec<f64>, f64) {
     let up = facts.plan.heading == Heading::Up;
     let sign = if up { 1.0 } else { -1.0 };
     let departed_s = trace.windows(2).find(|p| p[1].speed_mps > 0.0).unwrap()[0].time_s;
@@ -271,7 +263,7 @@ fn an_effect_of_size_zero_changes_nothing() {
 #[test]
 fn caps_of_traction_hold_and_are_reached() {
     // Largest power in watt and effort in newton of a part of the steps, over ten runs.
-    let most = |effects: &[Effect], part: &dyn Fn(&TraceStep) -> bool| {
+    let most = |effects: &[Effect], part: &dyn Fn(&TruthSample) -> bool| {
         let scenario = scenario(effects, Headings::Up);
         let (mut power, mut effort) = (0.0_f64, 0.0_f64);
         for seed in 0..10 {
@@ -286,9 +278,9 @@ fn caps_of_traction_hold_and_are_reached() {
     };
     let others = other_effects();
     let (section, scale, slip) = (&others[0].0, &others[1].0, &others[2].0);
-    let inside = |at: &TraceStep| at.location_m < 4_000.0;
-    let outside = |at: &TraceStep| at.location_m > 4_001.0;
-    let slow = |at: &TraceStep| at.speed_mps < 34.9 / 3.6;
+    let inside = |at: &TruthSample| at.location_m < 4_000.0;
+    let outside = |at: &TruthSample| at.location_m > 4_001.0;
+    let slow = |at: &TruthSample| at.speed_mps < 34.9 / 3.6;
     let (free, free_effort) = (most(&[], &inside).0, most(&[], &slow).1);
     assert!(free > 0.8 && free_effort > 0.9, "{free} {free_effort}");
     let capped = most(std::slice::from_ref(section), &inside).0;
@@ -385,7 +377,7 @@ fn energy_is_kept_under_every_effect() {
                 };
                 (0..1000).map(slice).sum::<f64>() / 1000.0
             };
-            let way_m = |at: &TraceStep| (at.location_m - trace[0].location_m).abs();
+            let way_m = |at: &TruthSample| (at.location_m - trace[0].location_m).abs();
             let end = trace.partition_point(|step| step.time_s <= facts.final_brake.time_s);
             let (mut work, mut traction, mut losses) = (0.0, 0.0, 0.0);
             for pair in trace[..=end].windows(2) {
@@ -424,12 +416,9 @@ fn drivers_stop_within_two_metres_under_every_effect_and_a_finer_step_changes_li
 }
 
 #[test]
+#[ignore = "needs a folder of real lines: RUNDOWN_TRACKS=FOLDER"]
 fn every_real_line_can_be_driven_both_ways() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/tracks");
-    if !folder.is_dir() {
-        println!("skipped: no real lines in ../shared/data/tracks beside the workspace");
-        return;
-    }
+    let folder = std::env::var("RUNDOWN_TRACKS").expect("a folder of real lines in RUNDOWN_TRACKS");
     let mut lines = 0;
     for entry in std::fs::read_dir(&folder).unwrap() {
         let path = entry.unwrap().path();
@@ -503,7 +492,7 @@ fn the_scenario_of_two_clouds_has_them() {
         let (trace, facts, _) = drive_planned(&simulation.scenario, &plan).unwrap();
         let mass_kg = facts.train.rotating_mass_kg();
         let most = |near: bool| {
-            let there = |p: &&[TraceStep]| (p[0].location_m < 4_000.0) == near && p[1].regime == Regime::Traction;
+            let there = |p: &&[TruthSample]| (p[0].location_m < 4_000.0) == near && p[1].regime == Regime::Traction;
             let powers = trace.windows(2).filter(there);
             powers.map(|p| p[1].effort_n_per_kg * p[0].speed_mps * mass_kg / MAX_POWER_W).fold(0.0, f64::max)
         };

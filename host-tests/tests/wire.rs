@@ -15,10 +15,10 @@ use examples::{Frame, all, largest};
 use host_tests::board::{Board, PROVISIONING, answer};
 use host_tests::fields::{Fields, Shape, varint};
 use host_tests::flash::Flash;
-use rundown::estimator::config::Mode;
-use rundown::model::direction::Direction;
-use rundown::model::motion::Evaluate;
-use rundown::onboard::uplink::{Command, OPEN, Pace, Request, SECURED, TrainFrame, VERSION as UPLINK_VERSION};
+use host_tests::prelude::*;
+use rundown::onboard::auth::Signer;
+use rundown::onboard::task::DATA_ID;
+use rundown::onboard::uplink::{self, OPEN, SECURED, Setting, TrainFrame, Uplink, VERSION as UPLINK_VERSION};
 use rundown::tick::paper::Difference;
 use rundown::tick::sensor::Rounding;
 use rundown_wire::link::{checksum::CHECKSUM_BYTES, serial};
@@ -218,7 +218,7 @@ fn the_numbers_of_the_enums_are_those_of_the_code() {
     enum_table(tables, &[Direction::Up, Direction::Down]);
     enum_table(tables, &[Pace::Clock, Pace::Lockstep]);
     enum_table(tables, &examples::COMMANDS);
-    enum_table(tables, &rundown::onboard::uplink::Setting::all(&rundown::estimator::config::Config::default()));
+    enum_table(tables, &Setting::all(&Config::default()));
 
     let mut requests: Vec<Request> = Vec::new();
     let mut bodies = Vec::new();
@@ -237,18 +237,22 @@ fn the_numbers_of_the_enums_are_those_of_the_code() {
     enum_table(tables, &requests);
 }
 
-/// A board that has the train and the track of the examples, and takes what it is sent.
-struct Prepared {
+/// A board, and what signs messages for it.
+struct Listening {
     board: Board,
-    signer: rundown::onboard::auth::Signer,
+    signer: Signer,
 }
 
-impl Prepared {
-    fn start() -> Self {
+impl Listening {
+    fn new() -> Self {
         let mut board = Board::start(Flash::erased(8));
         let announcement = board.status().announcement.unwrap();
-        let signer = rundown::onboard::auth::Signer::new(&PROVISIONING, &announcement).unwrap();
-        let mut prepared = Self { board, signer };
+        Self { board, signer: Signer::new(&PROVISIONING, &announcement).unwrap() }
+    }
+
+    /// With the train and the track of the examples.
+    fn prepared() -> Self {
+        let mut prepared = Self::new();
         for (name, frame) in all() {
             if let Frame::Up(_, frame) = &frame
                 && ["up train", "up track"].contains(&name.as_str())
@@ -263,7 +267,7 @@ impl Prepared {
     fn say(&mut self, payload: &[u8]) -> Result<(), Refusal> {
         let mut buffer = [0; MAX_MESSAGE];
         let message = [&[UPLINK_VERSION, SECURED], payload].concat();
-        let sealed = self.signer.seal(rundown::onboard::task::DATA_ID, &message, &mut buffer).unwrap();
+        let sealed = self.signer.seal(DATA_ID, &message, &mut buffer).unwrap();
         answer(&self.board.say(sealed)).unwrap().result
     }
 
@@ -285,12 +289,12 @@ impl Prepared {
 #[test]
 fn the_ranges_in_the_document_are_those_that_the_board_accepts() {
     let tables = Tables::read();
-    let mut board = Prepared::start();
+    let mut board = Listening::prepared();
     let mut tried = 0;
     for (name, mut frame) in all() {
-        let Frame::Up(SECURED, uplink) = &mut frame else { continue };
+        let Frame::Up(SECURED, message) = &mut frame else { continue };
         let mut rotating_mass_kg = 0.0;
-        if let Request::Train(TrainFrame { description, .. }) = &mut uplink.request {
+        if let Request::Train(TrainFrame { description, .. }) = &mut message.request {
             rotating_mass_kg = description.rotating_mass_factor * description.mass_kg;
             // Strong enough for the largest mass.
             (description.max_tractive_effort_n, description.max_power_w) = (1e7, 1e8);
@@ -321,11 +325,11 @@ fn the_ranges_in_the_document_are_those_that_the_board_accepts() {
 
 #[test]
 fn the_kinds_of_effects_are_those_that_the_board_accepts() {
-    let mut board = Prepared::start();
+    let mut board = Listening::prepared();
     let mut sequence = 0;
     let mut ask = |request: Request| {
         sequence += 1;
-        Fields::of(&rundown::onboard::uplink::Uplink { sequence, request }).bytes()
+        Fields::of(&Uplink { sequence, request }).bytes()
     };
     for kind in EffectKind::ALL.into_iter().filter(|kind| *kind != EffectKind::Unknown) {
         let name = kind.name();
@@ -338,7 +342,7 @@ fn the_kinds_of_effects_are_those_that_the_board_accepts() {
             let payload = |value| {
                 let mut effect = effect.clone();
                 effect.values[at] = value;
-                Fields::of(&rundown::onboard::uplink::Uplink { sequence: 0, request: Request::Effect(effect) }).bytes()
+                Fields::of(&Uplink { sequence: 0, request: Request::Effect(effect) }).bytes()
             };
             board.accepts(name, [it.least, it.most], false, payload);
             assert_eq!(board.say(&ask(Request::Command(Command::ClearEffects))), Ok(()));
@@ -429,7 +433,7 @@ fn a_message_that_ends_early_is_none() {
             Frame::Up(protection, _) => {
                 let payload = payload(protection, &message);
                 for length in 0..payload.len() {
-                    let found = rundown::onboard::uplink::decode(&payload[..length]);
+                    let found = uplink::decode(&payload[..length]);
                     assert_eq!(found, None, "{name}: {length}");
                 }
             }
@@ -459,8 +463,8 @@ fn no_changed_byte_panics() {
                         Ok(read) => read.encode(&mut buffer).is_ok(),
                         Err(_) => false,
                     },
-                    Frame::Up(..) => match rundown::onboard::uplink::decode(&changed) {
-                        Some(read) => rundown::onboard::uplink::encode(&read, OPEN, &mut buffer).is_ok(),
+                    Frame::Up(..) => match uplink::decode(&changed) {
+                        Some(read) => uplink::encode(&read, OPEN, &mut buffer).is_ok(),
                         None => false,
                     },
                 });
@@ -512,25 +516,13 @@ fn what_a_receiver_does_not_know_has_a_name() {
     }
 }
 
-/// What the board answers to a message that says `payload`, signed with its key.
-fn secured(payload: &[u8]) -> Refusal {
-    let mut board = Board::start(Flash::erased(8));
-    let announcement = board.status().announcement.unwrap();
-    let mut signer = rundown::onboard::auth::Signer::new(&PROVISIONING, &announcement).unwrap();
-    let mut message = vec![UPLINK_VERSION, SECURED];
-    message.extend(payload);
-    let mut buffer = [0; MAX_MESSAGE];
-    let sealed = signer.seal(rundown::onboard::task::DATA_ID, &message, &mut buffer);
-    let frames = board.say(sealed.unwrap());
-    answer(&frames).unwrap().result.unwrap_err()
-}
-
 #[test]
 fn the_board_names_what_it_does_not_know() {
     let open = |message: &[u8]| {
         let frames = Board::start(Flash::erased(8)).say(message);
         answer(&frames).unwrap().result.unwrap_err()
     };
+    let secured = |payload: &[u8]| Listening::new().say(payload).unwrap_err();
     let status = [UPLINK_VERSION, OPEN, 21, 5, 3];
     assert_eq!(open(&[UPLINK_VERSION + 1, OPEN, 21, 5, 3]), Refusal::Version);
     assert_eq!(open(&[UPLINK_VERSION, 2, 21, 5, 3]), Refusal::Malformed);
@@ -542,7 +534,7 @@ fn the_board_names_what_it_does_not_know() {
 
     // Every request but a measurement and the question for the status must be secured; of the effects only those that the model has are taken.
     for (name, frame) in all() {
-        let Frame::Up(protection, uplink) = &frame else {
+        let Frame::Up(protection, request) = &frame else {
             continue;
         };
         if *protection == SECURED {
@@ -550,7 +542,7 @@ fn the_board_names_what_it_does_not_know() {
             let bare = payload(SECURED, &message);
             let unsigned = [&[UPLINK_VERSION, OPEN], bare].concat();
             assert_eq!(open(&unsigned), Refusal::NotSecured, "{name}");
-            if let Request::Effect(_) = uplink.request {
+            if let Request::Effect(_) = request.request {
                 // The second byte behind the sequence number is the kind.
                 let mut other = bare.to_vec();
                 assert_eq!(other[2], 1);

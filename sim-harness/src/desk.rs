@@ -2,38 +2,32 @@
 //!
 //! In: train, track, configuration, measurements. Out: messages, secured where they must be. The link that carries them is the caller's.
 
-use rundown::estimator::Estimator;
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
 use rundown::model::effects::{Effect, Effects};
 use rundown::model::track::{Curve, Gradient, Target, Track};
 use rundown::model::train::{Train, TrainDescription};
 use rundown::onboard::auth::{Provisioning, Refusal, SealError, Signer};
-use rundown::onboard::task::DATA_ID;
 use rundown::onboard::uplink::{
     self, CURVES, Command, CurvePart, GRADIENTS, Pace, Request, SECURED, Setting, TARGETS, TargetPart, TrackPart,
     TrainFrame, Uplink,
 };
-use rundown::tick::digest;
+use rundown::{
+    estimator::Estimator, estimator::config::Config, model::direction::Direction, onboard::task::DATA_ID, tick::digest,
+};
 use rundown_files::track_file::TrackFile;
 use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
 
 /// What a board gets before a run.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "as in the files")]
 pub struct Description {
-    /// The train.
     pub train: TrainDescription,
     /// Length of the track, m.
     pub track_length_m: f64,
-    /// Its gradients.
     pub gradients: Vec<Gradient>,
-    /// Its curves.
     pub curves: Vec<Curve>,
-    /// Its stops and permitted speeds.
     pub targets: Vec<Target>,
     /// Named effects, which take the place of the board's; with none the board keeps those that it has.
     pub effects: Effects,
-    /// The configuration.
     pub config: Config,
 }
 
@@ -84,31 +78,26 @@ impl Description {
         if parts.is_empty() {
             parts.push(&[]);
         }
-        let mut first = 0;
-        for part in parts {
-            requests.push(Request::Track(TrackPart {
-                id: self.track_id(),
+        let first = |index: usize, size: usize| u16::try_from(index * size).unwrap_or(u16::MAX);
+        let (id, track_id) = (self.track_id(), self.track_id());
+        requests.extend(parts.into_iter().enumerate().map(|(index, part)| {
+            let gradients = part.iter().copied().collect();
+            Request::Track(TrackPart {
+                id,
                 length_m: self.track_length_m,
                 total,
-                first,
-                gradients: part.iter().copied().collect(),
-            }));
-            first += u16::try_from(part.len()).unwrap_or(0);
-        }
-        for (index, part) in self.curves.chunks(CURVES).enumerate() {
-            requests.push(Request::Curves(CurvePart {
-                track_id: self.track_id(),
-                first: u16::try_from(index * CURVES).unwrap_or(u16::MAX),
-                curves: part.iter().copied().collect(),
-            }));
-        }
-        for (index, part) in self.targets.chunks(TARGETS).enumerate() {
-            requests.push(Request::Targets(TargetPart {
-                track_id: self.track_id(),
-                first: u16::try_from(index * TARGETS).unwrap_or(u16::MAX),
-                targets: part.iter().copied().collect(),
-            }));
-        }
+                first: first(index, GRADIENTS),
+                gradients,
+            })
+        }));
+        requests.extend(self.curves.chunks(CURVES).enumerate().map(|(index, part)| {
+            let curves = part.iter().copied().collect();
+            Request::Curves(CurvePart { track_id, first: first(index, CURVES), curves })
+        }));
+        requests.extend(self.targets.chunks(TARGETS).enumerate().map(|(index, part)| {
+            let targets = part.iter().copied().collect();
+            Request::Targets(TargetPart { track_id, first: first(index, TARGETS), targets })
+        }));
         if !self.effects.is_empty() {
             requests.push(Request::Command(Command::ClearEffects));
             let parts = self.effects.iter().flat_map(Effect::parts);

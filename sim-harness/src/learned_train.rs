@@ -14,8 +14,7 @@
 use rundown::model::resistance::Davis;
 use rundown_files::train_file::TrainFile;
 use serde::Deserialize;
-use std::fmt::Display;
-use std::path::Path;
+use std::{fmt::Display, path::Path};
 
 /// Runs that must have shown a limit before it takes the described one's place.
 pub const LEAST_RUNS: usize = 3;

@@ -6,7 +6,7 @@
 //! | what invalidates a whole replay? where are its results written? | `advice`, `output`, `report` |
 //! | what does another tool get of what was learned? | `learned_train`, `sfera` |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
-//! | what does the paper's case study say, and is it true? | [`study`] |
+//! | what does the paper's case study say, and is it true? | `study` |
 //! | what would be the paper's best filter? | `tune` |
 //! | how often does the gap workflow find a hidden effect? | [`gap_bench`] |
 //! | what does a DAS computer say to the board? | `desk` |
@@ -35,5 +35,5 @@ mod report;
 pub mod session;
 mod sfera;
 pub mod simulation;
-pub mod study;
+mod study;
 mod tune;

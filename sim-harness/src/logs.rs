@@ -1,12 +1,9 @@
 //! Logs as recordings, or why one cannot be used.
 
-use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_log::BadRows;
-use rundown_files::run_set::RunFile;
+use rundown_files::{map_matching::CentreLine, run_log::BadRows, run_set::RunFile};
 use std::path::PathBuf;
 
-/// A log that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failed {
     pub file: PathBuf,

@@ -5,9 +5,8 @@
 use crate::desk::{Description, Desk, DeskError};
 use crate::link::Clock;
 use rundown::link::{Link, LinkError};
-use rundown::model::direction::Direction;
 use rundown::onboard::uplink::{Command, Pace, Request};
-use rundown::tick::measurement::Measurement;
+use rundown::{model::direction::Direction, tick::measurement::Measurement};
 use rundown_wire::{Answer, Body, DecodeError, Downlink, Refusal};
 use std::fmt::Display;
 use std::time::{Duration, Instant};

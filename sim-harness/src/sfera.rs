@@ -17,8 +17,7 @@
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 use rundown_files::train_file::TrainFile;
-use std::io;
-use std::str::FromStr;
+use std::{io, str::FromStr};
 
 const CURVE_STEP_KMH: f64 = 5.0;
 
@@ -27,11 +26,8 @@ const CURVE_STEP_KMH: f64 = 5.0;
 pub struct Identity {
     /// `TC_RU_ID`: RICS code of the railway undertaking, four characters.
     pub company: String,
-    /// `TC_ID`.
     pub id: String,
-    /// `TC_VersionMajor`.
     pub version: String,
-    /// `TFC_TractionType`.
     pub traction: Traction,
     /// `trainMaxSpeed`, km/h; the traction curve ends there.
     pub max_speed_kmh: u16,
@@ -41,7 +37,6 @@ pub struct Identity {
 pub enum Traction {
     /// Overhead line or third rail.
     Electrical {
-        /// Rated voltage, V.
         volts: u32,
         /// Frequency, mHz; 0: direct current.
         millihertz: u32,
@@ -123,7 +118,6 @@ pub fn traction_curve(train: &TrainFile, max_speed_kmh: f64) -> Vec<(f64, f64)> 
 /// What a reader of the file must know and the schema does not say.
 const MEANING: &str = " rotatingMassFactor: mass with its rotating part over trainWeight. Rollout coefficients and tractionForce: forces on a train of trainWeight. ";
 
-/// Writes the document.
 pub fn write(writer: impl io::Write, train: &TrainFile, identity: &Identity) -> io::Result<()> {
     let mut xml = Writer::new_with_indent(writer, b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
@@ -195,20 +189,12 @@ fn decimal(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rundown::model::resistance::Davis;
+    use rundown::{model::resistance::Davis, model::train::TrainDescription};
 
     fn train() -> TrainFile {
-        TrainFile {
-            name: "six & \"double\" <decks>".to_owned(),
-            mass_kg: 363_700.0,
-            rotating_mass_factor: 1.06,
-            length_m: 162.4,
-            max_tractive_effort_n: 192_920.0,
-            max_power_w: 2_036_377.8,
-            max_brake_mps2: 0.66,
-            davis: Davis { r0: 7.1e-3, r1: 1.5e-4, r2: 2.7e-5 },
-            effect: Vec::new(),
-        }
+        let davis = Davis { r0: 7.1e-3, r1: 1.5e-4, r2: 2.7e-5 };
+        let sized = TrainDescription { mass_kg: 363_700.0, length_m: 162.4, ..TrainDescription::CASE_STUDY };
+        TrainFile::of("six & \"double\" <decks>", &TrainDescription { max_power_w: 2_036_377.8, davis, ..sized })
     }
 
     fn document(traction: &str) -> String {

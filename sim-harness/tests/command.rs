@@ -2,23 +2,22 @@
 
 mod common;
 
-use common::{Folder, RUN, code, reference, stderr, stdout};
+use common::{Folder, RUN, Said, reference};
 use serde_json::Value;
 use std::collections::HashMap;
-use std::process::Output;
 
 #[test]
 fn a_replay_writes_every_file_and_one_row_a_sample() {
     let folder = Folder::new().with("run01.csv", RUN);
     let output = folder.replay(&["run01.csv"]);
-    assert_eq!(code(&output), Some(0), "{}", stderr(&output));
-    assert_eq!(stderr(&output), "");
+    assert_eq!(output.code, Some(0), "{}", output.err);
+    assert_eq!(output.err, "");
     assert_eq!(folder.read("out/run01.estimates.csv").lines().count(), 117);
     assert_eq!(folder.read("out/features.csv").lines().count(), 2);
     assert!(folder.read("out/parameters.csv").starts_with("run,r0,r1,r2,sd_r0,sd_r1,sd_r2,run_r0,"));
     assert!(folder.read("out/switching_points.csv").starts_with("run,time_s,location_m,speed_mps,from,to\n"));
     assert!(folder.read("out/report.html").contains("<svg"));
-    let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
+    let json = folder.json("out/replay.json");
     assert_eq!(json["runs"][0]["steps"], 116);
 }
 
@@ -28,7 +27,7 @@ fn the_same_logs_give_the_same_bytes() {
     for mode in ["paper", "gated"] {
         let mut bytes = Vec::new();
         for _ in 0..2 {
-            assert_eq!(code(&folder.replay(&["--mode", mode, "a.csv", "b.csv"])), Some(0));
+            assert_eq!(folder.replay(&["--mode", mode, "a.csv", "b.csv"]).code, Some(0));
             bytes.push((
                 folder.read("out/b.estimates.csv"),
                 folder.read("out/parameters.csv"),
@@ -42,7 +41,7 @@ fn the_same_logs_give_the_same_bytes() {
 #[test]
 fn coast_ahead_has_a_row_a_tick_where_the_track_has_limits() {
     let folder = Folder::new().with("run.csv", RUN);
-    assert_eq!(code(&folder.replay(&["run.csv"])), Some(0));
+    assert_eq!(folder.replay(&["run.csv"]).code, Some(0));
     let table = folder.read("out/run.coast_ahead.csv");
     let mut lines = table.lines();
     assert_eq!(
@@ -59,7 +58,7 @@ fn coast_ahead_has_a_row_a_tick_where_the_track_has_limits() {
     assert!(arrives.iter().any(|row| row[4].parse::<f64>().unwrap() == 31_853.0));
     let published = rows.iter().filter(|row| row[12] == "1").count();
     assert!(0 < published && published < rows.len());
-    let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
+    let json = folder.json("out/replay.json");
     assert_eq!(json["runs"][0]["coast_ahead"], "run.coast_ahead.csv");
 
     // Without limits and stops there is nothing to coast to.
@@ -75,7 +74,7 @@ fn coast_ahead_has_a_row_a_tick_where_the_track_has_limits() {
         }
     }
     let folder = Folder::new().with("run.csv", RUN).with("bare.toml", &bare);
-    assert_eq!(code(&folder.replay_on("bare.toml", &["run.csv"])), Some(0));
+    assert_eq!(folder.replay_on("bare.toml", &["run.csv"]).code, Some(0));
     assert!(!folder.path("out/run.coast_ahead.csv").exists());
 }
 
@@ -83,7 +82,7 @@ fn coast_ahead_has_a_row_a_tick_where_the_track_has_limits() {
 fn the_vehicle_is_carried_unless_asked_not_to() {
     let folder = Folder::new().with("a.csv", RUN).with("b.csv", RUN);
     let vehicles = |arguments: &[&str]| -> Vec<String> {
-        assert_eq!(code(&folder.replay(arguments)), Some(0));
+        assert_eq!(folder.replay(arguments).code, Some(0));
         let parameters = folder.read("out/parameters.csv");
         let vehicle = |line: &str| line.split(',').skip(1).take(6).collect::<Vec<_>>().join(",");
         parameters.lines().skip(1).map(vehicle).collect()
@@ -99,12 +98,12 @@ fn the_vehicle_is_carried_unless_asked_not_to() {
 fn json_is_all_that_stands_on_stdout() {
     let folder = Folder::new().with("logs/run01.csv", RUN).with("logs/bad.csv", "time_s,location_m,speed_kmh\n0,x,1\n");
     let output = folder.replay(&["--json", "--mode", "paper", "logs"]);
-    assert_eq!(code(&output), Some(1));
-    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(output.code, Some(1));
+    let json: Value = serde_json::from_str(&output.out).unwrap();
     assert_eq!(json["mode"], "paper");
     assert_eq!(json["runs"].as_array().unwrap().len(), 1);
     assert_eq!(json["failed"].as_array().unwrap().len(), 1);
-    let file: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
+    let file = folder.json("out/replay.json");
     assert_eq!(json, file);
 }
 
@@ -112,16 +111,15 @@ fn json_is_all_that_stands_on_stdout() {
 fn a_bad_row_names_file_line_and_column_and_stops_only_its_run() {
     let bad = RUN.replacen("\n10.0,", "\n10.0,oops,", 1);
     let folder = Folder::new().with("good.csv", RUN).with("bad.csv", &bad);
-    let output = folder.replay(&["bad.csv", "good.csv", "nowhere.csv"]);
-    assert_eq!(code(&output), Some(1));
-    let stderr = stderr(&output);
-    assert!(stderr.starts_with("error: bad.csv:3: expected 3 fields as in the header, found 4\n"), "{stderr}");
-    assert!(stderr.contains("error: nowhere.csv: cannot be read"), "{stderr}");
+    let Said { code, err, .. } = folder.replay(&["bad.csv", "good.csv", "nowhere.csv"]);
+    assert_eq!(code, Some(1));
+    assert!(err.starts_with("error: bad.csv:3: expected 3 fields as in the header, found 4\n"), "{err}");
+    assert!(err.contains("error: nowhere.csv: cannot be read"), "{err}");
     assert!(folder.path("out/good.estimates.csv").exists());
     assert!(!folder.path("out/bad.estimates.csv").exists());
 
     let output = folder.replay(&["--skip-bad-rows", "bad.csv"]);
-    assert_eq!(code(&output), Some(0));
+    assert_eq!(output.code, Some(0));
     assert_eq!(folder.read("out/bad.estimates.csv").lines().count(), 116);
 }
 
@@ -129,9 +127,9 @@ fn a_bad_row_names_file_line_and_column_and_stops_only_its_run() {
 fn a_row_back_in_time_is_warned_of_and_counted() {
     let folder = Folder::new().with("run.csv", &format!("{RUN}5.0,20,10\n"));
     let output = folder.replay(&["run.csv"]);
-    assert_eq!(code(&output), Some(0));
-    assert_eq!(stderr(&output), "warning: run.csv:118:1: time_s: expected a time after 1150, found 5\n");
-    let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
+    assert_eq!(output.code, Some(0));
+    assert_eq!(output.err, "warning: run.csv:118:1: time_s: expected a time after 1150, found 5\n");
+    let json = folder.json("out/replay.json");
     assert_eq!(json["runs"][0]["counters"]["time_not_increasing"], 1);
     assert_eq!(json["runs"][0]["dropped"][0]["line"], 118);
     assert_eq!(json["runs"][0]["steps"], 116);
@@ -140,12 +138,12 @@ fn a_row_back_in_time_is_warned_of_and_counted() {
 #[test]
 fn what_spoils_a_whole_replay_is_said_aloud() {
     let folder = Folder::new().with("run.csv", RUN).with("short.toml", "name = \"km for m\"\nlength_m = 32\n");
-    let notes = |output: &Output| {
-        assert_eq!(code(output), Some(0), "{}", stderr(output));
-        let json: Value = serde_json::from_str(&folder.read("out/replay.json")).unwrap();
+    let notes = |output: &Said| {
+        assert_eq!(output.code, Some(0), "{}", output.err);
+        let json = folder.json("out/replay.json");
         let of_json = json["notes"].as_array().unwrap().iter();
         let of_json: String = of_json.map(|note| format!("note: {}\n", note.as_str().unwrap())).collect();
-        assert_eq!(of_json, stderr(output));
+        assert_eq!(of_json, output.err);
         of_json
     };
     assert_eq!(notes(&folder.replay(&["run.csv"])), "");
@@ -168,10 +166,10 @@ fn a_log_without_any_speed_is_named_and_one_that_cannot_be_read_is_no_reason_for
     let folder = Folder::new()
         .with("run.csv", "time_s,location_m,speed_kmh\n0,0,\n10,5,\n")
         .with("bad.csv", "time_s,location_m,speed_kmh\n0,0,x\n");
-    let found = stderr(&folder.replay(&["run.csv"]));
+    let found = folder.replay(&["run.csv"]).err;
     let expected = "note: run: no speed_kmh in any row, without which nothing is known of the train\n";
     assert!(found.starts_with(expected), "{found}");
-    let found = stderr(&folder.replay(&["bad.csv"]));
+    let found = folder.replay(&["bad.csv"]).err;
     assert!(found.starts_with("error: bad.csv:2"), "{found}");
     assert!(!found.contains("note: "), "{found}");
 }
@@ -183,7 +181,7 @@ fn the_tables_of_the_reference_come_out_of_the_command() {
     for (arguments, name) in [(["--mode", "paper"], "A_run01.csv"), (["--config", alpha_1.as_str()], "D_run01.csv")] {
         let folder = Folder::new().with("run.csv", RUN);
         let output = folder.replay(&[arguments[0], arguments[1], "run.csv"]);
-        assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+        assert_eq!(output.code, Some(0), "{}", output.err);
         let found = columns(&folder.read("out/run.estimates.csv"));
         let expected = columns(&std::fs::read_to_string(reference(name)).unwrap());
         let number = |field: &String| field.parse::<f64>().unwrap();
@@ -226,7 +224,7 @@ fn columns(text: &str) -> HashMap<String, Vec<String>> {
 #[test]
 fn a_tick_takes_the_newest_sample_of_each_period() {
     let folder = Folder::new().with("run.csv", RUN);
-    assert_eq!(code(&folder.replay(&["--tick", "20", "run.csv"])), Some(0));
+    assert_eq!(folder.replay(&["--tick", "20", "run.csv"]).code, Some(0));
     let estimates = folder.read("out/run.estimates.csv");
     let times: Vec<&str> = estimates.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
     assert_eq!(times.len(), 59);
@@ -237,11 +235,11 @@ fn a_tick_takes_the_newest_sample_of_each_period() {
 fn refused_descriptions_have_their_own_exit_code() {
     let folder = Folder::new().with("run.csv", RUN).with("c.toml", "[sensor]\nlocation_sd_m = -1\n");
     let output = folder.replay(&["--config", "c.toml", "run.csv"]);
-    assert_eq!(code(&output), Some(3));
-    assert!(stderr(&output).starts_with("error: c.toml:2:17: sensor.location_sd_m: expected"), "{}", stderr(&output));
-    assert_eq!(code(&folder.replay(&["--mode", "none", "run.csv"])), Some(2));
+    assert_eq!(output.code, Some(3));
+    assert!(output.err.starts_with("error: c.toml:2:17: sensor.location_sd_m: expected"), "{}", output.err);
+    assert_eq!(folder.replay(&["--mode", "none", "run.csv"]).code, Some(2));
     for tick in ["0", "601", "inf", "x"] {
-        assert_eq!(code(&folder.replay(&["--tick", tick, "run.csv"])), Some(2));
+        assert_eq!(folder.replay(&["--tick", tick, "run.csv"]).code, Some(2));
     }
 }
 
@@ -249,19 +247,19 @@ fn refused_descriptions_have_their_own_exit_code() {
 fn an_output_that_cannot_be_written_has_its_own_exit_code() {
     let folder = Folder::new().with("run.csv", RUN).with("out", "a file where the folder should be");
     let output = folder.replay(&["run.csv"]);
-    assert_eq!(code(&output), Some(4));
-    assert!(stderr(&output).ends_with("choose another folder with --out\n"), "{}", stderr(&output));
+    assert_eq!(output.code, Some(4));
+    assert!(output.err.ends_with("choose another folder with --out\n"), "{}", output.err);
 }
 
 #[test]
 fn help_and_completions_are_there() {
     let folder = Folder::new();
-    let help = stdout(&folder.rundown(&["replay", "--help"]));
+    let help = folder.rundown(&["replay", "--help"]).out;
     for word in ["Examples:", "Exit codes:", "--skip-bad-rows", "parameters.csv"] {
         assert!(help.contains(word), "{word}");
     }
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        assert!(stdout(&folder.rundown(&["completions", shell])).contains("rundown"), "{shell}");
+        assert!(folder.rundown(&["completions", shell]).out.contains("rundown"), "{shell}");
     }
 }
 
@@ -269,8 +267,8 @@ fn help_and_completions_are_there() {
 fn the_demo_says_what_it_saw_and_where_the_report_lies() {
     let folder = Folder::new();
     let output = folder.rundown(&["demo"]);
-    assert_eq!(code(&output), Some(0), "{}", stderr(&output));
-    let text = stdout(&output);
+    assert_eq!(output.code, Some(0), "{}", output.err);
+    let text = output.out;
     for word in ["67 simulated runs", "final coast", "final brake", "at 60 km/h", "at 140 km/h", "out/demo/report.html"]
     {
         assert!(text.contains(word), "{word} in {text}");
@@ -282,7 +280,7 @@ fn the_demo_says_what_it_saw_and_where_the_report_lies() {
 fn an_effect_is_explained_without_any_data() {
     let explain = |name| Folder::new().rundown(&["gap", "--explain", name]);
     let explained = explain("steady_wind");
-    assert_eq!(code(&explained), Some(0), "{explained:?}");
-    assert!(stdout(&explained).contains("headwind"));
-    assert_eq!(code(&explain("no_such_effect")), Some(2));
+    assert_eq!(explained.code, Some(0), "{explained:?}");
+    assert!(explained.out.contains("headwind"));
+    assert_eq!(explain("no_such_effect").code, Some(2));
 }

@@ -2,31 +2,25 @@
 
 mod common;
 
-use common::{RUN, code, done, reference, rundown, stderr};
+use common::{Folder, RUN, Said, reference};
 use quick_xml::events::Event;
 use std::collections::HashMap;
-use std::path::Path;
-use std::process::Output;
 
 /// A folder with three runs and their replay in `out`.
-fn replayed(more: &[&str]) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    std::fs::copy(reference("train.toml"), at.join("train.toml")).unwrap();
-    std::fs::copy(reference("track.toml"), at.join("track.toml")).unwrap();
-    std::fs::create_dir(at.join("logs")).unwrap();
-    for name in ["a.csv", "b.csv", "c.csv"] {
-        std::fs::write(at.join("logs").join(name), RUN).unwrap();
+fn replayed(more: &[&str]) -> Folder {
+    let logs = ["logs/a.csv", "logs/b.csv", "logs/c.csv"];
+    let folder = logs.into_iter().fold(Folder::new(), |folder, name| folder.with(name, RUN));
+    for name in ["train.toml", "track.toml"] {
+        std::fs::copy(reference(name), folder.path(name)).unwrap();
     }
-    let described = ["replay", "--train", "train.toml", "--track", "track.toml"];
-    done(at, &[&described, more, &["logs"]].concat());
+    folder.done(&[&["replay", "--train", "train.toml", "--track", "track.toml"], more, &["logs"]].concat());
     folder
 }
 
 const EXPORT: [&str; 8] = ["export", "--sfera", "out", "--company", "0084", "--traction=1500V", "--max-speed", "140"];
 
-fn exported(folder: &Path, more: &[&str]) -> Output {
-    rundown(folder, &[&EXPORT[..], &["--train", "train.toml"], more].concat())
+fn exported(folder: &Folder, train: &str, more: &[&str]) -> Said {
+    folder.rundown(&[&EXPORT[..], &["--train", train], more].concat())
 }
 
 /// Names and attributes of all elements, in their order.
@@ -60,14 +54,12 @@ fn first(csv: &str, name: &str) -> f64 {
 #[test]
 fn what_was_learned_goes_out_and_comes_back() {
     let folder = replayed(&[]);
-    let at = folder.path();
-    let output = exported(at, &[]);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let said = String::from_utf8(output.stdout).unwrap();
-    assert!(said.contains("largest effort") && said.contains("3 runs"), "{said}");
+    let Said { code, out, err } = exported(&folder, "train.toml", &[]);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(out.contains("largest effort") && out.contains("3 runs"), "{out}");
 
     // The vehicle after the last run, in the results and in the train file.
-    let parameters = std::fs::read_to_string(at.join("out/parameters.csv")).unwrap();
+    let parameters = folder.read("out/parameters.csv");
     let last: Vec<f64> = parameters
         .lines()
         .next_back()
@@ -77,15 +69,13 @@ fn what_was_learned_goes_out_and_comes_back() {
         .take(3)
         .map(|field| field.parse().unwrap())
         .collect();
-    let train = std::fs::read_to_string(at.join("learned/train.toml")).unwrap();
-    let train: toml::Table = train.parse().unwrap();
+    let train: toml::Table = folder.read("learned/train.toml").parse().unwrap();
     let davis = |name: &str| train["davis"][name].as_float().unwrap();
     assert_eq!([davis("r0"), davis("r1"), davis("r2")], last[..]);
     assert!((last[0] / 7.38e-3 - 1.0).abs() > 1e-3, "it has learned: {last:?}");
 
     // The document states the same per stated rotating mass.
-    let xml = std::fs::read_to_string(at.join("learned/sfera.xml")).unwrap();
-    let elements = elements(&xml);
+    let elements = elements(&folder.read("learned/sfera.xml"));
     let (name, features) = &elements[2];
     assert_eq!(name, "TC_Features");
     let value = |name: &str| features[name].parse::<f64>().unwrap();
@@ -110,35 +100,30 @@ fn what_was_learned_goes_out_and_comes_back() {
 
     // A replay begins with it.
     let again = ["replay", "--train", "learned/train.toml", "--track", "track.toml", "--out", "again", "logs/a.csv"];
-    let output = rundown(at, &again);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let estimates = std::fs::read_to_string(at.join("again/a.estimates.csv")).unwrap();
-    let share = first(&estimates, "r2") / davis("r2");
+    folder.done(&again);
+    let share = first(&folder.read("again/a.estimates.csv"), "r2") / davis("r2");
     assert!((share - 1.0).abs() < 1e-9, "{share}");
 }
 
 #[test]
 fn what_has_learned_nothing_together_is_refused() {
-    let folder = replayed(&["--no-carry"]);
-    let output = exported(folder.path(), &[]);
-    assert_eq!(code(&output), Some(3));
-    assert!(stderr(&output).contains("--no-carry"), "{}", stderr(&output));
+    let Said { code, err, .. } = exported(&replayed(&["--no-carry"]), "train.toml", &[]);
+    assert_eq!(code, Some(3));
+    assert!(err.contains("--no-carry"), "{err}");
 }
 
 #[test]
 fn another_train_another_unit_and_no_replay_are_refused() {
     let folder = replayed(&[]);
-    let at = folder.path();
-    let train = std::fs::read_to_string(at.join("train.toml")).unwrap();
-    let other = train.replacen("name = \"", "name = \"another ", 1);
-    std::fs::write(at.join("other.toml"), other).unwrap();
-    let output = rundown(at, &[&EXPORT[..], &["--train", "other.toml"]].concat());
-    assert_eq!(code(&output), Some(3));
-    assert!(stderr(&output).contains("expected that of the train file"), "{}", stderr(&output));
-    assert_eq!(code(&exported(at, &["--unit", "nobody"])), Some(3));
-    std::fs::remove_file(at.join("out/replay.json")).unwrap();
-    let output = exported(at, &[]);
-    assert_eq!(code(&output), Some(3));
-    assert!(stderr(&output).contains("replay.json"), "{}", stderr(&output));
-    assert!(!at.join("learned").exists());
+    folder.write("other.toml", &folder.read("train.toml").replacen("name = \"", "name = \"another ", 1));
+    let refused = |train: &str, more: &[&str], words: &str| {
+        let Said { code, err, .. } = exported(&folder, train, more);
+        assert_eq!(code, Some(3));
+        assert!(err.contains(words), "{err}");
+    };
+    refused("other.toml", &[], "expected that of the train file");
+    refused("train.toml", &["--unit", "nobody"], "expected one of the units");
+    std::fs::remove_file(folder.path("out/replay.json")).unwrap();
+    refused("train.toml", &[], "replay.json");
+    assert!(!folder.path("learned").exists());
 }

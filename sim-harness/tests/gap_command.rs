@@ -2,55 +2,25 @@
 
 mod common;
 
-use common::{done, rundown};
+use common::{Folder, Said, TUNNEL};
 use rundown::model::effects::{Effect, SteadyWind};
-use rundown_gap::answer::files::Files;
-use rundown_gap::answer::notes::NO_ROWS;
-use rundown_gap::answer::report::page;
-use rundown_gap::answer::story::story;
-use rundown_gap::answer::whole::Answer;
-use rundown_gap::config::GapConfig;
-use rundown_gap::input::Input;
-use rundown_gap::named::Named;
+use rundown_gap::{
+    answer::files::Files, answer::notes::NO_ROWS, answer::report::page, answer::story::story, answer::whole::Answer,
+    config::GapConfig, input::Input, named::Named,
+};
 use serde_json::Value;
 use std::fmt::Write as _;
-use std::path::Path;
-use std::process::{Command, Output};
-
-const TUNNEL: &str = r#"
-[[effect]]
-name = "tunnel_drag"
-from_m = 18100.0
-to_m = 21000.0
-k = 1.2e-5
-"#;
-
-fn told(output: &Output) -> (Option<i32>, String, String) {
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
-    (output.status.code(), text(&output.stdout), text(&output.stderr))
-}
+use std::{path::Path, process::Command};
 
 /// A folder with `set`: so many runs with an effort column.
-fn simulated(runs: usize, effect: &str) -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let scenario = format!("name = \"set\"\nruns = {runs}\nseed = 3\n[effort]\ncolumn = true\n{effect}");
-    std::fs::write(folder.path().join("s.toml"), scenario).unwrap();
-    done(folder.path(), &["simulate", "--scenario", "s.toml", "--out", "set"]);
-    folder
+fn simulated(runs: usize, effect: &str) -> Folder {
+    Folder::simulated(&format!("name = \"set\"\nruns = {runs}\nseed = 3\n[effort]\ncolumn = true\n{effect}"))
 }
 
-/// `rundown gap` on `set`, results in `out`.
-fn gap(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
-    let mut all = vec!["gap", "--train", "set/train.toml", "--out", "out"];
-    all.extend(["--track", "set/track.toml"]);
-    all.extend(more);
-    told(&rundown(folder, &all))
-}
-
-const RUNS: [&str; 2] = ["--runs", "set/runs"];
-
-fn read(folder: &Path, name: &str) -> String {
-    std::fs::read_to_string(folder.join("out").join(name)).unwrap()
+/// `rundown gap` on runs with the model of `set`, results in `out`.
+fn gap(folder: &Folder, runs: &str, more: &[&str]) -> Said {
+    let model = ["gap", "--train", "set/train.toml", "--track", "set/track.toml", "--out", "out", "--runs", runs];
+    folder.rundown(&[&model, more].concat())
 }
 
 fn caveats(json: &Value) -> Vec<&str> {
@@ -61,11 +31,11 @@ fn caveats(json: &Value) -> Vec<&str> {
 #[test]
 fn holding_out_too_many_is_refused_with_the_largest_number() {
     let folder = simulated(8, "");
-    let (code, _, words) = gap(folder.path(), &["--runs", "set/runs", "--hold-out", "4"]);
+    let Said { code, err: words, .. } = gap(&folder, "set/runs", &["--hold-out", "4"]);
     assert_eq!(code, Some(2), "{words}");
     assert!(words.contains("at most 3 can be held out"), "{words}");
-    assert!(!folder.path().join("out").exists());
-    let (code, screen, words) = gap(folder.path(), &["--runs", "set/runs", "--hold-out", "3"]);
+    assert!(!folder.path("out").exists());
+    let Said { code, out: screen, err: words } = gap(&folder, "set/runs", &["--hold-out", "3"]);
     assert_eq!(code, Some(0), "{words}");
     assert!(screen.contains("3 held-out runs"), "{screen}");
 }
@@ -73,56 +43,50 @@ fn holding_out_too_many_is_refused_with_the_largest_number() {
 #[test]
 fn few_runs_are_told_everywhere() {
     let folder = simulated(4, "");
-    let (code, screen, words) = gap(folder.path(), &["--runs", "set/runs"]);
+    let Said { code, out: screen, err: words } = gap(&folder, "set/runs", &[]);
     assert_eq!(code, Some(0), "{words}");
     let note = "4 runs at hand, none held out";
     assert!(screen.contains(note), "{screen}");
-    let json: Value = serde_json::from_str(&read(folder.path(), "gap.json")).unwrap();
+    let json = folder.json("out/gap.json");
     assert!(caveats(&json).iter().any(|c| c.starts_with(note)), "{json}");
     assert!(json["gap"]["before"].is_null(), "{json}");
-    assert!(read(folder.path(), "report.html").contains(note));
+    assert!(folder.read("out/report.html").contains(note));
 }
 
 #[test]
 fn runs_that_are_nowhere_are_refused() {
     let folder = simulated(1, "");
-    let (code, _, words) = gap(folder.path(), &["--runs", "nowhere"]);
+    let Said { code, err: words, .. } = gap(&folder, "nowhere", &[]);
     assert_eq!(code, Some(3), "{words}");
     assert!(words.contains("nowhere: expected a folder of run logs"));
-    assert!(!folder.path().join("out").exists());
+    assert!(!folder.path("out").exists());
 }
 
 /// A model found before is no part of the belief: it is told, and not doubled.
 #[test]
 fn effects_that_were_described_are_replaced_and_told() {
     let folder = simulated(24, TUNNEL);
-    let path = folder.path().join("set/track.toml");
-    let track = std::fs::read_to_string(&path).unwrap();
-    std::fs::write(path, format!("{track}{TUNNEL}")).unwrap();
-    let (code, screen, words) = gap(folder.path(), &["--runs", "set/runs"]);
+    folder.write("set/track.toml", &format!("{}\n{TUNNEL}", folder.read("set/track.toml")));
+    let Said { code, out: screen, err: words } = gap(&folder, "set/runs", &[]);
     assert_eq!(code, Some(0), "{words}");
     assert!(screen.contains("had effects already (1)"), "{screen}");
-    let repaired = read(folder.path(), "model/track.toml");
+    let repaired = folder.read("out/model/track.toml");
     assert_eq!(repaired.matches("tunnel_drag").count(), 1, "{repaired}");
 }
 
 #[test]
 fn where_a_folder_cannot_be_made_nothing_is_written() {
     let folder = simulated(8, "");
-    let out = folder.path().join("out");
-    std::fs::create_dir(&out).unwrap();
-    std::fs::write(out.join("model"), "a file").unwrap();
-    let (code, _, words) = gap(folder.path(), &["--runs", "set/runs"]);
+    folder.write("out/model", "a file");
+    let Said { code, err: words, .. } = gap(&folder, "set/runs", &[]);
     assert_eq!(code, Some(4), "{words}");
-    assert_eq!(std::fs::read_dir(out).unwrap().count(), 1);
+    assert_eq!(std::fs::read_dir(folder.path("out")).unwrap().count(), 1);
 }
 
 /// Trains that pull, keep their speed and brake, in logs without an effort column: nothing tells the resistance, nor does the one that coasts, which is held out, tell what noise leaves.
 #[test]
 fn without_effort_and_coasting_no_resistance_is_judged_and_no_map_drawn() {
     let folder = simulated(1, "");
-    let runs = folder.path().join("cruising");
-    std::fs::create_dir(&runs).unwrap();
     for run in 0..6 {
         let mut log = "time_s,location_m,speed_kmh\n".to_owned();
         let cruise_mps = 25.0 + f64::from(run);
@@ -139,17 +103,17 @@ fn without_effort_and_coasting_no_resistance_is_judged_and_no_map_drawn() {
             location_m += 5.0 * (speed + next);
             speed = next;
         }
-        std::fs::write(runs.join(format!("r{run}.csv")), log).unwrap();
+        folder.write(&format!("cruising/r{run}.csv"), &log);
     }
-    let (code, screen, words) = gap(folder.path(), &["--runs", "cruising"]);
+    let Said { code, out: screen, err: words } = gap(&folder, "cruising", &[]);
     assert_eq!(code, Some(0), "{words}");
     assert!(screen.contains(NO_ROWS) && !screen.contains("p-value"), "{screen}");
-    let json: Value = serde_json::from_str(&read(folder.path(), "gap.json")).unwrap();
+    let json = folder.json("out/gap.json");
     assert_eq!(caveats(&json)[0], NO_ROWS);
     assert!(json["p_value"].is_null() && json["gap"]["p_value_after"].is_null());
     assert!(json["gap"]["before"].is_null(), "{json}");
     assert!(json["running_time"]["why_not"].is_string(), "{json}");
-    let page = read(folder.path(), "report.html");
+    let page = folder.read("out/report.html");
     assert!(page.contains(&format!("<p class=\"lead\">{NO_ROWS}</p>")));
     assert!(!page.contains("Residual over location") && !page.contains("p-value"));
 }
@@ -158,7 +122,7 @@ fn without_effort_and_coasting_no_resistance_is_judged_and_no_map_drawn() {
 #[test]
 fn a_repair_that_makes_things_worse_is_told_everywhere() {
     let folder = simulated(8, "");
-    let input = Input::of_set(&folder.path().join("set")).unwrap();
+    let input = Input::of_set(&folder.path("set")).unwrap();
     let mut answer = rundown_gap::run(input, GapConfig::default(), None, |_| ()).unwrap();
     let told = |answer: &Answer| (answer.json(), story(answer), page(answer));
     let (json, screen, html) = told(&answer);
@@ -180,34 +144,33 @@ fn a_repair_that_makes_things_worse_is_told_everywhere() {
 #[test]
 fn thresholds_are_printed_changed_and_refused() {
     let folder = simulated(8, TUNNEL);
-    let (code, printed, words) = told(&rundown(folder.path(), &["gap", "--print-config"]));
+    let Said { code, out: printed, err: words } = folder.rundown(&["gap", "--print-config"]);
     assert_eq!(code, Some(0), "{words}");
     assert!(printed.contains("[penalty]") && printed.contains("[prior.warm_up]"), "{printed}");
     let with = |text: &str| {
-        std::fs::write(folder.path().join("gap.toml"), text).unwrap();
-        gap(folder.path(), &["--runs", "set/runs", "--config", "gap.toml"])
+        folder.write("gap.toml", text);
+        gap(&folder, "set/runs", &["--config", "gap.toml"])
     };
-    let (code, _, words) = with("[search]\nenough = 1000.0\n[prior.warm_up]\nleast = 0.01\n");
+    let Said { code, err: words, .. } = with("[search]\nenough = 1000.0\n[prior.warm_up]\nleast = 0.01\n");
     assert_eq!(code, Some(0), "{words}");
-    let json: Value = serde_json::from_str(&read(folder.path(), "gap.json")).unwrap();
+    let json = folder.json("out/gap.json");
     assert_eq!(json["effects"].as_array().map(Vec::len), Some(0), "{json}");
     for wrong in ["[search]\nenuogh = 4.0\n", "[prior.ghost]\nleast = 1.0\n"] {
-        let (code, _, words) = with(wrong);
+        let Said { code, err: words, .. } = with(wrong);
         assert_eq!(code, Some(3), "{words}");
         assert!(words.contains("gap.toml: "), "{words}");
     }
-    let (code, _, words) = with(&printed);
+    let Said { code, err: words, .. } = with(&printed);
     assert_eq!(code, Some(0), "{words}");
-    let json: Value = serde_json::from_str(&read(folder.path(), "gap.json")).unwrap();
+    let json = folder.json("out/gap.json");
     assert_eq!(json["effects"][0]["name"], "tunnel_drag", "{json}");
 }
 
 /// The example of `gap --help` for a hidden effect, line by line.
 #[test]
 fn the_example_of_the_help_works_word_for_word() {
-    let folder = tempfile::tempdir().unwrap();
-    let (code, help, _) = told(&rundown(folder.path(), &["gap", "--help"]));
-    assert_eq!(code, Some(0));
+    let folder = Folder::new();
+    let help = folder.done(&["gap", "--help"]).out;
     let after = help.split("A set with a hidden effect").nth(1).unwrap();
     let lines = after.lines().skip(1).map(str::trim);
     let lines: Vec<&str> = lines.take_while(|line| !line.is_empty()).collect();
@@ -216,51 +179,25 @@ fn the_example_of_the_help_works_word_for_word() {
     for line in lines {
         let mut shell = Command::new("sh");
         let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
-        let shell = shell.current_dir(folder.path()).env("PATH", path);
+        let shell = shell.current_dir(folder.path("")).env("PATH", path);
         let output = shell.args(["-c", line]).output().unwrap();
         assert!(output.status.success(), "{line}: {output:?}");
     }
-    let json = std::fs::read_to_string(folder.path().join("gap/gap.json")).unwrap();
-    let json: Value = serde_json::from_str(&json).unwrap();
+    let json = folder.json("gap/gap.json");
     assert_eq!(json["effects"][0]["name"], "tunnel_drag", "{json}");
 }
 
 #[test]
 fn a_copy_of_a_run_and_a_log_that_is_none_are_left_out_and_told() {
     let folder = simulated(8, "");
-    let runs = folder.path().join("set/runs");
-    std::fs::copy(runs.join("run001.csv"), runs.join("copy.csv")).unwrap();
-    std::fs::write(runs.join("none.csv"), "no log at all\n").unwrap();
-    let output = rundown(
-        folder.path(),
-        &["gap", "--train", "set/train.toml", "--track", "set/track.toml", "--runs", "set/runs", "--out", "gap"],
-    );
-    let (code, screen, notes) = told(&output);
+    folder.write("set/runs/copy.csv", &folder.read("set/runs/run001.csv"));
+    folder.write("set/runs/none.csv", "no log at all\n");
+    let Said { code, out: screen, err: notes } = gap(&folder, "set/runs", &[]);
     assert_eq!(code, Some(1), "{notes}");
     assert!(notes.contains("samples of another run"), "{notes}");
     assert!(screen.contains("2 of 10 logs could not be used"), "{screen}");
-    let json: Value =
-        serde_json::from_str(&std::fs::read_to_string(folder.path().join("gap/gap.json")).unwrap()).unwrap();
+    let json = folder.json("out/gap.json");
     assert_eq!((json["runs"].as_u64(), json["runs_left_out"].as_u64()), (Some(8), Some(2)));
-}
-
-/// The logs of a set, each line changed.
-fn rewritten(set: &Path, change: impl Fn(&mut Vec<String>)) {
-    for entry in std::fs::read_dir(set.join("runs")).unwrap() {
-        let path = entry.unwrap().path();
-        if path.file_name().unwrap() == "runs.csv" {
-            continue;
-        }
-        let text = std::fs::read_to_string(&path).unwrap();
-        let (header, rows) = text.split_once('\n').unwrap();
-        let mut out = format!("{header}\n");
-        for row in rows.lines() {
-            let mut fields: Vec<String> = row.split(',').map(str::to_owned).collect();
-            change(&mut fields);
-            out += &(fields.join(",") + "\n");
-        }
-        std::fs::write(&path, out).unwrap();
-    }
 }
 
 #[test]
@@ -272,24 +209,28 @@ fn logs_in_other_units_are_refused_with_the_unit_that_they_seem_to_have() {
         (3, 170e3, "divided by the rotating mass"),
     ] {
         let folder = simulated(6, "");
-        let set = folder.path().join("set");
-        rewritten(&set, |fields| {
+        let changed = |row: &str| -> String {
+            let mut fields: Vec<String> = row.split(',').map(str::to_owned).collect();
             if let Ok(value) = fields[column].parse::<f64>() {
                 fields[column] = (factor * value).to_string();
             }
-        });
-        let (code, _, said) = gap(folder.path(), &RUNS);
+            fields.join(",") + "\n"
+        };
+        for run in 1..=6 {
+            let name = format!("set/runs/run{run:03}.csv");
+            folder.write(&name, &folder.read(&name).lines().map(changed).collect::<String>());
+        }
+        let Said { code, err: said, .. } = gap(&folder, "set/runs", &[]);
         assert_ne!(code, Some(0), "{said}");
         assert!(said.contains(words), "{words}: {said}");
-        assert!(!folder.path().join("out").exists());
+        assert!(!folder.path("out").exists());
     }
 }
 
 #[test]
 fn a_track_that_is_too_short_or_flat_is_told() {
     let folder = simulated(8, "");
-    let path = folder.path().join("set/track.toml");
-    let text = std::fs::read_to_string(&path).unwrap();
+    let text = folder.read("set/track.toml");
     let shorter = text.replace("length_m = 32103.0", "length_m = 20000.0");
     assert_ne!(text, shorter);
     let flat: String = shorter
@@ -300,9 +241,9 @@ fn a_track_that_is_too_short_or_flat_is_told() {
         })
         .collect();
     let told = |track: &str| {
-        std::fs::write(&path, track).unwrap();
-        gap(folder.path(), &RUNS);
-        let json = read(folder.path(), "gap.json");
+        folder.write("set/track.toml", track);
+        gap(&folder, "set/runs", &[]);
+        let json = folder.read("out/gap.json");
         caveats(&serde_json::from_str(&json).unwrap()).join(" ")
     };
     let as_it_is = told(&text);
@@ -315,8 +256,8 @@ fn a_track_that_is_too_short_or_flat_is_told() {
 #[test]
 fn an_output_folder_that_is_a_file_is_refused_before_the_work() {
     let folder = simulated(6, "");
-    std::fs::write(folder.path().join("out"), "mine").unwrap();
-    let (code, _, said) = gap(folder.path(), &RUNS);
+    folder.write("out", "mine");
+    let Said { code, err: said, .. } = gap(&folder, "set/runs", &[]);
     assert_ne!(code, Some(0));
     assert!(said.contains("out is a file"), "{said}");
     assert!(!said.contains("all runs"), "{said}");

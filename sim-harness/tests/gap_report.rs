@@ -2,38 +2,17 @@
 
 mod common;
 
-use common::done;
+use common::{Folder, TUNNEL};
 use serde_json::Value;
-
-const SCENARIO: &str = r#"
-name = "set"
-runs = 24
-seed = 3
-"#;
-const EFFORT: &str = "[effort]\ncolumn = true\n";
-
-const TUNNEL: &str = r#"
-[[effect]]
-name = "tunnel_drag"
-from_m = 18100.0
-to_m = 21000.0
-k = 1.2e-5
-"#;
 
 /// `gap.json` and `report.html` of a simulated set.
 fn investigated(effect: &str) -> (Value, String) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path();
-    let effort = if effect.contains("[effort]") { "" } else { EFFORT };
-    let scenario = format!("{SCENARIO}{effort}{effect}");
-    std::fs::write(path.join("s.toml"), scenario).unwrap();
-    done(path, &["simulate", "--scenario", "s.toml", "--out", "set"]);
+    let effort = if effect.contains("[effort]") { "" } else { "[effort]\ncolumn = true\n" };
+    let folder = Folder::simulated(&format!("name = \"set\"\nruns = 24\nseed = 3\n{effort}{effect}"));
     let model = ["--train", "set/train.toml", "--track", "set/track.toml"];
     let gap = ["gap", "--runs", "set/runs", "--out", "out", "--hold-out", "6"];
-    done(path, &[gap.as_slice(), &model].concat());
-    let read = |name: &str| std::fs::read_to_string(path.join("out").join(name)).unwrap();
-    let json = serde_json::from_str(&read("gap.json")).unwrap();
-    (json, read("report.html"))
+    folder.done(&[gap.as_slice(), &model].concat());
+    (folder.json("out/gap.json"), folder.read("out/report.html"))
 }
 
 fn stands_alone(page: &str) {

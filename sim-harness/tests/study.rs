@@ -2,25 +2,24 @@
 
 mod common;
 
-use common::{Folder, code, stderr, stdout};
+use common::{Folder, Said};
 use parquet::file::reader::FileReader;
 use parquet::record::{Field, Row};
+use rundown_files::parquet::RunReader;
 use serde_json::Value;
-use std::collections::BTreeSet;
-use std::path::Path;
-use std::process::Output;
+use std::{collections::BTreeSet, path::Path};
 
 /// Runs of the study in these tests: enough for every figure.
 const COUNT: usize = 12;
 
 /// Where nothing may be said on stderr.
-fn quiet(folder: &Folder, arguments: &[&str]) -> Output {
+fn quiet(folder: &Folder, arguments: &[&str]) -> Said {
     let output = folder.rundown(arguments);
-    assert_eq!((code(&output), stderr(&output).as_str()), (Some(0), ""));
+    assert_eq!((output.code, output.err.as_str()), (Some(0), ""));
     output
 }
 
-fn study(folder: &Folder, out: &str) -> Output {
+fn study(folder: &Folder, out: &str) -> Said {
     quiet(folder, &["study", "--count", &COUNT.to_string(), "--out", out])
 }
 
@@ -80,12 +79,12 @@ fn every_picture_has_its_numbers_and_stands_in_the_report() {
             expected.push(format!("{figure}_{eyes}"));
         }
     }
-    let page = std::fs::read_to_string(folder.path("out/report.html")).unwrap();
+    let page = folder.read("out/report.html");
     for name in &expected {
         assert!(names.contains(&format!("{name}.svg")), "{name}");
         assert!(!csv_table(&folder, &format!("out/{name}.csv")).rows.is_empty());
         // A file needs the name space that the page does without; the rest is the same picture.
-        let svg = std::fs::read_to_string(folder.path(&format!("out/{name}.svg"))).unwrap();
+        let svg = folder.read(&format!("out/{name}.svg"));
         let body = svg.split_once("<title>").unwrap().1;
         assert!(page.contains(body.trim_end()), "{name}");
     }
@@ -170,7 +169,7 @@ fn the_numbers_are_those_of_the_runs() {
 fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
     let folder = Folder::new();
     let (first, second) = (study(&folder, "a"), study(&folder, "b"));
-    assert_eq!(stdout(&first).replace("a/report", "b/report"), stdout(&second));
+    assert_eq!(first.out.replace("a/report", "b/report"), second.out);
     assert_eq!(names(&folder.path("a")), names(&folder.path("b")));
     for name in names(&folder.path("a")) {
         let of = |out: &str| std::fs::read(folder.path(out).join(&name)).unwrap();
@@ -190,18 +189,14 @@ fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
         quiet(&folder, &[&["study", "--runs", runs, "--out", out][..], &files].concat());
         csv_table(&folder, &format!("{out}/runs.csv"))
     };
-    std::fs::create_dir(folder.path("logs")).unwrap();
-    for index in 0..3 {
-        let simulation = sim_harness::study::case::case_study().unwrap();
-        let case = sim_harness::study::case::fleet_run(&simulation, 1, index).unwrap();
+    let mut runs = RunReader::open(&folder.path("runs.parquet"), None).unwrap();
+    while let Some(run) = runs.next_run().unwrap() {
         let mut log = "time_s,location_m,speed_kmh\n".to_owned();
-        for row in &case.recording.rows {
-            let m = &row;
-            let kmh = (3.6e6 * m.speed_mps.unwrap()).round() / 1e6;
-            log += &format!("{},{},{kmh}\n", m.time_s, m.location_m.unwrap());
+        for row in &run.rows {
+            let kmh = (3.6e6 * row.speed_mps.unwrap()).round() / 1e6;
+            log += &format!("{},{},{kmh}\n", row.time_s, row.location_m.unwrap());
         }
-        let name = format!("logs/{}.csv", case.recording.name);
-        std::fs::write(folder.path(&name), log).unwrap();
+        folder.write(&format!("logs/{}.csv", run.name), &log);
     }
     let simulated = csv_table(&folder, "simulated/runs.csv");
     for table in [recorded("runs.parquet", "parquet"), recorded("logs", "csv")] {
@@ -222,14 +217,13 @@ fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
     quiet(&folder, &["study", "--scenario", "s.toml", "--out", "direct"]);
     let study = |runs: &str, out: &str| {
         let described = ["--train", "set/train.toml", "--track", "set/track.toml"];
-        let output = folder.rundown(&[&["study", "--runs", runs, "--out", out][..], &described].concat());
-        (code(&output), stdout(&output), stderr(&output))
+        folder.rundown(&[&["study", "--runs", runs, "--out", out][..], &described].concat())
     };
 
     // The whole data set, and its logs alone.
     let direct = csv_table(&folder, "direct/runs.csv");
     for (runs, out) in [("set", "a"), ("set/runs", "b")] {
-        let (code, said, _) = study(runs, out);
+        let Said { code, out: said, .. } = study(runs, out);
         assert_eq!(code, Some(0));
         assert!(said.contains("3 runs; their truth is known"), "{said}");
         let table = csv_table(&folder, &format!("{out}/runs.csv"));
@@ -249,25 +243,24 @@ fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
 
     // One truth is missing, one is of other times: they are named, and the third is shown.
     std::fs::remove_file(folder.path("set/truth/run001.csv")).unwrap();
-    let path = folder.path("set/truth/run002.csv");
-    let text = std::fs::read_to_string(&path).unwrap();
-    std::fs::write(&path, text.replace("\n20.0,", "\n21.0,")).unwrap();
-    let (code, said, error) = study("set", "c");
+    let path = "set/truth/run002.csv";
+    folder.write(path, &folder.read(path).replace("\n20.0,", "\n21.0,"));
+    let Said { code, out: said, err: error } = study("set", "c");
     assert_eq!(code, Some(1));
     assert!(said.contains("1 run; its truth is known"), "{said}");
     assert!(error.contains("run001.csv: cannot be read as truth"), "{error}");
     assert!(error.contains("expected the truth at 20 s"), "{error}");
 
-    std::fs::write(folder.path("set/truth/truth.json"), "{}").unwrap();
-    let (code, _, error) = study("set", "d");
+    folder.write("set/truth/truth.json", "{}");
+    let Said { code, err: error, .. } = study("set", "d");
     assert_eq!(code, Some(3));
     assert!(error.contains("missing field `runs`"), "{error}");
 
     std::fs::remove_dir_all(folder.path("set/truth")).unwrap();
-    let (code, said, _) = study("set", "e");
+    let Said { code, out: said, .. } = study("set", "e");
     assert_eq!(code, Some(0));
     assert!(said.contains("3 runs; no truth lies beside them"), "{said}");
-    let page = std::fs::read_to_string(folder.path("e/report.html")).unwrap();
+    let page = folder.read("e/report.html");
     assert!(page.contains("no truth lies beside them"));
     assert!(csv_table(&folder, "e/runs.csv").numbers("true_r0").is_empty());
 }
@@ -303,7 +296,7 @@ fn the_truth_is_followed_by_the_gated_mode_and_not_by_the_paper() {
     let folder = Folder::new();
     let arguments = ["study", "--truth-slope", "--vehicles", "8", "--vehicle-runs", "3", "--json", "--out", "out"];
     let output = quiet(&folder, &arguments);
-    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let json: Value = serde_json::from_str(&output.out).unwrap();
     let answers = json["answers"].as_array().unwrap();
     assert_eq!(answers.len(), 3 * 2, "three modes after 1 and 3 runs");
     for answer in answers {
@@ -330,7 +323,7 @@ fn the_truth_is_followed_by_the_gated_mode_and_not_by_the_paper() {
 #[test]
 fn arguments_that_do_not_go_together_are_refused() {
     let folder = Folder::new().with("t.toml", "name = 1\n");
-    let code = |arguments: &[&str]| code(&folder.rundown(&[&["study"], arguments].concat()));
+    let code = |arguments: &[&str]| folder.rundown(&[&["study"], arguments].concat()).code;
     assert_eq!(code(&["--runs", "logs"]), Some(2), "without train and track");
     assert_eq!(code(&["--truth-slope", "--count", "3"]), Some(2));
     assert_eq!(code(&["--truth-slope", "--vehicles", "2"]), Some(2));

@@ -2,18 +2,15 @@
 
 mod common;
 
-use common::{RUN, done, reference};
-use serde_json::Value;
+use common::{Folder, RUN};
 
 #[test]
 fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path();
+    let folder = Folder::new().with("run.csv", RUN);
     let few = ["tune", "--count", "4", "--evaluations", "300", "--out", "a"];
-    let text = String::from_utf8(done(path, &few).stdout).unwrap();
+    let text = folder.done(&few).out;
     assert!(text.contains("a likely filter is no true one"), "{text}");
-    let read = |name: &str| std::fs::read_to_string(path.join(name)).unwrap();
-    let json: Value = serde_json::from_str(&read("a/tune.json")).unwrap();
+    let json = folder.json("a/tune.json");
     let of = |which: &str, name: &str| json[which]["score"][name].as_f64().unwrap();
     assert!(of("optimum", "log_likelihood") > of("table1", "log_likelihood"));
     assert_eq!(of("optimum", "negative_samples"), 0.0);
@@ -33,21 +30,15 @@ fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
         assert!(slope.abs() < 0.1, "{which}: {slope}");
     }
 
-    std::fs::write(path.join("run.csv"), RUN).unwrap();
-    let (train, track) = (reference("train.toml"), reference("track.toml"));
-    let replay = ["replay", "--config", "a/config.toml", "--train", &train, "--track", &track];
-    let mut arguments = replay.to_vec();
-    arguments.extend(["--out", "replayed", "run.csv"]);
-    done(path, &arguments);
-    let replayed: Value = serde_json::from_str(&read("replayed/replay.json")).unwrap();
-    assert_eq!(replayed["mode"], "paper");
+    assert_eq!(folder.replay(&["--config", "a/config.toml", "run.csv"]).code, Some(0));
+    assert_eq!(folder.json("out/replay.json")["mode"], "paper");
 
     // The surface has its numbers, and the same seed gives the same bytes.
-    assert!(read("a/tune_profiles.csv").lines().count() > 100);
-    assert_eq!(read("a/tune_plane.csv").lines().count(), 1 + 81);
+    assert!(folder.read("a/tune_profiles.csv").lines().count() > 100);
+    assert_eq!(folder.read("a/tune_plane.csv").lines().count(), 1 + 81);
     let again = few.map(|word| if word == "a" { "b" } else { word });
-    done(path, &again);
+    folder.done(&again);
     for name in ["config.toml", "tune.json", "report.html", "tune_plane.svg"] {
-        assert_eq!(read(&format!("a/{name}")), read(&format!("b/{name}")), "{name}");
+        assert_eq!(folder.read(&format!("a/{name}")), folder.read(&format!("b/{name}")), "{name}");
     }
 }

@@ -49,7 +49,7 @@ impl Board for L475 {
         chip.DBGMCU.apb1fzr1().modify(|_, w| w.dbg_iwdg_stop().set_bit());
         let watchdog = DogTimer::start(chip.IWDG);
         #[cfg(not(feature = "emulator"))]
-        let flash = Flash::new(chip.FLASH);
+        let flash = Flash::new(flash::Controller(chip.FLASH));
         #[cfg(feature = "emulator")]
         let flash = ram_flash::start();
         Some(Started { port, watchdog, flash, clock, cause })

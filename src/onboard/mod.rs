@@ -19,6 +19,7 @@ pub mod outbox;
 pub mod published;
 pub mod serial;
 pub mod stack;
+pub mod stm32l4_flash;
 pub mod store;
 pub mod task;
 pub mod train_id;

@@ -13,6 +13,7 @@ mod toolchain;
 
 use emulator::Board;
 use shell::{cargo, run};
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 const HELP: &str = "\
@@ -117,8 +118,7 @@ fn emulate_command(run_log: &str, described: [&str; 2], frames: Option<&str>) ->
         .args(["run", "--release", "--quiet", "-p", "host-tests"])
         .args(["--example", "emulate", "--", run_log])
         .args(described)
-        .args(frames)
-        .env("RUNDOWN_EMULATOR", "required");
+        .args(frames);
     command
 }
 
@@ -133,23 +133,45 @@ fn with_board(name: &str, task: fn(Board) -> Result<(), String>) -> Result<(), S
     }
 }
 
-/// Documentation tests are part of `cargo test` as long as it is not told which targets to take.
+/// Tests of what plain `cargo test` does not bring. They are ignored there, by attributes that say what they need, and must pass here.
+const WITH_EMULATOR: [&str; 4] = ["falls", "soak", "on_target", "on_target_power"];
+const WITH_PEERS: &str = "peers";
+
+/// Data of others, which are no part of the project: the variable that names their folder, where they are looked for without it, what must be in it,
+/// the test that reads them.
+const DATA: [[&str; 4]; 2] = [
+    ["RUNDOWN_LOGS", "../shared/data/recorded-gpx", "index.csv", "logs"],
+    ["RUNDOWN_TRACKS", "../shared/data/tracks", "", "truth"],
+];
+
+/// Documentation tests are part of `cargo test` as long as no targets are named.
 fn test() -> Result<(), String> {
     setup::setup()?;
     all(firmware::firmware)?;
-    let peers = setup::peers();
-    // With these the tests with the emulator and with the peers of the CAN link must run.
-    let mut test = cargo();
-    test.args(["test", "--workspace", "--no-fail-fast"]).env("RUNDOWN_EMULATOR", "required");
-    match peers {
-        Ok(()) => {
-            test.env("RUNDOWN_PEERS", "required");
+    let mut more = cargo();
+    more.args(["test", "--workspace", "--no-fail-fast"]);
+    more.args(WITH_EMULATOR.iter().flat_map(|test| ["--test", test]));
+    match setup::peers() {
+        Ok(()) => drop(more.args(["--test", WITH_PEERS])),
+        Err(reason) => {
+            println!("left out: the CAN link against python-can and can-isotp, which are not there ({reason})")
         }
-        Err(reason) => println!(
-            "python-can and can-isotp are not there ({reason}): the test of the CAN link against them says that it is skipped"
-        ),
     }
-    run(&mut test)
+    if Path::new("/sys/class/net/vcan0").exists() {
+        more.arg("--lib");
+    } else {
+        println!("left out: AF_CAN, which takes an interface vcan0");
+    }
+    for [variable, usual, must_be_there, test] in DATA {
+        let folder = std::env::var_os(variable).map_or_else(|| shell::root().join(usual), PathBuf::from);
+        if folder.join(must_be_there).exists() {
+            more.args(["--test", test]).env(variable, folder);
+        } else {
+            println!("left out: what needs data of others; {variable} names their folder");
+        }
+    }
+    let plain = run(cargo().args(["test", "--workspace", "--no-fail-fast"]));
+    plain.and(run(more.args(["--", "--ignored"])))
 }
 
 /// The page's tests are built on demand only: the driver's client is many crates.
@@ -173,5 +195,23 @@ mod tests {
         }
         assert_eq!(help_of("emulate").unwrap().lines().count(), 3);
         assert_eq!(help_of("no-such-task"), None);
+    }
+
+    /// Else an ignored test would run nowhere.
+    #[test]
+    fn every_ignored_test_is_run() {
+        let mut ignored = Vec::new();
+        for folder in ["host-tests/tests", "xtask/emulator/tests"] {
+            for path in shell::root().join(folder).read_dir().unwrap().map(|entry| entry.unwrap().path()) {
+                if path.is_file() && std::fs::read_to_string(&path).unwrap().contains("#[ignore") {
+                    ignored.push(path.file_stem().unwrap().to_string_lossy().into_owned());
+                }
+            }
+        }
+        let mut run: Vec<&str> =
+            WITH_EMULATOR.into_iter().chain([WITH_PEERS]).chain(DATA.map(|data| data[3])).collect();
+        run.sort_unstable();
+        ignored.sort_unstable();
+        assert_eq!(ignored, run);
     }
 }

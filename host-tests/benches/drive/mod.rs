@@ -1,17 +1,12 @@
 //! What the two benches run: the reference run, its efforts known beforehand, so that a step is predict and update and nothing else.
 
+use host_tests::prelude::*;
 use host_tests::reference::{data, train_and_track};
 use host_tests::textbook::{self, Read, Shape};
 use nalgebra::SMatrix;
-use rundown::filter::gaussian::Gaussian;
 use rundown::filter::ukf::{Spread, Ukf};
-use rundown::model::direction::Direction;
 use rundown::model::line::Line;
-use rundown::model::motion::{Evaluate, Motion};
-use rundown::model::state::SIZE;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
-use rundown::tick::learning::LocationAndSpeed;
+use rundown::model::motion::Motion;
 use std::hint::black_box;
 
 /// Steps of one run.

@@ -9,17 +9,11 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 /// The newest frame of each kind, read by itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Said {
-    /// How many frames.
     pub frames: u32,
-    /// Closes a tick.
     pub estimate: Option<Estimate>,
-    /// Resistance.
     pub parameters: Option<Parameters>,
-    /// Effort.
     pub effort: Option<Effort>,
-    /// What coasting leads to.
     pub coast_ahead: Option<CoastAhead>,
-    /// Features.
     pub features: Option<Features>,
 }
 
@@ -61,7 +55,6 @@ impl Board {
         }
     }
 
-    /// Where it listens.
     pub fn address(&self) -> SocketAddr {
         self.listener.local_addr().expect("bound")
     }

@@ -138,7 +138,7 @@ async fn values_on_the_page_are_those_of_the_frames() {
     assert!(past[1..].iter().all(|cell| cell != "–"), "{past:?}");
     let points: usize = desk.browser.ask("return state.points.length").await;
     assert!(points > 50, "{points}");
-    desk.browser.driver().refresh().await.expect("anew");
+    desk.browser.driver().refresh().await.expect("the page once more");
     desk.check_values().await;
     assert_eq!(desk.browser.ask::<Vec<String>>(row).await, past);
     assert_eq!(desk.browser.ask::<usize>("return state.points.length").await, points);

@@ -25,8 +25,8 @@ fuzz_target!(|data: &[u8]| {
             Ok(Some(message)) => {
                 assert!((1..=MAX_MESSAGE).contains(&message.len()));
                 let again = encode(message).expect("what was decoded has a valid length");
-                let mut witness: Decoder = Decoder::new();
-                let decoded = again.iter().any(|&byte| witness.push(byte) == Ok(Some(message)));
+                let mut fresh: Decoder = Decoder::new();
+                let decoded = again.iter().any(|&byte| fresh.push(byte) == Ok(Some(message)));
                 assert!(decoded);
             }
             Ok(None) => {}

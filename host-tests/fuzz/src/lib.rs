@@ -6,17 +6,12 @@
 
 use host_tests::board::PROVISIONING;
 use host_tests::coasting::with_targets;
-use rundown::estimator::config::{Config, Mode};
-use rundown::model::direction::Direction;
+use host_tests::prelude::*;
 use rundown::model::effects::*;
-use rundown::model::track::Curve;
 use rundown::onboard::auth::Signer;
 use rundown::onboard::task::DATA_ID;
-use rundown::onboard::uplink::{self, Command, OPEN, Pace, Request, SECURED, Uplink};
-use rundown::tick::measurement::Measurement;
-use rundown_truth::scenario::Scenario;
+use rundown::onboard::uplink::{self, OPEN, SECURED, Uplink};
 use rundown_wire::{Body, Downlink, MAX_MESSAGE};
-use sim_harness::desk::Description;
 use std::collections::VecDeque;
 use std::sync::LazyLock;
 

@@ -1,25 +1,11 @@
 //! Does the board answer in the order that the document states?
 
-use host_tests::accuracy::{description, measurements};
-use host_tests::board::Board;
-use host_tests::flash::Flash;
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
-use rundown::onboard::uplink::{Command, Request};
-use rundown::tick::measurement::Measurement;
-use rundown_truth::scenario::{Scenario, simulate};
+use host_tests::board::{described, running};
+use host_tests::prelude::*;
 use rundown_wire::{Body, Downlink};
 
 fn names(frames: &[Downlink]) -> Vec<&'static str> {
     frames.iter().map(|frame| frame.body.as_str()).collect()
-}
-
-fn prepared() -> (Board, Vec<Measurement>) {
-    let scenario = Scenario::default();
-    let log = measurements(&simulate(&scenario, 3));
-    let mut board = Board::start(Flash::erased(8));
-    board.prepare(&description(Config::default(), &scenario), Direction::Up);
-    (board, log)
 }
 
 const TICK: [&str; 3] = ["parameters", "effort", "estimate"];
@@ -27,7 +13,7 @@ const MINUTE: [&str; 4] = ["features", "switching_points", "status", "health"];
 
 #[test]
 fn the_frames_of_a_tick_come_in_this_order() {
-    let (mut board, log) = prepared();
+    let (mut board, _, log) = running(described());
     let mut all_parts = 0;
     for (tick, measurement) in (1..=14).zip(&log) {
         let frames = board.measure(measurement);
@@ -56,7 +42,7 @@ fn the_frames_of_a_tick_come_in_this_order() {
 
 #[test]
 fn the_end_of_a_run_comes_in_this_order() {
-    let (mut board, log) = prepared();
+    let (mut board, _, log) = running(described());
     for measurement in &log {
         board.measure(measurement);
     }
@@ -70,7 +56,7 @@ fn the_end_of_a_run_comes_in_this_order() {
 
 #[test]
 fn a_long_stop_ends_the_run_with_the_estimate_and_the_next_one_begins_at_zero() {
-    let (mut board, log) = prepared();
+    let (mut board, _, log) = running(described());
     for measurement in &log {
         board.measure(measurement);
     }

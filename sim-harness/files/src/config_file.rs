@@ -1,7 +1,6 @@
 //! Configuration: a TOML file with the names of [`Config`]; what it leaves out keeps its default.
 
-use crate::refusal::ReadError;
-use crate::toml_file::TomlFile;
+use crate::{refusal::ReadError, toml_file::TomlFile};
 use rundown::estimator::config::Config;
 use std::path::Path;
 

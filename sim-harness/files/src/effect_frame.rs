@@ -18,45 +18,27 @@ use thiserror::Error;
 /// Why a file is no `effect.frame`.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "said by the messages")]
 pub enum EffectFrameError {
     /// A frame was damaged.
     #[error("message {message}: {reason}")]
-    Damaged {
-        /// From 1.
-        message: usize,
-        /// What the link says.
-        reason: serial::DecodeError,
-    },
-    /// It is something else.
+    Damaged { message: usize, reason: serial::DecodeError },
     #[error("message {message}: expected an open uplink message with an effect, found another one")]
-    NoEffect {
-        /// From 1.
-        message: usize,
-    },
-    /// The effect is refused.
+    NoEffect { message: usize },
     #[error("message {message}: the effect is refused: {reason}")]
-    Refused {
-        /// From 1.
-        message: usize,
-        /// Why.
-        reason: FrameError,
-    },
+    Refused { message: usize, reason: FrameError },
     /// The last frame has no end.
     #[error("message {message}: expected its end, found the end of the file")]
-    CutOff {
-        /// From 1.
-        message: usize,
-    },
+    CutOff { message: usize },
 }
 
 /// Why effects do not fit into messages; their limits are so that it cannot be.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "said by the messages")]
 pub enum TooLong {
-    /// A message.
     #[error("an effect is longer than a message: {0}")]
     Message(EncodeError),
-    /// A frame.
     #[error("a message is longer than a frame: {0}")]
     Frame(LengthError),
 }

@@ -34,16 +34,14 @@ pub mod track_file;
 pub mod train_file;
 pub mod units;
 
-use std::io;
-use std::path::PathBuf;
+use std::{io, path::PathBuf};
 use thiserror::Error;
 
 /// A file that could not be written.
 #[derive(Debug, Error)]
 #[error("{}: cannot be written: {source}; choose another folder with --out", path.display())]
+#[expect(missing_docs, reason = "said by the messages")]
 pub struct WriteError {
-    /// The file or folder.
     pub path: PathBuf,
-    /// What the system says.
     pub source: io::Error,
 }

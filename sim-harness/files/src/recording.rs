@@ -5,15 +5,13 @@
 //! A log without a column `location_m`, or with an empty one, is matched onto the centre line. Direction: that of the index, else the one asked for, else found
 //! from the locations ([`DirectionChoice::Auto`]): the median of the last ones against the median of the first ones.
 
-use crate::effect_file::day_of;
 use crate::map_matching::{CentreLine, MatchState, NoMatch};
 use crate::refusal::{Place, ReadError};
 use crate::run_log::{BadRows, RunLog};
-use crate::run_set::RunFile;
 use crate::sample::{LOCATION, Sample};
 use crate::units::{self, median};
-use rundown::model::direction::Direction;
-use rundown::model::effects::Surroundings;
+use crate::{effect_file::day_of, run_set::RunFile};
+use rundown::{model::direction::Direction, model::effects::Surroundings};
 use std::path::{Path, PathBuf};
 
 /// Locations at each end of a run that decide its direction.
@@ -36,14 +34,12 @@ pub enum DirectionChoice {
 
 /// A run, ready to be replayed.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "as in RunFile, where not said")]
 pub struct Recording {
-    /// Name in every output.
     pub name: String,
-    /// Where it was read from.
     pub path: PathBuf,
     /// Whose memory it belongs to; empty when there is only one unit.
     pub unit: String,
-    /// Direction of travel.
     pub direction: Direction,
     /// Date of the departure, days since 1970-01-01 UTC, if the index has one that can be read.
     pub day: Option<f64>,

@@ -7,12 +7,10 @@ use thiserror::Error;
 
 /// A place in a text file.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "counted from 1, where they are known")]
 pub struct Place {
-    /// The file.
     pub file: PathBuf,
-    /// Counted from 1.
     pub line: Option<usize>,
-    /// Counted from 1, where the line is known.
     pub column: Option<usize>,
 }
 
@@ -30,26 +28,15 @@ pub struct Refusal {
 /// Why a file gave nothing.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "said by the messages")]
 pub enum ReadError {
-    /// It cannot be read at all.
     #[error("{}: cannot be read: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// It is not what was expected.
+    Io { path: PathBuf, source: std::io::Error },
     #[error(transparent)]
     Refused(#[from] Refusal),
     /// Rows of a log cannot be read.
     #[error("{}", listed(path, rows))]
-    BadRows {
-        /// The log.
-        path: PathBuf,
-        /// All of them.
-        rows: Vec<Refusal>,
-    },
+    BadRows { path: PathBuf, rows: Vec<Refusal> },
 }
 
 /// Bad rows and warnings that are spelled out; the rest is counted.
@@ -76,7 +63,6 @@ impl ReadError {
         Self::Io { path: path.to_owned(), source }
     }
 
-    /// A refusal of the file as a whole.
     pub(crate) fn of_file(path: &Path, message: impl Into<String>) -> Self {
         Self::Refused(Place::of_file(path).refuse("", message))
     }

@@ -9,27 +9,22 @@
 //!
 //! Rows whose time does not increase are dropped and named by [`Dropped`]; nothing else is.
 
-use crate::recording::Recording;
-use crate::sample::Sample;
+use crate::{recording::Recording, sample::Sample};
 use rayon::prelude::*;
-use rundown::coast_ahead::CoastAhead;
 use rundown::estimator::{Estimator, RunSummary, StepError};
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::direction::Direction;
-use rundown::tick::estimate::Estimate;
-use rundown::tick::measurement::Measurement;
-use rundown::tick::memory::Vehicle;
-use rundown::tick::regime::Regime;
-use std::collections::HashMap;
-use std::path::PathBuf;
+use rundown::{
+    coast_ahead::CoastAhead, filter::gaussian::Gaussian, model::direction::Direction, tick::estimate::Estimate,
+    tick::measurement::Measurement, tick::memory::Vehicle, tick::regime::Regime,
+};
+use std::collections::{BTreeMap, HashMap};
+use std::{borrow::Borrow, path::PathBuf};
 
 /// Which rows are steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(missing_docs, reason = "said by the table above")]
 pub enum Tick {
-    /// Every row.
     #[default]
     EverySample,
-    /// The newest row of each so many seconds.
     Period {
         /// The period, s, above 0.
         seconds: f64,
@@ -38,27 +33,22 @@ pub enum Tick {
 
 /// A row that gave no estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "named with their units")]
 pub struct Dropped {
     /// Line of the log, counted from 1.
     pub line: u64,
-    /// Its time, s.
     pub time_s: f64,
-    /// Why.
     pub reason: StepError,
 }
 
 /// What a replay gave.
 #[derive(Clone, Debug)]
+#[expect(missing_docs, reason = "as in Recording, where not said")]
 pub struct ReplayedRun {
-    /// Name in every output.
     pub name: String,
-    /// Where it was read from.
     pub path: PathBuf,
-    /// Whose memory it belongs to.
     pub unit: String,
-    /// Direction of travel.
     pub direction: Direction,
-    /// Rows of the log.
     pub rows: usize,
     /// The accepted measurements.
     pub measurements: Vec<Measurement>,
@@ -76,7 +66,6 @@ pub struct ReplayedRun {
     pub vehicle_before: Gaussian<3>,
     /// The vehicle's Davis coefficients after the run.
     pub vehicle_after: Gaussian<3>,
-    /// What looked wrong in the log.
     pub warnings: Vec<String>,
 }
 
@@ -137,40 +126,54 @@ pub fn replay_carried_by<'a>(
     tick: Tick,
     done: impl Fn() + Sync,
 ) -> Vec<ReplayedRun> {
-    let mut units: Vec<Vec<usize>> = Vec::new();
-    let mut of_name: HashMap<&str, usize> = HashMap::new();
-    for (index, recording) in recordings.iter().enumerate() {
-        let unit = *of_name.entry(&recording.unit).or_insert_with(|| {
-            units.push(Vec::new());
-            units.len() - 1
-        });
-        units[unit].push(index);
+    replay_units_by(model, recordings, tick, &mut HashMap::new(), done)
+}
+
+/// As [`replay_carried_by`], where `vehicles` has the units that are known already; what the runs say of each goes in there.
+pub fn replay_units_by<'a, R: Borrow<Recording> + Sync>(
+    model: &(impl Fn(&Recording) -> &'a Estimator + Sync),
+    recordings: &[R],
+    tick: Tick,
+    vehicles: &mut HashMap<String, Vehicle>,
+    done: impl Fn() + Sync,
+) -> Vec<ReplayedRun> {
+    let recording = |index: usize| -> &Recording { recordings[index].borrow() };
+    let mut units: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for index in 0..recordings.len() {
+        units.entry(&recording(index).unit).or_default().push(index);
     }
-    let of_unit = |indexes: &Vec<usize>| -> Vec<(usize, ReplayedRun)> {
-        let mut vehicle = model(&recordings[indexes[0]]).new_vehicle();
-        let one = |index: &usize| {
-            let recording = &recordings[*index];
-            let run = replay(model(recording), &mut vehicle, recording, tick);
+    let known = &*vehicles;
+    let of_unit = |(unit, indexes): (&str, Vec<usize>)| {
+        let new = || model(recording(indexes[0])).new_vehicle();
+        let mut vehicle = known.get(unit).cloned().unwrap_or_else(new);
+        let one = |index: usize| {
+            let run = replay(model(recording(index)), &mut vehicle, recording(index), tick);
             done();
-            (*index, run)
+            (index, run)
         };
-        indexes.iter().map(one).collect()
+        let runs: Vec<(usize, ReplayedRun)> = indexes.into_iter().map(one).collect();
+        (unit.to_owned(), vehicle, runs)
     };
-    let mut runs: Vec<(usize, ReplayedRun)> = units.par_iter().flat_map_iter(of_unit).collect();
+    let of_units: Vec<_> = units.into_par_iter().map(of_unit).collect();
+    let mut runs = Vec::with_capacity(recordings.len());
+    for (unit, vehicle, of_unit) in of_units {
+        vehicles.insert(unit, vehicle);
+        runs.extend(of_unit);
+    }
     runs.sort_by_key(|(index, _)| *index);
     runs.into_iter().map(|(_, run)| run).collect()
 }
 
 /// Replays runs side by side, each by its own model with the vehicle as its manufacturer describes it. `done` is called once a run.
-pub fn replay_apart_by<'a>(
+pub fn replay_apart_by<'a, R: Borrow<Recording> + Sync>(
     model: &(impl Fn(&Recording) -> &'a Estimator + Sync),
-    recordings: &[Recording],
+    recordings: &[R],
     tick: Tick,
     done: impl Fn() + Sync,
 ) -> Vec<ReplayedRun> {
-    let one = |recording: &Recording| {
-        let estimator = model(recording);
-        let run = replay(estimator, &mut estimator.new_vehicle(), recording, tick);
+    let one = |recording: &R| {
+        let estimator = model(recording.borrow());
+        let run = replay(estimator, &mut estimator.new_vehicle(), recording.borrow(), tick);
         done();
         run
     };

@@ -1,8 +1,6 @@
 //! One sample of a run, and [`COLUMNS`], the table by which CSV and Parquet are read and written. What a file has in other units is SI from here on.
 
-use rundown::model::effects::Surroundings;
-use rundown::model::units::KmPerHour;
-use rundown::tick::measurement::Measurement;
+use rundown::{model::effects::Surroundings, model::units::KmPerHour, tick::measurement::Measurement};
 
 /// One row of a log. What is missing is `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -8,14 +8,11 @@ use std::io::{self, Write};
 
 /// One cell.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "named by what it holds")]
 pub enum Cell {
-    /// A word.
     Text(String),
-    /// A whole number.
     Count(u64),
-    /// A number.
     Number(f64),
-    /// Nothing.
     Missing,
 }
 

@@ -21,10 +21,9 @@ pub struct TomlFile<T> {
 
 /// One step of the path to a value: a name, or the index in an array of tables.
 #[derive(Clone, Copy, Debug)]
+#[expect(missing_docs, reason = "named by what it leads through")]
 pub enum Step<'a> {
-    /// Name in a table.
     Name(&'a str),
-    /// Index in an array, counted from 0.
     Index(usize),
 }
 

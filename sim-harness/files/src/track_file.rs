@@ -6,39 +6,32 @@ use crate::toml_file::{Step, TomlFile};
 use rundown::model::track::{Curve, Gradient, MAX_CURVES, MAX_GRADIENTS, MAX_TARGETS, Target, Track, TrackError};
 use rundown::model::units::KmPerHour;
 use serde::{Deserialize, Serialize};
-use std::fmt::Display;
-use std::path::Path;
+use std::{fmt::Display, path::Path};
 
 /// What a track file holds. Every table is sorted by where its entries begin.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "named as in the file, with units")]
 pub struct TrackFile {
-    /// For people.
     pub name: String,
-    /// Length, m.
     pub length_m: f64,
     /// Piecewise constant until the next entry.
     #[serde(default)]
     pub gradient: Vec<Gradient>,
-    /// Curves.
     #[serde(default)]
     pub curve: Vec<Curve>,
-    /// Tunnels.
     #[serde(default)]
     pub tunnel: Vec<Tunnel>,
     /// Speed limits, each until the next entry.
     #[serde(default)]
     pub speed_limit: Vec<SpeedLimit>,
-    /// Feeding sections of the overhead line.
     #[serde(default)]
     pub feeding_section: Vec<FeedingSection>,
-    /// Stops.
     #[serde(default)]
     pub stop: Vec<Stop>,
     /// Polyline for map matching.
     #[serde(default)]
     pub centre_line: Vec<CentreLinePoint>,
-    /// Named effects of the place.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effect: Vec<EffectEntry>,
 }
@@ -46,54 +39,48 @@ pub struct TrackFile {
 /// One tunnel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "named with their units")]
 pub struct Tunnel {
-    /// Location where it begins, m.
     pub from_m: f64,
-    /// Location where it ends, m.
     pub to_m: f64,
 }
 
 /// One speed limit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "named with their units")]
 pub struct SpeedLimit {
-    /// Location where it begins, m.
     pub from_m: f64,
-    /// The limit, km/h.
     pub kmh: f64,
 }
 
 /// One feeding section.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "named with their units")]
 pub struct FeedingSection {
-    /// Location where it begins, m.
     pub from_m: f64,
-    /// Location where it ends, m.
     pub to_m: f64,
-    /// For people.
     pub name: String,
 }
 
 /// One stop.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "named with their units")]
 pub struct Stop {
-    /// Location, m.
     pub at_m: f64,
-    /// For people.
     pub name: String,
 }
 
 /// One point of the centre line.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "named with their units")]
 pub struct CentreLinePoint {
     /// Location along the track, m.
     pub at_m: f64,
-    /// WGS 84, degrees.
     pub latitude_deg: f64,
-    /// WGS 84, degrees.
     pub longitude_deg: f64,
 }
 

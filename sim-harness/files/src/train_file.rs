@@ -1,35 +1,29 @@
 //! Train descriptions: a TOML file, see [`TrainFile`]. Out: the estimator's [`Train`].
 
 use crate::effect_file::{self, EffectEntry};
-use crate::refusal::ReadError;
-use crate::toml_file::TomlFile;
-use rundown::model::bounds::OutOfRange;
-use rundown::model::resistance::Davis;
+use crate::{refusal::ReadError, toml_file::TomlFile};
 use rundown::model::train::{Train, TrainDescription};
+use rundown::{model::bounds::OutOfRange, model::resistance::Davis};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// What a train file holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "named with their units")]
 pub struct TrainFile {
-    /// For people.
     pub name: String,
     /// Mass as loaded, kg.
     pub mass_kg: f64,
     /// Rotating mass factor γ.
     pub rotating_mass_factor: f64,
-    /// Length, m.
     pub length_m: f64,
-    /// Largest tractive effort, N.
     pub max_tractive_effort_n: f64,
-    /// Largest tractive power, W.
     pub max_power_w: f64,
     /// Largest deceleration by brake, m/s², positive.
     pub max_brake_mps2: f64,
     /// Manufacturer's Davis coefficients: N/kg, N/(kg m/s), N/(kg (m/s)²), per rotating mass γ m.
     pub davis: Davis,
-    /// Named effects of the train.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effect: Vec<EffectEntry>,
 }
@@ -57,6 +51,23 @@ impl TrainFile {
     /// [`OutOfRange`] names the field that is out of range.
     pub fn train(&self) -> Result<Train, OutOfRange> {
         Train::try_new(self.description())
+    }
+
+    /// The file of a description, without effects.
+    pub fn of(name: impl Into<String>, description: &TrainDescription) -> Self {
+        let TrainDescription { mass_kg, rotating_mass_factor, length_m, davis, .. } = *description;
+        let TrainDescription { max_tractive_effort_n, max_power_w, max_brake_mps2, .. } = *description;
+        Self {
+            name: name.into(),
+            mass_kg,
+            rotating_mass_factor,
+            length_m,
+            max_tractive_effort_n,
+            max_power_w,
+            max_brake_mps2,
+            davis,
+            effect: Vec::new(),
+        }
     }
 
     fn description(&self) -> TrainDescription {

@@ -8,21 +8,14 @@ use thiserror::Error;
 
 /// A column that seems to hold another unit.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[expect(missing_docs, reason = "said by the messages")]
 pub enum Doubt {
-    /// Distance by location over distance by speed is far from 1.
     #[error("expected 1 as ratio of the distance by location_m to that by speed_kmh and time_s, found {ratio:.3}: {}", likely(*ratio))]
-    Distance {
-        /// Their ratio.
-        ratio: f64,
-    },
-    /// Efforts that no train has.
+    Distance { ratio: f64 },
     #[error(
         "expected most of effort_n_per_kg below {MOST_EFFORT} N/kg, found half of it at {median:.0} or more: a force has to be divided by the rotating mass (1 kN = 1000 N)"
     )]
-    Effort {
-        /// Median of the efforts that are not zero.
-        median: f64,
-    },
+    Effort { median: f64 },
 }
 
 /// No train pulls or brakes harder for half of its time, N/kg.

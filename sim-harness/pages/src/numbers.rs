@@ -1,8 +1,6 @@
 //! Numbers as they are read: with as many digits as are worth it, and a dash for what is not there.
 
-use rundown::Real;
-use rundown::features::Statistic;
-use rundown::tick::estimate::Cause;
+use rundown::{Real, features::Statistic, tick::estimate::Cause};
 
 /// Stands where there is no value.
 pub const NOTHING: &str = "\u{2013}";

@@ -1,10 +1,8 @@
 //! The shell of a page and the words around its pictures: no script, no style sheet, no font, no address.
 
-use crate::colours;
-use crate::numbers::percent;
+use crate::{colours, numbers::percent};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use rundown::Real;
-use rundown::tick::regime::Regime;
+use rundown::{Real, tick::regime::Regime};
 
 const STYLE: &str = include_str!("style.css");
 

@@ -2,13 +2,9 @@
 
 use super::study::{Study, of_case_study};
 use super::{Failure, gap, screen};
-use crate::simulation::folder;
 use crate::simulation::scenario_file::{HIDDEN_EFFECT, Simulation};
-use crate::study::case::case_study;
-use crate::study::claims::Verdict;
-use crate::study::description;
-use rundown::model::resistance::Davis;
-use rundown::model::units::KmPerHour;
+use crate::{simulation::folder, study::case::case_study, study::claims::Verdict, study::description};
+use rundown::{model::resistance::Davis, model::units::KmPerHour};
 use rundown_truth::scenario::Scenario;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

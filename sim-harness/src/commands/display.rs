@@ -1,22 +1,14 @@
 //! `rundown display`: what a board says, live, in a browser, in the terminal, or as lines.
 
 use super::{Failure, screen};
-use crate::display::demo;
 use crate::display::hub::{Connection, Hub, OnMessage};
-use crate::display::page::PageServer;
-use crate::display::setup::Setup;
-use crate::display::source::Source;
 use crate::display::{terminal, text};
 use crate::link::address::{Address, PortAddress};
 use crate::link::record::{Log, Way};
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
-use std::fs::File;
+use crate::{display::demo, display::page::PageServer, display::setup::Setup, display::source::Source};
+use rundown_files::{track_file::TrackFile, train_file::TrainFile};
 use std::io::{self, Write};
-use std::path::PathBuf;
-use std::process::ExitCode;
-use std::sync::Arc;
-use std::time::Duration;
+use std::{fs::File, path::PathBuf, process::ExitCode, sync::Arc, time::Duration};
 
 /// Speed of a demonstration without `--speed`: a run in a minute.
 const DEMO_SPEED: f64 = 20.0;

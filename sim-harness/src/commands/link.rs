@@ -2,28 +2,20 @@
 
 use super::{Failure, screen};
 use crate::desk::{Description, Desk};
-use crate::link::address::Address;
-use crate::link::record::Recorder;
-use crate::logs;
 use crate::session::{Heard, Session, SessionError};
-use rundown::link::Link;
-use rundown::model::effects::Effects;
+use crate::{link::address::Address, link::record::Recorder, logs};
 use rundown::onboard::auth::provisioning::{Provisioning, SIZE};
 use rundown::onboard::uplink::{Command, Pace, Request};
-use rundown_files::effect_file;
-use rundown_files::effect_frame;
-use rundown_files::map_matching::CentreLine;
+use rundown::{link::Link, model::effects::Effects};
 use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::run_log::BadRows;
-use rundown_files::run_set::RunSet;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use rundown_files::{
+    effect_file, effect_frame, map_matching::CentreLine, run_log::BadRows, run_set::RunSet, track_file::TrackFile,
+    train_file::TrainFile,
+};
 use rundown_wire::{Body, RunSummary};
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use std::{fs::File, io::BufWriter, process::ExitCode};
 
 const EXAMPLES: &str = "\
 Examples:

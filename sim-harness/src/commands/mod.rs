@@ -2,6 +2,7 @@
 //!
 //! Exit codes: see `AFTER_HELP`. Errors are one line each on stderr: what, where, what to do.
 
+mod check;
 mod demo;
 #[cfg(feature = "link")]
 mod display;
@@ -19,17 +20,12 @@ mod simulate;
 mod study;
 mod tune;
 
-use crate::simulation::folder::FolderError;
-use crate::study::Refused;
+use crate::{simulation::folder::FolderError, study::Refused};
 use clap::{CommandFactory, Parser, Subcommand};
-use rundown::estimator::config::Config;
-use rundown::model::effects::EffectError;
-use rundown::tick::bounds::ConfigError;
+use rundown::{estimator::config::Config, model::effects::EffectError, tick::bounds::ConfigError};
 use rundown_files::refusal::ReadError;
 use rundown_files::{WriteError, config_file};
-use std::ffi::OsString;
-use std::path::Path;
-use std::process::ExitCode;
+use std::{ffi::OsString, path::Path, process::ExitCode};
 
 /// What `--help` says about exit codes.
 const AFTER_HELP: &str = "\
@@ -65,6 +61,8 @@ struct Arguments {
 enum Command {
     /// Replay recorded runs through the estimator of the board
     Replay(Box<replay::Arguments>),
+    /// What the recorder of some logs did to speed, location and clock, with figures
+    Check(check::Arguments),
     /// Simulate runs with known truth, and with effects that the description does not have
     Simulate(simulate::Arguments),
     /// The paper's case study: its figures and claims on simulated or recorded runs, with the truth beside them
@@ -108,6 +106,11 @@ impl Failure {
         Self { message: error.to_string(), code: DESCRIPTION_REFUSED }
     }
 
+    /// Of all runs none could be used.
+    fn no_runs(message: impl Into<String>) -> Self {
+        Self { message: message.into(), code: SOME_RUNS_FAILED }
+    }
+
     #[cfg(feature = "link")]
     fn board(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), code: BOARD }
@@ -148,6 +151,7 @@ pub fn main() -> ExitCode {
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let done = match Arguments::parse_from(arguments).command {
         Command::Replay(arguments) => replay::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),

@@ -3,8 +3,7 @@
 use super::{Failure, screen};
 use rundown::onboard::auth::{Key, Provisioning};
 use rundown::onboard::train_id::TrainId;
-use std::path::PathBuf;
-use std::process::ExitCode;
+use std::{path::PathBuf, process::ExitCode};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,11 +33,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     getrandom::fill(&mut key).map_err(|error| at(format!("no random numbers: {error}")))?;
     let provisioning =
         Provisioning { key_id: arguments.key_id, key: Key::new(key), train: TrainId::of(&arguments.train_id) };
-    let mut file = std::fs::OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(&arguments.out)
-        .map_err(|error| at(error.to_string()))?;
+    let mut options = std::fs::OpenOptions::new();
+    options.write(true).create_new(true);
+    // Nobody but its owner reads a secret.
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    let mut file = options.open(&arguments.out).map_err(|error| at(error.to_string()))?;
     std::io::Write::write_all(&mut file, &provisioning.to_bytes()).map_err(|error| at(error.to_string()))?;
     screen::print(&format!(
         "key {} of train {} ({}): {}\n",
@@ -48,4 +48,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         arguments.out.display()
     ));
     Ok(ExitCode::SUCCESS)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn a_key_is_for_its_owner_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("key.bin");
+        run(&Arguments { train_id: "2451".into(), key_id: 1, out: out.clone() }).unwrap();
+        assert_eq!(out.metadata().unwrap().permissions().mode() & 0o777, 0o600);
+    }
 }

@@ -2,11 +2,8 @@
 
 use super::{Failure, screen};
 use crate::study::source::RunSource;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
-use rundown_files::map_matching::CentreLine;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use rundown::{model::track::Track, model::train::Train};
+use rundown_files::{map_matching::CentreLine, track_file::TrackFile, train_file::TrainFile};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]

@@ -1,28 +1,23 @@
 //! `rundown replay`: recorded runs, a train and a track in; estimates, features, parameters and a report out.
 
 use super::{Failure, SOME_RUNS_FAILED, screen};
-use crate::advice::advice;
 use crate::logs::{self, Failed};
 use crate::output::json::{self, mode_word};
-use crate::output::write_tables;
 use crate::report::{Report, RunView, write_report};
+use crate::{advice::advice, output::write_tables};
 use clap::ValueEnum;
 use rayon::prelude::*;
-use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
-use rundown::model::train::Train;
-use rundown_files::effect_file;
-use rundown_files::map_matching::CentreLine;
+use rundown::{estimator::Estimator, model::train::Train};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
-use rundown_files::run_log::BadRows;
-use rundown_files::run_set::RunSet;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use rundown_files::{
+    effect_file, map_matching::CentreLine, run_log::BadRows, run_set::RunSet, track_file::TrackFile,
+    train_file::TrainFile,
+};
 use serde_json::Value;
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::{collections::HashMap, process::ExitCode};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -114,21 +109,21 @@ fn period(text: &str) -> Result<f64, String> {
     }
 }
 
-pub(super) struct ReplaySetup {
-    pub(super) config: Config,
-    pub(super) train: TrainFile,
-    pub(super) core_train: Train,
-    pub(super) track: TrackFile,
+struct ReplaySetup {
+    config: Config,
+    train: TrainFile,
+    core_train: Train,
+    track: TrackFile,
     /// With the effects that act in all runs.
-    pub(super) estimator: Estimator,
+    estimator: Estimator,
 }
 
-pub(super) struct Results {
-    pub(super) runs: Vec<ReplayedRun>,
-    pub(super) failed: Vec<Failed>,
-    pub(super) notes: Vec<String>,
-    pub(super) carried: bool,
-    pub(super) tick: Tick,
+struct Results {
+    runs: Vec<ReplayedRun>,
+    failed: Vec<Failed>,
+    notes: Vec<String>,
+    carried: bool,
+    tick: Tick,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -142,8 +137,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             0 => "expected at least one run log, found none; nothing was written".to_owned(),
             failed => format!("none of {failed} run logs could be used; nothing was written"),
         };
-        let code = SOME_RUNS_FAILED;
-        return Err(Failure { message, code });
+        return Err(Failure::no_runs(message));
     }
     let json = write(&arguments.out, &setup, &results)?;
     if arguments.json {
@@ -213,7 +207,7 @@ fn own_estimators(setup: &ReplaySetup, recordings: &[Recording]) -> Result<HashM
 }
 
 /// Writes the tables and the report; returns what `--json` prints.
-pub(super) fn write(folder: &Path, setup: &ReplaySetup, results: &Results) -> Result<Value, Failure> {
+fn write(folder: &Path, setup: &ReplaySetup, results: &Results) -> Result<Value, Failure> {
     let json = json::value(&json::Replay {
         config: &setup.config,
         train: &setup.train.name,

@@ -1,11 +1,8 @@
 //! What a person sees in the terminal: tables on stdout, messages and progress on stderr.
 
-use crate::report::regime_shares;
-use crate::report::resistance::Resistance;
+use crate::{report::regime_shares, report::resistance::Resistance};
 use indicatif::{ProgressBar, ProgressStyle};
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::units::KmPerHour;
-use rundown::tick::regime::Regime;
+use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;

@@ -5,8 +5,7 @@ use crate::simulation::folder;
 use crate::simulation::scenario_file::{EXAMPLE, HIDDEN_EFFECT, Simulation};
 use rundown_truth::facts::Facts;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{process::ExitCode, time::Instant};
 
 const EXAMPLES: &str = "\
 Examples:

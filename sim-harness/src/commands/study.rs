@@ -2,25 +2,20 @@
 
 use super::recorded::{Opened, RecordedRuns};
 use super::{Failure, SOME_RUNS_FAILED, screen};
-use crate::simulation::scenario_file::Simulation;
 use crate::study::case::{calm, case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, gather};
 use crate::study::page::{StudyPage, known, page};
 use crate::study::slope::{Answer, Plan};
-use crate::study::source::RunSource;
-use crate::study::trials::Trials;
-use crate::study::write::RunTable;
 use crate::study::{claims, description, slope as self_test, write};
-use rundown::estimator::config::Config;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
-use rundown_files::parquet::RunWriter;
-use rundown_files::recording::Recording;
-use rundown_files::table::Record;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use crate::{
+    simulation::scenario_file::Simulation, study::source::RunSource, study::trials::Trials, study::write::RunTable,
+};
+use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
+use rundown_files::{
+    parquet::RunWriter, recording::Recording, table::Record, track_file::TrackFile, train_file::TrainFile,
+};
 use rundown_pages::numbers::counted;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -131,10 +126,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         screen::error(&failed.error);
     }
     if study.gathered.paper.runs == 0 {
-        return Err(Failure {
-            message: "no run could be used; the report says why".to_owned(),
-            code: SOME_RUNS_FAILED,
-        });
+        return Err(Failure::no_runs("no run could be used; the report says why"));
     }
     if arguments.json {
         let claims: Vec<_> = claims::records(&study.claims).iter().map(rundown_files::table::to_json).collect();
@@ -275,10 +267,7 @@ fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
     let drawn = &gathered.drawn;
     let mut pictures = vec![profiles::profiles(drawn, gathered.paper.runs)];
     for eyes in Eyes::BOTH {
-        let tallies = match eyes {
-            Eyes::Paper => &gathered.paper,
-            Eyes::Gated => &gathered.gated,
-        };
+        let tallies = eyes.pick(&gathered.paper, &gathered.gated);
         pictures.push(histograms::davis(drawn, eyes, &train.davis()));
         pictures.push(histograms::style(drawn, eyes));
         pictures.push(brake::brake(drawn, eyes, tallies, &gathered.truth));

@@ -1,17 +1,14 @@
 //! `rundown tune`: the paper's filter tuned by the two criteria of section 4.2.
 
 use super::recorded::RecordedRuns;
-use super::{Failure, SOME_RUNS_FAILED, screen};
+use super::{Failure, screen};
 use crate::study::case::{calm, case_study};
 use crate::study::slope::{Answer, Plan};
-use crate::study::source::RunSource;
-use crate::study::trials::sensitivity;
 use crate::study::{description, slope, write};
 use crate::tune::page::{Tuning, page, short};
 use crate::tune::parameters::{PARAMETERS, Place, config, place, values};
-use crate::tune::score::Bench;
-use crate::tune::search::search;
 use crate::tune::surface::{EVALUATIONS, plane, profiles};
+use crate::{study::source::RunSource, study::trials::sensitivity, tune::score::Bench, tune::search::search};
 use rundown::estimator::config::{Config, Mode};
 use rundown::tick::paper::PaperConfig;
 use serde_json::json;
@@ -120,10 +117,7 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure
     }
     runs.truncate(count);
     if runs.is_empty() {
-        return Err(Failure {
-            message: "no run could be used; nothing was written".to_owned(),
-            code: SOME_RUNS_FAILED,
-        });
+        return Err(Failure::no_runs("no run could be used; nothing was written"));
     }
     let words = format!("{} {words} runs", runs.len());
     let bench = Bench { base, train, track, runs };

@@ -5,21 +5,17 @@
 use crate::desk::{Description, Desk};
 use crate::session::{Heard, Session};
 use crate::study::case::{case_study, fleet_run};
-use rundown::estimator::config::Config;
-use rundown::estimator::run_state::RunState;
 use rundown::link::{Counters, Link, LinkError, Message};
 use rundown::model::effects::{Effect, Effects, PowerLimitSection, TractionScale};
 use rundown::onboard::auth::{Key, Provisioning};
 use rundown::onboard::flash::{MemoryFlash, RECORDS};
 use rundown::onboard::task::{Port, Room, Task};
-use rundown::onboard::train_id::TrainId;
-use rundown::onboard::uplink::Pace;
-use rundown_files::recording::Recording;
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use rundown::{
+    estimator::config::Config, estimator::run_state::RunState, onboard::train_id::TrainId, onboard::uplink::Pace,
+};
+use rundown_files::{recording::Recording, track_file::TrackFile, train_file::TrainFile};
 use rundown_wire::Health;
-use std::collections::VecDeque;
-use std::convert::Infallible;
+use std::{collections::VecDeque, convert::Infallible};
 
 /// Runs of a demonstration: a morning's.
 pub const RUNS: usize = 6;

@@ -2,9 +2,7 @@
 //!
 //! In: messages of the board and to it, damage, what becomes of the connection. Out: [`View`]s under one lock, and a wait for the next change.
 
-use super::sent::SentSetup;
-use super::setup::Setup;
-use super::state::State;
+use super::{sent::SentSetup, setup::Setup, state::State};
 use rundown_wire::{Reader, Received, Tally};
 use serde::Serialize;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -17,14 +15,11 @@ const TICK_S: f64 = 10.0;
 /// However fast a recording is played, a screen is not old before, s.
 const LEAST_SILENCE_S: f64 = 2.0;
 
-/// What became of the source.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "state", content = "error")]
 pub enum Connection {
-    /// Not open yet.
     #[default]
     Opening,
-    /// Open.
     Open,
     /// It failed, for this reason; it is tried again.
     Lost(String),
@@ -32,20 +27,15 @@ pub enum Connection {
     Ended,
 }
 
-/// How the link is.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LinkHealth {
-    /// Where frames come from.
     pub source: String,
-    /// What became of it.
     pub connection: Connection,
-    /// How often it was opened again.
     pub reconnects: u32,
     /// Time since the last frame, s; none before the first.
     pub age_s: Option<f64>,
     /// The present values are old: no frame for more than two ticks.
     pub silent: bool,
-    /// Frames and what is missing.
     #[serde(flatten)]
     pub tally: Tally,
 }
@@ -67,7 +57,6 @@ struct Inner {
 /// Told of every message, and of the frame that it is.
 pub type OnMessage = Box<dyn FnMut(&[u8], Option<&Received>) + Send>;
 
-/// The state of a display.
 pub struct Hub {
     source: String,
     speed: f64,
@@ -78,15 +67,12 @@ pub struct Hub {
 
 /// What a view sees, while it holds the lock.
 pub struct View<'a> {
-    /// What is known.
     pub state: &'a State,
-    /// How the link is.
     pub link: LinkHealth,
     /// Train and track: of the files, else as described to the board.
     pub setup: &'a Setup,
     /// Counts changes of the setup.
     pub described: u32,
-    /// Counts changes.
     pub version: u64,
 }
 
@@ -114,7 +100,6 @@ impl Hub {
         }
     }
 
-    /// A message came.
     pub fn message(&self, message: &[u8]) {
         let mut inner = self.lock();
         let received = inner.reader.message(message);
@@ -149,7 +134,6 @@ impl Hub {
         }
     }
 
-    /// The source has come, gone or ended.
     pub fn connection(&self, connection: Connection) {
         let mut inner = self.lock();
         if connection == Connection::Open {
@@ -159,7 +143,6 @@ impl Hub {
         self.change(inner);
     }
 
-    /// Looks at everything.
     pub fn view<T>(&self, look: impl FnOnce(View<'_>) -> T) -> T {
         let inner = self.lock();
         look(self.view_of(&inner))

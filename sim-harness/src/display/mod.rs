@@ -6,26 +6,28 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | where do frames come from, and what if it fails? | [`source`] |
+//! | where do frames come from, and what if it fails? | `source` |
 //! | a recording at the pace of the train | `player` |
 //! | runs of the case study without a board | [`demo`] |
-//! | who has what? one lock, many readers | [`hub`] |
-//! | what is known now, of this run, of past runs? | [`state`] |
-//! | what is drawn behind it: train and track | [`setup`] |
+//! | who has what? one lock, many readers | `hub` |
+//! | what is known now, of this run, of past runs? | `state` |
+//! | what is drawn behind it: train and track | `setup` |
 //! | train and track as described to the board | `sent` |
 //! | the page in a browser | `page` |
-//! | one line a frame | [`text`] |
-//! | the view in a terminal | [`terminal`] |
+//! | one line a frame | `text` |
+//! | the view in a terminal | `terminal` |
 //!
 //! A display only listens: nothing is sent to the board but the flow control without which CAN does not work.
 
 pub mod demo;
-pub mod hub;
+pub(crate) mod hub;
 pub(crate) mod page;
 pub(crate) mod player;
 pub(crate) mod sent;
-pub mod setup;
-pub mod source;
-pub mod state;
-pub mod terminal;
-pub mod text;
+pub(crate) mod setup;
+pub(crate) mod source;
+pub(crate) mod state;
+pub(crate) mod terminal;
+#[cfg(test)]
+mod tests;
+pub(crate) mod text;

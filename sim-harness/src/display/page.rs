@@ -14,12 +14,10 @@
 use super::hub::{Hub, LinkHealth, View};
 use super::state::{Now, PastRun, Point, UNSETTLED};
 use serde::Serialize;
-use std::borrow::Cow;
 use std::io::{self, Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Duration;
+use std::{borrow::Cow, sync::Arc, time::Duration};
 
 /// A recording played at once makes more updates than an eye takes.
 pub const LEAST_PAUSE: Duration = Duration::from_millis(100);

@@ -3,7 +3,6 @@
 //! In: messages to the board. Out: a [`Setup`] whenever a run begins, for then the description is whole. A display has no key: the MAC is the board's affair, and what it refused is no description of its run.
 
 use super::setup::Setup;
-use rundown::model::train::TrainDescription;
 use rundown::onboard::auth::TRAILER;
 use rundown::onboard::uplink::{self, Command, OPEN, Request, SECURED, VERSION};
 use rundown_files::track_file::{SpeedLimit, Stop, TrackFile};
@@ -20,7 +19,7 @@ impl SentSetup {
     /// Takes a message; the description of the run that begins with it, if one does.
     pub fn hear(&mut self, message: &[u8]) -> Option<&Setup> {
         match request(message)? {
-            Request::Train(frame) => self.setup.train = Some(train(&frame.description)),
+            Request::Train(frame) => self.setup.train = Some(TrainFile::of(NAME, &frame.description)),
             Request::Track(part) => {
                 if part.first == 0 {
                     self.setup.track =
@@ -60,18 +59,4 @@ fn request(message: &[u8]) -> Option<Request> {
         _ => return None,
     };
     uplink::decode(payload).map(|uplink| uplink.request)
-}
-
-fn train(description: &TrainDescription) -> TrainFile {
-    TrainFile {
-        name: NAME.to_owned(),
-        mass_kg: description.mass_kg,
-        rotating_mass_factor: description.rotating_mass_factor,
-        length_m: description.length_m,
-        max_tractive_effort_n: description.max_tractive_effort_n,
-        max_power_w: description.max_power_w,
-        max_brake_mps2: description.max_brake_mps2,
-        davis: description.davis,
-        effect: Vec::new(),
-    }
 }

@@ -2,24 +2,20 @@
 //!
 //! In: train and track files, each or none; what was sent to the board. Out: [`Setup`], which the page gets whenever it changes.
 
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
+use rundown_files::{track_file::TrackFile, train_file::TrainFile};
 use serde::Serialize;
 
-/// Train and track as described.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Setup {
     /// The train; its `davis` is the manufacturer's curve.
     pub train: Option<TrainFile>,
-    /// The track.
     pub track: Option<TrackFile>,
 }
 
 impl Setup {
     /// The manufacturer's r(v), N/kg, at a speed in m/s.
     pub fn manufacturer(&self, speed_mps: f64) -> Option<f64> {
-        let davis = self.train.as_ref()?.davis;
-        Some(davis.r0 + speed_mps * (davis.r1 + speed_mps * davis.r2))
+        Some(self.train.as_ref()?.davis.resistance_n_per_kg(speed_mps))
     }
 
     /// What is missing here from there.

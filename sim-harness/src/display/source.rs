@@ -5,23 +5,17 @@
 //! A port, a connection or an interface that fails is opened again, after [`FIRST_PAUSE`], then twice as long, at most [`LONGEST_PAUSE`]; a source that brings frames begins with the first pause again.
 //! A recording is the bytes of a serial line, or what `rundown link --record` writes (`docs/formats.md`); its first bytes show which.
 
-use super::demo;
 use super::hub::{Connection, Hub};
-use super::player::Player;
-use crate::link::Clock;
-use crate::link::address::Address;
+use super::{demo, player::Player};
 use crate::link::record::{Way, recorded_line};
+use crate::{link::Clock, link::address::Address};
 use rundown::link::serial::Decoder;
 use rundown::link::{Counters, Link};
-use std::fmt;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::{fmt, fs::File, time::Duration};
 
-/// Pause before a source is opened again.
 pub const FIRST_PAUSE: Duration = Duration::from_millis(250);
-/// The longest one.
 pub const LONGEST_PAUSE: Duration = Duration::from_secs(4);
 /// How often a silent link is polled.
 const POLL: Duration = Duration::from_millis(5);
@@ -30,26 +24,19 @@ const FOLLOW: Duration = Duration::from_millis(100);
 /// First bytes of a recording in text.
 const TEXT: &[u8] = b"time_us,";
 
-/// A source of frames.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// A board, or an emulated one.
     Board {
-        /// Where it is.
         address: Address,
         /// On a CAN bus another computer answers the board.
         listen_only: bool,
     },
-    /// A recording.
     File {
-        /// The file.
         path: PathBuf,
         /// It grows: its end is not the end.
         follow: bool,
     },
-    /// A recording on standard input.
     Stdin,
-    /// The case study without a board.
     Demo,
 }
 
@@ -65,7 +52,6 @@ impl fmt::Display for Source {
 }
 
 impl Source {
-    /// Whether it is opened again when it fails.
     pub const fn is_tried_again(&self) -> bool {
         matches!(self, Self::Board { .. } | Self::File { follow: true, .. })
     }
@@ -92,15 +78,11 @@ impl Source {
     }
 }
 
-/// A source that is open.
 pub enum Open {
-    /// Is opened again and again.
     Board(Address, bool),
-    /// Bytes.
     Recording(Box<dyn Read + Send>),
     /// A file that somebody writes to, or will.
     Growing(PathBuf),
-    /// Simulated runs.
     Demo,
 }
 

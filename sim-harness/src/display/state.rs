@@ -12,7 +12,6 @@ use serde::Serialize;
 
 /// Points of a run that are kept: two days at 10 s. Then the older half goes.
 const MOST_POINTS: usize = 20_000;
-/// Past runs that are kept.
 const MOST_RUNS: usize = 200;
 /// A train that stands adds no points; its location is noise within this.
 const STANDING_M: f32 = 25.0;
@@ -20,15 +19,11 @@ const STANDING_M: f32 = 25.0;
 /// Points at the end that may still change: the last one's regime is confirmed by the next, and at a stop it is replaced.
 pub const UNSETTLED: usize = 2;
 
-/// One estimate of the run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(into = "Row")]
 pub struct Point {
-    /// Location, m.
     pub location_m: f32,
-    /// Speed, m/s.
     pub speed_mps: f32,
-    /// Its standard deviation.
     pub speed_sd_mps: f32,
     /// Regime: the estimate's, then the confirmed one.
     pub regime: Regime,
@@ -36,7 +31,6 @@ pub struct Point {
     pub validity: Validity,
     /// Time on the sender's clock, s.
     pub time_s: f64,
-    /// Applied effort, N/kg.
     pub effort_n_per_kg: Option<f32>,
     /// The resistance was learned from it.
     pub learning: bool,
@@ -68,36 +62,29 @@ impl From<Point> for Row {
     }
 }
 
-/// A run that is over.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PastRun {
     /// Time of its last estimate on the sender's clock, s.
     pub ended_s: Option<f64>,
-    /// What it has taught.
     pub summary: RunSummary,
     /// What it has said of driving style and limits.
     pub features: Option<Features>,
 }
 
-/// One value of an effect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EffectValue {
-    /// What it is.
     pub label: &'static str,
-    /// The value.
     pub value: f64,
     /// Its unit; empty for none.
     pub unit: &'static str,
 }
 
-/// An effect in words.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NamedEffect {
     /// Its name, or its number if that is newer than this program.
     pub name: String,
     /// Where it acts, m; none: everywhere.
     pub section_m: Option<[f64; 2]>,
-    /// Its parameters.
     pub values: Vec<EffectValue>,
 }
 
@@ -116,50 +103,36 @@ impl NamedEffect {
     }
 }
 
-/// The newest of each frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Now {
-    /// Ticks of the run.
     pub tick: Option<u32>,
-    /// Where, how fast, which regime.
     pub estimate: Option<Estimate>,
-    /// The running resistance.
     pub parameters: Option<Parameters>,
-    /// Applied effort and its bounds.
     pub effort: Option<Effort>,
     /// What coasting from here leads to, as said last.
     pub coast_ahead: Option<CoastAhead>,
-    /// Driving style and limits of this run.
     pub features: Option<Features>,
     /// Switching points of this run, as far as they have come.
     pub switching_points: Vec<SwitchingPoint>,
-    /// Effects in the board's model.
     pub effects: Vec<NamedEffect>,
     /// What the board has, and what it has counted.
     pub status: Option<Status>,
-    /// How the hardware is.
     pub health: Option<Health>,
 }
 
-/// All that is known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// Another number whenever [`State::points`] are not the old ones with more behind, the last [`UNSETTLED`] aside.
     pub epoch: u32,
-    /// The newest of each frame.
     pub now: Now,
-    /// The run so far.
     pub points: Vec<Point>,
-    /// The run before.
     pub previous: Vec<Point>,
     /// Runs that are over, the oldest first.
     pub past: Vec<PastRun>,
-    /// How many runs have ended.
     pub ended: u32,
 }
 
 impl State {
-    /// Takes a frame.
     pub fn take(&mut self, received: &Received) {
         let frame = &received.frame;
         match received.order {

@@ -8,27 +8,23 @@ use super::hub::{Connection, Hub, View};
 use super::setup::Setup;
 use super::state::{Point, State};
 use super::text::{KMH, learned_words, of_coast_ahead};
-use ratatui::Frame;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style, Stylize};
-use ratatui::symbols::Marker;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, LegendPosition, Paragraph};
+use ratatui::{Frame, symbols::Marker};
 use rundown_wire::{Learned, Phase, Regime, Statistic, Validity, Value};
-use std::io;
-use std::time::Duration;
+use std::{io, time::Duration};
 
 /// How often keys are looked at; changes are drawn as often at most.
 const PAUSE: Duration = Duration::from_millis(100);
 /// Dots of a curve across a chart.
 const DOTS: f64 = 240.0;
-/// Columns below which a screen is narrow.
 const NARROW: u16 = 116;
 /// Speeds of the ATB-EG steps, as the features frame has them.
 pub const BRAKE_STEPS: [&str; 5] = ["> 130", "130-80", "80-60", "60-40", "< 40"];
 
-/// Draws until the user leaves.
 pub fn run(hub: &Hub) -> io::Result<()> {
     let mut terminal = ratatui::try_init()?;
     let done = loop {

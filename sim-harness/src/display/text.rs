@@ -9,7 +9,6 @@ use rundown_wire::{
 use serde::Serialize;
 use std::fmt::Write;
 
-/// m/s to km/h.
 pub const KMH: f32 = 3.6;
 
 #[derive(Serialize)]
@@ -22,16 +21,6 @@ struct JsonLine<'a> {
     frame: &'a rundown_wire::Downlink,
 }
 
-/// The frame as a line of JSON.
-///
-/// ```
-/// use rundown_wire::{Answer, Body, Downlink, Order, Received};
-///
-/// let body = Body::Answer(Answer { to: 4, result: Ok(()) });
-/// let received = Received { frame: Downlink { sequence: 7, tick: 300, body }, order: Order::Next };
-/// let line = sim_harness::display::text::json(&received);
-/// assert_eq!(line, r#"{"order":"next","lost":0,"sequence":7,"tick":300,"body":{"answer":{"to":4,"result":{"Ok":null}}}}"#);
-/// ```
 pub fn json(received: &Received) -> String {
     let lost = match received.order {
         Order::After { lost } => lost,

@@ -1,9 +1,9 @@
 //! Draws a set by seed: train, line, drivers, sensors, and what is hidden.
 
 use crate::simulation;
-use crate::simulation::believed::{corridor, train_file};
+use crate::simulation::believed::{TRAIN_NAME, corridor, train_file};
 use crate::simulation::folder::FolderError;
-use crate::simulation::scenario_file::{Simulation, TrainTable};
+use crate::simulation::scenario_file::Simulation;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rundown::model::effects::EffectKind;
@@ -102,7 +102,7 @@ impl Set {
         let simulation = Simulation {
             name: format!("set {}", self.ask.seed),
             track: corridor(&self.scenario.line, "line".to_owned()),
-            train: train_file(&TrainTable::of(&self.scenario.train)),
+            train: train_file(TRAIN_NAME, &self.scenario.train),
             scenario: self.scenario.clone(),
             runs: self.ask.runs,
             seed: self.ask.seed,

@@ -15,47 +15,38 @@
 use super::port::HostPort;
 use super::{HostLink, Unwrapped};
 use embedded_can::nb::Can;
-use rundown::link::can::CanFrame;
-use rundown::link::can_link::CanLink;
-use rundown::link::isotp::Config;
-use rundown::link::serial::SerialLink;
 use rundown::link::slcan::{PortError, Slcan};
-use std::fmt;
-use std::io;
-use std::net::TcpStream;
-use std::str::FromStr;
+use rundown::{link::can::CanFrame, link::can_link::CanLink, link::isotp::Config, link::serial::SerialLink};
+use std::{fmt, io, net::TcpStream, str::FromStr};
 
 /// A port that carries bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "as in the table above")]
 pub enum PortAddress {
     /// A serial port.
     Serial {
-        /// Name of the device.
         path: String,
-        /// Its bit rate.
         baud: u32,
     },
     /// A TCP server.
     Tcp(String),
-    /// Standard input and output.
     Stdio,
 }
 
 /// A link.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "as in the table above")]
 pub enum Address {
     /// Messages in COBS.
     Serial(PortAddress),
     /// Messages in ISO-TP in SLCAN.
     Slcan {
-        /// Where the adapter is.
         port: PortAddress,
         /// Whether frames have up to 64 bytes.
         fd: bool,
     },
     /// Messages in ISO-TP.
     Can {
-        /// Name of the network interface.
         interface: String,
         /// Whether frames have up to 64 bytes.
         fd: bool,
@@ -67,8 +58,8 @@ pub enum Address {
 #[error(
     "no address: `{found}`; expected for instance /dev/ttyACM0@115200, tcp:127.0.0.1:5555, stdio:, slcan:/dev/ttyACM0@115200 or can:can0"
 )]
+#[expect(missing_docs, reason = "said by the messages")]
 pub struct AddressError {
-    /// The word.
     pub found: String,
 }
 
@@ -232,17 +223,9 @@ mod tests {
 
     #[test]
     fn addresses_are_read_and_written_back() {
-        for word in [
-            "/dev/ttyACM0@115200",
-            "COM3@9600",
-            "tcp:127.0.0.1:5555",
-            "tcp:[::1]:5555",
-            "stdio:",
-            "slcan:tcp:localhost:5555",
-            "slcanfd:/dev/ttyACM0@115200",
-            "can:can0",
-            "canfd:vcan0",
-        ] {
+        let words = "/dev/ttyACM0@115200 COM3@9600 tcp:127.0.0.1:5555 tcp:[::1]:5555 stdio: \
+            slcan:tcp:localhost:5555 slcanfd:/dev/ttyACM0@115200 can:can0 canfd:vcan0";
+        for word in words.split_whitespace() {
             let address: Address = word.parse().unwrap();
             assert_eq!(address.to_string(), word);
         }
@@ -254,20 +237,9 @@ mod tests {
 
     #[test]
     fn words_that_are_no_address_are_named() {
-        for word in [
-            "",
-            "/dev/ttyACM0",
-            "/dev/ttyACM0@fast",
-            "@9600",
-            "/dev/ttyACM0@0",
-            "tcp:127.0.0.1",
-            "tcp::5555",
-            "tcp:host:99999",
-            "can:",
-            "slcan:can0",
-            "udp:1.2.3.4:5",
-            "http:host@80",
-        ] {
+        let words = "/dev/ttyACM0 /dev/ttyACM0@fast @9600 /dev/ttyACM0@0 tcp:127.0.0.1 tcp::5555 tcp:host:99999 can: \
+            slcan:can0 udp:1.2.3.4:5 http:host@80";
+        for word in words.split_whitespace().chain([""]) {
             let error = word.parse::<Address>().unwrap_err().to_string();
             assert!(error.starts_with("no address: "), "{word}: {error}");
         }
@@ -285,9 +257,7 @@ mod tests {
     #[test]
     fn who_only_listens_sends_nothing_and_hears_all() {
         use crate::link::pipe;
-        use rundown::link::Link;
-        use rundown::link::can::Format;
-        use rundown::link::can_link::TO_BOARD;
+        use rundown::{link::Link, link::can::Format, link::can_link::TO_BOARD};
         let (here, mut there) = pipe::bus();
         let mut other = here.clone();
         let mut listener = CanLink::host(Silent(here), Config::CLASSIC);

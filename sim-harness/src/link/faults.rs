@@ -13,66 +13,55 @@ use rand_chacha::ChaCha8Rng;
 use rundown::link::{Counters, Link, LinkError, MAX_MESSAGE, Message};
 use std::collections::VecDeque;
 
-/// Chance of each fault for a unit, 0 to 1, and how long the slow ones take.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Rates {
-    /// One to three bits anywhere are flipped.
-    pub bit_flips: f64,
-    /// Up to 32 neighbouring bits become random.
-    pub burst: f64,
-    /// The end is missing.
-    pub truncation: f64,
-    /// All of it is missing.
-    pub drop: f64,
-    /// It comes twice.
-    pub duplicate: f64,
-    /// The next one overtakes it; when none comes, it is late by `delay_us`.
-    pub reorder: f64,
-    /// 1 to 64 random bytes come before it.
-    pub garbage: f64,
-    /// It is late by `delay_us`, and all that follow wait for it.
-    pub delay: f64,
-    /// Nothing passes for `stall_us`.
-    pub stall: f64,
-    /// Length of a delay, µs.
-    pub delay_us: u64,
-    /// Length of a stall, µs.
-    pub stall_us: u64,
-}
-
-impl Rates {
-    /// Every fault with this chance, delays of 50 ms and stalls of 0.5 s.
-    pub const fn all(chance: f64) -> Self {
-        Self {
-            bit_flips: chance,
-            burst: chance,
-            truncation: chance,
-            drop: chance,
-            duplicate: chance,
-            reorder: chance,
-            garbage: chance,
-            delay: chance,
-            stall: chance,
-            delay_us: 50_000,
-            stall_us: 500_000,
+/// Each fault once: its chance and its count.
+macro_rules! faults {
+    ($($(#[$what:meta])* $fault:ident)*) => {
+        /// Chance of each fault for a unit, 0 to 1, and how long the slow ones take.
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        pub struct Rates {
+            $($(#[$what])* pub $fault: f64,)*
+            /// Length of a delay, µs.
+            pub delay_us: u64,
+            /// Length of a stall, µs.
+            pub stall_us: u64,
         }
-    }
+
+        impl Rates {
+            /// Every fault with this chance, delays of 50 ms and stalls of 0.5 s.
+            pub const fn all(chance: f64) -> Self {
+                Self { $($fault: chance,)* delay_us: 50_000, stall_us: 500_000 }
+            }
+        }
+
+        /// How often each fault happened.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        #[expect(missing_docs, reason = "named as in Rates")]
+        pub struct Tally {
+            pub units: u32,
+            $(pub $fault: u32,)*
+        }
+    };
 }
 
-/// How often each fault happened.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[expect(missing_docs, reason = "named as in Rates")]
-pub struct Tally {
-    pub units: u32,
-    pub bit_flips: u32,
-    pub burst: u32,
-    pub truncation: u32,
-    pub drop: u32,
-    pub duplicate: u32,
-    pub reorder: u32,
-    pub garbage: u32,
-    pub delay: u32,
-    pub stall: u32,
+faults! {
+    /// One to three bits anywhere are flipped.
+    bit_flips
+    /// Up to 32 neighbouring bits become random.
+    burst
+    /// The end is missing.
+    truncation
+    /// All of it is missing.
+    drop
+    /// It comes twice.
+    duplicate
+    /// The next one overtakes it; when none comes, it is late by `delay_us`.
+    reorder
+    /// 1 to 64 random bytes come before it.
+    garbage
+    /// It is late by `delay_us`, and all that follow wait for it.
+    delay
+    /// Nothing passes for `stall_us`.
+    stall
 }
 
 #[derive(Clone, Debug)]

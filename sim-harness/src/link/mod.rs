@@ -27,8 +27,7 @@ pub mod socket;
 
 use rundown::link::slcan::PortError;
 use rundown::link::{Counters, Link, LinkError, Message};
-use std::io;
-use std::time::Instant;
+use std::{io, time::Instant};
 
 /// A link of any kind.
 pub struct HostLink(Box<dyn Link<PortError = io::Error>>);

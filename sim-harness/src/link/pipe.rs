@@ -2,11 +2,7 @@
 
 use embedded_can::nb::Can;
 use rundown::link::can::CanFrame;
-use std::cell::RefCell;
-use std::collections::VecDeque;
-use std::convert::Infallible;
-use std::io;
-use std::rc::Rc;
+use std::{cell::RefCell, collections::VecDeque, convert::Infallible, io, rc::Rc};
 
 type Shared<T> = Rc<RefCell<VecDeque<T>>>;
 

@@ -4,14 +4,10 @@
 //!
 //! A thread reads the port into a bounded queue. When nobody takes from the queue the thread stops reading, and the other side is held back by its own port. Writing waits, at most [`WRITE_TIMEOUT`].
 
-use std::collections::VecDeque;
 use std::io::{self, Read, Write};
-use std::net::TcpStream;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
-use std::thread;
-use std::time::Duration;
+use std::{collections::VecDeque, net::TcpStream, sync::Arc, thread, time::Duration};
 
 /// How long a write may take before the port counts as broken.
 pub const WRITE_TIMEOUT: Duration = Duration::from_secs(5);

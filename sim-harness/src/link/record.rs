@@ -36,28 +36,14 @@ pub struct Recorded {
 
 /// Why a recording cannot be read.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "said by the messages")]
 pub enum RecordError {
-    /// A line is no CSV, or the file cannot be read.
     #[error(transparent)]
     Csv(#[from] csv::Error),
-    /// The header is another one.
     #[error("header: expected the columns time_us,direction,message, found {found}")]
-    Header {
-        /// What stands there.
-        found: String,
-    },
-    /// A field cannot be read.
+    Header { found: String },
     #[error("{line}: {column}: expected {expected}, found `{found}`")]
-    Field {
-        /// Counted from 1.
-        line: u64,
-        /// Name of the column.
-        column: &'static str,
-        /// What belongs there.
-        expected: &'static str,
-        /// What stands there.
-        found: String,
-    },
+    Field { line: u64, column: &'static str, expected: &'static str, found: String },
 }
 
 const HEADER: [&str; 3] = ["time_us", "direction", "message"];

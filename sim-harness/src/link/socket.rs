@@ -101,18 +101,10 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "needs an interface: ip link add vcan0 type vcan && ip link set vcan0 up"]
     fn a_message_passes_a_virtual_interface() {
         use rundown::link::{Link, can_link::CanLink, isotp::Config};
-        let (here, there) = match (Socket::open("vcan0"), Socket::open("vcan0")) {
-            (Ok(here), Ok(there)) => (here, there),
-            (Err(error), _) | (_, Err(error)) => {
-                eprintln!(
-                    "SKIPPED: no interface vcan0 ({error}); nothing was sent over AF_CAN. \
-                     `ip link add vcan0 type vcan && ip link set vcan0 up` makes one"
-                );
-                return;
-            }
-        };
+        let (here, there) = (Socket::open("vcan0").unwrap(), Socket::open("vcan0").unwrap());
         let mut host = CanLink::host(here, Config::CLASSIC);
         let mut board = CanLink::board(there, Config::CLASSIC);
         host.send(&[7; 100], 0).unwrap();

@@ -30,7 +30,6 @@ pub const fn outcome_word(outcome: &Outcome) -> &'static str {
     }
 }
 
-/// Writes the predictions of a run.
 pub fn write(writer: impl Write, run: &ReplayedRun, config: &CoastConfig) -> io::Result<()> {
     let mut steady = Steady::NONE;
     let records: Vec<Record> =

@@ -12,12 +12,9 @@
 //! | `validity`, `cause` | how far location and speed may be trusted, and why not |
 //! | `regime_confirmed` | the regime of this row's sample as known one sample later; the last row keeps its causal one |
 
-use rundown::filter::ukf::Reading;
 use rundown::model::state::{LOCATION, R0, R1, R2, SIZE, SPEED};
-use rundown::tick::estimate::Estimate;
-use rundown::tick::regime::Regime;
-use rundown_files::replay::ReplayedRun;
-use rundown_files::table::digits_17;
+use rundown::{filter::ukf::Reading, tick::estimate::Estimate, tick::regime::Regime};
+use rundown_files::{replay::ReplayedRun, table::digits_17};
 use std::io::{self, Write};
 
 pub fn file_name(run: &ReplayedRun) -> String {
@@ -39,7 +36,6 @@ fn upper_triangle() -> impl Iterator<Item = (usize, usize)> {
     (0..SIZE).flat_map(|row| (row..SIZE).map(move |column| (row, column)))
 }
 
-/// Writes the estimates of a run.
 pub fn write(writer: impl Write, run: &ReplayedRun) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
     csv.write_record(columns())?;

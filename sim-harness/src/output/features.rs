@@ -12,13 +12,15 @@ use rundown_files::table::{Cell, Record};
 pub const SWITCHING_POINT_COLUMNS: [&str; 6] = ["run", "time_s", "location_m", "speed_mps", "from", "to"];
 
 pub fn record(run: &ReplayedRun, config: &FeatureConfig) -> Record {
-    let mut record: Record = Vec::new();
-    record.push(("run".to_owned(), Cell::from(run.name.as_str())));
-    record.push(("unit".to_owned(), Cell::from(run.unit.as_str())));
-    record.push(("direction".to_owned(), Cell::from(direction_word(run.direction))));
     let times_s = || run.estimates.iter().map(|estimate| estimate.time_s);
     let duration_s = times_s().next_back().zip(times_s().next()).map(|(last, first)| last - first);
-    record.push(("duration_s".to_owned(), Cell::from(duration_s)));
+    let cells = [
+        ("run", Cell::from(run.name.as_str())),
+        ("unit", Cell::from(run.unit.as_str())),
+        ("direction", Cell::from(direction_word(run.direction))),
+        ("duration_s", Cell::from(duration_s)),
+    ];
+    let mut record = Record::from(cells.map(|(name, cell)| (name.to_owned(), cell)));
     record.extend(of_run(&run.summary.features, config));
     record
 }

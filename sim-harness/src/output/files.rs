@@ -2,9 +2,8 @@
 
 use rundown_files::WriteError;
 use rundown_files::table::{self, Record};
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::{fs::File, path::Path};
 
 pub fn failed(path: &Path, source: io::Error) -> WriteError {
     WriteError { path: path.to_owned(), source }

@@ -18,12 +18,10 @@ pub(crate) mod parameters;
 
 use rayon::prelude::*;
 use rundown::estimator::config::Config;
-use rundown_files::WriteError;
-use rundown_files::replay::ReplayedRun;
 use rundown_files::table::{self, Record};
+use rundown_files::{WriteError, replay::ReplayedRun};
 use serde_json::Value;
-use std::io::Write;
-use std::path::Path;
+use std::{io::Write, path::Path};
 
 /// Writes all tables of a replay into `folder`, which is made when it does not exist.
 pub fn write_tables(folder: &Path, runs: &[ReplayedRun], config: &Config, json: &Value) -> Result<(), WriteError> {

@@ -1,7 +1,6 @@
 //! `parameters.csv`: what is known of the vehicle after each run, what this run's train was, and how often each cause occurred.
 
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::direction::Direction;
+use rundown::{filter::gaussian::Gaussian, model::direction::Direction};
 use rundown_files::replay::ReplayedRun;
 use rundown_files::table::{Cell, Record};
 

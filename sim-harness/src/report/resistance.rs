@@ -4,9 +4,7 @@
 //! r(v) = h · (r0, r1, r2),   sd² = h P hᵀ,   h = (1, v, v²)
 //! ```
 
-use rundown::Real;
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::resistance::Davis;
+use rundown::{Real, filter::gaussian::Gaussian, model::resistance::Davis};
 
 /// Half-width of a 95 % interval of a normal distribution in standard deviations.
 pub const NINETY_FIVE: Real = 1.96;

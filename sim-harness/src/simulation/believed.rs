@@ -1,11 +1,14 @@
 //! The descriptions that the estimator gets: track and train as they are believed to be, before any effect.
 
-use super::train_table::TrainTable;
 use rundown::model::track::{Curve, Gradient};
+use rundown::{model::resistance::Davis, model::train::TrainDescription};
 use rundown_files::track_file::{FeedingSection, SpeedLimit, Stop, TrackFile, Tunnel};
 use rundown_files::train_file::TrainFile;
 use rundown_truth::line::{self, Line};
+use rundown_truth::train::TrainTruth;
 
+/// What the train of the case study is called.
+pub const TRAIN_NAME: &str = "double-deck electric unit, six cars";
 /// A stop this near to an end of the line is that end, m.
 const END_M: f64 = 200.0;
 
@@ -48,16 +51,12 @@ pub fn line_of(track: &TrackFile) -> Line {
     line
 }
 
-pub fn train_file(train: &TrainTable) -> TrainFile {
-    TrainFile {
-        effect: Vec::new(),
-        name: train.name.clone(),
-        mass_kg: train.mass_kg,
-        rotating_mass_factor: train.rotating_mass_factor,
-        length_m: train.length_m,
-        max_tractive_effort_n: train.max_tractive_effort_n,
-        max_power_w: train.max_power_w,
-        max_brake_mps2: train.max_brake_mps2,
-        davis: train.davis,
-    }
+/// The description of a train that is as described.
+pub fn train_file(name: &str, train: &TrainTruth) -> TrainFile {
+    let TrainTruth { mass_kg, gamma: rotating_mass_factor, length_m, davis, .. } = *train;
+    let TrainTruth { max_tractive_effort_n, max_power_w, max_brake_mps2, .. } = *train;
+    let davis = Davis { r0: davis.r0, r1: davis.r1, r2: davis.r2 };
+    let limits =
+        TrainDescription { max_tractive_effort_n, max_power_w, max_brake_mps2, ..TrainDescription::CASE_STUDY };
+    TrainFile::of(name, &TrainDescription { mass_kg, rotating_mass_factor, length_m, davis, ..limits })
 }

@@ -15,10 +15,9 @@ use super::key::{self, departure_utc, file_name};
 use super::scenario_file::Simulation;
 use rayon::prelude::*;
 use rundown_files::run_set::INDEX;
-use rundown_truth::facts::Facts;
 use rundown_truth::plan::{RunPlan, plan};
 use rundown_truth::scenario::{DriveError, Run, simulate_planned};
-use rundown_truth::sensors::SpeedReading;
+use rundown_truth::{facts::Facts, sensors::SpeedReading};
 use serde::Serialize;
 use std::fs::File;
 use std::io::{self, BufWriter};
@@ -28,22 +27,12 @@ use thiserror::Error;
 /// Why a data set was not written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "said by the messages")]
 pub enum FolderError {
-    /// There is something already.
     #[error("{}: expected an empty or new folder, found files in it; choose another folder or overwrite with --force", path.display())]
-    NotEmpty {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// A file could not be written.
+    NotEmpty { path: PathBuf },
     #[error("{}: cannot be written: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// A run could not be driven.
+    Io { path: PathBuf, source: io::Error },
     #[error(transparent)]
     Drive(#[from] DriveError),
 }

@@ -5,8 +5,7 @@
 
 use super::scenario_file::Simulation;
 use jiff::Timestamp;
-use rundown_truth::facts::Facts;
-use rundown_truth::plan::RunPlan;
+use rundown_truth::{facts::Facts, plan::RunPlan};
 use serde_json::{Value, json};
 
 /// Name of a run's files.

@@ -15,4 +15,3 @@ pub(crate) mod believed;
 pub mod folder;
 mod key;
 pub mod scenario_file;
-mod train_table;

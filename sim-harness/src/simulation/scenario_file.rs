@@ -3,20 +3,15 @@
 //! In: a path or a text. Out: [`Simulation`], ready to be run. Errors name file, line and column.
 
 use super::believed;
-pub(crate) use super::train_table::TrainTable;
 use jiff::civil::Date;
-use rundown_files::effect_file::refuse_effect;
-use rundown_files::refusal::ReadError;
+use rundown::{model::resistance::Davis, model::train::TrainDescription};
 use rundown_files::toml_file::{Step, TomlFile};
-use rundown_files::track_file::TrackFile;
-use rundown_files::train_file::TrainFile;
-use rundown_truth::effects::Effect;
-use rundown_truth::habits::DriverKind;
-use rundown_truth::line::Line;
+use rundown_files::{effect_file::refuse_effect, refusal::ReadError, track_file::TrackFile, train_file::TrainFile};
 use rundown_truth::plan::{Dates, Headings};
 use rundown_truth::scenario::{Scenario, UnscheduledStop};
 use rundown_truth::sensors::{Bursts, LocationWalk, Sensors, SpeedReading};
-use rundown_truth::weather::Climate;
+use rundown_truth::train::{DavisTruth, TrainTruth};
+use rundown_truth::{effects::Effect, habits::DriverKind, line::Line, weather::Climate};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -51,44 +46,113 @@ pub struct Simulation {
     pub text: String,
 }
 
-/// What a scenario file holds; every field is explained in [`EXAMPLE`]. What is the truth's own is read into the truth's types; a table of its own here
-/// has fields that the truth has elsewhere.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct ScenarioFile {
-    name: String,
-    runs: usize,
-    seed: u64,
-    directions: Headings,
-    unit: String,
-    step_s: f64,
-    dates: DatesTable,
-    line: LineTable,
-    train: TrainTable,
-    driver: DriverTable,
-    wind: WindTable,
-    load: LoadTable,
-    temperature: TemperatureTable,
-    sensors: SensorTable,
-    effort: EffortTable,
-    red_signal: Option<UnscheduledStop>,
-    effect: Vec<Effect>,
+/// The tables of a scenario file, each field with its type, what it is where it is left out, and for a number its range. Every field is explained in
+/// [`EXAMPLE`]. What is the truth's own is read into the truth's types; a table of its own here has fields that the truth has elsewhere.
+macro_rules! tables {
+    ($($name:ident in $table:literal { $($field:ident: $type:ty = $default:expr $(, $least:literal to $most:literal)?;)* })*) => {$(
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        struct $name {
+            $($field: $type,)*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $default,)* }
+            }
+        }
+
+        impl $name {
+            /// Each number with its least and its most.
+            fn numbers(&self) -> Vec<(&'static str, f64, f64, f64)> {
+                vec![$($((concat!($table, stringify!($field)), self.$field as f64, $least, $most),)?)*]
+            }
+        }
+    )*};
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct DatesTable {
-    start: String,
-    days: f64,
-}
-
-/// A name, or a track file beside the scenario file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct LineTable {
-    name: Option<LineName>,
-    seed: u64,
-    file: Option<String>,
+tables! {
+    ScenarioFile in "" {
+        name: String = "case study".to_owned();
+        runs: usize = 67, 1.0 to 1e6;
+        seed: u64 = 1;
+        directions: Headings = Scenario::default().headings;
+        unit: String = "unit-1".to_owned();
+        step_s: f64 = Scenario::default().step_s, 0.005 to 0.05;
+        dates: DatesTable = DatesTable::default();
+        line: LineTable = LineTable::default();
+        train: TrainTable = TrainTable::default();
+        driver: DriverTable = DriverTable::default();
+        wind: WindTable = WindTable::default();
+        load: LoadTable = LoadTable::default();
+        temperature: TemperatureTable = TemperatureTable::default();
+        sensors: SensorTable = SensorTable::default();
+        effort: EffortTable = EffortTable::default();
+        red_signal: Option<UnscheduledStop> = None;
+        effect: Vec<Effect> = Vec::new();
+    }
+    DatesTable in "dates." {
+        start: String = "2024-01-08".to_owned();
+        days: f64 = Dates::default().days, 0.001 to 36_525.0;
+    }
+    // A name, or a track file beside the scenario file.
+    LineTable in "line." {
+        name: Option<LineName> = None;
+        seed: u64 = 1;
+        file: Option<String> = None;
+    }
+    TrainTable in "train." {
+        name: String = believed::TRAIN_NAME.to_owned();
+        mass_kg: f64 = TrainTruth::default().mass_kg;
+        rotating_mass_factor: f64 = TrainTruth::default().gamma;
+        length_m: f64 = TrainTruth::default().length_m;
+        max_tractive_effort_n: f64 = TrainTruth::default().max_tractive_effort_n;
+        max_power_w: f64 = TrainTruth::default().max_power_w;
+        max_brake_mps2: f64 = TrainTruth::default().max_brake_mps2;
+        davis: Davis = TrainDescription::CASE_STUDY.davis;
+        true_davis_over_described: [f64; 3] = [1.0; 3];
+    }
+    DriverTable in "driver." {
+        kind: DriverKind = Scenario::default().driver;
+        cycle_share: f64 = Scenario::default().cycle_share, 0.0 to 1.0;
+        brake_test_share: f64 = Scenario::default().brake_test_share, 0.0 to 1.0;
+        final_dwell: bool = Scenario::default().final_dwell;
+    }
+    WindTable in "wind." {
+        sd_mps: f64 = 0.0, 0.0 to 20.0;
+    }
+    LoadTable in "load." {
+        sd: f64 = 0.0, 0.0 to 0.3;
+    }
+    SensorTable in "sensors." {
+        sampling_s: f64 = Sensors::default().sampling_s, 0.005 to 600.0;
+        speed: SpeedReading = Sensors::default().speed;
+        speed_quantum_kmh: f64 = Sensors::default().speed_quantum_kmh, 1e-6 to 50.0;
+        speed_noise_kmh: f64 = Sensors::default().speed_noise_kmh, 0.0 to 50.0;
+        location_sd_m: f64 = Sensors::default().location_noise_m, 0.0 to 10_000.0;
+        location_walk_sd_m: f64 = 0.0, 0.0 to 10_000.0;
+        location_walk_s: f64 = LocationWalk::of(0.0).tau_s, 0.1 to 1e6;
+        latency_s: f64 = Sensors::default().latency_s, 0.0 to 600.0;
+        location_lag_s: f64 = Sensors::default().location_lag_s, 0.0 to 600.0;
+        dropout_share: f64 = Sensors::default().dropout_probability, 0.0 to 0.9;
+        gap_share: f64 = 0.0, 0.0 to 0.9;
+        gap_samples: [usize; 2] = [3, 12];
+    }
+    EffortTable in "effort." {
+        column: bool = false;
+        momentary: bool = false;
+        gain: f64 = 1.0, 0.1 to 10.0;
+        gain_sd: f64 = 0.0, 0.0 to 0.3;
+        noise_n_per_kg: f64 = 0.0, 0.0 to 1.0;
+    }
+    TemperatureTable in "temperature." {
+        column: bool = false;
+        mean_c: f64 = Climate::default().mean_c, -80.0 to 80.0;
+        yearly_c: f64 = Climate::default().yearly_c, -80.0 to 80.0;
+        daily_c: f64 = Climate::default().daily_c, -80.0 to 80.0;
+        run_sd_c: f64 = Climate::default().run_sd_c, -80.0 to 80.0;
+        drift_sd_c_per_h: f64 = Climate::default().drift_sd_c_per_h, -80.0 to 80.0;
+    }
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -98,139 +162,13 @@ enum LineName {
     Hilly,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct DriverTable {
-    kind: DriverKind,
-    cycle_share: f64,
-    brake_test_share: f64,
-    final_dwell: bool,
-}
-
-#[derive(Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct WindTable {
-    sd_mps: f64,
-}
-
-#[derive(Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct LoadTable {
-    sd: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct TemperatureTable {
-    column: bool,
-    mean_c: f64,
-    yearly_c: f64,
-    daily_c: f64,
-    run_sd_c: f64,
-    drift_sd_c_per_h: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct SensorTable {
-    sampling_s: f64,
-    speed: SpeedReading,
-    speed_quantum_kmh: f64,
-    speed_noise_kmh: f64,
-    location_sd_m: f64,
-    location_walk_sd_m: f64,
-    location_walk_s: f64,
-    latency_s: f64,
-    location_lag_s: f64,
-    dropout_share: f64,
-    gap_share: f64,
-    gap_samples: [usize; 2],
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct EffortTable {
-    column: bool,
-    momentary: bool,
-    gain: f64,
-    gain_sd: f64,
-    noise_n_per_kg: f64,
-}
-
-impl Default for ScenarioFile {
-    fn default() -> Self {
-        let scenario = Scenario::default();
-        Self {
-            name: "case study".to_owned(),
-            runs: 67,
-            seed: 1,
-            directions: scenario.headings,
-            unit: "unit-1".to_owned(),
-            step_s: scenario.step_s,
-            dates: DatesTable::default(),
-            line: LineTable::default(),
-            train: TrainTable::default(),
-            driver: DriverTable::default(),
-            wind: WindTable::default(),
-            load: LoadTable::default(),
-            temperature: TemperatureTable::default(),
-            sensors: SensorTable::default(),
-            effort: EffortTable::default(),
-            red_signal: None,
-            effect: Vec::new(),
-        }
-    }
-}
-
-impl Default for DatesTable {
-    fn default() -> Self {
-        Self { start: "2024-01-08".to_owned(), days: Dates::default().days }
-    }
-}
-
-impl Default for LineTable {
-    fn default() -> Self {
-        Self { name: None, seed: 1, file: None }
-    }
-}
-
-impl Default for DriverTable {
-    fn default() -> Self {
-        let Scenario { driver, cycle_share, brake_test_share, final_dwell, .. } = Scenario::default();
-        Self { kind: driver, cycle_share, brake_test_share, final_dwell }
-    }
-}
-
-impl Default for TemperatureTable {
-    fn default() -> Self {
-        let Climate { mean_c, yearly_c, daily_c, run_sd_c, drift_sd_c_per_h } = Climate::default();
-        Self { column: false, mean_c, yearly_c, daily_c, run_sd_c, drift_sd_c_per_h }
-    }
-}
-
-impl Default for SensorTable {
-    fn default() -> Self {
-        let sensors = Sensors::default();
-        Self {
-            sampling_s: sensors.sampling_s,
-            speed: sensors.speed,
-            speed_quantum_kmh: sensors.speed_quantum_kmh,
-            speed_noise_kmh: sensors.speed_noise_kmh,
-            location_sd_m: sensors.location_noise_m,
-            location_walk_sd_m: 0.0,
-            location_walk_s: LocationWalk::of(0.0).tau_s,
-            latency_s: sensors.latency_s,
-            location_lag_s: sensors.location_lag_s,
-            dropout_share: sensors.dropout_probability,
-            gap_share: 0.0,
-            gap_samples: [3, 12],
-        }
-    }
-}
-
-impl Default for EffortTable {
-    fn default() -> Self {
-        Self { column: false, momentary: false, gain: 1.0, gain_sd: 0.0, noise_n_per_kg: 0.0 }
+impl TrainTable {
+    /// The described train as the truth has it.
+    fn truth(&self) -> TrainTruth {
+        let Self { mass_kg, rotating_mass_factor: gamma, length_m, davis: Davis { r0, r1, r2 }, .. } = *self;
+        let Self { max_tractive_effort_n, max_power_w, max_brake_mps2, .. } = *self;
+        let davis = DavisTruth { r0, r1, r2 };
+        TrainTruth { mass_kg, gamma, length_m, davis, max_tractive_effort_n, max_power_w, max_brake_mps2 }
     }
 }
 
@@ -285,7 +223,7 @@ impl Simulation {
         check_numbers(&file)?;
         let values = &file.values;
         let (line, track) = line(&file, path)?;
-        let train = believed::train_file(&values.train);
+        let train = believed::train_file(&values.train.name, &values.train.truth());
         train.train().map_err(|error| file.refuse_error(&[Step::Name("train")], &error))?;
         for (index, effect) in values.effect.iter().enumerate() {
             let refuse = |error| refuse_effect(&file, index, effect.name(), &error);
@@ -331,38 +269,14 @@ fn scenario(values: &ScenarioFile, line: Line, dates: Dates) -> Scenario {
 
 /// Ranges of the plain numbers.
 fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), ReadError> {
-    let ScenarioFile { driver, sensors, effort, temperature, .. } = &file.values;
     let v = &file.values;
-    within(file, &[("runs", v.runs as f64, 1.0, 1e6), ("step_s", v.step_s, 0.005, 0.05)])?;
+    within(file, &v.numbers())?;
     divides(file, "step_s", 1.0)?;
-    divides(file, "sensors.sampling_s", sensors.sampling_s)?;
-    let numbers = [
-        ("dates.days", v.dates.days, 0.001, 36_525.0),
-        ("driver.cycle_share", driver.cycle_share, 0.0, 1.0),
-        ("driver.brake_test_share", driver.brake_test_share, 0.0, 1.0),
-        ("wind.sd_mps", v.wind.sd_mps, 0.0, 20.0),
-        ("load.sd", v.load.sd, 0.0, 0.3),
-        ("sensors.sampling_s", sensors.sampling_s, 0.005, 600.0),
-        ("sensors.speed_quantum_kmh", sensors.speed_quantum_kmh, 1e-6, 50.0),
-        ("sensors.speed_noise_kmh", sensors.speed_noise_kmh, 0.0, 50.0),
-        ("sensors.location_sd_m", sensors.location_sd_m, 0.0, 10_000.0),
-        ("sensors.location_walk_sd_m", sensors.location_walk_sd_m, 0.0, 10_000.0),
-        ("sensors.location_walk_s", sensors.location_walk_s, 0.1, 1e6),
-        ("sensors.latency_s", sensors.latency_s, 0.0, 600.0),
-        ("sensors.location_lag_s", sensors.location_lag_s, 0.0, 600.0),
-        ("sensors.dropout_share", sensors.dropout_share, 0.0, 0.9),
-        ("sensors.gap_share", sensors.gap_share, 0.0, 0.9),
-        ("effort.gain", effort.gain, 0.1, 10.0),
-        ("effort.gain_sd", effort.gain_sd, 0.0, 0.3),
-        ("effort.noise_n_per_kg", effort.noise_n_per_kg, 0.0, 1.0),
-        ("temperature.mean_c", temperature.mean_c, -80.0, 80.0),
-        ("temperature.yearly_c", temperature.yearly_c, -80.0, 80.0),
-        ("temperature.daily_c", temperature.daily_c, -80.0, 80.0),
-        ("temperature.run_sd_c", temperature.run_sd_c, -80.0, 80.0),
-        ("temperature.drift_sd_c_per_h", temperature.drift_sd_c_per_h, -80.0, 80.0),
-    ];
-    within(file, &numbers)?;
-    let [least, most] = sensors.gap_samples;
+    divides(file, "sensors.sampling_s", v.sensors.sampling_s)?;
+    let tables = [v.dates.numbers(), v.line.numbers(), v.train.numbers(), v.driver.numbers(), v.wind.numbers()];
+    let more = [v.load.numbers(), v.sensors.numbers(), v.effort.numbers(), v.temperature.numbers()];
+    within(file, &[tables.concat(), more.concat()].concat())?;
+    let [least, most] = v.sensors.gap_samples;
     if least == 0 || most < least {
         let message = format!("expected [least, most] with 1 or more, found [{least}, {most}]");
         return Err(file.refuse_dotted("sensors.gap_samples", message));
@@ -486,7 +400,7 @@ mod tests {
         assert_eq!(error("[train]\nmass_kg = 5\n"), "s.toml:2:11: train.mass_kg: expected 1000 to 100000000, found 5");
         assert_eq!(
             error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),
-            "s.toml:5:8: effect[0].to_m: expected beyond from_m, found 4"
+            "s.toml:5:8: effect[0].to_m: expected a place beyond from_m, found 4"
         );
         assert!(error("[line]\nfile = \"no.toml\"\n").starts_with("no.toml: cannot be read"));
         assert!(error("[driver]\nkindd = 1\n").starts_with("s.toml:2:1: unknown field `kindd`"));

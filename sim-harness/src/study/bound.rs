@@ -160,6 +160,7 @@ mod tests {
                 speed_mps: 40.0 - 0.03 * t,
                 effort_n_per_kg,
                 mean_effort_n_per_kg: effort_n_per_kg,
+                reported_n_per_kg: effort_n_per_kg,
                 regime: Regime::Coast,
                 resistance_n_per_kg: 0.03,
                 extra_n_per_kg: 0.0,

@@ -1,11 +1,8 @@
 //! One run of the study: what the estimator gets and, of a simulated run, what was true.
 
 use crate::simulation::scenario_file::Simulation;
-use rundown::model::direction::Direction;
-use rundown::model::units::KmPerHour;
-use rundown_files::recording::Recording;
-use rundown_files::refusal::ReadError;
-use rundown_files::sample::Sample;
+use rundown::{model::direction::Direction, model::units::KmPerHour};
+use rundown_files::{recording::Recording, refusal::ReadError, sample::Sample};
 use rundown_truth::facts::{Facts, Mark};
 use rundown_truth::plan::{Heading, RunPlan, plan};
 use rundown_truth::scenario::{DriveError, Run, Scenario, simulate_planned};
@@ -19,21 +16,16 @@ const CASE_STUDY: &str = include_str!("../../../data/scenarios/paper_study.toml"
 /// A further unit's resistance is this share above or below the first one's, at most.
 const UNIT_SPREAD: f64 = 0.15;
 
-/// A run as the study takes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// What the estimator gets.
     pub recording: Recording,
-    /// What was true, row by row as the recording.
     pub truth: Option<CaseTruth>,
 }
 
-/// The truth of a simulated run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseTruth {
     /// A row for each row of the recording.
     pub samples: Vec<TruthSample>,
-    /// The run as a whole.
     pub facts: RunTruth,
 }
 
@@ -43,14 +35,12 @@ pub struct RunTruth {
     /// Running resistance of this run as still air would have it: load and wind included.
     #[serde(rename = "davis_with_wind")]
     pub davis: DavisTruth,
-    /// Rotating mass of this run, kg.
     #[serde(rename = "train", deserialize_with = "rotating_mass_kg")]
     pub rotating_mass_kg: f64,
     /// The speed the driver wanted to keep, m/s.
     pub cruise_mps: f64,
     /// Start of the final coast; `None` if the driver braked from power.
     pub final_coast: Option<Mark>,
-    /// Start of the final brake.
     pub final_brake: Mark,
     /// Standstill at the last stop.
     #[serde(rename = "stops", deserialize_with = "last")]
@@ -92,7 +82,6 @@ impl From<&Facts> for RunTruth {
 }
 
 impl Case {
-    /// Of a simulated run.
     pub fn simulated(name: String, unit: String, run: Run) -> Self {
         let row = |(index, sample): (usize, &sensors::Sample)| Sample {
             // The line it would have in a log, behind the header.
@@ -142,12 +131,10 @@ pub struct FleetUnit {
 }
 
 impl FleetUnit {
-    /// Runs of each unit.
     pub fn runs(simulation: &Simulation) -> usize {
         simulation.runs.max(1)
     }
 
-    /// The unit of this number, counted from 0.
     pub fn new(simulation: &Simulation, seed: u64, unit: usize) -> Self {
         // Low-discrepancy: every share of a fleet has units from all over the range.
         let place = (0.5 + unit as f64 * 0.618_033_988_749_894_9).fract();

@@ -7,10 +7,7 @@ mod driving;
 mod resistance;
 mod trials;
 
-use super::gather::Gathered;
-use super::moments::Moments;
-use super::tallies::Tallies;
-use super::trials::Trials;
+use super::{gather::Gathered, moments::Moments, tallies::Tallies, trials::Trials};
 use rundown::model::train::Train;
 use rundown_files::table::{Cell, Record};
 use rundown_pages::numbers::{NOTHING, number};
@@ -41,14 +38,6 @@ impl Verdict {
             Self::Reproduced => "reproduced",
             Self::Not => "not reproduced",
             Self::NoData => "no data",
-        }
-    }
-
-    fn of(holds: Option<bool>) -> Self {
-        match holds {
-            Some(true) => Self::Reproduced,
-            Some(false) => Self::Not,
-            None => Self::NoData,
         }
     }
 }
@@ -89,15 +78,33 @@ pub fn records(claims: &[Claim]) -> Vec<Record> {
 /// What the paper's mode says of a claim, the gated mode, and the truth; a dash where there is nothing.
 type Columns = [Option<String>; 3];
 
-fn claim(
-    place: &'static str,
-    statement: &'static str,
-    columns: Columns,
-    holds: Option<bool>,
-    why: impl Into<String>,
-) -> Claim {
-    let [paper, gated, truth] = columns.map(|text| text.unwrap_or_else(|| NOTHING.to_owned()));
-    Claim { place, statement, paper, gated, truth, verdict: Verdict::of(holds), why: why.into() }
+/// A claim of which nothing is known yet.
+fn claim(place: &'static str, statement: &'static str) -> Claim {
+    let nothing = || NOTHING.to_owned();
+    let [paper, gated, truth] = [nothing(), nothing(), nothing()];
+    Claim { place, statement, paper, gated, truth, verdict: Verdict::NoData, why: String::new() }
+}
+
+impl Claim {
+    fn columns(self, columns: Columns) -> Self {
+        let [paper, gated, truth] = columns.map(|text| text.unwrap_or_else(|| NOTHING.to_owned()));
+        Self { paper, gated, truth, ..self }
+    }
+
+    /// Whether the criterion is met; none where there are no data.
+    fn holds(self, holds: Option<bool>) -> Self {
+        let verdict = match holds {
+            Some(true) => Verdict::Reproduced,
+            Some(false) => Verdict::Not,
+            None => Verdict::NoData,
+        };
+        Self { verdict, ..self }
+    }
+
+    /// By which criterion.
+    fn by(self, why: impl Into<String>) -> Self {
+        Self { why: why.into(), ..self }
+    }
 }
 
 /// The columns of a claim on the description, or on the paper's mode alone.
@@ -133,9 +140,8 @@ fn from_to(moments: &Moments, per_unit: f64, decimals: usize) -> Option<String> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::case::case_study;
-    use crate::study::description;
     use crate::study::trials::{Misses, Pace, Sensitivity};
+    use crate::{study::case::case_study, study::description};
 
     fn train() -> Train {
         description::of(&case_study().unwrap()).unwrap().train

@@ -2,8 +2,7 @@
 
 use super::Refused;
 use crate::simulation::scenario_file::Simulation;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
+use rundown::{model::track::Track, model::train::Train};
 use rundown_files::track_file::TrackFile;
 use std::path::Path;
 

@@ -8,24 +8,19 @@
 //! The paper's filter begins each run with the manufacturer's values, as the paper does; the gated mode carries each unit's vehicle.
 //! What is kept does not grow with the number of runs: [`DRAWN`] runs for figures at most, evenly spread, and one vehicle for each unit.
 
-use super::Refused;
 use super::case::{Case, CaseTruth};
-use super::moments::Moments;
-use super::source::RunSource;
 use super::tallies::{LIMIT_KMH, Tallies};
 use super::view::{Outcome, Seen};
+use super::{Refused, moments::Moments, source::RunSource};
 use crate::logs::Failed;
 use rayon::prelude::*;
-use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::state;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
-use rundown::tick::bounds::ConfigError;
-use rundown::tick::memory::Vehicle;
+use rundown::{
+    estimator::Estimator, filter::gaussian::Gaussian, model::state, model::track::Track, model::train::Train,
+    tick::bounds::ConfigError, tick::memory::Vehicle,
+};
 use rundown_files::recording::Recording;
-use rundown_files::replay::{ReplayedRun, Tick, replay};
+use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_units_by};
 use rundown_files::table::{Cell, Record};
 use std::collections::HashMap;
 
@@ -159,11 +154,15 @@ struct LookedAt {
 }
 
 fn looked_at(estimators: &Estimators, cases: Vec<Case>, vehicles: &mut HashMap<String, Vehicle>) -> Vec<LookedAt> {
-    let train = estimators.paper.train();
-    let (paper, gated) =
-        rayon::join(|| apart(&estimators.paper, &cases), || carried(&estimators.gated, &cases, vehicles));
+    let Estimators { paper, gated } = estimators;
+    let train = paper.train();
+    let recordings: Vec<&Recording> = cases.iter().map(|case| &case.recording).collect();
+    let (apart, carried) = rayon::join(
+        || replay_apart_by(&|_| paper, &recordings, Tick::EverySample, || ()),
+        || replay_units_by(&|_| gated, &recordings, Tick::EverySample, vehicles, || ()),
+    );
     let runs: Vec<(Case, [ReplayedRun; 2])> =
-        cases.into_iter().zip(paper.into_iter().zip(gated).map(|(paper, gated)| [paper, gated])).collect();
+        cases.into_iter().zip(apart.into_iter().zip(carried).map(|(apart, carried)| [apart, carried])).collect();
     let look = |(case, runs): (Case, [ReplayedRun; 2])| LookedAt {
         seen: runs.each_ref().map(|run| Seen::of_replay(run, train)),
         truth: case.truth.as_ref().map(|truth| Seen::of_truth(truth, train)),
@@ -260,48 +259,6 @@ impl Gathered {
         let top_kmh = truth.samples.iter().map(|s| 3.6 * s.speed_mps);
         self.truly_over_limit += u64::from(top_kmh.fold(0.0, f64::max) > LIMIT_KMH);
     }
-}
-
-fn apart(estimator: &Estimator, cases: &[Case]) -> Vec<ReplayedRun> {
-    let one = |case: &Case| {
-        let mut vehicle = estimator.new_vehicle();
-        replay(estimator, &mut vehicle, &case.recording, Tick::EverySample)
-    };
-    cases.par_iter().map(one).collect()
-}
-
-/// Each unit from run to run, units side by side.
-fn carried(estimator: &Estimator, cases: &[Case], vehicles: &mut HashMap<String, Vehicle>) -> Vec<ReplayedRun> {
-    let mut units: Vec<(&str, Vec<usize>)> = Vec::new();
-    let mut of_name: HashMap<&str, usize> = HashMap::new();
-    for (index, case) in cases.iter().enumerate() {
-        let name = case.recording.unit.as_str();
-        let unit = *of_name.entry(name).or_insert_with(|| {
-            units.push((name, Vec::new()));
-            units.len() - 1
-        });
-        units[unit].1.push(index);
-    }
-    let known = &*vehicles;
-    let of_unit = |(name, indexes): &(&str, Vec<usize>)| {
-        let new = || estimator.new_vehicle();
-        let mut vehicle = known.get(*name).cloned().unwrap_or_else(new);
-        let one = |index: &usize| {
-            let recording = &cases[*index].recording;
-            let run = replay(estimator, &mut vehicle, recording, Tick::EverySample);
-            (*index, run)
-        };
-        let runs: Vec<(usize, ReplayedRun)> = indexes.iter().map(one).collect();
-        ((*name).to_owned(), vehicle, runs)
-    };
-    let done: Vec<_> = units.par_iter().map(of_unit).collect();
-    let mut runs: Vec<(usize, ReplayedRun)> = Vec::with_capacity(cases.len());
-    for (name, vehicle, of_unit) in done {
-        vehicles.insert(name, vehicle);
-        runs.extend(of_unit);
-    }
-    runs.sort_by_key(|(index, _)| *index);
-    runs.into_iter().map(|(_, run)| run).collect()
 }
 
 fn top_kmh(recording: &Recording) -> f64 {

@@ -8,7 +8,7 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | which runs? | `source`, [`case`], `description`, `truth_folder` |
+//! | which runs? | `source`, `case`, `description`, `truth_folder` |
 //! | what does the estimator say of one run, and what was true? | `view` |
 //! | and of all of them? | `gather`, `tallies`, `moments` |
 //! | what do the figures show? | `figures` |
@@ -17,7 +17,7 @@
 //! | does the estimate follow the truth, how closely could it? | `slope`, `bound` |
 
 pub(crate) mod bound;
-pub mod case;
+pub(crate) mod case;
 pub(crate) mod claims;
 pub(crate) mod description;
 pub(crate) mod figures;

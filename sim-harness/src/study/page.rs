@@ -1,12 +1,9 @@
 //! `report.html` of a study: each figure of section 4 with the paper's statement, our value and the truth beside it.
 
 use super::claims::{Claim, Verdict};
-use super::figures::Picture;
-use super::gather::Gathered;
-use super::moments::Moments;
-use super::slope::Answer;
-use super::tallies::Tallies;
-use super::trials::Sensitivity;
+use super::{
+    figures::Picture, gather::Gathered, moments::Moments, slope::Answer, tallies::Tallies, trials::Sensitivity,
+};
 use maud::{Markup, html};
 use rundown_pages::numbers::{NOTHING, counted, number};
 use rundown_pages::shell::{column, document, figure, table, text_column};

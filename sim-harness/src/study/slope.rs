@@ -6,10 +6,8 @@
 //!
 //! A slope of 1 follows the truth, a slope of 0 does not see it. Efficiency is the variance that is possible over the one that was reached.
 
-use super::Refused;
 use super::bound::{Known, Worth, information};
-use super::case::Case;
-use super::description::Believed;
+use super::{Refused, case::Case, description::Believed};
 use crate::report::resistance::{NINETY_FIVE, Resistance};
 use crate::simulation::scenario_file::Simulation;
 use nalgebra::{Matrix3, Vector3};
@@ -17,11 +15,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::resistance::Davis;
-use rundown::model::units::KmPerHour;
+use rundown::{estimator::Estimator, filter::gaussian::Gaussian, model::resistance::Davis, model::units::KmPerHour};
 use rundown_files::replay::{Tick, replay};
 use rundown_files::table::{Cell, Record};
 use rundown_truth::plan::plan as planned;
@@ -65,7 +60,6 @@ impl Plan {
         })
     }
 
-    /// Runs after which is looked.
     pub fn stages(&self) -> Vec<usize> {
         let before = STAGES.into_iter().filter(|stage| *stage < self.runs);
         before.chain([self.runs]).collect()
@@ -100,13 +94,11 @@ pub struct Answer {
     pub coverage: f64,
 }
 
-/// What came of a self-test.
 #[derive(Clone, Debug)]
 pub struct SelfTest {
     pub looks: Vec<Look>,
     /// One for each mode and stage.
     pub answers: Vec<Answer>,
-    /// The described resistance.
     pub stated: Davis,
 }
 

@@ -1,16 +1,12 @@
 //! Where the runs of a study come from, chunk by chunk: simulated, folders of logs, or Parquet files.
 
-use super::Refused;
 use super::case::{Case, FleetUnit};
-use super::truth_folder::TruthFolder;
+use super::{Refused, truth_folder::TruthFolder};
 use crate::logs::{self, Failed};
 use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
-use rundown_files::map_matching::CentreLine;
-use rundown_files::parquet::RunReader;
-use rundown_files::recording::DirectionChoice;
-use rundown_files::run_log::BadRows;
 use rundown_files::run_set::{RunFile, RunSet};
+use rundown_files::{map_matching::CentreLine, parquet::RunReader, recording::DirectionChoice, run_log::BadRows};
 use std::collections::{HashMap, VecDeque};
 use std::path::{Path, PathBuf};
 

@@ -11,15 +11,12 @@
 //! that is a deviation ten times as large, read as the printed deviation a hundred times: both are tried.
 
 use super::gather::{Drawn, Estimators};
-use super::moments::Moments;
-use super::view::Seen;
+use super::{moments::Moments, view::Seen};
 use rayon::prelude::*;
-use rundown::estimator::Estimator;
 use rundown::estimator::config::{Config, Mode};
-use rundown::model::state;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
-use rundown::tick::bounds::ConfigError;
+use rundown::{
+    estimator::Estimator, model::state, model::track::Track, model::train::Train, tick::bounds::ConfigError,
+};
 use rundown_files::recording::Recording;
 use rundown_files::replay::{Tick, replay};
 use serde::Serialize;
@@ -130,7 +127,6 @@ pub fn sensitivity(
     Ok(found)
 }
 
-/// Tries noises of the acceleration.
 fn noise(config: &Config, train: Train, track: &Track, runs: &[Recording]) -> Result<Vec<Noise>, ConfigError> {
     let of = |sd_mps2: f64| {
         let mut config = *config;

@@ -7,10 +7,8 @@ use super::case::{CaseTruth, RunTruth};
 use rundown_files::sample::Sample;
 use rundown_truth::sensors::TruthSample;
 use serde::Deserialize;
-use std::collections::HashMap;
-use std::fmt::Display;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::{collections::HashMap, fmt::Display, io::ErrorKind};
 
 /// Times of a log and of its truth are printed to the millisecond.
 const SAME_TIME_S: f64 = 1e-3;

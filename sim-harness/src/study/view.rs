@@ -3,12 +3,8 @@
 //! The same quantities whoever looks, so that a table can set them side by side: [`Outcome`] is the run in a few numbers, [`Points`] is what
 //! the figures draw.
 
-use super::case::CaseTruth;
-use super::moments::Moments;
-use rundown::model::state;
-use rundown::model::train::Train;
-use rundown::tick::estimate::Estimate;
-use rundown::tick::regime::Regime;
+use super::{case::CaseTruth, moments::Moments};
+use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
 use rundown_files::table::{Cell, Record};
 use rundown_truth::regime::Regime as TrueRegime;

@@ -3,17 +3,13 @@
 use super::figures::Picture;
 use crate::output::files::failed;
 pub use crate::output::files::{folder, records, text};
-use rundown_files::WriteError;
-use rundown_files::parquet::TableWriter;
-use rundown_files::table::Record;
+use rundown_files::{WriteError, parquet::TableWriter, table::Record};
 use rundown_pages::chart::standalone;
-use std::fs::File;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs::File, io};
 
 pub const RUNS: &str = "runs";
 
-/// Writes each picture and what it draws.
 pub fn pictures(folder: &Path, pictures: &[Picture]) -> Result<(), WriteError> {
     for picture in pictures {
         text(&folder.join(format!("{}.svg", picture.name)), &standalone(&picture.svg))?;
@@ -32,7 +28,6 @@ pub struct RunTable {
 }
 
 impl RunTable {
-    /// Begins the files in a folder.
     pub fn begin(folder: &Path) -> Result<Self, WriteError> {
         let csv_path = folder.join(format!("{RUNS}.csv"));
         let file = File::create(&csv_path).map_err(|source| failed(&csv_path, source))?;
@@ -44,7 +39,6 @@ impl RunTable {
         })
     }
 
-    /// Adds rows.
     pub fn add(&mut self, records: &[Record]) -> io::Result<()> {
         for record in records {
             if !self.has_header {
@@ -56,7 +50,6 @@ impl RunTable {
         self.parquet.write(records).map_err(io::Error::other)
     }
 
-    /// Ends the files.
     pub fn end(mut self) -> Result<(), WriteError> {
         self.csv.flush().map_err(|source| failed(&self.csv_path, source))?;
         let parquet = self.parquet.close().map_err(io::Error::other);

@@ -1,12 +1,8 @@
 //! `report.html` of a tuning.
 
 use super::parameters::{PARAMETERS, Place, values};
-use super::score::FilterScore;
-use super::search::Found;
-use crate::study::figures::Picture;
-use crate::study::page::initial;
-use crate::study::slope::Answer;
-use crate::study::trials::Sensitivity;
+use super::{score::FilterScore, search::Found};
+use crate::{study::figures::Picture, study::page::initial, study::slope::Answer, study::trials::Sensitivity};
 use maud::{Markup, html};
 use rundown_pages::numbers::number;
 use rundown_pages::shell::{column, document, figure, table, text_column};
@@ -14,12 +10,10 @@ use rundown_pages::shell::{column, document, figure, table, text_column};
 /// What came of a tuning; of two, Table 1 is the first and the optimum the second.
 #[derive(Clone, Debug)]
 pub struct Tuning {
-    /// What was tuned on, in words.
     pub source: String,
     pub table1: Place,
     pub found: Found,
     pub scores: [FilterScore; 2],
-    /// The surface around the optimum.
     pub pictures: [Picture; 2],
     /// The remark of section 4.2, with Table 1.
     pub sensitivity: Vec<Sensitivity>,

@@ -124,15 +124,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn table_1_is_a_place_and_comes_back() {
-        let base = Config::default();
-        let found = config(&base, &place(&base.paper)).unwrap().paper;
-        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
-        assert!(near(found.initial_davis_sd[1], 1e-8) && near(found.speed_sd_kmh, 1.0));
-        assert_eq!(found.acceleration_noise_mps2, 0.0);
-        assert_eq!(found.reuse_points, base.paper.reuse_points);
-        let [a, b] = [found.spread, base.paper.spread].map(|spread| spread.weights());
-        assert!(near(a.2, b.2));
+    fn a_filter_is_a_place_and_comes_back() {
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
+        let mut base = Config::default();
+        for spread in [Spread::PAPER, Spread::new(0.5, 3.0, 1.0)] {
+            base.paper.spread = spread;
+            let found = config(&base, &place(&base.paper)).unwrap().paper;
+            assert!(near(found.initial_davis_sd[1], 1e-8) && near(found.speed_sd_kmh, 1.0));
+            assert_eq!(found.acceleration_noise_mps2, 0.0);
+            assert_eq!(found.reuse_points, base.paper.reuse_points);
+            let pairs = found.spread.parameters().into_iter().zip(spread.parameters());
+            assert!(pairs.into_iter().all(|(a, b)| near(a, b)), "{:?} for {spread:?}", found.spread);
+        }
     }
 
     #[test]

@@ -8,13 +8,11 @@
 
 use super::parameters::{Place, config};
 use rayon::prelude::*;
-use rundown::estimator::Estimator;
-use rundown::estimator::config::Config;
-use rundown::filter::ukf::Reading;
-use rundown::model::state;
-use rundown::model::track::Track;
-use rundown::model::train::Train;
 use rundown::tick::estimate::{Cause, Estimate};
+use rundown::{
+    estimator::Estimator, estimator::config::Config, filter::ukf::Reading, model::state, model::track::Track,
+    model::train::Train,
+};
 use rundown_files::recording::Recording;
 use rundown_files::replay::{Tick, replay};
 use serde::Serialize;

@@ -4,8 +4,7 @@ use super::parameters::{COUNT, PARAMETERS, Place, place};
 use super::score::Bench;
 use argmin::core::{CostFunction, Error, Executor, State};
 use argmin::solver::neldermead::NelderMead;
-use rundown::filter::ukf::Spread;
-use rundown::tick::paper::PaperConfig;
+use rundown::{filter::ukf::Spread, tick::paper::PaperConfig};
 
 /// First step of the simplex in each coordinate; a step of 1 is a factor of 10.
 const STEP: f64 = 0.5;

@@ -167,9 +167,8 @@ fn shade(above: f64) -> RGBColor {
 
 #[cfg(test)]
 mod tests {
-    use super::super::score::tests::bench;
-    use super::super::search::starts;
     use super::*;
+    use super::{super::score::tests::bench, super::search::starts};
     use std::cell::Cell as Counter;
 
     #[test]

@@ -1,35 +1,23 @@
 //! The command, as a user runs it.
 #![allow(dead_code, reason = "each test uses its part")]
 
+use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
-/// What came of `rundown` in a folder.
-pub fn rundown(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_rundown")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-/// The same, where it must succeed.
-pub fn done(folder: &Path, arguments: &[&str]) -> Output {
-    let output = rundown(folder, arguments);
-    assert_eq!(code(&output), Some(0), "{}", stderr(&output));
-    output
-}
-
-pub fn code(output: &Output) -> Option<i32> {
-    output.status.code()
-}
-
-pub fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-pub fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
+/// What came of a command.
+#[derive(Debug)]
+pub struct Said {
+    pub code: Option<i32>,
+    pub out: String,
+    pub err: String,
 }
 
 /// The run that the reference implementation was given.
 pub const RUN: &str = include_str!("../../../data/reference/run01.csv");
+
+/// A tunnel that a scenario hides, or a track describes.
+pub const TUNNEL: &str = "[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 18100.0\nto_m = 21000.0\nk = 1.2e-5\n";
 
 /// A file of `data/reference`.
 pub fn reference(name: &str) -> String {
@@ -44,32 +32,58 @@ impl Folder {
         Self(tempfile::tempdir().unwrap())
     }
 
+    /// With a data set `set` of this scenario.
+    pub fn simulated(scenario: &str) -> Self {
+        let folder = Self::new().with("s.toml", scenario);
+        folder.done(&["simulate", "--scenario", "s.toml", "--out", "set"]);
+        folder
+    }
+
     pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
     pub fn with(self, name: &str, text: &str) -> Self {
+        self.write(name, text);
+        self
+    }
+
+    pub fn write(&self, name: &str, text: &str) {
         let path = self.path(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, text).unwrap();
-        self
     }
 
     pub fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.path(name)).unwrap()
     }
 
-    pub fn rundown(&self, arguments: &[&str]) -> Output {
-        rundown(self.0.path(), arguments)
+    pub fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.read(name)).unwrap()
+    }
+
+    /// `rundown` in this folder.
+    pub fn rundown(&self, arguments: &[&str]) -> Said {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rundown"));
+        let output = command.current_dir(self.0.path()).args(arguments).output().unwrap();
+        let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        Said { code: output.status.code(), out, err }
+    }
+
+    /// The same, where it must succeed.
+    pub fn done(&self, arguments: &[&str]) -> Said {
+        let said = self.rundown(arguments);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        said
     }
 
     /// `rundown replay` with the reference train and track, results in `out`.
-    pub fn replay(&self, arguments: &[&str]) -> Output {
+    pub fn replay(&self, arguments: &[&str]) -> Said {
         self.replay_on(&reference("track.toml"), arguments)
     }
 
     /// The same on another track.
-    pub fn replay_on(&self, track: &str, arguments: &[&str]) -> Output {
+    pub fn replay_on(&self, track: &str, arguments: &[&str]) -> Said {
         let described = ["replay", "--train", &reference("train.toml"), "--track", track, "--out", "out"];
         self.rundown(&[&described, arguments].concat())
     }

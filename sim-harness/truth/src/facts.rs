@@ -5,7 +5,7 @@
 use crate::habits::Habits;
 use crate::plan::RunPlan;
 use crate::regime::Regime;
-use crate::sensors::TraceStep;
+use crate::sensors::TruthSample;
 use crate::train::{DavisTruth, TrainTruth};
 use crate::weather::Weather;
 use crate::world::World;
@@ -59,7 +59,7 @@ pub struct Facts {
 }
 
 /// Gathers the facts.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Recorder {
     last: Regime,
     coast: Option<Mark>,
@@ -67,35 +67,18 @@ pub struct Recorder {
     final_brake: Option<Mark>,
     stop_brake: Option<Mark>,
     stops: Vec<Mark>,
-    accelerating: bool,
+    /// The train has left the acceleration after a stop.
+    has_accelerated: bool,
     power_sum: f64,
     power_steps: usize,
     max_50_90: Option<f64>,
     max: f64,
 }
 
-impl Default for Recorder {
-    fn default() -> Self {
-        Self {
-            last: Regime::Standstill,
-            coast: None,
-            final_coast: None,
-            final_brake: None,
-            stop_brake: None,
-            stops: Vec::new(),
-            accelerating: true,
-            power_sum: 0.0,
-            power_steps: 0,
-            max_50_90: None,
-            max: 0.0,
-        }
-    }
-}
-
 impl Recorder {
     /// One step, from the row before to its own. `plateau`: between the approach brake and the stop.
-    pub fn observe(&mut self, from: &TraceStep, to: &TraceStep, plateau: bool) {
-        let mark = |at: &TraceStep| Mark { time_s: at.time_s, location_m: at.location_m, speed_mps: at.speed_mps };
+    pub fn observe(&mut self, from: &TruthSample, to: &TruthSample, plateau: bool) {
+        let mark = |at: &TruthSample| Mark { time_s: at.time_s, location_m: at.location_m, speed_mps: at.speed_mps };
         let regime = to.regime;
         if regime != self.last {
             if regime == Regime::Brake {
@@ -112,16 +95,16 @@ impl Recorder {
         }
         if from.speed_mps > 0.0 && to.speed_mps == 0.0 {
             self.stops.push(mark(to));
-            self.accelerating = true;
+            self.has_accelerated = false;
         }
         let speed_mps = (from.speed_mps + to.speed_mps) / 2.0;
         let power = to.effort_n_per_kg * speed_mps;
         self.max = self.max.max(power);
         let kmh = 3.6 * speed_mps;
         if kmh > 50.0 && regime != Regime::Traction {
-            self.accelerating = false;
+            self.has_accelerated = true;
         }
-        if self.accelerating && regime == Regime::Traction && (50.0..=130.0).contains(&kmh) {
+        if !self.has_accelerated && regime == Regime::Traction && (50.0..=130.0).contains(&kmh) {
             self.power_sum += power;
             self.power_steps += 1;
             if kmh <= 90.0 {

@@ -210,7 +210,7 @@ impl Line {
 
     /// Length and limits of the case study with gradients up to 10 permille, drawn from the seed. Level at both platforms.
     ///
-    /// The draw pulls back towards the starting height, so that no line climbs all the way.
+    /// The draw tends back towards the starting height, so that no line climbs all the way.
     pub fn hilly(seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let slope = Normal::new(0.0, 6.0).expect("constant");

@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 /// True label of a step. Its words are those of the estimator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Regime {
     /// Speed 0.
+    #[default]
     Standstill,
     /// Power to gain speed.
     Traction,

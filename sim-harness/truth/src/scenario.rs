@@ -11,7 +11,7 @@ use crate::motion::Motion;
 use crate::plan::{RunPlan, plan};
 use crate::regime::Regime;
 use crate::seeds::stream;
-use crate::sensors::{Sample, Sensors, TraceStep, TruthSample};
+use crate::sensors::{Sample, Sensors, TruthSample};
 use crate::timetable::Heading;
 use crate::world::{History, World};
 use rand::RngExt;
@@ -107,7 +107,7 @@ pub fn fleet(scenario: &Scenario, davis_scale: [f64; 3], runs: usize, seed: u64)
 ///
 /// # Panics
 /// As [`simulate`].
-pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TraceStep>, Facts) {
+pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TruthSample>, Facts) {
     let (trace, facts, _) = drive_planned(scenario, &RunPlan::alone(scenario, seed)).unwrap_or_else(|e| panic!("{e}"));
     (trace, facts)
 }
@@ -120,7 +120,7 @@ pub fn drive(scenario: &Scenario, seed: u64) -> (Vec<TraceStep>, Facts) {
 ///
 /// # Panics
 /// If the step does not divide 1 s.
-pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> Result<(Vec<TraceStep>, Facts, World), DriveError> {
+pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> Result<(Vec<TruthSample>, Facts, World), DriveError> {
     let step_s = scenario.step_s;
     let each_second = (1.0 / step_s).round();
     assert!((each_second * step_s - 1.0).abs() < 1e-9, "the step {step_s} s must divide 1 s");
@@ -172,11 +172,7 @@ pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> Result<(Vec<TraceSt
             motion = world.advance(history, motion, applied, step_s);
         }
         history.time_s = (i + 1) as f64 / each_second;
-        if motion.speed_mps > 0.0 {
-            history.stood_s = history.standing_since_s.take().map(|s| history.time_s - s).or(history.stood_s);
-        } else if from.speed_mps > 0.0 {
-            history.standing_since_s = Some(history.time_s);
-        }
+        history.stand(from.speed_mps, motion.speed_mps);
         // A train that has just stopped, or has not yet moved, stands.
         let regime = if motion.speed_mps == 0.0 { Regime::Standstill } else { doing };
         let to = row(&world, plan, history, motion, [demanded, applied], regime);
@@ -204,9 +200,9 @@ fn row(
     motion: Motion,
     [demanded, applied]: [f64; 2],
     regime: Regime,
-) -> TraceStep {
+) -> TruthSample {
     let extra_n_per_kg = world.extra_n_per_kg(history, motion);
-    TraceStep {
+    TruthSample {
         time_s: history.time_s,
         location_m: match plan.heading {
             Heading::Up => motion.location_m,
@@ -214,6 +210,7 @@ fn row(
         },
         speed_mps: motion.speed_mps,
         effort_n_per_kg: applied,
+        mean_effort_n_per_kg: applied,
         reported_n_per_kg: world.reported_n_per_kg(demanded, applied),
         regime,
         resistance_n_per_kg: world.resistance_n_per_kg(history, motion),
@@ -353,7 +350,7 @@ mod tests {
     #[test]
     fn every_regime_occurs_and_a_coast_has_no_effort() {
         let runs = scenarios().into_iter().flat_map(|(_, scenario)| (0..10).map(move |seed| drive(&scenario, seed).0));
-        let trace: Vec<TraceStep> = runs.flatten().collect();
+        let trace: Vec<TruthSample> = runs.flatten().collect();
         for regime in [Regime::Standstill, Regime::Traction, Regime::Cruise, Regime::Coast, Regime::Brake] {
             let count = trace.iter().filter(|s| s.regime == regime).count();
             assert!(count > 1_000, "{regime:?}: {count} steps");
@@ -436,7 +433,7 @@ mod tests {
         let grease = StartingResistance { amplitude: 0.04, decay_kmh: 5.0, standing_min: 10.0, cold_per_deg_c: 0.0 };
         let scenario = Scenario { unscheduled_stop: Some(red), effects: vec![grease.into()], ..Scenario::default() };
         let (trace, _) = drive(&scenario, 3);
-        let moving = |pair: &&[TraceStep]| pair[0].speed_mps == 0.0 && pair[1].speed_mps > 0.0;
+        let moving = |pair: &&[TruthSample]| pair[0].speed_mps == 0.0 && pair[1].speed_mps > 0.0;
         let starts: Vec<f64> = trace.windows(2).filter(moving).map(|pair| pair[0].extra_n_per_kg).collect();
         let [first, second] = starts[..] else { panic!("two starts, found {starts:?}") };
         assert_eq!(first, 0.04);

@@ -105,28 +105,6 @@ impl Default for Sensors {
     }
 }
 
-/// The end of one integration step. A standing train has the regime standstill, also in the step that stopped it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(missing_docs, reason = "the units are in the names")]
-pub struct TraceStep {
-    pub time_s: f64,
-    pub location_m: f64,
-    pub speed_mps: f64,
-    /// At the wheels, held over the step that ended here, N/kg.
-    pub effort_n_per_kg: f64,
-    /// What the train's computer makes of it, N/kg of described rotating mass.
-    pub reported_n_per_kg: f64,
-    /// In the step that ended here.
-    pub regime: Regime,
-    /// At this speed, with this wind and all effects, N/kg.
-    pub resistance_n_per_kg: f64,
-    /// What of it is due to effects other than wind, mass and Davis parameters, N/kg.
-    pub extra_n_per_kg: f64,
-    /// Gravity along the track, positive uphill in the direction of travel, N/kg.
-    pub gravity_n_per_kg: f64,
-    pub temperature_c: f64,
-}
-
 /// What the estimator may see.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the units are in the names")]
@@ -141,19 +119,24 @@ pub struct Sample {
     pub temperature_c: f64,
 }
 
-/// What was true at the time of the sample in the same row.
+/// What was true at the end of an integration step, which may be the time of a sample. A standing train has the regime standstill, also in the step
+/// that stopped it.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[expect(missing_docs, reason = "the units are in the names")]
 pub struct TruthSample {
     pub time_s: f64,
     pub location_m: f64,
     pub speed_mps: f64,
-    /// At this moment, N/kg.
+    /// At the wheels, held over the step that ended here, N/kg.
     pub effort_n_per_kg: f64,
-    /// Mean since the sample before, N/kg.
+    /// Mean since the row before, N/kg.
     pub mean_effort_n_per_kg: f64,
+    /// What the train's computer makes of the effort, N/kg of described rotating mass; in no file.
+    #[serde(skip)]
+    pub reported_n_per_kg: f64,
+    /// In the step that ended here.
     pub regime: Regime,
-    /// At this moment, wind and effects included, gravity not, N/kg.
+    /// At this speed, with this wind and all effects, gravity not, N/kg.
     pub resistance_n_per_kg: f64,
     /// What of it is due to effects other than wind, mass and Davis parameters, N/kg.
     pub extra_n_per_kg: f64,
@@ -161,23 +144,6 @@ pub struct TruthSample {
     pub gravity_n_per_kg: f64,
     #[serde(rename = "ambient_temperature_c")]
     pub temperature_c: f64,
-}
-
-impl TruthSample {
-    fn of(at: &TraceStep, mean_effort_n_per_kg: f64) -> Self {
-        Self {
-            time_s: at.time_s,
-            location_m: at.location_m,
-            speed_mps: at.speed_mps,
-            effort_n_per_kg: at.effort_n_per_kg,
-            mean_effort_n_per_kg,
-            regime: at.regime,
-            resistance_n_per_kg: at.resistance_n_per_kg,
-            extra_n_per_kg: at.extra_n_per_kg,
-            gravity_n_per_kg: at.gravity_n_per_kg,
-            temperature_c: at.temperature_c,
-        }
-    }
 }
 
 impl Sensors {
@@ -188,7 +154,7 @@ impl Sensors {
     /// If the sampling is not a multiple of the step.
     pub fn read(
         &self,
-        trace: &[TraceStep],
+        trace: &[TruthSample],
         step_s: f64,
         rng: &mut impl Rng,
         effort_rng: &mut impl Rng,
@@ -226,7 +192,7 @@ impl Sensors {
             let speed_kmh = self.shown_kmh(speed_mps, speed_unit);
 
             let begun = &trace[row.saturating_sub(stride) + 1..=row.max(1)];
-            let mean = |effort: fn(&TraceStep) -> f64| {
+            let mean = |effort: fn(&TruthSample) -> f64| {
                 if row == 0 {
                     return 0.0;
                 }
@@ -243,7 +209,7 @@ impl Sensors {
                     + noise,
                 temperature_c: (10.0 * at.temperature_c).round() / 10.0,
             });
-            truth.push(TruthSample::of(at, mean_effort_n_per_kg));
+            truth.push(TruthSample { mean_effort_n_per_kg, ..*at });
             lost = lost.saturating_sub(1);
         }
         (samples, truth)
@@ -264,7 +230,7 @@ impl Sensors {
 }
 
 /// Location and speed `delay` steps before a row, between rows in proportion; before the start, the start.
-fn delayed(trace: &[TraceStep], row: usize, delay: f64) -> (f64, f64) {
+fn delayed(trace: &[TruthSample], row: usize, delay: f64) -> (f64, f64) {
     let place = (row as f64 - delay).max(0.0);
     let before = trace[place as usize];
     let after = trace[(place as usize + 1).min(trace.len() - 1)];
@@ -279,12 +245,13 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
-    fn steady(rows: usize) -> Vec<TraceStep> {
-        let at = |i: usize| TraceStep {
+    fn steady(rows: usize) -> Vec<TruthSample> {
+        let at = |i: usize| TruthSample {
             time_s: i as f64 * 0.1,
             location_m: i as f64 * 3.0,
             speed_mps: 30.0,
             effort_n_per_kg: i as f64,
+            mean_effort_n_per_kg: i as f64,
             reported_n_per_kg: i as f64,
             regime: Regime::Cruise,
             resistance_n_per_kg: 0.05,

@@ -37,6 +37,17 @@ pub struct History {
     pub stood_s: Option<f64>,
 }
 
+impl History {
+    /// The train stops or starts in the step that ends now.
+    pub(crate) fn stand(&mut self, from_mps: f64, to_mps: f64) {
+        if to_mps > 0.0 {
+            self.stood_s = self.standing_since_s.take().map(|since_s| self.time_s - since_s).or(self.stood_s);
+        } else if from_mps > 0.0 {
+            self.standing_since_s = Some(self.time_s);
+        }
+    }
+}
+
 /// What acts in one run.
 #[derive(Clone, Debug)]
 pub struct World {
@@ -156,8 +167,8 @@ impl World {
     /// A deceleration that the brake can give everywhere on this line, with a tenth in reserve, m/s².
     pub fn safe_deceleration_mps2(&self) -> f64 {
         let steepest = self.line.gradients_permille().iter().map(|g| g.1).fold(0.0, f64::min);
-        let pull = GRAVITY_MPS2 / self.train.gamma * steepest / 1000.0;
-        (0.9 * self.max_brake_n_per_kg() + pull).max(LEAST_DECELERATION_MPS2)
+        let downhill = GRAVITY_MPS2 / self.train.gamma * steepest / 1000.0;
+        (0.9 * self.max_brake_n_per_kg() + downhill).max(LEAST_DECELERATION_MPS2)
     }
 
     /// What arrives at the wheels of a demanded effort, N/kg.

@@ -16,31 +16,30 @@ pub enum Board {
 
 /// Why there is no firmware to start.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each has its message")]
 pub enum NoImage {
-    /// It was never built.
     #[error("no firmware at {0}: build it with `cargo xtask firmware`")]
     Missing(PathBuf),
-    /// A source is newer.
     #[error("the firmware at {image} is older than {source_file}: build it with `cargo xtask firmware`")]
-    Stale {
-        /// The firmware.
-        image: PathBuf,
-        /// A file that changed since.
-        source_file: PathBuf,
-    },
+    Stale { image: PathBuf, source_file: PathBuf },
 }
 
 impl Board {
     /// All.
     pub const ALL: [Self; 3] = [Self::L475, Self::L475Emulated, Self::Mps2];
 
+    /// Its name on the command line, the feature of the firmware that makes it, QEMU's name for it.
+    const fn names(self) -> (&'static str, Option<&'static str>, &'static str) {
+        match self {
+            Self::L475 => ("l475", None, "b-l475e-iot01a"),
+            Self::L475Emulated => ("l475-emulated", Some("emulator"), "b-l475e-iot01a"),
+            Self::Mps2 => ("mps2", Some("mps2"), "mps2-an386"),
+        }
+    }
+
     /// Name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::L475 => "l475",
-            Self::L475Emulated => "l475-emulated",
-            Self::Mps2 => "mps2",
-        }
+        self.names().0
     }
 
     /// The board of that name.
@@ -50,19 +49,11 @@ impl Board {
 
     /// The feature of the firmware that makes it.
     pub fn feature(self) -> Option<&'static str> {
-        match self {
-            Self::L475 => None,
-            Self::L475Emulated => Some("emulator"),
-            Self::Mps2 => Some("mps2"),
-        }
+        self.names().1
     }
 
-    /// QEMU's name for it.
-    pub fn machine(self) -> &'static str {
-        match self {
-            Self::L475 | Self::L475Emulated => "b-l475e-iot01a",
-            Self::Mps2 => "mps2-an386",
-        }
+    pub(crate) fn machine(self) -> &'static str {
+        self.names().2
     }
 
     /// Where `cargo xtask firmware` puts its firmware.
@@ -71,9 +62,6 @@ impl Board {
     }
 
     /// Its firmware, if it is there and no source of it is newer.
-    ///
-    /// # Errors
-    /// [`NoImage`] says what to do.
     pub fn image(self) -> Result<PathBuf, NoImage> {
         let image = self.image_path();
         let Some(built) = modified(&image) else {

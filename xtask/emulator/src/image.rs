@@ -5,24 +5,12 @@ use std::path::{Path, PathBuf};
 
 /// Why an image could not be read.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each has its message")]
 pub enum ImageError {
-    /// The file.
     #[error("{path}: {source}")]
-    File {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// Its content.
-    #[error("{path} is no firmware image: {reason}")]
-    Content {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
-    /// A symbol is not there.
+    File { path: PathBuf, source: std::io::Error },
+    #[error("{path}: expected a firmware image: {reason}")]
+    Content { path: PathBuf, reason: String },
     #[error("the image has no symbol {0}")]
     NoSymbol(String),
 }
@@ -41,9 +29,6 @@ pub struct Image {
 
 impl Image {
     /// Reads it.
-    ///
-    /// # Errors
-    /// [`ImageError`] with the path.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
         let bytes = std::fs::read(path).map_err(|source| ImageError::File { path: path.to_owned(), source })?;
         let file = object::File::parse(&*bytes)
@@ -74,15 +59,9 @@ impl Image {
     }
 
     /// Address of a symbol.
-    ///
-    /// # Errors
-    /// [`ImageError::NoSymbol`].
     pub fn address(&self, symbol: &str) -> Result<u64, ImageError> {
-        self.symbols
-            .iter()
-            .find(|(name, ..)| name == symbol)
-            .map(|(_, address, _)| *address)
-            .ok_or_else(|| ImageError::NoSymbol(symbol.to_owned()))
+        let found = self.symbols().find(|(name, ..)| *name == symbol);
+        found.map(|(_, address, _)| address).ok_or_else(|| ImageError::NoSymbol(symbol.to_owned()))
     }
 
     /// All symbols: name, address, size.

@@ -47,9 +47,6 @@ pub struct Settings {
 
 impl Settings {
     /// The firmware that `cargo xtask firmware` has built.
-    ///
-    /// # Errors
-    /// [`NoImage`] if it is missing or stale.
     pub fn new(board: Board) -> Result<Self, NoImage> {
         Ok(Self { board, image: board.image()?, sleep: Sleep::AsHost, flash: None, preloads: Vec::new() })
     }
@@ -57,31 +54,21 @@ impl Settings {
 
 /// What went wrong with the emulator.
 #[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each has its message")]
 pub enum EmulatorError {
-    /// It could not be started.
     #[error("{QEMU} could not be started ({0}): `cargo xtask setup` installs it")]
     NotFound(io::Error),
-    /// It is too old.
-    #[error("{QEMU} is version {found}, at least {OLDEST} is needed: `cargo xtask setup` installs it")]
-    TooOld {
-        /// Its version.
-        found: String,
-    },
-    /// It ended at once.
+    #[error("{QEMU}: expected version {OLDEST} or newer, found {found}: `cargo xtask setup` installs it")]
+    TooOld { found: String },
     #[error("{QEMU} ended: {0}")]
     Ended(String),
-    /// It talks to nobody.
     #[error("{QEMU} did not connect within {} s", CONNECT.as_secs())]
     Silent,
-    /// A connection or file.
     #[error(transparent)]
     Io(#[from] io::Error),
 }
 
 /// Version of the emulator on the path, checked to be new enough.
-///
-/// # Errors
-/// It is missing, or too old.
 pub fn version() -> Result<String, EmulatorError> {
     let output = Command::new(QEMU).arg("--version").output().map_err(EmulatorError::NotFound)?;
     let text = String::from_utf8_lossy(&output.stdout);
@@ -90,7 +77,7 @@ pub fn version() -> Result<String, EmulatorError> {
     if major.is_some_and(|major| major >= OLDEST) { Ok(found) } else { Err(EmulatorError::TooOld { found }) }
 }
 
-/// A running emulator. Dropping it is the loss of power.
+/// A running emulator. Dropping it is the loss of power. Its methods fail when QEMU refuses or is gone.
 pub struct Emulator {
     child: Child,
     line: TcpStream,
@@ -99,48 +86,18 @@ pub struct Emulator {
 
 impl Emulator {
     /// Starts it and connects its serial line. The firmware says when it is ready: what is sent earlier is lost, as on a real line.
-    ///
-    /// # Errors
-    /// [`EmulatorError`] with the remedy.
     pub fn start(settings: &Settings) -> Result<Self, EmulatorError> {
         version()?;
         let (line, line_at) = listen()?;
         let (control, control_at) = listen()?;
-        let mut command = Command::new(QEMU);
-        let sleep = match settings.sleep {
-            Sleep::AsHost => "on",
-            Sleep::Jumps => "off",
-        };
-        command
-            .args(["-nodefaults", "-display", "none", "-monitor", "none"])
-            .args(["-icount", &format!("shift={SHIFT},sleep={sleep}")])
-            .args(["-chardev", &client("line", line_at)])
-            .args(["-serial", "chardev:line"])
-            .args(["-chardev", &client("control", control_at)])
-            .args(["-mon", "chardev=control,mode=control"])
-            .arg("-kernel")
-            .arg(&settings.image);
-        let mut machine = settings.board.machine().to_owned();
-        if let Some(flash) = &settings.flash {
-            machine.push_str(",memory-backend=psram");
-            command.args([
-                "-object",
-                &format!("memory-backend-file,id=psram,size={SIZE},share=on,mem-path={}", flash.path().display()),
-            ]);
-        }
+        let mut command = command(settings, line_at, control_at);
         let folder = tempfile::tempdir()?;
         for (address, bytes) in &settings.preloads {
             let file = folder.path().join(format!("{address:x}.hex"));
             std::fs::write(&file, hex(*address, bytes)?)?;
             command.args(["-device", &format!("loader,file={}", file.display())]);
         }
-        command.args(["-M", &machine]);
-        let mut child = command
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(EmulatorError::NotFound)?;
+        let mut child = command.spawn().map_err(EmulatorError::NotFound)?;
         let connected = accept(&line, &mut child).and_then(|line| {
             let control = accept(&control, &mut child)?;
             let qmp = Qmp::new(control).map_err(|error| ended(&mut child).unwrap_or(error.into()))?;
@@ -161,48 +118,11 @@ impl Emulator {
     }
 
     /// A copy of the memory, while the processor stands still for that moment.
-    ///
-    /// # Errors
-    /// QEMU refuses, or is gone.
     pub fn memory(&mut self, address: u64, bytes: u64) -> io::Result<Vec<u8>> {
         let folder = tempfile::tempdir()?;
         let file = folder.path().join("memory");
         self.qmp.execute("pmemsave", json!({ "val": address, "size": bytes, "filename": file.to_string_lossy() }))?;
         std::fs::read(file)
-    }
-
-    /// A word of the memory.
-    ///
-    /// # Errors
-    /// As [`Self::memory`].
-    pub fn word(&mut self, address: u64) -> io::Result<u32> {
-        let bytes = self.memory(address, 4)?;
-        let bytes = bytes.try_into().map_err(|_| io::Error::other("no word"))?;
-        Ok(u32::from_le_bytes(bytes))
-    }
-
-    /// Holds the processor.
-    ///
-    /// # Errors
-    /// QEMU is gone.
-    pub fn hold(&mut self) -> io::Result<()> {
-        self.qmp.execute("stop", json!({})).map(drop)
-    }
-
-    /// Lets it go on.
-    ///
-    /// # Errors
-    /// QEMU is gone.
-    pub fn go_on(&mut self) -> io::Result<()> {
-        self.qmp.execute("cont", json!({})).map(drop)
-    }
-
-    /// Pushes the reset button. RAM is kept.
-    ///
-    /// # Errors
-    /// QEMU is gone.
-    pub fn reset(&mut self) -> io::Result<()> {
-        self.qmp.execute("system_reset", json!({})).map(drop)
     }
 }
 
@@ -216,6 +136,33 @@ fn end(child: &mut Child) {
     // Both fail only if it has ended.
     let _ = child.kill();
     let _ = child.wait();
+}
+
+/// QEMU with this board, its serial line and its control channel.
+fn command(settings: &Settings, line_at: SocketAddr, control_at: SocketAddr) -> Command {
+    let mut machine = settings.board.machine().to_owned();
+    let mut command = Command::new(QEMU);
+    if let Some(flash) = &settings.flash {
+        machine.push_str(",memory-backend=psram");
+        let file = flash.path().display();
+        let backend = format!("memory-backend-file,id=psram,size={SIZE},share=on,mem-path={file}");
+        command.args(["-object", &backend]);
+    }
+    let sleep = match settings.sleep {
+        Sleep::AsHost => "on",
+        Sleep::Jumps => "off",
+    };
+    command
+        .args(["-nodefaults", "-display", "none", "-monitor", "none"])
+        .args(["-icount", &format!("shift={SHIFT},sleep={sleep}")])
+        .args(["-chardev", &client("line", line_at), "-serial", "chardev:line"])
+        .args(["-chardev", &client("control", control_at), "-mon", "chardev=control,mode=control"])
+        .args(["-M", &machine, "-kernel"])
+        .arg(&settings.image)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    command
 }
 
 /// As Intel HEX: this format QEMU lays into a flash; a raw file it refuses on a machine without RAM of variable size, and single words it drops.

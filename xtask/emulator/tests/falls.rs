@@ -2,19 +2,18 @@
 
 mod common;
 
-use common::{frame, settings, wait_for};
-use emulator::{Board, Emulator, FlashFile, Image, Provoke};
+use common::{frame, wait_for};
+use emulator::{Board, Emulator, FlashFile, Image, Provoke, Settings};
 use rundown::onboard::crash_loop::{MOST_RESETS, Operation};
 use rundown::onboard::kept::Kept;
 use rundown::onboard::watchdog::Stalled;
 use rundown_wire::Failure;
 
 /// Starts the firmware, provokes it once it is ready, and waits until it has fallen so many times.
-fn after(what: Provoke, falls: u32) -> Option<Kept> {
-    let mut settings = settings(Board::Mps2)?;
+fn after(what: Provoke, falls: u32) -> Kept {
     let folder = tempfile::tempdir().unwrap();
     let flash = FlashFile::erased(&folder.path().join("flash")).unwrap();
-    settings.flash = Some(flash.clone());
+    let settings = Settings { flash: Some(flash.clone()), ..Settings::new(Board::Mps2).unwrap() };
     let image = Image::read(&settings.image).unwrap();
     let mut emulator = Emulator::start(&settings).unwrap();
     frame(&mut emulator);
@@ -22,14 +21,13 @@ fn after(what: Provoke, falls: u32) -> Option<Kept> {
     let kept = wait_for(&mut emulator, &image, |kept| kept.crash_loop.resets() == falls);
     // It is up again, or says at least that it lives.
     frame(&mut emulator);
-    Some(kept)
+    kept
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_tick_task_that_hangs_is_bitten_and_named() {
-    let Some(kept) = after(Provoke::TickHangs, 1) else {
-        return;
-    };
+    let kept = after(Provoke::TickHangs, 1);
     // The link task has the same priority, so it hangs too.
     let Failure::Stalled(who) = kept.last else { panic!("{kept:?}") };
     assert!(who.tick, "{kept:?}");
@@ -37,36 +35,32 @@ fn a_tick_task_that_hangs_is_bitten_and_named() {
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_link_task_that_hangs_is_bitten_and_named() {
-    let Some(kept) = after(Provoke::LinkHangs, 1) else {
-        return;
-    };
+    let kept = after(Provoke::LinkHangs, 1);
     let stalled = Stalled { tick: true, link: true };
     let link_only = Stalled { tick: false, ..stalled };
     assert!([stalled, link_only].map(Failure::Stalled).contains(&kept.last), "{kept:?}");
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_panic_is_reported_with_its_line() {
-    let Some(kept) = after(Provoke::Panic, 1) else {
-        return;
-    };
+    let kept = after(Provoke::Panic, 1);
     assert_eq!(kept.last.file(), "board/mps2.rs");
 }
 
 #[test]
-fn a_stack_overflow_is_told_from_other_faults() {
-    let Some(kept) = after(Provoke::StackOverflow, 1) else {
-        return;
-    };
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
+fn a_stack_overflow_is_distinguished_from_other_faults() {
+    let kept = after(Provoke::StackOverflow, 1);
     assert_eq!(kept.last, Failure::StackOverflow);
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_fault_is_reported_with_its_address() {
-    let Some(kept) = after(Provoke::Fault, 1) else {
-        return;
-    };
+    let kept = after(Provoke::Fault, 1);
     let Failure::Fault { at } = kept.last else { panic!("{kept:?}") };
     let image = Image::read(&Board::Mps2.image_path()).unwrap();
     let code = image.code.0..image.code.0 + image.code.1.len() as u64;
@@ -74,9 +68,8 @@ fn a_fault_is_reported_with_its_address() {
 }
 
 #[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn three_falls_leave_heartbeats_only() {
-    let Some(kept) = after(Provoke::Panic, MOST_RESETS as u32) else {
-        return;
-    };
+    let kept = after(Provoke::Panic, MOST_RESETS as u32);
     assert_eq!(kept.crash_loop.operation(), Operation::HeartbeatOnly);
 }

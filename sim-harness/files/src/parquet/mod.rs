@@ -17,23 +17,13 @@ use thiserror::Error;
 /// Why a Parquet file cannot be read or written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[expect(missing_docs, reason = "said by the messages")]
 pub enum ParquetError {
-    /// The file cannot be opened or made.
     #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
+    Io { path: PathBuf, source: std::io::Error },
     /// It is no Parquet file, or is broken.
     #[error("{}: {source}", path.display())]
-    Format {
-        /// The file.
-        path: PathBuf,
-        /// What the format's library says.
-        source: parquet::errors::ParquetError,
-    },
+    Format { path: PathBuf, source: parquet::errors::ParquetError },
     /// It is no file of runs.
     #[error(transparent)]
     Runs(#[from] ReadError),

@@ -2,16 +2,14 @@
 
 use super::columns;
 use super::{ParquetError, TableWriter};
-use crate::map_matching::CentreLine;
 use crate::recording::{self, Recording};
-use crate::refusal::Place;
 use crate::sample::{self, COLUMNS, Column, LOCATION, Sample};
 use crate::table::{Cell, Record};
+use crate::{map_matching::CentreLine, refusal::Place};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use rundown::model::direction::Direction;
-use std::collections::VecDeque;
-use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::{collections::VecDeque, fs::File};
 
 /// Columns of texts: name of the run, which is needed, its unit and its direction.
 const TEXTS: [&str; 3] = ["run", "unit", "direction"];

@@ -14,10 +14,9 @@ mod scale;
 pub use scale::range_of;
 
 use header::draw_header;
-use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::{coord::Shift, coord::types::RangedCoordf64};
 use rundown::Real;
 use scale::{tick, widened};
 use std::ops::Range;
@@ -104,14 +103,11 @@ pub enum Axes {
 
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "as it looks")]
 pub enum Stroke {
-    /// Solid, thick.
     Solid,
-    /// Solid, thin.
     Thin,
-    /// Dashed.
     Dashed,
-    /// Dotted.
     Dotted,
 }
 

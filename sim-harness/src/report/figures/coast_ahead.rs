@@ -5,11 +5,8 @@
 use super::super::RunView;
 use super::{BACKGROUND, BAND, KMH, figure};
 use crate::report::axis::Axis;
-use rundown::Real;
 use rundown::coast_ahead::{Arrival, CoastAhead, NINETY_PERCENT, Outcome};
-use rundown::model::state;
-use rundown::model::track::Target;
-use rundown::tick::regime::Regime;
+use rundown::{Real, model::state, model::track::Target, tick::regime::Regime};
 use rundown_pages::chart::{Layer, Panel, Point, Stroke};
 use rundown_pages::colours;
 

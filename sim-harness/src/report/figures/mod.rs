@@ -33,7 +33,6 @@ const KMH: Real = 3.6;
 /// N/kg in the unit of the figures of resistance, 10⁻³ N/kg.
 const MILLI: Real = 1e3;
 
-/// Opacity of the ±1.96 sd band.
 const BAND: Real = 0.18;
 
 const BACKGROUND: Real = 0.16;

@@ -1,12 +1,9 @@
 //! Fig. 3: speed, acceleration, effort, r0, r1, r2 of a run.
 
-use super::super::RunView;
-use super::super::resistance::NINETY_FIVE;
+use super::{super::RunView, super::resistance::NINETY_FIVE};
 use super::{BACKGROUND, BAND, KMH, figure, nothing_estimated, trusted};
 use crate::report::axis::Axis;
-use rundown::Real;
-use rundown::model::state;
-use rundown::model::train::Train;
+use rundown::{Real, model::state, model::train::Train};
 use rundown_pages::chart::{Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;

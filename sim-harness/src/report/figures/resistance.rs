@@ -1,14 +1,9 @@
 //! Running resistance: its terms along a run (Fig. 5), over speed, and of the vehicle from run to run.
 
-use super::super::RunView;
-use super::super::resistance::Resistance;
+use super::{super::RunView, super::resistance::Resistance};
 use super::{BACKGROUND, BAND, KMH, MILLI, figure, nothing_estimated};
 use crate::report::axis::Axis;
-use rundown::Real;
-use rundown::filter::gaussian::Gaussian;
-use rundown::model::state;
-use rundown::model::train::Train;
-use rundown::model::units::KmPerHour;
+use rundown::{Real, filter::gaussian::Gaussian, model::state, model::train::Train, model::units::KmPerHour};
 use rundown_pages::chart::{Axes, Figure, Layer, Panel, Stroke};
 use rundown_pages::colours;
 use std::ops::Range;

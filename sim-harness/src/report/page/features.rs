@@ -2,9 +2,8 @@
 
 use super::KMH;
 use maud::{Markup, html};
-use rundown::Real;
 use rundown::features::{EffortLine, Energy, FeatureConfig, Features, Phase};
-use rundown::model::train::Train;
+use rundown::{Real, model::train::Train};
 use rundown_pages::numbers::{NOTHING, counted, number, statistic};
 use rundown_pages::shell::{column, swatch, table, text_column};
 

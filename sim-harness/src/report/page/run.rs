@@ -4,8 +4,7 @@ use super::super::{Report, RunView, figures};
 use super::features::feature_table;
 use super::runs::{gated, no_samples};
 use maud::{Markup, html};
-use rundown::filter::ukf::Reading;
-use rundown::tick::estimate::Cause;
+use rundown::{filter::ukf::Reading, tick::estimate::Cause};
 use rundown_pages::numbers::{counted, duration, meaning, number, percent};
 use rundown_pages::shell::{column, figure, table, text_column};
 

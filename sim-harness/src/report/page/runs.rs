@@ -3,9 +3,7 @@
 use super::super::{RUNS_IN_FULL, Report, RunView, regime_shares};
 use super::KMH;
 use maud::{Markup, html};
-use rundown::Real;
-use rundown::filter::ukf::Reading;
-use rundown::tick::regime::Regime;
+use rundown::{Real, filter::ukf::Reading, tick::regime::Regime};
 use rundown_pages::numbers::{counted, number};
 use rundown_pages::shell::swatch;
 

@@ -1,10 +1,7 @@
 //! Claims on how trains are driven: sections 4.1, 4.3, 4.4.
 
 use super::{Claim, alone, claim, from_to, mean, near, percent, three};
-use crate::study::gather::Gathered;
-use crate::study::moments::Moments;
-use crate::study::tallies::Tallies;
-use crate::study::view::CLOUDS_KMH;
+use crate::{study::gather::Gathered, study::moments::Moments, study::tallies::Tallies, study::view::CLOUDS_KMH};
 use rundown::model::train::Train;
 use rundown_pages::numbers::{NOTHING, number};
 
@@ -23,27 +20,18 @@ pub(super) fn setting(train: &Train) -> [Claim; 3] {
     let band = 0.025 * train.rotating_mass_kg() / d.max_tractive_effort_n;
     let change_kmh = 3.6 * CRUISE_MPS2 * INTERVAL_S;
     [
-        claim(
-            "4.1",
-            "largest effort and largest power meet around 38 km/h",
-            alone(Some(format!("{} km/h", number(transition_kmh, 1)))),
-            Some((transition_kmh - 38.0).abs() < 1.0),
-            "of the train's description alone; within 1 km/h",
-        ),
-        claim(
-            "3.2",
-            "the coasting band of \u{b1}0.025 N/kg is approximately 5 % of the largest effort",
-            alone(percent(Some(band))),
-            Some((band - 0.05).abs() < 0.005),
-            "of the train's description alone; within half a point",
-        ),
-        claim(
-            "3.2",
-            "the bound of \u{b1}0.06 m/s\u{b2} neglects changes of speed up to 2 km/h between readings",
-            alone(Some(format!("{} km/h", number(change_kmh, 1)))),
-            Some((change_kmh - 2.0).abs() < 0.5),
-            "of the paper's numbers alone, at 10 s; to the whole km/h of a reading",
-        ),
+        claim("4.1", "largest effort and largest power meet around 38 km/h")
+            .columns(alone(Some(format!("{} km/h", number(transition_kmh, 1)))))
+            .holds(Some((transition_kmh - 38.0).abs() < 1.0))
+            .by("of the train's description alone; within 1 km/h"),
+        claim("3.2", "the coasting band of \u{b1}0.025 N/kg is approximately 5 % of the largest effort")
+            .columns(alone(percent(Some(band))))
+            .holds(Some((band - 0.05).abs() < 0.005))
+            .by("of the train's description alone; within half a point"),
+        claim("3.2", "the bound of \u{b1}0.06 m/s\u{b2} neglects changes of speed up to 2 km/h between readings")
+            .columns(alone(Some(format!("{} km/h", number(change_kmh, 1)))))
+            .holds(Some((change_kmh - 2.0).abs() < 0.5))
+            .by("of the paper's numbers alone, at 10 s; to the whole km/h of a reading"),
     ]
 }
 
@@ -54,47 +42,33 @@ pub(super) fn runs(gathered: &Gathered) -> Claim {
     let words = |(m, s)| format!("{runs} runs of {} m, a reading every {} s", number(m, 0), number(s, 1));
     let length = near(travelled_m, 32_103.0, 50.0);
     let interval = near(interval_s, INTERVAL_S, 0.1);
-    claim(
-        "4.1",
-        "67 speed profiles on a track of 32 103 m, sampled every 10 s",
-        alone(travelled_m.zip(interval_s).map(words)),
-        length.zip(interval).map(|(a, b)| a && b && runs == 67),
-        "mean from the first to the last location within 50 m, mean time between readings within 0.1 s. Simulated runs are made so",
-    )
+    claim("4.1", "67 speed profiles on a track of 32 103 m, sampled every 10 s")
+        .columns(alone(travelled_m.zip(interval_s).map(words)))
+        .holds(length.zip(interval).map(|(a, b)| a && b && runs == 67))
+        .by("mean from the first to the last location within 50 m, mean time between readings within 0.1 s. Simulated runs are made so")
 }
 
-/// Share of the runs with a reading above 140 km/h.
-fn over(gathered: &Gathered) -> Option<f64> {
-    let runs = gathered.top_kmh.count;
-    (runs > 0).then(|| gathered.over_limit as f64 / runs as f64)
-}
-
-/// Share of the runs whose true speed was above 140 km/h.
-fn truly_over(gathered: &Gathered) -> Option<f64> {
-    let runs = gathered.truth.runs;
-    (runs > 0).then(|| gathered.truly_over_limit as f64 / runs as f64)
+/// Shares of the runs above 140 km/h: those with a reading there, and those that were.
+fn over(gathered: &Gathered) -> [Option<f64>; 2] {
+    let Gathered { over_limit, truly_over_limit, top_kmh, truth, .. } = gathered;
+    let share = |(over, runs): (u64, u64)| (runs > 0).then(|| over as f64 / runs as f64);
+    [(*over_limit, top_kmh.count), (*truly_over_limit, truth.runs)].map(share)
 }
 
 pub(super) fn profiles(gathered: &Gathered) -> [Claim; 2] {
-    let over = over(gathered);
+    let [over, truly_over] = over(gathered);
     let of_runs = |share| percent(share).map(|share| share + " of the runs");
     let coast = |t: &Tallies| t.coast_mps2.variation();
     let brakes = |t: &Tallies| t.brake_steps.iter().filter_map(Moments::variation).reduce(f64::min);
     [
-        claim(
-            "2",
-            "some trains run faster than the 140 km/h of the line",
-            [of_runs(over), None, of_runs(truly_over(gathered))],
-            over.map(|over| over > 0.0 && over < 0.5),
-            "a measured speed above 140 km/h in some runs and in less than half of them",
-        ),
-        claim(
-            "2",
-            "decelerations when coasting are significantly similar for all speed profiles",
-            three(gathered, |t| percent(coast(t))),
-            coast(&gathered.paper).zip(brakes(&gathered.paper)).map(|(coast, brake)| coast < brake),
-            "coefficient of variation between runs of the mean deceleration while coasting at 100 to 120 km/h; smaller than that of the brake rates in every step",
-        ),
+        claim("2", "some trains run faster than the 140 km/h of the line")
+            .columns([of_runs(over), None, of_runs(truly_over)])
+            .holds(over.map(|over| over > 0.0 && over < 0.5))
+            .by("a measured speed above 140 km/h in some runs and in less than half of them"),
+        claim("2", "decelerations when coasting are significantly similar for all speed profiles")
+            .columns(three(gathered, |t| percent(coast(t))))
+            .holds(coast(&gathered.paper).zip(brakes(&gathered.paper)).map(|(coast, brake)| coast < brake))
+            .by("coefficient of variation between runs of the mean deceleration while coasting at 100 to 120 km/h; smaller than that of the brake rates in every step"),
     ]
 }
 
@@ -110,26 +84,21 @@ pub(super) fn regimes(gathered: &Gathered) -> [Claim; 2] {
         found.iter().zip([0.164, 0.17, 0.57, 0.093]).all(|(found, paper)| (found - paper).abs() <= 0.10)
     };
     [
-        claim(
-            "6",
-            "one run: traction 16.4 %, cruise 17 %, coast 57 %, brake 9.3 % of the time",
-            columns(),
-            found.map(is_near),
-            "mean over all runs; each within 10 points of the paper's run",
-        ),
-        claim(
-            "6",
-            "coasting is the longest phase",
-            columns(),
-            found.map(|[traction, cruise, coast, brake]| coast > traction.max(cruise).max(brake)),
-            "largest mean share. The paper's band of effort also holds steady running below about 81 km/h: the approach at 40 km/h reads as coasting",
-        ),
+        claim("6", "one run: traction 16.4 %, cruise 17 %, coast 57 %, brake 9.3 % of the time")
+            .columns(columns())
+            .holds(found.map(is_near))
+            .by("mean over all runs; each within 10 points of the paper's run"),
+        claim("6", "coasting is the longest phase")
+            .columns(columns())
+            .holds(found.map(|[traction, cruise, coast, brake]| coast > traction.max(cruise).max(brake)))
+            .by("largest mean share. The paper's band of effort also holds steady running below about 81 km/h: the approach at 40 km/h reads as coasting"),
     ]
 }
 
 pub(super) fn style(gathered: &Gathered) -> [Claim; 6] {
-    let claim = |statement, columns, holds, why| claim("7", statement, columns, holds, why);
+    let claim = |statement| claim("7", statement);
     let paper = &gathered.paper;
+    let [over, truly_over] = over(gathered);
     let cruise_over = |t: &Tallies| {
         let share = t.cruise_over_limit as f64 / t.cruise_kmh.count as f64;
         percent(Some(share).filter(|share| share.is_finite())).map(|share| format!("cruise above: {share}"))
@@ -140,54 +109,42 @@ pub(super) fn style(gathered: &Gathered) -> [Claim; 6] {
     };
     let [cruise_paper, cruise_gated, cruise_truth] = three(gathered, cruise_over);
     [
-        claim(
-            "cruise speeds are skewed towards 140 km/h",
-            three(gathered, |t| {
+        claim("cruise speeds are skewed towards 140 km/h")
+            .columns(three(gathered, |t| {
                 let skewness = number(t.cruise_kmh.skewness(), 2);
                 mean(&t.cruise_kmh, 1).map(|mean| format!("mean {mean} km/h, skewness {skewness}"))
-            }),
-            paper.cruise_kmh.skewness().map(|skewness| skewness < 0.0 && paper.cruise_kmh.mean() > Some(130.0)),
-            "negative skewness and a mean above 130 km/h",
-        ),
-        claim(
-            "140 km/h is exceeded in 12 % of the speed profiles",
-            [
-                above("read above:", over(gathered), cruise_paper),
+            }))
+            .holds(paper.cruise_kmh.skewness().map(|skewness| skewness < 0.0 && paper.cruise_kmh.mean() > Some(130.0)))
+            .by("negative skewness and a mean above 130 km/h"),
+        claim("140 km/h is exceeded in 12 % of the speed profiles")
+            .columns([
+                above("read above:", over, cruise_paper),
                 cruise_gated,
-                above("was above:", truly_over(gathered), cruise_truth),
-            ],
-            near(over(gathered), 0.12, 0.08),
-            "runs with a reading above 140 km/h, within 8 points, the 95 % interval of a share of 67 runs. Read of cruise speeds instead, the share beside it would be meant",
-        ),
-        claim(
-            "the final coast takes 2.5 to 10 min",
-            three(gathered, |t| from_to(&t.coast_s, 60.0, 1).map(|text| text + " min")),
-            (paper.coast_s.count > 0).then_some(paper.coast_s.least >= 120.0 && paper.coast_s.largest <= 630.0),
-            "from 2.0 to 10.5 min in the paper's mode",
-        ),
-        claim(
-            "lengths of the final coast vary by 30 %",
-            three(gathered, |t| percent(t.coast_s.variation())),
-            near(paper.coast_s.variation(), 0.30, 0.08),
-            "coefficient of variation, within 8 points",
-        ),
-        claim(
-            "lengths of the final brake vary by 20 %",
-            three(gathered, |t| percent(t.brake_s.variation())),
-            near(paper.brake_s.variation(), 0.20, 0.06),
-            "coefficient of variation, within 6 points",
-        ),
-        claim(
-            "the final brake is considerably shorter than the coast",
-            three(gathered, |t| Some(format!("{} s, coast {} s", mean(&t.brake_s, 0)?, mean(&t.coast_s, 0)?))),
-            paper.brake_s.mean().zip(paper.coast_s.mean()).map(|(brake, coast)| brake < 0.5 * coast),
-            "mean brake below half of the mean coast",
-        ),
+                above("was above:", truly_over, cruise_truth),
+            ])
+            .holds(near(over, 0.12, 0.08))
+            .by("runs with a reading above 140 km/h, within 8 points, the 95 % interval of a share of 67 runs. Read of cruise speeds instead, the share beside it would be meant"),
+        claim("the final coast takes 2.5 to 10 min")
+            .columns(three(gathered, |t| from_to(&t.coast_s, 60.0, 1).map(|text| text + " min")))
+            .holds((paper.coast_s.count > 0).then_some(paper.coast_s.least >= 120.0 && paper.coast_s.largest <= 630.0))
+            .by("from 2.0 to 10.5 min in the paper's mode"),
+        claim("lengths of the final coast vary by 30 %")
+            .columns(three(gathered, |t| percent(t.coast_s.variation())))
+            .holds(near(paper.coast_s.variation(), 0.30, 0.08))
+            .by("coefficient of variation, within 8 points"),
+        claim("lengths of the final brake vary by 20 %")
+            .columns(three(gathered, |t| percent(t.brake_s.variation())))
+            .holds(near(paper.brake_s.variation(), 0.20, 0.06))
+            .by("coefficient of variation, within 6 points"),
+        claim("the final brake is considerably shorter than the coast")
+            .columns(three(gathered, |t| Some(format!("{} s, coast {} s", mean(&t.brake_s, 0)?, mean(&t.coast_s, 0)?))))
+            .holds(paper.brake_s.mean().zip(paper.coast_s.mean()).map(|(brake, coast)| brake < 0.5 * coast))
+            .by("mean brake below half of the mean coast"),
     ]
 }
 
 pub(super) fn brake(gathered: &Gathered) -> [Claim; 3] {
-    let claim = |statement, columns, holds, why| claim("8", statement, columns, holds, why);
+    let claim = |statement| claim("8", statement);
     // A step with fewer samples is left out of the verdict.
     let known = |m: &Moments| m.count >= FEWEST_OF_A_STEP;
     let all = |t: &Tallies, of: fn(&Moments) -> Option<f64>| {
@@ -215,30 +172,24 @@ pub(super) fn brake(gathered: &Gathered) -> [Claim; 3] {
     };
     let paper = &gathered.paper;
     [
-        claim(
-            "the lower the speed, the higher the mean brake rate",
-            three(gathered, |t| means(t).map(words)),
-            means(paper).and_then(rises),
-            "means above 130, 130 to 80, 80 to 60, 60 to 40, below 40 km/h; the lower steps above the upper ones; steps of fewer than 10 samples are left out",
-        ),
-        claim(
-            "brake rates vary more at lower speeds, most below 40 km/h",
-            three(gathered, |t| sds(t).map(words)),
-            sds(paper).and_then(widest),
-            "standard deviations of the same steps; the largest below 40 km/h",
-        ),
-        claim(
-            "steps from 40 to 80 km/h are alike, and those above 80 km/h",
-            three(gathered, |t| means(t).map(words)),
-            means(paper).zip(sds(paper)).and_then(|(m, sd)| alike(m, sd)),
-            "means of both pairs nearer than their standard deviation; no data where a step has fewer than 10 samples",
-        ),
+        claim("the lower the speed, the higher the mean brake rate")
+            .columns(three(gathered, |t| means(t).map(words)))
+            .holds(means(paper).and_then(rises))
+            .by("means above 130, 130 to 80, 80 to 60, 60 to 40, below 40 km/h; the lower steps above the upper ones; steps of fewer than 10 samples are left out"),
+        claim("brake rates vary more at lower speeds, most below 40 km/h")
+            .columns(three(gathered, |t| sds(t).map(words)))
+            .holds(sds(paper).and_then(widest))
+            .by("standard deviations of the same steps; the largest below 40 km/h"),
+        claim("steps from 40 to 80 km/h are alike, and those above 80 km/h")
+            .columns(three(gathered, |t| means(t).map(words)))
+            .holds(means(paper).zip(sds(paper)).and_then(|(m, sd)| alike(m, sd)))
+            .by("means of both pairs nearer than their standard deviation; no data where a step has fewer than 10 samples"),
     ]
 }
 
 pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 5] {
     let stated_kw = train.description().max_power_w / 1000.0;
-    let claim = |statement, columns, holds, why: String| claim("9", statement, columns, holds, why);
+    let claim = |statement| claim("9", statement);
     let paper = &gathered.paper;
     let clouds = |t: &Tallies| t.clouds_kw[0].mean().zip(t.clouds_kw[1].mean());
     let both = |t: &Tallies| {
@@ -250,41 +201,31 @@ pub(super) fn power(gathered: &Gathered, train: &Train) -> [Claim; 5] {
     let [count_paper, count_gated, _] =
         three(gathered, |t| mean(&t.effort_samples, 1).map(|count| format!("{count} a run")));
     [
-        claim(
-            "two clouds: below the manufacturer's power up to 115 km/h, above it at higher speeds",
-            three(gathered, |t| {
+        claim("two clouds: below the manufacturer's power up to 115 km/h, above it at higher speeds")
+            .columns(three(gathered, |t| {
                 let (below, above) = clouds(t)?;
                 Some(format!("{} kW below {CLOUDS_KMH} km/h, {} kW above", number(below, 0), number(above, 0)))
-            }),
-            clouds(paper).map(|(below, above)| below < stated_kw && above > stated_kw),
-            format!(
+            }))
+            .holds(clouds(paper).map(|(below, above)| below < stated_kw && above > stated_kw))
+            .by(format!(
                 "mean power from 50 km/h on and up to 130 km/h, below and above the manufacturer's {} kW. The paper suspects feeding sections of different power; they appear where the line of these runs has such sections",
                 number(stated_kw, 0)
-            ),
-        ),
-        claim(
-            "all trajectories have power in both clouds",
-            three(gathered, |t| percent(both(t))),
-            both(paper).map(|share| share >= 0.95),
-            format!("runs with power below the manufacturer's from 50 to {CLOUDS_KMH} km/h and above it from there to 130 km/h; at least 95 %"),
-        ),
-        claim(
-            "the largest power at lower speeds varies much between runs",
-            three(gathered, |t| percent(varies(t))),
-            varies(paper).map(|cv| cv > READING_CV),
-            format!("coefficient of variation of the largest power at 50 to 90 km/h; above the {} % that readings in whole km/h make of one power", number(100.0 * READING_CV, 0)),
-        ),
-        claim(
-            "the manufacturer's power is an accurate upper bound of the largest power at 50 to 90 km/h",
-            three(gathered, |t| percent(largest(t))),
-            largest(paper).map(|share| (0.95..=1.10).contains(&share)),
-            "largest of all runs, as a share of the manufacturer's; 95 to 110 %, for readings in whole km/h add up to 10 %".to_owned(),
-        ),
-        claim(
-            "there are not enough data for the largest tractive effort",
-            [count_paper, count_gated, None],
-            paper.effort_samples.mean().map(|count| count < 3.0),
-            "intervals of continuous acceleration at 10 to 30 km/h; fewer than 3 a run".to_owned(),
-        ),
+            )),
+        claim("all trajectories have power in both clouds")
+            .columns(three(gathered, |t| percent(both(t))))
+            .holds(both(paper).map(|share| share >= 0.95))
+            .by(format!("runs with power below the manufacturer's from 50 to {CLOUDS_KMH} km/h and above it from there to 130 km/h; at least 95 %")),
+        claim("the largest power at lower speeds varies much between runs")
+            .columns(three(gathered, |t| percent(varies(t))))
+            .holds(varies(paper).map(|cv| cv > READING_CV))
+            .by(format!("coefficient of variation of the largest power at 50 to 90 km/h; above the {} % that readings in whole km/h make of one power", number(100.0 * READING_CV, 0))),
+        claim("the manufacturer's power is an accurate upper bound of the largest power at 50 to 90 km/h")
+            .columns(three(gathered, |t| percent(largest(t))))
+            .holds(largest(paper).map(|share| (0.95..=1.10).contains(&share)))
+            .by("largest of all runs, as a share of the manufacturer's; 95 to 110 %, for readings in whole km/h add up to 10 %"),
+        claim("there are not enough data for the largest tractive effort")
+            .columns([count_paper, count_gated, None])
+            .holds(paper.effort_samples.mean().map(|count| count < 3.0))
+            .by("intervals of continuous acceleration at 10 to 30 km/h; fewer than 3 a run"),
     ]
 }

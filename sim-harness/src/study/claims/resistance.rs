@@ -1,16 +1,10 @@
 //! Claims on the filter and the resistance: section 4.2.
 
 use super::{Claim, Columns, alone, claim, from_to, mean, near, percent, three};
-use crate::study::case::CaseTruth;
 use crate::study::gather::{Example, Gathered};
-use crate::study::moments::Moments;
 use crate::study::tallies::{R0_BAND, Tallies};
-use crate::study::trials::Sensitivity;
-use crate::study::view::CLOUDS_KMH;
-use rundown::model::state;
-use rundown::model::train::Train;
-use rundown::tick::estimate::Estimate;
-use rundown::tick::regime::Regime;
+use crate::{study::case::CaseTruth, study::moments::Moments, study::trials::Sensitivity, study::view::CLOUDS_KMH};
+use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
 use rundown_pages::numbers::number;
 use rundown_truth::sensors::TruthSample;
@@ -32,7 +26,7 @@ fn of_example(
 }
 
 pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
-    let claim = |statement, columns, holds, why: String| claim("3", statement, columns, holds, why);
+    let claim = |statement| claim("3", statement);
     let example = gathered.example.as_ref();
     let paper = example.map(|example| &example.paper);
     let max_brake_mps2 = train.description().max_brake_mps2;
@@ -49,46 +43,34 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     let rises = path.as_ref().and_then(Path::rises);
     let alike = path.as_ref().and_then(Path::alike);
     vec![
-        claim(
-            "the speed profile is accurately reproduced",
-            three(gathered, |t| match (mean(&t.speed_rms_kmh, 2), mean(&t.speed_error_kmh, 2)) {
+        claim("the speed profile is accurately reproduced")
+            .columns(three(gathered, |t| match (mean(&t.speed_rms_kmh, 2), mean(&t.speed_error_kmh, 2)) {
                 (Some(rms), Some(error)) => Some(format!("{rms} km/h, {error} from the truth")),
                 (Some(rms), None) => Some(format!("{rms} km/h")),
                 (None, error) => error.map(|error| format!("the readings: {error} km/h")),
-            }),
-            gathered.paper.speed_rms_kmh.mean().map(|rms| rms < 1.0),
-            "root mean square of filtered less measured speed, mean over runs, and of filtered less true speed; the first below the 1 km/h of the reading. That the speed is tracked says nothing of the resistance".to_owned(),
-        ),
-        claim(
-            "the deceleration of the final brake stays below 59 % of the largest",
-            of_example(example, percent, brake, true_brake),
-            near(paper.and_then(brake), 0.59, 0.15),
-            "largest brake rate of this run; a driver's choice, within 15 points".to_owned(),
-        ),
-        claim(
-            "the effort exceeds the manufacturer's boundary at the end of the acceleration",
-            of_example(example, percent, exceeds, truly_exceeds),
-            paper.and_then(exceeds).map(|share| share > 1.0),
-            format!("largest effort of this run above {CLOUDS_KMH} km/h, of the manufacturer's at that speed; above 100 %"),
-        ),
-        claim(
-            "the coefficients decrease at the beginning of the run",
-            [fine_percent(falls).map(|share| format!("r0 {share} after the acceleration")), None, constant()],
-            falls.map(|share| share < 0.0),
-            format!("change of r0 from the first sample to the one of the largest speed; below zero. {BLIND}"),
-        ),
-        claim(
-            "the coefficients increase again at lower speeds",
-            [fine_percent(rises).map(|share| format!("r0 {share} over the final brake")), None, constant()],
-            rises.map(|share| share > 0.0),
-            format!("change of r0 from the least value to the last sample; above zero. The true coefficients stay: what moves is the lag of the effort. {BLIND}"),
-        ),
-        claim(
-            "the three coefficients show similar dynamics",
-            [alike.map(|c| format!("least correlation {}", number(c, 2))), None, constant()],
-            alike.map(|c| c > 0.8),
-            "least correlation of any two of r0, r1, r2 along the run; above 0.8".to_owned(),
-        ),
+            }))
+            .holds(gathered.paper.speed_rms_kmh.mean().map(|rms| rms < 1.0))
+            .by("root mean square of filtered less measured speed, mean over runs, and of filtered less true speed; the first below the 1 km/h of the reading. That the speed is tracked says nothing of the resistance"),
+        claim("the deceleration of the final brake stays below 59 % of the largest")
+            .columns(of_example(example, percent, brake, true_brake))
+            .holds(near(paper.and_then(brake), 0.59, 0.15))
+            .by("largest brake rate of this run; a driver's choice, within 15 points"),
+        claim("the effort exceeds the manufacturer's boundary at the end of the acceleration")
+            .columns(of_example(example, percent, exceeds, truly_exceeds))
+            .holds(paper.and_then(exceeds).map(|share| share > 1.0))
+            .by(format!("largest effort of this run above {CLOUDS_KMH} km/h, of the manufacturer's at that speed; above 100 %")),
+        claim("the coefficients decrease at the beginning of the run")
+            .columns([fine_percent(falls).map(|share| format!("r0 {share} after the acceleration")), None, constant()])
+            .holds(falls.map(|share| share < 0.0))
+            .by(format!("change of r0 from the first sample to the one of the largest speed; below zero. {BLIND}")),
+        claim("the coefficients increase again at lower speeds")
+            .columns([fine_percent(rises).map(|share| format!("r0 {share} over the final brake")), None, constant()])
+            .holds(rises.map(|share| share > 0.0))
+            .by(format!("change of r0 from the least value to the last sample; above zero. The true coefficients stay: what moves is the lag of the effort. {BLIND}")),
+        claim("the three coefficients show similar dynamics")
+            .columns([alike.map(|c| format!("least correlation {}", number(c, 2))), None, constant()])
+            .holds(alike.map(|c| c > 0.8))
+            .by("least correlation of any two of r0, r1, r2 along the run; above 0.8"),
     ]
 }
 
@@ -165,7 +147,7 @@ fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
 }
 
 pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> [Claim; 4] {
-    let claim = |statement, columns, holds, why: String| claim("4", statement, columns, holds, why);
+    let claim = |statement| claim("4", statement);
     let paper = &gathered.paper;
     let in_band = |t: &Tallies| {
         let count = t.davis_samples[0].count;
@@ -175,44 +157,36 @@ pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> [Claim; 4] {
     let stated = train.davis().r0;
     let below = |t: &Tallies| t.davis_samples[0].mean().map(|mean| mean / stated - 1.0);
     [
-        claim(
-            "besides outliers, r0 lies between 0.0072 and 0.00738 N/kg",
-            three(gathered, |t| {
+        claim("besides outliers, r0 lies between 0.0072 and 0.00738 N/kg")
+            .columns(three(gathered, |t| {
                 let (ends, band) = (from_to(&t.davis_samples[0], 1e-3, 2)?, percent(in_band(t))?);
                 Some(format!("{ends} \u{b7} 10\u{207b}\u{b3} N/kg, {band} inside"))
-            }),
-            in_band(paper).map(|share| share >= 0.9),
-            format!(
+            }))
+            .holds(in_band(paper).map(|share| share >= 0.9))
+            .by(format!(
                 "share of samples from {} to {} N/kg; at least 90 %. These are the bounds that Table 1's initial deviations allow, not those of the train",
                 R0_BAND.start(),
                 R0_BAND.end()
-            ),
-        ),
-        claim(
-            "the distributions of r0, r1, r2 have negative skewness",
-            three(gathered, |t| {
+            )),
+        claim("the distributions of r0, r1, r2 have negative skewness")
+            .columns(three(gathered, |t| {
                 skewness(t).map(|all| all.iter().map(|s| number(*s, 2)).collect::<Vec<String>>().join(" / "))
-            }),
-            skewness(paper).map(|all| all.iter().all(|s| *s < 0.0)),
-            "skewness over all samples, all three below zero".to_owned(),
-        ),
-        claim(
-            "the manufacturer overestimates r0",
-            three(gathered, |t| percent(below(t))),
-            below(paper).map(|share| share < 0.0),
-            format!("mean over all samples against the manufacturer's; below zero. {BLIND}"),
-        ),
-        claim(
-            "the coefficients are never negative with Table 1",
-            three(gathered, |t| (t.runs > 0).then(|| format!("{} of {} runs negative", t.negative_runs, t.runs))),
-            (paper.runs > 0).then_some(paper.negative_runs == 0),
-            "no run with a coefficient below zero".to_owned(),
-        ),
+            }))
+            .holds(skewness(paper).map(|all| all.iter().all(|s| *s < 0.0)))
+            .by("skewness over all samples, all three below zero"),
+        claim("the manufacturer overestimates r0")
+            .columns(three(gathered, |t| percent(below(t))))
+            .holds(below(paper).map(|share| share < 0.0))
+            .by(format!("mean over all samples against the manufacturer's; below zero. {BLIND}")),
+        claim("the coefficients are never negative with Table 1")
+            .columns(three(gathered, |t| (t.runs > 0).then(|| format!("{} of {} runs negative", t.negative_runs, t.runs))))
+            .holds((paper.runs > 0).then_some(paper.negative_runs == 0))
+            .by("no run with a coefficient below zero"),
     ]
 }
 
 pub(super) fn terms(gathered: &Gathered, train: &Train) -> [Claim; 4] {
-    let claim = |statement, columns, holds, why: String| claim("5", statement, columns, holds, why);
+    let claim = |statement| claim("5", statement);
     let share = |terms: [f64; 3], term: usize| terms[term] / terms.iter().sum::<f64>();
     let example = gathered.example.as_ref();
     let paper = example.map(|example| &example.paper);
@@ -230,37 +204,31 @@ pub(super) fn terms(gathered: &Gathered, train: &Train) -> [Claim; 4] {
     let stated = train.davis().terms_n_per_kg(140.0 / 3.6);
     let up_to = |statement, term: usize, wanted: f64| {
         let of = |terms| share(terms, term);
-        claim(
-            statement,
-            of_example(example, percent, |run| of_run(run).map(of), |truth| of_truth(truth).map(of)),
-            near(paper.and_then(of_run).map(of), wanted, 0.015),
-            format!(
+        claim(statement)
+            .columns(of_example(example, percent, |run| of_run(run).map(of), |truth| of_truth(truth).map(of)))
+            .holds(near(paper.and_then(of_run).map(of), wanted, 0.015))
+            .by(format!(
                 "share of the running resistance at the largest speed of the run, within 1.5 points; the manufacturer's coefficients give {} at 140 km/h",
                 percent(Some(of(stated))).unwrap_or_default()
-            ),
-        )
+            ))
     };
     let above = |terms| 100.0 * (share(terms, 0) - share(terms, 1));
     let points = |value: Option<f64>| value.map(|v| format!("{} points", number(v, 1)));
     let [moves_paper, moves_gated, _] = of_example(example, fine_percent, constant_moves, |_| None);
     [
         up_to("the linear term accounts for up to 11 %", 1, 0.11),
-        claim(
-            "the linear term is only 2 points below the constant one",
-            of_example(example, points, |run| of_run(run).map(above), |truth| of_truth(truth).map(above)),
-            near(paper.and_then(of_run).map(above), 2.0, 1.0),
-            format!(
+        claim("the linear term is only 2 points below the constant one")
+            .columns(of_example(example, points, |run| of_run(run).map(above), |truth| of_truth(truth).map(above)))
+            .holds(near(paper.and_then(of_run).map(above), 2.0, 1.0))
+            .by(format!(
                 "difference of their shares at the largest speed of the run, within 1 point; the manufacturer's coefficients give {} at 140 km/h",
                 points(Some(above(stated))).unwrap_or_default()
-            ),
-        ),
+            )),
         up_to("the quadratic term accounts for up to 76 %", 2, 0.76),
-        claim(
-            "variations of the constant term do not vary the whole significantly",
-            [moves_paper, moves_gated, Some("constant within a run".to_owned())],
-            paper.and_then(constant_moves).map(|share| share < 0.01),
-            format!("range of r0 in this run over the running resistance at its largest speed; below 1 %. {BLIND}"),
-        ),
+        claim("variations of the constant term do not vary the whole significantly")
+            .columns([moves_paper, moves_gated, Some("constant within a run".to_owned())])
+            .holds(paper.and_then(constant_moves).map(|share| share < 0.01))
+            .by(format!("range of r0 in this run over the running resistance at its largest speed; below 1 %. {BLIND}")),
     ]
 }
 
@@ -281,11 +249,8 @@ pub(super) fn initial(sensitivity: &[Sensitivity]) -> Claim {
     let listed = |factor| of(factor).map(words).collect::<Vec<_>>().join("; ");
     let some = !sensitivity.is_empty();
     let negative = || sensitivity.iter().any(|s| s.factor > 1.0 && s.negative_runs > 0);
-    claim(
-        "4.2",
-        "two orders of magnitude more in one initial covariance of a coefficient give negative coefficients",
-        alone(some.then(|| format!("{}; {}", listed(10.0), listed(100.0)))),
-        some.then(|| negative() && of(1.0).all(|s| s.negative_runs == 0)),
-        "runs with a negative coefficient when the initial standard deviation is 10 times (covariance 100 times) or 100 times as large; some with it, none with Table 1",
-    )
+    claim("4.2", "two orders of magnitude more in one initial covariance of a coefficient give negative coefficients")
+        .columns(alone(some.then(|| format!("{}; {}", listed(10.0), listed(100.0)))))
+        .holds(some.then(|| negative() && of(1.0).all(|s| s.negative_runs == 0)))
+        .by("runs with a negative coefficient when the initial standard deviation is 10 times (covariance 100 times) or 100 times as large; some with it, none with Table 1")
 }

@@ -1,9 +1,8 @@
 //! Fig. 8: brake rate over speed, with mean and standard deviation of each ATB-EG step.
 
 use super::{Drawn, Eyes, Picture, number, text};
-use crate::study::moments::Moments;
-use crate::study::tallies::Tallies;
 use crate::study::view::{ATB_NAMES, ATB_STEPS_KMH};
+use crate::{study::moments::Moments, study::tallies::Tallies};
 use plotters::style::RGBColor;
 use rundown_files::table::Record;
 use rundown_pages::chart::{Figure, Layer, Panel, Stroke};

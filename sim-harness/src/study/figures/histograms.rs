@@ -32,7 +32,6 @@ pub fn bins(values: &[f64], width: f64) -> Vec<(Range<f64>, f64)> {
     bins
 }
 
-/// Fig. 4 through one pair of eyes.
 pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
     let coefficients = [
         ("r0", "r0, 10\u{207b}\u{b3} N/kg", 1e3, manufacturer.r0),
@@ -77,7 +76,6 @@ pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
     }
 }
 
-/// Fig. 7 through one pair of eyes.
 pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
     type Pick = fn(&Outcome) -> Option<f64>;
     let quantities: [(&str, &str, f64, Pick); 3] = [

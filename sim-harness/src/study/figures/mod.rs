@@ -16,8 +16,7 @@ pub(crate) mod profiles;
 pub(crate) mod run;
 pub(crate) mod slope;
 
-use super::gather::Drawn;
-use super::view::Seen;
+use super::{gather::Drawn, view::Seen};
 use rundown_files::table::{Cell, Record};
 
 #[derive(Clone, Debug, PartialEq)]
@@ -38,17 +37,19 @@ impl Eyes {
     pub const BOTH: [Self; 2] = [Self::Paper, Self::Gated];
 
     pub const fn word(self) -> &'static str {
+        self.pick("paper", "gated")
+    }
+
+    /// What these eyes see, of what each sees.
+    pub const fn pick<T: Copy>(self, paper: T, gated: T) -> T {
         match self {
-            Self::Paper => "paper",
-            Self::Gated => "gated",
+            Self::Paper => paper,
+            Self::Gated => gated,
         }
     }
 
     pub fn of(self, run: &Drawn) -> &Seen {
-        match self {
-            Self::Paper => &run.paper,
-            Self::Gated => &run.gated,
-        }
+        self.pick(&run.paper, &run.gated)
     }
 }
 

@@ -2,23 +2,16 @@
 
 use super::{Eyes, Picture, number, text};
 use crate::report::{RunView, TruthView, figures};
-use crate::study::case::CaseTruth;
-use crate::study::gather::Example;
-use rundown::model::resistance::Davis;
-use rundown::model::state;
-use rundown::model::train::Train;
-use rundown_files::replay::ReplayedRun;
-use rundown_files::table::Record;
+use crate::{study::case::CaseTruth, study::gather::Example};
+use rundown::{model::resistance::Davis, model::state, model::train::Train};
+use rundown_files::{replay::ReplayedRun, table::Record};
 
 pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
-    let run = match eyes {
-        Eyes::Paper => &example.paper,
-        Eyes::Gated => &example.gated,
-    };
+    let run = eyes.pick(&example.paper, &example.gated);
     let truth = example.truth.as_ref().map(truth_view);
     let view = RunView::of(run, truth.as_ref());
     let word = eyes.word();
-    let picture = |name: &str, caption: String, svg: String, columns: &[&str]| Picture {
+    let picture = |name: &str, caption: String, svg: String, columns: &str| Picture {
         name: format!("{name}_{word}"),
         caption,
         svg,
@@ -32,20 +25,8 @@ pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
                 "Speed, acceleration, effort and the three coefficients of {of}. Dashed: the largest deceleration, the largest tractive effort at each speed, the manufacturer's coefficients."
             ),
             figures::motion(&view, train),
-            &[
-                "measured_kmh",
-                "estimated_kmh",
-                "acceleration_mps2",
-                "effort_n_per_kg",
-                "max_effort_n_per_kg",
-                "r0",
-                "r1",
-                "r2",
-                "true_effort_n_per_kg",
-                "true_r0",
-                "true_r1",
-                "true_r2",
-            ],
+            "measured_kmh estimated_kmh acceleration_mps2 effort_n_per_kg max_effort_n_per_kg r0 r1 r2 \
+                true_effort_n_per_kg true_r0 true_r1 true_r2",
         ),
         picture(
             "fig5_resistance",
@@ -53,19 +34,13 @@ pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
                 "Terms of the running resistance of {of}, stacked, and the resistance of the gradient in the same scale on the right axis."
             ),
             figures::resistance_terms(&view),
-            &[
-                "constant_n_per_kg",
-                "linear_n_per_kg",
-                "quadratic_n_per_kg",
-                "gradient_n_per_kg",
-                "true_resistance_n_per_kg",
-            ],
+            "constant_n_per_kg linear_n_per_kg quadratic_n_per_kg gradient_n_per_kg true_resistance_n_per_kg",
         ),
         picture(
             "fig6_regimes",
             format!("Driving regimes of {of}."),
             figures::regimes(&view),
-            &["estimated_kmh", "regime", "true_regime"],
+            "estimated_kmh regime true_regime",
         ),
     ]
 }
@@ -82,7 +57,7 @@ fn truth_view(truth: &CaseTruth) -> TruthView {
 }
 
 /// Time, location and the columns asked for, a row a sample.
-fn records(run: &ReplayedRun, truth: Option<&CaseTruth>, train: &Train, columns: &[&str]) -> Vec<Record> {
+fn records(run: &ReplayedRun, truth: Option<&CaseTruth>, train: &Train, columns: &str) -> Vec<Record> {
     let rows = run.estimates.iter().enumerate();
     rows.map(|(index, estimate)| {
         let speed_mps = estimate.belief.mean[state::SPEED];
@@ -93,7 +68,7 @@ fn records(run: &ReplayedRun, truth: Option<&CaseTruth>, train: &Train, columns:
         let true_davis = truth.map(|truth| truth.facts.davis);
         let mut record =
             vec![number("time_s", estimate.time_s), number("location_m", estimate.belief.mean[state::LOCATION])];
-        record.extend(columns.iter().map(|column| match *column {
+        record.extend(columns.split_whitespace().map(|column| match column {
             "measured_kmh" => number(column, measured.map(|v| 3.6 * v)),
             "estimated_kmh" => number(column, 3.6 * speed_mps),
             "acceleration_mps2" => number(column, estimate.acceleration_mps2),

@@ -1,6 +1,7 @@
 //! Whether an effect can be simulated at all.
 
 use super::Affected;
+use rundown_wire::EffectKind;
 use thiserror::Error;
 
 /// Why an effect was refused.
@@ -27,44 +28,82 @@ pub enum EffectError {
     },
 }
 
+/// A parameter as it stands in files.
+#[derive(Clone, Copy, Debug)]
+pub enum Parameter<'a> {
+    /// A number.
+    Number(f64),
+    /// The runs in which the effect acts.
+    Runs(&'a Affected),
+}
+
+impl From<&f64> for Parameter<'_> {
+    fn from(number: &f64) -> Self {
+        Self::Number(*number)
+    }
+}
+
+impl<'a> From<&'a Affected> for Parameter<'a> {
+    fn from(runs: &'a Affected) -> Self {
+        Self::Runs(runs)
+    }
+}
+
 /// What is expected of the parameters of an effect.
 #[derive(Clone, Copy, Debug)]
 pub struct Expect {
-    /// Name of the effect.
-    pub effect: &'static str,
+    pub(super) effect: &'static str,
     /// Whether the line has curves.
-    pub curves: bool,
+    pub(super) curves: bool,
 }
 
 impl Expect {
-    pub(super) fn that(&self, good: bool, field: &'static str, expected: &str, found: f64) -> Result<(), EffectError> {
+    /// Ranges are those of the catalogue, in its order; what is in no catalogue is finite. Ends of a section stand before, runs behind them.
+    pub(super) fn all(
+        &self,
+        kind: Option<EffectKind>,
+        parameters: &[(&'static str, Parameter)],
+    ) -> Result<(), EffectError> {
+        let mut ranges = kind.map_or(&[][..], EffectKind::parameters).iter();
+        let mut from_m = f64::NEG_INFINITY;
+        for &(field, parameter) in parameters {
+            match (field, parameter) {
+                (_, Parameter::Runs(Affected::Share(share))) => self.within(field, *share, 0.0, 1.0)?,
+                (_, Parameter::Runs(Affected::Numbers(runs))) => {
+                    self.that(!runs.contains(&0), field, "1 or more", 0.0)?
+                }
+                ("from_m", Parameter::Number(at_m)) => {
+                    self.finite(field, at_m)?;
+                    from_m = at_m;
+                }
+                ("to_m", Parameter::Number(at_m)) => {
+                    self.finite(field, at_m)?;
+                    self.that(at_m > from_m, field, "a place beyond from_m", at_m)?;
+                }
+                (_, Parameter::Number(found)) => match ranges.next() {
+                    Some(range) => self.within(range.name, found, range.least, range.most)?,
+                    None => self.finite(field, found)?,
+                },
+            }
+        }
+        Ok(())
+    }
+
+    fn that(&self, good: bool, field: &'static str, expected: &str, found: f64) -> Result<(), EffectError> {
         let refused = || EffectError::OutOfRange { effect: self.effect, field, expected: expected.to_owned(), found };
         good.then_some(()).ok_or_else(refused)
     }
 
-    pub(super) fn finite(&self, field: &'static str, value: f64) -> Result<(), EffectError> {
-        self.that(value.is_finite() && value.abs() < 1e7, field, "finite", value)
+    fn finite(&self, field: &'static str, value: f64) -> Result<(), EffectError> {
+        self.that(value.abs() < 1e7, field, "a finite number", value)
     }
 
-    pub(super) fn positive(&self, field: &'static str, value: f64) -> Result<(), EffectError> {
-        self.that(value.is_finite() && value > 0.0, field, "above 0", value)
+    pub(super) fn above_zero(&self, field: &'static str, value: f64) -> Result<(), EffectError> {
+        self.that(value > 0.0, field, "above 0", value)
     }
 
     pub(super) fn within(&self, field: &'static str, value: f64, least: f64, most: f64) -> Result<(), EffectError> {
         self.that((least..=most).contains(&value), field, &format!("{least} to {most}"), value)
-    }
-
-    pub(super) fn section(&self, from_m: f64, to_m: f64) -> Result<(), EffectError> {
-        self.finite("from_m", from_m)?;
-        self.finite("to_m", to_m)?;
-        self.that(to_m > from_m, "to_m", "beyond from_m", to_m)
-    }
-
-    pub(super) fn runs(&self, runs: &Affected) -> Result<(), EffectError> {
-        match runs {
-            Affected::Share(share) => self.that((0.0..=1.0).contains(share), "runs", "a share of 0 to 1", *share),
-            Affected::Numbers(numbers) => self.that(!numbers.contains(&0), "runs", "numbers counted from 1", 0.0),
-        }
     }
 
     pub(super) fn curves(&self) -> Result<(), EffectError> {

@@ -1,19 +1,13 @@
 //! Curves: so many times Roeckl's formula of the curves of the line.
 
-use super::{EffectError, Expect, Law, Moment, Setting};
+use super::*;
 use crate::line::{Curve, Line};
 use crate::train::GRAVITY_MPS2;
-use serde::{Deserialize, Serialize};
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CurveResistance {
-    pub coefficient_roeckl: f64,
-}
+parameters!(CurveResistance { coefficient_roeckl: f64 });
 
 impl Law for CurveResistance {
     fn check(&self, expect: &Expect) -> Result<(), EffectError> {
-        expect.finite("coefficient_roeckl", self.coefficient_roeckl)?;
         expect.curves()
     }
 

@@ -1,19 +1,12 @@
 //! More resistance from a day on (a worn bearing); `from_share` of the period of the runs.
 
-use super::{EffectError, Expect, Law, Moment, Setting};
-use serde::{Deserialize, Serialize};
+use super::*;
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DayStep {
-    pub from_share: f64,
-    pub drag_n_per_kg: f64,
-}
+parameters!(DayStep { from_share: f64, drag_n_per_kg: f64 });
 
 impl Law for DayStep {
     fn check(&self, expect: &Expect) -> Result<(), EffectError> {
-        expect.within("from_share", self.from_share, 0.0, 1.0)?;
-        expect.finite("drag_n_per_kg", self.drag_n_per_kg)
+        expect.within("from_share", self.from_share, 0.0, 1.0)
     }
 
     fn extra_n_per_kg(&self, _setting: &Setting, at: &Moment) -> f64 {

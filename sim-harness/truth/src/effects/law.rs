@@ -1,6 +1,6 @@
 //! What an effect can change of the truth.
 
-use super::{Affected, EffectError, Expect};
+use super::{Affected, EffectError, Expect, Parameter};
 use crate::line::Line;
 use crate::motion::Motion;
 use crate::train::TrainTruth;
@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 /// A moment of a run, as the laws of the effects see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// Location along the way travelled, and speed.
+    /// Location along the distance travelled, and speed.
     pub motion: Motion,
     /// Since the departure of the run, s; 0 before.
     pub since_departure_s: f64,
@@ -87,13 +87,21 @@ pub enum Together {
     Day,
 }
 
+/// The parameters of a kind of effect.
+pub trait Parameters {
+    /// With their names, in the order of files.
+    fn parameters(&self) -> Vec<(&'static str, Parameter<'_>)>;
+}
+
 /// The law of a kind of effect. What it does not state, it leaves as it is.
-pub trait Law {
-    /// Checks the parameters.
+pub trait Law: Parameters {
+    /// Checks what the ranges of the parameters do not say.
     ///
     /// # Errors
     /// [`EffectError`] names effect, parameter and what was expected.
-    fn check(&self, expect: &Expect) -> Result<(), EffectError>;
+    fn check(&self, _expect: &Expect) -> Result<(), EffectError> {
+        Ok(())
+    }
 
     /// The runs in which it acts, where these are not all.
     fn affected(&self) -> Option<(&Affected, Together)> {

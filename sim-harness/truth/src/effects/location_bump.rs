@@ -1,22 +1,10 @@
 //! Bad track: a raised cosine between two locations, the same in both directions and at every speed.
 
-use super::{EffectError, Expect, Law, Moment, Setting, raised_cosine};
-use serde::{Deserialize, Serialize};
+use super::*;
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LocationBump {
-    pub from_m: f64,
-    pub to_m: f64,
-    pub drag_n_per_kg: f64,
-}
+parameters!(LocationBump { from_m: f64, to_m: f64, drag_n_per_kg: f64 });
 
 impl Law for LocationBump {
-    fn check(&self, expect: &Expect) -> Result<(), EffectError> {
-        expect.section(self.from_m, self.to_m)?;
-        expect.finite("drag_n_per_kg", self.drag_n_per_kg)
-    }
-
     fn extra_n_per_kg(&self, setting: &Setting, at: &Moment) -> f64 {
         let (middle_m, half_m) = ((self.from_m + self.to_m) / 2.0, (self.to_m - self.from_m) / 2.0);
         // The middle of the train stands for all of it, so that both directions feel the same.

@@ -1,15 +1,11 @@
 //! The location is late.
 
-use super::{Altered, EffectError, Expect, Law};
-use serde::{Deserialize, Serialize};
+use super::*;
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LocationLag {
-    pub lag_s: f64,
-}
+parameters!(LocationLag { lag_s: f64 });
 
 impl Law for LocationLag {
+    /// A location of later is in no log.
     fn check(&self, expect: &Expect) -> Result<(), EffectError> {
         expect.within("lag_s", self.lag_s, 0.0, 60.0)
     }

@@ -1,24 +1,10 @@
 //! Tractive effort is capped at low speed, on some days.
 
-use super::{Affected, Capability, EffectError, Expect, Law, Together};
-use crate::motion::Motion;
-use serde::{Deserialize, Serialize};
+use super::*;
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LowAdhesion {
-    pub factor: f64,
-    pub below_kmh: f64,
-    pub runs: Affected,
-}
+parameters!(LowAdhesion { factor: f64, below_kmh: f64, runs: Affected });
 
 impl Law for LowAdhesion {
-    fn check(&self, expect: &Expect) -> Result<(), EffectError> {
-        expect.positive("factor", self.factor)?;
-        expect.positive("below_kmh", self.below_kmh)?;
-        expect.runs(&self.runs)
-    }
-
     fn cap(&self, left: &mut Capability, at: Motion) {
         if 3.6 * at.speed_mps < self.below_kmh {
             left.effort_cap = left.effort_cap.min(self.factor);

@@ -12,12 +12,34 @@ mod check;
 mod law;
 
 pub use affected::Affected;
-pub use check::{EffectError, Expect};
+pub use check::{EffectError, Expect, Parameter};
 use law::raised_cosine;
-pub use law::{Altered, Capability, Law, Moment, Setting, Together};
+pub use law::{Altered, Capability, Law, Moment, Parameters, Setting, Together};
 
+use crate::motion::Motion;
 use rundown_wire::{EffectKind, effects_catalogue};
 use serde::{Deserialize, Serialize};
+
+/// The parameters of an effect: those of the catalogue in its order, after the ends of a section, before the runs in which it acts.
+macro_rules! parameters {
+    ($Kind:ident { $($(#[$attribute:meta])* $field:ident: $type:ty),* }) => {
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $Kind {
+            $($(#[$attribute])* pub $field: $type,)*
+        }
+
+        impl $Kind {
+            pub(super) const FIELDS: &[&str] = &[$(stringify!($field)),*];
+        }
+
+        impl Parameters for $Kind {
+            fn parameters(&self) -> Vec<(&'static str, Parameter<'_>)> {
+                Self::FIELDS.iter().copied().zip([$(Parameter::from(&self.$field)),*]).collect()
+            }
+        }
+    };
+}
 
 macro_rules! kinds {
     ([$($Own:ident $own:ident)*]
@@ -87,7 +109,9 @@ impl Effect {
     /// # Errors
     /// [`EffectError`] names effect, parameter and what was expected.
     pub fn check(&self, curves: bool) -> Result<(), EffectError> {
-        self.law().check(&Expect { effect: self.name(), curves })
+        let expect = Expect { effect: self.name(), curves };
+        expect.all(self.kind(), &self.law().parameters())?;
+        self.law().check(&expect)
     }
 
     /// For an effect that is in no catalogue: the coordinate it depends on.

@@ -4,27 +4,17 @@
 //! extra = amplitude exp(-v / decay) (1 - exp(-stood / standing)) (1 + cold max(10 °C - T, 0))
 //! ```
 
-use super::{EffectError, Expect, Law, Moment, Setting};
-use serde::{Deserialize, Serialize};
+use super::*;
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StartingResistance {
-    pub amplitude: f64,
-    pub decay_kmh: f64,
-    pub standing_min: f64,
+parameters!(StartingResistance {
+    amplitude: f64,
+    decay_kmh: f64,
+    standing_min: f64,
     #[serde(rename = "cold_per_degC", default)]
-    pub cold_per_deg_c: f64,
-}
+    cold_per_deg_c: f64
+});
 
 impl Law for StartingResistance {
-    fn check(&self, expect: &Expect) -> Result<(), EffectError> {
-        expect.within("amplitude", self.amplitude, 0.0, 0.5)?;
-        expect.positive("decay_kmh", self.decay_kmh)?;
-        expect.positive("standing_min", self.standing_min)?;
-        expect.within("cold_per_degC", self.cold_per_deg_c, 0.0, 0.2)
-    }
-
     fn extra_n_per_kg(&self, _setting: &Setting, at: &Moment) -> f64 {
         let kmh = 3.6 * at.motion.speed_mps;
         let stood_min = at.stood_s.map_or(f64::INFINITY, |stood_s| stood_s / 60.0);

@@ -13,6 +13,25 @@ fn the_name_is_the_one_in_files() {
     assert_eq!(toml::from_str::<Effect>(&text).unwrap(), effect);
 }
 
+macro_rules! fields {
+    ($($number:literal $Kind:ident $name:ident $place:ident $summary:literal $parameters:tt)*) => {
+        [$((EffectKind::$Kind, $Kind::FIELDS)),*]
+    };
+}
+
+/// Ranges are looked up by place. A kind may have fewer parameters than the estimator's.
+#[test]
+fn parameters_stand_in_the_order_of_the_catalogue() {
+    for (kind, fields) in effects_catalogue!(named: fields) {
+        let ends = if kind.has_section() { ["from_m", "to_m"].as_slice() } else { &[] };
+        let numbers = fields.strip_prefix(ends).unwrap_or_else(|| panic!("{kind}: {fields:?}"));
+        let numbers = numbers.strip_suffix(&["runs"]).unwrap_or(numbers);
+        let known: Vec<&str> = kind.parameters().iter().map(|it| it.name).collect();
+        let numbers: Vec<String> = numbers.iter().map(|name| name.replace("deg_c", "degC")).collect();
+        assert!(!numbers.is_empty() && known[..numbers.len()] == numbers, "{kind}: {fields:?}, {known:?}");
+    }
+}
+
 #[test]
 fn a_section_seen_from_the_other_end() {
     let bump = Effect::LocationBump(LocationBump { from_m: 100.0, to_m: 300.0, drag_n_per_kg: 0.01 });
@@ -25,20 +44,14 @@ fn a_section_seen_from_the_other_end() {
 fn refusals_name_effect_parameter_and_value() {
     let error = |effect: Effect, curves| effect.check(curves).unwrap_err().to_string();
     let tunnel = Effect::TunnelDrag(TunnelDrag { from_m: 500.0, to_m: 400.0, k: 1e-5 });
-    assert_eq!(error(tunnel, true), "tunnel_drag.to_m: expected beyond from_m, found 400");
+    assert_eq!(error(tunnel, true), "tunnel_drag.to_m: expected a place beyond from_m, found 400");
     let curves = Effect::CurveResistance(CurveResistance { coefficient_roeckl: 1.0 });
     assert_eq!(curves.check(true), Ok(()));
     assert_eq!(error(curves, false), "curve_resistance: expected a line with curves, found none");
     let nan = Effect::CubicDrag(CubicDrag { k: f64::NAN });
-    assert_eq!(error(nan, true), "cubic_drag.k: expected finite, found NaN");
+    assert_eq!(error(nan, true), "cubic_drag.k: expected a finite number, found NaN");
     let share = Effect::DraggingBrake(DraggingBrake { drag_n_per_kg: 0.01, runs: Affected::Share(1.5) });
-    assert_eq!(error(share, true), "dragging_brake.runs: expected a share of 0 to 1, found 1.5");
-}
-
-fn extra(effect: &Effect, line: &Line, at: Moment) -> f64 {
-    let train = TrainTruth::default();
-    let setting = Setting { train: &train, line, described_over_true_mass: 1.0 };
-    effect.law().extra_n_per_kg(&setting, &at)
+    assert_eq!(error(share, true), "dragging_brake.runs: expected 0 to 1, found 1.5");
 }
 
 fn at(location_m: f64, speed_mps: f64) -> Moment {
@@ -52,51 +65,45 @@ fn at(location_m: f64, speed_mps: f64) -> Moment {
     }
 }
 
-#[test]
-fn a_tunnel_counts_by_the_part_of_the_train_inside() {
-    let line = Line::level(10_000.0, 140.0);
-    let tunnel = Effect::TunnelDrag(TunnelDrag { from_m: 1_000.0, to_m: 2_000.0, k: 1e-5 });
-    // Train of 162 m: outside, half inside at either portal, whole, and in the end outside again.
-    for (front_m, share) in [(999.0, 0.0), (1_081.0, 0.5), (1_500.0, 1.0), (2_081.0, 0.5), (2_163.0, 0.0)] {
-        let expected = 1e-5 * 900.0 * share;
-        assert!((extra(&tunnel, &line, at(front_m, 30.0)) - expected).abs() < 1e-15);
+/// What an effect adds at single moments, N/kg, to so many digits.
+fn adds(effect: impl Into<Effect>, tolerance: f64, cases: &[(Moment, f64)]) {
+    let mut line = Line::level(10_000.0, 140.0);
+    line.set_curves(vec![Curve { from_m: 500.0, to_m: 900.0, radius_m: 705.0 }]);
+    let train = TrainTruth::default();
+    let setting = Setting { train: &train, line: &line, described_over_true_mass: 1.0 };
+    let effect = effect.into();
+    for (moment, expected) in cases {
+        let found = effect.law().extra_n_per_kg(&setting, moment);
+        assert!((found - expected).abs() <= tolerance, "{effect:?} at {moment:?}: {found}, expected {expected}");
     }
 }
 
 #[test]
-fn a_tunnel_shorter_than_the_train() {
-    let line = Line::level(10_000.0, 140.0);
-    let tunnel = Effect::TunnelDrag(TunnelDrag { from_m: 1_000.0, to_m: 1_081.0, k: 1e-5 });
-    let found = extra(&tunnel, &line, at(1_120.0, 30.0));
-    assert!((found - 0.5 * 9e-3).abs() < 1e-15);
+fn a_tunnel_counts_by_the_part_of_the_train_inside() {
+    // Train of 162 m: outside, half inside at either portal, whole, and in the end outside again.
+    let cases = [(999.0, 0.0), (1_081.0, 0.5), (1_500.0, 1.0), (2_081.0, 0.5), (2_163.0, 0.0)];
+    let cases = cases.map(|(front_m, share)| (at(front_m, 30.0), 1e-5 * 900.0 * share));
+    adds(TunnelDrag { from_m: 1_000.0, to_m: 2_000.0, k: 1e-5 }, 1e-15, &cases);
+    // Shorter than the train.
+    adds(TunnelDrag { from_m: 1_000.0, to_m: 1_081.0, k: 1e-5 }, 1e-15, &[(at(1_120.0, 30.0), 0.5 * 9e-3)]);
 }
 
 #[test]
 fn a_curve_of_705_m_costs_a_thousandth_of_the_weight() {
-    let mut line = Line::level(10_000.0, 140.0);
-    line.set_curves(vec![Curve { from_m: 500.0, to_m: 900.0, radius_m: 705.0 }]);
-    let curves = Effect::CurveResistance(CurveResistance { coefficient_roeckl: 2.0 });
     let whole = 2.0 * 0.001 * 9.80665 / 1.06;
-    assert!((extra(&curves, &line, at(800.0, 20.0)) - whole).abs() < 1e-15);
-    assert!((extra(&curves, &line, at(581.0, 20.0)) - whole / 2.0).abs() < 1e-15);
-    assert_eq!(extra(&curves, &line, at(1_100.0, 20.0)), 0.0);
+    let cases = [(at(800.0, 20.0), whole), (at(581.0, 20.0), whole / 2.0), (at(1_100.0, 20.0), 0.0)];
+    adds(CurveResistance { coefficient_roeckl: 2.0 }, 1e-15, &cases);
 }
 
 #[test]
 fn a_dragging_brake_waits_for_the_first_application() {
-    let line = Line::level(10_000.0, 140.0);
-    let drag = Effect::DraggingBrake(DraggingBrake { drag_n_per_kg: 0.01, runs: Affected::Share(1.0) });
     let before = at(100.0, 20.0);
-    assert_eq!(extra(&drag, &line, before), 0.0);
-    let after = Moment { braked: true, ..before };
-    assert_eq!(extra(&drag, &line, after), 0.01);
+    let drag = DraggingBrake { drag_n_per_kg: 0.01, runs: Affected::Share(1.0) };
+    adds(drag, 0.0, &[(before, 0.0), (Moment { braked: true, ..before }, 0.01)]);
 }
 
 #[test]
 fn a_train_starts_harder_after_long_and_cold_standing() {
-    let line = Line::level(10_000.0, 140.0);
-    let grease = StartingResistance { amplitude: 0.04, decay_kmh: 7.2, standing_min: 10.0, cold_per_deg_c: 0.02 };
-    let grease = Effect::from(grease);
     let cases = [
         (None, 10.0, 0.0, 0.04),
         (None, 10.0, 2.0, 0.04 * 0.367_879),
@@ -104,30 +111,29 @@ fn a_train_starts_harder_after_long_and_cold_standing() {
         (None, -15.0, 0.0, 0.06),
         (Some(0.0), -15.0, 0.0, 0.0),
     ];
-    for (stood_s, temperature_c, speed_mps, expected) in cases {
-        let found = extra(&grease, &line, Moment { stood_s, temperature_c, ..at(0.0, speed_mps) });
-        assert!((found - expected).abs() < 1e-7, "{stood_s:?} {temperature_c} {speed_mps}: {found}");
-    }
+    let cases = cases.map(|(stood_s, temperature_c, speed_mps, expected)| {
+        (Moment { stood_s, temperature_c, ..at(0.0, speed_mps) }, expected)
+    });
+    let grease = StartingResistance { amplitude: 0.04, decay_kmh: 7.2, standing_min: 10.0, cold_per_deg_c: 0.02 };
+    adds(grease, 1e-7, &cases);
 }
 
 #[test]
 fn times_temperatures_and_dates() {
-    let line = Line::level(10_000.0, 140.0);
     let moment = Moment { since_departure_s: 300.0, temperature_c: -5.0, season: 0.25, ..at(100.0, 20.0) };
-    let cases = [
-        (Effect::WarmUp(WarmUp { amplitude: 4e-3, tau_s: 300.0 }), 1.471_518e-3),
-        (Effect::TemperatureResistance(TemperatureResistance { dr0_per_deg_c: -1e-4, ref_c: 15.0 }), 2e-3),
-        (Effect::SeasonalDrift(SeasonalDrift { dr0_over_period: 4e-3 }), 1e-3),
-        (Effect::PeriodicDrag(PeriodicDrag { amplitude: 3e-3, period_s: 1_200.0 }), 3e-3),
-        (Effect::Frost(Frost { below_c: -4.0, drag_n_per_kg: 2e-3 }), 1e-3),
-        (Effect::DayStep(DayStep { from_share: 0.5, drag_n_per_kg: 2e-3 }), 0.0),
-        (Effect::CubicDrag(CubicDrag { k: 1e-7 }), 8e-4),
-        (Effect::SpeedBump(SpeedBump { at_kmh: 67.0, half_width_kmh: 10.0, drag_n_per_kg: 2e-3 }), 1e-3),
-        (Effect::LocationBump(LocationBump { from_m: 0.0, to_m: 38.0, drag_n_per_kg: 2e-3 }), 2e-3),
+    let cases: [(Effect, f64); 9] = [
+        (WarmUp { amplitude: 4e-3, tau_s: 300.0 }.into(), 1.471_518e-3),
+        (TemperatureResistance { dr0_per_deg_c: -1e-4, ref_c: 15.0 }.into(), 2e-3),
+        (SeasonalDrift { dr0_over_period: 4e-3 }.into(), 1e-3),
+        (PeriodicDrag { amplitude: 3e-3, period_s: 1_200.0 }.into(), 3e-3),
+        (Frost { below_c: -4.0, drag_n_per_kg: 2e-3 }.into(), 1e-3),
+        (DayStep { from_share: 0.5, drag_n_per_kg: 2e-3 }.into(), 0.0),
+        (CubicDrag { k: 1e-7 }.into(), 8e-4),
+        (SpeedBump { at_kmh: 67.0, half_width_kmh: 10.0, drag_n_per_kg: 2e-3 }.into(), 1e-3),
+        (LocationBump { from_m: 0.0, to_m: 38.0, drag_n_per_kg: 2e-3 }.into(), 2e-3),
     ];
     for (effect, expected) in cases {
-        let found = extra(&effect, &line, moment);
-        assert!((found - expected).abs() < 1e-9, "{effect:?}: {found}");
+        adds(effect, 1e-9, &[(moment, expected)]);
     }
 }
 

@@ -4,23 +4,11 @@
 //! extra = k v² x share inside         k in N/(kg (m/s)²) of the described train
 //! ```
 
-use super::{EffectError, Expect, Law, Moment, Setting};
-use serde::{Deserialize, Serialize};
+use super::*;
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TunnelDrag {
-    pub from_m: f64,
-    pub to_m: f64,
-    pub k: f64,
-}
+parameters!(TunnelDrag { from_m: f64, to_m: f64, k: f64 });
 
 impl Law for TunnelDrag {
-    fn check(&self, expect: &Expect) -> Result<(), EffectError> {
-        expect.section(self.from_m, self.to_m)?;
-        expect.finite("k", self.k)
-    }
-
     fn extra_n_per_kg(&self, setting: &Setting, at: &Moment) -> f64 {
         let v = at.motion.speed_mps;
         let front_m = at.motion.location_m;

@@ -1,26 +1,9 @@
 //! What the tests with the emulator share.
-#![allow(dead_code, reason = "each test takes a part")]
 
-use emulator::{Board, Emulator, Image, Settings, version};
+use emulator::{Emulator, Image};
 use rundown::onboard::kept::{Kept, WORDS};
 use std::io::Read;
 use std::time::{Duration, Instant};
-
-/// The board's settings. Without emulator or firmware `None`, and the reason is printed; in `cargo xtask test`, which has built both, that is a failure.
-pub fn settings(board: Board) -> Option<Settings> {
-    let found = version()
-        .map_err(|error| error.to_string())
-        .and_then(|_| Settings::new(board).map_err(|error| error.to_string()));
-    let required = std::env::var_os("RUNDOWN_EMULATOR").is_some();
-    match found {
-        Ok(settings) => Some(settings),
-        Err(reason) if required => panic!("{reason}"),
-        Err(reason) => {
-            eprintln!("SKIPPED: {reason}");
-            None
-        }
-    }
-}
 
 /// Reads until the end of a frame.
 pub fn frame(emulator: &mut Emulator) -> Vec<u8> {

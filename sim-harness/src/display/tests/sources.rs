@@ -1,20 +1,13 @@
 //! Recordings, files that grow, a board that goes and comes.
 
 use super::{MESSAGES, file, hub, on_the_line, shown};
-use rundown::estimator::config::Config;
-use rundown::model::direction::Direction;
-use rundown::onboard::auth::TRAILER;
+use crate::display::hub::{Connection, Hub};
+use crate::{desk::Description, display::demo, display::setup::Setup, display::source::Source};
 use rundown::onboard::uplink::{self, Command, Request, SECURED, Uplink};
+use rundown::{estimator::config::Config, model::direction::Direction, onboard::auth::TRAILER};
 use rundown_files::track_file::TrackFile;
-use sim_harness::desk::Description;
-use sim_harness::display::demo;
-use sim_harness::display::hub::{Connection, Hub};
-use sim_harness::display::setup::Setup;
-use sim_harness::display::source::Source;
-use std::io::Write;
-use std::net::TcpListener;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
+use std::{io::Write, net::TcpListener, sync::Arc};
 
 #[test]
 fn a_recording_in_text_shows_the_same() {

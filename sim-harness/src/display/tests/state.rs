@@ -1,12 +1,11 @@
 //! What is known from frames in any order, with losses and noise.
 
 use super::{MESSAGES, estimates, on_the_line, shown};
+use crate::display::hub::{Connection, Hub};
+use crate::{display::setup::Setup, display::state::State, display::text};
 use proptest::prelude::*;
 use rundown::link::serial;
-use rundown_wire::{Body, Downlink, Reader};
-use sim_harness::display::hub::{Connection, Hub};
-use sim_harness::display::setup::Setup;
-use sim_harness::display::state::State;
+use rundown_wire::{Answer, Body, Downlink, Order, Reader, Received};
 use std::time::Duration;
 
 #[test]
@@ -73,6 +72,15 @@ fn old_values_are_called_old() {
     assert!(!hub.view(|view| view.link.silent));
     std::thread::sleep(Duration::from_millis(2100));
     assert!(hub.view(|view| view.link.silent));
+}
+
+#[test]
+fn a_line_of_json_has_the_frame_and_its_order() {
+    let body = Body::Answer(Answer { to: 4, result: Ok(()) });
+    let received = Received { frame: Downlink { sequence: 7, tick: 300, body }, order: Order::Next };
+    let expected =
+        r#"{"order":"next","lost":0,"sequence":7,"tick":300,"body":{"answer":{"to":4,"result":{"Ok":null}}}}"#;
+    assert_eq!(text::json(&received), expected);
 }
 
 #[test]

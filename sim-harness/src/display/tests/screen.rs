@@ -1,10 +1,9 @@
 //! The view in a terminal.
 
 use super::{MESSAGES, hub, on_the_line, shown};
-use ratatui::Terminal;
-use ratatui::backend::TestBackend;
+use crate::display::terminal;
+use ratatui::{Terminal, backend::TestBackend};
 use rundown_wire::Value;
-use sim_harness::display::terminal;
 
 #[test]
 fn the_terminal_shows_the_values_of_the_frames() {

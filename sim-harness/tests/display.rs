@@ -1,10 +1,22 @@
-//! The command: lines, notes, refusals, the page by HTTP.
+//! Does `rundown display` print every frame, name what it refuses, and serve its page?
 
-use super::{MESSAGES, on_the_line};
+use rundown::link::serial;
 use rundown_wire::{Body, Downlink};
+use sim_harness::display::demo;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpListener;
 use std::process::{Command, Output, Stdio};
+use std::{net::TcpListener, sync::LazyLock};
+
+/// Messages of two simulated runs.
+static MESSAGES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
+    let mut messages = Vec::new();
+    demo::play_runs(2, |message| messages.push(message.to_vec())).unwrap();
+    messages
+});
+
+fn on_the_line(messages: &[Vec<u8>]) -> Vec<u8> {
+    messages.iter().flat_map(|message| serial::encode(message).unwrap()).collect()
+}
 
 fn rundown(arguments: &[&str], stdin: &[u8]) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_rundown"))

@@ -1,16 +1,12 @@
-//! Does `rundown display` find every frame that came, and survive everything else?
+//! Does a display find every frame that came, and survive everything else?
 
-mod command;
 mod screen;
 mod sources;
 mod state;
 
+use super::{demo, hub::Hub, setup::Setup, source::Source};
 use rundown::link::serial;
 use rundown_wire::{Body, Downlink};
-use sim_harness::display::demo;
-use sim_harness::display::hub::Hub;
-use sim_harness::display::setup::Setup;
-use sim_harness::display::source::Source;
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 

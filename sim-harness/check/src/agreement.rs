@@ -1,0 +1,303 @@
+//! Speed against location: scale, offset and skew of a run, jointly, with their covariance.
+//!
+//! The speed reading at time t is v_r(t) = s v(t - τ) - o: s a wheel that is not as believed, o what truncation takes away, τ by how much the speed is older than
+//! the location. So between two rows, to first order in s - 1 and in τ,
+//!
+//! ```text
+//! Δx - ∫ v_r dt = (1/s - 1) ∫ v_r dt + (o/s) Δt + τ Δv_r + noise
+//! ```
+//!
+//! The noise is white noise of the location, shared by neighbouring differences with opposite sign, and a walk that the errors of the speed add up to. Their ratio is
+//! fitted by maximum likelihood, so that an odometer in whole metres and a satellite receiver are each believed as far as they deserve. One slow run cannot tell
+//! scale and offset apart: the covariance says so, and [`pooled`] weighs with it.
+
+use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
+
+/// A row with everything that is compared: time, s, location in the direction of travel, m, speed reading, m/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Time, s.
+    pub time_s: f64,
+    /// Location, growing in the direction of travel, m.
+    pub location_m: f64,
+    /// Speed reading, m/s.
+    pub speed_mps: f64,
+}
+
+/// A value and its standard deviation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Figure {
+    /// The value.
+    pub value: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+}
+
+impl Figure {
+    /// Bounds of the 95 % interval.
+    pub fn interval(&self) -> [f64; 2] {
+        [self.value - 1.96 * self.sd, self.value + 1.96 * self.sd]
+    }
+
+    /// So many standard deviations from this value.
+    pub fn away_from(&self, value: f64) -> f64 {
+        (self.value - value).abs() / self.sd
+    }
+}
+
+/// What one run says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Agreement {
+    /// 1/s - 1, o/s in m/s, τ in s.
+    pub values: Vector3<f64>,
+    /// Inverse of their covariance.
+    pub information: Matrix3<f64>,
+    /// White noise of the location, standard deviation, m.
+    pub location_noise_m: f64,
+    /// Growth of the difference between distance by speed and by location, m per square root of a second.
+    pub walk_m: f64,
+    /// Correlation of neighbouring innovations, 0 where the noise is as assumed.
+    pub correlation: f64,
+    /// Differences that were compared.
+    pub pairs: usize,
+}
+
+/// Fewer differences say nothing.
+const LEAST_PAIRS: usize = 20;
+/// Time between two rows that are compared, s: what rounding leaves is correlated over seconds.
+const PAIR_S: f64 = 5.0;
+/// Slower readings are left out: a standing train has no rounding, a creeping one reads zero, m/s.
+pub const SLOWEST_MPS: f64 = 1.5;
+/// Innovations beyond so many standard deviations are drawn in to it.
+const OUTLIER: f64 = 4.0;
+
+/// Differences between picked rows, and the regressors.
+#[derive(Default)]
+struct Differences {
+    y: Vec<f64>,
+    by_speed: Vec<f64>,
+    dt: Vec<f64>,
+    dv: Vec<f64>,
+    /// The difference before shares a row with this one.
+    linked: Vec<bool>,
+}
+
+impl Differences {
+    /// `parts`: rows without a gap or a shift of the location between them.
+    fn of(parts: &[&[Row]]) -> Self {
+        let mut all = Self::default();
+        for part in parts {
+            all.take(part);
+        }
+        all
+    }
+
+    fn take(&mut self, part: &[Row]) {
+        let mut from = None;
+        let mut by_speed = 0.0;
+        let mut linked = false;
+        for (i, row) in part.iter().enumerate() {
+            if row.speed_mps < SLOWEST_MPS {
+                (from, linked) = (None, false);
+                continue;
+            }
+            let Some(begin) = from else {
+                (from, by_speed) = (Some(*row), 0.0);
+                continue;
+            };
+            by_speed += distance(part, i);
+            let dt = row.time_s - begin.time_s;
+            if dt >= PAIR_S {
+                self.y.push(row.location_m - begin.location_m - by_speed);
+                self.by_speed.push(by_speed);
+                self.dt.push(dt);
+                self.dv.push(row.speed_mps - begin.speed_mps);
+                self.linked.push(linked);
+                (from, by_speed, linked) = (Some(*row), 0.0, true);
+            }
+        }
+    }
+}
+
+/// Distance by speed from row `i - 1` to row `i`: trapezium, bent as the neighbouring accelerations say.
+fn distance(rows: &[Row], i: usize) -> f64 {
+    let (a, b) = (rows[i - 1], rows[i]);
+    let dt = b.time_s - a.time_s;
+    let straight = 0.5 * dt * (a.speed_mps + b.speed_mps);
+    let slope = |a: &Row, b: &Row| (b.speed_mps - a.speed_mps) / (b.time_s - a.time_s);
+    let around = i.checked_sub(2).and_then(|before| Some((&rows[before], rows.get(i + 1)?)));
+    match around {
+        Some((before, after)) if dt > 2.0 => straight - dt * dt / 12.0 * (slope(&b, after) - slope(before, &a)) / 2.0,
+        _ => straight,
+    }
+}
+
+/// Whitened residuals and regressors of one ratio of the two noises.
+struct Fit {
+    beta: Vector3<f64>,
+    information: Matrix3<f64>,
+    /// Variance of the location's white noise, m².
+    variance: f64,
+    log_likelihood: f64,
+    residuals: Vec<f64>,
+}
+
+/// The filter that makes the differences' noise white: location noise of 1 m², walk of `ratio` m² a second.
+fn whitened(differences: &Differences, ratio: f64, column: &[f64], variances: &mut Vec<f64>) -> Vec<f64> {
+    let mut white = Vec::with_capacity(column.len());
+    variances.clear();
+    let (mut before, mut variance_before) = (0.0, 1.0);
+    for (i, value) in column.iter().enumerate() {
+        let diagonal = 2.0 + ratio * differences.dt[i];
+        let gain = if differences.linked[i] { -1.0 / variance_before } else { 0.0 };
+        let variance = diagonal + if differences.linked[i] { gain } else { 0.0 };
+        let innovation = value - gain * before;
+        white.push(innovation / variance.sqrt());
+        variances.push(variance);
+        (before, variance_before) = (innovation, variance);
+    }
+    white
+}
+
+fn fit(differences: &Differences, ratio: f64, clip: Option<f64>) -> Option<Fit> {
+    let mut variances = Vec::new();
+    let columns = [&differences.by_speed, &differences.dt, &differences.dv]
+        .map(|column| whitened(differences, ratio, column, &mut variances));
+    let mut y = whitened(differences, ratio, &differences.y, &mut variances);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let normal = Matrix3::from_fn(|i, j| dot(&columns[i], &columns[j]));
+    // A run at one speed has no skew; what it cannot say stays at zero instead of failing.
+    let normal = normal + Matrix3::from_diagonal(&(normal.diagonal() * 1e-9).add_scalar(1e-12));
+    let solve = |y: &[f64]| {
+        let score = Vector3::from_fn(|i, _| dot(&columns[i], y));
+        let beta = normal.cholesky()?.solve(&score);
+        let residuals: Vec<f64> = (0..y.len())
+            .map(|i| y[i] - columns[0][i] * beta[0] - columns[1][i] * beta[1] - columns[2][i] * beta[2])
+            .collect();
+        Some((beta, residuals))
+    };
+    let (mut beta, mut residuals) = solve(&y)?;
+    if let Some(clip) = clip {
+        for _ in 0..3 {
+            let most = clip * spread(&residuals);
+            for (value, left) in y.iter_mut().zip(&residuals) {
+                *value -= left - left.clamp(-most, most);
+            }
+            (beta, residuals) = solve(&y)?;
+        }
+    }
+    let n = y.len() as f64;
+    let variance = (dot(&residuals, &residuals) / (n - 3.0)).max(1e-8);
+    let log_likelihood = -0.5 * (n * variance.ln() + variances.iter().map(|v| v.ln()).sum::<f64>());
+    Some(Fit { beta, information: normal / variance, variance, log_likelihood, residuals })
+}
+
+/// Standard deviation from the median of the sizes.
+pub(crate) fn spread(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    1.4826 * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Compares speed and location of one run. None: too little of it moves with both readings.
+pub fn agreement(parts: &[&[Row]]) -> Option<Agreement> {
+    let differences = Differences::of(parts);
+    if differences.y.len() < LEAST_PAIRS {
+        return None;
+    }
+    let ratios = (-16..=8).map(|exponent| f64::from(exponent).exp2());
+    let better = |a: &(f64, Fit), b: &(f64, Fit)| a.1.log_likelihood.total_cmp(&b.1.log_likelihood);
+    let best = |ratio: f64| Some((ratio, fit(&differences, ratio, Some(OUTLIER))?));
+    let (ratio, found) = ratios.filter_map(best).max_by(better)?;
+    let products = found.residuals.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+    let squares = found.residuals.iter().map(|residual| residual * residual).sum::<f64>();
+    let correlation = products / squares.max(1e-12);
+    let kept = correlation.clamp(0.0, 0.95);
+    Some(Agreement {
+        values: found.beta,
+        // Noise that is correlated beyond the model says less.
+        information: found.information * ((1.0 - kept) / (1.0 + kept)),
+        location_noise_m: found.variance.sqrt(),
+        walk_m: (ratio * found.variance).sqrt(),
+        correlation,
+        pairs: differences.y.len(),
+    })
+}
+
+impl Agreement {
+    /// Information on 1/s - 1 and o/s when the skew is unknown.
+    fn without_skew(&self) -> Matrix2<f64> {
+        let cross = Vector2::new(self.information[(0, 2)], self.information[(1, 2)]);
+        self.information.fixed_view::<2, 2>(0, 0) - cross * cross.transpose() / self.information[(2, 2)]
+    }
+
+    /// By how much the speed is older than the location, s, when the scale and the offset are known.
+    pub fn skew_s(&self, scale_and_offset: Vector2<f64>) -> Figure {
+        let information = self.information[(2, 2)];
+        let cross = Vector2::new(self.information[(0, 2)], self.information[(1, 2)]);
+        let off = scale_and_offset - self.values.xy();
+        Figure { value: self.values[2] - cross.dot(&off) / information, sd: information.sqrt().recip() }
+    }
+}
+
+/// What several runs of one recorder say together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pooled {
+    /// 1/s - 1 and o/s in m/s.
+    pub values: Vector2<f64>,
+    /// Their covariance: the larger of what the noise and what the scatter between runs says.
+    pub covariance: Matrix2<f64>,
+    /// Runs that took part.
+    pub runs: usize,
+}
+
+impl Pooled {
+    /// s: measured over true speed.
+    pub fn scale(&self) -> Figure {
+        let value = 1.0 / (1.0 + self.values[0]);
+        Figure { value, sd: value * value * self.covariance[(0, 0)].sqrt() }
+    }
+
+    /// o: true less read, km/h.
+    pub fn offset_kmh(&self) -> Figure {
+        Figure { value: 3.6 * self.values[1], sd: 3.6 * self.covariance[(1, 1)].sqrt() }
+    }
+
+    /// The scale when the offset is known, m/s.
+    pub fn scale_at(&self, offset_mps: f64) -> Figure {
+        let [[a, b], [_, d]] = self.covariance.data.0;
+        let value = 1.0 / (1.0 + self.values[0] + b / d * (offset_mps - self.values[1]));
+        Figure { value, sd: value * value * (a - b * b / d).max(0.0).sqrt() }
+    }
+}
+
+/// Pools runs, each weighed by what it can tell apart.
+pub fn pooled(runs: &[Agreement]) -> Option<Pooled> {
+    let of_run: Vec<(Matrix2<f64>, Vector2<f64>)> =
+        runs.iter().map(|run| (run.without_skew(), run.values.xy())).collect();
+    let information: Matrix2<f64> = of_run.iter().map(|(information, _)| information).sum();
+    let covariance = information.cholesky()?.inverse();
+    let values = covariance * of_run.iter().map(|(information, values)| information * values).sum::<Vector2<f64>>();
+    let mut scatter = Matrix2::zeros();
+    for (information, own) in &of_run {
+        let score = information * (own - values);
+        scatter += score * score.transpose();
+    }
+    let n = runs.len() as f64;
+    let by_scatter = covariance * scatter * covariance * (n / (n - 1.0).max(1.0));
+    Some(Pooled { values, covariance: larger(covariance, by_scatter), runs: runs.len() })
+}
+
+/// In each direction the larger of two covariances.
+fn larger(a: Matrix2<f64>, b: Matrix2<f64>) -> Matrix2<f64> {
+    let Some(root) = a.cholesky() else {
+        return b;
+    };
+    let l = root.l();
+    let Some(inverse) = l.try_inverse() else {
+        return a;
+    };
+    let relative = SymmetricEigen::new(inverse * b * inverse.transpose());
+    let grown = relative.eigenvalues.map(|value| value.max(1.0));
+    l * relative.eigenvectors * Matrix2::from_diagonal(&grown) * relative.eigenvectors.transpose() * l.transpose()
+}

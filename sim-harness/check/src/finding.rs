@@ -1,0 +1,158 @@
+//! One thing that is the matter with a log: what, how much, where, and what was done.
+
+use crate::agreement::Figure;
+use serde::Serialize;
+use std::fmt;
+
+/// What is the matter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// The clock went back at midnight: seconds of the day.
+    Midnight,
+    /// The clock was set back.
+    ClockSetBack,
+    /// The clock was set forward: the train did not move as long as that.
+    ClockSetForward,
+    /// Rows hold the distance of one second more than their clock says.
+    LostSeconds,
+    /// No rows while the train stood.
+    MissingStandstill,
+    /// No rows while the train moved.
+    Gaps,
+    /// The odometer began again at zero after a full turn.
+    Wrap,
+    /// The locations began again elsewhere.
+    Reset,
+    /// Single locations far from both neighbours.
+    LocationSpikes,
+    /// The location stays although the speed does not.
+    StuckLocation,
+    /// The speed stays although the location says otherwise.
+    StuckSpeed,
+    /// There and back in one log.
+    TwoDirections,
+    /// Speeds are multiples of a step, the nearest one.
+    RoundedSpeed,
+    /// Speeds are multiples of a step, the one below.
+    TruncatedSpeed,
+    /// Speeds are multiples of a step; to the nearest or the one below is not known.
+    SteppedSpeed,
+    /// The speed reads too low or high by the same everywhere.
+    SpeedOffset,
+    /// The speed reads too low or high by a factor: a wheel that is not as believed.
+    SpeedScale,
+    /// The speed is older than the location.
+    Skew,
+    /// A column holds another unit.
+    OtherUnit,
+}
+
+/// What was done about it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Done {
+    /// Put right before anything else looks at it.
+    PutRight,
+    /// The readings concerned are left out.
+    LeftOut,
+    /// Said; nothing is changed.
+    Said,
+    /// The run is not used.
+    Refused,
+}
+
+/// What was found in one run, or in all runs of one recorder.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// What.
+    pub kind: Kind,
+    /// How much, in `unit`.
+    pub figure: Figure,
+    /// Unit of the figure.
+    pub unit: &'static str,
+    /// Times that it was seen; rows, where it is a matter of rows.
+    pub count: usize,
+    /// First line of the log where it is seen, 0 where it is a matter of the whole log.
+    pub line: u64,
+    /// What was done.
+    pub done: Done,
+}
+
+impl Kind {
+    /// What it is, in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Midnight => "the clock goes back at midnight",
+            Self::ClockSetBack => "the clock was set back",
+            Self::ClockSetForward => "the clock was set forward",
+            Self::LostSeconds => "rows hold one second more than their clock says",
+            Self::MissingStandstill => "no rows while standing",
+            Self::Gaps => "gaps while moving",
+            Self::Wrap => "the odometer began again at zero",
+            Self::Reset => "the locations began again elsewhere",
+            Self::LocationSpikes => "single locations far from their neighbours",
+            Self::StuckLocation => "the location stands still while the train runs",
+            Self::StuckSpeed => "the speed stays the same while the locations say otherwise",
+            Self::TwoDirections => "the train goes there and back in one log",
+            Self::RoundedSpeed => "speeds are rounded to the nearest step",
+            Self::TruncatedSpeed => "speeds are truncated to the step below",
+            Self::SteppedSpeed => "speeds have a step; rounded or truncated is not known",
+            Self::SpeedOffset => "the speed reads low by the same everywhere",
+            Self::SpeedScale => "the speed reads high by a factor",
+            Self::Skew => "the speed is older than the location",
+            Self::OtherUnit => "a column holds another unit: location over speed is off by a factor",
+        }
+    }
+
+    /// What one can do about it, where there is something.
+    pub fn remedy(self) -> Option<&'static str> {
+        match self {
+            Self::TwoDirections => Some("cut the log where the train turns"),
+            Self::OtherUnit => Some("convert the column to the unit of its name"),
+            Self::SpeedScale => Some("compare the wheel diameter of the recorder, or the length of the track"),
+            Self::StuckSpeed | Self::StuckLocation => Some("look at the sensor"),
+            Self::Reset => Some("give the chainage where the log begins again"),
+            _ => None,
+        }
+    }
+}
+
+impl Done {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::PutRight => "put right",
+            Self::LeftOut => "left out",
+            Self::Said => "not changed",
+            Self::Refused => "the run is not used",
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { kind, figure, unit, count, line, done } = self;
+        if *line > 0 {
+            write!(f, "line {line}: ")?;
+        }
+        let decimals = decimals(figure);
+        write!(f, "{}: {:.decimals$}", kind.words(), figure.value)?;
+        if figure.sd > 0.0 {
+            let [low, high] = figure.interval();
+            write!(f, " [{low:.decimals$}, {high:.decimals$}]")?;
+        }
+        write!(f, "{}{unit}", if unit.is_empty() { "" } else { " " })?;
+        if *count > 1 {
+            write!(f, ", {count} times")?;
+        }
+        write!(f, "; {}", done.words())?;
+        kind.remedy().map_or(Ok(()), |remedy| write!(f, ": {remedy}"))
+    }
+}
+
+/// Digits after the point that the standard deviation deserves.
+fn decimals(figure: &Figure) -> usize {
+    let size = if figure.sd > 0.0 { figure.sd } else { figure.value.abs() / 100.0 };
+    if size <= 0.0 { 0 } else { (1.0 - size.log10()).ceil().clamp(0.0, 6.0) as usize }
+}

@@ -1,0 +1,360 @@
+//! What the recorder of a train did to its logs: found, measured, put right before anything else looks at them.
+//!
+//! ```text
+//! recordings -> clock -> places -> agreement, run by run -> pooled by recorder -> put right
+//! ```
+//!
+//! | question | module |
+//! |---|---|
+//! | did the clock jump, lose seconds, pause? | [`clock`] |
+//! | did the location wrap, begin again, stand still? | [`places`] |
+//! | which step do the readings have? | [`steps`] |
+//! | do speed and location agree: scale, offset, skew? | [`agreement`] |
+//! | what was found, and what was done? | [`finding`] |
+//!
+//! Offset and scale are one fit, and never decided by a run that cannot tell them apart. A step is called truncated or rounded only where the offset says so.
+//!
+//! ```
+//! use rundown_check::{check, finding::Kind};
+//! use rundown_files::recording::Recording;
+//! use rundown_files::sample::Sample;
+//! use rundown::model::direction::Direction;
+//!
+//! // Half a quantum is lost in each reading of a run between 5 and 35 m/s.
+//! let row = |i: u32| {
+//!     let t = f64::from(i);
+//!     let (speed, location_m) = (20.0 - 15.0 * (t / 200.0).cos(), 20.0 * t - 3000.0 * (t / 200.0).sin());
+//!     Sample { time_s: t, location_m: Some(location_m), speed_mps: Some((3.6 * speed).floor() / 3.6), ..Sample::default() }
+//! };
+//! let mut recordings = [Recording {
+//!     name: "run".into(), path: "run.csv".into(), unit: String::new(), direction: Direction::Up, day: None,
+//!     rows: (0..3000).map(row).collect(), warnings: vec![],
+//! }];
+//! let found = check(&mut recordings);
+//! assert!(found.recorders[0].findings.iter().any(|finding| finding.kind == Kind::TruncatedSpeed));
+//! assert!((3.6 * recordings[0].rows[500].speed_mps.unwrap() % 1.0 - 0.5).abs() < 1e-6); // put right: the middle of its step
+//! ```
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod agreement;
+pub mod clock;
+pub mod finding;
+pub mod places;
+pub mod steps;
+
+use agreement::{Agreement, Figure, Pooled, Row, SLOWEST_MPS, agreement, pooled, spread};
+use finding::{Done, Finding, Kind};
+use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
+use serde::Serialize;
+
+/// What is the matter with one run.
+#[derive(Clone, Debug, Serialize)]
+pub struct RunCheck {
+    /// Name of the run.
+    pub name: String,
+    /// Whose recorder it was.
+    pub unit: String,
+    /// Rows of the log.
+    pub rows: usize,
+    /// Usual time between rows, s.
+    pub step_s: f64,
+    /// By how much the speed is older than the location, s; none where too little moves.
+    pub skew_s: Option<Figure>,
+    /// White noise of the location, standard deviation, m.
+    pub location_noise_m: Option<f64>,
+    /// Speed over location when this run alone is asked, the recorder's offset known.
+    pub scale: Option<Figure>,
+    /// What was found.
+    pub findings: Vec<Finding>,
+}
+
+/// What is the matter with all runs of one recorder.
+#[derive(Clone, Debug, Serialize)]
+pub struct RecorderCheck {
+    /// The unit, as the index names it.
+    pub unit: String,
+    /// Runs that moved long enough to compare speed and location.
+    pub compared: usize,
+    /// Runs.
+    pub runs: usize,
+    /// Step of the speeds, km/h.
+    pub speed_step_kmh: Option<f64>,
+    /// Step of the locations, m.
+    pub location_step_m: Option<f64>,
+    /// Measured over true speed; with the offset known where that is decided.
+    pub scale: Option<Figure>,
+    /// True less read speed, km/h.
+    pub offset_kmh: Option<Figure>,
+    /// By how much the speed is older than the location, s: median over the runs.
+    pub skew_s: Option<Figure>,
+    /// How much that differs from run to run, s.
+    pub skew_spread_s: Option<f64>,
+    /// What was found.
+    pub findings: Vec<Finding>,
+}
+
+/// The diagnosis of a set of runs.
+#[derive(Clone, Debug, Serialize)]
+pub struct Check {
+    /// By recorder, in the order in which the units appear.
+    pub recorders: Vec<RecorderCheck>,
+    /// By run.
+    pub runs: Vec<RunCheck>,
+}
+
+impl Check {
+    /// Runs that are not to be used.
+    pub fn refused(&self) -> impl Iterator<Item = &RunCheck> {
+        self.runs.iter().filter(|run| run.findings.iter().any(|finding| finding.done == Done::Refused))
+    }
+}
+
+/// A scale that matters: a wheel wears by 10 % over its life, and 0.3 % is less than what platforms and lines are off by.
+const LEAST_SCALE: f64 = 0.003;
+/// So many standard deviations are beyond doubt where something is put right.
+const SURE: f64 = 4.0;
+/// A smaller skew is not named, s.
+const LEAST_SKEW_S: f64 = 0.3;
+/// Share of the step by which the offset of a truncating recorder may miss the half of it.
+const NEAR_HALF: f64 = 0.12;
+/// Distances by location and speed further apart than by this factor are a matter of units, not of a wheel.
+const OTHER_UNIT: f64 = 1.25;
+
+/// Diagnoses runs and puts right what is beyond doubt.
+pub fn check(recordings: &mut [Recording]) -> Check {
+    let mut runs: Vec<RunCheck> = Vec::new();
+    let mut agreements: Vec<Option<Agreement>> = Vec::new();
+    for recording in recordings.iter_mut() {
+        let (run, agreement) = of_run(recording);
+        runs.push(run);
+        agreements.push(agreement);
+    }
+    let mut units: Vec<String> = Vec::new();
+    for run in &runs {
+        if !units.contains(&run.unit) {
+            units.push(run.unit.clone());
+        }
+    }
+    let recorders = units.into_iter().map(|unit| of_recorder(unit, recordings, &mut runs, &agreements)).collect();
+    Check { recorders, runs }
+}
+
+fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
+    let mut findings = Vec::new();
+    let rows = &mut recording.rows;
+    clock::put_right(rows, &mut findings);
+    other_unit(rows, &mut findings);
+    let usable = findings.iter().all(|finding| finding.done != Done::Refused);
+    if usable {
+        places::stuck(rows, &mut findings);
+        places::join(rows, &mut findings);
+        places::spikes(rows, &mut findings);
+        places::two_directions(rows, &mut findings);
+        clock::lost_seconds(rows, &mut findings);
+    }
+    clock::gaps(rows, &mut findings);
+    let step_s = clock::usual_step_s(rows);
+    let agreement =
+        if usable { agreement(&parts(rows, step_s).iter().map(Vec::as_slice).collect::<Vec<_>>()) } else { None };
+    let run = RunCheck {
+        name: recording.name.clone(),
+        unit: recording.unit.clone(),
+        rows: rows.len(),
+        step_s,
+        skew_s: None,
+        location_noise_m: agreement.map(|agreement| agreement.location_noise_m),
+        scale: None,
+        findings,
+    };
+    (run, agreement)
+}
+
+/// Rows with time, location and speed, cut where one is missing or the time does not go on as usual.
+fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
+    let sign = places::heading(rows);
+    let longest_s = (3.5 * step_s).max(10.0);
+    let mut parts: Vec<Vec<Row>> = vec![Vec::new()];
+    for row in rows {
+        let (Some(location_m), Some(speed_mps)) = (row.location_m, row.speed_mps) else {
+            continue;
+        };
+        let row = Row { time_s: row.time_s, location_m: sign * location_m, speed_mps };
+        let last = parts.last().and_then(|part| part.last()).copied();
+        if let Some(last) = last {
+            let dt = row.time_s - last.time_s;
+            if dt <= 0.0 {
+                continue;
+            }
+            let jump_m = row.location_m - last.location_m - 0.5 * dt * (row.speed_mps + last.speed_mps);
+            if dt > longest_s || jump_m.abs() > 300.0 {
+                parts.push(Vec::new());
+            }
+        }
+        if let Some(part) = parts.last_mut() {
+            part.push(row);
+        }
+    }
+    parts
+}
+
+/// Distance by location over distance by speed far from 1: the run is not used.
+fn other_unit(rows: &[Sample], findings: &mut Vec<Finding>) {
+    let located: Vec<(f64, f64, f64)> =
+        rows.iter().filter_map(|row| Some((row.time_s, row.location_m?, row.speed_mps?))).collect();
+    let mut ratios: Vec<f64> = located
+        .windows(2)
+        .filter_map(|pair| {
+            let by_speed = 0.5 * (pair[0].2 + pair[1].2) * (pair[1].0 - pair[0].0);
+            (pair[0].2.min(pair[1].2) > SLOWEST_MPS && by_speed > 0.0)
+                .then_some((pair[1].1 - pair[0].1).abs() / by_speed)
+        })
+        .collect();
+    if ratios.len() < 20 {
+        return;
+    }
+    ratios.sort_by(f64::total_cmp);
+    let value = ratios[ratios.len() / 2];
+    if !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(&value) {
+        let figure = Figure { value, sd: 0.0 };
+        findings.push(Finding { kind: Kind::OtherUnit, figure, unit: "", count: 1, line: 0, done: Done::Refused });
+    }
+}
+
+/// How the speeds are shown.
+#[derive(Clone, Copy, PartialEq)]
+enum Shown {
+    Exact,
+    Rounded,
+    Truncated,
+    NotKnown,
+}
+
+fn shown(step_kmh: Option<f64>, offset_kmh: Figure) -> Shown {
+    let Some(step_kmh) = step_kmh else {
+        return Shown::Exact;
+    };
+    let near = |value: f64| (offset_kmh.value - value).abs() < 2.0 * offset_kmh.sd + NEAR_HALF * step_kmh;
+    match (near(0.0), near(0.5 * step_kmh)) {
+        (true, false) => Shown::Rounded,
+        (false, true) => Shown::Truncated,
+        _ => Shown::NotKnown,
+    }
+}
+
+fn of_recorder(
+    unit: String,
+    recordings: &mut [Recording],
+    runs: &mut [RunCheck],
+    agreements: &[Option<Agreement>],
+) -> RecorderCheck {
+    let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
+    let rows = || of_unit.iter().flat_map(|i| &recordings[*i].rows);
+    let speed_step_kmh = steps::of_speed_kmh(rows());
+    let location_step_m = steps::of_location_m(rows());
+    let compared: Vec<Agreement> = of_unit.iter().filter_map(|i| agreements[*i]).collect();
+    let mut recorder = RecorderCheck {
+        unit,
+        compared: compared.len(),
+        runs: of_unit.len(),
+        speed_step_kmh,
+        location_step_m,
+        scale: None,
+        offset_kmh: None,
+        skew_s: None,
+        skew_spread_s: None,
+        findings: Vec::new(),
+    };
+    let Some(all) = pooled(&compared) else {
+        return recorder;
+    };
+    let readings = recorder.readings(&all);
+    for i in of_unit {
+        let run = &mut runs[i];
+        if let Some(agreement) = agreements[i] {
+            run.skew_s = Some(agreement.skew_s(nalgebra::Vector2::new(readings.values.0, readings.values.1)));
+            run.scale = pooled(&[agreement]).map(|one| one.scale_at(readings.values.1));
+        }
+        readings.put_right(&mut recordings[i].rows);
+    }
+    recorder.skews(runs);
+    recorder
+}
+
+/// What is put right in the speeds of a recorder.
+struct Readings {
+    /// 1/s - 1 and o/s, m/s, as the skews are judged with.
+    values: (f64, f64),
+    offset_mps: f64,
+    scale: f64,
+}
+
+impl Readings {
+    fn put_right(&self, rows: &mut [Sample]) {
+        for row in rows {
+            // A standing train reads zero, whatever the recorder does.
+            row.speed_mps = row.speed_mps.map(|mps| if mps > 0.0 { (mps + self.offset_mps) / self.scale } else { mps });
+        }
+    }
+}
+
+impl RecorderCheck {
+    /// Decides how the speed is shown, then the scale with what that says.
+    fn readings(&mut self, all: &Pooled) -> Readings {
+        let offset_kmh = all.offset_kmh();
+        self.offset_kmh = Some(offset_kmh);
+        let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
+        let shown = shown(self.speed_step_kmh, offset_kmh);
+        let (kind, done) = match shown {
+            Shown::Exact => (None, Done::Said),
+            Shown::Rounded => (Some(Kind::RoundedSpeed), Done::Said),
+            Shown::Truncated => (Some(Kind::TruncatedSpeed), Done::PutRight),
+            Shown::NotKnown => (Some(Kind::SteppedSpeed), Done::Said),
+        };
+        if let Some(kind) = kind {
+            self.said(kind, Figure { value: step_kmh, sd: 0.0 }, "km/h", done);
+        }
+        let offset_mps = if shown == Shown::Truncated { 0.5 * step_kmh / 3.6 } else { 0.0 };
+        // The offset of a step is 0 or a half of it: what is decided is known, and leaves the scale sharper.
+        let known = matches!(shown, Shown::Rounded | Shown::Truncated);
+        let scale = if known { all.scale_at(offset_mps) } else { all.scale() };
+        self.scale = Some(scale);
+        let odd = !known && offset_kmh.away_from(0.0) > SURE && offset_kmh.value.abs() > 0.1_f64.max(0.6 * step_kmh);
+        if odd {
+            self.said(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
+        }
+        let matters = (scale.value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE;
+        if matters {
+            self.said(Kind::SpeedScale, scale, "", Done::PutRight);
+        }
+        let scale_value = if matters { scale.value } else { 1.0 };
+        Readings {
+            values: (1.0 / scale.value - 1.0, if known { offset_mps } else { all.values[1] }),
+            offset_mps,
+            scale: scale_value,
+        }
+    }
+
+    fn said(&mut self, kind: Kind, figure: Figure, unit: &'static str, done: Done) {
+        self.findings.push(Finding { kind, figure, unit, count: 1, line: 0, done });
+    }
+
+    /// The usual skew, and how much it differs from run to run.
+    fn skews(&mut self, runs: &[RunCheck]) {
+        let mut skews: Vec<Figure> =
+            runs.iter().filter(|run| run.unit == self.unit).filter_map(|run| run.skew_s).collect();
+        skews.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let Some(middle) = skews.get(skews.len() / 2).copied() else {
+            return;
+        };
+        let off: Vec<f64> = skews.iter().map(|skew| skew.value - middle.value).collect();
+        let spread_s = spread(&off);
+        let n = (skews.len() as f64).sqrt();
+        let skew_s = Figure { value: middle.value, sd: (1.2533 * spread_s / n).max(middle.sd / n) };
+        (self.skew_s, self.skew_spread_s) = (Some(skew_s), Some(spread_s));
+        if skew_s.value.abs() > LEAST_SKEW_S && skew_s.away_from(0.0) > SURE {
+            self.said(Kind::Skew, skew_s, "s", Done::Said);
+        }
+    }
+}

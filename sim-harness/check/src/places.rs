@@ -1,0 +1,175 @@
+//! Locations and speeds that a sensor made wrong: wraps, resets, spikes, sensors that stand still, two directions.
+
+use crate::agreement::Figure;
+use crate::finding::{Done, Finding, Kind};
+use rundown_files::sample::Sample;
+
+/// Turns of odometers, m.
+const TURNS_M: [f64; 6] = [10_000.0, 32_768.0, 65_536.0, 100_000.0, 1_000_000.0, 10_000_000.0];
+/// A smaller shift of the location is the estimator's to judge, m.
+const LEAST_SHIFT_M: f64 = 400.0;
+/// How far a turn may be off, m, beyond a share of the distance since the last row.
+const NEAR_M: f64 = 60.0;
+/// A sensor that stands still over less is not said to, m.
+const LEAST_STUCK_M: f64 = 150.0;
+/// Rows in a row that say the same.
+const LEAST_STUCK: usize = 4;
+/// Both directions, if each has at least this, m.
+const LEAST_WAY_M: f64 = 500.0;
+
+fn finding(kind: Kind, value: f64, count: usize, line: u64, done: Done) -> Finding {
+    Finding { kind, figure: Figure { value, sd: 0.0 }, unit: "m", count, line, done }
+}
+
+/// Joins what wraps and resets have torn apart.
+pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
+    let sign = heading(rows);
+    let mut shift_m = 0.0;
+    let mut last: Option<Sample> = None;
+    for i in 0..rows.len() {
+        let Some(read_m) = rows[i].location_m.filter(|m| m.is_finite()) else {
+            continue;
+        };
+        if let Some(before) = last {
+            let expected_m = sign * between(&before, &rows[i]);
+            let jump_m = read_m + shift_m - before.location_m.unwrap_or(read_m) - expected_m;
+            if jump_m.abs() > LEAST_SHIFT_M + 0.5 * expected_m.abs() && stays(rows, i, sign) {
+                let allowed_m = NEAR_M + 0.3 * expected_m.abs();
+                let turn = TURNS_M.iter().find(|turn| (jump_m.abs() - **turn).abs() < allowed_m);
+                let zero = read_m.abs() < 100.0 && before.location_m.is_some_and(|m| (m - shift_m).abs() > 1000.0);
+                let (kind, change_m) = match turn {
+                    Some(turn) => (Kind::Wrap, -turn.copysign(jump_m)),
+                    None => (Kind::Reset, -jump_m),
+                };
+                let done = if turn.is_some() || zero { Done::PutRight } else { Done::Said };
+                findings.push(finding(kind, jump_m, 1, rows[i].line, done));
+                if done == Done::PutRight {
+                    shift_m += change_m;
+                }
+            }
+        }
+        rows[i].location_m = Some(read_m + shift_m);
+        last = Some(rows[i]);
+    }
+}
+
+/// +1 where locations grow more often than they fall.
+pub fn heading(rows: &[Sample]) -> f64 {
+    let located: Vec<f64> = rows.iter().filter_map(|row| row.location_m).collect();
+    let ahead: f64 = located.windows(2).map(|pair| (pair[1] - pair[0]).clamp(-100.0, 100.0)).sum();
+    if ahead < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// Distance by speed between two rows, m.
+fn between(a: &Sample, b: &Sample) -> f64 {
+    let speeds = [a.speed_mps, b.speed_mps].into_iter().flatten();
+    let count = speeds.clone().count().max(1) as f64;
+    speeds.sum::<f64>() / count * (b.time_s - a.time_s).clamp(0.0, 3600.0)
+}
+
+/// The locations go on from row `i` as the speed says: it is no spike.
+fn stays(rows: &[Sample], i: usize, sign: f64) -> bool {
+    let located: Vec<&Sample> = rows[i..].iter().filter(|row| row.location_m.is_some()).take(4).collect();
+    let goes_on = |pair: &[&Sample]| {
+        let (a, b) = (pair[0], pair[1]);
+        let step_m = b.location_m.unwrap_or_default() - a.location_m.unwrap_or_default();
+        (step_m - sign * between(a, b)).abs() < 100.0 + 0.5 * step_m.abs()
+    };
+    located.len() == 4 && located.windows(2).all(goes_on)
+}
+
+/// Locations far from both neighbours, which agree with each other: left out.
+pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
+    let sign = heading(rows);
+    let located: Vec<usize> = (0..rows.len()).filter(|i| rows[*i].location_m.is_some()).collect();
+    let off_m = |a: usize, b: usize| {
+        let [a, b] = [a, b].map(|i| rows[i]);
+        let step_m = b.location_m.unwrap_or_default() - a.location_m.unwrap_or_default();
+        (step_m - sign * between(&a, &b)).abs()
+    };
+    let spike = |three: &&[usize]| {
+        let [before, at, after] = [three[0], three[1], three[2]];
+        let calm_m = off_m(before, after);
+        let least_m = off_m(before, at).min(off_m(at, after));
+        least_m > 80.0 && least_m > 5.0 * calm_m
+    };
+    let found: Vec<(usize, f64)> =
+        located.windows(3).filter(spike).map(|three| (three[1], off_m(three[0], three[1]))).collect();
+    if let Some((first, _)) = found.first() {
+        let largest_m = found.iter().map(|(_, off)| *off).fold(0.0, f64::max);
+        findings.push(finding(Kind::LocationSpikes, largest_m, found.len(), rows[*first].line, Done::LeftOut));
+        found.iter().for_each(|(i, _)| rows[*i].location_m = None);
+    }
+}
+
+/// Readings of a sensor that stands still while the other one does not: left out.
+pub fn stuck(rows: &mut [Sample], findings: &mut Vec<Finding>) {
+    let places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed);
+    leave_out(rows, &places, Kind::StuckLocation, findings);
+    let speeds = stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed);
+    leave_out(rows, &speeds, Kind::StuckSpeed, findings);
+}
+
+fn leave_out(rows: &mut [Sample], stretches: &[Stretch], kind: Kind, findings: &mut Vec<Finding>) {
+    let Some(first) = stretches.first() else {
+        return;
+    };
+    let metres = stretches.iter().map(|stretch| stretch.metres.abs()).sum();
+    findings.push(finding(kind, metres, stretches.len(), rows[first.from].line, Done::LeftOut));
+    for Stretch { from, to, .. } in stretches {
+        if kind == Kind::StuckLocation {
+            // The first of them was read while the sensor still worked.
+            rows[from + 1..=*to].iter_mut().for_each(|row| row.location_m = None);
+        } else {
+            rows[*from..=*to].iter_mut().for_each(|row| row.speed_mps = None);
+        }
+    }
+}
+
+/// Rows in which a reading stays the same, and the distance that it misses.
+struct Stretch {
+    from: usize,
+    to: usize,
+    metres: f64,
+}
+
+/// Stretches in which a reading stays the same while `missing` of distance by speed and by location is large.
+fn stretches(rows: &[Sample], reading: fn(&Sample) -> Option<f64>, missing: fn(f64, f64) -> f64) -> Vec<Stretch> {
+    let mut found = Vec::new();
+    let mut from = 0;
+    while from < rows.len() {
+        let same = rows[from..].iter().take_while(|row| reading(row) == reading(&rows[from])).count();
+        let to = from + same - 1;
+        if same >= LEAST_STUCK && reading(&rows[from]).is_some() {
+            let located = (from..=to).filter(|i| rows[*i].location_m.is_some());
+            let [first, last] = [located.clone().min().unwrap_or(from), located.max().unwrap_or(from)];
+            let by_speed: f64 = rows[first..=last].windows(2).map(|pair| between(&pair[0], &pair[1])).sum();
+            let by_location = rows[first].location_m.zip(rows[last].location_m).map_or(0.0, |(a, b)| (b - a).abs());
+            let metres = missing(by_speed, by_location);
+            if metres.abs() > LEAST_STUCK_M && metres.abs() > 0.2 * by_speed.max(by_location) {
+                found.push(Stretch { from, to, metres });
+            }
+        }
+        from = to + 1;
+    }
+    found
+}
+
+/// There and back in one log.
+pub fn two_directions(rows: &[Sample], findings: &mut Vec<Finding>) {
+    let located: Vec<(u64, f64)> = rows.iter().filter_map(|row| Some((row.line, row.location_m?))).collect();
+    let Some((_, first_m)) = located.first() else {
+        return;
+    };
+    // The far end, and how far the train comes back from it.
+    let far = |sign: f64| located.iter().max_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)));
+    let last_m = located.last().map_or(*first_m, |(_, m)| *m);
+    let turns = [1.0, -1.0].into_iter().filter_map(|sign| {
+        let (line, end_m) = far(sign)?;
+        let [there, back] = [sign * (end_m - first_m), sign * (end_m - last_m)];
+        (there.min(back) > LEAST_WAY_M).then_some((*line, there.min(back)))
+    });
+    if let Some((line, metres)) = turns.max_by(|a, b| a.1.total_cmp(&b.1)) {
+        findings.push(finding(Kind::TwoDirections, metres, 1, line, Done::Refused));
+    }
+}

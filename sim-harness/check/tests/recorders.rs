@@ -1,0 +1,365 @@
+//! Is each property of a recorder found, with its figure, and is a clean log accused of none?
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rundown::model::direction::Direction;
+use rundown_check::finding::{Done, Finding, Kind};
+use rundown_check::{Check, check};
+use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
+
+/// Steps of a true run, s.
+const DT: f64 = 0.1;
+
+/// Time, location and speed of a train from stop to stop.
+struct Trace {
+    location_m: Vec<f64>,
+    speed_mps: Vec<f64>,
+}
+
+impl Trace {
+    fn drive(random: &mut ChaCha8Rng, stops: usize) -> Self {
+        let mut trace = Self { location_m: vec![0.0], speed_mps: vec![0.0] };
+        for _ in 0..stops {
+            let top_mps = random.random_range(12.0..40.0);
+            let hold_s = random.random_range(60.0..400.0);
+            let coast_s = random.random_range(20.0..200.0);
+            let up = random.random_range(0.25..0.8);
+            let brake = random.random_range(0.35..0.8);
+            trace.until(|v, _| v >= top_mps, |v, _| up * (1.2 - v / top_mps));
+            trace.until(|_, s| s >= hold_s, |_, s| 0.03 * (s / 25.0).sin());
+            trace.until(|v, s| s >= coast_s || v < 6.0, |v, _| -0.02 - 4e-5 * v * v);
+            trace.until(|v, _| v <= 0.0, |_, _| -brake);
+            trace.until(|_, s| s >= 45.0, |_, _| 0.0);
+        }
+        trace
+    }
+
+    fn until(&mut self, over: impl Fn(f64, f64) -> bool, acceleration: impl Fn(f64, f64) -> f64) {
+        let mut s = 0.0;
+        while !over(self.speed(), s) && s < 3000.0 {
+            let before = self.speed();
+            let now = (before + DT * acceleration(before, s)).max(0.0);
+            self.location_m.push(self.location_m[self.location_m.len() - 1] + 0.5 * DT * (before + now));
+            self.speed_mps.push(now);
+            s += DT;
+        }
+    }
+
+    fn speed(&self) -> f64 {
+        self.speed_mps[self.speed_mps.len() - 1]
+    }
+
+    /// Location and speed at a time.
+    fn at(&self, time_s: f64) -> (f64, f64) {
+        let i = ((time_s / DT).round().max(0.0) as usize).min(self.location_m.len() - 1);
+        (self.location_m[i], self.speed_mps[i])
+    }
+
+    fn duration_s(&self) -> f64 {
+        DT * (self.location_m.len() - 1) as f64
+    }
+}
+
+/// A recorder; its default is that of a clean log.
+#[derive(Clone, Copy)]
+struct Recorder {
+    step_s: f64,
+    quantum_kmh: f64,
+    truncates: bool,
+    scale: f64,
+    skew_s: f64,
+    skew_sd_s: f64,
+    noise_m: f64,
+    drift_m: f64,
+    odometer_m: f64,
+    loses_each_s: f64,
+}
+
+impl Default for Recorder {
+    fn default() -> Self {
+        Self {
+            step_s: 1.0,
+            quantum_kmh: 1.0,
+            truncates: false,
+            scale: 1.0,
+            skew_s: 0.0,
+            skew_sd_s: 0.0,
+            noise_m: 4.0,
+            drift_m: 0.0,
+            odometer_m: 0.0,
+            loses_each_s: 0.0,
+        }
+    }
+}
+
+impl Recorder {
+    fn rows(&self, trace: &Trace, random: &mut ChaCha8Rng) -> Vec<Sample> {
+        let mut normal = |sd: f64| -> f64 { sd * Distribution::<f64>::sample(&StandardNormal, random) };
+        let skew_s = self.skew_s + normal(self.skew_sd_s);
+        let mut drift_m = normal(self.drift_m);
+        let mut lost_s = 0.0;
+        let count = (trace.duration_s() / self.step_s) as u32;
+        let mut rows = Vec::new();
+        for i in 0..count {
+            let clock_s = f64::from(i) * self.step_s;
+            if self.loses_each_s > 0.0 {
+                lost_s = (clock_s / self.loses_each_s).floor();
+            }
+            let true_s = clock_s + lost_s;
+            let (location_m, _) = trace.at(true_s);
+            let (_, speed_mps) = trace.at(true_s - skew_s);
+            let keep = (-self.step_s / 60.0).exp();
+            drift_m = keep * drift_m + normal(self.drift_m * (1.0 - keep * keep).sqrt());
+            let mut read_m = location_m + drift_m + normal(self.noise_m);
+            if self.odometer_m > 0.0 {
+                read_m = (read_m / self.odometer_m).floor() * self.odometer_m;
+            }
+            let kmh = 3.6 * self.scale * speed_mps;
+            let steps = kmh / self.quantum_kmh;
+            let shown = if self.truncates { steps.floor() } else { steps.round() } * self.quantum_kmh;
+            rows.push(Sample {
+                line: u64::from(i) + 2,
+                time_s: clock_s,
+                location_m: Some(read_m),
+                speed_mps: Some(shown / 3.6),
+                ..Sample::default()
+            });
+        }
+        rows
+    }
+
+    fn runs(&self, seed: u64, runs: usize, stops: usize) -> Vec<Recording> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        (0..runs)
+            .map(|i| {
+                let trace = Trace::drive(&mut random, stops);
+                recording(&format!("run{i:02}"), self.rows(&trace, &mut random))
+            })
+            .collect()
+    }
+
+    fn check(&self, seed: u64, runs: usize, stops: usize) -> (Check, Vec<Recording>) {
+        let mut recordings = self.runs(seed, runs, stops);
+        (check(&mut recordings), recordings)
+    }
+}
+
+fn recording(name: &str, rows: Vec<Sample>) -> Recording {
+    Recording {
+        name: name.to_owned(),
+        path: name.into(),
+        unit: String::new(),
+        direction: Direction::Up,
+        day: None,
+        rows,
+        warnings: vec![],
+    }
+}
+
+fn all(check: &Check) -> Vec<&Finding> {
+    let runs = check.runs.iter().flat_map(|run| &run.findings);
+    check.recorders.iter().flat_map(|recorder| &recorder.findings).chain(runs).collect()
+}
+
+fn kinds(check: &Check) -> Vec<Kind> {
+    let mut kinds: Vec<Kind> = all(check).iter().map(|finding| finding.kind).collect();
+    kinds.sort();
+    kinds.dedup();
+    kinds
+}
+
+fn one(mut rows: Vec<Sample>, spoil: impl FnOnce(&mut Vec<Sample>)) -> (Check, Vec<Sample>) {
+    spoil(&mut rows);
+    let mut recordings = [recording("run", rows)];
+    let found = check(&mut recordings);
+    let [recording] = recordings;
+    (found, recording.rows)
+}
+
+/// A clean run of a satellite receiver, 1 s.
+fn clean(seed: u64) -> Vec<Sample> {
+    Recorder::default().runs(seed, 1, 5).remove(0).rows
+}
+
+#[track_caller]
+fn only(check: &Check, kind: Kind) -> Finding {
+    let others = [Kind::RoundedSpeed, Kind::SteppedSpeed];
+    let mut left: Vec<&Finding> = all(check).into_iter().filter(|finding| !others.contains(&finding.kind)).collect();
+    assert!(left.iter().all(|finding| finding.kind == kind), "{left:?}");
+    left.pop().unwrap_or_else(|| panic!("{kind:?} is not found")).clone()
+}
+
+#[test]
+fn clean_logs_are_accused_of_nothing() {
+    let recorders = [
+        Recorder::default(),
+        Recorder { step_s: 10.0, ..Recorder::default() },
+        Recorder { noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() },
+        Recorder { noise_m: 1.0, drift_m: 6.0, quantum_kmh: 0.1, ..Recorder::default() },
+    ];
+    let mut accused = Vec::new();
+    for (which, recorder) in recorders.iter().enumerate() {
+        for seed in 0..25 {
+            let (found, _) = recorder.check(1000 + seed, 4, 5);
+            let wrong =
+                kinds(&found).into_iter().filter(|kind| !matches!(kind, Kind::RoundedSpeed | Kind::SteppedSpeed));
+            accused.extend(wrong.map(|kind| (which, seed, kind)));
+        }
+    }
+    assert!(accused.len() <= 2, "of 100 sets: {accused:?}");
+}
+
+#[test]
+fn truncation_is_found_put_right_and_is_no_wheel() {
+    for step_s in [1.0, 10.0] {
+        let recorder = Recorder { truncates: true, step_s, ..Recorder::default() };
+        for seed in 0..8 {
+            let (found, recordings) = recorder.check(2000 + seed, 6, 5);
+            let finding = only(&found, Kind::TruncatedSpeed);
+            assert_eq!((finding.figure.value, finding.done), (1.0, Done::PutRight));
+            let offset = found.recorders[0].offset_kmh.unwrap();
+            assert!(offset.away_from(0.5) < 4.0 && (offset.value - 0.5).abs() < 0.1, "{step_s} {seed}: {offset:?}");
+            let scale = found.recorders[0].scale.unwrap();
+            assert!((scale.value - 1.0).abs() < 0.002, "{step_s} {seed}: {scale:?}");
+            let read = recordings[0].rows.iter().filter_map(|row| row.speed_mps).find(|mps| *mps > 10.0).unwrap();
+            assert!(((3.6 * read).fract() - 0.5).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn a_wheel_is_found_within_two_permille_beside_truncation_and_skew() {
+    for (seed, scale) in [(1, 1.013), (2, 0.987), (3, 1.03), (4, 0.955)] {
+        for truncates in [false, true] {
+            let recorder = Recorder { scale, truncates, skew_s: 2.0, skew_sd_s: 1.0, ..Recorder::default() };
+            let (found, recordings) = recorder.check(3000 + seed, 5, 6);
+            let finding = *all(&found).iter().find(|finding| finding.kind == Kind::SpeedScale).unwrap();
+            assert!((finding.figure.value - scale).abs() < 0.002, "{scale} {truncates}: {finding}");
+            let [again] = check(&mut recordings.clone()).recorders.try_into().unwrap();
+            assert!((again.scale.unwrap().value - 1.0).abs() < 0.001);
+        }
+    }
+}
+
+#[test]
+fn intervals_hold_the_truth() {
+    let (mut inside, mut all) = (0, 0);
+    for seed in 0..40 {
+        let recorder = Recorder { scale: 1.006, skew_s: 1.0, noise_m: 2.0, drift_m: 2.0, ..Recorder::default() };
+        let (found, _) = recorder.check(4000 + seed, 5, 5);
+        let [low, high] = found.recorders[0].scale.unwrap().interval();
+        inside += usize::from((low..high).contains(&1.006));
+        all += 1;
+    }
+    assert!(inside * 100 >= 88 * all, "{inside} of {all}");
+}
+
+#[test]
+fn skew_is_found_run_by_run() {
+    let recorder = Recorder { skew_s: 2.5, skew_sd_s: 1.0, noise_m: 1.0, ..Recorder::default() };
+    let (found, _) = recorder.check(5000, 12, 6);
+    let finding = only(&found, Kind::Skew);
+    assert!((finding.figure.value - 2.5).abs() < 1.0, "{finding}");
+    assert!((0.4..2.0).contains(&found.recorders[0].skew_spread_s.unwrap()));
+}
+
+#[test]
+fn lost_seconds_are_found_and_put_right_and_are_no_wheel() {
+    let recorder = Recorder { loses_each_s: 106.0, noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() };
+    for seed in 0..6 {
+        let (found, _) = recorder.check(6000 + seed, 3, 6);
+        let finding = only(&found, Kind::LostSeconds);
+        assert!((finding.figure.value - 100.0 / 106.0).abs() < 0.25, "{finding}");
+        assert!((found.recorders[0].scale.unwrap().value - 1.0).abs() < 0.002);
+    }
+}
+
+#[test]
+fn clocks_that_jump_are_put_right() {
+    let truth = clean(7);
+    let middle = truth.iter().position(|row| row.time_s > 300.0 && row.speed_mps.unwrap() > 10.0).unwrap();
+    let steps: [(Kind, f64); 4] = [
+        (Kind::Midnight, -86_400.0),
+        (Kind::ClockSetBack, -3600.0),
+        (Kind::ClockSetForward, 3600.0),
+        (Kind::ClockSetBack, -61.0),
+    ];
+    for (kind, by_s) in steps {
+        let (found, rows) = one(truth.clone(), |rows| rows[middle..].iter_mut().for_each(|row| row.time_s += by_s));
+        let finding = only(&found, kind);
+        assert_eq!(finding.line, truth[middle].line);
+        let off = rows.iter().zip(&truth).map(|(found, truth)| (found.time_s - truth.time_s).abs()).fold(0.0, f64::max);
+        assert!(off < 1.0, "{kind:?}: {off} s");
+    }
+}
+
+#[test]
+fn wraps_and_resets_are_joined() {
+    let truth = clean(8);
+    let at = truth[truth.len() / 2].location_m.unwrap();
+    let steps: [(Kind, fn(f64, f64) -> f64); 3] = [
+        (Kind::Wrap, |m, at| if m > at { m - 65_536.0 } else { m }),
+        (Kind::Wrap, |m, at| if m > at { m - 10_000.0 } else { m }),
+        (Kind::Reset, |m, at| if m > at { m - at } else { m }),
+    ];
+    for (kind, change) in steps {
+        let (found, rows) = one(truth.clone(), |rows| {
+            // By row, not by location: the noise must not cross the edge twice.
+            let edge = rows.iter().position(|row| row.location_m.unwrap() > at).unwrap();
+            rows[edge..]
+                .iter_mut()
+                .for_each(|row| row.location_m = row.location_m.map(|m| change(m.max(at + 1e-9), at)));
+        });
+        let finding =
+            all(&found).into_iter().find(|finding| finding.kind == kind).unwrap_or_else(|| panic!("{:?}", all(&found)));
+        assert_eq!(finding.done, Done::PutRight, "{finding}");
+        let off =
+            rows.iter().zip(&truth).filter_map(|(found, truth)| Some((found.location_m? - truth.location_m?).abs()));
+        assert!(off.fold(0.0, f64::max) < 90.0, "{kind:?}");
+    }
+}
+
+#[test]
+fn sensors_that_stand_still_are_left_out() {
+    let truth = clean(9);
+    let from = truth.iter().position(|row| row.time_s > 200.0 && row.speed_mps.unwrap() > 12.0).unwrap();
+    let (found, rows) = one(truth.clone(), |rows| {
+        let held = rows[from].location_m;
+        rows[from..from + 40].iter_mut().for_each(|row| row.location_m = held);
+    });
+    let finding = only(&found, Kind::StuckLocation);
+    assert!((finding.line as i64 - truth[from].line as i64).abs() <= 1);
+    assert!(rows[from + 5].location_m.is_none());
+    let (found, rows) =
+        one(truth.clone(), |rows| rows[from..from + 60].iter_mut().for_each(|row| row.speed_mps = Some(0.0)));
+    assert_eq!(only(&found, Kind::StuckSpeed).done, Done::LeftOut);
+    assert!(rows[from + 5].speed_mps.is_none());
+}
+
+#[test]
+fn there_and_back_other_units_and_missing_standstill_are_said() {
+    let truth = clean(10);
+    let (found, _) = one(truth.clone(), |rows| {
+        let back: Vec<Sample> = rows.iter().rev().copied().collect();
+        let end_s = rows.last().unwrap().time_s;
+        for (i, row) in back.into_iter().enumerate() {
+            rows.push(Sample { time_s: end_s + 60.0 + i as f64, line: 5000 + i as u64, ..row });
+        }
+    });
+    assert!(all(&found).iter().any(|finding| finding.kind == Kind::TwoDirections && finding.done == Done::Refused));
+
+    for factor in [1.0 / 3.6, 0.621, 1.852, 60.0] {
+        let (found, _) = one(truth.clone(), |rows| {
+            rows.iter_mut().for_each(|row| row.speed_mps = row.speed_mps.map(|v| v * factor))
+        });
+        let finding = all(&found).into_iter().find(|finding| finding.kind == Kind::OtherUnit).unwrap();
+        assert!((finding.figure.value * factor - 1.0).abs() < 0.05 && finding.done == Done::Refused, "{finding}");
+    }
+
+    let standing: usize = truth.iter().filter(|row| row.speed_mps == Some(0.0)).count();
+    let (found, _) = one(truth.clone(), |rows| rows.retain(|row| row.speed_mps != Some(0.0)));
+    let finding = only(&found, Kind::MissingStandstill);
+    assert!((finding.figure.value - standing as f64).abs() < 90.0, "{finding} {standing}");
+}

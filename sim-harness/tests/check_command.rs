@@ -1,0 +1,36 @@
+//! Does `rundown check` say what it finds, on the screen and as JSON, and refuse what cannot be used?
+
+mod common;
+
+use common::Folder;
+use serde_json::Value;
+use std::fmt::Write;
+
+fn log(reading: impl Fn(f64) -> f64) -> String {
+    let mut text = String::from("time_s,location_m,speed_kmh\n");
+    for i in 0..2000 {
+        let t = f64::from(i);
+        let (location_m, speed) = (20.0 * t - 3000.0 * (t / 200.0).sin(), 20.0 - 15.0 * (t / 200.0).cos());
+        writeln!(text, "{t},{location_m:.1},{}", reading(3.6 * speed)).unwrap();
+    }
+    text
+}
+
+#[test]
+fn a_truncating_recorder_is_named() {
+    let folder = Folder::new().with("run.csv", &log(f64::floor));
+    let said = folder.rundown(&["check", "run.csv"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(said.out.contains("speeds are truncated to the step below: 1.000 km/h; put right"), "{}", said.out);
+    let said = folder.rundown(&["check", "--json", "run.csv"]);
+    let found: Value = serde_json::from_str(&said.out).unwrap();
+    assert_eq!(found["recorders"][0]["findings"][0]["kind"], "truncated_speed");
+}
+
+#[test]
+fn speeds_in_other_units_are_refused() {
+    let folder = Folder::new().with("run.csv", &log(|kmh| kmh / 3.6));
+    let said = folder.rundown(&["check", "run.csv"]);
+    assert_eq!(said.code, Some(1), "{}", said.out);
+    assert!(said.out.contains("another unit") && said.out.contains("3.6"), "{}", said.out);
+}

@@ -1,0 +1,242 @@
+//! How an STM32L4 erases and programs its own flash: the sequence of RM0351 3.3.5 to 3.3.7, free of registers so that the host tests it.
+//!
+//! In: a controller's registers and pages ([`FlashController`]). Out: a [`NorFlash`] that the store writes to.
+//!
+//! One operation:
+//!
+//! 1. Wait until the one before is over. Every wait is bounded.
+//! 2. Clear the error flags. They are sticky, some are set after a reset already (OPTVERR, PGSERR), and a flag that is set makes the controller refuse.
+//! 3. Unlock, if it is locked: keys that come unasked raise a fault.
+//! 4. Data cache off: by an erratum of the chip (ES0250) reading one bank while the other is written may corrupt it.
+//! 5. Erase or program, wait, look at the flags.
+//! 6. Lock; forget what the cache held, because it may be stale, and switch it on.
+//! 7. Read back.
+//!
+//! A double word is programmed once between two erasures. Power that goes away meanwhile leaves bits that may read either way; that is the caller's to
+//! survive (checksums, two places).
+
+use super::clock::MOST_POLLS;
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
+};
+
+/// Page, bytes.
+pub const PAGE: u32 = 2048;
+/// Polls of the status before an operation counts as stuck. An erasure takes up to 25 ms, 80 k polls of 25 cycles at 80 MHz.
+pub const MOST_WAITS: u32 = 40 * MOST_POLLS;
+
+/// Keys that unlock the control register, in this order.
+pub const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
+
+/// Bits of the access control register.
+pub mod access {
+    /// Data cache on.
+    pub const DATA_CACHE: u32 = 1 << 10;
+    /// Forgets what the data cache holds; only while it is off.
+    pub const DATA_CACHE_RESET: u32 = 1 << 12;
+}
+
+/// Bits of the status register; the flags are cleared by writing 1.
+pub mod status {
+    /// All flags that say that an operation was refused or failed.
+    pub const ERRORS: u32 = 0xC3FA;
+    /// An operation is under way.
+    pub const BUSY: u32 = 1 << 16;
+}
+
+/// Bits of the control register.
+pub mod control {
+    /// Program double words.
+    pub const PROGRAM: u32 = 1 << 0;
+    /// Erase a page.
+    pub const ERASE: u32 = 1 << 1;
+    /// Lowest bit of the page's number within its bank.
+    pub const PAGE_SHIFT: u32 = 3;
+    /// The page is one of bank 2.
+    pub const BANK_2: u32 = 1 << 11;
+    /// Begin.
+    pub const START: u32 = 1 << 16;
+    /// Only keys change it.
+    pub const LOCK: u32 = 1 << 31;
+}
+
+/// The four registers that the sequence touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Register {
+    /// FLASH_ACR.
+    Access,
+    /// FLASH_KEYR.
+    Key,
+    /// FLASH_SR.
+    Status,
+    /// FLASH_CR.
+    Control,
+}
+
+/// A flash controller with the pages for records, which lie in bank 2. Offsets are those of the first page.
+pub trait FlashController {
+    /// Bytes for records, a multiple of [`PAGE`].
+    const CAPACITY: usize;
+    /// Reads a register.
+    fn register(&mut self, register: Register) -> u32;
+    /// Writes a register as a whole.
+    fn set_register(&mut self, register: Register, bits: u32);
+    /// Writes a double word, its low half first, with nothing between.
+    fn program(&mut self, offset: u32, double_word: [u32; 2]);
+    /// Reads a byte, past no optimisation of the compiler.
+    fn byte(&mut self, offset: u32) -> u8;
+    /// Number of the first page within bank 2.
+    fn first_page(&self) -> u32;
+    /// Double-bit errors that reading has met since boot.
+    fn double_bit_errors(&self) -> u32;
+}
+
+/// Why the flash did not do it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlashError {
+    /// Not aligned, or beyond the pages.
+    Range(NorFlashErrorKind),
+    /// The controller did not finish in time. The emulator has none.
+    NoAnswer,
+    /// The keys did not open the control register.
+    Locked,
+    /// The controller reported these error bits.
+    Refused(u32),
+    /// The bytes there are not those that were written, or not erased.
+    ReadBack,
+    /// A double-bit error while reading: a word that was torn.
+    Torn,
+}
+
+impl NorFlashError for FlashError {
+    fn kind(&self) -> NorFlashErrorKind {
+        match self {
+            Self::Range(kind) => *kind,
+            Self::NoAnswer | Self::Locked | Self::Refused(_) | Self::ReadBack | Self::Torn => NorFlashErrorKind::Other,
+        }
+    }
+}
+
+/// The pages for records behind a controller.
+#[derive(Clone, Debug)]
+pub struct Stm32l4Flash<C> {
+    controller: C,
+}
+
+impl<C: FlashController> Stm32l4Flash<C> {
+    /// Touches no register yet.
+    pub fn new(controller: C) -> Self {
+        Self { controller }
+    }
+
+    /// The controller.
+    pub fn controller(&mut self) -> &mut C {
+        &mut self.controller
+    }
+
+    /// Steps 1 to 6 around `work`.
+    fn operation(&mut self, work: impl FnOnce(&mut Self) -> Result<(), FlashError>) -> Result<(), FlashError> {
+        self.wait()?;
+        self.controller.set_register(Register::Status, status::ERRORS);
+        self.unlock()?;
+        let access = self.controller.register(Register::Access);
+        let cache_off = access & !(access::DATA_CACHE | access::DATA_CACHE_RESET);
+        self.controller.set_register(Register::Access, cache_off);
+        let done = work(self);
+        // While it is busy the control register takes no write: the bus would stand still. The cache stays off until an operation ends.
+        if done != Err(FlashError::NoAnswer) {
+            self.controller.set_register(Register::Control, control::LOCK);
+            self.controller.set_register(Register::Access, cache_off | access::DATA_CACHE_RESET);
+            self.controller.set_register(Register::Access, cache_off);
+            self.controller.set_register(Register::Access, cache_off | access::DATA_CACHE);
+        }
+        done
+    }
+
+    fn unlock(&mut self) -> Result<(), FlashError> {
+        if self.is_locked() {
+            KEYS.into_iter().for_each(|key| self.controller.set_register(Register::Key, key));
+        }
+        if self.is_locked() { Err(FlashError::Locked) } else { Ok(()) }
+    }
+
+    fn is_locked(&mut self) -> bool {
+        self.controller.register(Register::Control) & control::LOCK != 0
+    }
+
+    /// The status once nothing is under way.
+    fn wait(&mut self) -> Result<u32, FlashError> {
+        (0..MOST_WAITS)
+            .map(|_| self.controller.register(Register::Status))
+            .find(|status| status & status::BUSY == 0)
+            .ok_or(FlashError::NoAnswer)
+    }
+
+    /// Waits for what was just begun.
+    fn outcome(&mut self) -> Result<(), FlashError> {
+        match self.wait()? & status::ERRORS {
+            0 => Ok(()),
+            errors => Err(FlashError::Refused(errors)),
+        }
+    }
+
+    fn erase_page(&mut self, number: u32) -> Result<(), FlashError> {
+        let page = control::ERASE | control::BANK_2 | number << control::PAGE_SHIFT;
+        self.controller.set_register(Register::Control, page);
+        self.controller.set_register(Register::Control, page | control::START);
+        self.outcome()
+    }
+
+    fn reads(&mut self, from: u32, mut bytes: impl Iterator<Item = u8>) -> Result<(), FlashError> {
+        let mut places = from..;
+        let same = bytes.all(|byte| places.next().is_some_and(|offset| self.controller.byte(offset) == byte));
+        if same { Ok(()) } else { Err(FlashError::ReadBack) }
+    }
+}
+
+impl<C> ErrorType for Stm32l4Flash<C> {
+    type Error = FlashError;
+}
+
+impl<C: FlashController> ReadNorFlash for Stm32l4Flash<C> {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+        check_read(self, offset, bytes.len()).map_err(FlashError::Range)?;
+        let before = self.controller.double_bit_errors();
+        for (offset, byte) in (offset..).zip(bytes) {
+            *byte = self.controller.byte(offset);
+        }
+        if self.controller.double_bit_errors() == before { Ok(()) } else { Err(FlashError::Torn) }
+    }
+
+    fn capacity(&self) -> usize {
+        C::CAPACITY
+    }
+}
+
+impl<C: FlashController> NorFlash for Stm32l4Flash<C> {
+    const WRITE_SIZE: usize = 8;
+    const ERASE_SIZE: usize = PAGE as usize;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
+        check_erase(self, from, to).map_err(FlashError::Range)?;
+        let first = self.controller.first_page();
+        self.operation(|flash| (from / PAGE..to / PAGE).try_for_each(|page| flash.erase_page(first + page)))?;
+        self.reads(from, (from..to).map(|_| 0xFF))
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+        check_write(self, offset, bytes.len()).map_err(FlashError::Range)?;
+        self.operation(|flash| {
+            flash.controller.set_register(Register::Control, control::PROGRAM);
+            for (offset, double_word) in (offset..).step_by(8).zip(bytes.as_chunks::<8>().0) {
+                let bits = u64::from_le_bytes(*double_word);
+                flash.controller.program(offset, [bits as u32, (bits >> 32) as u32]);
+                flash.outcome()?;
+            }
+            Ok(())
+        })?;
+        self.reads(offset, bytes.iter().copied())
+    }
+}
