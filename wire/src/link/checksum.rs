@@ -47,7 +47,7 @@ pub fn crc32c(bytes: &[u8]) -> u32 {
 /// The message followed by its checksum.
 ///
 /// # Errors
-/// [`LengthError`] when it is empty or longer than [`MAX_MESSAGE`](MAX_MESSAGE).
+/// [`LengthError`] when it is empty or longer than [`MAX_MESSAGE`].
 ///
 /// ```
 /// let checked = rundown_wire::link::checksum::append(b"123456789").unwrap();
