@@ -122,64 +122,52 @@ pub struct TargetPart {
     pub targets: Vec<Target, TARGETS>,
 }
 
-/// A section of the configuration; the whole is checked before it takes the old one's place.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum Setting {
-    /// 0: source of the effort.
-    Mode(Mode),
-    /// 1: what the readings are worth.
-    Sensor(SensorConfig),
-    /// 2: the paper's filter.
-    Paper(PaperConfig),
-    /// 3: learning.
-    Learning(LearningConfig),
-    /// 4: what is carried from run to run.
-    Memory(MemoryConfig),
-    /// 5: the paper's regime rule.
-    PaperRule(PaperRule),
-    /// 6: the recogniser.
-    Recogniser(RecogniserConfig),
-    /// 7: windows of the features.
-    Features(FeatureConfig),
-    /// 8: when a reading is not believed.
-    Plausibility(PlausibilityConfig),
-    /// 9: coast-ahead prediction.
-    Coast(CoastConfig),
+macro_rules! sections {
+    ($($(#[$doc:meta])* $Section:ident($Type:ty) is $field:ident,)*) => {
+        /// A section of the configuration; the whole is checked before it takes the old one's place.
+        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+        #[non_exhaustive]
+        pub enum Setting {
+            $($(#[$doc])* $Section($Type),)*
+        }
+
+        impl Setting {
+            /// All sections of a configuration.
+            pub fn all(config: &Config) -> [Self; 10] {
+                [$(Self::$Section(config.$field)),*]
+            }
+
+            /// Puts the section into a configuration.
+            pub fn apply(&self, config: &mut Config) {
+                match *self {
+                    $(Self::$Section(section) => config.$field = section,)*
+                }
+            }
+        }
+    };
 }
 
-impl Setting {
-    /// All sections of a configuration.
-    pub fn all(config: &Config) -> [Self; 10] {
-        [
-            Self::Mode(config.mode),
-            Self::Sensor(config.sensor),
-            Self::Paper(config.paper),
-            Self::Learning(config.learning),
-            Self::Memory(config.memory),
-            Self::PaperRule(config.paper_rule),
-            Self::Recogniser(config.recogniser),
-            Self::Features(config.features),
-            Self::Plausibility(config.plausibility),
-            Self::Coast(config.coast),
-        ]
-    }
-
-    /// Puts the section into a configuration.
-    pub fn apply(&self, config: &mut Config) {
-        match *self {
-            Self::Mode(mode) => config.mode = mode,
-            Self::Sensor(section) => config.sensor = section,
-            Self::Paper(section) => config.paper = section,
-            Self::Learning(section) => config.learning = section,
-            Self::Memory(section) => config.memory = section,
-            Self::PaperRule(section) => config.paper_rule = section,
-            Self::Recogniser(section) => config.recogniser = section,
-            Self::Features(section) => config.features = section,
-            Self::Plausibility(section) => config.plausibility = section,
-            Self::Coast(section) => config.coast = section,
-        }
-    }
+sections! {
+    /// 0: source of the effort.
+    Mode(Mode) is mode,
+    /// 1: what the readings are worth.
+    Sensor(SensorConfig) is sensor,
+    /// 2: the paper's filter.
+    Paper(PaperConfig) is paper,
+    /// 3: learning.
+    Learning(LearningConfig) is learning,
+    /// 4: what is carried from run to run.
+    Memory(MemoryConfig) is memory,
+    /// 5: the paper's regime rule.
+    PaperRule(PaperRule) is paper_rule,
+    /// 6: the recogniser.
+    Recogniser(RecogniserConfig) is recogniser,
+    /// 7: windows of the features.
+    Features(FeatureConfig) is features,
+    /// 8: when a reading is not believed.
+    Plausibility(PlausibilityConfig) is plausibility,
+    /// 9: coast-ahead prediction.
+    Coast(CoastConfig) is coast,
 }
 
 /// When a tick happens.

@@ -22,7 +22,7 @@ use device::{IWDG, Peripherals};
 #[cfg(not(feature = "emulator"))]
 use flash::Flash;
 use rundown::onboard::board::{Board, Started};
-use rundown::onboard::clock::{self, Clock, bounded};
+use rundown::onboard::clock::{self, bounded};
 use rundown::onboard::watchdog::Watchdog;
 use rundown_wire::ResetCause;
 use serial::SerialPort;

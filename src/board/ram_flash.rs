@@ -12,6 +12,7 @@ pub type Flash = MemoryFlash<&'static mut [u8; RECORDS]>;
 
 /// To be called once.
 pub fn start() -> Flash {
+    let records = &raw mut _records;
     // SAFETY: so many bytes are reserved behind the symbol, and nothing else refers to them.
-    MemoryFlash::new(unsafe { &mut *(&raw mut _records) })
+    MemoryFlash::new(unsafe { &mut *records })
 }

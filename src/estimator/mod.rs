@@ -28,7 +28,7 @@ use crate::tick::memory::{MemoryConfig, Vehicle};
 use crate::tick::plausibility::Judged;
 use crate::tick::regime::Regime;
 use core::borrow::{Borrow, BorrowMut};
-use core::fmt;
+use rundown_wire::errors;
 
 /// Without a location for longer than this the location is invalid; the same for the speed, s.
 const INVALID_AFTER_S: Real = 60.0;
@@ -42,30 +42,13 @@ pub struct Estimator<T = Track, E = Effects> {
     effects: E,
 }
 
-/// Why a measurement gave no estimate. Nothing has changed but its counter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum StepError {
-    /// The time of the measurement is not after the last one's.
-    TimeNotIncreasing {
-        /// Time of the last accepted measurement, s.
-        last_s: Real,
-        /// Time of this one, s.
-        found_s: Real,
-    },
-}
-
-impl fmt::Display for StepError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TimeNotIncreasing { last_s, found_s } => {
-                write!(f, "time_s: expected beyond {last_s}, found {found_s}")
-            }
-        }
+errors! {
+    /// Why a measurement gave no estimate. Nothing has changed but its counter.
+    #[non_exhaustive]
+    pub enum StepError {
+        TimeNotIncreasing { last_s: Real, found_s: Real } => "time_s: expected beyond {last_s}, found {found_s}",
     }
 }
-
-impl core::error::Error for StepError {}
 
 /// What is known at the end of a run.
 #[derive(Clone, Debug, PartialEq)]

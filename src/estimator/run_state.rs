@@ -16,7 +16,7 @@ use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Plausibility;
 use crate::tick::regime::{Recogniser, Regime};
 use crate::tick::snapshot::{InPlace, in_place};
-use core::fmt;
+use rundown_wire::errors;
 use serde::Serialize;
 
 in_place! {
@@ -54,17 +54,11 @@ in_place! {
 /// Most bytes that a snapshot takes. Held by a test over a run that fills every buffer.
 pub const MAX_SNAPSHOT: usize = 12 * 1024;
 
-/// Why bytes are no snapshot. The run is idle afterwards: half a state is none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NoSnapshot;
-
-impl fmt::Display for NoSnapshot {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the bytes are no snapshot of a run of this version")
-    }
+errors! {
+    /// Why bytes are no snapshot. The run is idle afterwards: a partial state is rejected.
+    #[derive(Eq)]
+    pub struct NoSnapshot => "snapshot: expected one of a run of this version, found other bytes";
 }
-
-impl core::error::Error for NoSnapshot {}
 
 impl RunState {
     /// Zeros: as a static it takes no flash, and its start no stack. No run before [`RunState::reset`].

@@ -4,25 +4,14 @@
 //! With K = N it is the whole factor. A pivot that is not above zero stops it with its row.
 
 use crate::Real;
-use core::fmt;
 use nalgebra::{SMatrix, SVector};
+use rundown_wire::errors;
 
-/// A matrix is not positive definite: pivot `row` was `pivot`, not above zero (or not a number).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NotPositiveDefinite {
-    /// Row of the pivot, counted from 0.
-    pub row: usize,
-    /// Its value.
-    pub pivot: Real,
+errors! {
+    /// A matrix is not positive definite: its pivot is not above zero, or not a number. Rows are counted from 0.
+    pub struct NotPositiveDefinite { row: usize, pivot: Real } =>
+        "covariance: expected pivot {row} above 0, found {pivot}";
 }
-
-impl fmt::Display for NotPositiveDefinite {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "covariance: expected pivot {} above 0, found {}", self.row, self.pivot)
-    }
-}
-
-impl core::error::Error for NotPositiveDefinite {}
 
 /// A column of the factor.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -39,6 +39,7 @@ use crate::Real;
 use crate::filter::elimination::{Column, NotPositiveDefinite, above_zero, eliminate};
 use crate::filter::gaussian::Gaussian;
 use nalgebra::{SMatrix, SVector};
+use rundown_wire::errors;
 use serde::{Deserialize, Serialize};
 
 /// A motion x' = T x + b (a(x) + noise) of N components, driven by one number a. The first K components move;
@@ -117,20 +118,12 @@ impl<const N: usize> From<Spread<N>> for SpreadTable {
     }
 }
 
-/// α and N + κ must be above zero, and all three finite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SpreadError {
-    /// Number of components N of the state.
-    pub components: usize,
+errors! {
+    /// α and N + κ must be above zero, and all three finite; N is the number of components of the state.
+    #[derive(Eq)]
+    pub struct SpreadError { components: usize } =>
+        "spread: expected alpha above 0, kappa above -{components} and all finite";
 }
-
-impl core::fmt::Display for SpreadError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "spread: expected alpha above 0, kappa above -{} and all finite", self.components)
-    }
-}
-
-impl core::error::Error for SpreadError {}
 
 impl<const N: usize> Spread<N> {
     /// Table 1.

@@ -1,7 +1,8 @@
 //! What is the same in every step of a run: train, track, direction.
 
 use super::direction::Direction;
-use super::track::{Track, UnderTrain};
+use super::profile::UnderTrain;
+use super::track::Track;
 use super::train::Train;
 use crate::Real;
 
@@ -24,6 +25,6 @@ impl<'a> Line<'a> {
 
     #[inline(always)]
     pub(super) fn under_train(&self, location_m: Real) -> UnderTrain<'a> {
-        UnderTrain::new(self.track, location_m, self.train.length_m(), self.direction)
+        UnderTrain::new(&self.track.profile, location_m, self.train.length_m(), self.direction)
     }
 }

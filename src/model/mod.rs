@@ -8,6 +8,7 @@ pub mod effort;
 pub mod line;
 pub mod motion;
 pub mod point;
+mod profile;
 pub mod resistance;
 pub mod state;
 pub(crate) mod table;

@@ -18,8 +18,8 @@ use crate::filter::ukf::{Pair, Process};
 use crate::model::effects::Acting;
 use crate::model::line::Line;
 use crate::model::point::Point;
+use crate::model::profile::UnderTrain;
 use crate::model::state::{self, GAIN, LOCATION, MOVING, R0, R1, R2, SPEED};
-use crate::model::track::UnderTrain;
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 

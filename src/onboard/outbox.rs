@@ -4,26 +4,16 @@
 //! A frame of which a part has gone is cut short by its delimiter: the receiver refuses that one and reads the next.
 
 use heapless::Deque;
+use rundown_wire::errors;
 
 /// End of a frame.
 pub const DELIMITER: u8 = 0;
 
-/// Why a frame was not taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TooLong {
-    /// Length of the frame.
-    pub found: usize,
-    /// What fits.
-    pub capacity: usize,
+errors! {
+    /// Why a frame was not taken.
+    #[derive(Eq)]
+    pub struct TooLong { found: usize, capacity: usize } => "frame: expected at most {capacity} bytes, found {found}";
 }
-
-impl core::fmt::Display for TooLong {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "frame of {} bytes, the outbox holds {}", self.found, self.capacity)
-    }
-}
-
-impl core::error::Error for TooLong {}
 
 /// A queue of frames in `N` bytes.
 ///

@@ -3,7 +3,6 @@
 //! The version changes only when bytes of a frame that was released would be read as something else. New frames are appended to the enums under the
 //! same version; a receiver that does not know one counts it and goes on.
 
-use core::fmt;
 use serde::{Serialize, de::DeserializeOwned};
 
 /// Version of the messages that this library writes; it reads this one.
@@ -12,52 +11,22 @@ pub const VERSION: u8 = 1;
 /// Largest message, bytes. With its checksum below the 655 bytes up to which CRC-32C finds any five flipped bits.
 pub const MAX_MESSAGE: usize = 512;
 
-/// Why a message was not read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum DecodeError {
-    /// No byte at all.
-    Empty,
-    /// Written in another version.
-    Version {
-        /// The version that stood there.
-        found: u8,
-    },
-    /// An unknown frame, a value that cannot be, or the end of the message inside a frame.
-    Malformed,
-    /// Bytes were left after the frame.
-    TooLong {
-        /// How many.
-        left: usize,
-    },
-}
-
-impl fmt::Display for DecodeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => write!(f, "message: empty"),
-            Self::Version { found } => {
-                write!(f, "message: expected version {VERSION}, found {found}")
-            }
-            Self::Malformed => write!(f, "message: no frame that this version knows"),
-            Self::TooLong { left } => write!(f, "message: expected its end behind the frame, found {left} bytes more"),
-        }
+errors! {
+    /// Why a message was not read.
+    #[derive(Eq)]
+    #[non_exhaustive]
+    pub enum DecodeError {
+        Empty => "message: empty",
+        Version { found: u8 } => "message: expected version {VERSION}, found {found}",
+        /// An unknown frame, a value that cannot be, or the end of the message inside a frame.
+        Malformed => "message: no frame that this version knows",
+        TooLong { left: usize } => "message: expected its end behind the frame, found {left} bytes more",
     }
+
+    /// The buffer is shorter than the message.
+    #[derive(Eq)]
+    pub struct EncodeError => "buffer: expected room for the message, at most {MAX_MESSAGE} bytes, found less";
 }
-
-impl core::error::Error for DecodeError {}
-
-/// The buffer is shorter than the message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct EncodeError;
-
-impl fmt::Display for EncodeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "buffer: expected room for the message, at most {MAX_MESSAGE} bytes, found less")
-    }
-}
-
-impl core::error::Error for EncodeError {}
 
 /// Writes version and value; gives back the part of the buffer that was written.
 ///

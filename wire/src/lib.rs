@@ -22,6 +22,8 @@
 #![warn(missing_docs)]
 
 #[macro_use]
+mod errors;
+#[macro_use]
 mod catalogue;
 mod coast;
 mod downlink;

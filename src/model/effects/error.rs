@@ -2,93 +2,33 @@
 
 use crate::Real;
 use crate::model::bounds::{OutOfRange, between};
-use core::fmt;
 use rundown_wire::EffectKind;
+use rundown_wire::errors;
 
-/// Why an effect was refused. What was in force before stays in force.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum EffectError {
-    /// A parameter is out of range.
-    OutOfRange(EffectKind, OutOfRange),
-    /// A section does not end behind its beginning.
-    Section {
-        /// Which effect.
-        effect: EffectKind,
-        /// Where it begins, m.
-        from_m: Real,
-        /// Where it ends, m.
-        to_m: Real,
-    },
-    /// Point `index` of a table is not finite, out of range, or not behind the one before it.
-    Point {
-        /// Which point, counted from 0.
-        index: usize,
-    },
-    /// A table without points.
-    NoPoints,
-    /// More effects than a list holds.
-    TooMany {
-        /// How many it holds.
-        most: usize,
-    },
-    /// A second effect of a kind that may stand only once.
-    Twice {
-        /// Which effect.
-        effect: EffectKind,
-    },
-}
+errors! {
+    /// Why an effect was refused. What was in force before stays in force.
+    #[non_exhaustive]
+    pub enum EffectError {
+        OutOfRange(effect: EffectKind, error: OutOfRange) => "{effect}.{error}",
+        Section { effect: EffectKind, from_m: Real, to_m: Real } =>
+            "{effect}.to_m: expected beyond from_m = {from_m}, found {to_m}",
+        /// Point `index` of a table is not finite, out of range, or not behind the one before it.
+        Point { index: usize } =>
+            "unknown.table: expected finite points, each beyond the one before it and within 1 N/kg, found another in point {index}",
+        NoPoints => "unknown.table: expected a point, found none",
+        TooMany { most: usize } => "effect: expected at most {most}, found one more",
+        Twice { effect: EffectKind } => "effect: expected {effect} once, found it twice",
+    }
 
-impl fmt::Display for EffectError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::OutOfRange(effect, error) => write!(f, "{effect}.{error}"),
-            Self::Section { effect, from_m, to_m } => {
-                write!(f, "{effect}.to_m: expected beyond from_m = {from_m}, found {to_m}")
-            }
-            Self::Point { index } => {
-                write!(
-                    f,
-                    "unknown.table: expected finite points, each beyond the one before it and within 1 N/kg, found another in point {index}"
-                )
-            }
-            Self::NoPoints => write!(f, "unknown.table: expected a point, found none"),
-            Self::TooMany { most } => write!(f, "effect: expected at most {most}, found one more"),
-            Self::Twice { effect } => write!(f, "effect: expected {effect} once, found it twice"),
-        }
+    /// Why an effect frame was refused; the effects are as before.
+    #[non_exhaustive]
+    pub enum FrameError {
+        UnknownKind => "kind: expected the number of a kind of effect, found another one",
+        Shape => "values: expected the values and the section that the kind of effect has, found others",
+        OutOfOrder => "point: expected the next point of the table of an unknown effect, found another one",
+        Refused(error: EffectError) => "{error}",
     }
 }
-
-impl core::error::Error for EffectError {}
-
-/// Why an effect frame was refused; the effects are as before.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum FrameError {
-    /// No effect has this number.
-    UnknownKind,
-    /// Not the number of values that its kind has, or a section where there is none, or none where there is one.
-    Shape,
-    /// A point of a table that does not follow the one before it.
-    OutOfOrder,
-    /// The effect itself is refused.
-    Refused(EffectError),
-}
-
-impl fmt::Display for FrameError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::UnknownKind => f.write_str("expected the number of a kind of effect, found another one"),
-            Self::Shape => f.write_str("expected the values and the section that the kind of effect has, found others"),
-            Self::OutOfOrder => {
-                f.write_str("expected the next point of the table of an unknown effect, found another one")
-            }
-            Self::Refused(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for FrameError {}
 
 /// A parameter and its range. Refuses NaN.
 pub(super) fn within(

@@ -10,6 +10,7 @@
 use crate::onboard::bytes::take;
 use crate::onboard::train_id::TrainId;
 use core::fmt;
+use rundown_wire::errors;
 use rundown_wire::link::checksum::crc32c;
 
 const MAGIC: [u8; 4] = *b"RDky";
@@ -50,50 +51,19 @@ pub struct Provisioning {
     pub train: TrainId,
 }
 
-/// Why a board has no key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum ProvisioningError {
-    /// Nothing was written: all bytes are 0xFF.
-    Unprovisioned,
-    /// The record does not begin as one.
-    WrongMagic {
-        /// What stands there.
-        found: [u8; 4],
-    },
-    /// The CRC does not fit the record.
-    Damaged,
-    /// The record is of another version.
-    OtherVersion {
-        /// The version that is read.
-        expected: u16,
-        /// The version that was found.
-        found: u16,
-    },
-    /// All bytes of the key are equal: a forgotten or erased one.
-    TrivialKey,
-    /// The flash could not be read.
-    Unreadable,
-}
-
-impl fmt::Display for ProvisioningError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unprovisioned => write!(f, "provisioning: never written"),
-            Self::WrongMagic { found } => {
-                write!(f, "provisioning: expected magic {MAGIC:?}, found {found:?}")
-            }
-            Self::Damaged => write!(f, "provisioning: CRC does not fit"),
-            Self::OtherVersion { expected, found } => {
-                write!(f, "provisioning: expected version {expected}, found {found}")
-            }
-            Self::TrivialKey => write!(f, "provisioning: all bytes of the key are equal"),
-            Self::Unreadable => write!(f, "provisioning: flash could not be read"),
-        }
+errors! {
+    /// Why a board has no key.
+    #[derive(Eq)]
+    #[non_exhaustive]
+    pub enum ProvisioningError {
+        Unprovisioned => "provisioning: never written",
+        WrongMagic { found: [u8; 4] } => "provisioning: expected magic {MAGIC:?}, found {found:?}",
+        Damaged => "provisioning: CRC does not fit",
+        OtherVersion { expected: u16, found: u16 } => "provisioning: expected version {expected}, found {found}",
+        TrivialKey => "provisioning: all bytes of the key are equal",
+        Unreadable => "provisioning: flash could not be read",
     }
 }
-
-impl core::error::Error for ProvisioningError {}
 
 impl Provisioning {
     /// Reads a record.

@@ -10,10 +10,9 @@ use crate::model::resistance::Davis;
 use crate::onboard::train_id::TrainId;
 use crate::tick::memory::{Implausible, Vehicle, VehicleRecord};
 use crate::tick::snapshot::{InPlace, in_place};
-use core::fmt;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
-use rundown_wire::EffectKind;
+use rundown_wire::{EffectKind, errors};
 use serde::{Deserialize, Serialize};
 
 /// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order, or [`SCALES`](crate::tick::memory::SCALES).
@@ -61,37 +60,18 @@ pub struct Loaded {
     pub fallen_back: bool,
 }
 
-/// Why nothing was brought back, though something is stored: begin with defaults and report it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum NotRestored {
-    /// The store does not give it.
-    Refused(Refused),
-    /// The payload is not of this layout, though it says so.
-    NotDecoded,
-    /// The vehicle is not believed.
-    Vehicle(Implausible),
-    /// This effect is not believed.
-    Effect {
-        /// Its kind.
-        kind: u8,
-    },
-}
-
-impl fmt::Display for NotRestored {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Refused(cause) => cause.fmt(f),
-            Self::NotDecoded => write!(f, "payload: expected one of layout {LAYOUT}, found another"),
-            Self::Vehicle(cause) => cause.fmt(f),
-            Self::Effect { kind } => {
-                write!(f, "effect: expected one of this model with its parameters in range, found kind {kind}")
-            }
-        }
+errors! {
+    /// Why nothing was brought back, though something is stored: begin with defaults and report it.
+    #[non_exhaustive]
+    pub enum NotRestored {
+        /// The store does not give it.
+        Refused(cause: Refused) => "{cause}",
+        NotDecoded => "payload: expected one of layout {LAYOUT}, found another",
+        /// The vehicle is not believed.
+        Vehicle(cause: Implausible) => "{cause}",
+        Effect { kind: u8 } => "effect: expected one of this model with its parameters in range, found kind {kind}",
     }
 }
-
-impl core::error::Error for NotRestored {}
 
 impl Persisted {
     /// Largest number of bytes it is stored in: 8 a number, 5 a count.

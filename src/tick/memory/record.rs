@@ -5,8 +5,8 @@ use crate::Real;
 use crate::filter::elimination::{NotPositiveDefinite, eliminate};
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
-use core::fmt;
 use nalgebra::{Matrix3, Vector3};
+use rundown_wire::errors;
 use serde::{Deserialize, Serialize};
 
 /// A stored coefficient is believed from this share of the manufacturer's coefficient ...
@@ -36,49 +36,17 @@ pub struct HypothesisRecord {
     pub covariance: [Real; 6],
 }
 
-/// Why a stored vehicle is not believed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Implausible {
-    /// A number is infinite or not a number.
-    NotFinite,
-    /// Probabilities are not above 0, or their sum is not 1.
-    Weights {
-        /// Their sum.
-        sum: Real,
-    },
-    /// A covariance is none.
-    Covariance {
-        /// Which of the hypotheses.
-        hypothesis: usize,
-        /// Its first wrong pivot.
-        cause: NotPositiveDefinite,
-    },
-    /// A coefficient is too far from the manufacturer's.
-    Coefficient {
-        /// `r0`, `r1` or `r2`.
-        name: &'static str,
-        /// Share of the manufacturer's coefficient, expected from [`LEAST_SHARE`] to [`MOST_SHARE`].
-        share: Real,
-    },
-}
-
-impl fmt::Display for Implausible {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NotFinite => write!(f, "vehicle: expected finite numbers, found another"),
-            Self::Weights { sum } => write!(f, "vehicle.weight: expected above 0 with sum 1, found sum {sum}"),
-            Self::Covariance { hypothesis, cause } => {
-                write!(f, "vehicle.hypotheses[{hypothesis}]: {cause}")
-            }
-            Self::Coefficient { name, share } => {
-                write!(f, "vehicle.{name}: expected {LEAST_SHARE} to {MOST_SHARE} of the manufacturer's, found {share}")
-            }
-        }
+errors! {
+    /// Why a stored vehicle is not believed.
+    #[non_exhaustive]
+    pub enum Implausible {
+        NotFinite => "vehicle: expected finite numbers, found another",
+        Weights { sum: Real } => "vehicle.weight: expected above 0 with sum 1, found sum {sum}",
+        Covariance { hypothesis: usize, cause: NotPositiveDefinite } => "vehicle.hypotheses[{hypothesis}]: {cause}",
+        Coefficient { name: &'static str, share: Real } =>
+            "vehicle.{name}: expected {LEAST_SHARE} to {MOST_SHARE} of the manufacturer's, found {share}",
     }
 }
-
-impl core::error::Error for Implausible {}
 
 impl VehicleRecord {
     /// Zeros; of no vehicle.

@@ -11,8 +11,7 @@
 //! Over CAN, too, although each frame has a CRC of its own. ISO-TP has none over the message, and its sequence number comes round after 16 frames; between controller and program the frame's CRC
 //! is gone, and SLCAN turns a flipped bit of one hex digit into another hex digit. Four bytes close all three holes.
 
-use super::MAX_CHECKED;
-use core::fmt;
+use super::{MAX_CHECKED, MAX_MESSAGE};
 use crc::{CRC_32_ISCSI, Crc};
 use heapless::Vec;
 
@@ -22,51 +21,19 @@ pub const CHECKSUM_BYTES: usize = 4;
 /// CRC-32C has many names; this is Castagnoli's polynomial as in iSCSI.
 pub static CRC_32C: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 
-/// A message that cannot be sent because of its length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LengthError {
-    /// Bytes of the message.
-    pub found: usize,
-}
+errors! {
+    /// A message that cannot be sent because of its length.
+    #[derive(Eq)]
+    pub struct LengthError { found: usize } => "expected 1 to {MAX_MESSAGE} bytes, found {found}";
 
-impl fmt::Display for LengthError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "expected 1 to {} bytes, found {}", super::MAX_MESSAGE, self.found)
+    /// Why checked bytes are no message.
+    #[derive(Eq)]
+    #[non_exhaustive]
+    pub enum ChecksumError {
+        TooShort { found: usize } => "expected at least 5 bytes, found {found}",
+        Mismatch { expected: u32, found: u32 } => "expected checksum {expected:08x}, found {found:08x}",
     }
 }
-
-impl core::error::Error for LengthError {}
-
-/// Why checked bytes are no message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum ChecksumError {
-    /// Fewer than one byte and its checksum.
-    TooShort {
-        /// Bytes with the checksum.
-        found: usize,
-    },
-    /// The bytes were changed on their way.
-    Mismatch {
-        /// Checksum of the bytes that came.
-        expected: u32,
-        /// Checksum that came.
-        found: u32,
-    },
-}
-
-impl fmt::Display for ChecksumError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooShort { found } => write!(f, "expected at least 5 bytes, found {found}"),
-            Self::Mismatch { expected, found } => {
-                write!(f, "expected checksum {expected:08x}, found {found:08x}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for ChecksumError {}
 
 /// CRC-32C of some bytes.
 ///
@@ -80,7 +47,7 @@ pub fn crc32c(bytes: &[u8]) -> u32 {
 /// The message followed by its checksum.
 ///
 /// # Errors
-/// [`LengthError`] when it is empty or longer than [`MAX_MESSAGE`](super::MAX_MESSAGE).
+/// [`LengthError`] when it is empty or longer than [`MAX_MESSAGE`].
 ///
 /// ```
 /// let checked = rundown_wire::link::checksum::append(b"123456789").unwrap();

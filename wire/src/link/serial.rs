@@ -15,7 +15,6 @@
 use super::checksum::{self, ChecksumError, LengthError};
 use super::{Counters, Link, LinkError, MAX_CHECKED, MAX_MESSAGE, Message, count, write_whole};
 use cobs::{CobsEncoder, DecodeResult, DecoderState};
-use core::fmt;
 use embedded_io::{Read, ReadReady, Write};
 use heapless::Vec;
 
@@ -25,37 +24,18 @@ pub const MAX_SERIAL: usize = cobs::max_encoding_length(MAX_CHECKED) + 1;
 /// Bytes that one call of [`SerialLink::receive`] takes at most, so that a babbling line cannot hold up the caller.
 const BYTES_PER_CALL: usize = 2 * MAX_SERIAL;
 
-/// Why the bytes between two zeros are no message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum DecodeError {
-    /// The zero came before the end that COBS had announced.
-    Cobs {
-        /// Bytes decoded until then.
-        decoded: usize,
-    },
-    /// More bytes than the buffer takes.
-    TooLong {
-        /// Size of the buffer.
-        capacity: usize,
-    },
-    /// Too few bytes, or the wrong ones.
-    Checksum(ChecksumError),
-}
-
-impl fmt::Display for DecodeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Cobs { decoded } => write!(f, "message ends early, after {decoded} bytes"),
-            Self::TooLong { capacity } => {
-                write!(f, "expected at most {capacity} bytes, found more")
-            }
-            Self::Checksum(error) => error.fmt(f),
-        }
+errors! {
+    /// Why the bytes between two zeros are no message.
+    #[derive(Eq)]
+    #[non_exhaustive]
+    pub enum DecodeError {
+        /// The zero came before the end that COBS had announced.
+        Cobs { decoded: usize } => "message ends early, after {decoded} bytes",
+        TooLong { capacity: usize } => "expected at most {capacity} bytes, found more",
+        /// Too few bytes, or the wrong ones.
+        Checksum(error: ChecksumError) => "{error}",
     }
 }
-
-impl core::error::Error for DecodeError {}
 
 impl DecodeError {
     /// Counts the cause.

@@ -41,54 +41,21 @@ pub enum Line {
     Refused,
 }
 
-/// A line that is none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum SlcanError {
-    /// More than [`MAX_LINE`] bytes.
-    TooLong,
-    /// A character that is not a hexadecimal digit where one is due, or too few of them.
-    Digits,
-    /// An identifier of more than 11 or 29 bits.
-    Identifier {
-        /// Its value.
-        found: u32,
-    },
-    /// A length that the kind of frame does not have.
-    Length {
-        /// The code that it says.
-        found: u8,
-    },
-    /// More characters than the length says.
-    Trailing {
-        /// How many.
-        found: usize,
-    },
-    /// The first character is no letter.
-    Letter {
-        /// What it is.
-        found: u8,
-    },
-}
-
-impl fmt::Display for SlcanError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooLong => write!(f, "line of more than {MAX_LINE} bytes"),
-            Self::Digits => f.write_str("expected more hexadecimal digits"),
-            Self::Identifier { found } => {
-                write!(f, "expected an identifier of 11 or 29 bits, found {found:x}")
-            }
-            Self::Length { found } => {
-                write!(f, "expected a length that the frame has, found {found:x}")
-            }
-            Self::Trailing { found } => write!(f, "{found} characters too many"),
-            Self::Letter { found } => write!(f, "expected a letter, found {found:#04x}"),
-        }
+errors! {
+    /// A line that is none.
+    #[derive(Eq)]
+    #[non_exhaustive]
+    pub enum SlcanError {
+        /// More than [`MAX_LINE`] bytes.
+        TooLong => "line of more than {MAX_LINE} bytes",
+        /// A character that is not a hexadecimal digit where one is due, or too few of them.
+        Digits => "expected more hexadecimal digits",
+        Identifier { found: u32 } => "expected an identifier of 11 or 29 bits, found {found:x}",
+        Length { found: u8 } => "expected a length that the frame has, found {found:x}",
+        Trailing { found: usize } => "{found} characters too many",
+        Letter { found: u8 } => "expected a letter, found {found:#04x}",
     }
 }
-
-impl core::error::Error for SlcanError {}
 
 /// The line of a frame, with its carriage return.
 ///

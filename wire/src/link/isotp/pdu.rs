@@ -12,7 +12,6 @@
 //! A frame with a length that the standard does not allow is refused, not guessed at. What follows the payload in a single or the last consecutive frame is padding and ignored.
 
 use crate::link::can::{CLASSIC_BYTES, FD_BYTES, Format, fd_length_for};
-use core::fmt;
 use heapless::Vec;
 
 /// The data of one CAN frame.
@@ -110,42 +109,16 @@ pub enum Pdu<'a> {
     FlowControl(FlowControl),
 }
 
-/// A frame that ISO-TP does not have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum PduError {
-    /// Too few bytes for what the first one says.
-    Short {
-        /// Bytes of the frame.
-        found: usize,
-    },
-    /// The first four bits are none of the four kinds.
-    Kind {
-        /// Their value.
-        found: u8,
-    },
-    /// A payload length that this kind of frame cannot have.
-    Length {
-        /// The length that it says.
-        found: usize,
-        /// Bytes of the frame.
-        frame: usize,
-    },
-}
-
-impl fmt::Display for PduError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Short { found } => write!(f, "frame of {found} bytes is too short"),
-            Self::Kind { found } => write!(f, "expected kind 0 to 3, found {found}"),
-            Self::Length { found, frame } => {
-                write!(f, "frame of {frame} bytes cannot say a length of {found}")
-            }
-        }
+errors! {
+    /// A frame that ISO-TP does not have.
+    #[derive(Eq)]
+    #[non_exhaustive]
+    pub enum PduError {
+        Short { found: usize } => "frame of {found} bytes is too short",
+        Kind { found: u8 } => "expected kind 0 to 3, found {found}",
+        Length { found: usize, frame: usize } => "frame of {frame} bytes cannot say a length of {found}",
     }
 }
-
-impl core::error::Error for PduError {}
 
 /// What the data of a frame means.
 ///

@@ -6,70 +6,23 @@
 
 use super::Config;
 use super::pdu::{FlowControl, FlowStatus, Pdu, SeparationTime};
-use core::fmt;
 use heapless::Vec;
 
-/// Why a payload was dropped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum ReceiveError {
-    /// A consecutive frame is missing, doubled or out of place.
-    Sequence {
-        /// Number that was due.
-        expected: u8,
-        /// Number that came.
-        found: u8,
-    },
-    /// A consecutive frame without a first one; the rest of a payload that was dropped before.
-    NotStarted,
-    /// Another payload began before the end of this one.
-    Interrupted {
-        /// Bytes received until then.
-        received: usize,
-    },
-    /// A consecutive frame that is not the last has another length than the first frame.
-    FrameLength {
-        /// Bytes of the first frame.
-        expected: usize,
-        /// Bytes of this one.
-        found: usize,
-    },
-    /// The payload is longer than the buffer. The sender gets an overflow.
-    Overflow {
-        /// Length that the first frame says.
-        found: usize,
-        /// Room for it.
-        capacity: usize,
-    },
-    /// No consecutive frame within N_Cr.
-    Timeout {
-        /// How long was waited, µs.
-        waited_us: u64,
-    },
-}
-
-impl fmt::Display for ReceiveError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Sequence { expected, found } => {
-                write!(f, "expected frame number {expected}, found {found}")
-            }
-            Self::NotStarted => f.write_str("consecutive frame without a first frame"),
-            Self::Interrupted { received } => {
-                write!(f, "another payload began after {received} bytes")
-            }
-            Self::FrameLength { expected, found } => {
-                write!(f, "expected a frame of {expected} bytes, found {found}")
-            }
-            Self::Overflow { found, capacity } => {
-                write!(f, "expected at most {capacity} bytes, found {found}")
-            }
-            Self::Timeout { waited_us } => write!(f, "no frame within {waited_us} us"),
-        }
+errors! {
+    /// Why a payload was dropped.
+    #[derive(Eq)]
+    #[non_exhaustive]
+    pub enum ReceiveError {
+        Sequence { expected: u8, found: u8 } => "expected frame number {expected}, found {found}",
+        /// A consecutive frame without a first one; the rest of a payload that was dropped before.
+        NotStarted => "consecutive frame without a first frame",
+        Interrupted { received: usize } => "another payload began after {received} bytes",
+        /// A consecutive frame that is not the last has another length than the first frame.
+        FrameLength { expected: usize, found: usize } => "expected a frame of {expected} bytes, found {found}",
+        Overflow { found: usize, capacity: usize } => "expected at most {capacity} bytes, found {found}",
+        Timeout { waited_us: u64 } => "no frame within {waited_us} us",
     }
 }
-
-impl core::error::Error for ReceiveError {}
 
 /// What a frame did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -4,56 +4,21 @@
 
 use super::Config;
 use super::pdu::{FlowControl, FlowStatus, FrameData, encode_begin, encode_consecutive};
-use core::fmt;
 use heapless::Vec;
 
-/// Why a payload was not sent or not to its end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum SendError {
-    /// The payload before is still on its way.
-    Busy,
-    /// The payload is empty or longer than the buffer.
-    Length {
-        /// Its bytes.
-        found: usize,
-        /// Room for it.
-        capacity: usize,
-    },
-    /// No flow control within N_Bs.
-    Timeout {
-        /// How long was waited, µs.
-        waited_us: u64,
-    },
-    /// The receiver has no room.
-    Overflow,
-    /// The receiver asked to wait more than N_WFTmax times in a row.
-    TooManyWaits,
-    /// The receiver said something that the standard does not have.
-    FlowStatus {
-        /// What it said.
-        found: u8,
-    },
-}
-
-impl fmt::Display for SendError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Busy => f.write_str("the payload before is still being sent"),
-            Self::Length { found, capacity } => {
-                write!(f, "expected 1 to {capacity} bytes, found {found}")
-            }
-            Self::Timeout { waited_us } => write!(f, "no flow control within {waited_us} us"),
-            Self::Overflow => f.write_str("the receiver has no room"),
-            Self::TooManyWaits => f.write_str("the receiver asked to wait too often"),
-            Self::FlowStatus { found } => {
-                write!(f, "expected flow status 0 to 2, found {found}")
-            }
-        }
+errors! {
+    /// Why a payload was not sent or not to its end.
+    #[derive(Eq)]
+    #[non_exhaustive]
+    pub enum SendError {
+        Busy => "the payload before is still being sent",
+        Length { found: usize, capacity: usize } => "expected 1 to {capacity} bytes, found {found}",
+        Timeout { waited_us: u64 } => "no flow control within {waited_us} us",
+        Overflow => "the receiver has no room",
+        TooManyWaits => "the receiver asked to wait too often",
+        FlowStatus { found: u8 } => "expected flow status 0 to 2, found {found}",
     }
 }
-
-impl core::error::Error for SendError {}
 
 /// Where the separation time begins. It counts from the end of a frame, which is after the `now_us` of the call that sent it; so it is taken from the next call, and is never too short.
 #[derive(Clone, Copy, Debug)]
