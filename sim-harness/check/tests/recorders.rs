@@ -299,7 +299,8 @@ fn clocks_that_jump_are_put_right() {
 fn wraps_and_resets_are_joined() {
     let truth = clean(8);
     let at = truth[truth.len() / 2].location_m.unwrap();
-    let steps: [(Kind, fn(f64, f64) -> f64); 3] = [
+    type Change = fn(f64, f64) -> f64;
+    let steps: [(Kind, Change); 3] = [
         (Kind::Wrap, |m, at| if m > at { m - 65_536.0 } else { m }),
         (Kind::Wrap, |m, at| if m > at { m - 10_000.0 } else { m }),
         (Kind::Reset, |m, at| if m > at { m - at } else { m }),
