@@ -213,6 +213,20 @@ pub fn decode(payload: &[u8]) -> Option<Uplink> {
     }
 }
 
+/// Whether a payload asks only, by its first bytes; none: it is too short, or of no kind. The rest of it is not read.
+pub fn may_come_open(payload: &[u8]) -> Option<bool> {
+    const MEASUREMENT: u32 = 0;
+    const COMMAND: u32 = 5;
+    const TARGETS: u32 = 9;
+    const STATUS: u32 = 3;
+    let ((_, request), rest) = postcard::take_from_bytes::<(u16, u32)>(payload).ok()?;
+    match request {
+        MEASUREMENT => Some(true),
+        COMMAND => postcard::take_from_bytes::<u32>(rest).ok().map(|(command, _)| command == STATUS),
+        _ => (request <= TARGETS).then_some(false),
+    }
+}
+
 /// Writes version, protection ([`OPEN`] or [`SECURED`]) and payload; a secured message still lacks its trailer.
 ///
 /// # Errors

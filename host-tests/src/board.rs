@@ -49,6 +49,10 @@ impl Port for Wire {
     fn health(&self) -> Health {
         self.health
     }
+
+    fn uptime_s(&self) -> u32 {
+        self.health.uptime_s
+    }
 }
 
 /// A task of its own. Its memory is never given back, as on a board; a test starts a few.

@@ -62,10 +62,16 @@ fn by_the_clock_the_newest_measurement_counts() {
     // No measurement: the board still says how it is.
     let frames = board.tick();
     assert!(matches!(frames[0].body, Body::Status(status) if status.silent_ticks == 1));
-    // Older than the last one.
-    let refused = answer(&board.measure(&log[0])).unwrap();
-    assert_eq!(refused.result, Err(Refusal::TimeNotIncreasing));
-    assert_eq!(estimate(&board.tick()), None);
+    // Older than the last one: judged at the tick.
+    assert!(board.measure(&log[0]).is_empty());
+    let frames = board.tick();
+    assert_eq!(answer(&frames).unwrap().result, Err(Refusal::TimeNotIncreasing));
+    assert_eq!(estimate(&frames), None);
+    // One that follows displaces it.
+    assert!(board.measure(&log[0]).is_empty());
+    assert!(board.measure(&log[2]).is_empty());
+    assert_eq!(answer(&board.measure(&log[0])).unwrap().result, Err(Refusal::TimeNotIncreasing));
+    assert_eq!(estimate(&board.tick()).unwrap().time_s, log[2].time_s);
 }
 
 #[test]

@@ -110,7 +110,7 @@ pub(super) fn learning_tick(
 /// What every estimate says, whatever was recognised and learned.
 fn assemble(judged: &Judged, line: &Line<'_>, belief: Gaussian<SIZE>, regime: Regime, validity: Validity) -> Estimate {
     Estimate {
-        time_s: judged.time_s,
+        time_s: judged.sender_s,
         dt_s: judged.dt_s,
         belief,
         effort_n_per_kg: None,

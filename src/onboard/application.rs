@@ -8,6 +8,22 @@ use crate::onboard::task::{Port, Room, Task};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::Health;
 
+/// The hardware, as far as the application asks about it.
+pub trait Hardware: Copy {
+    /// How it is. Takes its time: the stack is searched.
+    fn health(&self) -> Health;
+    /// Seconds since the start; 0: no clock.
+    fn uptime_s(&self) -> u32 {
+        0
+    }
+}
+
+impl<F: Fn() -> Health + Copy> Hardware for F {
+    fn health(&self) -> Health {
+        self()
+    }
+}
+
 /// State of the application.
 pub struct Application<'a, F> {
     task: Task<'a, F>,
@@ -31,12 +47,12 @@ impl<'a, F: NorFlash> Application<'a, F> {
         }
     }
 
-    /// A byte came over the line. `health` is asked when a status is due.
-    pub fn receive(&mut self, byte: u8, health: impl Fn() -> Health + Copy, send: &mut impl FnMut(&[u8]) -> bool) {
+    /// A byte came over the line.
+    pub fn receive(&mut self, byte: u8, hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
         match self.decoder.push(byte) {
             Ok(Some(message)) => {
                 self.messages.received = self.messages.received.saturating_add(1);
-                let mut line = AnswerPort { send, health, messages: &mut self.messages };
+                let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
                 self.task.receive(message, &mut line);
             }
             Ok(None) => {}
@@ -45,8 +61,8 @@ impl<'a, F: NorFlash> Application<'a, F> {
     }
 
     /// A tick of the clock.
-    pub fn tick(&mut self, health: impl Fn() -> Health, send: &mut impl FnMut(&[u8]) -> bool) {
-        let mut line = AnswerPort { send, health, messages: &mut self.messages };
+    pub fn tick(&mut self, hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
+        let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
         self.task.tick(&mut line);
     }
 }
@@ -54,11 +70,11 @@ impl<'a, F: NorFlash> Application<'a, F> {
 /// The line as the task sees it.
 struct AnswerPort<'a, S, H> {
     send: &'a mut S,
-    health: H,
+    hardware: H,
     messages: &'a mut Counters,
 }
 
-impl<S: FnMut(&[u8]) -> bool, H: Fn() -> Health> Port for AnswerPort<'_, S, H> {
+impl<S: FnMut(&[u8]) -> bool, H: Hardware> Port for AnswerPort<'_, S, H> {
     fn send(&mut self, message: &[u8]) -> bool {
         let sent = serial::encode(message).is_ok_and(|frame| (self.send)(&frame));
         if sent {
@@ -68,6 +84,10 @@ impl<S: FnMut(&[u8]) -> bool, H: Fn() -> Health> Port for AnswerPort<'_, S, H> {
     }
 
     fn health(&self) -> Health {
-        Health { messages: *self.messages, ..(self.health)() }
+        Health { messages: *self.messages, ..self.hardware.health() }
+    }
+
+    fn uptime_s(&self) -> u32 {
+        self.hardware.uptime_s()
     }
 }

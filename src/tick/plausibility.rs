@@ -4,7 +4,7 @@
 //!
 //! | input | behaviour |
 //! |---|---|
-//! | time equal or back | the measurement is dropped and counted |
+//! | time equal or back, or beyond [`FAR_S`] | the measurement is dropped and counted; three in a row that agree with each other are believed: the clock was set, location and speed are initialised again (old rows that come late lie behind the train, and must be four times as many) |
 //! | no measurement for more than `long_gap_s` | location and speed begin again, what was learned stays |
 //! | not finite, negative, off the track, faster than any train | the field is dropped, the other one is used |
 //! | location far from where the speed leads | dropped; three in a row that agree with each other are believed, counted as `Contradiction` |
@@ -24,6 +24,13 @@ use serde::{Deserialize, Serialize};
 
 /// Gravity on a descent of 30 permille, N/kg.
 const DESCENT_N_PER_KG: Real = 0.3;
+
+/// A time that is further ahead is not believed by itself, s.
+pub const FAR_S: Real = 86_400.0;
+/// So many times more must agree where they lie behind the train: rows that come late do, a clock that was set does not.
+const BEHIND: u32 = 4;
+/// Behind is more than this share of a jump of the location: more than its noise.
+const BEHIND_SHARE: Real = 0.125;
 
 settings! {
     /// When a reading is not believed.
@@ -48,8 +55,10 @@ settings! {
 /// A measurement with every field judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judged {
-    /// Time, s.
+    /// Time on a clock that was never set back, s.
     pub time_s: Real,
+    /// The same on the sender's clock, s.
+    pub sender_s: Real,
     /// Time since the last measurement, s; 0 when location and speed begin.
     pub dt_s: Real,
     /// Location and speed begin here: first measurement, or a long gap.
@@ -70,6 +79,10 @@ pub struct Judged {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Plausibility {
     last_time_s: Option<Real>,
+    /// What a clock that was set has to be put forward by to go on from the old one, s.
+    shift_s: Real,
+    /// Last rejected time, and how many in a row agree.
+    rejected_time: Option<(Real, u32)>,
     /// Last believed speed, and for how long it has been carried on.
     speed: Option<(Real, Real)>,
     /// Where the train should be by now.
@@ -95,6 +108,8 @@ impl Plausibility {
     /// Zeros, as by default.
     pub(crate) const ZEROED: Self = Self {
         last_time_s: None,
+        shift_s: 0.0,
+        rejected_time: None,
         speed: None,
         expected_m: None,
         since_location_m: 0.0,
@@ -110,7 +125,7 @@ impl Plausibility {
     /// Judges one measurement.
     ///
     /// # Errors
-    /// The time of the last measurement, if there was one: this one's is not after it, or not finite. Nothing has changed.
+    /// The time of the last measurement, if there was one: this one's is not after it, too far ahead, or not finite, and too few agree with it.
     pub fn judge(
         &mut self,
         config: &PlausibilityConfig,
@@ -120,17 +135,9 @@ impl Plausibility {
         direction: Direction,
         measurement: &Measurement,
     ) -> Result<Judged, Option<Real>> {
-        let time_s = measurement.time_s;
-        if !time_s.is_finite() || self.last_time_s.is_some_and(|last_s| time_s <= last_s) {
-            return Err(self.last_time_s);
-        }
-        let gap_s = self.last_time_s.map(|last_s| time_s - last_s);
-        let begins = gap_s.is_none_or(|gap_s| gap_s > config.long_gap_s);
-        if begins {
-            *self = Self::default();
-        }
-        let dt_s = if begins { 0.0 } else { gap_s.unwrap_or(0.0) };
-        self.last_time_s = Some(time_s);
+        let sender_s = measurement.time_s;
+        let (dt_s, begins) = self.judge_time(config, direction, measurement)?;
+        let time_s = sender_s + self.shift_s;
 
         let before_mps = self.speed.map(|(speed_mps, _)| speed_mps);
         let mut speed_mps = self.judge_speed(config, sensor, train, dt_s, measurement.speed_mps);
@@ -166,7 +173,51 @@ impl Plausibility {
             }
         };
         let effort_n_per_kg = measurement.effort_n_per_kg.filter(|effort| effort.abs() < 10.0);
-        Ok(Judged { time_s, dt_s, begins, location_m, speed_mps, effort_n_per_kg, contradiction, shifted })
+        Ok(Judged { time_s, sender_s, dt_s, begins, location_m, speed_mps, effort_n_per_kg, contradiction, shifted })
+    }
+
+    /// Time since the last measurement, and whether location and speed begin again; the last time, if this one is not believed.
+    fn judge_time(
+        &mut self,
+        config: &PlausibilityConfig,
+        direction: Direction,
+        measurement: &Measurement,
+    ) -> Result<(Real, bool), Option<Real>> {
+        let time_s = measurement.time_s;
+        if !time_s.is_finite() {
+            return Err(self.last_time_s);
+        }
+        let gap_s = self.last_time_s.map(|last_s| time_s - last_s);
+        let usual = gap_s.is_none_or(|gap_s| gap_s > 0.0 && gap_s <= FAR_S);
+        if let Some(last_s) = self.last_time_s.filter(|_| !usual) {
+            let agreeing = match self.rejected_time {
+                Some((rejected_s, count)) if follows(rejected_s, time_s, config.long_gap_s) => count.saturating_add(1),
+                _ => 1,
+            };
+            self.rejected_time = Some((time_s, agreeing));
+            let ahead_m = measurement.location_m.zip(self.raw_location_m);
+            let ahead_m = ahead_m.map_or(0.0, |(now_m, last_m)| direction.sign() * (now_m - last_m));
+            let needed = if ahead_m < -BEHIND_SHARE * config.location_jump_m {
+                BEHIND * config.agreeing
+            } else {
+                config.agreeing
+            };
+            if agreeing < needed {
+                return Err(self.last_time_s);
+            }
+            // As after a long gap.
+            let steady_s = last_s + self.shift_s + config.long_gap_s;
+            *self = Self { shift_s: steady_s - time_s, ..Self::default() };
+            self.last_time_s = Some(time_s);
+            return Ok((0.0, true));
+        }
+        let begins = gap_s.is_none_or(|gap_s| gap_s > config.long_gap_s);
+        if begins {
+            *self = Self { shift_s: self.shift_s, ..Self::default() };
+        }
+        self.last_time_s = Some(time_s);
+        self.rejected_time = None;
+        Ok((gap_s.filter(|_| !begins).unwrap_or(0.0), begins))
     }
 
     fn judge_speed(
@@ -278,6 +329,11 @@ impl Plausibility {
         self.since_location_m = 0.0;
         self.agreeing_locations = 0;
     }
+}
+
+/// One time comes after the other, and not by much.
+fn follows(before_s: Real, time_s: Real, longest_s: Real) -> bool {
+    time_s > before_s && time_s - before_s <= longest_s
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ mod app {
     use heapless::spsc::{Consumer, Producer, Queue};
     use rtic::mutex_prelude::TupleExt02;
     use rundown::estimator::run_state::RunState;
-    use rundown::onboard::application::Application;
+    use rundown::onboard::application::{Application, Hardware};
     use rundown::onboard::auth::Provisioning;
     use rundown::onboard::board::{Board, FailurePoint, Started};
     use rundown::onboard::clock::Clock;
@@ -158,9 +158,9 @@ mod app {
         // The difference, because the counter wraps.
         if periods.wrapping_sub(*cx.local.next_tick) < u32::MAX / 2 {
             *cx.local.next_tick = cx.local.next_tick.wrapping_add(PERIOD_S * TIMER_HZ);
-            let (health, mut say) = (health(cx.shared.start), say(cx.shared.port, cx.shared.outbox));
+            let (start, mut say) = (*cx.shared.start, say(cx.shared.port, cx.shared.outbox));
             let watch = Stopwatch::start();
-            cx.shared.application.tick(health, &mut say);
+            cx.shared.application.tick(start, &mut say);
             watch.stop();
         }
         TICK_BEATS.fetch_add(1, Ordering::Relaxed);
@@ -171,7 +171,7 @@ mod app {
         if cx.shared.start.boot.operation == Operation::Normal {
             Metal::provoke(FailurePoint::Link);
         }
-        let health = health(cx.shared.start);
+        let start = *cx.shared.start;
         let mut say = say(cx.shared.port, cx.shared.outbox);
         // At most one ring at a time: a line that babbles must not keep the other task waiting.
         for _ in 0..RING {
@@ -179,7 +179,7 @@ mod app {
                 break;
             };
             let watch = Stopwatch::start();
-            cx.shared.application.receive(byte, health, &mut say);
+            cx.shared.application.receive(byte, start, &mut say);
             watch.stop();
         }
         if cx.local.ring_out.ready() {
@@ -218,20 +218,25 @@ mod app {
         }
     }
 
-    fn health(start: &Start) -> impl Fn() -> Health + Copy {
-        let start = *start;
-        move || Health {
-            uptime_s: PERIODS.load(Ordering::Relaxed) / TIMER_HZ,
-            reset_cause: start.boot.cause,
-            failure: start.boot.failure,
-            resets: start.boot.resets,
-            slow_clock: start.clock != Clock::Fast,
-            stack_bytes: board::painted_stack::high_water(),
-            longest_us: stopwatch::longest_us(),
-            flash_errors: Metal::flash_errors(),
-            line: LINE_ERRORS.counts(),
-            not_sent: DROPPED.load(Ordering::Relaxed),
-            ..Health::default()
+    impl Hardware for Start {
+        fn health(&self) -> Health {
+            Health {
+                uptime_s: self.uptime_s(),
+                reset_cause: self.boot.cause,
+                failure: self.boot.failure,
+                resets: self.boot.resets,
+                slow_clock: self.clock != Clock::Fast,
+                stack_bytes: board::painted_stack::high_water(),
+                longest_us: stopwatch::longest_us(),
+                flash_errors: Metal::flash_errors(),
+                line: LINE_ERRORS.counts(),
+                not_sent: DROPPED.load(Ordering::Relaxed),
+                ..Health::default()
+            }
+        }
+
+        fn uptime_s(&self) -> u32 {
+            PERIODS.load(Ordering::Relaxed) / TIMER_HZ
         }
     }
 }

@@ -36,6 +36,7 @@ use crate::tick::digest;
 use crate::tick::estimate::Estimate;
 use crate::tick::measurement::Measurement;
 use crate::tick::memory::Vehicle;
+use crate::tick::plausibility::FAR_S;
 use crate::uplink::{self, Command, Pace, Request, Uplink};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Answer, Body, Health, Memory, REFUSALS, Refusal};
@@ -51,12 +52,19 @@ const LONG_STOP_S: Real = 300.0;
 /// Slower than this the train has not yet run, m/s.
 const MOVING_MPS: Real = 3.0;
 
+/// Refusals of open messages that are answered in a second; anybody can send them, and the line is for estimates.
+const OPEN_REFUSALS: u8 = 8;
+
 /// What the task needs of the board around it.
 pub trait Port {
     /// Hands a message to the link; false when there is no room for it.
     fn send(&mut self, message: &[u8]) -> bool;
     /// How the hardware is.
     fn health(&self) -> Health;
+    /// Seconds since the start; 0: no clock, so nothing is limited by time.
+    fn uptime_s(&self) -> u32 {
+        0
+    }
 }
 
 /// The room that a task needs beside itself; zeros, for a static. 56 kB.
@@ -121,6 +129,10 @@ pub struct Task<'a, F> {
     duplicate: u32,
     not_sent: u32,
     refusals: [u32; REFUSALS],
+    /// The second that is under way, and what open messages have got in it.
+    open_second: u32,
+    open_refusals: u8,
+    open_status: bool,
     heartbeat_only: bool,
 
     verifier: Verifier,
@@ -143,9 +155,32 @@ impl<F: NorFlash> Task<'_, F> {
             self.duplicate = self.duplicate.saturating_add(1);
             return;
         }
+        let open = message.get(1) != Some(&uplink::SECURED);
+        if open {
+            self.begin_second(port.uptime_s());
+        }
         match self.read(message) {
-            Ok(uplink) => self.take(&uplink, port),
-            Err(refusal) => self.answer(0, Err(refusal), port),
+            Ok(Uplink { request: Request::Command(Command::Status), .. }) if open && self.open_status => {
+                self.duplicate = self.duplicate.saturating_add(1);
+            }
+            Ok(uplink) => {
+                self.open_status |= open && matches!(uplink.request, Request::Command(Command::Status));
+                self.take(&uplink, port);
+            }
+            Err(refusal) if open && self.open_refusals >= OPEN_REFUSALS => self.count_refusal(refusal),
+            Err(refusal) => {
+                self.open_refusals += u8::from(open);
+                self.answer(0, Err(refusal), port);
+            }
+        }
+    }
+
+    /// What open messages may ask for is limited by the second: one status, a few refusals.
+    fn begin_second(&mut self, uptime_s: u32) {
+        if uptime_s != self.open_second || uptime_s == 0 {
+            self.open_second = uptime_s;
+            self.open_refusals = 0;
+            self.open_status = false;
         }
     }
 
@@ -194,11 +229,11 @@ impl<F: NorFlash> Task<'_, F> {
         }
         match *protection {
             uplink::OPEN => {
-                let uplink = uplink::decode(open).ok_or(Refusal::Malformed)?;
-                match uplink.request {
-                    Request::Measurement(_) | Request::Command(Command::Status) => Ok(uplink),
-                    _ => Err(Refusal::NotSecured),
+                // Before it is read: what must be secured costs nothing here.
+                if !uplink::may_come_open(open).ok_or(Refusal::Malformed)? {
+                    return Err(Refusal::NotSecured);
                 }
+                uplink::decode(open).ok_or(Refusal::Malformed)
             }
             uplink::SECURED => {
                 let checked = self.verifier.open(DATA_ID, message).map_err(refusal_of)?;
@@ -228,17 +263,22 @@ impl<F: NorFlash> Task<'_, F> {
         match self.pace {
             Pace::Lockstep => self.step(measurement, port),
             Pace::Clock => {
-                let waiting_s = self.newest.map(|newest| newest.time_s);
-                let last_s = waiting_s.or(self.last_time_s);
-                // NaN is not later than anything.
-                let later = last_s.is_none_or(|last_s| measurement.time_s > last_s);
-                if !(later && measurement.time_s.is_finite()) {
+                // A time that does not follow the last one waits only where none does that follows: the estimator judges it at the tick.
+                let waits = self.newest.filter(|newest| self.follows(newest.time_s));
+                let displaces =
+                    |newest: Measurement| measurement.time_s > newest.time_s && self.follows(measurement.time_s);
+                if !measurement.time_s.is_finite() || waits.is_some_and(|newest| !displaces(newest)) {
                     return Err(Refusal::TimeNotIncreasing);
                 }
                 self.newest = Some(*measurement);
                 Ok(())
             }
         }
+    }
+
+    /// Whether a time comes after that of the last tick, and not by too much.
+    fn follows(&self, time_s: Real) -> bool {
+        self.last_time_s.is_none_or(|last_s| time_s > last_s && time_s - last_s <= FAR_S)
     }
 
     /// A tick with a measurement.
@@ -279,12 +319,16 @@ impl<F: NorFlash> Task<'_, F> {
 
     #[inline(never)]
     fn answer(&mut self, to: u16, result: Result<(), Refusal>, port: &mut impl Port) {
-        if let Err(refusal) = result
-            && let Some(count) = self.refusals.get_mut(refusal as usize)
-        {
-            *count = count.saturating_add(1);
+        if let Err(refusal) = result {
+            self.count_refusal(refusal);
         }
         self.send(Body::Answer(Answer { to, result }), port);
+    }
+
+    fn count_refusal(&mut self, refusal: Refusal) {
+        if let Some(count) = self.refusals.get_mut(refusal as usize) {
+            *count = count.saturating_add(1);
+        }
     }
 
     fn described(&self) -> bool {

@@ -130,7 +130,9 @@ impl<F: NorFlash> Task<'_, F> {
             self.standing_since_s = None;
             return false;
         }
-        let since_s = *self.standing_since_s.get_or_insert(estimate.time_s);
+        // A clock that was set back since counts from now on.
+        let since_s = self.standing_since_s.map_or(estimate.time_s, |since_s| since_s.min(estimate.time_s));
+        self.standing_since_s = Some(since_s);
         self.moved && estimate.time_s - since_s >= LONG_STOP_S
     }
 

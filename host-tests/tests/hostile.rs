@@ -1,0 +1,122 @@
+//! What do a wrong clock and a flood of open messages cost? A few ticks, and no estimate.
+
+use host_tests::board::{Board, answer, described, estimate, running};
+use host_tests::prelude::*;
+use host_tests::said;
+use rundown::tick::estimate::Cause;
+use rundown_wire::{Body, Refusal};
+
+/// What a clock does to the times of a run from a measurement on.
+const CLOCKS: [(&str, fn(usize, f64) -> f64); 6] = [
+    ("one far time", |k, time_s| if k == 0 { 1e300 } else { time_s }),
+    ("an hour back", |_, time_s| time_s - 3600.0),
+    ("ten seconds back", |_, time_s| time_s - 10.0),
+    ("a GPS week ahead", |_, time_s| time_s + 604_800.0),
+    ("an epoch back", |_, time_s| time_s - 619_315_200.0),
+    ("repeated once", |k, time_s| if k == 0 { time_s - 10.0 } else { time_s }),
+];
+
+/// The run with such a clock from half of it on: by which estimate of the other half, and how many there are.
+fn spoilt(log: &[Measurement], clock: fn(usize, f64) -> f64) -> Vec<Measurement> {
+    let half = log.len() / 2;
+    let spoil = |(k, measurement): (usize, &Measurement)| Measurement {
+        time_s: if k < half { measurement.time_s } else { clock(k - half, measurement.time_s) },
+        ..*measurement
+    };
+    log.iter().enumerate().map(spoil).collect()
+}
+
+#[test]
+fn a_wrong_clock_costs_a_few_ticks_in_lockstep() {
+    let (mut right, _, log) = running(described());
+    let expected: Vec<f32> =
+        log.iter().filter_map(|one| estimate(&right.measure(one))).map(|said| said.speed_mps.value).collect();
+    for (name, clock) in CLOCKS {
+        let (mut board, ..) = running(described());
+        let mut heard = Vec::new();
+        for (k, measurement) in spoilt(&log, clock).iter().enumerate() {
+            let frames = board.measure(measurement);
+            match estimate(&frames) {
+                Some(said) => {
+                    assert_eq!(said.time_s, measurement.time_s, "{name}");
+                    heard.push((k, said.speed_mps.value));
+                }
+                None => assert_eq!(answer(&frames).unwrap().result, Err(Refusal::TimeNotIncreasing), "{name}"),
+            }
+        }
+        let lost = log.len() - heard.len();
+        assert!((1..=2).contains(&lost), "{name}: {lost}");
+        let status = board.status();
+        assert_eq!(status.refusals[Refusal::TimeNotIncreasing as usize] as usize, lost, "{name}");
+        // From a few ticks later on the speed is what it would have been.
+        for (k, speed_mps) in heard.into_iter().filter(|(k, _)| *k > log.len() / 2 + 8) {
+            assert!((speed_mps - expected[k]).abs() < 1.0, "{name} at {k}: {speed_mps} for {}", expected[k]);
+        }
+        assert!(said!(board.end(), RunSummary).is_some());
+    }
+}
+
+#[test]
+fn a_wrong_clock_costs_a_few_ticks_by_the_clock() {
+    for (name, clock) in CLOCKS {
+        let (mut board, _, log) = running(described());
+        board.ask(Request::Command(Command::Pace(Pace::Clock))).unwrap();
+        let mut estimates = 0;
+        for measurement in spoilt(&log, clock) {
+            board.measure(&measurement);
+            estimates += usize::from(estimate(&board.tick()).is_some());
+        }
+        assert!(log.len() - estimates <= 2, "{name}: {estimates} of {}", log.len());
+    }
+}
+
+#[test]
+fn a_source_that_begins_again_at_zero_and_elsewhere_is_believed_in_the_end() {
+    let (estimator, mut run, log) = {
+        let (description, log) = described();
+        let estimator = description.estimator().unwrap();
+        let run = estimator.begin_run(&estimator.new_vehicle(), Direction::Up);
+        (estimator, run, log)
+    };
+    for measurement in &log {
+        estimator.step(&mut run, measurement).unwrap();
+    }
+    // The same rows again: they lie behind, as rows that come late do.
+    let refused = log.iter().take_while(|measurement| estimator.step(&mut run, measurement).is_err()).count();
+    assert_eq!(refused, 11);
+    assert!(run.counters().of(Cause::LongGap) > 0);
+}
+
+/// A board whose clock stands in one second, a run under way by the clock.
+fn in_one_second() -> (Board, Vec<Measurement>) {
+    let (mut board, _, log) = running(described());
+    board.ask(Request::Command(Command::Pace(Pace::Clock))).unwrap();
+    board.wire.health.uptime_s = 77;
+    (board, log)
+}
+
+#[test]
+fn a_flood_of_open_messages_gets_one_status_and_a_few_answers_a_second_and_costs_no_estimate() {
+    let (mut board, log) = in_one_second();
+    let begin = Command::Begin { direction: Direction::Up, track_id: 0 };
+    for (second, measurement) in log.iter().take(20).enumerate() {
+        board.wire.health.uptime_s = 77 + second as u32;
+        let (mut statuses, mut answers) = (0, 0);
+        for k in 0..900 {
+            let message = match k % 3 {
+                0 => board.desk.open(Request::Command(Command::Status)).unwrap(),
+                1 => board.desk.open(Request::Command(begin)).unwrap(),
+                _ => vec![1, 0, k as u8, (k / 256) as u8, 255, 255],
+            };
+            let frames = board.say(&message);
+            statuses += frames.iter().filter(|frame| matches!(frame.body, Body::Status(_))).count();
+            answers += frames.iter().filter(|frame| matches!(frame.body, Body::Answer(_))).count();
+        }
+        assert_eq!((statuses, answers), (1, 9), "second {second}");
+        board.measure(measurement);
+        assert!(estimate(&board.tick()).is_some());
+    }
+    board.wire.health.uptime_s = 0;
+    let status = board.status();
+    assert!(status.refusals[Refusal::NotSecured as usize] >= 20 * 300, "{status:?}");
+}
