@@ -122,8 +122,22 @@ const NEAR_HALF: f64 = 0.12;
 /// Distances by location and speed further apart than by this factor are a matter of units, not of a wheel.
 const OTHER_UNIT: f64 = 1.25;
 
+/// What is known of the recorder already, and put right elsewhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Known {
+    /// It truncates: the configuration says so.
+    pub truncates: bool,
+    /// Its scale: an effect of the model says so.
+    pub scale: bool,
+}
+
 /// Diagnoses runs and puts right what is beyond doubt.
 pub fn check(recordings: &mut [Recording]) -> Check {
+    check_beside(recordings, Known::default())
+}
+
+/// The same, but for what is put right elsewhere.
+pub fn check_beside(recordings: &mut [Recording], known: Known) -> Check {
     let mut runs: Vec<RunCheck> = Vec::new();
     let mut agreements: Vec<Option<Agreement>> = Vec::new();
     for recording in recordings.iter_mut() {
@@ -137,7 +151,8 @@ pub fn check(recordings: &mut [Recording]) -> Check {
             units.push(run.unit.clone());
         }
     }
-    let recorders = units.into_iter().map(|unit| of_recorder(unit, recordings, &mut runs, &agreements)).collect();
+    let recorders =
+        units.into_iter().map(|unit| of_recorder(unit, recordings, &mut runs, &agreements, known)).collect();
     Check { recorders, runs }
 }
 
@@ -248,6 +263,7 @@ fn of_recorder(
     recordings: &mut [Recording],
     runs: &mut [RunCheck],
     agreements: &[Option<Agreement>],
+    known: Known,
 ) -> RecorderCheck {
     let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
     let rows = || of_unit.iter().flat_map(|i| &recordings[*i].rows);
@@ -269,7 +285,7 @@ fn of_recorder(
     let Some(all) = pooled(&compared) else {
         return recorder;
     };
-    let readings = recorder.readings(&all);
+    let readings = recorder.readings(&all, known);
     for i in of_unit {
         let run = &mut runs[i];
         if let Some(agreement) = agreements[i] {
@@ -280,6 +296,10 @@ fn of_recorder(
     }
     recorder.skews(runs);
     recorder
+}
+
+fn put_right(here: bool) -> Done {
+    if here { Done::PutRight } else { Done::Said }
 }
 
 /// What is put right in the speeds of a recorder.
@@ -301,7 +321,7 @@ impl Readings {
 
 impl RecorderCheck {
     /// Decides how the speed is shown, then the scale with what that says.
-    fn readings(&mut self, all: &Pooled) -> Readings {
+    fn readings(&mut self, all: &Pooled, known: Known) -> Readings {
         let offset_kmh = all.offset_kmh();
         self.offset_kmh = Some(offset_kmh);
         let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
@@ -309,7 +329,7 @@ impl RecorderCheck {
         let (kind, done) = match shown {
             Shown::Exact => (None, Done::Said),
             Shown::Rounded => (Some(Kind::RoundedSpeed), Done::Said),
-            Shown::Truncated => (Some(Kind::TruncatedSpeed), Done::PutRight),
+            Shown::Truncated => (Some(Kind::TruncatedSpeed), put_right(!known.truncates)),
             Shown::NotKnown => (Some(Kind::SteppedSpeed), Done::Said),
         };
         if let Some(kind) = kind {
@@ -317,22 +337,22 @@ impl RecorderCheck {
         }
         let offset_mps = if shown == Shown::Truncated { 0.5 * step_kmh / 3.6 } else { 0.0 };
         // The offset of a step is 0 or a half of it: what is decided is known, and leaves the scale sharper.
-        let known = matches!(shown, Shown::Rounded | Shown::Truncated);
-        let scale = if known { all.scale_at(offset_mps) } else { all.scale() };
+        let decided = matches!(shown, Shown::Rounded | Shown::Truncated);
+        let scale = if decided { all.scale_at(offset_mps) } else { all.scale() };
         self.scale = Some(scale);
-        let odd = !known && offset_kmh.away_from(0.0) > SURE && offset_kmh.value.abs() > 0.1_f64.max(0.6 * step_kmh);
+        let odd = !decided && offset_kmh.away_from(0.0) > SURE && offset_kmh.value.abs() > 0.1_f64.max(0.6 * step_kmh);
         if odd {
             self.said(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
         }
         let matters = (scale.value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE;
         if matters {
-            self.said(Kind::SpeedScale, scale, "", Done::PutRight);
+            self.said(Kind::SpeedScale, scale, "", put_right(!known.scale));
         }
-        let scale_value = if matters { scale.value } else { 1.0 };
+        let values = (1.0 / scale.value - 1.0, if decided { offset_mps } else { all.values[1] });
         Readings {
-            values: (1.0 / scale.value - 1.0, if known { offset_mps } else { all.values[1] }),
-            offset_mps,
-            scale: scale_value,
+            values,
+            offset_mps: if known.truncates { 0.0 } else { offset_mps },
+            scale: if matters && !known.scale { scale.value } else { 1.0 },
         }
     }
 

@@ -8,7 +8,9 @@ use crate::{advice::advice, output::write_tables};
 use clap::ValueEnum;
 use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
-use rundown::{estimator::Estimator, model::train::Train};
+use rundown::tick::sensor::Rounding;
+use rundown::{estimator::Estimator, model::effects::Effect, model::train::Train};
+use rundown_check::Known;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
 use rundown_files::{
@@ -73,6 +75,9 @@ pub struct Arguments {
     /// Begin every run with the vehicle as its manufacturer describes it, and replay runs side by side
     #[arg(long)]
     no_carry: bool,
+    /// Replay the logs as they are: what `rundown check` would put right is left as it is
+    #[arg(long)]
+    as_recorded: bool,
     /// Leave out rows that cannot be read, with a warning, instead of refusing their run
     #[arg(long)]
     skip_bad_rows: bool,
@@ -177,6 +182,18 @@ fn replay(arguments: &Arguments, setup: &ReplaySetup) -> Result<Results, Failure
             Err(failure) => failed.push(failure),
         }
     }
+    let mut notes = set.notes;
+    if !arguments.as_recorded {
+        let effects = &setup.estimator.effects();
+        let known = Known {
+            truncates: setup.config.sensor.rounding == Rounding::Truncated,
+            scale: effects.iter().any(|effect| matches!(effect, Effect::SpeedScale(_))),
+        };
+        let (used, refused, found) = logs::diagnosed(recordings, known);
+        recordings = used;
+        failed.extend(refused);
+        notes.extend(logs::notes(&found));
+    }
     let tick = arguments.tick.map_or(Tick::EverySample, |seconds| Tick::Period { seconds });
     let bar = screen::progress(recordings.len());
     let done = || bar.inc(1);
@@ -188,7 +205,6 @@ fn replay(arguments: &Arguments, setup: &ReplaySetup) -> Result<Results, Failure
         replay_carried_by(&model, &recordings, tick, done)
     };
     bar.finish_and_clear();
-    let mut notes = set.notes;
     notes.extend(advice(&setup.config, setup.track.length_m, &runs));
     Ok(Results { runs, failed, notes, carried: !arguments.no_carry, tick })
 }
