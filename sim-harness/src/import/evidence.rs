@@ -1,0 +1,365 @@
+//! Clock and units by what the readings say: the units whose distance by speed agrees with the distance by location.
+
+use super::clock::{self, Kind, Order, Orders, Written};
+use super::columns::{Columns, How};
+use super::geo;
+use super::mapping::SourceMapping;
+use super::meaning::Meaning;
+use super::number;
+use super::source::Source;
+use super::source::row::{Event, Field};
+use super::units::{self, Unit};
+use rundown_files::refusal::ReadError;
+
+/// Rows of a file that are looked at.
+const ROWS: usize = 20_000;
+/// Steps that make a stretch over which distances are compared, and stretches that decide.
+const STEPS: usize = 20;
+const LEAST_STRETCHES: usize = 4;
+/// A wheel may be off by so much; the units that are closest lie 10 % apart.
+const NEAR: f64 = 0.06;
+/// What trains do, m/s, and how often recorders write, s.
+const FASTEST_MPS: std::ops::Range<f64> = 2.0..140.0;
+const STEP_S: std::ops::Range<f64> = 0.009..600.0;
+
+/// Rows as they are written.
+#[derive(Debug, Default)]
+pub struct Seen {
+    times: Vec<String>,
+    dates: Vec<String>,
+    /// Time as a number, location, speed; latitude and longitude.
+    rows: Vec<[Option<f64>; 5]>,
+    efforts: Vec<f64>,
+}
+
+impl Seen {
+    /// Looks at the first rows of a file.
+    ///
+    /// # Errors
+    /// As [`Source::rows`].
+    pub fn look(&mut self, source: &Source, columns: &Columns) -> Result<(), ReadError> {
+        let mut left = ROWS;
+        let index = |meaning| columns.index(meaning);
+        let numbers =
+            [Meaning::Time, Meaning::Location, Meaning::Speed, Meaning::Latitude, Meaning::Longitude].map(index);
+        let (date, effort) = (index(Meaning::Date), index(Meaning::Effort));
+        // A new file is a new stretch.
+        self.rows.push([None; 5]);
+        source.rows(&mut |event| {
+            if let Event::Row(_, fields) = event {
+                let at = |index: Option<usize>| index.and_then(|index| fields.get(index));
+                let value = |index| value(at(index), columns.decimal);
+                self.times.extend(at(numbers[0]).and_then(text));
+                self.dates.extend(at(date).and_then(text));
+                self.rows.push(numbers.map(value));
+                self.efforts.extend(value(effort));
+                left -= 1;
+            }
+            left > 0
+        })
+    }
+
+    /// Kind of the clock and order of its dates, where the mapping does not say.
+    ///
+    /// # Errors
+    /// A question that only a person can answer.
+    pub fn clock(&self, columns: &mut Columns, mapping: &SourceMapping) -> Result<(), String> {
+        let mapped = |meaning| mapping.columns.get(&meaning);
+        let times: Vec<f64> = self.rows.iter().filter_map(|row| row[0]).collect();
+        let kind = mapped(Meaning::Time).and_then(|column| column.kind);
+        columns.kind = kind.unwrap_or_else(|| self.kind(&times));
+        let dated =
+            if columns.has(Meaning::Date) && columns.kind == Kind::TimeOfDay { &self.dates } else { &self.times };
+        if columns.kind != Kind::TimeOfDay {
+            columns.of.remove(&Meaning::Date);
+        }
+        let order = [Meaning::Date, Meaning::Time].into_iter().find_map(|meaning| mapped(meaning)?.order);
+        let mut orders = Orders::default();
+        dated.iter().for_each(|text| orders.see(text));
+        columns.order = match order.or_else(|| orders.decided()) {
+            Some(order) => order,
+            None if matches!(columns.kind, Kind::Number | Kind::Unix) => Order::Ymd,
+            None => {
+                let example = dated.first().cloned().unwrap_or_default();
+                let key = if columns.has(Meaning::Date) { "date" } else { "time" };
+                return Err(format!(
+                    "{key}: expected dates in one order, found {example:?}, which may be day or month first; is it order = \"dmy\" or \"mdy\"? Write that into [source.columns.{key}] of import.toml"
+                ));
+            }
+        };
+        if columns.kind == Kind::Unix
+            && let Some(time) = columns.of.get_mut(&Meaning::Time)
+            && time.how != How::Mapping
+        {
+            let largest = times.iter().copied().fold(0.0, f64::max);
+            let name = match largest {
+                ..1e11 => "s",
+                ..1e14 => "ms",
+                ..1e17 => "us",
+                _ => "ns",
+            };
+            time.unit = units::by_name(Meaning::Time, name);
+            time.how = How::Evidence(format!("Unix time up to {largest:e}"));
+        }
+        Ok(())
+    }
+
+    fn kind(&self, times: &[f64]) -> Kind {
+        if 2 * times.len() > self.times.len() || self.times.is_empty() {
+            let middle = middle(times.to_vec()).unwrap_or(0.0);
+            return if middle > 3e8 { Kind::Unix } else { Kind::Number };
+        }
+        let of_day = |text: &&String| matches!(clock::parse(text, Order::Ymd), Some(Written::OfDay(_)));
+        let count = self.times.iter().take(1000).filter(of_day).count();
+        if 2 * count > self.times.len().min(1000) { Kind::TimeOfDay } else { Kind::DateTime }
+    }
+
+    /// Units of time, location and speed that nothing names.
+    ///
+    /// # Errors
+    /// Names the candidates, and the line that decides.
+    pub fn units(&self, columns: &mut Columns) -> Result<Vec<String>, String> {
+        self.effort(columns);
+        let second = units::by_name(Meaning::Time, "s");
+        let metre = units::by_name(Meaning::Location, "m");
+        let is_number = matches!(columns.kind, Kind::Number | Kind::Unix);
+        let known = |meaning| columns.unit(meaning);
+        let fixed =
+            |meaning, fixed: Option<Unit>| fixed.map_or_else(|| units::candidates(meaning).to_vec(), |unit| vec![unit]);
+        let times = fixed(Meaning::Time, if is_number { known(Meaning::Time) } else { second });
+        let has_location = columns.has(Meaning::Location);
+        let lengths = fixed(Meaning::Location, if has_location { known(Meaning::Location) } else { metre });
+        let speeds = fixed(
+            Meaning::Speed,
+            if columns.has(Meaning::Speed) { known(Meaning::Speed) } else { units::by_name(Meaning::Speed, "m/s") },
+        );
+        let unknown: Vec<Meaning> = [Meaning::Time, Meaning::Location, Meaning::Speed]
+            .into_iter()
+            .filter(|meaning| columns.of.get(meaning).is_some_and(|column| column.unit.is_none()))
+            .filter(|meaning| *meaning != Meaning::Time || is_number)
+            .collect();
+        let Some(stretches) = self.stretches(columns).filter(|_| columns.has(Meaning::Speed)) else {
+            return if unknown.is_empty() {
+                Ok(Vec::new())
+            } else {
+                Err(not_decided(&unknown, &[], "speed and location are not there together in enough rows"))
+            };
+        };
+        let mut tried: Vec<(f64, [Unit; 3])> = Vec::new();
+        for time in &times {
+            for length in &lengths {
+                for speed in &speeds {
+                    let factor = length.factor() / (speed.factor() * time.factor());
+                    let fastest = FASTEST_MPS.contains(&speed.to_si(stretches.fastest));
+                    if unknown.is_empty() || (fastest && STEP_S.contains(&time.to_si(stretches.step))) {
+                        tried.push((factor * stretches.ratio, [*time, *length, *speed]));
+                    }
+                }
+            }
+        }
+        let agree: Vec<&(f64, [Unit; 3])> = tried.iter().filter(|(ratio, _)| (ratio - 1.0).abs() < NEAR).collect();
+        match agree.as_slice() {
+            [] if unknown.is_empty() => {
+                self.contradiction(columns, tried.first().map_or(1.0, |(ratio, _)| *ratio), &stretches)
+            }
+            [(ratio, found)] => {
+                for (meaning, unit) in [Meaning::Time, Meaning::Location, Meaning::Speed].into_iter().zip(found) {
+                    if unknown.contains(&meaning)
+                        && let Some(column) = columns.of.get_mut(&meaning)
+                    {
+                        column.unit = Some(*unit);
+                        column.how =
+                            How::Evidence(format!("distance by location over distance by speed is {ratio:.4}"));
+                    }
+                }
+                Ok(vec![figure(*ratio)])
+            }
+            several => {
+                let named: Vec<(f64, [Unit; 3])> = several.iter().map(|one| **one).collect();
+                let why = if several.is_empty() {
+                    "no units make the distance by speed that by location"
+                } else {
+                    "these agree alike"
+                };
+                Err(not_decided(&unknown, &named, why))
+            }
+        }
+    }
+
+    /// Named units whose distances do not agree: refused, unless a person said so.
+    fn contradiction(&self, columns: &Columns, ratio: f64, stretches: &Stretches) -> Result<Vec<String>, String> {
+        let said = [Meaning::Location, Meaning::Speed]
+            .iter()
+            .any(|meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::Mapping));
+        let figure = figure(ratio);
+        if said || (0.8..1.25).contains(&ratio) {
+            return Ok(vec![figure]);
+        }
+        let of = |meaning: Meaning| units::candidates(meaning).iter().map(move |unit| (meaning, *unit));
+        let others: Vec<String> = of(Meaning::Location)
+            .chain(of(Meaning::Speed))
+            .filter(|(meaning, unit)| {
+                let named = columns.unit(*meaning).map_or(1.0, Unit::factor);
+                let change = unit.factor() / named;
+                let ratio = if *meaning == Meaning::Speed { ratio / change } else { ratio * change };
+                let mps = if *meaning == Meaning::Speed {
+                    unit.to_si(stretches.fastest)
+                } else {
+                    columns.unit(Meaning::Speed).map_or(1.0, |unit| unit.to_si(stretches.fastest))
+                };
+                (ratio - 1.0).abs() < NEAR && FASTEST_MPS.contains(&mps)
+            })
+            .map(|(meaning, unit)| format!("[source.columns.{}] unit = \"{}\"", meaning.key(), unit.name))
+            .collect();
+        let remedy = if others.is_empty() {
+            "look at the columns".to_owned()
+        } else {
+            format!("write into import.toml {}", others.join(" or "))
+        };
+        Err(format!("units: expected 1, found: {figure}; {remedy}; a unit that import.toml gives is believed"))
+    }
+
+    /// An effort without unit is one per mass if it is as small as that.
+    fn effort(&self, columns: &mut Columns) {
+        let largest = self.efforts.iter().map(|effort| effort.abs()).fold(0.0, f64::max);
+        let Some(column) = columns.of.get_mut(&Meaning::Effort) else {
+            return;
+        };
+        if column.unit.is_none() && largest < 3.0 && largest > 0.0 {
+            column.unit = units::by_name(Meaning::Effort, "N/kg");
+            column.how = How::Evidence(format!("no value beyond {largest:.2}"));
+        }
+    }
+
+    /// Distances by location over those by speed, in the units of the file.
+    fn stretches(&self, columns: &Columns) -> Option<Stretches> {
+        let seconds = self.seconds(columns);
+        let located = columns.has(Meaning::Location);
+        let rows: Vec<Option<(f64, f64, f64, f64, f64)>> = self
+            .rows
+            .iter()
+            .zip(&seconds)
+            .map(|(row, time)| {
+                let (place, other) = if located { (row[1]?, 0.0) } else { (row[3]?, row[4]?) };
+                Some(((*time)?, place, other, row[2]?, 0.0))
+            })
+            .collect();
+        let mut speeds: Vec<f64> = rows.iter().flatten().map(|row| row.3).collect();
+        speeds.sort_by(f64::total_cmp);
+        let fastest = *speeds.get(speeds.len() * 99 / 100)?;
+        let steps: Vec<f64> =
+            rows.windows(2).filter_map(|pair| Some(pair[1]?.0 - pair[0]?.0)).filter(|step| *step > 0.0).collect();
+        let step = middle(steps)?;
+        let mut ratios = Vec::new();
+        let (mut by_speed, mut by_place, mut count) = (0.0, 0.0, 0);
+        for pair in rows.windows(2) {
+            let moving = pair[0]
+                .zip(pair[1])
+                .filter(|(a, b)| a.3.min(b.3) > 0.25 * fastest && b.0 > a.0 && b.0 - a.0 < 10.0 * step);
+            let Some((a, b)) = moving else {
+                (by_speed, by_place, count) = (0.0, 0.0, 0);
+                continue;
+            };
+            by_speed += 0.5 * (a.3 + b.3) * (b.0 - a.0);
+            by_place += if located { b.1 - a.1 } else { geo::distance_m((a.1, a.2), (b.1, b.2)) };
+            count += 1;
+            if count == STEPS {
+                ratios.push(by_place.abs() / by_speed);
+                (by_speed, by_place, count) = (0.0, 0.0, 0);
+            }
+        }
+        ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
+        (ratios.len() >= LEAST_STRETCHES).then(|| middle(ratios)).flatten().map(|ratio| Stretches {
+            ratio,
+            fastest,
+            step,
+        })
+    }
+
+    /// Times as numbers: of the file's unit where they are numbers, else s.
+    fn seconds(&self, columns: &Columns) -> Vec<Option<f64>> {
+        if matches!(columns.kind, Kind::Number | Kind::Unix) {
+            return self.rows.iter().map(|row| row[0]).collect();
+        }
+        let mut texts = self.times.iter();
+        let mut dates = self.dates.iter();
+        let mut parse = |_| {
+            let (text, date) = (texts.next()?, dates.next());
+            match clock::parse(text, columns.order)? {
+                Written::Instant(seconds) => Some(seconds),
+                Written::Civil(civil) => clock::in_zone(civil, &columns.zone, None),
+                Written::OfDay(seconds) => {
+                    let day = date.and_then(|date| clock::parse_date(date, columns.order));
+                    Some(
+                        seconds
+                            + day
+                                .and_then(|day| clock::in_zone(day.at(0, 0, 0, 0), &columns.zone, None))
+                                .unwrap_or(0.0),
+                    )
+                }
+            }
+        };
+        // Rows without a time are few; one that shifts texts against rows breaks no median.
+        self.rows.iter().map(|row| if row.iter().all(Option::is_none) { None } else { parse(row) }).collect()
+    }
+}
+
+/// What the moving stretches of some files say.
+struct Stretches {
+    ratio: f64,
+    fastest: f64,
+    step: f64,
+}
+
+fn figure(ratio: f64) -> String {
+    format!("distance by location over distance by speed is {ratio:.4} with these units")
+}
+
+fn not_decided(unknown: &[Meaning], agree: &[(f64, [Unit; 3])], why: &str) -> String {
+    let keys: Vec<&str> = unknown.iter().map(|meaning| meaning.key()).collect();
+    let place = |meaning: &Meaning| {
+        [Meaning::Time, Meaning::Location, Meaning::Speed].iter().position(|one| one == meaning).unwrap_or(0)
+    };
+    let sets: Vec<String> = agree
+        .iter()
+        .map(|(ratio, set)| {
+            let names: Vec<&str> = unknown.iter().map(|meaning| set[place(meaning)].name).collect();
+            format!("{} ({ratio:.3})", names.join(" with "))
+        })
+        .collect();
+    let lists: Vec<String> = unknown
+        .iter()
+        .map(|meaning| units::candidates(*meaning).iter().map(|unit| unit.name).collect::<Vec<_>>().join(", "))
+        .collect();
+    let candidates = if sets.is_empty() { lists.join("; ") } else { sets.join(" or ") };
+    let lines: Vec<String> = keys.iter().map(|key| format!("[source.columns.{key}] unit = \"..\"")).collect();
+    format!(
+        "{}: expected a unit, found none in the header, and {why}: {candidates}; write into import.toml {}",
+        keys.join(" and "),
+        lines.join(" and ")
+    )
+}
+
+fn text(field: &Field) -> Option<String> {
+    match field {
+        Field::Empty => None,
+        Field::Text(text) => Some(text.clone()),
+        Field::Number(number) => Some(number.to_string()),
+    }
+}
+
+fn value(field: Option<&Field>, decimal: char) -> Option<f64> {
+    match field? {
+        Field::Empty => None,
+        Field::Number(number) => Some(*number),
+        Field::Text(text) => number::parse(text, decimal)
+            .filter(|(_, rest)| !rest.starts_with([':', '/', 'T']))
+            .map(|(number, _)| number),
+    }
+}
+
+/// Middle value, the upper one of two.
+pub fn middle(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
