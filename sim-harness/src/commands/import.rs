@@ -72,7 +72,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         crate::output::files::text(path, &picture)?;
         done
     } else {
-        order.import()?
+        let waiting = screen::waiting();
+        waiting.set_message("reading");
+        let done = order.import();
+        waiting.finish_and_clear();
+        done?
     };
     Ok(said(&done, arguments))
 }

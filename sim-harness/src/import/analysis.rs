@@ -125,7 +125,7 @@ fn notes_of(columns: &Columns) -> Vec<String> {
         notes.push("no column has a speed: it is computed from the locations, and says nothing beyond them".to_owned());
     }
     let local = matches!(columns.kind, super::clock::Kind::DateTime | super::clock::Kind::TimeOfDay);
-    if local && columns.zone_name.is_none() {
+    if local && !columns.has_zone && columns.zone_name.is_none() {
         notes.push("times without a zone are taken for UTC; give zone in [[source]] where they are local".to_owned());
     }
     notes

@@ -77,12 +77,13 @@ fn decided(runs: &[Staged], given: &[CentreLinePoint]) -> (Method, String) {
     if runs.iter().any(|run| run.from_fixes) {
         return (Method::Line, "there are positions and no locations".to_owned());
     }
-    let begins_at_zero = |run: &&Staged| run.marks.first().is_some_and(|mark| mark.at_m.abs() < OWN_M);
-    let own = runs.iter().filter(begins_at_zero).count();
-    if runs.len() < 2 || own < runs.len() {
-        return (Method::AsIs, "the locations of the runs begin at different places, as on one chainage".to_owned());
+    // A piece behind a cut goes on where the one before ended; the first of a file or a run says where its locations begin.
+    let heads: Vec<&Staged> = runs.iter().filter(|run| run.is_head).collect();
+    let own = heads.iter().filter(|run| run.marks.first().is_some_and(|mark| mark.at_m.abs() < OWN_M)).count();
+    if heads.len() < 2 || 10 * own < 9 * heads.len() {
+        return (Method::AsIs, "the locations begin at different places, or in one log only".to_owned());
     }
-    let why = format!("the locations of all {own} runs begin at 0");
+    let why = format!("the locations of {own} of {} logs begin at 0", heads.len());
     if many_fixes {
         return (Method::Line, format!("{why}, and there are positions"));
     }

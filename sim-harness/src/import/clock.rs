@@ -165,7 +165,7 @@ impl Orders {
 /// A local time in a zone, s since 1970-01-01 UTC. An hour that the clocks are set back over is its first; `from_before` keeps it going forward.
 pub fn in_zone(civil: DateTime, zone: &TimeZone, from_before: Option<f64>) -> Option<f64> {
     let ambiguous = zone.to_ambiguous_timestamp(civil);
-    let first = ambiguous.clone().earlier().ok()?.as_nanosecond() as f64 / 1e9;
+    let first = ambiguous.earlier().ok()?.as_nanosecond() as f64 / 1e9;
     if ambiguous.is_ambiguous()
         && let Some(before) = from_before
         && first < before - 1800.0

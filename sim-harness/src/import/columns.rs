@@ -49,6 +49,8 @@ pub struct Columns {
     pub order: Order,
     pub zone: TimeZone,
     pub zone_name: Option<String>,
+    /// The times have their zones.
+    pub has_zone: bool,
     pub decimal: char,
     pub rotating_mass_kg: Option<f64>,
     pub unit_name: Option<String>,
@@ -98,7 +100,17 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
     if let Some(mass) = rotating_mass_kg.filter(|mass| !(*mass > 0.0 && mass.is_finite())) {
         return Err(format!("rotating_mass_kg: expected above 0, found {mass}"));
     }
-    Ok(Columns { of, kind: Kind::Number, order: Order::Ymd, zone, zone_name, decimal, rotating_mass_kg, unit_name })
+    Ok(Columns {
+        of,
+        kind: Kind::Number,
+        order: Order::Ymd,
+        zone,
+        zone_name,
+        has_zone: false,
+        decimal,
+        rotating_mass_kg,
+        unit_name,
+    })
 }
 
 fn index_of(headers: &[Header], name: &str) -> Option<usize> {

@@ -13,6 +13,9 @@ use std::ops::Range;
 const MOST_ROWS: usize = 500_000;
 /// A train that is slower stands, m/s.
 pub const STANDS_MPS: f64 = 0.3;
+const WALKS_MPS: f64 = 1.5;
+/// A shorter standing is none at a station, s.
+pub const STOP_S: f64 = 10.0;
 /// What is kept of a long standing on both sides of a cut, s.
 const KEPT_S: f64 = 30.0;
 /// Fixes nearer than this to the last one counted say nothing of a distance, m.
@@ -30,6 +33,8 @@ pub struct Stretch {
     pub reason: String,
     /// Locations are distances along the fixes.
     pub from_fixes: bool,
+    /// It begins with its file, or with a run of a column.
+    pub is_head: bool,
 }
 
 /// Makes stretches of rows as they come.
@@ -41,7 +46,7 @@ pub struct Cutter {
 
 impl Cutter {
     pub fn new(settings: Runs) -> Self {
-        Self { settings, held: Stretch { reason: "the file begins".to_owned(), ..Stretch::default() } }
+        Self { settings, held: Stretch { reason: "the file begins".to_owned(), is_head: true, ..Stretch::default() } }
     }
 
     /// Takes a row; gives the stretch that ends before it.
@@ -61,7 +66,10 @@ impl Cutter {
                 None
             }
         });
-        let done = reason.map(|reason| std::mem::replace(held, Stretch { reason, ..Stretch::default() }));
+        let done = reason.map(|reason| {
+            let is_head = record.unit != held.unit || record.run != held.run;
+            std::mem::replace(held, Stretch { reason, is_head, ..Stretch::default() })
+        });
         if held.rows.is_empty() {
             (held.unit, held.run, held.is_dated) = (record.unit, record.run, record.is_dated);
         }
@@ -299,12 +307,14 @@ impl Stretch {
         let mut pieces = Vec::new();
         let (mut from, mut reason) = (0, self.reason.clone());
         let part = |range: Range<usize>, reason: String| Self {
+            is_head: self.is_head && range.start == 0,
             rows: self.rows[range.clone()].to_vec(),
             altitudes_m: self.altitudes_m[range].to_vec(),
             unit: self.unit.clone(),
             run: self.run.clone(),
+            is_dated: self.is_dated,
+            from_fixes: self.from_fixes,
             reason,
-            ..Self { is_dated: self.is_dated, from_fixes: self.from_fixes, ..Self::default() }
         };
         for (range, why) in cuts {
             if range.end < from || range.start < from {
@@ -342,14 +352,18 @@ impl Stretch {
         Some(self)
     }
 
-    /// Mean places and lengths (s) of standing.
+    /// Middle places and lengths (s) of standing. A log that begins or ends at walking pace begins or ends at a stop.
     pub fn stops(&self) -> Vec<(f64, f64)> {
         let place = |range: &Range<usize>| {
             let places: Vec<f64> = self.rows[range.clone()].iter().filter_map(|row| row.location_m).collect();
             let seconds = self.rows[range.end - 1].time_s - self.rows[range.start].time_s;
             super::evidence::middle(places).map(|place| (place, seconds))
         };
-        self.standing_ranges().iter().filter_map(place).collect()
+        let end = |row: Option<&Sample>| {
+            row.and_then(|row| row.location_m.filter(|_| row.speed_mps.is_some_and(|mps| mps < WALKS_MPS)))
+        };
+        let ends = [end(self.rows.first()), end(self.rows.last())].into_iter().flatten().map(|at_m| (at_m, STOP_S));
+        self.standing_ranges().iter().filter_map(place).chain(ends).collect()
     }
 }
 

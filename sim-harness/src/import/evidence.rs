@@ -25,10 +25,7 @@ const STEP_S: std::ops::Range<f64> = 0.009..600.0;
 /// Rows as they are written.
 #[derive(Debug, Default)]
 pub struct Seen {
-    times: Vec<String>,
-    dates: Vec<String>,
-    /// Time as a number, location, speed; latitude and longitude.
-    rows: Vec<[Option<f64>; 5]>,
+    rows: Vec<Row>,
     efforts: Vec<f64>,
 }
 
@@ -44,14 +41,13 @@ impl Seen {
             [Meaning::Time, Meaning::Location, Meaning::Speed, Meaning::Latitude, Meaning::Longitude].map(index);
         let (date, effort) = (index(Meaning::Date), index(Meaning::Effort));
         // A new file is a new stretch.
-        self.rows.push([None; 5]);
+        self.rows.push(Row::default());
         source.rows(&mut |event| {
             if let Event::Row(_, fields) = event {
                 let at = |index: Option<usize>| index.and_then(|index| fields.get(index));
                 let value = |index| value(at(index), columns.decimal);
-                self.times.extend(at(numbers[0]).and_then(text));
-                self.dates.extend(at(date).and_then(text));
-                self.rows.push(numbers.map(value));
+                let (time, date) = (at(numbers[0]).and_then(text), at(date).and_then(text));
+                self.rows.push(Row { numbers: numbers.map(value), time, date });
                 self.efforts.extend(value(effort));
                 left -= 1;
             }
@@ -65,14 +61,18 @@ impl Seen {
     /// A question that only a person can answer.
     pub fn clock(&self, columns: &mut Columns, mapping: &SourceMapping) -> Result<(), String> {
         let mapped = |meaning| mapping.columns.get(&meaning);
-        let times: Vec<f64> = self.rows.iter().filter_map(|row| row[0]).collect();
+        let times: Vec<f64> = self.rows.iter().filter_map(|row| row.numbers[0]).collect();
+        let texts: Vec<&String> = self.rows.iter().filter_map(|row| row.time.as_ref()).collect();
         let kind = mapped(Meaning::Time).and_then(|column| column.kind);
-        columns.kind = kind.unwrap_or_else(|| self.kind(&times));
-        let dated =
-            if columns.has(Meaning::Date) && columns.kind == Kind::TimeOfDay { &self.dates } else { &self.times };
+        columns.kind = kind.unwrap_or_else(|| kind_of(&times, &texts));
+        let has_date = columns.has(Meaning::Date) && columns.kind == Kind::TimeOfDay;
+        let dates = || self.rows.iter().filter_map(|row| row.date.as_ref()).collect();
+        let dated: Vec<&String> = if has_date { dates() } else { texts.clone() };
         if columns.kind != Kind::TimeOfDay {
             columns.of.remove(&Meaning::Date);
         }
+        let has_zone = |text: &&String| matches!(clock::parse(text, Order::Ymd), Some(Written::Instant(_)));
+        columns.has_zone = texts.first().is_some_and(has_zone);
         let order = [Meaning::Date, Meaning::Time].into_iter().find_map(|meaning| mapped(meaning)?.order);
         let mut orders = Orders::default();
         dated.iter().for_each(|text| orders.see(text));
@@ -80,7 +80,7 @@ impl Seen {
             Some(order) => order,
             None if matches!(columns.kind, Kind::Number | Kind::Unix) => Order::Ymd,
             None => {
-                let example = dated.first().cloned().unwrap_or_default();
+                let example = dated.first().copied().cloned().unwrap_or_default();
                 let key = if columns.has(Meaning::Date) { "date" } else { "time" };
                 return Err(format!(
                     "{key}: expected dates in one order, found {example:?}, which may be day or month first; is it order = \"dmy\" or \"mdy\"? Write that into [source.columns.{key}] of import.toml"
@@ -102,16 +102,6 @@ impl Seen {
             time.how = How::Evidence(format!("Unix time up to {largest:e}"));
         }
         Ok(())
-    }
-
-    fn kind(&self, times: &[f64]) -> Kind {
-        if 2 * times.len() > self.times.len() || self.times.is_empty() {
-            let middle = middle(times.to_vec()).unwrap_or(0.0);
-            return if middle > 3e8 { Kind::Unix } else { Kind::Number };
-        }
-        let of_day = |text: &&String| matches!(clock::parse(text, Order::Ymd), Some(Written::OfDay(_)));
-        let count = self.times.iter().take(1000).filter(of_day).count();
-        if 2 * count > self.times.len().min(1000) { Kind::TimeOfDay } else { Kind::DateTime }
     }
 
     /// Units of time, location and speed that nothing names.
@@ -233,35 +223,25 @@ impl Seen {
 
     /// Distances by location over those by speed, in the units of the file.
     fn stretches(&self, columns: &Columns) -> Option<Stretches> {
-        let seconds = self.seconds(columns);
         let located = columns.has(Meaning::Location);
-        let rows: Vec<Option<(f64, f64, f64, f64, f64)>> = self
-            .rows
-            .iter()
-            .zip(&seconds)
-            .map(|(row, time)| {
-                let (place, other) = if located { (row[1]?, 0.0) } else { (row[3]?, row[4]?) };
-                Some(((*time)?, place, other, row[2]?, 0.0))
-            })
-            .collect();
-        let mut speeds: Vec<f64> = rows.iter().flatten().map(|row| row.3).collect();
+        let rows: Vec<Option<Passing>> = self.rows.iter().map(|row| row.passing(columns)).collect();
+        let mut speeds: Vec<f64> = rows.iter().flatten().map(|row| row.speed).collect();
         speeds.sort_by(f64::total_cmp);
         let fastest = *speeds.get(speeds.len() * 99 / 100)?;
-        let steps: Vec<f64> =
-            rows.windows(2).filter_map(|pair| Some(pair[1]?.0 - pair[0]?.0)).filter(|step| *step > 0.0).collect();
-        let step = middle(steps)?;
+        let steps = rows.windows(2).filter_map(|pair| Some(pair[1]?.time - pair[0]?.time));
+        let step = middle(steps.filter(|step| *step > 0.0).collect())?;
+        let goes_on = |(a, b): &(Passing, Passing)| {
+            a.speed.min(b.speed) > 0.25 * fastest && b.time > a.time && b.time - a.time < 10.0 * step
+        };
         let mut ratios = Vec::new();
         let (mut by_speed, mut by_place, mut count) = (0.0, 0.0, 0);
         for pair in rows.windows(2) {
-            let moving = pair[0]
-                .zip(pair[1])
-                .filter(|(a, b)| a.3.min(b.3) > 0.25 * fastest && b.0 > a.0 && b.0 - a.0 < 10.0 * step);
-            let Some((a, b)) = moving else {
+            let Some((a, b)) = pair[0].zip(pair[1]).filter(goes_on) else {
                 (by_speed, by_place, count) = (0.0, 0.0, 0);
                 continue;
             };
-            by_speed += 0.5 * (a.3 + b.3) * (b.0 - a.0);
-            by_place += if located { b.1 - a.1 } else { geo::distance_m((a.1, a.2), (b.1, b.2)) };
+            by_speed += 0.5 * (a.speed + b.speed) * (b.time - a.time);
+            by_place += if located { b.place.0 - a.place.0 } else { geo::distance_m(a.place, b.place) };
             count += 1;
             if count == STEPS {
                 ratios.push(by_place.abs() / by_speed);
@@ -269,38 +249,48 @@ impl Seen {
             }
         }
         ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
-        (ratios.len() >= LEAST_STRETCHES).then(|| middle(ratios)).flatten().map(|ratio| Stretches {
-            ratio,
-            fastest,
-            step,
-        })
+        let ratio = middle(ratios.clone()).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
+        Some(Stretches { ratio, fastest, step })
+    }
+}
+
+/// A row as it is written.
+#[derive(Debug, Default)]
+struct Row {
+    /// Time as a number, location, speed, latitude, longitude.
+    numbers: [Option<f64>; 5],
+    time: Option<String>,
+    date: Option<String>,
+}
+
+/// A row of a moving train: time in s where it is no number; location, or latitude and longitude.
+#[derive(Clone, Copy)]
+struct Passing {
+    time: f64,
+    place: (f64, f64),
+    speed: f64,
+}
+
+impl Row {
+    fn passing(&self, columns: &Columns) -> Option<Passing> {
+        let [_, location, speed, latitude, longitude] = self.numbers;
+        let place = if columns.has(Meaning::Location) { (location?, 0.0) } else { (latitude?, longitude?) };
+        Some(Passing { time: self.time(columns)?, place, speed: speed? })
     }
 
-    /// Times as numbers: of the file's unit where they are numbers, else s.
-    fn seconds(&self, columns: &Columns) -> Vec<Option<f64>> {
+    fn time(&self, columns: &Columns) -> Option<f64> {
         if matches!(columns.kind, Kind::Number | Kind::Unix) {
-            return self.rows.iter().map(|row| row[0]).collect();
+            return self.numbers[0];
         }
-        let mut texts = self.times.iter();
-        let mut dates = self.dates.iter();
-        let mut parse = |_| {
-            let (text, date) = (texts.next()?, dates.next());
-            match clock::parse(text, columns.order)? {
-                Written::Instant(seconds) => Some(seconds),
-                Written::Civil(civil) => clock::in_zone(civil, &columns.zone, None),
-                Written::OfDay(seconds) => {
-                    let day = date.and_then(|date| clock::parse_date(date, columns.order));
-                    Some(
-                        seconds
-                            + day
-                                .and_then(|day| clock::in_zone(day.at(0, 0, 0, 0), &columns.zone, None))
-                                .unwrap_or(0.0),
-                    )
-                }
+        match clock::parse(self.time.as_deref()?, columns.order)? {
+            Written::Instant(seconds) => Some(seconds),
+            Written::Civil(civil) => clock::in_zone(civil, &columns.zone, None),
+            Written::OfDay(seconds) => {
+                let date = self.date.as_deref().and_then(|date| clock::parse_date(date, columns.order));
+                let midnight = date.and_then(|day| clock::in_zone(day.at(0, 0, 0, 0), &columns.zone, None));
+                Some(seconds + midnight.unwrap_or(0.0))
             }
-        };
-        // Rows without a time are few; one that shifts texts against rows breaks no median.
-        self.rows.iter().map(|row| if row.iter().all(Option::is_none) { None } else { parse(row) }).collect()
+        }
     }
 }
 
@@ -309,6 +299,17 @@ struct Stretches {
     ratio: f64,
     fastest: f64,
     step: f64,
+}
+
+/// The kind of a clock, by its fields as numbers and as texts.
+fn kind_of(times: &[f64], texts: &[&String]) -> Kind {
+    if 2 * times.len() > texts.len() || texts.is_empty() {
+        return if middle(times.to_vec()).is_some_and(|time| time > 3e8) { Kind::Unix } else { Kind::Number };
+    }
+    let of_day = |text: &&&String| matches!(clock::parse(text, Order::Ymd), Some(Written::OfDay(_)));
+    let looked = texts.len().min(1000);
+    let count = texts[..looked].iter().filter(of_day).count();
+    if 2 * count > looked { Kind::TimeOfDay } else { Kind::DateTime }
 }
 
 fn figure(ratio: f64) -> String {

@@ -12,15 +12,23 @@ const STEP_M: f64 = 50.0;
 const NEAR_M: f64 = 80.0;
 /// Ends of other runs that are longer go on the line, m.
 const LEAST_END_M: f64 = 300.0;
+/// Times that the line may grow by the runs.
+const MOST_GROWTH: usize = 50;
 
 /// None where no run has positions.
 pub fn centre_line(runs: &[&Staged]) -> Option<Vec<CentreLinePoint>> {
     let mut order: Vec<&&Staged> = runs.iter().filter(|run| fixes(run).len() > 1).collect();
     order.sort_by(|a, b| b.length_m().total_cmp(&a.length_m()).then_with(|| a.name.cmp(&b.name)));
     let mut line = measured(&thinned(&fixes(order.first()?)));
-    // The guess grows at its ends by what other runs went further.
-    for run in order.iter().skip(1) {
-        line = measured(&lengthened(&line, &fixes(run)));
+    // The guess grows at its ends by what other runs went further, those that begin where others end one after the other.
+    for _ in 0..MOST_GROWTH {
+        let before = line.len();
+        for run in order.iter().skip(1) {
+            line = measured(&lengthened(&line, &fixes(run)));
+        }
+        if line.len() == before {
+            break;
+        }
     }
     for _ in 0..2 {
         line = measured(&moved(&line, &order));

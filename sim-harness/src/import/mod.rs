@@ -44,6 +44,9 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
+/// Runs that are said on the screen.
+const SHOWN: usize = 20;
+
 #[derive(Debug, Error)]
 pub enum ImportError {
     /// No file can be read, or a person has to answer a question first.
@@ -212,7 +215,9 @@ impl Order {
             let direction = if written.is_up { "up" } else { "down" };
             let departure = if run.is_dated { departure(run.begin_s) } else { String::new() };
             index += &format!("{}.csv,{departure},{},{direction}\n", run.name, plain_unit(&run.unit));
-            done.lines.push(line_of(run, direction, written.ends_m));
+            if passed.len() < SHOWN {
+                done.lines.push(line_of(run, direction, written.ends_m));
+            }
             runs.push(entry(run, place, direction, written.ends_m));
             passed.push(written.passed);
         }
@@ -220,6 +225,9 @@ impl Order {
         if passed.is_empty() {
             let lines = [done.notes, vec!["expected at least one run on the chainage, found none".to_owned()]].concat();
             return Err(ImportError::Nothing(lines.join("\n")));
+        }
+        if passed.len() > SHOWN {
+            done.lines.push(format!("... and {} more runs, all in import.json", passed.len() - SHOWN));
         }
         let track = skeleton::track_toml(&passed, &placed.line);
         let json = json!({

@@ -7,7 +7,7 @@ use super::meaning::Meaning;
 use super::number;
 use super::source::row::Field;
 use super::units;
-use rundown_files::sample::Sample;
+use rundown_files::sample::{COLUMNS, Sample};
 use std::path::Path;
 
 /// A row that is understood.
@@ -33,6 +33,7 @@ pub struct Converter<'a> {
 
 pub const NO_TIME: &str = "rows without a time, left out";
 pub const UNREADABLE: &str = "fields that cannot be read, taken as missing";
+const BEYOND: &str = "values beyond what trains do, taken as missing";
 const NO_PLACE: &str = "positions that are no place on Earth, taken as missing";
 pub const MIDNIGHT: &str = "midnights, joined";
 const DAY_S: f64 = 86_400.0;
@@ -44,7 +45,8 @@ impl<'a> Converter<'a> {
 
     /// None for a row without a time.
     pub fn record(&mut self, line: u64, fields: &[Field], account: &mut Account) -> Option<Record> {
-        let Some((time_s, is_dated)) = self.time(line, fields, account) else {
+        let time = self.time(line, fields, account).filter(|(time_s, _)| time_s.abs() < COLUMNS[0].range.1);
+        let Some((time_s, is_dated)) = time else {
             account.place(NO_TIME, || format!("{}:{line}: expected a time, found none", self.path.display()));
             return None;
         };
@@ -66,6 +68,7 @@ impl<'a> Converter<'a> {
                 account.count(NO_PLACE, 1);
             }
         }
+        self.beyond(&mut sample, account);
         sample.speed_mps = sample.speed_mps.filter(|mps| {
             if *mps < 0.0 {
                 account.place("speeds below zero, taken as missing", || {
@@ -81,6 +84,34 @@ impl<'a> Converter<'a> {
         };
         let unit = self.columns.unit_name.clone().unwrap_or_else(|| word(Meaning::Unit));
         Some(Record { sample, altitude_m, unit, run: word(Meaning::Run), is_dated })
+    }
+
+    /// Values that no train and no clock has are missing.
+    fn beyond(&self, sample: &mut Sample, account: &mut Account) {
+        for column in &COLUMNS {
+            let value = (column.get)(sample);
+            let Some(value) = value.filter(|value| value.abs() > column.range.1.abs().max(column.range.0.abs())) else {
+                continue;
+            };
+            account.place(BEYOND, || {
+                let [low, high] = [column.range.0, column.range.1];
+                format!(
+                    "{}:{}: {}: expected {low} to {high} {}, found {value:e}",
+                    self.path.display(),
+                    sample.line,
+                    column.name,
+                    column.unit
+                )
+            });
+            match column.name {
+                "location_m" => sample.location_m = None,
+                "speed_kmh" => sample.speed_mps = None,
+                "effort_n_per_kg" => sample.effort_n_per_kg = None,
+                "ambient_temperature_c" => sample.temperature_c = None,
+                "headwind_mps" => sample.headwind_mps = None,
+                _ => {}
+            }
+        }
     }
 
     fn number(&self, meaning: Meaning, line: u64, fields: &[Field], account: &mut Account) -> Option<f64> {

@@ -31,6 +31,8 @@ pub struct Staged {
     pub duration_s: f64,
     pub is_dated: bool,
     pub from_fixes: bool,
+    /// It begins with its file, or with a run of a column.
+    pub is_head: bool,
     pub rows: usize,
     pub lines: (u64, u64),
     /// Own locations of standing, and how long, s.
@@ -69,6 +71,7 @@ impl Staged {
             duration_s: end_s - begin_s,
             is_dated: piece.is_dated,
             from_fixes: piece.from_fixes,
+            is_head: piece.is_head,
             rows: piece.rows.len(),
             lines,
             stops: piece.stops(),

@@ -1,6 +1,7 @@
 //! The folder of an import: written beside its place, then renamed, so that there is the old one or the new one.
 
 use super::chainage::{Place, Placed};
+use super::cut::STOP_S;
 use super::skeleton::Passed;
 use super::staged::Staged;
 use crate::output::files::failed;
@@ -180,7 +181,7 @@ fn passed(run: &Staged, place: &Place, line: Option<&CentreLine>, ends_m: (f64, 
     let nearest = |own_m: f64| {
         located.iter().min_by(|a, b| (a.0 - own_m).abs().total_cmp(&(b.0 - own_m).abs())).map(|found| found.1)
     };
-    let stops_m = run.stops.iter().filter(|(_, seconds)| *seconds >= 10.0).filter_map(|(at_m, _)| match place {
+    let stops_m = run.stops.iter().filter(|(_, seconds)| *seconds >= STOP_S).filter_map(|(at_m, _)| match place {
         Place::Shift { sign, offset_m, .. } => Some(offset_m + sign * at_m),
         _ => nearest(*at_m),
     });

@@ -9,7 +9,7 @@ use std::path::Path;
 /// Lines that decide the names of the columns.
 const SNIFFED: u64 = 500;
 
-fn flat(prefix: &str, object: &Map<String, Value>, into: &mut Vec<(String, Field)>) {
+fn flat(prefix: &str, object: &Map<String, Value>, into: &mut Named) {
     for (key, value) in object {
         let name = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
         let field = match value {
@@ -25,11 +25,11 @@ fn flat(prefix: &str, object: &Map<String, Value>, into: &mut Vec<(String, Field
     }
 }
 
+/// The fields of an object with their names.
+type Named = Vec<(String, Field)>;
+
 /// Lines as objects; what is none is bad.
-fn objects(
-    path: &Path,
-    each: &mut dyn FnMut(u64, Result<Vec<(String, Field)>, String>) -> bool,
-) -> Result<(), ReadError> {
+fn objects(path: &Path, each: &mut dyn FnMut(u64, Result<Named, String>) -> bool) -> Result<(), ReadError> {
     csv::lines(path, &mut |number, line| {
         let line = line.trim().trim_start_matches('[').trim_end_matches([',', ']']).trim();
         if line.is_empty() {

@@ -39,6 +39,7 @@ pub enum Format {
 
 /// How a file is laid out; what is not said is found.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Layout {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<Format>,
