@@ -521,3 +521,16 @@ fn no_bytes_make_it_panic() {
         }
     }
 }
+
+#[test]
+fn new_files_of_a_recorder_are_read_by_the_mapping_of_its_first() {
+    let rows = drive(&STOPS_M, 30.0);
+    let line = |t: f64, x: f64, v: f64| format!("{t},{:.4},{:.1}", x / 1000.0, 3.6 * v);
+    let folder = Folder::new()
+        .with("a.csv", &table("p,q,r", &rows, line))
+        .with("b.csv", &table("another day\np,q,r", &rows, line))
+        .with("m.toml", "[[source]]\n[source.columns]\ntime = { name = \"p\", unit = \"s\" }\nlocation = { name = \"q\", unit = \"km\" }\nspeed = { name = \"r\", unit = \"km/h\" }\n");
+    folder.done(&["import", "a.csv", "--mapping", "m.toml", "--out", "a"]);
+    folder.done(&["import", "b.csv", "--mapping", "a/import.toml", "--out", "b"]);
+    assert_eq!(folder.read("a/a_01.csv"), folder.read("b/b_01.csv"));
+}

@@ -69,7 +69,7 @@ pub fn place(runs: &[Staged], wanted: Option<Method>, given: Vec<CentreLinePoint
 }
 
 fn decided(runs: &[Staged], given: &[CentreLinePoint]) -> (Method, String) {
-    let with_fixes = runs.iter().filter(|run| line::fixes(run).len() > 1).count();
+    let with_fixes = runs.iter().filter(|run| run.fixes > 1).count();
     let many_fixes = 10 * with_fixes >= 9 * runs.len();
     if !given.is_empty() && many_fixes {
         return (Method::Line, "a track with a centre line is given".to_owned());
@@ -79,7 +79,7 @@ fn decided(runs: &[Staged], given: &[CentreLinePoint]) -> (Method, String) {
     }
     // A piece behind a cut goes on where the one before ended; the first of a file or a run says where its locations begin.
     let heads: Vec<&Staged> = runs.iter().filter(|run| run.is_head).collect();
-    let own = heads.iter().filter(|run| run.marks.first().is_some_and(|mark| mark.at_m.abs() < OWN_M)).count();
+    let own = heads.iter().filter(|run| run.first_m.abs() < OWN_M).count();
     if heads.len() < 2 || 10 * own < 9 * heads.len() {
         return (Method::AsIs, "the locations begin at different places, or in one log only".to_owned());
     }
@@ -249,7 +249,7 @@ impl Known {
 /// Speeds by bins of the location, once each.
 fn profile(run: &Staged, sign: f64) -> Vec<(i64, f64)> {
     let mut bins: std::collections::BTreeMap<i64, f64> = std::collections::BTreeMap::new();
-    for pair in run.marks.windows(2) {
+    for pair in run.marks().windows(2) {
         let bin = |mark: f64| (sign * mark / BIN_M).round() as i64;
         let (from, to) = (bin(pair[0].at_m), bin(pair[1].at_m));
         // A gap in the log is none in the profile as long as it is short.
@@ -289,9 +289,7 @@ fn shifted(runs: &[Staged], by_stops: bool) -> Vec<Place> {
         }
     }
     let least = runs.iter().zip(&places).filter_map(|(run, place)| match place {
-        Some(Place::Shift { sign, offset_m, .. }) => {
-            run.marks.iter().map(|mark| offset_m + sign * mark.at_m).min_by(f64::total_cmp)
-        }
+        Some(Place::Shift { sign, offset_m, .. }) => Some(offset_m + (sign * run.ends_m.0).min(sign * run.ends_m.1)),
         _ => None,
     });
     let zero_m = least.min_by(f64::total_cmp).unwrap_or(0.0).min(0.0);

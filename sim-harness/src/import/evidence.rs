@@ -110,53 +110,23 @@ impl Seen {
     /// Names the candidates, and the line that decides.
     pub fn units(&self, columns: &mut Columns) -> Result<Vec<String>, String> {
         self.effort(columns);
-        let second = units::by_name(Meaning::Time, "s");
-        let metre = units::by_name(Meaning::Location, "m");
         let is_number = matches!(columns.kind, Kind::Number | Kind::Unix);
-        let known = |meaning| columns.unit(meaning);
-        let fixed =
-            |meaning, fixed: Option<Unit>| fixed.map_or_else(|| units::candidates(meaning).to_vec(), |unit| vec![unit]);
-        let times = fixed(Meaning::Time, if is_number { known(Meaning::Time) } else { second });
-        let has_location = columns.has(Meaning::Location);
-        let lengths = fixed(Meaning::Location, if has_location { known(Meaning::Location) } else { metre });
-        let speeds = fixed(
-            Meaning::Speed,
-            if columns.has(Meaning::Speed) { known(Meaning::Speed) } else { units::by_name(Meaning::Speed, "m/s") },
-        );
-        let unknown: Vec<Meaning> = [Meaning::Time, Meaning::Location, Meaning::Speed]
-            .into_iter()
-            .filter(|meaning| columns.of.get(meaning).is_some_and(|column| column.unit.is_none()))
-            .filter(|meaning| *meaning != Meaning::Time || is_number)
-            .collect();
+        let unnamed = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.unit.is_none());
+        let unknown: Vec<Meaning> =
+            DECIDED.into_iter().filter(unnamed).filter(|meaning| *meaning != Meaning::Time || is_number).collect();
         let Some(stretches) = self.stretches(columns).filter(|_| columns.has(Meaning::Speed)) else {
-            return if unknown.is_empty() {
-                Ok(Vec::new())
-            } else {
-                Err(not_decided(&unknown, &[], "speed and location are not there together in enough rows"))
-            };
+            let why = "speed and location are not there together in enough rows";
+            return if unknown.is_empty() { Ok(Vec::new()) } else { Err(not_decided(&unknown, &[], why)) };
         };
-        let mut tried: Vec<(f64, [Unit; 3])> = Vec::new();
-        for time in &times {
-            for length in &lengths {
-                for speed in &speeds {
-                    let factor = length.factor() / (speed.factor() * time.factor());
-                    let fastest = FASTEST_MPS.contains(&speed.to_si(stretches.fastest));
-                    if unknown.is_empty() || (fastest && STEP_S.contains(&time.to_si(stretches.step))) {
-                        tried.push((factor * stretches.ratio, [*time, *length, *speed]));
-                    }
-                }
-            }
-        }
-        let agree: Vec<&(f64, [Unit; 3])> = tried.iter().filter(|(ratio, _)| (ratio - 1.0).abs() < NEAR).collect();
+        let tried = stretches.tried(columns, &unknown);
+        let agree: Vec<Tried> = tried.iter().filter(|(ratio, _)| (ratio - 1.0).abs() < NEAR).copied().collect();
         match agree.as_slice() {
             [] if unknown.is_empty() => {
                 self.contradiction(columns, tried.first().map_or(1.0, |(ratio, _)| *ratio), &stretches)
             }
             [(ratio, found)] => {
-                for (meaning, unit) in [Meaning::Time, Meaning::Location, Meaning::Speed].into_iter().zip(found) {
-                    if unknown.contains(&meaning)
-                        && let Some(column) = columns.of.get_mut(&meaning)
-                    {
+                for (meaning, unit) in DECIDED.into_iter().zip(found).filter(|(meaning, _)| unknown.contains(meaning)) {
+                    if let Some(column) = columns.of.get_mut(&meaning) {
                         column.unit = Some(*unit);
                         column.how =
                             How::Evidence(format!("distance by location over distance by speed is {ratio:.4}"));
@@ -164,15 +134,8 @@ impl Seen {
                 }
                 Ok(vec![figure(*ratio)])
             }
-            several => {
-                let named: Vec<(f64, [Unit; 3])> = several.iter().map(|one| **one).collect();
-                let why = if several.is_empty() {
-                    "no units make the distance by speed that by location"
-                } else {
-                    "these agree alike"
-                };
-                Err(not_decided(&unknown, &named, why))
-            }
+            [] => Err(not_decided(&unknown, &[], "no units make the distance by speed that by location")),
+            several => Err(not_decided(&unknown, several, "these agree alike")),
         }
     }
 
@@ -294,6 +257,12 @@ impl Row {
     }
 }
 
+/// What evidence decides.
+const DECIDED: [Meaning; 3] = [Meaning::Time, Meaning::Location, Meaning::Speed];
+
+/// Distance by location over distance by speed with these units.
+type Tried = (f64, [Unit; 3]);
+
 /// What the moving stretches of some files say.
 struct Stretches {
     ratio: f64,
@@ -316,11 +285,38 @@ fn figure(ratio: f64) -> String {
     format!("distance by location over distance by speed is {ratio:.4} with these units")
 }
 
-fn not_decided(unknown: &[Meaning], agree: &[(f64, [Unit; 3])], why: &str) -> String {
+impl Stretches {
+    /// All units that are known or possible, at speeds of trains and steps of recorders where something is unknown.
+    fn tried(&self, columns: &Columns, unknown: &[Meaning]) -> Vec<Tried> {
+        // A column that is not there is in SI: text gives seconds, positions give metres.
+        let units = |meaning, si: &str| -> Vec<Unit> {
+            if unknown.contains(&meaning) {
+                return units::candidates(meaning).to_vec();
+            }
+            columns.unit(meaning).or_else(|| units::by_name(meaning, si)).into_iter().collect()
+        };
+        let is_text = !matches!(columns.kind, Kind::Number | Kind::Unix);
+        let second = || units::by_name(Meaning::Time, "s").into_iter().collect();
+        let times: Vec<Unit> = if is_text { second() } else { units(Meaning::Time, "s") };
+        let mut tried = Vec::new();
+        for time in times {
+            for length in units(Meaning::Location, "m") {
+                for speed in units(Meaning::Speed, "m/s") {
+                    let factor = length.factor() / (speed.factor() * time.factor());
+                    let of_trains = FASTEST_MPS.contains(&speed.to_si(self.fastest));
+                    if unknown.is_empty() || (of_trains && STEP_S.contains(&time.to_si(self.step))) {
+                        tried.push((factor * self.ratio, [time, length, speed]));
+                    }
+                }
+            }
+        }
+        tried
+    }
+}
+
+fn not_decided(unknown: &[Meaning], agree: &[Tried], why: &str) -> String {
     let keys: Vec<&str> = unknown.iter().map(|meaning| meaning.key()).collect();
-    let place = |meaning: &Meaning| {
-        [Meaning::Time, Meaning::Location, Meaning::Speed].iter().position(|one| one == meaning).unwrap_or(0)
-    };
+    let place = |meaning: &Meaning| DECIDED.iter().position(|one| one == meaning).unwrap_or(0);
     let sets: Vec<String> = agree
         .iter()
         .map(|(ratio, set)| {

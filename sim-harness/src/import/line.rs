@@ -17,7 +17,7 @@ const MOST_GROWTH: usize = 50;
 
 /// None where no run has positions.
 pub fn centre_line(runs: &[&Staged]) -> Option<Vec<CentreLinePoint>> {
-    let mut order: Vec<&&Staged> = runs.iter().filter(|run| fixes(run).len() > 1).collect();
+    let mut order: Vec<&&Staged> = runs.iter().filter(|run| run.fixes > 1).collect();
     order.sort_by(|a, b| b.length_m().total_cmp(&a.length_m()).then_with(|| a.name.cmp(&b.name)));
     let mut line = measured(&thinned(&fixes(order.first()?)));
     // The guess grows at its ends by what other runs went further, those that begin where others end one after the other.
@@ -37,7 +37,7 @@ pub fn centre_line(runs: &[&Staged]) -> Option<Vec<CentreLinePoint>> {
 }
 
 pub fn fixes(run: &Staged) -> Vec<Fix> {
-    run.marks.iter().filter_map(|mark| mark.fix).collect()
+    run.marks().iter().filter_map(|mark| mark.fix).collect()
 }
 
 /// Points at least a step from each other.
@@ -74,7 +74,8 @@ fn lengthened(line: &[CentreLinePoint], fixes: &[Fix]) -> Vec<Fix> {
     let points: Vec<Fix> = line.iter().map(fix_of).collect();
     let Some((matcher, last)) = CentreLine::new(line).zip(line.last()) else { return points };
     let mut state = MatchState::default();
-    let inside = |m: f64| (0.0..=last.at_m).contains(&m);
+    // A run that begins at the station where another ended begins some metres beyond the line.
+    let inside = |m: f64| (-NEAR_M..=last.at_m + NEAR_M).contains(&m);
     // One mark a second: fast enough to find the line again behind a tunnel.
     let matched: Vec<Option<f64>> = fixes
         .iter()

@@ -134,7 +134,7 @@ impl Mapping {
         self.sources.iter().flat_map(|source| source.files.clone()).collect()
     }
 
-    /// What is said about a file: what names it goes before what names none.
+    /// What is said about a file: what names it goes before what names none, and that before the only one there is.
     pub fn of_file(&self, path: &Path) -> SourceMapping {
         let named = |source: &&SourceMapping| {
             source
@@ -145,6 +145,8 @@ impl Mapping {
         let exact = self.sources.iter().find(|source| source.files.iter().any(|file| file == path));
         let found = exact.or_else(|| self.sources.iter().find(named));
         let found = found.or_else(|| self.sources.iter().find(|source| source.files.is_empty()));
+        // A new file of the one recorder that an earlier import knew.
+        let found = found.or_else(|| self.sources.first().filter(|_| self.sources.len() == 1));
         found.cloned().unwrap_or_default()
     }
 }

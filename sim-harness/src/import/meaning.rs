@@ -37,242 +37,70 @@ impl Meaning {
     ];
 
     /// The key in `import.toml`.
-    pub const fn key(self) -> &'static str {
-        self.words()[0]
+    pub fn key(self) -> &'static str {
+        self.words().next().unwrap_or_default()
     }
 
     /// Words for it, the key first: the more usual ones earlier.
-    const fn words(self) -> &'static [&'static str] {
-        match self {
-            Self::Time => &[
-                "time",
-                "timestamp",
-                "datetime",
-                "date time",
-                "date and time",
-                "date heure",
-                "fecha hora",
-                "zeit",
-                "uhrzeit",
-                "zeitstempel",
-                "datum uhrzeit",
-                "datum zeit",
-                "heure",
-                "temps",
-                "horodatage",
-                "hora",
-                "tiempo",
-                "ora",
-                "tempo",
-                "t",
-                "utc",
-                "gps time",
-                "utc time",
-                "local time",
-                "epoch",
-                "seconds",
-                "sekunden",
-                "ts",
-                "created at",
-                "elapsed",
-                "elapsed time",
-            ],
-            Self::Date => &["date", "datum", "tag", "jour", "fecha", "data", "giorno", "day"],
-            Self::Location => &[
-                "location",
-                "chainage",
-                "odometer",
-                "distance",
-                "mileage",
-                "position",
-                "milepost",
-                "odo",
-                "track position",
-                "line km",
-                "track km",
-                "weg",
-                "wegstrecke",
-                "strecke",
-                "streckenkilometer",
-                "kilometrierung",
-                "fahrweg",
-                "wegmesser",
-                "kilometerstand",
-                "ort",
-                "pk",
-                "point kilometrique",
-                "odometre",
-                "distance parcourue",
-                "distancia",
-                "punto kilometrico",
-                "odometro",
-                "posicion",
-                "ubicacion",
-                "distanza",
-                "progressiva",
-                "posizione",
-                "chilometrica",
-                "progressiva chilometrica",
-                "s",
-                "x",
-                "km",
-                "dist",
-                "distance travelled",
-                "distance traveled",
-                "travelled distance",
-            ],
-            Self::Speed => &[
-                "speed",
-                "velocity",
-                "v",
-                "geschwindigkeit",
-                "v ist",
-                "ist geschwindigkeit",
-                "fahrgeschwindigkeit",
-                "tempo kmh",
-                "vitesse",
-                "velocidad",
-                "velocita",
-                "speed over ground",
-                "ground speed",
-                "gps speed",
-                "spd",
-                "v act",
-                "actual speed",
-                "train speed",
-                "speedometer",
-            ],
-            Self::Latitude => &[
-                "latitude",
-                "lat",
-                "breite",
-                "breitengrad",
-                "geografische breite",
-                "latitud",
-                "latitudine",
-                "gps lat",
-                "gps latitude",
-                "y wgs84",
-            ],
-            Self::Longitude => &[
-                "longitude",
-                "lon",
-                "lng",
-                "long",
-                "lange",
-                "laenge",
-                "langengrad",
-                "laengengrad",
-                "geografische lange",
-                "longitud",
-                "longitudine",
-                "gps lon",
-                "gps long",
-                "gps longitude",
-                "x wgs84",
-            ],
-            Self::Altitude => &[
-                "altitude",
-                "alt",
-                "elevation",
-                "ele",
-                "height",
-                "hohe",
-                "hoehe",
-                "seehohe",
-                "altitud",
-                "elevacion",
-                "altura",
-                "altitudine",
-                "quota",
-                "gps altitude",
-            ],
-            Self::Effort => &[
-                "effort",
-                "tractive effort",
-                "traction force",
-                "force",
-                "zugkraft",
-                "zugkraft bremskraft",
-                "kraft",
-                "effort de traction",
-                "effort traction",
-                "esfuerzo",
-                "esfuerzo de traccion",
-                "sforzo",
-                "sforzo di trazione",
-                "applied effort",
-            ],
-            Self::Temperature => &[
-                "temperature",
-                "ambient temperature",
-                "outside temperature",
-                "temperatur",
-                "aussentemperatur",
-                "temperature exterieure",
-                "temperatura",
-                "temperatura exterior",
-                "temperatura esterna",
-                "temp",
-            ],
-            Self::Headwind => &["headwind", "gegenwind", "vent contraire", "viento en contra", "vento contrario"],
-            Self::Unit => &[
-                "unit",
-                "vehicle",
-                "train unit",
-                "locomotive",
-                "loco",
-                "loco no",
-                "train set",
-                "einheit",
-                "fahrzeug",
-                "lok",
-                "loknummer",
-                "fahrzeugnummer",
-                "triebzug",
-                "rame",
-                "engin",
-                "locomotora",
-                "vehiculo",
-                "unidad",
-                "veicolo",
-                "locomotiva",
-                "unit id",
-                "vehicle id",
-            ],
-            Self::Run => &[
-                "run",
-                "trip",
-                "train",
-                "train number",
-                "train no",
-                "run id",
-                "trip id",
-                "ride",
-                "journey",
-                "fahrt",
-                "fahrtnummer",
-                "zug",
-                "zugnummer",
-                "zugnr",
-                "train numero",
-                "course",
-                "trajet",
-                "marche",
-                "tren",
-                "viaje",
-                "recorrido",
-                "treno",
-                "corsa",
-                "viaggio",
-                "track",
-            ],
-        }
+    fn words(self) -> impl Iterator<Item = &'static str> {
+        let words = match self {
+            Self::Time => {
+                "time|timestamp|datetime|date time|date and time|date heure|fecha hora|zeit|uhrzeit|zeitstempel|\
+                 datum uhrzeit|datum zeit|heure|temps|horodatage|hora|tiempo|ora|tempo|t|utc|gps time|utc time|\
+                 local time|epoch|seconds|sekunden|ts|created at|elapsed|elapsed time"
+            }
+            Self::Date => "date|datum|tag|jour|fecha|data|giorno|day",
+            Self::Location => {
+                "location|chainage|odometer|distance|mileage|position|milepost|odo|track position|line km|\
+                 track km|weg|wegstrecke|strecke|streckenkilometer|kilometrierung|fahrweg|wegmesser|\
+                 kilometerstand|ort|pk|point kilometrique|odometre|distance parcourue|distancia|\
+                 punto kilometrico|odometro|posicion|ubicacion|distanza|progressiva|posizione|chilometrica|\
+                 progressiva chilometrica|s|x|km|dist|distance travelled|distance traveled|travelled distance"
+            }
+            Self::Speed => {
+                "speed|velocity|v|geschwindigkeit|v ist|ist geschwindigkeit|fahrgeschwindigkeit|tempo kmh|\
+                 vitesse|velocidad|velocita|speed over ground|ground speed|gps speed|spd|v act|actual speed|\
+                 train speed|speedometer"
+            }
+            Self::Latitude => {
+                "latitude|lat|breite|breitengrad|geografische breite|latitud|latitudine|gps lat|gps latitude|\
+                 y wgs84"
+            }
+            Self::Longitude => {
+                "longitude|lon|lng|long|lange|laenge|langengrad|laengengrad|geografische lange|longitud|\
+                 longitudine|gps lon|gps long|gps longitude|x wgs84"
+            }
+            Self::Altitude => {
+                "altitude|alt|elevation|ele|height|hohe|hoehe|seehohe|altitud|elevacion|altura|altitudine|quota|\
+                 gps altitude"
+            }
+            Self::Effort => {
+                "effort|tractive effort|traction force|force|zugkraft|zugkraft bremskraft|kraft|\
+                 effort de traction|effort traction|esfuerzo|esfuerzo de traccion|sforzo|sforzo di trazione|\
+                 applied effort"
+            }
+            Self::Temperature => {
+                "temperature|ambient temperature|outside temperature|temperatur|aussentemperatur|\
+                 temperature exterieure|temperatura|temperatura exterior|temperatura esterna|temp"
+            }
+            Self::Headwind => "headwind|gegenwind|vent contraire|viento en contra|vento contrario",
+            Self::Unit => {
+                "unit|vehicle|train unit|locomotive|loco|loco no|train set|einheit|fahrzeug|lok|loknummer|\
+                 fahrzeugnummer|triebzug|rame|engin|locomotora|vehiculo|unidad|veicolo|locomotiva|unit id|\
+                 vehicle id"
+            }
+            Self::Run => {
+                "run|trip|train|train number|train no|run id|trip id|ride|journey|fahrt|fahrtnummer|zug|\
+                 zugnummer|zugnr|train numero|course|trajet|marche|tren|viaje|recorrido|treno|corsa|viaggio|\
+                 track"
+            }
+        };
+        words.split('|')
     }
 
     /// How usual this name is for it: 0 the most, none where it is not its name.
     fn rank(self, name: &str) -> Option<usize> {
-        self.words().iter().position(|word| *word == name)
+        self.words().position(|word| word == name)
     }
 
     /// The column of each meaning among these names without their units; a column has one meaning, the more usual name wins.

@@ -211,6 +211,7 @@ impl Order {
                 continue;
             }
             let written = write::run(run, place, placed, folder.path())?;
+            run.forget().map_err(|error| crate::output::files::failed(folder.path(), error))?;
             account.count("rows whose positions are off the centre line, without a location", written.lost);
             let direction = if written.is_up { "up" } else { "down" };
             let departure = if run.is_dated { departure(run.begin_s) } else { String::new() };

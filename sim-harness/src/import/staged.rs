@@ -37,7 +37,10 @@ pub struct Staged {
     pub lines: (u64, u64),
     /// Own locations of standing, and how long, s.
     pub stops: Vec<(f64, f64)>,
-    pub marks: Vec<Mark>,
+    /// First, least and greatest own location of the marks, and how many of them have a position.
+    pub first_m: f64,
+    pub ends_m: (f64, f64),
+    pub fixes: usize,
     /// Columns that are written: those that have values, and those that every log has.
     pub has: [bool; COLUMNS.len()],
     path: PathBuf,
@@ -59,6 +62,10 @@ impl Staged {
             writeln!(file, "{}", values.join(","))?;
         }
         file.flush()?;
+        let marks = marks(piece);
+        std::fs::write(path.with_extension("marks"), marks.iter().flat_map(Mark::bytes).collect::<Vec<u8>>())?;
+        let wider = |(low, high): (f64, f64), mark: &Mark| (low.min(mark.at_m), high.max(mark.at_m));
+        let (low, high) = marks.iter().fold((f64::INFINITY, f64::NEG_INFINITY), wider);
         let (begin_s, end_s) =
             piece.rows.first().zip(piece.rows.last()).map_or((0.0, 0.0), |(first, last)| (first.time_s, last.time_s));
         let lines = piece.rows.first().zip(piece.rows.last()).map_or((0, 0), |(first, last)| (first.line, last.line));
@@ -75,7 +82,9 @@ impl Staged {
             rows: piece.rows.len(),
             lines,
             stops: piece.stops(),
-            marks: marks(piece),
+            first_m: marks.first().map_or(0.0, |mark| mark.at_m),
+            ends_m: if low <= high { (low, high) } else { (0.0, 0.0) },
+            fixes: marks.iter().filter(|mark| mark.fix.is_some()).count(),
             has,
             path,
         })
@@ -96,23 +105,52 @@ impl Staged {
             }
             each(sample)?;
         }
-        std::fs::remove_file(&self.path)
+        Ok(())
     }
 
-    /// Rows of a run that is left out.
+    /// Removes the files that wait.
     ///
     /// # Errors
-    /// The file cannot be removed.
+    /// A file cannot be removed.
     pub fn forget(&self) -> io::Result<()> {
-        std::fs::remove_file(&self.path)
+        std::fs::remove_file(&self.path)?;
+        std::fs::remove_file(self.path.with_extension("marks"))
     }
 
     pub fn length_m(&self) -> f64 {
-        let ends = self
-            .marks
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mark| (low.min(mark.at_m), high.max(mark.at_m)));
-        (ends.1 - ends.0).max(0.0)
+        self.ends_m.1 - self.ends_m.0
+    }
+
+    /// The places that the run passed. Thousands of runs are placed in constant memory, so they wait in a file too; where that is gone
+    /// the rows beside it are gone as well, and their reading says so.
+    pub fn marks(&self) -> Vec<Mark> {
+        let bytes = std::fs::read(self.path.with_extension("marks")).unwrap_or_default();
+        bytes.chunks_exact(8 * MARK_NUMBERS).map(Mark::of_bytes).collect()
+    }
+}
+
+/// Numbers of a mark in its file; what is missing is not a number.
+const MARK_NUMBERS: usize = 5;
+
+impl Mark {
+    fn bytes(&self) -> [u8; 8 * MARK_NUMBERS] {
+        let fix = self.fix.unwrap_or((f64::NAN, f64::NAN));
+        let numbers = [self.at_m, self.speed_mps, fix.0, fix.1, self.altitude_m.unwrap_or(f64::NAN)];
+        let mut bytes = [0; 8 * MARK_NUMBERS];
+        for (eight, number) in bytes.chunks_exact_mut(8).zip(numbers) {
+            eight.copy_from_slice(&number.to_le_bytes());
+        }
+        bytes
+    }
+
+    fn of_bytes(bytes: &[u8]) -> Self {
+        let number = |index: usize| {
+            let eight = bytes.get(8 * index..8 * index + 8).and_then(|eight| eight.try_into().ok());
+            eight.map_or(f64::NAN, f64::from_le_bytes)
+        };
+        let fix = Some((number(2), number(3))).filter(|fix| fix.0.is_finite());
+        let altitude_m = Some(number(4)).filter(|altitude| altitude.is_finite());
+        Self { at_m: number(0), speed_mps: number(1), fix, altitude_m }
     }
 }
 

@@ -167,7 +167,7 @@ fn short(name: &str, value: f64) -> String {
 fn passed(run: &Staged, place: &Place, line: Option<&CentreLine>, ends_m: (f64, f64)) -> Passed {
     let mut state = MatchState::default();
     let located: Vec<(f64, f64, Option<f64>)> = run
-        .marks
+        .marks()
         .iter()
         .enumerate()
         .filter_map(|(i, mark)| {

@@ -96,7 +96,12 @@ pub fn open(path: &Path, wanted: &Layout, named: &[String]) -> Result<(Layout, V
         return Err(row::refused(path, format!("delimiter: expected an ASCII character, found {delimiter:?}")));
     }
     let split = |delimiter: char| -> Vec<Vec<String>> { lines.iter().map(|line| fields(line, delimiter)).collect() };
-    let (delimiter, rows, index) = match wanted.header_line {
+    // Another file of the same recorder may have a longer preamble.
+    let named_there = |line: &u64| {
+        let text = lines.get((*line as usize).saturating_sub(1)).copied().unwrap_or_default();
+        *line == 0 || named.is_empty() || named.iter().any(|name| name.starts_with('#') || text.contains(name.as_str()))
+    };
+    let (delimiter, rows, index) = match wanted.header_line.filter(named_there) {
         Some(line) => {
             let index = (line as usize).saturating_sub(1);
             let most = tried

@@ -32,7 +32,7 @@ pub fn rows(path: &Path, each: &mut Each) -> Result<(), ReadError> {
                 match tag.local_name().as_ref() {
                     b"trk" => tracks += 1,
                     b"trkpt" => {
-                        let track = Field::Text(tracks.to_string());
+                        let track = if tracks > 1 { Field::Text(tracks.to_string()) } else { Field::Empty };
                         let (latitude, longitude) = (attribute(&tag, "lat"), attribute(&tag, "lon"));
                         point = Some(vec![Field::Empty, latitude, longitude, Field::Empty, Field::Empty, track]);
                     }
