@@ -213,6 +213,10 @@ impl Order {
             let written = write::run(run, place, placed, folder.path())?;
             run.forget().map_err(|error| crate::output::files::failed(folder.path(), error))?;
             account.count("rows whose positions are off the centre line, without a location", written.lost);
+            if let Place::Shift { sign, offset_m, .. } = place {
+                account.count("runs shifted onto the chainage", u64::from(*offset_m != 0.0));
+                account.count("runs inverted", u64::from(*sign < 0.0));
+            }
             let direction = if written.is_up { "up" } else { "down" };
             let departure = if run.is_dated { departure(run.begin_s) } else { String::new() };
             index += &format!("{}.csv,{departure},{},{direction}\n", run.name, plain_unit(&run.unit));

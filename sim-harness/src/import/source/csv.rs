@@ -99,7 +99,10 @@ pub fn open(path: &Path, wanted: &Layout, named: &[String]) -> Result<(Layout, V
     // Another file of the same recorder may have a longer preamble.
     let named_there = |line: &u64| {
         let text = lines.get((*line as usize).saturating_sub(1)).copied().unwrap_or_default();
-        *line == 0 || named.is_empty() || named.iter().any(|name| name.starts_with('#') || text.contains(name.as_str()))
+        let mut names = text.split(DELIMITERS).map(|name| name.trim().trim_matches('"'));
+        *line == 0
+            || named.is_empty()
+            || names.any(|name| named.iter().any(|other| other == name || other.starts_with('#')))
     };
     let (delimiter, rows, index) = match wanted.header_line.filter(named_there) {
         Some(line) => {
