@@ -523,6 +523,23 @@ fn no_bytes_make_it_panic() {
 }
 
 #[test]
+fn units_behind_the_values_and_a_clock_that_was_set_forward_are_read() {
+    let rows = drive(&STOPS_M, 30.0);
+    let comma = |value: f64| format!("{value:.3}").replace('.', ",");
+    let text = table("Zeit;Ort;Geschwindigkeit;Zug", &rows, |t, x, v| {
+        let shown = if t < 300.0 { t } else { t + 3600.0 };
+        format!("{shown} s;{} km;{} km/h;RE 4711", comma(x / 1000.0), comma(3.6 * v))
+    });
+    let folder = Folder::new().with("a.csv", &text);
+    folder.done(&["import", "a.csv"]);
+    let found = csv(&folder, "runs/a_RE_4711_01.csv");
+    assert_eq!(found.len(), rows.len());
+    near(last(&found)[0], rows.last().unwrap().0, 1.1);
+    near(last(&found)[1], 11_900.0, 1.0);
+    assert_eq!(folder.json("runs/import.json")["counts"]["clocks set forward, put right"], 1);
+}
+
+#[test]
 fn new_files_of_a_recorder_are_read_by_the_mapping_of_its_first() {
     let rows = drive(&STOPS_M, 30.0);
     let line = |t: f64, x: f64, v: f64| format!("{t},{:.4},{:.1}", x / 1000.0, 3.6 * v);

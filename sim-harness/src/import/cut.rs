@@ -58,7 +58,7 @@ impl Cutter {
                 Some(format!("the unit changes to {:?}", record.unit))
             } else if record.run != held.run {
                 Some(format!("the run changes to {:?}", record.run))
-            } else if gap_s > self.settings.gap_s {
+            } else if gap_s > self.settings.gap_s && !went_on(last, &record.sample) {
                 Some(format!("a gap of {gap_s:.0} s"))
             } else if held.rows.len() >= MOST_ROWS {
                 Some(format!("{MOST_ROWS} rows without another place to cut"))
@@ -90,7 +90,7 @@ impl Stretch {
             account.count("single rows between gaps, left out", self.rows.len() as u64);
             return Vec::new();
         }
-        self.in_order(account);
+        self.in_order(settings.gap_s, account);
         self.locate(account);
         self.speeds(account);
         let mut findings = Vec::new();
@@ -106,7 +106,7 @@ impl Stretch {
     }
 
     /// Times go forward: rows that were written out of order are sorted, a clock that was set is put right. Which, the locations say: the shorter path is the true one.
-    fn in_order(&mut self, account: &mut Account) {
+    fn in_order(&mut self, gap_s: f64, account: &mut Account) {
         let back = self.rows.windows(2).filter(|pair| pair[1].time_s < pair[0].time_s).count();
         if back > 0 {
             let mut order: Vec<usize> = (0..self.rows.len()).collect();
@@ -117,10 +117,11 @@ impl Stretch {
                 self.altitudes_m = order.iter().map(|i| self.altitudes_m[*i]).collect();
                 self.rows = sorted;
             } else {
-                let mut findings = Vec::new();
-                clock::put_right(&mut self.rows, &mut findings);
-                put_down(&findings, account);
+                self.set_clock(account);
             }
+        }
+        if self.rows.windows(2).any(|pair| pair[1].time_s - pair[0].time_s > gap_s) {
+            self.set_clock(account);
         }
         let (before, mut last_s, mut keep) = (self.rows.len(), f64::NEG_INFINITY, Vec::new());
         for row in &self.rows {
@@ -132,6 +133,12 @@ impl Stretch {
         let mut kept = keep.iter();
         self.altitudes_m.retain(|_| kept.next().copied().unwrap_or(true));
         account.count("rows with a time that was there before, left out", (before - self.rows.len()) as u64);
+    }
+
+    fn set_clock(&mut self, account: &mut Account) {
+        let mut findings = Vec::new();
+        clock::put_right(&mut self.rows, &mut findings);
+        put_down(&findings, account);
     }
 
     /// Distances along the fixes, where there is no location.
@@ -365,6 +372,13 @@ impl Stretch {
         let ends = [end(self.rows.first()), end(self.rows.last())].into_iter().flatten().map(|at_m| (at_m, STOP_S));
         self.standing_ranges().iter().filter_map(place).chain(ends).collect()
     }
+}
+
+/// Two rows of a moving train that is not further on than in half a minute: not the log but its clock has a gap.
+fn went_on(a: &Sample, b: &Sample) -> bool {
+    let moving = a.speed_mps.zip(b.speed_mps).map(|(a, b)| a.min(b)).filter(|mps| *mps > 5.0);
+    let moved_m = a.location_m.zip(b.location_m).map(|(a, b)| (b - a).abs());
+    moving.zip(moved_m).is_some_and(|(mps, metres)| metres > 0.0 && metres < 30.0 * mps)
 }
 
 /// Rows that end one run and begin the next, and the reason.

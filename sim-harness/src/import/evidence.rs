@@ -10,6 +10,7 @@ use super::source::Source;
 use super::source::row::{Event, Field};
 use super::units::{self, Unit};
 use rundown_files::refusal::ReadError;
+use std::collections::BTreeMap;
 
 /// Rows of a file that are looked at.
 const ROWS: usize = 20_000;
@@ -27,6 +28,8 @@ const STEP_S: std::ops::Range<f64> = 0.009..600.0;
 pub struct Seen {
     rows: Vec<Row>,
     efforts: Vec<f64>,
+    /// Units that stand behind the values.
+    behind: BTreeMap<Meaning, Unit>,
 }
 
 impl Seen {
@@ -37,8 +40,7 @@ impl Seen {
     pub fn look(&mut self, source: &Source, columns: &Columns) -> Result<(), ReadError> {
         let mut left = ROWS;
         let index = |meaning| columns.index(meaning);
-        let numbers =
-            [Meaning::Time, Meaning::Location, Meaning::Speed, Meaning::Latitude, Meaning::Longitude].map(index);
+        let numbers = EXPECTED.map(index);
         let (date, effort) = (index(Meaning::Date), index(Meaning::Effort));
         // A new file is a new stretch.
         self.rows.push(Row::default());
@@ -48,6 +50,11 @@ impl Seen {
                 let value = |index| value(at(index), columns.decimal);
                 let (time, date) = (at(numbers[0]).and_then(text), at(date).and_then(text));
                 self.rows.push(Row { numbers: numbers.map(value), time, date });
+                for (meaning, index) in EXPECTED.into_iter().zip(numbers) {
+                    if let Some(unit) = unit_behind(meaning, at(index), columns.decimal) {
+                        self.behind.entry(meaning).or_insert(unit);
+                    }
+                }
                 self.efforts.extend(value(effort));
                 left -= 1;
             }
@@ -110,6 +117,12 @@ impl Seen {
     /// Names the candidates, and the line that decides.
     pub fn units(&self, columns: &mut Columns) -> Result<Vec<String>, String> {
         self.effort(columns);
+        for (meaning, unit) in &self.behind {
+            if let Some(column) = columns.of.get_mut(meaning).filter(|column| column.unit.is_none()) {
+                column.unit = Some(*unit);
+                column.how = How::Evidence(format!("{} stands behind the values", unit.name));
+            }
+        }
         let is_number = matches!(columns.kind, Kind::Number | Kind::Unix);
         let unnamed = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.unit.is_none());
         let unknown: Vec<Meaning> =
@@ -257,6 +270,10 @@ impl Row {
     }
 }
 
+/// What a row says of where the train is.
+const EXPECTED: [Meaning; 5] =
+    [Meaning::Time, Meaning::Location, Meaning::Speed, Meaning::Latitude, Meaning::Longitude];
+
 /// What evidence decides.
 const DECIDED: [Meaning; 3] = [Meaning::Time, Meaning::Location, Meaning::Speed];
 
@@ -343,6 +360,13 @@ fn text(field: &Field) -> Option<String> {
         Field::Text(text) => Some(text.clone()),
         Field::Number(number) => Some(number.to_string()),
     }
+}
+
+/// `km/h` of `80 km/h`.
+fn unit_behind(meaning: Meaning, field: Option<&Field>, decimal: char) -> Option<Unit> {
+    let Field::Text(text) = field? else { return None };
+    let (_, rest) = number::parse(text, decimal)?;
+    if rest.is_empty() { None } else { units::by_name(meaning, rest) }
 }
 
 fn value(field: Option<&Field>, decimal: char) -> Option<f64> {

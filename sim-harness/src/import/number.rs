@@ -42,8 +42,13 @@ fn is_grouped(number: &str, separator: char) -> bool {
 /// The decimal sign of some fields; a point unless more of them hold a comma.
 pub fn decimal_of<'a>(fields: impl Iterator<Item = &'a str>) -> char {
     let with = |text: &str, sign: char| {
-        let parts: Vec<&str> = text.trim().trim_start_matches(['-', '+']).split(sign).collect();
-        parts.len() == 2 && parts.iter().all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()))
+        let text = text.trim().trim_start_matches(['-', '+']);
+        // A unit may stand behind the number.
+        let end = text.find(|c: char| !(c.is_ascii_digit() || c == ',' || c == '.')).unwrap_or(text.len());
+        let is_number = text[end..].chars().all(|c| !c.is_ascii_digit());
+        let parts: Vec<&str> = text[..end].split(sign).collect();
+        let digits = |part: &&str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+        is_number && parts.len() == 2 && parts.iter().all(digits)
     };
     let (mut commas, mut points) = (0, 0);
     for field in fields {
@@ -56,6 +61,12 @@ pub fn decimal_of<'a>(fields: impl Iterator<Item = &'a str>) -> char {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_decimal_sign_is_that_of_most_numbers() {
+        assert_eq!(decimal_of(["1,5", "2,25 km", "51.3", "10:00:00,5"].into_iter()), ',');
+        assert_eq!(decimal_of(["1.5", "1,234.5", "31.01.2025"].into_iter()), '.');
+    }
 
     #[test]
     fn numbers_are_read_as_they_are_written() {
