@@ -262,6 +262,9 @@ fn json_lines_in_miles_are_converted_and_units_that_agree_alike_are_asked_for() 
     let found = csv(&folder, "runs/a_01.csv");
     near(last(&found)[1], 11_900.0, 1.0);
     near(found.iter().map(|row| row[2]).fold(0.0, f64::max), 108.0, 0.1);
+    let said = folder.rundown(&["import", "b.jsonl", "--preview"]);
+    assert_eq!(said.code, Some(1));
+    assert!(said.out.contains("speed  not known") && said.err.contains("km with km/h"), "{}{}", said.out, said.err);
     let said = folder.rundown(&["import", "b.jsonl", "--out", "b"]);
     assert_eq!(said.code, Some(1));
     for words in ["km with km/h", "miles with mph", "[source.columns.speed] unit"] {

@@ -17,6 +17,8 @@ pub struct Group {
     pub columns: Columns,
     /// What a person should know of the columns.
     pub notes: Vec<String>,
+    /// What a person has to say before these files can be imported.
+    pub question: Option<String>,
 }
 
 /// What can be read, and the errors of what cannot.
@@ -57,16 +59,32 @@ pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<String>
 impl Group {
     fn new(sources: Vec<Source>, mapping: SourceMapping) -> Result<Self, String> {
         let first = sources.first().ok_or("expected a file, found none")?;
-        let mut columns = columns::find(&first.headers, &mapping, first.layout.decimal.unwrap_or('.'))?;
-        needed(&columns, first)?;
-        let mut seen = Seen::default();
-        for source in &sources {
-            seen.look(source, &columns).map_err(|error| error.to_string())?;
+        let columns = columns::find(&first.headers, &mapping, first.layout.decimal.unwrap_or('.'))?;
+        let mut group = Self { sources, mapping, columns, notes: Vec::new(), question: None };
+        group.question = group.decide().err();
+        Ok(group)
+    }
+
+    /// Clock and units.
+    fn decide(&mut self) -> Result<(), String> {
+        let Self { sources, mapping, columns, notes, .. } = self;
+        if let Some(first) = sources.first() {
+            needed(columns, first)?;
         }
-        seen.clock(&mut columns, &mapping)?;
-        let mut notes = seen.units(&mut columns)?;
-        notes.extend(notes_of(&columns));
-        Ok(Self { sources, mapping, columns, notes })
+        let mut seen = Seen::default();
+        for source in &*sources {
+            seen.look(source, columns).map_err(|error| error.to_string())?;
+        }
+        seen.clock(columns, mapping)?;
+        notes.extend(seen.units(columns)?);
+        notes.extend(notes_of(columns));
+        Ok(())
+    }
+
+    /// The question with the file that asks it.
+    pub fn asked(&self) -> Option<String> {
+        let path = self.sources.first().map(|source| source.path.clone()).unwrap_or_default();
+        self.question.as_ref().map(|question| refused(&path, question).to_string())
     }
 
     /// What repeats the reading of these files.

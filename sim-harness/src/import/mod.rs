@@ -84,11 +84,12 @@ impl Order {
         if files.is_empty() {
             return Err(ImportError::Nothing("expected files to import, found none".to_owned()));
         }
-        let (groups, errors) = analysis::analyse(&files, &self.mapping);
+        let (groups, mut errors) = analysis::analyse(&files, &self.mapping);
+        errors.extend(groups.iter().filter_map(Group::asked));
         if groups.is_empty() { Err(ImportError::Nothing(errors.join("\n"))) } else { Ok((groups, errors)) }
     }
 
-    /// What would be done: words, and a picture. Writes nothing.
+    /// What would be done: words, and a picture; also where a question is still open. Writes nothing.
     ///
     /// # Errors
     /// No file can be read.
@@ -105,7 +106,11 @@ impl Order {
     /// Nothing usable came out, or it cannot be written.
     pub fn import(&self) -> Result<Imported, ImportError> {
         let given = self.given_line()?;
-        let (groups, mut errors) = self.groups()?;
+        let (mut groups, mut errors) = self.groups()?;
+        groups.retain(|group| group.question.is_none());
+        if groups.is_empty() {
+            return Err(ImportError::Nothing(errors.join("\n")));
+        }
         let folder = write::Folder::new(&self.out)?;
         let mut account = Account::default();
         let mut staged = Vec::new();
