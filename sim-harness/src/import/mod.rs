@@ -31,7 +31,7 @@ mod write;
 use account::{Account, ROWS};
 use analysis::Group;
 use chainage::{Place, Placed};
-use cut::{Cutter, Stretch};
+use cut::{Cutter, Odometer, Stretch};
 use mapping::{Chainage, Mapping};
 use rows::Converter;
 use rundown_files::WriteError;
@@ -160,8 +160,9 @@ impl Order {
         let mut converter = Converter::new(&source.path, &group.columns);
         let mut runs = Vec::new();
         let mut failure = None;
+        let mut odometer = Odometer::default();
         let mut take = |stretch: Stretch, account: &mut Account| -> Result<(), WriteError> {
-            for piece in stretch.pieces(&self.mapping.runs, account) {
+            for piece in stretch.pieces(&self.mapping.runs, &mut odometer, account) {
                 let name = name_of(&source.path, &piece.run, names);
                 let run = Staged::new(&piece, name, &source.path, folder);
                 runs.push(run.map_err(|error| crate::output::files::failed(folder, error))?);
