@@ -209,20 +209,15 @@ impl Order {
         let mut account = account.clone();
         for (run, place) in staged.iter().zip(&placed.places) {
             if let Place::Out(reason) = place {
-                account.count("runs that cannot be put on the chainage, left out", 1);
-                account.count("rows of runs without a place, left out", run.rows as u64);
-                done.notes.push(format!("{} is left out: {reason}", run.name));
-                runs.push(json!({"run": run.name, "source": run.source, "lines": run.lines, "begins_because": run.reason, "left_out": reason}));
+                left_out(run, reason, &mut account, &mut done);
+                runs.push(entry(run, place, "", (0.0, 0.0)));
                 run.forget().map_err(|error| crate::output::files::failed(folder.path(), error))?;
                 continue;
             }
             let written = write::run(run, place, placed, folder.path())?;
             run.forget().map_err(|error| crate::output::files::failed(folder.path(), error))?;
             account.count("rows whose positions are off the centre line, without a location", written.lost);
-            if let Place::Shift { sign, offset_m, .. } = place {
-                account.count("runs shifted onto the chainage", u64::from(*offset_m != 0.0));
-                account.count("runs inverted", u64::from(*sign < 0.0));
-            }
+            moved(place, &mut account);
             let direction = if written.is_up { "up" } else { "down" };
             let departure = if run.is_dated { departure(run.begin_s) } else { String::new() };
             index += &format!("{}.csv,{departure},{},{direction}\n", run.name, plain_unit(&run.unit));
@@ -299,6 +294,19 @@ fn plain_unit(unit: &str) -> String {
 fn departure(seconds: f64) -> String {
     let instant = jiff::Timestamp::from_millisecond((1000.0 * seconds).round() as i64);
     instant.map_or_else(|_| String::new(), |instant| instant.to_string())
+}
+
+fn moved(place: &Place, account: &mut Account) {
+    if let Place::Shift { sign, offset_m, .. } = place {
+        account.count("runs shifted onto the chainage", u64::from(*offset_m != 0.0));
+        account.count("runs inverted", u64::from(*sign < 0.0));
+    }
+}
+
+fn left_out(run: &Staged, reason: &str, account: &mut Account, done: &mut Imported) {
+    account.count("runs that cannot be put on the chainage, left out", 1);
+    account.count("rows of runs without a place, left out", run.rows as u64);
+    done.notes.push(format!("{} is left out: {reason}", run.name));
 }
 
 fn line_of(run: &Staged, direction: &str, (from_m, to_m): (f64, f64)) -> String {

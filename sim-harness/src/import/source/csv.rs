@@ -95,35 +95,7 @@ pub fn open(path: &Path, wanted: &Layout, named: &[String]) -> Result<(Layout, V
     if let Some(delimiter) = tried.iter().find(|delimiter| !delimiter.is_ascii()) {
         return Err(row::refused(path, format!("delimiter: expected an ASCII character, found {delimiter:?}")));
     }
-    let split = |delimiter: char| -> Vec<Vec<String>> { lines.iter().map(|line| fields(line, delimiter)).collect() };
-    // Another file of the same recorder may have a longer preamble.
-    let named_there = |line: &u64| {
-        let text = lines.get((*line as usize).saturating_sub(1)).copied().unwrap_or_default();
-        let mut names = text.split(DELIMITERS).map(|name| name.trim().trim_matches('"'));
-        *line == 0
-            || named.is_empty()
-            || names.any(|name| named.iter().any(|other| other == name || other.starts_with('#')))
-    };
-    let (delimiter, rows, index) = match wanted.header_line.filter(named_there) {
-        Some(line) => {
-            let index = (line as usize).saturating_sub(1);
-            let most = tried
-                .iter()
-                .map(|delimiter| (split(*delimiter), *delimiter))
-                .max_by_key(|(rows, _)| rows.get(index).map_or(0, Vec::len));
-            let (rows, delimiter) = most.ok_or_else(|| row::refused(path, "expected a delimiter, found none"))?;
-            (delimiter, rows, index)
-        }
-        None => {
-            let headed = tried.iter().filter_map(|delimiter| {
-                let rows = split(*delimiter);
-                let (index, known) = row::header_among(&rows, named)?;
-                Some((known, rows[index].len(), (*delimiter, rows, index)))
-            });
-            let best = headed.max_by_key(|(known, fields, _)| (*known, *fields));
-            best.map(|(_, _, found)| found).ok_or_else(|| no_header(path, &lines))?
-        }
-    };
+    let (delimiter, rows, index) = header_of(path, &lines, &tried, wanted.header_line, named)?;
     layout.delimiter = Some(delimiter);
     let Some(header) = rows.get(index) else {
         return Err(row::refused(
@@ -145,6 +117,45 @@ pub fn open(path: &Path, wanted: &Layout, named: &[String]) -> Result<(Layout, V
         Some(number::decimal_of(below.flatten().map(String::as_str)))
     });
     Ok((layout, headers))
+}
+
+/// The delimiter, the lines by it, and the index of the header among them.
+fn header_of(
+    path: &Path,
+    lines: &[&str],
+    tried: &[char],
+    stated: Option<u64>,
+    named: &[String],
+) -> Result<(char, Vec<Vec<String>>, usize), ReadError> {
+    let split = |delimiter: char| -> Vec<Vec<String>> { lines.iter().map(|line| fields(line, delimiter)).collect() };
+    // Another file of the same recorder may have a longer preamble.
+    let named_there = |line: &u64| {
+        let text = lines.get((*line as usize).saturating_sub(1)).copied().unwrap_or_default();
+        let mut names = text.split(DELIMITERS).map(|name| name.trim().trim_matches('"'));
+        *line == 0
+            || named.is_empty()
+            || names.any(|name| named.iter().any(|other| other == name || other.starts_with('#')))
+    };
+    Ok(match stated.filter(named_there) {
+        Some(line) => {
+            let index = (line as usize).saturating_sub(1);
+            let most = tried
+                .iter()
+                .map(|delimiter| (split(*delimiter), *delimiter))
+                .max_by_key(|(rows, _)| rows.get(index).map_or(0, Vec::len));
+            let (rows, delimiter) = most.ok_or_else(|| row::refused(path, "expected a delimiter, found none"))?;
+            (delimiter, rows, index)
+        }
+        None => {
+            let headed = tried.iter().filter_map(|delimiter| {
+                let rows = split(*delimiter);
+                let (index, known) = row::header_among(&rows, named)?;
+                Some((known, rows[index].len(), (*delimiter, rows, index)))
+            });
+            let best = headed.max_by_key(|(known, fields, _)| (*known, *fields));
+            best.map(|(_, _, found)| found).ok_or_else(|| no_header(path, lines))?
+        }
+    })
 }
 
 fn no_header(path: &Path, lines: &[&str]) -> ReadError {
