@@ -3,6 +3,7 @@
 //! | question | module |
 //! |---|---|
 //! | the command `rundown` | [`commands`] |
+//! | how do logs of any recorder become run logs? | `import` |
 //! | what invalidates a whole replay? where are its results written? | `advice`, `output`, `report` |
 //! | what does another tool get of what was learned? | `learned_train`, `sfera` |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
@@ -25,6 +26,7 @@ pub mod desk;
 #[cfg(feature = "link")]
 pub mod display;
 pub mod gap_bench;
+mod import;
 mod learned_train;
 #[cfg(feature = "link")]
 pub mod link;

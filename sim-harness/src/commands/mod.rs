@@ -9,6 +9,7 @@ mod display;
 mod export;
 mod gap;
 mod gap_bench;
+mod import;
 #[cfg(feature = "link")]
 mod link;
 #[cfg(feature = "link")]
@@ -63,6 +64,8 @@ enum Command {
     Replay(Box<replay::Arguments>),
     /// What the recorder of some logs did to speed, location and clock, with figures
     Check(check::Arguments),
+    /// Turn logs of any recorder into run logs: CSV, Excel, GPX, NMEA, JSON lines, Parquet
+    Import(import::Arguments),
     /// Simulate runs with known truth, and with effects that the description does not have
     Simulate(simulate::Arguments),
     /// The paper's case study: its figures and claims on simulated or recorded runs, with the truth beside them
@@ -152,6 +155,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let done = match Arguments::parse_from(arguments).command {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),

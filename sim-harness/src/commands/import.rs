@@ -1,0 +1,94 @@
+//! `rundown import`: logs of any recorder in; run logs, their index, and an account of what was done out.
+
+use super::{Failure, SOME_RUNS_FAILED, screen};
+use crate::import::mapping::{Mapping, Method};
+use crate::import::{ImportError, Imported, Order};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  Look first: columns, units, first rows, and a picture:
+    rundown import --preview export.csv
+
+  Make run logs of it, and a track of what the runs say about one:
+    rundown import export.csv --out runs --track-out track.toml
+
+  The same again, or with new files of the same recorder:
+    rundown import --mapping runs/import.toml --out again
+    rundown import --mapping runs/import.toml new/*.csv --out more
+
+CSV of any delimiter and encoding, Excel and OpenDocument sheets, GPX, NMEA, JSON lines, Parquet. What no header says is
+found by evidence, or asked for: docs/import.md has every key of import.toml.";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
+pub struct Arguments {
+    /// Files, or folders of files; without any those that the mapping names
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// What the files do not say, or an import.toml of an earlier import
+    #[arg(long, value_name = "import.toml")]
+    mapping: Option<PathBuf>,
+    /// Folder for the run logs; it is replaced when an import wrote it
+    #[arg(long, value_name = "FOLDER", default_value = "runs")]
+    out: PathBuf,
+    /// How the runs come onto one chainage; found from what is there if not given
+    #[arg(long, value_enum)]
+    chainage: Option<Method>,
+    /// Track whose centre line gives the chainage of positions
+    #[arg(long, value_name = "K.toml")]
+    track: Option<PathBuf>,
+    /// Write a track to begin with: length, stations, centre line, gradients
+    #[arg(long, value_name = "K.toml")]
+    track_out: Option<PathBuf>,
+    /// Show columns, units and first rows, draw the speeds into this file, and write nothing else
+    #[arg(long, value_name = "FILE.svg", num_args = 0..=1, require_equals = true, default_missing_value = "preview.svg")]
+    preview: Option<PathBuf>,
+}
+
+impl From<ImportError> for Failure {
+    fn from(error: ImportError) -> Self {
+        match error {
+            ImportError::Nothing(message) => Self::no_runs(message),
+            ImportError::Refused(message) => Self::refused(message),
+            ImportError::Write(error) => error.into(),
+        }
+    }
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let mut mapping = arguments.mapping.as_deref().map(Mapping::read).transpose()?.unwrap_or_default();
+    mapping.chainage.method = arguments.chainage.or(mapping.chainage.method);
+    mapping.chainage.track = arguments.track.clone().or(mapping.chainage.track);
+    let order = Order {
+        files: arguments.files.clone(),
+        mapping,
+        out: arguments.out.clone(),
+        track_out: arguments.track_out.clone(),
+    };
+    let done = if let Some(path) = &arguments.preview {
+        let (done, picture) = order.preview()?;
+        crate::output::files::text(path, &picture)?;
+        done
+    } else {
+        let waiting = screen::waiting();
+        waiting.set_message("reading");
+        let done = order.import();
+        waiting.finish_and_clear();
+        done?
+    };
+    Ok(said(&done, arguments))
+}
+
+fn said(done: &Imported, arguments: &Arguments) -> ExitCode {
+    done.errors.iter().for_each(|error| screen::error(error));
+    done.notes.iter().for_each(|note| screen::note(note));
+    done.lines.iter().for_each(|line| screen::print(&format!("{line}\n")));
+    let last = match &arguments.preview {
+        Some(path) => format!("picture: {}", path.display()),
+        None => format!("{} runs in {}", done.runs, arguments.out.display()),
+    };
+    screen::print(&format!("{last}\n"));
+    if done.errors.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) }
+}

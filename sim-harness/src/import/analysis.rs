@@ -1,0 +1,180 @@
+//! Files before their rows: opened, put together by equal headers, their columns, clocks and units decided.
+
+use super::columns::{self, Columns, How};
+use super::evidence::Seen;
+use super::mapping::{Mapping, SourceMapping};
+use super::meaning::Meaning;
+use super::source::Source;
+use super::source::row::refused;
+use super::units;
+use std::path::{Path, PathBuf};
+
+/// Files that are read in the same way.
+#[derive(Debug)]
+pub struct Group {
+    pub sources: Vec<Source>,
+    pub mapping: SourceMapping,
+    pub columns: Columns,
+    /// What a person should know of the columns.
+    pub notes: Vec<String>,
+    /// What a person has to say before these files can be imported.
+    pub question: Option<String>,
+}
+
+/// What can be read, and the errors of what cannot.
+pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<String>) {
+    let mut refusals = Vec::new();
+    let mut alike: Vec<(SourceMapping, Vec<Source>)> = Vec::new();
+    for path in files {
+        let said = mapping.of_file(path);
+        let named: Vec<String> =
+            said.columns.values().map(|column| column.name.clone()).filter(|name| !name.is_empty()).collect();
+        match Source::open(path, &said.layout, &named) {
+            Ok(source) => {
+                let same = alike.iter_mut().find(|(other, sources)| {
+                    let first = sources.first();
+                    let equal =
+                        first.is_some_and(|first| first.layout == source.layout && first.headers == source.headers);
+                    equal && other.columns == said.columns && other.zone == said.zone && other.unit == said.unit
+                });
+                match same {
+                    Some((_, sources)) => sources.push(source),
+                    None => alike.push((said, vec![source])),
+                }
+            }
+            Err(error) => refusals.push(error.to_string()),
+        }
+    }
+    let mut groups = Vec::new();
+    for (said, sources) in alike {
+        let first = sources.first().map(|source| source.path.clone()).unwrap_or_default();
+        match Group::new(sources, said) {
+            Ok(group) => groups.push(group),
+            Err(error) => refusals.push(refused(&first, error).to_string()),
+        }
+    }
+    (groups, refusals)
+}
+
+impl Group {
+    fn new(sources: Vec<Source>, mapping: SourceMapping) -> Result<Self, String> {
+        let first = sources.first().ok_or("expected a file, found none")?;
+        let columns = columns::find(&first.headers, &mapping, first.layout.decimal.unwrap_or('.'))?;
+        let mut group = Self { sources, mapping, columns, notes: Vec::new(), question: None };
+        group.question = group.decide().err();
+        Ok(group)
+    }
+
+    /// Clock and units.
+    fn decide(&mut self) -> Result<(), String> {
+        let Self { sources, mapping, columns, notes, .. } = self;
+        if let Some(first) = sources.first() {
+            needed(columns, first)?;
+        }
+        let mut seen = Seen::default();
+        for source in &*sources {
+            seen.look(source, columns).map_err(|error| error.to_string())?;
+        }
+        seen.clock(columns, mapping)?;
+        notes.extend(seen.units(columns)?);
+        notes.extend(notes_of(columns));
+        Ok(())
+    }
+
+    /// The question with the file that asks it.
+    pub fn asked(&self) -> Option<String> {
+        let path = self.sources.first().map(|source| source.path.clone()).unwrap_or_default();
+        self.question.as_ref().map(|question| refused(&path, question).to_string())
+    }
+
+    /// What repeats the reading of these files.
+    pub fn mapped(&self) -> SourceMapping {
+        let layout = self.sources.first().map(|source| source.layout.clone()).unwrap_or_default();
+        SourceMapping {
+            files: self.sources.iter().map(|source| source.path.clone()).collect(),
+            layout,
+            columns: self.columns.mapped(),
+            ..self.mapping.clone()
+        }
+    }
+}
+
+fn needed(columns: &Columns, source: &Source) -> Result<(), String> {
+    let place = columns.has(Meaning::Location) || (columns.has(Meaning::Latitude) && columns.has(Meaning::Longitude));
+    let missing = [(columns.has(Meaning::Time), "time"), (place, "location (or latitude and longitude)")];
+    let missing: Vec<&str> = missing.iter().filter(|(is, _)| !is).map(|(_, name)| *name).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<&str> = source.headers.iter().map(|header| header.written.as_str()).collect();
+    Err(format!(
+        "expected columns for {}, found {}; name them in [source.columns] of import.toml",
+        missing.join(" and "),
+        names.join(", ")
+    ))
+}
+
+fn notes_of(columns: &Columns) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (meaning, column) in &columns.of {
+        let has_unit = units::of(*meaning).is_empty() || column.unit.is_some() || *meaning == Meaning::Time;
+        if !has_unit {
+            notes.push(format!(
+                "column {:?} is not used: its unit is not known; give it in [source.columns.{}]",
+                column.header,
+                meaning.key()
+            ));
+        }
+        if *meaning == Meaning::Effort
+            && column.unit.is_some_and(|unit| unit.name != "N/kg")
+            && columns.rotating_mass_kg.is_none()
+        {
+            notes.push(format!("column {:?} is not used: a force needs rotating_mass_kg in [[source]]", column.header));
+        }
+        if column.how == How::Assumed {
+            notes.push(format!(
+                "column {:?} is taken to be in {}",
+                column.header,
+                column.unit.map_or("", |unit| unit.name)
+            ));
+        }
+    }
+    if !columns.has(Meaning::Speed) {
+        notes.push("no column has a speed: it is computed from the locations, and says nothing beyond them".to_owned());
+    }
+    let local = matches!(columns.kind, super::clock::Kind::DateTime | super::clock::Kind::TimeOfDay);
+    if local && !columns.has_zone && columns.zone_name.is_none() {
+        notes.push("times without a zone are taken for UTC; give zone in [[source]] where they are local".to_owned());
+    }
+    notes
+}
+
+/// Files of the arguments; a folder is its files in the order of their names.
+///
+/// # Errors
+/// A folder cannot be read.
+pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
+    const ENDS: [&str; 19] = [
+        "csv", "tsv", "txt", "log", "dat", "asc", "xlsx", "xls", "xlsm", "xlsb", "ods", "gpx", "nmea", "nma", "json",
+        "jsonl", "ndjson", "parquet", "pq",
+    ];
+    let is_log = |path: &Path| {
+        let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+        path.is_file() && ENDS.contains(&&*end) && !["runs.csv", "index.csv", "import.json"].contains(&&*name)
+    };
+    let mut files = Vec::new();
+    for argument in arguments {
+        if !argument.is_dir() {
+            files.push(argument.clone());
+            continue;
+        }
+        let entries = std::fs::read_dir(argument)
+            .and_then(|entries| entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>());
+        let mut inside = entries.map_err(|error| format!("{}: cannot be read: {error}", argument.display()))?;
+        inside.retain(|path| is_log(path));
+        inside.sort();
+        files.extend(inside);
+    }
+    Ok(files)
+}

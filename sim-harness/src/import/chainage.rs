@@ -1,0 +1,309 @@
+//! Many runs on one chainage: as they are, by the places where trains stop, by their speeds over the location, or on a centre line.
+
+use super::evidence::middle;
+use super::line;
+use super::mapping::Method;
+use super::staged::Staged;
+use rundown_files::map_matching::{CentreLine, MatchState};
+use rundown_files::track_file::CentreLinePoint;
+
+/// Where the locations of a run go.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Place {
+    /// location = offset + sign * own location.
+    Shift {
+        sign: f64,
+        offset_m: f64,
+        how: String,
+    },
+    OnLine {
+        share: f64,
+    },
+    /// It cannot be placed.
+    Out(String),
+}
+
+#[derive(Clone, Debug)]
+pub struct Placed {
+    pub method: Method,
+    /// Why this method.
+    pub why: String,
+    /// Run by run.
+    pub places: Vec<Place>,
+    pub line: Vec<CentreLinePoint>,
+}
+
+/// Stops agree within, m: platforms are long, and trains stop anywhere along them.
+const STOP_M: f64 = 80.0;
+/// Offsets that differ by less are the same answer, m.
+const SAME_M: f64 = 600.0;
+/// Locations that begin below it are a run's own, m.
+const OWN_M: f64 = 100.0;
+/// Width of a bin of the speed over the location, m.
+const BIN_M: f64 = 50.0;
+const LEAST_BINS: usize = 40;
+const LEAST_CORRELATION: f64 = 0.6;
+const LEAST_LEAD: f64 = 0.1;
+/// Share of the fixes that must lie on the line.
+const LEAST_ON_LINE: f64 = 0.8;
+const AS_IT_IS: Place = Place::Shift { sign: 1.0, offset_m: 0.0, how: String::new() };
+
+/// Places runs. `given` is a centre line that is there already.
+pub fn place(runs: &[Staged], wanted: Option<Method>, given: Vec<CentreLinePoint>) -> Placed {
+    let (method, why) = wanted.map_or_else(|| decided(runs, &given), |method| (method, "asked for".to_owned()));
+    let (places, line) = match method {
+        Method::AsIs => (vec![AS_IT_IS; runs.len()], Vec::new()),
+        Method::Stops => (shifted(runs, true), Vec::new()),
+        Method::Align => (shifted(runs, false), Vec::new()),
+        Method::Line => on_line(runs, given),
+    };
+    let mut placed = Placed { method, why, places, line };
+    if method == Method::AsIs {
+        for (run, place) in runs.iter().zip(&mut placed.places) {
+            if run.from_fixes && runs.len() > 1 {
+                *place = Place::Out("it has positions and no location: --chainage line".to_owned());
+            }
+        }
+    }
+    placed
+}
+
+fn decided(runs: &[Staged], given: &[CentreLinePoint]) -> (Method, String) {
+    let with_fixes = runs.iter().filter(|run| run.fixes > 1).count();
+    let many_fixes = 10 * with_fixes >= 9 * runs.len();
+    if !given.is_empty() && many_fixes {
+        return (Method::Line, "a track with a centre line is given".to_owned());
+    }
+    if runs.iter().any(|run| run.from_fixes) {
+        return (Method::Line, "there are positions and no locations".to_owned());
+    }
+    // A piece behind a cut goes on where the one before ended; the first of a file or a run says where its locations begin.
+    let heads: Vec<&Staged> = runs.iter().filter(|run| run.is_head).collect();
+    let own = heads.iter().filter(|run| run.first_m.abs() < OWN_M).count();
+    if heads.len() < 2 || 10 * own < 9 * heads.len() {
+        return (Method::AsIs, "the locations begin at different places, or in one log only".to_owned());
+    }
+    let why = format!("the locations of {own} of {} logs begin at 0", heads.len());
+    if many_fixes {
+        return (Method::Line, format!("{why}, and there are positions"));
+    }
+    let stops: Vec<Vec<f64>> = runs.iter().map(own_stops).collect();
+    let agree = |own: &Vec<f64>| {
+        let others = || stops.iter().filter(|other| !std::ptr::eq(*other, own)).flatten();
+        2 * own.iter().filter(|stop| **stop > OWN_M && others().any(|other| (other - *stop).abs() < STOP_M)).count()
+            >= own.len().max(2) - 1
+    };
+    if stops.iter().all(|stops| stops.len() > 2) && stops.iter().filter(|own| agree(own)).count() * 10 >= 8 * runs.len()
+    {
+        return (Method::AsIs, format!("{why}, and the trains stop at the same places as they are"));
+    }
+    (Method::Stops, why)
+}
+
+/// Own locations where a run stands, its ends among them.
+fn own_stops(run: &Staged) -> Vec<f64> {
+    let mut stops: Vec<f64> = run.stops.iter().map(|(at_m, _)| *at_m).collect();
+    stops.sort_by(f64::total_cmp);
+    stops.dedup_by(|a, b| (*a - *b).abs() < STOP_M);
+    stops
+}
+
+fn on_line(runs: &[Staged], given: Vec<CentreLinePoint>) -> (Vec<Place>, Vec<CentreLinePoint>) {
+    let all: Vec<&Staged> = runs.iter().collect();
+    let line = if given.is_empty() { line::centre_line(&all).unwrap_or_default() } else { given };
+    let Some(matcher) = CentreLine::new(&line) else {
+        return (vec![Place::Out("there are no positions".to_owned()); runs.len()], Vec::new());
+    };
+    let place = |run: &Staged| {
+        let fixes = line::fixes(run);
+        let mut state = MatchState::default();
+        let on = fixes
+            .iter()
+            .enumerate()
+            .filter(|(i, fix)| matcher.locate(&mut state, *i as f64, Some(fix.0), Some(fix.1)).is_ok());
+        let share = on.count() as f64 / fixes.len().max(1) as f64;
+        if fixes.len() < 2 {
+            Place::Out("it has no positions".to_owned())
+        } else if share < LEAST_ON_LINE {
+            Place::Out(format!(
+                "{:.0} % of its positions lie on the centre line, {:.0} % are needed",
+                100.0 * share,
+                100.0 * LEAST_ON_LINE
+            ))
+        } else {
+            Place::OnLine { share }
+        }
+    };
+    (runs.iter().map(place).collect(), line)
+}
+
+/// What the runs that are placed say of the line.
+#[derive(Default)]
+struct Known {
+    stops: Vec<f64>,
+    /// Sum and count of speeds, by bin.
+    speeds: std::collections::BTreeMap<i64, (f64, u32)>,
+}
+
+impl Known {
+    fn add(&mut self, run: &Staged, sign: f64, offset_m: f64) {
+        for stop in own_stops(run) {
+            let at_m = offset_m + sign * stop;
+            if self.stops.iter().all(|known| (known - at_m).abs() > STOP_M) {
+                self.stops.push(at_m);
+            }
+        }
+        for (bin, mps) in profile(run, sign) {
+            let entry = self.speeds.entry(bin + (offset_m / BIN_M).round() as i64).or_default();
+            *entry = (entry.0 + mps, entry.1 + 1);
+        }
+    }
+
+    /// By the stops: sign, offset and how many agree.
+    fn by_stops(&self, run: &Staged) -> Option<(f64, f64, String)> {
+        let own = own_stops(run);
+        let mut best: Vec<(usize, f64, f64)> = Vec::new();
+        for sign in [1.0, -1.0] {
+            for known in &self.stops {
+                for stop in &own {
+                    let offset_m = known - sign * stop;
+                    let off = |stop: &f64| {
+                        self.stops
+                            .iter()
+                            .map(|known| known - offset_m - sign * stop)
+                            .min_by(|a, b| a.abs().total_cmp(&b.abs()))
+                    };
+                    let near: Vec<f64> = own.iter().filter_map(off).filter(|off| off.abs() < STOP_M).collect();
+                    let refined = offset_m + middle(near.clone()).unwrap_or(0.0);
+                    best.push((near.len(), sign, refined));
+                }
+            }
+        }
+        best.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)).then(a.2.total_cmp(&b.2)));
+        let (count, sign, offset_m) = *best.first()?;
+        let other =
+            best.iter().find(|other| other.1 != sign || (other.2 - offset_m).abs() > SAME_M).map_or(0, |other| other.0);
+        let clear = count >= 3 && count > other && 2 * count >= own.len();
+        clear.then(|| (sign, offset_m, format!("{count} of {} stops agree, {other} at the next best place", own.len())))
+    }
+
+    /// By the speeds over the location.
+    fn by_speeds(&self, run: &Staged) -> Option<(f64, f64, String)> {
+        let (low, high) = (*self.speeds.keys().next()?, *self.speeds.keys().next_back()?);
+        let mut found: Vec<(f64, f64, i64)> = Vec::new();
+        for sign in [1.0, -1.0] {
+            let own = profile(run, sign);
+            let (Some(first), Some(last)) = (own.first(), own.last()) else { continue };
+            let least = LEAST_BINS.max(own.len() * 6 / 10);
+            // Coarse first, then around the best.
+            let coarse = (low - last.0..=high - first.0).step_by(4);
+            let score = |shift: i64| self.correlation(&own, shift, least).map(|r| (r, sign, shift));
+            let rough: Vec<(f64, f64, i64)> = coarse.filter_map(score).collect();
+            if let Some(top) = rough.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)) {
+                found.extend((top.2 - 4..=top.2 + 4).filter_map(score));
+            }
+            found.extend(rough);
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
+        let (r, sign, shift) = *found.first()?;
+        let same = (SAME_M / BIN_M) as i64;
+        let other =
+            found.iter().find(|other| other.1 != sign || (other.2 - shift).abs() > same).map_or(0.0, |other| other.0);
+        let clear = r >= LEAST_CORRELATION && r - other >= LEAST_LEAD;
+        clear.then(|| {
+            (
+                sign,
+                shift as f64 * BIN_M,
+                format!("speeds over the location correlate by {r:.2}, {other:.2} at the next best place"),
+            )
+        })
+    }
+
+    fn correlation(&self, own: &[(i64, f64)], shift: i64, least: usize) -> Option<f64> {
+        let pairs: Vec<(f64, f64)> = own
+            .iter()
+            .filter_map(|(bin, mps)| {
+                let (sum, count) = self.speeds.get(&(bin + shift))?;
+                Some((*mps, sum / f64::from(*count)))
+            })
+            .collect();
+        if pairs.len() < least {
+            return None;
+        }
+        let count = pairs.len() as f64;
+        let (a, b) = (
+            pairs.iter().map(|pair| pair.0).sum::<f64>() / count,
+            pairs.iter().map(|pair| pair.1).sum::<f64>() / count,
+        );
+        let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+        for (x, y) in &pairs {
+            ab += (x - a) * (y - b);
+            aa += (x - a) * (x - a);
+            bb += (y - b) * (y - b);
+        }
+        let r = ab / (aa * bb).sqrt();
+        r.is_finite().then_some(r)
+    }
+}
+
+/// Speeds by bins of the location, once each.
+fn profile(run: &Staged, sign: f64) -> Vec<(i64, f64)> {
+    let mut bins: std::collections::BTreeMap<i64, f64> = std::collections::BTreeMap::new();
+    for pair in run.marks().windows(2) {
+        let bin = |mark: f64| (sign * mark / BIN_M).round() as i64;
+        let (from, to) = (bin(pair[0].at_m), bin(pair[1].at_m));
+        // A gap in the log is none in the profile as long as it is short.
+        for between in from.min(to)..=from.max(to).min(from.min(to) + 4) {
+            bins.insert(between, 0.5 * (pair[0].speed_mps + pair[1].speed_mps));
+        }
+    }
+    bins.into_iter().collect()
+}
+
+/// The longest run stays as it is; the others are placed beside those that are placed already.
+fn shifted(runs: &[Staged], by_stops: bool) -> Vec<Place> {
+    let mut order: Vec<usize> = (0..runs.len()).collect();
+    order.sort_by(|a, b| runs[*b].length_m().total_cmp(&runs[*a].length_m()).then(a.cmp(b)));
+    let mut places: Vec<Option<Place>> = vec![None; runs.len()];
+    let mut known = Known::default();
+    let Some(first) = order.first() else { return Vec::new() };
+    known.add(&runs[*first], 1.0, 0.0);
+    places[*first] = Some(Place::Shift {
+        sign: 1.0,
+        offset_m: 0.0,
+        how: "the longest run, which the others are shifted to".to_owned(),
+    });
+    // Those that cannot be placed at first may be when more of the line is known.
+    for _ in 0..3 {
+        for index in &order {
+            if places[*index].is_some() {
+                continue;
+            }
+            let run = &runs[*index];
+            let found =
+                if by_stops { known.by_stops(run).or_else(|| known.by_speeds(run)) } else { known.by_speeds(run) };
+            if let Some((sign, offset_m, how)) = found {
+                known.add(run, sign, offset_m);
+                places[*index] = Some(Place::Shift { sign, offset_m, how });
+            }
+        }
+    }
+    let least = runs.iter().zip(&places).filter_map(|(run, place)| match place {
+        Some(Place::Shift { sign, offset_m, .. }) => Some(offset_m + (sign * run.ends_m.0).min(sign * run.ends_m.1)),
+        _ => None,
+    });
+    let zero_m = least.min_by(f64::total_cmp).unwrap_or(0.0).min(0.0);
+    let out = || {
+        Place::Out(
+            "neither its stops nor its speeds over the location agree with those of the other runs at one place only"
+                .to_owned(),
+        )
+    };
+    let placed = places.into_iter().map(|place| place.unwrap_or_else(out));
+    placed
+        .map(|place| match place {
+            Place::Shift { sign, offset_m, how } => Place::Shift { sign, offset_m: offset_m - zero_m, how },
+            other => other,
+        })
+        .collect()
+}

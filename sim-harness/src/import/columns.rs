@@ -1,0 +1,182 @@
+//! The columns of files with one header: which holds what, in which unit, and how that is known.
+
+use super::clock::{Kind, Order};
+use super::mapping::{ColumnMapping, SourceMapping};
+use super::meaning::Meaning;
+use super::source::row::Header;
+use super::units::{self, Unit};
+use jiff::tz::TimeZone;
+use std::collections::BTreeMap;
+
+/// How something is known.
+#[derive(Clone, Debug, PartialEq)]
+pub enum How {
+    Mapping,
+    Header,
+    /// With the figure.
+    Evidence(String),
+    Assumed,
+    NotNeeded,
+    Unknown,
+}
+
+impl How {
+    pub fn words(&self) -> String {
+        match self {
+            Self::Mapping => "by the mapping".to_owned(),
+            Self::Header => "by the header".to_owned(),
+            Self::Evidence(figure) => format!("by evidence: {figure}"),
+            Self::Assumed => "assumed".to_owned(),
+            Self::NotNeeded => String::new(),
+            Self::Unknown => "not known".to_owned(),
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct Column {
+    pub index: usize,
+    pub header: String,
+    pub unit: Option<Unit>,
+    pub how: How,
+}
+
+/// What the fields of a row mean.
+#[derive(Clone, Debug)]
+pub struct Columns {
+    pub of: BTreeMap<Meaning, Column>,
+    pub kind: Kind,
+    pub order: Order,
+    pub zone: TimeZone,
+    pub zone_name: Option<String>,
+    /// The times have their zones.
+    pub has_zone: bool,
+    pub decimal: char,
+    pub rotating_mass_kg: Option<f64>,
+    pub unit_name: Option<String>,
+}
+
+/// The columns by mapping and names; units by mapping and header as far as they say so.
+///
+/// # Errors
+/// What the mapping asks for and the file does not have.
+pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Result<Columns, String> {
+    let mut of = BTreeMap::new();
+    let mut taken: Vec<usize> = Vec::new();
+    for (meaning, mapped) in &mapping.columns {
+        if mapped.name.is_empty() {
+            continue;
+        }
+        let index = index_of(headers, &mapped.name).ok_or_else(|| {
+            let names: Vec<&str> = headers.iter().map(|header| header.written.as_str()).collect();
+            format!("columns.{}: expected one of {}, found {:?}", meaning.key(), names.join(", "), mapped.name)
+        })?;
+        taken.push(index);
+        let (unit, how) = unit_of(*meaning, &headers[index], Some(mapped))?;
+        of.insert(*meaning, Column { index, header: headers[index].written.clone(), unit, how });
+    }
+    let names: Vec<String> = headers
+        .iter()
+        .enumerate()
+        .map(|(i, header)| if taken.contains(&i) { String::new() } else { header.name.clone() })
+        .collect();
+    for (meaning, index) in Meaning::of_names(&names) {
+        if !mapping.columns.contains_key(&meaning) {
+            let (unit, how) = unit_of(meaning, &headers[index], None)?;
+            of.insert(meaning, Column { index, header: headers[index].written.clone(), unit, how });
+        }
+    }
+    // A date alone is a time.
+    if !of.contains_key(&Meaning::Time)
+        && let Some(date) = of.remove(&Meaning::Date)
+    {
+        of.insert(Meaning::Time, date);
+    }
+    let zone_name = mapping.zone.clone();
+    let zone = zone_name.as_deref().map_or(Ok(TimeZone::UTC), |name| {
+        TimeZone::get(name).map_err(|_| format!("zone: expected a name such as Europe/Berlin, found {name:?}"))
+    })?;
+    let (rotating_mass_kg, unit_name) = (mapping.rotating_mass_kg, mapping.unit.clone());
+    if let Some(mass) = rotating_mass_kg.filter(|mass| !(*mass > 0.0 && mass.is_finite())) {
+        return Err(format!("rotating_mass_kg: expected above 0, found {mass}"));
+    }
+    Ok(Columns {
+        of,
+        kind: Kind::Number,
+        order: Order::Ymd,
+        zone,
+        zone_name,
+        has_zone: false,
+        decimal,
+        rotating_mass_kg,
+        unit_name,
+    })
+}
+
+fn index_of(headers: &[Header], name: &str) -> Option<usize> {
+    let number = name.strip_prefix('#').and_then(|number| number.parse::<usize>().ok());
+    if let Some(number) = number {
+        return number.checked_sub(1).filter(|index| *index < headers.len());
+    }
+    let same = |header: &Header| header.written.trim() == name.trim();
+    let alike =
+        |header: &Header| header.written.trim().to_lowercase() == name.trim().to_lowercase() || header.name == name;
+    headers.iter().position(same).or_else(|| headers.iter().position(alike))
+}
+
+fn unit_of(meaning: Meaning, header: &Header, mapped: Option<&ColumnMapping>) -> Result<(Option<Unit>, How), String> {
+    if units::of(meaning).is_empty() {
+        return Ok((None, How::NotNeeded));
+    }
+    if let Some(name) = mapped.and_then(|mapped| mapped.unit.as_deref()) {
+        let unit = units::by_name(meaning, name).ok_or_else(|| {
+            let names: Vec<&str> = units::of(meaning).iter().map(|unit| unit.name).collect();
+            format!("columns.{}.unit: expected one of {}, found {name:?}", meaning.key(), names.join(", "))
+        })?;
+        return Ok((Some(unit), How::Mapping));
+    }
+    let unit = header.unit.as_deref().and_then(|name| units::by_name(meaning, name));
+    Ok(match (meaning, unit) {
+        (_, Some(unit)) => (Some(unit), How::Header),
+        (Meaning::Latitude | Meaning::Longitude, None) => (units::by_name(meaning, "degrees"), How::Header),
+        (Meaning::Altitude, None) => (units::by_name(meaning, "m"), How::Assumed),
+        (Meaning::Temperature, None) => (units::by_name(meaning, "°C"), How::Assumed),
+        _ => (None, How::Unknown),
+    })
+}
+
+impl Columns {
+    pub fn has(&self, meaning: Meaning) -> bool {
+        self.of.contains_key(&meaning)
+    }
+
+    pub fn unit(&self, meaning: Meaning) -> Option<Unit> {
+        self.of.get(&meaning).and_then(|column| column.unit)
+    }
+
+    pub fn index(&self, meaning: Meaning) -> Option<usize> {
+        self.of.get(&meaning).map(|column| column.index)
+    }
+
+    /// As `import.toml` has them.
+    pub fn mapped(&self) -> BTreeMap<Meaning, ColumnMapping> {
+        let dated = if self.has(Meaning::Date) { Meaning::Date } else { Meaning::Time };
+        let mapped = |(meaning, column): (&Meaning, &Column)| {
+            let is_dated = *meaning == dated && matches!(self.kind, Kind::DateTime | Kind::TimeOfDay);
+            let is_time = *meaning == Meaning::Time;
+            let unit = column.unit.filter(|_| !is_time || matches!(self.kind, Kind::Number | Kind::Unix));
+            let column = ColumnMapping {
+                name: column.header.clone(),
+                unit: unit.map(|unit| unit.name.to_owned()),
+                kind: is_time.then_some(self.kind),
+                order: is_dated.then_some(self.order),
+            };
+            (*meaning, column)
+        };
+        let mut columns: BTreeMap<Meaning, ColumnMapping> = self.of.iter().map(mapped).collect();
+        for meaning in Meaning::ALL {
+            columns.entry(meaning).or_default();
+        }
+        columns
+    }
+}

@@ -1,0 +1,439 @@
+//! Rows of a day as runs: cut at gaps, long standing, turns and jumps, each with its reason.
+
+use super::account::Account;
+use super::geo;
+use super::mapping::Runs;
+use super::rows::Record;
+use rundown_check::finding::{Done, Finding, Kind};
+use rundown_check::{clock, places};
+use rundown_files::sample::Sample;
+use std::ops::Range;
+
+/// Rows that are held at most before a stretch is cut without another reason.
+const MOST_ROWS: usize = 500_000;
+/// A train that is slower stands, m/s.
+pub const STANDS_MPS: f64 = 0.3;
+const WALKS_MPS: f64 = 1.5;
+/// A shorter standing is none at a station, s.
+pub const STOP_S: f64 = 10.0;
+/// What is kept of a long standing on both sides of a cut, s.
+const KEPT_S: f64 = 30.0;
+/// A train that stood in a gap is no further on, m.
+const STOOD_M: f64 = 300.0;
+/// Fixes nearer than this to the last one counted say nothing of a distance, m.
+const ANCHOR_M: f64 = 15.0;
+
+/// Rows without a gap between them, of one unit and run.
+#[derive(Clone, Debug, Default)]
+pub struct Stretch {
+    pub rows: Vec<Sample>,
+    pub altitudes_m: Vec<Option<f64>>,
+    pub unit: String,
+    pub run: String,
+    pub is_dated: bool,
+    /// Why it begins.
+    pub reason: String,
+    /// Locations are distances along the fixes.
+    pub from_fixes: bool,
+    /// It begins with its file, or with a run of a column.
+    pub is_head: bool,
+}
+
+/// By how much the odometer of a file had wrapped when a stretch ended, and where that was.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Odometer {
+    shift_m: f64,
+    end_m: f64,
+}
+
+impl Odometer {
+    /// Joins wraps; those before a gap too, where the train stood in the gap.
+    fn join(&mut self, stretch: &mut Stretch, findings: &mut Vec<Finding>, account: &mut Account) {
+        let read_m = |stretch: &Stretch| stretch.rows.iter().rev().find_map(|row| row.location_m);
+        let (first_m, last_m) = (stretch.rows.iter().find_map(|row| row.location_m), read_m(stretch));
+        let stood = first_m.is_some_and(|first| (first + self.shift_m - self.end_m).abs() < STOOD_M);
+        if self.shift_m != 0.0 && stood && !stretch.is_head {
+            account.count("odometers that wrapped before a gap, joined over it", 1);
+            stretch.rows.iter_mut().for_each(|row| row.location_m = row.location_m.map(|m| m + self.shift_m));
+        }
+        places::join(&mut stretch.rows, findings);
+        if let Some((last_m, end_m)) = last_m.zip(read_m(stretch)) {
+            *self = Self { shift_m: end_m - last_m, end_m };
+        }
+    }
+}
+
+/// Makes stretches of rows as they come.
+#[derive(Debug)]
+pub struct Cutter {
+    settings: Runs,
+    held: Stretch,
+}
+
+impl Cutter {
+    pub fn new(settings: Runs) -> Self {
+        Self { settings, held: Stretch { reason: "the file begins".to_owned(), is_head: true, ..Stretch::default() } }
+    }
+
+    /// Takes a row; gives the stretch that ends before it.
+    pub fn push(&mut self, record: Record) -> Option<Stretch> {
+        let held = &mut self.held;
+        let reason = held.rows.last().and_then(|last| {
+            let gap_s = record.sample.time_s - last.time_s;
+            if record.unit != held.unit {
+                Some(format!("the unit changes to {:?}", record.unit))
+            } else if record.run != held.run {
+                Some(format!("the run changes to {:?}", record.run))
+            } else if gap_s > self.settings.gap_s && !went_on(last, &record.sample) {
+                Some(format!("a gap of {gap_s:.0} s"))
+            } else if held.rows.len() >= MOST_ROWS {
+                Some(format!("{MOST_ROWS} rows without another place to cut"))
+            } else {
+                None
+            }
+        });
+        let done = reason.map(|reason| {
+            let is_head = record.unit != held.unit || record.run != held.run;
+            std::mem::replace(held, Stretch { reason, is_head, ..Stretch::default() })
+        });
+        if held.rows.is_empty() {
+            (held.unit, held.run, held.is_dated) = (record.unit, record.run, record.is_dated);
+        }
+        held.rows.push(record.sample);
+        held.altitudes_m.push(record.altitude_m);
+        done
+    }
+
+    pub fn end(self) -> Stretch {
+        self.held
+    }
+}
+
+impl Stretch {
+    /// Brings a stretch in order and cuts it.
+    pub fn pieces(mut self, settings: &Runs, odometer: &mut Odometer, account: &mut Account) -> Vec<Self> {
+        if self.rows.len() < 2 {
+            account.count("single rows between gaps, left out", self.rows.len() as u64);
+            return Vec::new();
+        }
+        self.in_order(settings.gap_s, account);
+        self.locate(account);
+        self.speeds(account);
+        let mut findings = Vec::new();
+        if !self.from_fixes {
+            odometer.join(&mut self, &mut findings, account);
+        }
+        let mut cuts = self.jumps(&findings);
+        put_down(&findings, account);
+        cuts.extend(self.turns(settings.turn_m));
+        cuts.extend(self.standings(settings.standing_s));
+        cuts.sort_by_key(|cut| (cut.0.start, cut.0.end));
+        self.split(cuts, account).into_iter().filter_map(|piece| piece.kept(settings, account)).collect()
+    }
+
+    /// Times go forward: rows that were written out of order are sorted, a clock that was set is put right. Which, the locations say: the shorter path is the true one.
+    fn in_order(&mut self, gap_s: f64, account: &mut Account) {
+        let back = self.rows.windows(2).filter(|pair| pair[1].time_s < pair[0].time_s).count();
+        if back > 0 {
+            let mut order: Vec<usize> = (0..self.rows.len()).collect();
+            order.sort_by(|a, b| self.rows[*a].time_s.total_cmp(&self.rows[*b].time_s));
+            let sorted: Vec<Sample> = order.iter().map(|i| self.rows[*i]).collect();
+            if path_m(&sorted) <= path_m(&self.rows) {
+                account.count("steps back of the clock where rows were out of order, sorted", back as u64);
+                self.altitudes_m = order.iter().map(|i| self.altitudes_m[*i]).collect();
+                self.rows = sorted;
+            } else {
+                self.set_clock(account);
+            }
+        }
+        if self.rows.windows(2).any(|pair| pair[1].time_s - pair[0].time_s > gap_s) {
+            self.set_clock(account);
+        }
+        let (before, mut last_s, mut keep) = (self.rows.len(), f64::NEG_INFINITY, Vec::new());
+        for row in &self.rows {
+            keep.push(row.time_s > last_s);
+            last_s = last_s.max(row.time_s);
+        }
+        let mut kept = keep.iter();
+        self.rows.retain(|_| kept.next().copied().unwrap_or(true));
+        let mut kept = keep.iter();
+        self.altitudes_m.retain(|_| kept.next().copied().unwrap_or(true));
+        account.count("rows with a time that was there before, left out", (before - self.rows.len()) as u64);
+    }
+
+    fn set_clock(&mut self, account: &mut Account) {
+        let mut findings = Vec::new();
+        clock::put_right(&mut self.rows, &mut findings);
+        put_down(&findings, account);
+    }
+
+    /// Distances along the fixes, where there is no location.
+    fn locate(&mut self, account: &mut Account) {
+        if self.rows.iter().any(|row| row.location_m.is_some()) {
+            return;
+        }
+        self.from_fixes = true;
+        let mut anchor: Option<(usize, geo::Fix)> = None;
+        let mut passed_m = 0.0;
+        for i in 0..self.rows.len() {
+            let Some(fix) = fix(&self.rows[i]) else { continue };
+            let Some((at, from)) = anchor else {
+                anchor = Some((i, fix));
+                self.rows[i].location_m = Some(0.0);
+                continue;
+            };
+            let step_m = geo::distance_m(from, fix);
+            let seconds = self.rows[i].time_s - self.rows[at].time_s;
+            if step_m > 150.0 * seconds + 300.0 {
+                account.count("fixes that jump, taken as missing", 1);
+                (self.rows[i].latitude_deg, self.rows[i].longitude_deg) = (None, None);
+                continue;
+            }
+            if step_m < ANCHOR_M {
+                self.rows[i].location_m = Some(passed_m + step_m);
+                continue;
+            }
+            passed_m += step_m;
+            self.rows[i].location_m = Some(passed_m);
+            anchor = Some((i, fix));
+        }
+    }
+
+    /// Speeds by the locations, where the log has none.
+    fn speeds(&mut self, account: &mut Account) {
+        if self.rows.iter().any(|row| row.speed_mps.is_some()) {
+            return;
+        }
+        let located: Vec<usize> = (0..self.rows.len()).filter(|i| self.rows[*i].location_m.is_some()).collect();
+        let mut speeds = Vec::new();
+        for k in 0..located.len() {
+            let (mut a, mut b) = (k, k);
+            let time = |k: usize| self.rows[located[k]].time_s;
+            while a > 0 && time(k) - time(a - 1) <= 4.0 {
+                a -= 1;
+            }
+            while b + 1 < located.len() && time(b + 1) - time(k) <= 4.0 {
+                b += 1;
+            }
+            // Rows further apart than that: the neighbours.
+            let (a, b) = if a == b { (k.saturating_sub(1), (k + 1).min(located.len() - 1)) } else { (a, b) };
+            let [from, to] = [a, b].map(|k| self.rows[located[k]]);
+            let moved_m = match (fix(&from), fix(&to)) {
+                (Some(from), Some(to)) if self.from_fixes => geo::distance_m(from, to),
+                _ => (to.location_m.unwrap_or(0.0) - from.location_m.unwrap_or(0.0)).abs(),
+            };
+            let seconds = to.time_s - from.time_s;
+            speeds.push((located[k], if seconds > 0.0 { moved_m / seconds } else { 0.0 }));
+        }
+        account.count("speeds computed from the locations", speeds.len() as u64);
+        speeds.iter().for_each(|(i, mps)| self.rows[*i].speed_mps = Some(*mps));
+    }
+
+    /// Where the locations begin again elsewhere.
+    fn jumps(&self, findings: &[Finding]) -> Vec<Cut> {
+        let said = findings
+            .iter()
+            .filter(|finding| finding.done == Done::Said && matches!(finding.kind, Kind::Reset | Kind::Wrap));
+        said.filter_map(|finding| {
+            let at = self.rows.iter().position(|row| row.line == finding.line)?;
+            Some((at..at, format!("the location jumps by {:.0} m", finding.figure.value)))
+        })
+        .collect()
+    }
+
+    /// Where the train turns: by the locations, or by the headings of its fixes before and after a standing.
+    fn turns(&self, turn_m: f64) -> Vec<Cut> {
+        let at = if self.from_fixes { self.turns_of_heading(turn_m) } else { self.turns_of_location(turn_m) };
+        let standing = self.standing_ranges();
+        let around = |at: usize| standing.iter().find(|range| range.start <= at + 3 && at <= range.end + 3);
+        at.into_iter()
+            .map(|at| {
+                let middle = around(at).map_or(at, |range| usize::midpoint(range.start, range.end));
+                (middle..middle, "the train turns".to_owned())
+            })
+            .collect()
+    }
+
+    fn turns_of_location(&self, turn_m: f64) -> Vec<usize> {
+        let located: Vec<(usize, f64)> =
+            self.rows.iter().enumerate().filter_map(|(i, row)| Some((i, row.location_m?))).collect();
+        // The middle of three: one wild reading is no turn.
+        let calm: Vec<(usize, f64)> = located
+            .windows(3)
+            .map(|three| {
+                let mut metres = [three[0].1, three[1].1, three[2].1];
+                metres.sort_by(f64::total_cmp);
+                (three[1].0, metres[1])
+            })
+            .collect();
+        let Some(first) = calm.first() else { return Vec::new() };
+        let (mut low, mut high, mut sign, mut turns) = (*first, *first, 0.0, Vec::new());
+        for here in &calm {
+            if here.1 > high.1 {
+                high = *here;
+            }
+            if here.1 < low.1 {
+                low = *here;
+            }
+            if sign >= 0.0 && high.1 - here.1 > turn_m {
+                if sign > 0.0 || high.1 - first.1 > turn_m {
+                    turns.push(high.0);
+                }
+                (sign, low) = (-1.0, *here);
+            } else if sign <= 0.0 && here.1 - low.1 > turn_m {
+                if sign < 0.0 || first.1 - low.1 > turn_m {
+                    turns.push(low.0);
+                }
+                (sign, high) = (1.0, *here);
+            }
+        }
+        turns
+    }
+
+    fn turns_of_heading(&self, turn_m: f64) -> Vec<usize> {
+        let reach_m = turn_m.clamp(60.0, 300.0);
+        let near = |mut rows: Box<dyn Iterator<Item = &Sample> + '_>, from_m: f64| {
+            rows.find(|row| row.location_m.is_some_and(|m| (m - from_m).abs() >= reach_m)).and_then(fix)
+        };
+        let turned = |range: &Range<usize>| {
+            let middle = self.rows[range.clone()].iter().find_map(|row| Some((row.location_m?, fix(row)?)));
+            let (from_m, here) = middle?;
+            let before = near(Box::new(self.rows[..range.start].iter().rev()), from_m)?;
+            let after = near(Box::new(self.rows[range.end..].iter()), from_m)?;
+            let (a, b) = (geo::offset_m(before, here), geo::offset_m(here, after));
+            let cosine = (a.0 * b.0 + a.1 * b.1) / (a.0.hypot(a.1) * b.0.hypot(b.1));
+            // Trains do not take curves of 120 degrees in 600 m.
+            (cosine < -0.5).then_some(usize::midpoint(range.start, range.end))
+        };
+        self.standing_ranges().iter().filter_map(turned).collect()
+    }
+
+    /// Rows in which the train stands; a pause of the recorder at one place counts.
+    fn standing_ranges(&self) -> Vec<Range<usize>> {
+        let mut ranges: Vec<Range<usize>> = Vec::new();
+        let slow = |row: &Sample| row.speed_mps.is_some_and(|mps| mps < STANDS_MPS);
+        for i in 0..self.rows.len() {
+            let paused = i > 0 && {
+                let (a, b) = (&self.rows[i - 1], &self.rows[i]);
+                let seconds = b.time_s - a.time_s;
+                let moved = a.location_m.zip(b.location_m).map(|(a, b)| (b - a).abs());
+                seconds > 15.0 && moved.is_some_and(|metres| metres < 60.0 && metres < STANDS_MPS * seconds)
+            };
+            let from = if paused { i - 1 } else { i };
+            if slow(&self.rows[i]) || paused {
+                match ranges.last_mut() {
+                    Some(last) if last.end >= from => last.end = i + 1,
+                    _ => ranges.push(from..i + 1),
+                }
+            }
+        }
+        ranges
+    }
+
+    fn standings(&self, standing_s: f64) -> Vec<Cut> {
+        let long = |range: &Range<usize>| self.rows[range.end - 1].time_s - self.rows[range.start].time_s;
+        let ranges = self.standing_ranges().into_iter().filter(|range| long(range) > standing_s);
+        ranges.map(|range| (range.clone(), format!("the train stands for {:.0} s", long(&range)))).collect()
+    }
+
+    fn split(self, cuts: Vec<Cut>, account: &mut Account) -> Vec<Self> {
+        let mut pieces = Vec::new();
+        let (mut from, mut reason) = (0, self.reason.clone());
+        let part = |range: Range<usize>, reason: String| Self {
+            is_head: self.is_head && range.start == 0,
+            rows: self.rows[range.clone()].to_vec(),
+            altitudes_m: self.altitudes_m[range].to_vec(),
+            unit: self.unit.clone(),
+            run: self.run.clone(),
+            is_dated: self.is_dated,
+            from_fixes: self.from_fixes,
+            reason,
+        };
+        for (range, why) in cuts {
+            if range.end < from || range.start < from {
+                continue;
+            }
+            let (mut end, mut begin) = (range.start, range.end);
+            if range.start < range.end {
+                let (first_s, last_s) = (self.rows[range.start].time_s, self.rows[range.end - 1].time_s);
+                end += self.rows[range.clone()].iter().take_while(|row| row.time_s <= first_s + KEPT_S).count();
+                begin -= self.rows[range.clone()].iter().rev().take_while(|row| row.time_s >= last_s - KEPT_S).count();
+                account.count("rows of long standing, left out", begin.saturating_sub(end) as u64);
+            }
+            pieces.push(part(from..end, std::mem::replace(&mut reason, why)));
+            from = begin.max(end);
+        }
+        pieces.push(part(from..self.rows.len(), reason));
+        pieces
+    }
+
+    /// Too short a piece is said and left out.
+    fn kept(self, settings: &Runs, account: &mut Account) -> Option<Self> {
+        let (Some(first), Some(last)) = (self.rows.first(), self.rows.last()) else {
+            return None;
+        };
+        let located = self.rows.iter().filter_map(|row| row.location_m);
+        let (low, high) = located.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), m| (low.min(m), high.max(m)));
+        let (length_m, seconds) = ((high - low).max(0.0), last.time_s - first.time_s);
+        if length_m < settings.min_length_m || seconds < settings.min_duration_s {
+            account.place("pieces too short for a run, left out", || {
+                format!("lines {} to {}: expected {} m and {} s or more, found {length_m:.0} m in {seconds:.0} s; begins because {}", first.line, last.line, settings.min_length_m, settings.min_duration_s, self.reason)
+            });
+            account.count("rows of pieces too short, left out", self.rows.len() as u64);
+            return None;
+        }
+        Some(self)
+    }
+
+    /// Middle places and lengths (s) of standing. A log that begins or ends at walking pace begins or ends at a stop.
+    pub fn stops(&self) -> Vec<(f64, f64)> {
+        let place = |range: &Range<usize>| {
+            let places: Vec<f64> = self.rows[range.clone()].iter().filter_map(|row| row.location_m).collect();
+            let seconds = self.rows[range.end - 1].time_s - self.rows[range.start].time_s;
+            super::evidence::middle(places).map(|place| (place, seconds))
+        };
+        let end = |row: Option<&Sample>| {
+            row.and_then(|row| row.location_m.filter(|_| row.speed_mps.is_some_and(|mps| mps < WALKS_MPS)))
+        };
+        let ends = [end(self.rows.first()), end(self.rows.last())].into_iter().flatten().map(|at_m| (at_m, STOP_S));
+        self.standing_ranges().iter().filter_map(place).chain(ends).collect()
+    }
+}
+
+/// Two rows of a moving train that is not further on than in half a minute: not the log but its clock has a gap.
+fn went_on(a: &Sample, b: &Sample) -> bool {
+    let moving = a.speed_mps.zip(b.speed_mps).map(|(a, b)| a.min(b)).filter(|mps| *mps > 5.0);
+    let moved_m = a.location_m.zip(b.location_m).map(|(a, b)| (b - a).abs());
+    moving.zip(moved_m).is_some_and(|(mps, metres)| metres > 0.0 && metres < 30.0 * mps)
+}
+
+/// Rows that end one run and begin the next, and the reason.
+type Cut = (Range<usize>, String);
+
+pub fn fix(row: &Sample) -> Option<geo::Fix> {
+    row.latitude_deg.zip(row.longitude_deg)
+}
+
+/// Sum of all steps, m: of locations, else of fixes.
+fn path_m(rows: &[Sample]) -> f64 {
+    let located: Vec<f64> = rows.iter().filter_map(|row| row.location_m).collect();
+    if located.len() > 1 {
+        return located.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+    }
+    let fixes: Vec<geo::Fix> = rows.iter().filter_map(fix).collect();
+    fixes.windows(2).map(|pair| geo::distance_m(pair[0], pair[1])).sum()
+}
+
+fn put_down(findings: &[Finding], account: &mut Account) {
+    for finding in findings {
+        let what = match finding.kind {
+            Kind::Midnight => super::rows::MIDNIGHT,
+            Kind::ClockSetBack => "clocks set back, put right",
+            Kind::ClockSetForward => "clocks set forward, put right",
+            Kind::Wrap if finding.done == Done::PutRight => "odometers that wrapped, joined",
+            Kind::Reset if finding.done == Done::PutRight => "odometers that began again, joined",
+            _ => "locations that begin again elsewhere, cut",
+        };
+        account.place(what, || finding.to_string());
+    }
+}

@@ -1,0 +1,386 @@
+//! Clock and units by what the readings say: the units whose distance by speed agrees with the distance by location.
+
+use super::clock::{self, Kind, Order, Orders, Written};
+use super::columns::{Columns, How};
+use super::geo;
+use super::mapping::SourceMapping;
+use super::meaning::Meaning;
+use super::number;
+use super::source::Source;
+use super::source::row::{Event, Field};
+use super::units::{self, Unit};
+use rundown_files::refusal::ReadError;
+use std::collections::BTreeMap;
+
+/// Rows of a file that are looked at.
+const ROWS: usize = 20_000;
+/// Steps that make a stretch over which distances are compared, and stretches that decide.
+const STEPS: usize = 20;
+const LEAST_STRETCHES: usize = 4;
+/// A wheel may be off by so much; the units that are closest lie 10 % apart.
+const NEAR: f64 = 0.06;
+/// What trains do, m/s, and how often recorders write, s.
+const FASTEST_MPS: std::ops::Range<f64> = 2.0..140.0;
+const STEP_S: std::ops::Range<f64> = 0.009..600.0;
+
+/// Rows as they are written.
+#[derive(Debug, Default)]
+pub struct Seen {
+    rows: Vec<Row>,
+    efforts: Vec<f64>,
+    /// Units that stand behind the values.
+    behind: BTreeMap<Meaning, Unit>,
+}
+
+impl Seen {
+    /// Looks at the first rows of a file.
+    ///
+    /// # Errors
+    /// As [`Source::rows`].
+    pub fn look(&mut self, source: &Source, columns: &Columns) -> Result<(), ReadError> {
+        let mut left = ROWS;
+        let index = |meaning| columns.index(meaning);
+        let numbers = EXPECTED.map(index);
+        let (date, effort) = (index(Meaning::Date), index(Meaning::Effort));
+        // A new file is a new stretch.
+        self.rows.push(Row::default());
+        source.rows(&mut |event| {
+            if let Event::Row(_, fields) = event {
+                let at = |index: Option<usize>| index.and_then(|index| fields.get(index));
+                let value = |index| value(at(index), columns.decimal);
+                let (time, date) = (at(numbers[0]).and_then(text), at(date).and_then(text));
+                self.rows.push(Row { numbers: numbers.map(value), time, date });
+                for (meaning, index) in EXPECTED.into_iter().zip(numbers) {
+                    if let Some(unit) = unit_behind(meaning, at(index), columns.decimal) {
+                        self.behind.entry(meaning).or_insert(unit);
+                    }
+                }
+                self.efforts.extend(value(effort));
+                left -= 1;
+            }
+            left > 0
+        })
+    }
+
+    /// Kind of the clock and order of its dates, where the mapping does not say.
+    ///
+    /// # Errors
+    /// A question that only a person can answer.
+    pub fn clock(&self, columns: &mut Columns, mapping: &SourceMapping) -> Result<(), String> {
+        let mapped = |meaning| mapping.columns.get(&meaning);
+        let times: Vec<f64> = self.rows.iter().filter_map(|row| row.numbers[0]).collect();
+        let texts: Vec<&String> = self.rows.iter().filter_map(|row| row.time.as_ref()).collect();
+        let kind = mapped(Meaning::Time).and_then(|column| column.kind);
+        columns.kind = kind.unwrap_or_else(|| kind_of(&times, &texts));
+        let has_date = columns.has(Meaning::Date) && columns.kind == Kind::TimeOfDay;
+        let dates = || self.rows.iter().filter_map(|row| row.date.as_ref()).collect();
+        let dated: Vec<&String> = if has_date { dates() } else { texts.clone() };
+        if columns.kind != Kind::TimeOfDay {
+            columns.of.remove(&Meaning::Date);
+        }
+        let has_zone = |text: &&String| matches!(clock::parse(text, Order::Ymd), Some(Written::Instant(_)));
+        columns.has_zone = texts.first().is_some_and(has_zone);
+        let order = [Meaning::Date, Meaning::Time].into_iter().find_map(|meaning| mapped(meaning)?.order);
+        let mut orders = Orders::default();
+        dated.iter().for_each(|text| orders.see(text));
+        columns.order = match order.or_else(|| orders.decided()) {
+            Some(order) => order,
+            None if matches!(columns.kind, Kind::Number | Kind::Unix) => Order::Ymd,
+            None => {
+                let example = dated.first().copied().cloned().unwrap_or_default();
+                let key = if columns.has(Meaning::Date) { "date" } else { "time" };
+                return Err(format!(
+                    "{key}: expected dates in one order, found {example:?}, which may be day or month first; is it order = \"dmy\" or \"mdy\"? Write that into [source.columns.{key}] of import.toml"
+                ));
+            }
+        };
+        if columns.kind == Kind::Unix
+            && let Some(time) = columns.of.get_mut(&Meaning::Time)
+            && time.how != How::Mapping
+        {
+            let largest = times.iter().copied().fold(0.0, f64::max);
+            let name = match largest {
+                ..1e11 => "s",
+                ..1e14 => "ms",
+                ..1e17 => "us",
+                _ => "ns",
+            };
+            time.unit = units::by_name(Meaning::Time, name);
+            time.how = How::Evidence(format!("Unix time up to {largest:e}"));
+        }
+        Ok(())
+    }
+
+    /// Units of time, location and speed that nothing names.
+    ///
+    /// # Errors
+    /// Names the candidates, and the line that decides.
+    pub fn units(&self, columns: &mut Columns) -> Result<Vec<String>, String> {
+        self.effort(columns);
+        for (meaning, unit) in &self.behind {
+            if let Some(column) = columns.of.get_mut(meaning).filter(|column| column.unit.is_none()) {
+                column.unit = Some(*unit);
+                column.how = How::Evidence(format!("{} stands behind the values", unit.name));
+            }
+        }
+        let is_number = matches!(columns.kind, Kind::Number | Kind::Unix);
+        let unnamed = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.unit.is_none());
+        let unknown: Vec<Meaning> =
+            DECIDED.into_iter().filter(unnamed).filter(|meaning| *meaning != Meaning::Time || is_number).collect();
+        let Some(stretches) = self.stretches(columns).filter(|_| columns.has(Meaning::Speed)) else {
+            let why = "speed and location are not there together in enough rows";
+            return if unknown.is_empty() { Ok(Vec::new()) } else { Err(not_decided(&unknown, &[], why)) };
+        };
+        let tried = stretches.tried(columns, &unknown);
+        let agree: Vec<Tried> = tried.iter().filter(|(ratio, _)| (ratio - 1.0).abs() < NEAR).copied().collect();
+        match agree.as_slice() {
+            [] if unknown.is_empty() => {
+                self.contradiction(columns, tried.first().map_or(1.0, |(ratio, _)| *ratio), &stretches)
+            }
+            [(ratio, found)] => {
+                for (meaning, unit) in DECIDED.into_iter().zip(found).filter(|(meaning, _)| unknown.contains(meaning)) {
+                    if let Some(column) = columns.of.get_mut(&meaning) {
+                        column.unit = Some(*unit);
+                        column.how =
+                            How::Evidence(format!("distance by location over distance by speed is {ratio:.4}"));
+                    }
+                }
+                Ok(vec![figure(*ratio)])
+            }
+            [] => Err(not_decided(&unknown, &[], "no units make the distance by speed that by location")),
+            several => Err(not_decided(&unknown, several, "these agree alike")),
+        }
+    }
+
+    /// Named units whose distances do not agree: refused, unless a person said so.
+    fn contradiction(&self, columns: &Columns, ratio: f64, stretches: &Stretches) -> Result<Vec<String>, String> {
+        let said = [Meaning::Location, Meaning::Speed]
+            .iter()
+            .any(|meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::Mapping));
+        let figure = figure(ratio);
+        if said || (0.8..1.25).contains(&ratio) {
+            return Ok(vec![figure]);
+        }
+        let of = |meaning: Meaning| units::candidates(meaning).iter().map(move |unit| (meaning, *unit));
+        let others: Vec<String> = of(Meaning::Location)
+            .chain(of(Meaning::Speed))
+            .filter(|(meaning, unit)| {
+                let named = columns.unit(*meaning).map_or(1.0, Unit::factor);
+                let change = unit.factor() / named;
+                let ratio = if *meaning == Meaning::Speed { ratio / change } else { ratio * change };
+                let mps = if *meaning == Meaning::Speed {
+                    unit.to_si(stretches.fastest)
+                } else {
+                    columns.unit(Meaning::Speed).map_or(1.0, |unit| unit.to_si(stretches.fastest))
+                };
+                (ratio - 1.0).abs() < NEAR && FASTEST_MPS.contains(&mps)
+            })
+            .map(|(meaning, unit)| format!("[source.columns.{}] unit = \"{}\"", meaning.key(), unit.name))
+            .collect();
+        let remedy = if others.is_empty() {
+            "look at the columns".to_owned()
+        } else {
+            format!("write into import.toml {}", others.join(" or "))
+        };
+        Err(format!("units: expected 1, found: {figure}; {remedy}; a unit that import.toml gives is believed"))
+    }
+
+    /// An effort without unit is one per mass if it is as small as that.
+    fn effort(&self, columns: &mut Columns) {
+        let largest = self.efforts.iter().map(|effort| effort.abs()).fold(0.0, f64::max);
+        let Some(column) = columns.of.get_mut(&Meaning::Effort) else {
+            return;
+        };
+        if column.unit.is_none() && largest < 3.0 && largest > 0.0 {
+            column.unit = units::by_name(Meaning::Effort, "N/kg");
+            column.how = How::Evidence(format!("no value beyond {largest:.2}"));
+        }
+    }
+
+    /// Distances by location over those by speed, in the units of the file.
+    fn stretches(&self, columns: &Columns) -> Option<Stretches> {
+        let located = columns.has(Meaning::Location);
+        let rows: Vec<Option<Passing>> = self.rows.iter().map(|row| row.passing(columns)).collect();
+        let mut speeds: Vec<f64> = rows.iter().flatten().map(|row| row.speed).collect();
+        speeds.sort_by(f64::total_cmp);
+        let fastest = *speeds.get(speeds.len() * 99 / 100)?;
+        let steps = rows.windows(2).filter_map(|pair| Some(pair[1]?.time - pair[0]?.time));
+        let step = middle(steps.filter(|step| *step > 0.0).collect())?;
+        let goes_on = |(a, b): &(Passing, Passing)| {
+            a.speed.min(b.speed) > 0.25 * fastest && b.time > a.time && b.time - a.time < 10.0 * step
+        };
+        let mut ratios = Vec::new();
+        let (mut by_speed, mut by_place, mut count) = (0.0, 0.0, 0);
+        for pair in rows.windows(2) {
+            let Some((a, b)) = pair[0].zip(pair[1]).filter(goes_on) else {
+                (by_speed, by_place, count) = (0.0, 0.0, 0);
+                continue;
+            };
+            by_speed += 0.5 * (a.speed + b.speed) * (b.time - a.time);
+            by_place += if located { b.place.0 - a.place.0 } else { geo::distance_m(a.place, b.place) };
+            count += 1;
+            if count == STEPS {
+                ratios.push(by_place.abs() / by_speed);
+                (by_speed, by_place, count) = (0.0, 0.0, 0);
+            }
+        }
+        ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
+        let ratio = middle(ratios.clone()).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
+        Some(Stretches { ratio, fastest, step })
+    }
+}
+
+/// A row as it is written.
+#[derive(Debug, Default)]
+struct Row {
+    /// Time as a number, location, speed, latitude, longitude.
+    numbers: [Option<f64>; 5],
+    time: Option<String>,
+    date: Option<String>,
+}
+
+/// A row of a moving train: time in s where it is no number; location, or latitude and longitude.
+#[derive(Clone, Copy)]
+struct Passing {
+    time: f64,
+    place: (f64, f64),
+    speed: f64,
+}
+
+impl Row {
+    fn passing(&self, columns: &Columns) -> Option<Passing> {
+        let [_, location, speed, latitude, longitude] = self.numbers;
+        let place = if columns.has(Meaning::Location) { (location?, 0.0) } else { (latitude?, longitude?) };
+        Some(Passing { time: self.time(columns)?, place, speed: speed? })
+    }
+
+    fn time(&self, columns: &Columns) -> Option<f64> {
+        if matches!(columns.kind, Kind::Number | Kind::Unix) {
+            return self.numbers[0];
+        }
+        match clock::parse(self.time.as_deref()?, columns.order)? {
+            Written::Instant(seconds) => Some(seconds),
+            Written::Civil(civil) => clock::in_zone(civil, &columns.zone, None),
+            Written::OfDay(seconds) => {
+                let date = self.date.as_deref().and_then(|date| clock::parse_date(date, columns.order));
+                let midnight = date.and_then(|day| clock::in_zone(day.at(0, 0, 0, 0), &columns.zone, None));
+                Some(seconds + midnight.unwrap_or(0.0))
+            }
+        }
+    }
+}
+
+/// What a row says of where the train is.
+const EXPECTED: [Meaning; 5] =
+    [Meaning::Time, Meaning::Location, Meaning::Speed, Meaning::Latitude, Meaning::Longitude];
+
+/// What evidence decides.
+const DECIDED: [Meaning; 3] = [Meaning::Time, Meaning::Location, Meaning::Speed];
+
+/// Distance by location over distance by speed with these units.
+type Tried = (f64, [Unit; 3]);
+
+/// What the moving stretches of some files say.
+struct Stretches {
+    ratio: f64,
+    fastest: f64,
+    step: f64,
+}
+
+/// The kind of a clock, by its fields as numbers and as texts.
+fn kind_of(times: &[f64], texts: &[&String]) -> Kind {
+    if 2 * times.len() > texts.len() || texts.is_empty() {
+        return if middle(times.to_vec()).is_some_and(|time| time > 3e8) { Kind::Unix } else { Kind::Number };
+    }
+    let of_day = |text: &&&String| matches!(clock::parse(text, Order::Ymd), Some(Written::OfDay(_)));
+    let looked = texts.len().min(1000);
+    let count = texts[..looked].iter().filter(of_day).count();
+    if 2 * count > looked { Kind::TimeOfDay } else { Kind::DateTime }
+}
+
+fn figure(ratio: f64) -> String {
+    format!("distance by location over distance by speed is {ratio:.4} with these units")
+}
+
+impl Stretches {
+    /// All units that are known or possible, at speeds of trains and steps of recorders where something is unknown.
+    fn tried(&self, columns: &Columns, unknown: &[Meaning]) -> Vec<Tried> {
+        // A column that is not there is in SI: text gives seconds, positions give metres.
+        let units = |meaning, si: &str| -> Vec<Unit> {
+            if unknown.contains(&meaning) {
+                return units::candidates(meaning).to_vec();
+            }
+            columns.unit(meaning).or_else(|| units::by_name(meaning, si)).into_iter().collect()
+        };
+        let is_text = !matches!(columns.kind, Kind::Number | Kind::Unix);
+        let second = || units::by_name(Meaning::Time, "s").into_iter().collect();
+        let times: Vec<Unit> = if is_text { second() } else { units(Meaning::Time, "s") };
+        let mut tried = Vec::new();
+        for time in times {
+            for length in units(Meaning::Location, "m") {
+                for speed in units(Meaning::Speed, "m/s") {
+                    let factor = length.factor() / (speed.factor() * time.factor());
+                    let of_trains = FASTEST_MPS.contains(&speed.to_si(self.fastest));
+                    if unknown.is_empty() || (of_trains && STEP_S.contains(&time.to_si(self.step))) {
+                        tried.push((factor * self.ratio, [time, length, speed]));
+                    }
+                }
+            }
+        }
+        tried
+    }
+}
+
+fn not_decided(unknown: &[Meaning], agree: &[Tried], why: &str) -> String {
+    let keys: Vec<&str> = unknown.iter().map(|meaning| meaning.key()).collect();
+    let place = |meaning: &Meaning| DECIDED.iter().position(|one| one == meaning).unwrap_or(0);
+    let sets: Vec<String> = agree
+        .iter()
+        .map(|(ratio, set)| {
+            let names: Vec<&str> = unknown.iter().map(|meaning| set[place(meaning)].name).collect();
+            format!("{} ({ratio:.3})", names.join(" with "))
+        })
+        .collect();
+    let lists: Vec<String> = unknown
+        .iter()
+        .map(|meaning| units::candidates(*meaning).iter().map(|unit| unit.name).collect::<Vec<_>>().join(", "))
+        .collect();
+    let candidates = if sets.is_empty() { lists.join("; ") } else { sets.join(" or ") };
+    let lines: Vec<String> = keys.iter().map(|key| format!("[source.columns.{key}] unit = \"..\"")).collect();
+    format!(
+        "{}: expected a unit, found none in the header, and {why}: {candidates}; write into import.toml {}",
+        keys.join(" and "),
+        lines.join(" and ")
+    )
+}
+
+fn text(field: &Field) -> Option<String> {
+    match field {
+        Field::Empty => None,
+        Field::Text(text) => Some(text.clone()),
+        Field::Number(number) => Some(number.to_string()),
+    }
+}
+
+/// `km/h` of `80 km/h`.
+fn unit_behind(meaning: Meaning, field: Option<&Field>, decimal: char) -> Option<Unit> {
+    let Field::Text(text) = field? else { return None };
+    let (_, rest) = number::parse(text, decimal)?;
+    if rest.is_empty() { None } else { units::by_name(meaning, rest) }
+}
+
+fn value(field: Option<&Field>, decimal: char) -> Option<f64> {
+    match field? {
+        Field::Empty => None,
+        Field::Number(number) => Some(*number),
+        Field::Text(text) => number::parse(text, decimal)
+            .filter(|(_, rest)| !rest.starts_with([':', '/', 'T']))
+            .map(|(number, _)| number),
+    }
+}
+
+/// Middle value, the upper one of two.
+pub fn middle(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}

@@ -1,0 +1,152 @@
+//! A centre line from the positions of many runs: the longest run as the first guess, then the median of all across it.
+
+use super::evidence::middle;
+use super::geo::{self, Fix};
+use super::staged::Staged;
+use rundown_files::map_matching::{CentreLine, MatchState};
+use rundown_files::track_file::CentreLinePoint;
+
+/// Distance between points of the line, m.
+const STEP_M: f64 = 50.0;
+/// A fix further from the first guess says nothing of it, m.
+const NEAR_M: f64 = 80.0;
+/// Ends of other runs that are longer go on the line, m.
+const LEAST_END_M: f64 = 300.0;
+/// Times that the line may grow by the runs.
+const MOST_GROWTH: usize = 50;
+
+/// None where no run has positions.
+pub fn centre_line(runs: &[&Staged]) -> Option<Vec<CentreLinePoint>> {
+    let mut order: Vec<&&Staged> = runs.iter().filter(|run| run.fixes > 1).collect();
+    order.sort_by(|a, b| b.length_m().total_cmp(&a.length_m()).then_with(|| a.name.cmp(&b.name)));
+    let mut line = measured(&thinned(&fixes(order.first()?)));
+    // The guess grows at its ends by what other runs went further, those that begin where others end one after the other.
+    for _ in 0..MOST_GROWTH {
+        let before = line.len();
+        for run in order.iter().skip(1) {
+            line = measured(&lengthened(&line, &fixes(run)));
+        }
+        if line.len() == before {
+            break;
+        }
+    }
+    for _ in 0..2 {
+        line = measured(&moved(&line, &order));
+    }
+    (line.len() > 1).then_some(line)
+}
+
+pub fn fixes(run: &Staged) -> Vec<Fix> {
+    run.marks().iter().filter_map(|mark| mark.fix).collect()
+}
+
+/// Points at least a step from each other.
+fn thinned(fixes: &[Fix]) -> Vec<Fix> {
+    let mut kept: Vec<Fix> = Vec::new();
+    for fix in fixes {
+        if kept.last().is_none_or(|last| geo::distance_m(*last, *fix) >= STEP_M) {
+            kept.push(*fix);
+        }
+    }
+    kept
+}
+
+fn measured(points: &[Fix]) -> Vec<CentreLinePoint> {
+    let mut at_m = 0.0;
+    let mut last: Option<Fix> = None;
+    let mut line = Vec::new();
+    for point in points {
+        let step_m = last.map_or(0.0, |last| geo::distance_m(last, *point));
+        if last.is_none() || step_m > 1.0 {
+            at_m += step_m;
+            line.push(CentreLinePoint { at_m, latitude_deg: point.0, longitude_deg: point.1 });
+            last = Some(*point);
+        }
+    }
+    line
+}
+
+const fn fix_of(point: &CentreLinePoint) -> Fix {
+    (point.latitude_deg, point.longitude_deg)
+}
+
+fn lengthened(line: &[CentreLinePoint], fixes: &[Fix]) -> Vec<Fix> {
+    let points: Vec<Fix> = line.iter().map(fix_of).collect();
+    let Some((matcher, last)) = CentreLine::new(line).zip(line.last()) else { return points };
+    let mut state = MatchState::default();
+    // A run that begins at the station where another ended begins some metres beyond the line.
+    let inside = |m: f64| (-NEAR_M..=last.at_m + NEAR_M).contains(&m);
+    // One mark a second: fast enough to find the line again behind a tunnel.
+    let matched: Vec<Option<f64>> = fixes
+        .iter()
+        .enumerate()
+        .map(|(i, fix)| matcher.locate(&mut state, i as f64, Some(fix.0), Some(fix.1)))
+        .map(|found| {
+            found
+                .ok()
+                .filter(|found| found.distance_m < NEAR_M && inside(found.location_m))
+                .map(|found| found.location_m)
+        })
+        .collect();
+    let (Some(first), Some(end)) =
+        (matched.iter().position(Option::is_some), matched.iter().rposition(Option::is_some))
+    else {
+        return points;
+    };
+    let length_m = |part: &[Fix]| part.windows(2).map(|pair| geo::distance_m(pair[0], pair[1])).sum::<f64>();
+    let (mut before, mut after): (Vec<Fix>, Vec<Fix>) = (Vec::new(), Vec::new());
+    let head: Vec<Fix> = fixes[..first].iter().rev().copied().collect();
+    let tail: Vec<Fix> = fixes[end + 1..].to_vec();
+    for (part, at) in [(head, matched[first]), (tail, matched[end])] {
+        let at = at.unwrap_or(0.5 * last.at_m);
+        if length_m(&part) < LEAST_END_M {
+        } else if at < 3.0 * STEP_M && before.is_empty() {
+            before = part;
+        } else if at > last.at_m - 3.0 * STEP_M && after.is_empty() {
+            after = part;
+        }
+    }
+    before.reverse();
+    thinned(&[before, points, after].concat())
+}
+
+/// Each point moved across the line to the middle of the runs that pass it.
+fn moved(line: &[CentreLinePoint], runs: &[&&Staged]) -> Vec<Fix> {
+    let mut across: Vec<Vec<f64>> = vec![Vec::new(); line.len()];
+    let Some(matcher) = CentreLine::new(line) else { return Vec::new() };
+    for run in runs {
+        let mut own: Vec<Vec<f64>> = vec![Vec::new(); line.len()];
+        let mut state = MatchState::default();
+        for (i, fix) in fixes(run).into_iter().enumerate() {
+            let Ok(found) = matcher.locate(&mut state, i as f64, Some(fix.0), Some(fix.1)) else { continue };
+            if found.distance_m < NEAR_M {
+                let index = line.partition_point(|point| point.at_m <= found.location_m).clamp(1, line.len() - 1);
+                let (north, east) = along(line, index);
+                let from = geo::offset_m(fix_of(&line[index - 1]), fix);
+                own[index].push(from.1 * north - from.0 * east);
+            }
+        }
+        for (all, own) in across.iter_mut().zip(own) {
+            all.extend(middle(own));
+        }
+    }
+    // Smooth: the mean of three neighbours, so that one fix makes no kink.
+    let medians: Vec<f64> = across.into_iter().map(|all| middle(all).unwrap_or(0.0)).collect();
+    let smooth = |i: usize| {
+        let near = &medians[i.saturating_sub(1)..(i + 2).min(medians.len())];
+        near.iter().sum::<f64>() / near.len() as f64
+    };
+    let place = |i: usize| {
+        let (north, east) = along(line, i.max(1));
+        let shift_m = smooth(i);
+        geo::moved(fix_of(&line[i]), (-east * shift_m, north * shift_m))
+    };
+    (0..line.len()).map(place).collect()
+}
+
+/// Direction of the piece that ends at a point.
+fn along(line: &[CentreLinePoint], index: usize) -> (f64, f64) {
+    let (north, east) = geo::offset_m(fix_of(&line[index - 1]), fix_of(&line[index]));
+    let length = north.hypot(east).max(1e-9);
+    (north / length, east / length)
+}

@@ -1,0 +1,164 @@
+//! What a column means, by the name in its header: the words that recorders use in five languages.
+
+use serde::{Deserialize, Serialize};
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Meaning {
+    Time,
+    Date,
+    Location,
+    Speed,
+    Latitude,
+    Longitude,
+    Altitude,
+    Effort,
+    Temperature,
+    Headwind,
+    Unit,
+    Run,
+}
+
+impl Meaning {
+    pub const ALL: [Self; 12] = [
+        Self::Time,
+        Self::Date,
+        Self::Location,
+        Self::Speed,
+        Self::Latitude,
+        Self::Longitude,
+        Self::Altitude,
+        Self::Effort,
+        Self::Temperature,
+        Self::Headwind,
+        Self::Unit,
+        Self::Run,
+    ];
+
+    /// The key in `import.toml`.
+    pub fn key(self) -> &'static str {
+        self.words().next().unwrap_or_default()
+    }
+
+    /// Words for it, the key first: the more usual ones earlier.
+    fn words(self) -> impl Iterator<Item = &'static str> {
+        let words = match self {
+            Self::Time => {
+                "time|timestamp|datetime|date time|date and time|date heure|fecha hora|zeit|uhrzeit|zeitstempel|\
+                 datum uhrzeit|datum zeit|heure|temps|horodatage|hora|tiempo|ora|tempo|t|utc|gps time|utc time|\
+                 local time|epoch|seconds|sekunden|ts|created at|elapsed|elapsed time"
+            }
+            Self::Date => "date|datum|tag|jour|fecha|data|giorno|day",
+            Self::Location => {
+                "location|chainage|odometer|distance|mileage|position|milepost|odo|track position|line km|\
+                 track km|weg|wegstrecke|strecke|streckenkilometer|kilometrierung|fahrweg|wegmesser|\
+                 kilometerstand|ort|pk|point kilometrique|odometre|distance parcourue|distancia|\
+                 punto kilometrico|odometro|posicion|ubicacion|distanza|progressiva|posizione|chilometrica|\
+                 progressiva chilometrica|s|x|km|dist|distance travelled|distance traveled|travelled distance"
+            }
+            Self::Speed => {
+                "speed|velocity|v|geschwindigkeit|v ist|ist geschwindigkeit|fahrgeschwindigkeit|tempo kmh|\
+                 vitesse|velocidad|velocita|speed over ground|ground speed|gps speed|spd|v act|actual speed|\
+                 train speed|speedometer"
+            }
+            Self::Latitude => {
+                "latitude|lat|breite|breitengrad|geografische breite|latitud|latitudine|gps lat|gps latitude|\
+                 y wgs84"
+            }
+            Self::Longitude => {
+                "longitude|lon|lng|long|lange|laenge|langengrad|laengengrad|geografische lange|longitud|\
+                 longitudine|gps lon|gps long|gps longitude|x wgs84"
+            }
+            Self::Altitude => {
+                "altitude|alt|elevation|ele|height|hohe|hoehe|seehohe|altitud|elevacion|altura|altitudine|quota|\
+                 gps altitude"
+            }
+            Self::Effort => {
+                "effort|tractive effort|traction force|force|zugkraft|zugkraft bremskraft|kraft|\
+                 effort de traction|effort traction|esfuerzo|esfuerzo de traccion|sforzo|sforzo di trazione|\
+                 applied effort"
+            }
+            Self::Temperature => {
+                "temperature|ambient temperature|outside temperature|temperatur|aussentemperatur|\
+                 temperature exterieure|temperatura|temperatura exterior|temperatura esterna|temp"
+            }
+            Self::Headwind => "headwind|gegenwind|vent contraire|viento en contra|vento contrario",
+            Self::Unit => {
+                "unit|vehicle|train unit|locomotive|loco|loco no|train set|einheit|fahrzeug|lok|loknummer|\
+                 fahrzeugnummer|triebzug|rame|engin|locomotora|vehiculo|unidad|veicolo|locomotiva|unit id|\
+                 vehicle id"
+            }
+            Self::Run => {
+                "run|trip|train|train number|train no|run id|trip id|ride|journey|fahrt|fahrtnummer|zug|\
+                 zugnummer|zugnr|train numero|course|trajet|marche|tren|viaje|recorrido|treno|corsa|viaggio|\
+                 track"
+            }
+        };
+        words.split('|')
+    }
+
+    /// How usual this name is for it: 0 the most, none where it is not its name.
+    fn rank(self, name: &str) -> Option<usize> {
+        self.words().position(|word| word == name)
+    }
+
+    /// The column of each meaning among these names without their units; a column has one meaning, the more usual name wins.
+    pub fn of_names(names: &[String]) -> Vec<(Self, usize)> {
+        let names: Vec<String> = names.iter().map(|name| plain(name)).collect();
+        let mut found: Vec<(Self, usize)> = Vec::new();
+        for meaning in Self::ALL {
+            let ranked = |(index, name): (usize, &String)| Some((meaning.rank(name)?, index));
+            if let Some((_, index)) = names.iter().enumerate().filter_map(ranked).min() {
+                found.push((meaning, index));
+            }
+        }
+        found
+    }
+}
+
+/// Small letters without accents; what is neither letter nor digit is one blank.
+pub fn plain(name: &str) -> String {
+    let letter = |c: char| match c {
+        'à' | 'á' | 'â' | 'ä' => 'a',
+        'è' | 'é' | 'ê' | 'ë' => 'e',
+        'ì' | 'í' | 'î' | 'ï' => 'i',
+        'ò' | 'ó' | 'ô' | 'ö' => 'o',
+        'ù' | 'ú' | 'û' | 'ü' => 'u',
+        'ç' => 'c',
+        'ñ' => 'n',
+        c if c.is_alphanumeric() => c,
+        _ => ' ',
+    };
+    let text: String = name.replace('ß', "ss").to_lowercase().chars().map(letter).collect();
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(names: &[&str]) -> Vec<(Meaning, usize)> {
+        Meaning::of_names(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn headers_of_five_languages_are_recognised() {
+        use Meaning::{Location, Speed, Time};
+        for names in [
+            ["Timestamp", "Odometer", "SPEED"],
+            ["Uhrzeit", "Wegstrecke", "Geschwindigkeit"],
+            ["Heure", "Point kilométrique", "Vitesse"],
+            ["Hora", "Distancia", "Velocidad"],
+            ["Ora", "Progressiva", "Velocità"],
+        ] {
+            assert_eq!(of(&names), [(Time, 0), (Location, 1), (Speed, 2)], "{names:?}");
+        }
+    }
+
+    #[test]
+    fn the_more_usual_name_wins() {
+        assert_eq!(of(&["t", "time", "x", "location"]), [(Meaning::Time, 1), (Meaning::Location, 3)]);
+        assert_eq!(of(&["colour"]), []);
+    }
+}

@@ -1,0 +1,341 @@
+//! `rundown import`: what people have becomes run logs.
+//!
+//! ```text
+//! source -> columns, clock, evidence (analysis) -> rows -> cut -> staged -> chainage, line -> write, skeleton
+//! ```
+//!
+//! In: tables as text, sheets, GPX, NMEA, JSON lines, Parquet, and what `import.toml` says about them. Out: a folder of run logs with its
+//! index, `import.toml` that repeats the import, and an account of whatever was left out or changed. Text is streamed; of the runs only what
+//! places them on a common chainage is held.
+
+mod account;
+mod analysis;
+mod chainage;
+mod clock;
+mod columns;
+mod cut;
+mod evidence;
+mod geo;
+mod line;
+pub mod mapping;
+mod meaning;
+mod number;
+mod preview;
+mod rows;
+mod skeleton;
+mod source;
+mod staged;
+mod units;
+mod write;
+
+use account::{Account, ROWS};
+use analysis::Group;
+use chainage::{Place, Placed};
+use cut::{Cutter, Odometer, Stretch};
+use mapping::{Chainage, Mapping};
+use rows::Converter;
+use rundown_files::WriteError;
+use rundown_files::track_file::{CentreLinePoint, TrackFile};
+use serde_json::{Value, json};
+use source::Source;
+use source::row::Event;
+use staged::Staged;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Runs that are said on the screen.
+const SHOWN: usize = 20;
+
+#[derive(Debug, Error)]
+pub enum ImportError {
+    /// No file can be read, or a person has to answer a question first.
+    #[error("{0}")]
+    Nothing(String),
+    /// The mapping or the track is wrong.
+    #[error("{0}")]
+    Refused(String),
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// What came of an import.
+#[derive(Debug, Default)]
+pub struct Imported {
+    pub lines: Vec<String>,
+    pub notes: Vec<String>,
+    pub errors: Vec<String>,
+    pub runs: usize,
+}
+
+/// Files to import, and how.
+#[derive(Debug)]
+pub struct Order {
+    pub files: Vec<PathBuf>,
+    pub mapping: Mapping,
+    pub out: PathBuf,
+    pub track_out: Option<PathBuf>,
+}
+
+impl Order {
+    fn groups(&self) -> Result<(Vec<Group>, Vec<String>), ImportError> {
+        let files = if self.files.is_empty() { self.mapping.files() } else { self.files.clone() };
+        let files = analysis::files(&files).map_err(ImportError::Nothing)?;
+        if files.is_empty() {
+            return Err(ImportError::Nothing("expected files to import, found none".to_owned()));
+        }
+        let (groups, mut errors) = analysis::analyse(&files, &self.mapping);
+        errors.extend(groups.iter().filter_map(Group::asked));
+        if groups.is_empty() { Err(ImportError::Nothing(errors.join("\n"))) } else { Ok((groups, errors)) }
+    }
+
+    /// What would be done: words, and a picture; also where a question is still open. Writes nothing.
+    ///
+    /// # Errors
+    /// No file can be read.
+    pub fn preview(&self) -> Result<(Imported, String), ImportError> {
+        let (groups, errors) = self.groups()?;
+        let lines = groups.iter().map(preview::words).collect();
+        let notes = groups.iter().flat_map(|group| group.notes.clone()).collect();
+        Ok((Imported { lines, notes, errors, runs: 0 }, preview::picture(&groups)))
+    }
+
+    /// Imports, and writes the folder.
+    ///
+    /// # Errors
+    /// Nothing usable came out, or it cannot be written.
+    pub fn import(&self) -> Result<Imported, ImportError> {
+        let given = self.given_line()?;
+        let (mut groups, mut errors) = self.groups()?;
+        groups.retain(|group| group.question.is_none());
+        if groups.is_empty() {
+            return Err(ImportError::Nothing(errors.join("\n")));
+        }
+        let folder = write::Folder::new(&self.out)?;
+        let mut account = Account::default();
+        let mut staged = Vec::new();
+        let mut names = HashSet::new();
+        for group in &groups {
+            for source in &group.sources {
+                let read = self.read(source, group, folder.path(), &mut names, &mut account);
+                match read {
+                    Ok(runs) => staged.extend(runs),
+                    Err(ImportError::Write(error)) => return Err(error.into()),
+                    Err(error) => errors.push(error.to_string()),
+                }
+            }
+        }
+        if staged.is_empty() {
+            errors.extend(account.lines());
+            errors.extend(account.places.values().flatten().cloned());
+            errors.push(format!("expected at least one run in {} rows, found none", account.times(ROWS)));
+            return Err(ImportError::Nothing(errors.join("\n")));
+        }
+        let placed = chainage::place(&staged, self.mapping.chainage.method, given);
+        let done = self.write(&groups, &staged, &placed, &account, folder)?;
+        Ok(Imported { errors, ..done })
+    }
+
+    fn given_line(&self) -> Result<Vec<CentreLinePoint>, ImportError> {
+        let Some(path) = &self.mapping.chainage.track else { return Ok(Vec::new()) };
+        let (track, _) = TrackFile::read(path).map_err(|error| ImportError::Refused(error.to_string()))?;
+        if track.centre_line.is_empty() {
+            return Err(ImportError::Refused(format!(
+                "{}: centre_line: expected at least 2 points, found 0",
+                path.display()
+            )));
+        }
+        Ok(track.centre_line)
+    }
+
+    fn read(
+        &self,
+        source: &Source,
+        group: &Group,
+        folder: &Path,
+        names: &mut HashSet<String>,
+        account: &mut Account,
+    ) -> Result<Vec<Staged>, ImportError> {
+        let mut cutter = Cutter::new(self.mapping.runs);
+        let mut converter = Converter::new(&source.path, &group.columns);
+        let mut runs = Vec::new();
+        let mut failure = None;
+        let mut odometer = Odometer::default();
+        let mut take = |stretch: Stretch, account: &mut Account| -> Result<(), WriteError> {
+            for piece in stretch.pieces(&self.mapping.runs, &mut odometer, account) {
+                let name = name_of(&source.path, &piece.run, names);
+                let run = Staged::new(&piece, name, &source.path, folder);
+                runs.push(run.map_err(|error| crate::output::files::failed(folder, error))?);
+            }
+            Ok(())
+        };
+        source
+            .rows(&mut |event| {
+                match event {
+                    Event::Row(line, fields) => {
+                        account.count(ROWS, 1);
+                        let record = converter.record(line, fields, account);
+                        if let Some(stretch) = record.and_then(|record| cutter.push(record)) {
+                            failure = take(stretch, account).err();
+                        }
+                    }
+                    Event::Bad(line, message) => {
+                        account.place("lines that cannot be read, left out", || {
+                            format!("{}:{line}: {message}", source.path.display())
+                        });
+                    }
+                }
+                failure.is_none()
+            })
+            .map_err(|error| ImportError::Nothing(error.to_string()))?;
+        failure.map_or(Ok(()), Err)?;
+        take(cutter.end(), account)?;
+        Ok(runs)
+    }
+
+    fn write(
+        &self,
+        groups: &[Group],
+        staged: &[Staged],
+        placed: &Placed,
+        account: &Account,
+        folder: write::Folder,
+    ) -> Result<Imported, ImportError> {
+        let mut done =
+            Imported { notes: groups.iter().flat_map(|group| group.notes.clone()).collect(), ..Imported::default() };
+        done.lines.push(format!("chainage: {} ({})", placed.method.name(), placed.why));
+        let (mut index, mut runs, mut passed) =
+            (String::from("file,departure_utc,unit,direction\n"), Vec::new(), Vec::new());
+        let mut account = account.clone();
+        for (run, place) in staged.iter().zip(&placed.places) {
+            if let Place::Out(reason) = place {
+                left_out(run, reason, &mut account, &mut done);
+                runs.push(entry(run, place, "", (0.0, 0.0)));
+                run.forget().map_err(|error| crate::output::files::failed(folder.path(), error))?;
+                continue;
+            }
+            let written = write::run(run, place, placed, folder.path())?;
+            run.forget().map_err(|error| crate::output::files::failed(folder.path(), error))?;
+            account.count("rows whose positions are off the centre line, without a location", written.lost);
+            moved(place, &mut account);
+            let direction = if written.is_up { "up" } else { "down" };
+            let departure = if run.is_dated { departure(run.begin_s) } else { String::new() };
+            index += &format!("{}.csv,{departure},{},{direction}\n", run.name, plain_unit(&run.unit));
+            if passed.len() < SHOWN {
+                done.lines.push(line_of(run, direction, written.ends_m));
+            }
+            runs.push(entry(run, place, direction, written.ends_m));
+            passed.push(written.passed);
+        }
+        done.runs = passed.len();
+        if passed.is_empty() {
+            let lines = [done.notes, vec!["expected at least one run on the chainage, found none".to_owned()]].concat();
+            return Err(ImportError::Nothing(lines.join("\n")));
+        }
+        if passed.len() > SHOWN {
+            done.lines.push(format!("... and {} more runs, all in import.json", passed.len() - SHOWN));
+        }
+        let track = skeleton::track_toml(&passed, &placed.line);
+        let json = json!({
+            "chainage": placed.method.name(),
+            "runs": runs,
+            "counts": account.counts,
+            "places": account.places,
+            "notes": done.notes,
+        });
+        let text = |name: &str, text: &str| crate::output::files::text(&folder.path().join(name), text);
+        text("runs.csv", &index)?;
+        text("import.toml", &self.repeats(groups, placed)?)?;
+        text(write::ACCOUNT, &pretty(&json))?;
+        let made_line = !placed.line.is_empty();
+        if made_line {
+            text("track.toml", &track)?;
+        }
+        folder.done()?;
+        if let Some(path) = &self.track_out {
+            write::text(path, &track)?;
+        }
+        done.lines.extend(account.lines());
+        Ok(done)
+    }
+
+    /// `import.toml` of this import.
+    fn repeats(&self, groups: &[Group], placed: &Placed) -> Result<String, ImportError> {
+        let mapping = Mapping {
+            runs: self.mapping.runs,
+            chainage: Chainage { method: Some(placed.method), track: self.mapping.chainage.track.clone() },
+            sources: groups.iter().map(Group::mapped).collect(),
+        };
+        let text = toml::to_string(&mapping).map_err(|error| ImportError::Refused(error.to_string()))?;
+        Ok(format!("# Repeats this import: rundown import --mapping import.toml --out FOLDER\n{text}"))
+    }
+}
+
+fn pretty(json: &Value) -> String {
+    format!("{json:#}\n")
+}
+
+/// File and number, and the run of a column; letters, digits, `-` and `_`.
+fn name_of(path: &Path, run: &str, names: &mut HashSet<String>) -> String {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = if run.is_empty() { stem.into_owned() } else { format!("{stem}_{run}") };
+    let stem: String = stem.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).take(80).collect();
+    let free =
+        (1_u32..).map(|number| format!("{stem}_{number:02}")).find(|name| !names.contains(name)).unwrap_or_default();
+    names.insert(free.clone());
+    free
+}
+
+/// A field of the index.
+fn plain_unit(unit: &str) -> String {
+    unit.replace([',', '"', '\n', '\r'], "_")
+}
+
+fn departure(seconds: f64) -> String {
+    let instant = jiff::Timestamp::from_millisecond((1000.0 * seconds).round() as i64);
+    instant.map_or_else(|_| String::new(), |instant| instant.to_string())
+}
+
+fn moved(place: &Place, account: &mut Account) {
+    if let Place::Shift { sign, offset_m, .. } = place {
+        account.count("runs shifted onto the chainage", u64::from(*offset_m != 0.0));
+        account.count("runs inverted", u64::from(*sign < 0.0));
+    }
+}
+
+fn left_out(run: &Staged, reason: &str, account: &mut Account, done: &mut Imported) {
+    account.count("runs that cannot be put on the chainage, left out", 1);
+    account.count("rows of runs without a place, left out", run.rows as u64);
+    done.notes.push(format!("{} is left out: {reason}", run.name));
+}
+
+fn line_of(run: &Staged, direction: &str, (from_m, to_m): (f64, f64)) -> String {
+    let (km, minutes) = ((to_m - from_m) / 1000.0, run.duration_s / 60.0);
+    format!(
+        "{}: {direction}, {:.3} to {:.3} km, {km:.1} km in {minutes:.0} min, {} rows; begins because {}",
+        run.name,
+        from_m / 1000.0,
+        to_m / 1000.0,
+        run.rows,
+        run.reason
+    )
+}
+
+fn entry(run: &Staged, place: &Place, direction: &str, ends_m: (f64, f64)) -> Value {
+    let placed = match place {
+        Place::Shift { sign, offset_m, how } => json!({"offset_m": offset_m, "inverted": *sign < 0.0, "how": how}),
+        Place::OnLine { share } => json!({"on_the_line": share}),
+        Place::Out(reason) => json!({"left_out": reason}),
+    };
+    json!({
+        "run": run.name,
+        "source": run.source,
+        "lines": run.lines,
+        "begins_because": run.reason,
+        "rows": run.rows,
+        "direction": direction,
+        "from_m": ends_m.0,
+        "to_m": ends_m.1,
+        "placed": placed,
+    })
+}

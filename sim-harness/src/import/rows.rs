@@ -1,0 +1,207 @@
+//! Fields of a row as one sample in SI units, with all that cannot be read counted.
+
+use super::account::Account;
+use super::clock::{self, Kind, Written};
+use super::columns::Columns;
+use super::meaning::Meaning;
+use super::number;
+use super::source::row::Field;
+use super::units;
+use rundown_files::sample::{COLUMNS, Sample};
+use std::path::Path;
+
+/// A row that is understood.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    pub sample: Sample,
+    pub altitude_m: Option<f64>,
+    /// Values of the columns that split the rows.
+    pub unit: String,
+    pub run: String,
+    /// `time_s` counts from 1970 UTC.
+    pub is_dated: bool,
+}
+
+/// What is remembered from row to row of a file.
+#[derive(Debug)]
+pub struct Converter<'a> {
+    path: &'a Path,
+    columns: &'a Columns,
+    last_s: Option<f64>,
+    days_s: f64,
+}
+
+pub const NO_TIME: &str = "rows without a time, left out";
+pub const UNREADABLE: &str = "fields that cannot be read, taken as missing";
+const BEYOND: &str = "values beyond what trains do, taken as missing";
+const NO_PLACE: &str = "positions that are no place on Earth, taken as missing";
+pub const MIDNIGHT: &str = "midnights, joined";
+const DAY_S: f64 = 86_400.0;
+
+impl<'a> Converter<'a> {
+    pub const fn new(path: &'a Path, columns: &'a Columns) -> Self {
+        Self { path, columns, last_s: None, days_s: 0.0 }
+    }
+
+    /// None for a row without a time.
+    pub fn record(&mut self, line: u64, fields: &[Field], account: &mut Account) -> Option<Record> {
+        let time = self.time(line, fields, account).filter(|(time_s, _)| time_s.abs() < COLUMNS[0].range.1);
+        let Some((time_s, is_dated)) = time else {
+            account.place(NO_TIME, || format!("{}:{line}: expected a time, found none", self.path.display()));
+            return None;
+        };
+        let mut number = |meaning| self.number(meaning, line, fields, account);
+        let mut sample = Sample { line, time_s, ..Sample::default() };
+        sample.location_m = number(Meaning::Location);
+        sample.speed_mps = number(Meaning::Speed);
+        let altitude_m = number(Meaning::Altitude);
+        sample.effort_n_per_kg = number(Meaning::Effort);
+        sample.temperature_c = number(Meaning::Temperature);
+        sample.headwind_mps = number(Meaning::Headwind);
+        let (latitude, longitude) = (number(Meaning::Latitude), number(Meaning::Longitude));
+        if let Some((latitude, longitude)) = latitude.zip(longitude) {
+            // Nobody runs trains where the receiver has no fix: 0, 0.
+            let on_earth = latitude.abs() <= 90.0 && longitude.abs() <= 180.0 && (latitude, longitude) != (0.0, 0.0);
+            if on_earth {
+                (sample.latitude_deg, sample.longitude_deg) = (Some(latitude), Some(longitude));
+            } else {
+                account.count(NO_PLACE, 1);
+            }
+        }
+        self.beyond(&mut sample, account);
+        sample.speed_mps = sample.speed_mps.filter(|mps| {
+            if *mps < 0.0 {
+                account.place("speeds below zero, taken as missing", || {
+                    format!("{}:{line}: speed: expected 0 or more, found {:.2} m/s", self.path.display(), mps)
+                });
+            }
+            *mps >= 0.0
+        });
+        let word = |meaning| match self.columns.index(meaning).and_then(|index| fields.get(index)) {
+            Some(Field::Text(text)) => text.trim().to_owned(),
+            Some(Field::Number(number)) => number.to_string(),
+            _ => String::new(),
+        };
+        let unit = self.columns.unit_name.clone().unwrap_or_else(|| word(Meaning::Unit));
+        Some(Record { sample, altitude_m, unit, run: word(Meaning::Run), is_dated })
+    }
+
+    /// Values that no train and no clock has are missing.
+    fn beyond(&self, sample: &mut Sample, account: &mut Account) {
+        for column in &COLUMNS {
+            let value = (column.get)(sample);
+            let Some(value) = value.filter(|value| value.abs() > column.range.1.abs().max(column.range.0.abs())) else {
+                continue;
+            };
+            account.place(BEYOND, || {
+                let [low, high] = [column.range.0, column.range.1];
+                format!(
+                    "{}:{}: {}: expected {low} to {high} {}, found {value:e}",
+                    self.path.display(),
+                    sample.line,
+                    column.name,
+                    column.unit
+                )
+            });
+            match column.name {
+                "location_m" => sample.location_m = None,
+                "speed_kmh" => sample.speed_mps = None,
+                "effort_n_per_kg" => sample.effort_n_per_kg = None,
+                "ambient_temperature_c" => sample.temperature_c = None,
+                "headwind_mps" => sample.headwind_mps = None,
+                _ => {}
+            }
+        }
+    }
+
+    fn number(&self, meaning: Meaning, line: u64, fields: &[Field], account: &mut Account) -> Option<f64> {
+        let column = self.columns.of.get(&meaning)?;
+        let unit = column.unit?;
+        let (value, unit) = match fields.get(column.index)? {
+            Field::Empty => return None,
+            Field::Number(value) => (*value, unit),
+            Field::Text(text) if is_missing(text) => return None,
+            Field::Text(text) => {
+                let parsed = number::parse(text, self.columns.decimal);
+                let with_unit = parsed.and_then(|(value, rest)| {
+                    if rest.is_empty() { Some((value, unit)) } else { Some((value, units::by_name(meaning, rest)?)) }
+                });
+                let Some(with_unit) = with_unit else {
+                    account.place(UNREADABLE, || {
+                        format!(
+                            "{}:{line}:{}: {}: expected a number, found {text:?}",
+                            self.path.display(),
+                            column.index + 1,
+                            column.header
+                        )
+                    });
+                    return None;
+                };
+                with_unit
+            }
+        };
+        let mass = if meaning == Meaning::Effort && unit.name != "N/kg" { self.columns.rotating_mass_kg? } else { 1.0 };
+        Some(unit.to_si(value) / mass).filter(|value| value.is_finite())
+    }
+
+    fn time(&mut self, line: u64, fields: &[Field], account: &mut Account) -> Option<(f64, bool)> {
+        let column = self.columns.of.get(&Meaning::Time)?;
+        let field = fields.get(column.index)?;
+        let (time_s, is_dated) = match self.columns.kind {
+            Kind::Number => (self.number(Meaning::Time, line, fields, account)?, false),
+            Kind::Unix => (self.number(Meaning::Time, line, fields, account)?, true),
+            Kind::DateTime | Kind::TimeOfDay => {
+                let Field::Text(text) = field else {
+                    return None;
+                };
+                let Some(written) = clock::parse(text, self.columns.order) else {
+                    account.place(UNREADABLE, || {
+                        format!(
+                            "{}:{line}:{}: {}: expected a time, found {text:?}",
+                            self.path.display(),
+                            column.index + 1,
+                            column.header
+                        )
+                    });
+                    return None;
+                };
+                match written {
+                    Written::Instant(seconds) => (seconds, true),
+                    Written::Civil(civil) => (clock::in_zone(civil, &self.columns.zone, self.last_s)?, true),
+                    Written::OfDay(seconds) => self.of_day(seconds, fields, account)?,
+                }
+            }
+        };
+        self.last_s = Some(time_s);
+        Some((time_s, is_dated))
+    }
+
+    /// A time of the day with the date of its row, or after the midnights so far.
+    fn of_day(&mut self, seconds: f64, fields: &[Field], account: &mut Account) -> Option<(f64, bool)> {
+        if let Some(index) = self.columns.index(Meaning::Date) {
+            let text = match fields.get(index)? {
+                Field::Text(text) => text.split(['T', ' ']).next()?,
+                _ => return None,
+            };
+            let day = clock::parse_date(text, self.columns.order)?;
+            let nanoseconds = (seconds.fract() * 1e9).round() as i32;
+            let civil = day.at(0, 0, 0, 0).checked_add(jiff::SignedDuration::new(seconds as i64, nanoseconds)).ok()?;
+            return Some((clock::in_zone(civil, &self.columns.zone, self.last_s)?, true));
+        }
+        let mut time_s = seconds + self.days_s;
+        if self.last_s.is_some_and(|last| time_s < last - 0.5 * DAY_S) {
+            account.count(MIDNIGHT, 1);
+            self.days_s += DAY_S;
+            time_s += DAY_S;
+        }
+        Some((time_s, false))
+    }
+}
+
+/// What recorders write for nothing.
+fn is_missing(text: &str) -> bool {
+    matches!(
+        text.trim().to_ascii_lowercase().as_str(),
+        "" | "-" | "--" | "na" | "n/a" | "nan" | "null" | "none" | "?" | "#nv" | "#n/a" | "inf" | "-inf"
+    )
+}

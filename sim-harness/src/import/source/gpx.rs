@@ -1,0 +1,75 @@
+//! Track points of GPX: time, position, height, and the speed where the recorder wrote one.
+
+use super::row::{self, Each, Event, Field, Header};
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event as Xml};
+use rundown_files::refusal::ReadError;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+pub fn headers() -> Vec<Header> {
+    ["time", "latitude [degrees]", "longitude [degrees]", "altitude [m]", "speed [m/s]", "track"]
+        .map(Header::new)
+        .to_vec()
+}
+
+fn attribute(tag: &BytesStart, name: &str) -> Field {
+    let found = tag.try_get_attribute(name).ok().flatten();
+    found.map_or(Field::Empty, |value| Field::Text(String::from_utf8_lossy(&value.value).into_owned()))
+}
+
+pub fn rows(path: &Path, each: &mut Each) -> Result<(), ReadError> {
+    let file = File::open(path).map_err(|error| row::io(path, error))?;
+    let mut reader = Reader::from_reader(BufReader::new(file));
+    let (mut buffer, mut text) = (Vec::new(), String::new());
+    let (mut point, mut number, mut tracks): (Option<Vec<Field>>, u64, u64) = (None, 0, 0);
+    loop {
+        buffer.clear();
+        match reader.read_event_into(&mut buffer) {
+            Ok(Xml::Start(tag)) => {
+                text.clear();
+                match tag.local_name().as_ref() {
+                    b"trk" => tracks += 1,
+                    b"trkpt" => {
+                        let track = if tracks > 1 { Field::Text(tracks.to_string()) } else { Field::Empty };
+                        let (latitude, longitude) = (attribute(&tag, "lat"), attribute(&tag, "lon"));
+                        point = Some(vec![Field::Empty, latitude, longitude, Field::Empty, Field::Empty, track]);
+                    }
+                    _ => {}
+                }
+            }
+            Ok(Xml::Text(part)) => text += &String::from_utf8_lossy(&part),
+            Ok(Xml::End(tag)) => {
+                let of_point = match tag.local_name().as_ref() {
+                    b"time" => Some(0),
+                    b"ele" => Some(3),
+                    b"speed" => Some(4),
+                    _ => None,
+                };
+                if let (Some(index), Some(point)) = (of_point, &mut point) {
+                    point[index] = Field::Text(text.trim().to_owned());
+                }
+                if tag.local_name().as_ref() == b"trkpt"
+                    && let Some(point) = point.take()
+                {
+                    number += 1;
+                    if !each(Event::Row(number, &point)) {
+                        return Ok(());
+                    }
+                }
+                text.clear();
+            }
+            Ok(Xml::Eof) => return Ok(()),
+            Ok(_) => {}
+            Err(error) => {
+                // What was read is used; the rest of a torn file is lost.
+                each(Event::Bad(
+                    number,
+                    format!("expected XML behind track point {number}, found {error}; the rest of the file is lost"),
+                ));
+                return Ok(());
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! What every source gives: a header, then rows of fields.
+
+use crate::import::meaning::Meaning;
+use crate::import::units;
+use rundown_files::refusal::{Place, ReadError};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// One field of a row.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Field {
+    Empty,
+    Text(String),
+    Number(f64),
+}
+
+/// What comes out of a file, line by line.
+#[derive(Debug)]
+pub enum Event<'a> {
+    Row(u64, &'a [Field]),
+    /// Something that is no row: line, what was expected and found.
+    Bad(u64, String),
+}
+
+/// Takes one event after the other; false: no more, please.
+pub type Each<'e> = dyn FnMut(Event) -> bool + 'e;
+
+/// The kinds of files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Format {
+    Csv,
+    Sheet,
+    Gpx,
+    Nmea,
+    JsonLines,
+    Parquet,
+}
+
+/// How a file is laid out; what is not said is found.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Layout {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub format: Option<Format>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub encoding: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delimiter: Option<char>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decimal: Option<char>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub header_line: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sheet: Option<String>,
+}
+
+/// A name of a column and its unit, as the header has them.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Header {
+    /// As it stands.
+    pub written: String,
+    /// Without the unit.
+    pub name: String,
+    pub unit: Option<String>,
+}
+
+impl Header {
+    pub fn new(written: &str) -> Self {
+        let (name, unit) = units::split(written);
+        Self { written: written.trim().trim_start_matches('\u{feff}').to_owned(), name, unit }
+    }
+}
+
+/// The row that looks like a header: its index, and how many of its names are known. `named` are those of the mapping.
+pub fn header_among(rows: &[Vec<String>], named: &[String]) -> Option<(usize, usize)> {
+    let known = |row: &Vec<String>| {
+        let names: Vec<String> = row.iter().map(|text| units::split(text).0).collect();
+        let by_mapping = row.iter().filter(|text| named.iter().any(|name| name.trim() == text.trim())).count();
+        Meaning::of_names(&names).len() + 4 * by_mapping
+    };
+    let best = rows
+        .iter()
+        .enumerate()
+        .map(|(index, row)| (known(row), index))
+        .max_by_key(|(known, index)| (*known, usize::MAX - index));
+    if let Some((known, index)) = best
+        && known >= 2
+    {
+        return Some((index, known));
+    }
+    // Words above numbers.
+    let digit = |text: &String| text.trim().starts_with(|c: char| c.is_ascii_digit() || c == '-');
+    let numbers = |row: &Vec<String>| row.len() > 1 && 2 * row.iter().filter(|text| digit(text)).count() >= row.len();
+    let words = |row: &Vec<String>| row.len() > 1 && !row.iter().any(digit);
+    rows.windows(2)
+        .position(|pair| words(&pair[0]) && numbers(&pair[1]) && pair[0].len() == pair[1].len())
+        .map(|index| (index, 0))
+}
+
+/// A row below the header that holds units and no values: `[s];[km];[km/h]`.
+pub fn units_below(row: &[String]) -> Option<Vec<Option<String>>> {
+    let unit = |text: &String| {
+        let text = text.trim().trim_matches(['[', ']', '(', ')', '-']).trim().to_owned();
+        (!text.is_empty()).then_some(text)
+    };
+    let found: Vec<Option<String>> = row.iter().map(unit).collect();
+    let known = |text: &String| Meaning::ALL.into_iter().any(|meaning| units::by_name(meaning, text).is_some());
+    let count = found.iter().flatten().filter(|text| known(text)).count();
+    let digits = row.iter().any(|text| text.trim().starts_with(|c: char| c.is_ascii_digit()));
+    (count >= 2 && !digits).then_some(found)
+}
+
+pub fn io(path: &Path, source: std::io::Error) -> ReadError {
+    ReadError::Io { path: path.to_owned(), source }
+}
+
+pub fn refused(path: &Path, message: impl Into<String>) -> ReadError {
+    Place::of_file(path).refuse("", message).into()
+}

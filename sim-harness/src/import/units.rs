@@ -1,0 +1,158 @@
+//! Units of columns: by their names in headers and in `import.toml`, and as factors to what a run log holds.
+
+use super::meaning::{Meaning, plain};
+
+/// A unit of one kind of column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// Its name in `import.toml`.
+    pub name: &'static str,
+    /// Other spellings in headers, in small letters.
+    also: &'static [&'static str],
+    /// Value in SI (m, m/s, s, degrees, N/kg, °C) = factor * (value + shift).
+    factor: f64,
+    shift: f64,
+}
+
+impl Unit {
+    const fn new(name: &'static str, also: &'static [&'static str], factor: f64) -> Self {
+        Self { name, also, factor, shift: 0.0 }
+    }
+
+    pub fn to_si(self, value: f64) -> f64 {
+        self.factor * (value + self.shift)
+    }
+
+    pub const fn factor(self) -> f64 {
+        self.factor
+    }
+}
+
+const LENGTHS: [Unit; 6] = [
+    Unit::new("m", &["metre", "metres", "meter", "meters", "mètres", "metros", "metri", "mtr"], 1.0),
+    Unit::new("km", &["kilometre", "kilometres", "kilometer", "kilometers", "kilómetros", "chilometri"], 1000.0),
+    Unit::new("miles", &["mi", "mile"], 1609.344),
+    Unit::new("feet", &["ft", "foot"], 0.3048),
+    Unit::new("cm", &[], 0.01),
+    Unit::new("mm", &[], 0.001),
+];
+const SPEEDS: [Unit; 4] = [
+    Unit::new("km/h", &["kmh", "kph", "km h", "kmph", "km/hr", "km/std"], 1.0 / 3.6),
+    Unit::new("m/s", &["mps", "ms", "m s", "m/sec", "meter per second"], 1.0),
+    Unit::new("mph", &["mi/h", "miles/h", "miles per hour"], 0.44704),
+    Unit::new("knots", &["kn", "kt", "kts", "knot"], 1852.0 / 3600.0),
+];
+const TIMES: [Unit; 6] = [
+    Unit::new("s", &["sec", "secs", "second", "seconds", "sek", "sekunden", "secondes", "segundos", "secondi"], 1.0),
+    Unit::new("ms", &["msec", "millis", "milliseconds", "millisekunden"], 0.001),
+    Unit::new("minutes", &["min", "mins", "minute", "minuten", "minutos", "minuti"], 60.0),
+    Unit::new("us", &["µs", "microseconds"], 1e-6),
+    Unit::new("hours", &["h", "hour", "std", "stunden"], 3600.0),
+    Unit::new("ns", &["nanoseconds"], 1e-9),
+];
+const ANGLES: [Unit; 1] = [Unit::new("degrees", &["deg", "°", "grad", "wgs84"], 1.0)];
+/// N and kN are divided by the rotating mass, which the mapping gives.
+const EFFORTS: [Unit; 3] = [
+    Unit::new("N/kg", &["n per kg", "m/s²", "m/s2"], 1.0),
+    Unit::new("kN", &["kn"], 1000.0),
+    Unit::new("N", &["n"], 1.0),
+];
+const TEMPERATURES: [Unit; 3] = [
+    Unit::new("°C", &["c", "degc", "celsius", "deg c"], 1.0),
+    Unit { name: "°F", also: &["f", "degf", "fahrenheit"], factor: 5.0 / 9.0, shift: -32.0 },
+    Unit { name: "K", also: &["k", "kelvin"], factor: 1.0, shift: -273.15 },
+];
+
+/// The units that a column may have; the first `candidates` of them are tried where nothing names one.
+pub const fn of(meaning: Meaning) -> &'static [Unit] {
+    match meaning {
+        Meaning::Time => &TIMES,
+        Meaning::Location | Meaning::Altitude => &LENGTHS,
+        Meaning::Speed | Meaning::Headwind => &SPEEDS,
+        Meaning::Latitude | Meaning::Longitude => &ANGLES,
+        Meaning::Effort => &EFFORTS,
+        Meaning::Temperature => &TEMPERATURES,
+        Meaning::Date | Meaning::Unit | Meaning::Run => &[],
+    }
+}
+
+/// Those that evidence decides between.
+pub fn candidates(meaning: Meaning) -> &'static [Unit] {
+    let count = if meaning == Meaning::Time { 3 } else { 4 };
+    let all = of(meaning);
+    &all[..count.min(all.len())]
+}
+
+/// A unit by one of its names.
+pub fn by_name(meaning: Meaning, name: &str) -> Option<Unit> {
+    let small = name.trim().to_lowercase();
+    let exact = of(meaning).iter().find(|unit| unit.name == name.trim());
+    exact
+        .or_else(|| of(meaning).iter().find(|unit| unit.name.to_lowercase() == small || unit.also.contains(&&*small)))
+        .copied()
+}
+
+/// A header without its unit, and the unit: `v [km/h]`, `Weg (km)`, `speed_kmh`, `location/m`, `Time, s`.
+pub fn split(header: &str) -> (String, Option<String>) {
+    let header = header.trim().trim_start_matches(['#', '\u{feff}']).trim();
+    for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
+        if let Some((name, rest)) = header.split_once(open)
+            && let Some((unit, _)) = rest.split_once(close)
+            && !name.trim().is_empty()
+        {
+            return (name.trim().to_owned(), Some(unit.trim().to_owned()));
+        }
+    }
+    let known = |unit: &str| Meaning::ALL.into_iter().find(|meaning| by_name(*meaning, unit).is_some());
+    for separator in [" in ", ", ", " / ", "_", "/", "-", " "] {
+        // The longest unit first: `speed_km_h`.
+        for (at, _) in header.match_indices(separator) {
+            let (name, unit) = (&header[..at], &header[at + separator.len()..]);
+            let spelled = unit.replace('_', " ");
+            let of_name = Meaning::of_names(&[name.to_owned()]);
+            let fits = |unit: &str| match of_name.first() {
+                Some((meaning, _)) => by_name(*meaning, unit).is_some(),
+                None => false,
+            };
+            if fits(&spelled) || fits(unit) {
+                return (name.to_owned(), Some(spelled));
+            }
+        }
+    }
+    // `km` alone names a location and its unit.
+    let alone = plain(header);
+    if known(&alone) == Some(Meaning::Location) && alone == "km" {
+        return (header.to_owned(), Some("km".to_owned()));
+    }
+    (header.to_owned(), None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headers_part_into_name_and_unit() {
+        for (header, name, unit) in [
+            ("v [km/h]", "v", Some("km/h")),
+            ("Weg (km)", "Weg", Some("km")),
+            ("speed_kmh", "speed", Some("kmh")),
+            ("location_m", "location", Some("m")),
+            ("Geschwindigkeit in km/h", "Geschwindigkeit", Some("km/h")),
+            ("effort_n_per_kg", "effort", Some("n per kg")),
+            ("train number", "train number", None),
+            ("km", "km", Some("km")),
+        ] {
+            assert_eq!(split(header), (name.to_owned(), unit.map(str::to_owned)), "{header}");
+        }
+    }
+
+    #[test]
+    fn units_become_si() {
+        let si = |meaning, name, value| by_name(meaning, name).map(|unit| unit.to_si(value));
+        assert_eq!(si(Meaning::Speed, "MPH", 100.0), Some(44.704));
+        assert_eq!(si(Meaning::Location, "ft", 1000.0), Some(304.8));
+        assert_eq!(si(Meaning::Temperature, "F", 212.0), Some(100.0));
+        assert_eq!(si(Meaning::Speed, "kg", 1.0), None);
+    }
+}

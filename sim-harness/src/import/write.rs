@@ -1,0 +1,193 @@
+//! The folder of an import: written beside its place, then renamed, so that there is the old one or the new one.
+
+use super::chainage::{Place, Placed};
+use super::cut::STOP_S;
+use super::skeleton::Passed;
+use super::staged::Staged;
+use crate::output::files::failed;
+use rundown_files::WriteError;
+use rundown_files::map_matching::{CentreLine, MatchState};
+use rundown_files::sample::COLUMNS;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// What stands in every folder that an import wrote.
+pub const ACCOUNT: &str = "import.json";
+
+/// A folder that is not there yet.
+#[derive(Debug)]
+pub struct Folder {
+    beside: TempDir,
+    to: PathBuf,
+}
+
+impl Folder {
+    /// # Errors
+    /// The place holds something that no import wrote, or nothing can be written there.
+    pub fn new(to: &Path) -> Result<Self, WriteError> {
+        let foreign = to.exists()
+            && !to.join(ACCOUNT).is_file()
+            && fs::read_dir(to).map_or(true, |mut inside| inside.next().is_some());
+        if foreign {
+            let error = io::Error::new(
+                io::ErrorKind::AlreadyExists,
+                format!("expected no folder, an empty one or one of `rundown import`, found one without {ACCOUNT}"),
+            );
+            return Err(failed(to, error));
+        }
+        let parent = to.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        fs::create_dir_all(parent).map_err(|error| failed(parent, error))?;
+        let beside =
+            tempfile::Builder::new().prefix(".import-").tempdir_in(parent).map_err(|error| failed(parent, error))?;
+        Ok(Self { beside, to: to.to_owned() })
+    }
+
+    pub fn path(&self) -> &Path {
+        self.beside.path()
+    }
+
+    /// # Errors
+    /// The folder cannot be renamed.
+    pub fn done(self) -> Result<(), WriteError> {
+        let to = &self.to;
+        let made = self.beside.keep();
+        let old = made.with_extension("old");
+        let renamed = (|| {
+            permit(&made)?;
+            if to.exists() {
+                fs::rename(to, &old)?;
+            }
+            fs::rename(&made, to)?;
+            if old.exists() { fs::remove_dir_all(&old) } else { Ok(()) }
+        })();
+        renamed.map_err(|error| failed(to, error))
+    }
+}
+
+/// A folder for temporary files is its owner's only.
+#[cfg(unix)]
+fn permit(folder: &Path) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    fs::set_permissions(folder, fs::Permissions::from_mode(0o755))
+}
+
+#[cfg(not(unix))]
+fn permit(_: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+/// A file, beside its place and renamed.
+///
+/// # Errors
+/// It cannot be written.
+pub fn text(to: &Path, text: &str) -> Result<(), WriteError> {
+    let parent = to.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let written = tempfile::NamedTempFile::new_in(parent).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            file.as_file().set_permissions(fs::Permissions::from_mode(0o644))?;
+        }
+        file.persist(to).map_err(|error| error.error)
+    });
+    written.map(|_| ()).map_err(|error| failed(to, error))
+}
+
+/// A run as it was written.
+#[derive(Debug)]
+pub struct Written {
+    pub is_up: bool,
+    pub ends_m: (f64, f64),
+    /// Rows whose positions gave no location.
+    pub lost: u64,
+    pub passed: Passed,
+}
+
+/// Writes a run whose place is known.
+///
+/// # Errors
+/// It cannot be written.
+pub fn run(run: &Staged, place: &Place, placed: &Placed, folder: &Path) -> Result<Written, WriteError> {
+    let path = folder.join(format!("{}.csv", run.name));
+    let has = run.has;
+    let matcher = CentreLine::new(&placed.line);
+    let mut state = MatchState::default();
+    let (mut ends, mut first, mut last, mut lost) = ((f64::INFINITY, f64::NEG_INFINITY), None, None, 0);
+    let written = File::create(&path).and_then(|file| {
+        let mut file = BufWriter::new(file);
+        let names: Vec<&str> = COLUMNS.iter().zip(has).filter(|(_, has)| *has).map(|(column, _)| column.name).collect();
+        writeln!(file, "{}", names.join(","))?;
+        run.read(&mut |mut sample| {
+            match place {
+                Place::Shift { sign, offset_m, .. } => {
+                    sample.location_m = sample.location_m.map(|m| offset_m + sign * m)
+                }
+                _ => {
+                    let found = matcher.as_ref().and_then(|line| {
+                        line.locate(&mut state, sample.time_s, sample.latitude_deg, sample.longitude_deg).ok()
+                    });
+                    lost += u64::from(found.is_none());
+                    sample.location_m = found.map(|found| found.location_m);
+                }
+            }
+            if let Some(at_m) = sample.location_m {
+                ends = (ends.0.min(at_m), ends.1.max(at_m));
+                first = first.or(Some(at_m));
+                last = Some(at_m);
+            }
+            sample.time_s -= run.begin_s;
+            let values = COLUMNS.iter().zip(has).filter(|(_, has)| *has);
+            let values: Vec<String> = values
+                .map(|(column, _)| (column.get)(&sample).map_or_else(String::new, |value| short(column.name, value)))
+                .collect();
+            writeln!(file, "{}", values.join(","))
+        })?;
+        file.flush()
+    });
+    written.map_err(|error| failed(&path, error))?;
+    let is_up = first.zip(last).is_none_or(|(first, last)| last >= first);
+    let (low, high) = if ends.0 <= ends.1 { ends } else { (0.0, 0.0) };
+    Ok(Written { is_up, ends_m: (low, high), lost, passed: passed(run, place, matcher.as_ref(), (low, high)) })
+}
+
+/// As few digits as the reading deserves.
+fn short(name: &str, value: f64) -> String {
+    let digits = match name {
+        "location_m" => 1e3,
+        "latitude_deg" | "longitude_deg" => 1e8,
+        _ => 1e6,
+    };
+    let rounded = (value * digits).round() / digits;
+    (if rounded == 0.0 { 0.0 } else { rounded }).to_string()
+}
+
+fn passed(run: &Staged, place: &Place, line: Option<&CentreLine>, ends_m: (f64, f64)) -> Passed {
+    let mut state = MatchState::default();
+    let located: Vec<(f64, f64, Option<f64>)> = run
+        .marks()
+        .iter()
+        .enumerate()
+        .filter_map(|(i, mark)| {
+            let at_m = match place {
+                Place::Shift { sign, offset_m, .. } => offset_m + sign * mark.at_m,
+                _ => line?.locate(&mut state, i as f64, Some(mark.fix?.0), Some(mark.fix?.1)).ok()?.location_m,
+            };
+            Some((mark.at_m, at_m, mark.altitude_m))
+        })
+        .collect();
+    let nearest = |own_m: f64| {
+        located.iter().min_by(|a, b| (a.0 - own_m).abs().total_cmp(&(b.0 - own_m).abs())).map(|found| found.1)
+    };
+    let stops_m = run.stops.iter().filter(|(_, seconds)| *seconds >= STOP_S).filter_map(|(at_m, _)| match place {
+        Place::Shift { sign, offset_m, .. } => Some(offset_m + sign * at_m),
+        _ => nearest(*at_m),
+    });
+    Passed {
+        ends_m,
+        stops_m: stops_m.collect(),
+        altitudes: located.iter().filter_map(|(_, at_m, altitude)| Some((*at_m, (*altitude)?))).collect(),
+    }
+}
