@@ -155,21 +155,37 @@ fn stretches(rows: &[Sample], reading: fn(&Sample) -> Option<f64>, missing: fn(f
     found
 }
 
+/// Rows at each end whose median is the end: one wild row is none.
+const AT_END: usize = 5;
+
 /// There and back in one log.
 pub fn two_directions(rows: &[Sample], findings: &mut Vec<Finding>) {
-    let located: Vec<(u64, f64)> = rows.iter().filter_map(|row| Some((row.line, row.location_m?))).collect();
-    let Some((_, first_m)) = located.first() else {
+    let mut latest_s = f64::NEG_INFINITY;
+    // A row that comes late is no way back.
+    let on_time = rows.iter().filter(|row| {
+        let later = row.time_s > latest_s;
+        latest_s = latest_s.max(row.time_s);
+        later
+    });
+    let located: Vec<(u64, f64)> = on_time.filter_map(|row| Some((row.line, row.location_m?))).collect();
+    let smooth: Vec<(u64, f64)> = located.windows(AT_END).map(middle).collect();
+    let (Some((_, first_m)), Some((_, last_m))) = (smooth.first(), smooth.last()) else {
         return;
     };
     // The far end, and how far the train comes back from it.
-    let far = |sign: f64| located.iter().max_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)));
-    let last_m = located.last().map_or(*first_m, |(_, m)| *m);
     let turns = [1.0, -1.0].into_iter().filter_map(|sign| {
-        let (line, end_m) = far(sign)?;
+        let (line, end_m) = smooth.iter().max_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)))?;
         let [there, back] = [sign * (end_m - first_m), sign * (end_m - last_m)];
         (there.min(back) > LEAST_WAY_M).then_some((*line, there.min(back)))
     });
     if let Some((line, metres)) = turns.max_by(|a, b| a.1.total_cmp(&b.1)) {
         findings.push(finding(Kind::TwoDirections, metres, 1, line, Done::Refused));
     }
+}
+
+/// The row in the middle of some, by their locations.
+fn middle(rows: &[(u64, f64)]) -> (u64, f64) {
+    let mut sorted = rows.to_vec();
+    sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
+    sorted[sorted.len() / 2]
 }

@@ -340,6 +340,12 @@ fn sensors_that_stand_still_are_left_out() {
 }
 
 #[test]
+fn one_row_that_comes_late_is_no_way_back() {
+    let (found, _) = one(clean(11), |rows| rows.push(Sample { time_s: 5.0, location_m: Some(20.0), ..rows[5] }));
+    assert!(kinds(&found).iter().all(|kind| *kind == Kind::RoundedSpeed), "{:?}", all(&found));
+}
+
+#[test]
 fn there_and_back_other_units_and_missing_standstill_are_said() {
     let truth = clean(10);
     let (found, _) = one(truth.clone(), |rows| {
