@@ -6,8 +6,9 @@ use host_tests::said;
 use rundown::tick::estimate::Cause;
 use rundown_wire::{Body, Refusal};
 
-/// What a clock does to the times of a run from a measurement on.
-const CLOCKS: [(&str, fn(usize, f64) -> f64); 6] = [
+/// What a clock does to the times of a run: number since it went wrong, and true time, to its time.
+type Clock = fn(usize, f64) -> f64;
+const CLOCKS: [(&str, Clock); 6] = [
     ("one far time", |k, time_s| if k == 0 { 1e300 } else { time_s }),
     ("an hour back", |_, time_s| time_s - 3600.0),
     ("ten seconds back", |_, time_s| time_s - 10.0),
@@ -17,7 +18,7 @@ const CLOCKS: [(&str, fn(usize, f64) -> f64); 6] = [
 ];
 
 /// The run with such a clock from half of it on: by which estimate of the other half, and how many there are.
-fn spoilt(log: &[Measurement], clock: fn(usize, f64) -> f64) -> Vec<Measurement> {
+fn spoilt(log: &[Measurement], clock: Clock) -> Vec<Measurement> {
     let half = log.len() / 2;
     let spoil = |(k, measurement): (usize, &Measurement)| Measurement {
         time_s: if k < half { measurement.time_s } else { clock(k - half, measurement.time_s) },
