@@ -9,7 +9,7 @@
 //! | did the clock jump, lose seconds, pause? | [`clock`] |
 //! | did the location wrap, begin again, stand still? | [`places`] |
 //! | which step do the readings have? | [`steps`] |
-//! | do speed and location agree: scale, offset, skew? | [`agreement`] |
+//! | do speed and location agree: scale, offset, skew? | [`mod@agreement`] |
 //! | what was found, and what was done? | [`finding`] |
 //!
 //! Offset and scale are one fit, and never decided by a run that cannot tell them apart. A step is called truncated or rounded only where the offset says so.
