@@ -131,7 +131,7 @@ impl Browser {
     /// Saves a picture of the page in `target/browser`.
     pub async fn picture(&self, name: &str) -> Vec<u8> {
         let png = self.driver.screenshot_as_png().await.expect("a picture");
-        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../target/browser");
+        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/browser");
         std::fs::create_dir_all(&folder).expect("a folder");
         std::fs::write(folder.join(format!("{name}.png")), &png).expect("written");
         png
