@@ -12,6 +12,7 @@
 //! scale and offset apart: the covariance says so, and [`pooled`] weighs with it.
 
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
+use rundown_files::units::median;
 
 /// A row with everything that is compared: time, s, location in the direction of travel, m, speed reading, m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +68,7 @@ const LEAST_PAIRS: usize = 20;
 /// Time between two rows that are compared, s: what rounding leaves is correlated over seconds.
 const PAIR_S: f64 = 5.0;
 /// Slower readings are left out: a standing train has no rounding, a creeping one reads zero, m/s.
-pub const SLOWEST_MPS: f64 = 1.5;
+const SLOWEST_MPS: f64 = 1.5;
 /// Innovations beyond so many standard deviations are drawn in to it.
 const OUTLIER: f64 = 4.0;
 
@@ -194,9 +195,8 @@ fn fit(differences: &Differences, ratio: f64, clip: Option<f64>) -> Option<Fit> 
 
 /// Standard deviation from the median of the sizes.
 pub(crate) fn spread(values: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    1.4826 * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)
+    let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+    if sizes.is_empty() { 0.0 } else { 1.4826 * median(&sizes) }
 }
 
 /// Compares speed and location of one run. None: too little of it moves with both readings.

@@ -5,6 +5,7 @@
 use crate::agreement::{Figure, spread};
 use crate::finding::{Done, Finding, Kind};
 use rundown_files::sample::Sample;
+use rundown_files::units::median;
 
 const DAY_S: f64 = 86_400.0;
 /// A clock that goes back by less is a matter of single rows, which a replay drops and counts, s.
@@ -18,10 +19,9 @@ const LEAST_LOST: usize = 5;
 
 /// Usual time between rows, s.
 pub fn usual_step_s(rows: &[Sample]) -> f64 {
-    let mut steps: Vec<f64> = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
-    steps.retain(|step| *step > 0.0);
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().unwrap_or(1.0)
+    let steps = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
+    let steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
+    if steps.is_empty() { 1.0 } else { median(&steps) }
 }
 
 /// Time that passed between two rows by the distance between them, where both move.

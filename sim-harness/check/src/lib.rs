@@ -43,10 +43,11 @@ pub mod finding;
 pub mod places;
 pub mod steps;
 
-use agreement::{Agreement, Figure, Pooled, Row, SLOWEST_MPS, agreement, pooled, spread};
+use agreement::{Agreement, Figure, Pooled, Row, agreement, pooled, spread};
 use finding::{Done, Finding, Kind};
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
+use rundown_files::units;
 use serde::Serialize;
 
 /// What is the matter with one run.
@@ -119,8 +120,6 @@ const SURE: f64 = 4.0;
 const LEAST_SKEW_S: f64 = 0.3;
 /// Share of the step by which the offset of a truncating recorder may miss the half of it.
 const NEAR_HALF: f64 = 0.12;
-/// Distances by location and speed further apart than by this factor are a matter of units, not of a wheel.
-const OTHER_UNIT: f64 = 1.25;
 
 /// What is known of the recorder already, and put right elsewhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -216,22 +215,7 @@ fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
 
 /// Distance by location over distance by speed far from 1: the run is not used.
 fn other_unit(rows: &[Sample], findings: &mut Vec<Finding>) {
-    let located: Vec<(f64, f64, f64)> =
-        rows.iter().filter_map(|row| Some((row.time_s, row.location_m?, row.speed_mps?))).collect();
-    let mut ratios: Vec<f64> = located
-        .windows(2)
-        .filter_map(|pair| {
-            let by_speed = 0.5 * (pair[0].2 + pair[1].2) * (pair[1].0 - pair[0].0);
-            (pair[0].2.min(pair[1].2) > SLOWEST_MPS && by_speed > 0.0)
-                .then_some((pair[1].1 - pair[0].1).abs() / by_speed)
-        })
-        .collect();
-    if ratios.len() < 20 {
-        return;
-    }
-    ratios.sort_by(f64::total_cmp);
-    let value = ratios[ratios.len() / 2];
-    if !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(&value) {
+    if let Some(value) = units::far_ratio(rows) {
         let figure = Figure { value, sd: 0.0 };
         findings.push(Finding { kind: Kind::OtherUnit, figure, unit: "", count: 1, line: 0, done: Done::Refused });
     }

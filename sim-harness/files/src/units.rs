@@ -43,6 +43,11 @@ pub fn doubt(rows: &[Sample]) -> Option<Doubt> {
     if let Some(median) = middle(efforts).filter(|median| *median > MOST_EFFORT) {
         return Some(Doubt::Effort { median });
     }
+    far_ratio(rows).map(|ratio| Doubt::Distance { ratio })
+}
+
+/// Distance by location over distance by speed, where it is too far from 1 to be a matter of a wheel; their median over the rows.
+pub fn far_ratio(rows: &[Sample]) -> Option<f64> {
     let read = rows.iter().filter_map(|row| Some((row.time_s, row.location_m?, row.speed_mps?)));
     let read: Vec<(f64, f64, f64)> = read.collect();
     let ratios = read.windows(2).filter_map(|pair| {
@@ -51,8 +56,7 @@ pub fn doubt(rows: &[Sample]) -> Option<Doubt> {
         let moving = from.2.min(to.2) > SLOW_MPS && by_speed > 0.0;
         moving.then_some((to.1 - from.1).abs() / by_speed)
     });
-    let ratio = middle(ratios)?;
-    (!(1.0 / FAR..FAR).contains(&ratio)).then_some(Doubt::Distance { ratio })
+    middle(ratios).filter(|ratio| !(1.0 / FAR..FAR).contains(ratio))
 }
 
 fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -61,7 +65,7 @@ fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 /// Middle value, the upper one of two; of a list that is not empty.
-pub(crate) fn median(values: &[f64]) -> f64 {
+pub fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted[sorted.len() / 2]
