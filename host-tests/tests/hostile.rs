@@ -8,13 +8,15 @@ use rundown_wire::{Body, Refusal};
 
 /// What a clock does to the times of a run: number since it went wrong, and true time, to its time.
 type Clock = fn(usize, f64) -> f64;
-const CLOCKS: [(&str, Clock); 6] = [
+const CLOCKS: [(&str, Clock); 7] = [
     ("one far time", |k, time_s| if k == 0 { 1e300 } else { time_s }),
     ("an hour back", |_, time_s| time_s - 3600.0),
     ("ten seconds back", |_, time_s| time_s - 10.0),
     ("a GPS week ahead", |_, time_s| time_s + 604_800.0),
     ("an epoch back", |_, time_s| time_s - 619_315_200.0),
     ("repeated once", |k, time_s| if k == 0 { time_s - 10.0 } else { time_s }),
+    // No acceleration comes out of a change of speed in no time.
+    ("repeated but for a rounding", |k, time_s| if k == 0 { time_s - 10.0 + 1e-9 } else { time_s }),
 ];
 
 /// The run with such a clock from half of it on: by which estimate of the other half, and how many there are.
@@ -69,6 +71,17 @@ fn a_wrong_clock_costs_a_few_ticks_by_the_clock() {
         }
         assert!(log.len() - estimates <= 2, "{name}: {estimates} of {}", log.len());
     }
+}
+
+#[test]
+fn a_first_time_that_no_clock_shows_is_refused_and_the_run_begins_with_the_next() {
+    let (mut board, _, log) = running(described());
+    for time_s in [-2.6e156, 1e300, f64::NAN] {
+        let frames = board.measure(&Measurement { time_s, ..log[0] });
+        assert_eq!(answer(&frames).unwrap().result, Err(Refusal::TimeNotIncreasing), "{time_s}");
+    }
+    let heard = log.iter().filter(|measurement| estimate(&board.measure(measurement)).is_some()).count();
+    assert_eq!(heard, log.len());
 }
 
 #[test]

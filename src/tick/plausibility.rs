@@ -4,7 +4,7 @@
 //!
 //! | input | behaviour |
 //! |---|---|
-//! | time equal or back, or beyond [`FAR_S`] | the measurement is dropped and counted; three in a row that agree with each other are believed: the clock was set, location and speed are initialised again (old rows that come late lie behind the train, and must be four times as many) |
+//! | time equal (by less than [`SOONEST_S`]) or back, beyond [`FAR_S`], or no time at all (beyond [`LATEST_S`]) | the measurement is dropped and counted; three in a row that agree with each other are believed: the clock was set, location and speed are initialised again (old rows that come late lie behind the train, and must be four times as many) |
 //! | no measurement for more than `long_gap_s` | location and speed begin again, what was learned stays |
 //! | not finite, negative, off the track, faster than any train | the field is dropped, the other one is used |
 //! | location far from where the speed leads | dropped; three in a row that agree with each other are believed, counted as `Contradiction` |
@@ -27,6 +27,10 @@ const DESCENT_N_PER_KG: Real = 0.3;
 
 /// A time that is further ahead is not believed by itself, s.
 pub const FAR_S: Real = 86_400.0;
+/// A time that is further from zero is none, s: 300 years, of which the last bit is 2 µs.
+pub const LATEST_S: Real = 1e10;
+/// A time that is less ahead is the same time, s: no sensor reads so often, and a change of speed over less is no acceleration.
+pub const SOONEST_S: Real = 1e-3;
 /// So many times more must agree where they lie behind the train: rows that come late do, a clock that was set does not.
 const BEHIND: u32 = 4;
 /// Behind is more than this share of a jump of the location: more than its noise.
@@ -184,11 +188,11 @@ impl Plausibility {
         measurement: &Measurement,
     ) -> Result<(Real, bool), Option<Real>> {
         let time_s = measurement.time_s;
-        if !time_s.is_finite() {
+        if !is_time(time_s) {
             return Err(self.last_time_s);
         }
         let gap_s = self.last_time_s.map(|last_s| time_s - last_s);
-        let usual = gap_s.is_none_or(|gap_s| gap_s > 0.0 && gap_s <= FAR_S);
+        let usual = self.last_time_s.is_none_or(|last_s| follows(last_s, time_s, FAR_S));
         if let Some(last_s) = self.last_time_s.filter(|_| !usual) {
             let agreeing = match self.rejected_time {
                 Some((rejected_s, count)) if follows(rejected_s, time_s, config.long_gap_s) => count.saturating_add(1),
@@ -331,9 +335,14 @@ impl Plausibility {
     }
 }
 
+/// A number that a clock could show.
+pub(crate) fn is_time(time_s: Real) -> bool {
+    time_s.abs() <= LATEST_S
+}
+
 /// One time comes after the other, and not by much.
-fn follows(before_s: Real, time_s: Real, longest_s: Real) -> bool {
-    time_s > before_s && time_s - before_s <= longest_s
+pub(crate) fn follows(before_s: Real, time_s: Real, longest_s: Real) -> bool {
+    (SOONEST_S..=longest_s).contains(&(time_s - before_s))
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@
 //! in `host-tests/fuzz/` as well and adds the address sanitizer, of which the code without `unsafe` has little need.
 
 use crate::shell::{ask, cargo, root, run, shown};
-use std::path::Path;
+use std::fs::File;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 
 /// The programs of `host-tests/fuzz/Cargo.toml`.
@@ -12,6 +13,9 @@ const TARGETS: [&str; 4] = ["serial_decoder", "isotp_receiver", "uplink", "whole
 
 /// As many as a small machine has processors.
 const AT_ONCE: usize = 2;
+
+/// So many lines tell what broke a target.
+const FINDING_LINES: usize = 40;
 
 /// Coverage counters for libFuzzer, and the checks of a debug build (overflow, assertions) in optimised code.
 const FLAGS: [&str; 8] = [
@@ -64,7 +68,11 @@ fn run_together(programs: &Path, targets: &[&str], seconds: u32) -> Result<(), S
     let mut failed = Vec::new();
     for (target, mut child) in running {
         let ended = child.wait();
+        let said = std::fs::read_to_string(log_of(target)).unwrap_or_default();
+        let counts = said.lines().filter_map(|line| line.strip_prefix("stat::"));
+        println!("{target}: {}", counts.map(|count| count.replace(' ', "")).collect::<Vec<_>>().join(", "));
         if !ended.is_ok_and(|status| status.success()) {
+            println!("{}", finding(&said));
             failed
                 .push(format!("{target} failed; the input that breaks it lies in host-tests/fuzz/artifacts/{target}"));
         }
@@ -72,19 +80,35 @@ fn run_together(programs: &Path, targets: &[&str], seconds: u32) -> Result<(), S
     if failed.is_empty() { Ok(()) } else { Err(failed.join("\n")) }
 }
 
+/// What a target says goes here: thousands of lines, in which a finding would be lost.
+fn log_of(target: &str) -> PathBuf {
+    root().join("host-tests/fuzz/artifacts").join(format!("{target}.log"))
+}
+
+/// From the panic on, without the news of new inputs; the last lines where nothing panicked.
+fn finding(said: &str) -> String {
+    let lines: Vec<&str> = said.lines().filter(|line| !line.starts_with('#')).collect();
+    let last = lines.len().saturating_sub(FINDING_LINES);
+    let first = lines.iter().position(|line| line.contains("panicked at")).unwrap_or(last);
+    lines[first..].iter().take(FINDING_LINES).copied().collect::<Vec<_>>().join("\n")
+}
+
 fn start(programs: &Path, target: &str, seconds: u32) -> Result<Child, String> {
     for folder in ["corpus", "artifacts"] {
         let folder = root().join("host-tests/fuzz").join(folder).join(target);
         std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
+    let log = log_of(target);
+    let log = File::create(&log).map_err(|error| format!("{}: {error}", log.display()))?;
     let mut command = Command::new(programs.join(target));
     // All lengths from the start: by default a short run of a slow target stays with inputs of a few bytes.
     command.args(["-max_len=4096", "-len_control=0", "-print_final_stats=1"]);
     command.arg(format!("-max_total_time={seconds}"));
     command.arg(format!("-artifact_prefix=host-tests/fuzz/artifacts/{target}/"));
     command.arg(format!("host-tests/fuzz/corpus/{target}"));
-    println!("$ {}", shown(&command));
-    command.current_dir(root()).spawn().map_err(|error| format!("{target} could not be started: {error}"))
+    println!("$ {} 2> host-tests/fuzz/artifacts/{target}.log", shown(&command));
+    let started = command.current_dir(root()).stderr(log).spawn();
+    started.map_err(|error| format!("{target} could not be started: {error}"))
 }
 
 #[cfg(test)]
@@ -102,6 +126,15 @@ mod tests {
         let mut targets = TARGETS;
         targets.sort();
         assert_eq!(files, targets);
+    }
+
+    #[test]
+    fn a_finding_is_told_without_the_news_around_it() {
+        assert_eq!(
+            finding("INFO: seed\n#2 NEW\nthread panicked at src\n#3 NEW\nnot a number\n"),
+            "thread panicked at src\nnot a number"
+        );
+        assert_eq!(finding("#2 NEW\nout of memory"), "out of memory");
     }
 
     #[test]

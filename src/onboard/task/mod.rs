@@ -36,7 +36,7 @@ use crate::tick::digest;
 use crate::tick::estimate::Estimate;
 use crate::tick::measurement::Measurement;
 use crate::tick::memory::Vehicle;
-use crate::tick::plausibility::FAR_S;
+use crate::tick::plausibility::{FAR_S, follows, is_time};
 use crate::uplink::{self, Command, Pace, Request, Uplink};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Answer, Body, Health, Memory, REFUSALS, Refusal};
@@ -267,7 +267,7 @@ impl<F: NorFlash> Task<'_, F> {
                 let waits = self.newest.filter(|newest| self.follows(newest.time_s));
                 let displaces =
                     |newest: Measurement| measurement.time_s > newest.time_s && self.follows(measurement.time_s);
-                if !measurement.time_s.is_finite() || waits.is_some_and(|newest| !displaces(newest)) {
+                if !is_time(measurement.time_s) || waits.is_some_and(|newest| !displaces(newest)) {
                     return Err(Refusal::TimeNotIncreasing);
                 }
                 self.newest = Some(*measurement);
@@ -278,7 +278,7 @@ impl<F: NorFlash> Task<'_, F> {
 
     /// Whether a time comes after that of the last tick, and not by too much.
     fn follows(&self, time_s: Real) -> bool {
-        self.last_time_s.is_none_or(|last_s| time_s > last_s && time_s - last_s <= FAR_S)
+        self.last_time_s.is_none_or(|last_s| follows(last_s, time_s, FAR_S))
     }
 
     /// A tick with a measurement.
