@@ -1,8 +1,10 @@
 //! Is there a gap at all, and along what?
 //!
-//! Probes are functions of location, speed, time since departure, temperature, day, effort, regime and direction that name no cause. Under the null each run's score of a probe is as likely positive
-//! as negative, so flipping the signs of whole runs gives the distribution of the largest of them, whatever the correlation within a run and
-//! between probes. (Sign-flip test; runs are the unit.) What sensors leave in all runs alike is no gap: the observed scores are less by what 1e-4 N/kg would make.
+//! Probes are functions of location, speed, time since departure, temperature, day, regime and direction that name no cause. Not of the effort: its own error
+//! stands in the residual, so rows that are chosen by their effort have one. Under the null each run's score of a probe is as likely positive as negative, so
+//! flipping the signs of whole runs gives the distribution of the largest of them, whatever the correlation within a run and between probes. (Sign-flip test;
+//! runs are the unit.) What all drivers do alike between two readings of the effort is no gap: it is drawn with the signs, as large as the scatter of driven rows
+//! says, and these rows count as much less. Nor is what sensors leave in all runs alike: the observed scores are less by what 1e-4 N/kg would make.
 
 use crate::columns::{coordinate_name, hats, in_the_middle, knots};
 use crate::config::EvidenceConfig;
@@ -13,6 +15,7 @@ use crate::search::fits::sensors;
 use nalgebra::DVector;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use rundown::model::{direction::Direction, effects::Coordinate};
 
 /// Along what residuals may vary.
@@ -20,7 +23,6 @@ use rundown::model::{direction::Direction, effects::Coordinate};
 pub enum Along {
     /// A coordinate of the runs.
     Over(Coordinate),
-    Effort,
     /// Power 1, coast 0, brake -1.
     Regime,
     /// Up 1, down -1.
@@ -32,7 +34,6 @@ impl Along {
     pub fn name(self) -> &'static str {
         match self {
             Self::Over(coordinate) => coordinate_name(coordinate),
-            Self::Effort => "effort",
             Self::Regime => "regime",
             Self::Direction => "direction",
         }
@@ -64,11 +65,6 @@ fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(Along, Columns)> {
         let column = rows.iter().map(|row| f64::from(acts(row))).collect();
         (value, column)
     };
-    let efforts = knots(rows.iter().map(|row| row.effort_n_per_kg), config.effort_knots);
-    let effort = efforts.windows(2).map(|pair| {
-        let within = |row: &Row| (pair[0]..=pair[1]).contains(&row.effort_n_per_kg);
-        those(0.5 * (pair[0] + pair[1]), &within)
-    });
     let coast_n_per_kg = config.coast_n_per_kg;
     vec![
         along(Coordinate::Location, config.location_knots),
@@ -76,7 +72,6 @@ fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(Along, Columns)> {
         along(Coordinate::Time, config.knots),
         along(Coordinate::Temperature, config.run_knots),
         along(Coordinate::Day, config.run_knots),
-        (Along::Effort, effort.collect()),
         (
             Along::Regime,
             vec![
@@ -100,16 +95,76 @@ struct Probe {
     at: f64,
     scores: Vec<f64>,
     small: f64,
+    /// The score by one standard deviation of each habit.
+    habits: Vec<f64>,
 }
 
 impl Probe {
-    /// In standard deviations.
+    /// In standard deviations of chance.
     fn size(&self, sum: f64) -> f64 {
-        sum / self.scores.iter().map(|s| s * s).sum::<f64>().sqrt()
+        sum / self.scores.iter().chain(&self.habits).map(|s| s * s).sum::<f64>().sqrt()
+    }
+
+    /// As chance would have it: the runs with these signs, the habits with these sizes.
+    fn by_chance(&self, signs: &[f64], habits: &[f64]) -> f64 {
+        let sum = |of: &[f64], by: &[f64]| of.iter().zip(by).map(|(of, by)| of * by).sum::<f64>();
+        self.size((sum(&self.scores, signs) + sum(&self.habits, habits)).abs())
     }
 
     fn observed(&self) -> f64 {
         self.size((self.scores.iter().sum::<f64>().abs() - self.small).max(0.0))
+    }
+}
+
+/// Whether a row is driven so: by an effort beyond that at which a train coasts.
+type Acts = fn(&Row, f64) -> bool;
+
+/// Rows that power, or that brake: between two readings of the effort their drivers do what nobody sees.
+struct Driven {
+    acts: Acts,
+    /// Variance of their residuals, and that of coasting, (N/kg)².
+    scatter: [f64; 2],
+    /// What all drivers do alike at an effort, or at a place: standard deviation, N/kg.
+    habit_n_per_kg: f64,
+}
+
+impl Driven {
+    /// Powering and braking.
+    fn both(rows: &[Row], config: &EvidenceConfig) -> [Self; 2] {
+        let coast = config.coast_n_per_kg;
+        let scatter = |acts: Acts| {
+            let squares = rows.iter().filter(|row| acts(row, coast)).map(|row| row.residual_n_per_kg.powi(2));
+            squares.clone().sum::<f64>() / squares.count().max(1) as f64
+        };
+        let coasting = scatter(|row, coast| row.effort_n_per_kg.abs() <= coast);
+        let of = |acts: Acts, share: f64| {
+            let scatter = [scatter(acts), coasting];
+            let habit_n_per_kg = share * (scatter[0] - coasting).max(0.0).sqrt();
+            Self { acts, scatter, habit_n_per_kg }
+        };
+        [
+            of(|row, coast| row.effort_n_per_kg > coast, config.powering_habit),
+            of(|row, coast| row.effort_n_per_kg < -coast, config.braking_habit),
+        ]
+    }
+
+    /// So many times wider than coasting.
+    fn wider(&self) -> f64 {
+        let [driven, coasting] = self.scatter;
+        if coasting > 0.0 { (driven / coasting).sqrt().max(1.0) } else { 1.0 }
+    }
+
+    /// One standard deviation of each habit: of all of them, and along the line.
+    fn habits(&self, rows: &[Row], config: &EvidenceConfig) -> Vec<Vec<f64>> {
+        let acts = |row: &Row| (self.acts)(row, config.coast_n_per_kg);
+        let place = |row: &Row| in_the_middle(Coordinate::Location, row);
+        let edges = knots(rows.iter().filter(|row| acts(row)).filter_map(place), config.location_knots);
+        let column = |here: &dyn Fn(&Row) -> bool| -> Vec<f64> {
+            rows.iter().map(|row| if acts(row) && here(row) { self.habit_n_per_kg } else { 0.0 }).collect()
+        };
+        let within = |row: &Row, pair: &[f64]| place(row).is_some_and(|at| (pair[0]..=pair[1]).contains(&at));
+        let along = edges.windows(2).map(|pair| column(&|row| within(row, pair)));
+        std::iter::once(column(&|_| true)).chain(along).collect()
     }
 }
 
@@ -121,10 +176,18 @@ fn probes(
     axes: &[(Along, Columns)],
 ) -> Option<Vec<Probe>> {
     let config = &context.config.evidence;
+    let driven = Driven::both(rows, config);
+    let mut calibrated = calibrated.clone();
+    for (row, spread) in rows.iter().zip(&mut calibrated.spread) {
+        let acting = driven.iter().filter(|driven| (driven.acts)(row, config.coast_n_per_kg));
+        *spread *= acting.map(Driven::wider).product::<f64>();
+    }
     let whitening = calibrated.whitening(context, rows);
     let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
     let sensors = sensors(context, rows, &whitening);
     let base = Base::new(&whitening.whiten(&y), &sensors, whitening.runs())?;
+    let habits = driven.iter().flat_map(|driven| driven.habits(rows, config));
+    let habits: Vec<DVector<f64>> = habits.map(|habit| whitening.whiten(&habit)).collect();
     let probe = |axis: usize, at: f64, column: &[f64]| {
         // Where the effort changes within an interval its mean is a guess, and the guess is wrong in the same way in all runs.
         let steady = |row: &Row| row.interval.effort_change_n_per_kg <= config.steady_n_per_kg;
@@ -135,7 +198,8 @@ fn probes(
         let scores: Vec<f64> = whitening.runs().iter().map(score).collect();
         let enough = scores.iter().filter(|s| **s != 0.0).count() >= config.least_runs;
         let small = context.config.certainty.nothing_n_per_kg * column.norm_squared();
-        enough.then_some(Probe { axis, at, scores, small })
+        let habits = habits.iter().map(|habit| habit.dot(&column)).collect();
+        enough.then_some(Probe { axis, at, scores, small, habits })
     };
     let all = axes.iter().enumerate().flat_map(|(axis, (_, columns))| columns.iter().map(move |column| (axis, column)));
     Some(all.filter_map(|(axis, (at, column))| probe(axis, *at, column)).collect())
@@ -161,11 +225,10 @@ pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) ->
     let largest = observed.iter().copied().fold(0.0, f64::max);
     for _ in 0..config.flips {
         let signs: Vec<f64> = (0..runs).map(|_| if rng.next_u32() & 1 == 0 { 1.0 } else { -1.0 }).collect();
-        let flipped = |probe: &Probe| {
-            let sum: f64 = probe.scores.iter().zip(&signs).map(|(s, sign)| s * sign).sum();
-            probe.size(sum.abs())
-        };
-        let flipped: Vec<f64> = probes.iter().map(flipped).collect();
+        let habits: Vec<f64> = (0..probes.first().map_or(0, |probe| probe.habits.len()))
+            .map(|_| StandardNormal.sample(&mut rng))
+            .collect();
+        let flipped: Vec<f64> = probes.iter().map(|probe| probe.by_chance(&signs, &habits)).collect();
         any += usize::from(flipped.iter().copied().fold(0.0, f64::max) >= largest);
         for (axis, count) in exceeded.iter_mut().enumerate() {
             *count += usize::from(most(&flipped, axis) >= most(&observed, axis));
@@ -180,4 +243,69 @@ pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) ->
     let mut all: Vec<Evidence> = axes.iter().enumerate().filter_map(of_axis).collect();
     all.sort_by(|a, b| b.score.total_cmp(&a.score));
     (all, p(any))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::GapConfig;
+    use crate::data::believed::{Believed, Conditions, Surroundings};
+    use rundown::model::track::{Gradient, Track};
+    use rundown::model::train::{Train, TrainDescription};
+
+    const RUNS: usize = 30;
+    const ROWS: usize = 60;
+
+    /// The p-value where nothing is hidden but what `residual` says of a row: its index in the run and whether it brakes, with noise of a standard deviation
+    /// of 0.01 N/kg, five times as much where it brakes.
+    fn p_value(seed: u64, residual: fn(usize, bool) -> f64) -> f64 {
+        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
+        let level = Gradient { from_m: 0.0, permille: 0.0 };
+        let track = Track::try_new(60_000.0, [level]).unwrap();
+        let (surroundings, config) = (Surroundings::default(), GapConfig::default());
+        let context = Context {
+            believed: Believed::new(&train, &track),
+            surroundings: &surroundings,
+            conditions: Conditions { temperature_c: 10.0, first_day: 0.0, period_days: 30.0, runs: RUNS },
+            config: &config,
+        };
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut rows = Vec::new();
+        for run in 0..RUNS {
+            let direction = [Direction::Up, Direction::Down][run % 2];
+            for i in 0..ROWS {
+                let brakes = i % 12 == 0;
+                let mut row = Row::coasting(direction, 1000.0 * i as f64, 25.0);
+                row.interval.run = run;
+                row.effort_n_per_kg = if brakes { -0.3 } else { 0.0 };
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                row.residual_n_per_kg = noise * if brakes { 0.05 } else { 0.01 } + residual(i, brakes);
+                rows.push(row);
+            }
+        }
+        let noise = crate::noise::whitening::Noise { acceleration_mps2: 0.01, ..Default::default() };
+        let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+        evidence(&context, &rows, &calibrated).1
+    }
+
+    #[test]
+    fn where_nothing_is_hidden_a_low_p_value_is_as_rare_as_it_says() {
+        let low = (0..60).filter(|seed| p_value(*seed, |_, _| 0.0) < 0.05).count();
+        // Binomial, 60 of 0.05: more than 8 in one of 300 tries.
+        assert!(low <= 8, "{low} of 60");
+    }
+
+    #[test]
+    fn a_brake_that_works_between_two_readings_in_all_runs_alike_is_no_gap() {
+        let low = (0..20).filter(|seed| p_value(*seed, |_, brakes| if brakes { 0.05 } else { 0.0 }) < 0.05).count();
+        assert!(low <= 4, "{low} of 20");
+    }
+
+    #[test]
+    fn more_resistance_at_a_place_is_one() {
+        for seed in 0..5 {
+            let p = p_value(seed, |i, _| if (20..26).contains(&i) { 0.01 } else { 0.0 });
+            assert!(p <= 0.002, "{p}");
+        }
+    }
 }

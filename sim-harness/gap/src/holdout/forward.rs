@@ -134,8 +134,7 @@ impl Repaired<'_> {
             let (mut walk, mut own) = (0.0, [0.0; 3]);
             for (i, row) in window.iter().enumerate() {
                 let interval = &row.interval;
-                let change = noise.change_share * interval.effort_change_n_per_kg;
-                walk += (noise.acceleration_mps2.powi(2) + change * change) * interval.dt_s * interval.dt_s;
+                walk += noise.disturbance(interval) * interval.dt_s * interval.dt_s;
                 for (sum, force) in own.iter_mut().zip(self.own_n_per_kg(&model, row)) {
                     *sum += force * interval.dt_s;
                 }

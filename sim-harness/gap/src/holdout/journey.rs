@@ -127,8 +127,7 @@ impl Repaired<'_> {
             let interval = &row.interval;
             let lever_s = end_s - interval.begin_s - 0.5 * interval.dt_s;
             let time_of = |acceleration: f64| acceleration * interval.dt_s * lever_s * per_m;
-            let change = noise.change_share * interval.effort_change_n_per_kg;
-            variance += time_of(noise.acceleration_mps2).powi(2) + time_of(change).powi(2);
+            variance += time_of(noise.disturbance(interval).sqrt()).powi(2);
             for (sum, force) in own.iter_mut().zip(self.own_n_per_kg(model, row)) {
                 *sum += time_of(force);
             }
@@ -158,8 +157,7 @@ impl Repaired<'_> {
                 sum.measured += row.effort_n_per_kg * distance_m;
                 sum.before -= row.residual_n_per_kg * distance_m;
                 sum.after += (extra - row.residual_n_per_kg) * distance_m;
-                let change = noise.change_share * interval.effort_change_n_per_kg;
-                sum.floor += (noise.acceleration_mps2.powi(2) + change * change) * distance_m * distance_m;
+                sum.floor += noise.disturbance(interval) * distance_m * distance_m;
                 if interval.begin_s > last_end_s + 1e-6 {
                     sum.floor += 2.0 * (noise.reading_mps * interval.mean_speed_mps()).powi(2);
                 }

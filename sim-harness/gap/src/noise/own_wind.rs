@@ -25,9 +25,7 @@ pub fn own_wind<'a>(
             let interval = &row.interval;
             let error = row.residual_n_per_kg - of_effects(row, believed, effects);
             let slope = r2 * (2.0 * interval.mean_speed_mps() + wind.0);
-            let change = noise.change_share * interval.effort_change_n_per_kg;
-            let variance =
-                2.0 * (noise.reading_mps / interval.dt_s).powi(2) + noise.acceleration_mps2.powi(2) + change * change;
+            let variance = 2.0 * (noise.reading_mps / interval.dt_s).powi(2) + noise.disturbance(interval);
             information += slope * slope / variance;
             score += slope * error / variance;
         }

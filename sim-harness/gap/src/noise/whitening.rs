@@ -24,6 +24,14 @@ pub struct Noise {
     pub change_share: f64,
 }
 
+impl Noise {
+    /// Variance of the acceleration over an interval, without the error of its readings, (m/s²)².
+    pub fn disturbance(&self, interval: &Interval) -> f64 {
+        let change = self.change_share * interval.effort_change_n_per_kg;
+        self.acceleration_mps2 * self.acceleration_mps2 + change * change
+    }
+}
+
 /// Cholesky factor of the tridiagonal covariance, row by row, and what each run has for itself.
 #[derive(Clone, Debug)]
 pub struct Whitening {
@@ -43,15 +51,13 @@ impl Whitening {
         let (mut diagonal, mut below) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut log_determinant = 0.0;
         let q2 = noise.reading_mps * noise.reading_mps;
-        let a2 = noise.acceleration_mps2 * noise.acceleration_mps2;
         for (i, interval) in intervals.iter().enumerate() {
             let before = i.checked_sub(1).map(|j| intervals[j]);
             match runs.last_mut() {
                 Some(range) if before.is_some_and(|b| b.run == interval.run) => range.end = i + 1,
                 _ => runs.push(i..i + 1),
             }
-            let change = noise.change_share * interval.effort_change_n_per_kg;
-            let beyond = 2.0 * q2 / (interval.dt_s * interval.dt_s) + a2 + change * change;
+            let beyond = 2.0 * q2 / (interval.dt_s * interval.dt_s) + noise.disturbance(interval);
             let variance = beyond * spread[i] * spread[i];
             let neighbours = before.is_some_and(|b| adjacent(b, interval));
             let off = match before {

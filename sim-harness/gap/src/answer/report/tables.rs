@@ -21,7 +21,6 @@ pub(super) fn evidence(found: &Investigation) -> Markup {
         Along::Over(Coordinate::Time) => format!("{} min", number(one.at / 60.0, 1)),
         Along::Over(Coordinate::Temperature) => format!("{} \u{b0}C", number(one.at, 0)),
         Along::Over(Coordinate::Day) => format!("day {}", number(one.at - found.findings.conditions.first_day, 0)),
-        Along::Effort => format!("{} N/kg", number(one.at, 2)),
         Along::Regime if one.at > 0.5 => "power".to_owned(),
         Along::Regime if one.at < -0.5 => "brake".to_owned(),
         Along::Regime => "coast".to_owned(),
