@@ -8,6 +8,7 @@
 use crate::Real;
 use crate::model::direction::Direction;
 use crate::model::table::Table;
+use crate::plain::plain;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +22,10 @@ pub struct Target {
     pub at_m: Real,
     /// In a track: permitted speed from here on in the `up` direction, m/s. Ahead of a train: that behind the place. `None`: a stop.
     pub limit_mps: Option<Real>,
+}
+
+plain! {
+    struct Target { at_m, limit_mps }
 }
 
 /// What is permitted below and above a place along the track's locations; a stop permits 0 on both sides.
