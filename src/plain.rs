@@ -1,4 +1,4 @@
-//! Values as plain bytes: snapshots and records.
+//! Values as plain bytes: snapshots, records, requests and digests.
 //!
 //! ```text
 //! f64, f32          8, 4 bytes, little-endian          bool, u8      a byte
@@ -10,9 +10,11 @@
 //! These are postcard's bytes. One function of a type serves all ways, and an error is noted and not handed up: on the board this takes a third of the code
 //! of serde's derived functions. A value that is written is not changed.
 
+use crc::Digest;
 use heapless::{Deque, Vec};
 use nalgebra::{ArrayStorage, SMatrix};
-use rundown_wire::{Effect, Regime};
+use rundown_wire::link::checksum::CRC_32C;
+use rundown_wire::{Effect, Regime, SnapshotPart};
 
 /// What can go both ways.
 pub(crate) trait Plain {
@@ -27,6 +29,7 @@ pub(crate) trait Plain {
 enum Way<'a> {
     Out { buffer: &'a mut [u8], length: usize },
     In { rest: &'a [u8] },
+    Digest(Digest<'static, u32>),
 }
 
 /// Bytes on their way.
@@ -60,6 +63,16 @@ pub(crate) fn read_all(value: &mut impl Plain, bytes: &[u8]) -> bool {
     read(value, bytes).is_some_and(<[u8]>::is_empty)
 }
 
+/// CRC-32C of what passes.
+pub(crate) fn digest(pass: impl FnOnce(&mut Bytes<'_>)) -> u32 {
+    let mut bytes = Bytes { way: Way::Digest(CRC_32C.digest()), sound: true };
+    pass(&mut bytes);
+    match bytes.way {
+        Way::Digest(digest) => digest.finalize(),
+        Way::Out { .. } | Way::In { .. } => 0,
+    }
+}
+
 impl Bytes<'_> {
     /// True where a value is read, and what it was does not count.
     pub(crate) fn are_read(&self) -> bool {
@@ -89,6 +102,7 @@ impl Bytes<'_> {
                 }
                 None => self.sound = false,
             },
+            Way::Digest(digest) => digest.update(piece),
         }
     }
 
@@ -110,6 +124,7 @@ impl Bytes<'_> {
                 }
                 None => self.sound = false,
             },
+            Way::Digest(digest) => digest.update(&[byte]),
         }
         byte
     }
@@ -137,17 +152,18 @@ impl Bytes<'_> {
                 }
                 None => self.sound = false,
             },
+            Way::Digest(digest) => numbers.iter().for_each(|number| digest.update(&number.to_le_bytes())),
         }
     }
 
     /// A count of at most so many bits.
     #[inline(never)]
-    pub(crate) fn count(&mut self, count: u32, bits: u32) -> u32 {
+    pub(crate) fn count(&mut self, count: u64, bits: u32) -> u64 {
         let (mut left, mut found) = (count, 0);
         for shift in (0..bits).step_by(7) {
             let byte = self.byte(if left < 0x80 { left as u8 } else { left as u8 | 0x80 });
             left >>= 7;
-            let value = u32::from(byte & 0x7F);
+            let value = u64::from(byte & 0x7F);
             // The last byte has room for fewer bits.
             if bits - shift < 7 && value >> (bits - shift) != 0 {
                 break;
@@ -172,7 +188,7 @@ impl Bytes<'_> {
                         *length += 1;
                     }
                 }
-                _ => *count = self.count(*count, u32::BITS),
+                _ => *count = self.count((*count).into(), u32::BITS) as u32,
             }
         }
     }
@@ -180,7 +196,7 @@ impl Bytes<'_> {
     /// Which one of so many.
     #[inline(never)]
     pub(crate) fn choice(&mut self, now: usize, of: usize) -> usize {
-        let found = self.count(now as u32, 32) as usize;
+        let found = self.count(now as u64, u32::BITS) as usize;
         if found < of {
             return found;
         }
@@ -244,7 +260,7 @@ macro_rules! counts {
     )*};
 }
 
-counts!(u16, u32);
+counts!(u16, u32, u64);
 
 impl<T: Plain> Plain for Option<T> {
     const START: Self = None;
@@ -336,10 +352,60 @@ macro_rules! plain {
         }
     )*};
 }
-pub(crate) use plain;
+
+/// An enum of which each value holds one thing.
+macro_rules! plain_choice {
+    ($Name:ident { $First:ident($FirstType:ty) $(, $Other:ident($Type:ty))* $(,)? }) => {
+        impl $crate::plain::Plain for $Name {
+            const START: Self = Self::$First(<$FirstType as $crate::plain::Plain>::START);
+
+            fn pass(&mut self, bytes: &mut $crate::plain::Bytes<'_>) {
+                let (mut now, mut values) = (0, 1);
+                $(
+                    if matches!(self, Self::$Other(_)) {
+                        now = values;
+                    }
+                    values += 1;
+                )*
+                let chosen = bytes.choice(now, values);
+                if bytes.are_read() {
+                    *self = Self::START;
+                    let mut value = 0;
+                    $(
+                        value += 1;
+                        if value == chosen {
+                            *self = Self::$Other(<$Type as $crate::plain::Plain>::START);
+                        }
+                    )*
+                }
+                match self {
+                    Self::$First(value) => $crate::plain::Plain::pass(value, bytes),
+                    $(Self::$Other(value) => $crate::plain::Plain::pass(value, bytes),)*
+                }
+            }
+        }
+    };
+}
+pub(crate) use {plain, plain_choice};
 
 plain! {
     struct Effect { kind, section_m, values }
+}
+
+impl Plain for SnapshotPart {
+    const START: Self = Self { tick: 0, setup: 0, crc: 0, total: 0, first: 0, bytes: Vec::new() };
+
+    fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        self.tick.pass(bytes);
+        for digest in [&mut self.setup, &mut self.crc] {
+            let mut piece = digest.to_le_bytes();
+            bytes.piece(&mut piece);
+            *digest = u32::from_le_bytes(piece);
+        }
+        self.total.pass(bytes);
+        self.first.pass(bytes);
+        self.bytes.pass(bytes);
+    }
 }
 
 plain! {
@@ -372,7 +438,8 @@ mod tests {
         let mut buffer = [0; 80];
         let length = write(&mut many(), &mut buffer).unwrap().len();
         for wrong in (0..80).filter(|wrong| *wrong != length) {
-            assert!(!read_all(&mut Many::START, &buffer[..wrong]), "{wrong} of {length} bytes");
+            let mut value = Many::START;
+            assert!(!read_all(&mut value, &buffer[..wrong]), "{wrong} of {length} bytes");
         }
         for short in 0..length {
             assert!(write(&mut many(), &mut [0; 80][..short]).is_none(), "room for {short} of {length} bytes");

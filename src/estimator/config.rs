@@ -2,6 +2,7 @@
 
 use crate::coast_ahead::CoastConfig;
 use crate::features::FeatureConfig;
+use crate::plain::plain;
 use crate::tick::bounds::ConfigError;
 use crate::tick::learning::LearningConfig;
 use crate::tick::memory::MemoryConfig;
@@ -22,6 +23,10 @@ pub enum Mode {
     Gated,
     /// Effort measured, with a slowly learned gain.
     Measured,
+}
+
+plain! {
+    enum Mode { Paper, Gated, Measured }
 }
 
 /// The whole configuration; `Config::default()` is the `gated` mode.
@@ -48,6 +53,21 @@ pub struct Config {
     pub plausibility: PlausibilityConfig,
     /// Coast-ahead prediction.
     pub coast: CoastConfig,
+}
+
+plain! {
+    struct Config {
+        mode,
+        sensor,
+        paper,
+        learning,
+        memory,
+        paper_rule,
+        recogniser,
+        features,
+        plausibility,
+        coast,
+    }
 }
 
 impl Config {

@@ -36,10 +36,18 @@ struct Boundary {
     above_mps: f32,
 }
 
+plain! {
+    struct Boundary { at_m, below_mps, above_mps }
+}
+
 /// The places of a track.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Targets {
     places: Vec<Boundary, MAX_TARGETS>,
+}
+
+plain! {
+    struct Targets { places }
 }
 
 impl Targets {

@@ -36,6 +36,10 @@ pub enum Difference {
     Forward,
 }
 
+plain! {
+    enum Difference { Backward, Forward }
+}
+
 settings! {
     /// Table 1 and what section 4.2 says about noise: the filter of the `paper` mode.
     PaperConfig in "paper" {
