@@ -1,4 +1,5 @@
-//! Uplink: what is sent to the board. What only asks (a measurement, [`Command::Status`]) comes open or secured; all else changes the board and must be secured.
+//! Uplink: what is sent to the board. What only asks (a measurement, [`Command::Status`]) comes open or secured; all else changes the board and must be secured,
+//! and measurements too where [`SecurityConfig`] says so.
 //!
 //! ```text
 //! open       version, 0, postcard of Uplink
@@ -9,7 +10,7 @@
 
 use crate::Real;
 use crate::coast_ahead::CoastConfig;
-use crate::estimator::config::{Config, Mode};
+use crate::estimator::config::{Config, Mode, SecurityConfig};
 use crate::features::FeatureConfig;
 use crate::model::direction::Direction;
 use crate::model::effects::Surroundings;
@@ -134,7 +135,7 @@ macro_rules! sections {
 
         impl Setting {
             /// All sections of a configuration.
-            pub fn all(config: &Config) -> [Self; 10] {
+            pub fn all(config: &Config) -> [Self; 11] {
                 [$(Self::$Section(config.$field)),*]
             }
 
@@ -173,6 +174,8 @@ sections! {
     Plausibility(PlausibilityConfig) is plausibility,
     /// 9: coast-ahead prediction.
     Coast(CoastConfig) is coast,
+    /// 10: what may come without a MAC.
+    Security(SecurityConfig) is security,
 }
 
 /// When a tick happens.
@@ -279,8 +282,8 @@ pub fn decode(payload: &[u8]) -> Option<Uplink> {
     plain::read_all(&mut uplink, payload).then_some(uplink)
 }
 
-/// Whether a payload asks only, by its first bytes; none: it is too short, or of no kind. The rest of it is not read.
-pub fn may_come_open(payload: &[u8]) -> Option<bool> {
+/// Whether a payload may come open, by its first bytes; none: it is too short, or of no kind. The rest of it is not read.
+pub fn may_come_open(security: &SecurityConfig, payload: &[u8]) -> Option<bool> {
     const MEASUREMENT: u32 = 0;
     const COMMAND: u32 = 5;
     const TARGETS: u32 = 9;
@@ -289,7 +292,7 @@ pub fn may_come_open(payload: &[u8]) -> Option<bool> {
     let rest = plain::read(&mut head, payload)?;
     let (_, request) = head;
     match request {
-        MEASUREMENT => Some(true),
+        MEASUREMENT => Some(!security.secured_measurements),
         COMMAND => plain::read(&mut command, rest).map(|_| command == STATUS),
         _ => (request <= TARGETS).then_some(false),
     }
