@@ -86,6 +86,7 @@ mod listed;
 pub mod model;
 #[cfg(feature = "onboard")]
 pub mod onboard;
+mod plain;
 pub mod tick;
 pub mod uplink;
 

@@ -1,4 +1,5 @@
-//! Uplink: what is sent to the board. What only asks (a measurement, [`Command::Status`]) comes open or secured; all else changes the board and must be secured.
+//! Uplink: what is sent to the board. What only asks (a measurement, [`Command::Status`]) comes open or secured; all else changes the board and must be secured,
+//! and measurements too where [`SecurityConfig`] says so.
 //!
 //! ```text
 //! open       version, 0, postcard of Uplink
@@ -9,12 +10,13 @@
 
 use crate::Real;
 use crate::coast_ahead::CoastConfig;
-use crate::estimator::config::{Config, Mode};
+use crate::estimator::config::{Config, Mode, SecurityConfig};
 use crate::features::FeatureConfig;
 use crate::model::direction::Direction;
 use crate::model::effects::Surroundings;
 use crate::model::track::{Curve, Gradient, Target};
 use crate::model::train::TrainDescription;
+use crate::plain::{self, Bytes, Plain, plain, plain_choice};
 use crate::tick::learning::LearningConfig;
 use crate::tick::measurement::Measurement;
 use crate::tick::memory::MemoryConfig;
@@ -133,7 +135,7 @@ macro_rules! sections {
 
         impl Setting {
             /// All sections of a configuration.
-            pub fn all(config: &Config) -> [Self; 10] {
+            pub fn all(config: &Config) -> [Self; 11] {
                 [$(Self::$Section(config.$field)),*]
             }
 
@@ -143,6 +145,10 @@ macro_rules! sections {
                     $(Self::$Section(section) => config.$field = section,)*
                 }
             }
+        }
+
+        plain_choice! {
+            Setting { $($Section($Type)),* }
         }
     };
 }
@@ -168,6 +174,8 @@ sections! {
     Plausibility(PlausibilityConfig) is plausibility,
     /// 9: coast-ahead prediction.
     Coast(CoastConfig) is coast,
+    /// 10: what may come without a MAC.
+    Security(SecurityConfig) is security,
 }
 
 /// When a tick happens.
@@ -205,24 +213,87 @@ pub enum Command {
     ClearEffects,
 }
 
-/// Reads the payload of a message whose MAC was checked, or that may come open.
-pub fn decode(payload: &[u8]) -> Option<Uplink> {
-    match postcard::take_from_bytes(payload) {
-        Ok((uplink, [])) => Some(uplink),
-        _ => None,
+plain! {
+    struct Uplink { sequence, request }
+    struct TrainFrame { id, description }
+    struct TrackPart { id, length_m, total, first, gradients }
+    struct CurvePart { track_id, first, curves }
+    struct TargetPart { track_id, first, targets }
+}
+
+plain! {
+    enum Pace { Clock, Lockstep }
+}
+
+plain_choice! {
+    Request {
+        Measurement(Measurement),
+        Train(TrainFrame),
+        Track(TrackPart),
+        Setting(Setting),
+        Effect(Effect),
+        Command(Command),
+        Snapshot(SnapshotPart),
+        Surroundings(Surroundings),
+        Curves(CurvePart),
+        Targets(TargetPart),
     }
 }
 
-/// Whether a payload asks only, by its first bytes; none: it is too short, or of no kind. The rest of it is not read.
-pub fn may_come_open(payload: &[u8]) -> Option<bool> {
+impl Plain for Command {
+    const START: Self = Self::Status;
+
+    fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        let now = match self {
+            Self::Begin { .. } => 0,
+            Self::End => 1,
+            Self::Pace(_) => 2,
+            Self::Status => 3,
+            Self::Snapshot => 4,
+            Self::Forget => 5,
+            Self::ClearEffects => 6,
+        };
+        let chosen = bytes.choice(now, 7);
+        if bytes.are_read() {
+            *self = match chosen {
+                0 => Self::Begin { direction: Plain::START, track_id: 0 },
+                1 => Self::End,
+                2 => Self::Pace(Plain::START),
+                4 => Self::Snapshot,
+                5 => Self::Forget,
+                6 => Self::ClearEffects,
+                _ => Self::Status,
+            };
+        }
+        match self {
+            Self::Begin { direction, track_id } => {
+                direction.pass(bytes);
+                track_id.pass(bytes);
+            }
+            Self::Pace(pace) => pace.pass(bytes),
+            Self::End | Self::Status | Self::Snapshot | Self::Forget | Self::ClearEffects => {}
+        }
+    }
+}
+
+/// Reads the payload of a message whose MAC was checked, or that may come open.
+pub fn decode(payload: &[u8]) -> Option<Uplink> {
+    let mut uplink = Uplink::START;
+    plain::read_all(&mut uplink, payload).then_some(uplink)
+}
+
+/// Whether a payload may come open, by its first bytes; none: it is too short, or of no kind. The rest of it is not read.
+pub fn may_come_open(security: &SecurityConfig, payload: &[u8]) -> Option<bool> {
     const MEASUREMENT: u32 = 0;
     const COMMAND: u32 = 5;
     const TARGETS: u32 = 9;
     const STATUS: u32 = 3;
-    let ((_, request), rest) = postcard::take_from_bytes::<(u16, u32)>(payload).ok()?;
+    let (mut head, mut command) = ((0_u16, 0), 0);
+    let rest = plain::read(&mut head, payload)?;
+    let (_, request) = head;
     match request {
-        MEASUREMENT => Some(true),
-        COMMAND => postcard::take_from_bytes::<u32>(rest).ok().map(|(command, _)| command == STATUS),
+        MEASUREMENT => Some(!security.secured_measurements),
+        COMMAND => plain::read(&mut command, rest).map(|_| command == STATUS),
         _ => (request <= TARGETS).then_some(false),
     }
 }
@@ -240,4 +311,75 @@ pub fn encode<'a>(
     head.copy_from_slice(&[VERSION, protection]);
     let length = postcard::to_slice(uplink, rest).map_err(|_| rundown_wire::EncodeError)?.len();
     buffer.get(..2 + length).ok_or(rundown_wire::EncodeError)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::listed::listed;
+
+    fn requests() -> impl Iterator<Item = Request> {
+        let effect = Effect { kind: 3, section_m: Some([1e3, 2e3]), values: [0.5, -1.0].into_iter().collect() };
+        let part =
+            SnapshotPart { tick: 300, setup: 7, crc: u32::MAX, total: 9, first: 0, bytes: listed(*b"abcdefghi") };
+        let commands = [
+            Command::Begin { direction: Direction::Down, track_id: 77_777 },
+            Command::End,
+            Command::Pace(Pace::Lockstep),
+            Command::Status,
+            Command::Snapshot,
+            Command::Forget,
+            Command::ClearEffects,
+        ];
+        let others = [
+            Request::Measurement(Measurement { time_s: 10.0, speed_mps: Some(38.9), ..Default::default() }),
+            Request::Train(TrainFrame { id: 1 << 63, description: TrainDescription::CASE_STUDY }),
+            Request::Track(TrackPart {
+                id: 1,
+                length_m: 32e3,
+                total: 300,
+                first: 24,
+                gradients: listed([Gradient { from_m: 100.0, permille: -3.5 }]),
+            }),
+            Request::Effect(effect),
+            Request::Snapshot(part),
+            Request::Surroundings(Surroundings { temperature_c: Some(-4.0), day: None }),
+            Request::Curves(CurvePart {
+                track_id: 1,
+                first: 0,
+                curves: listed([Curve { from_m: 1.0, to_m: 2.0, radius_m: 300.0 }]),
+            }),
+            Request::Targets(TargetPart {
+                track_id: 1,
+                first: 2,
+                targets: listed([Target { at_m: 9e3, limit_mps: None }]),
+            }),
+        ];
+        let settings = Setting::all(&Config::default()).into_iter().map(Request::Setting);
+        others.into_iter().chain(commands.into_iter().map(Request::Command)).chain(settings)
+    }
+
+    /// Each request, whole, with every byte changed and cut short everywhere, is read as postcard reads it, who writes it.
+    #[test]
+    fn every_request_is_read_as_it_was_written() {
+        for request in requests() {
+            let uplink = Uplink { sequence: 300, request };
+            let mut buffer = [0; 600];
+            let length = encode(&uplink, OPEN, &mut buffer).unwrap().len();
+            let payload = &mut buffer[2..length];
+            assert_eq!(decode(payload), Some(uplink));
+            for at in 0..payload.len() {
+                assert_eq!(decode(&payload[..at]), None, "{at}");
+                for change in [1, 0x80, 0xFF] {
+                    payload[at] ^= change;
+                    let expected = postcard::take_from_bytes::<Uplink>(payload).ok();
+                    let expected = expected.filter(|(_, rest)| rest.is_empty()).map(|(uplink, _)| uplink);
+                    let (found, expected) = (std::format!("{:?}", decode(payload)), std::format!("{expected:?}"));
+                    assert_eq!(found, expected, "byte {at} changed by {change}");
+                    payload[at] ^= change;
+                }
+            }
+        }
+    }
 }

@@ -419,7 +419,7 @@ fn learned() -> (Vehicle, Persisted) {
 #[test]
 fn what_was_learned_comes_back_bit_for_bit_after_a_boot() {
     let train = TrainId::of("2451");
-    let (vehicle, persisted) = learned();
+    let (vehicle, mut persisted) = learned();
     let mut store = Ring::mount(Flash::erased(PAGES)).unwrap();
     assert_eq!(Persisted::load(&mut store, train, &NOMINAL), Ok(None));
     assert_eq!(persisted.begin_epoch(&mut store, train), Ok(1));

@@ -4,6 +4,7 @@ use host_tests::board::{Board, PROVISIONING, answer, described, estimate, runnin
 use host_tests::flash::Flash;
 use host_tests::prelude::*;
 use host_tests::said;
+use rundown::estimator::config::SecurityConfig;
 use rundown::model::effects::*;
 use rundown::onboard::auth::{Provisioning, Signer};
 use rundown::onboard::uplink::{CurvePart, Setting};
@@ -85,6 +86,23 @@ fn what_changes_the_board_must_be_secured() {
         assert_eq!(refused.result, Err(Refusal::NotSecured));
     }
     assert_eq!(board.status().train_id, None);
+}
+
+#[test]
+fn open_measurements_are_refused_where_the_setting_asks_for_secured_ones() {
+    let (description, log) = described();
+    let security = SecurityConfig { secured_measurements: true };
+    let config = Config { security, ..description.config };
+    let (mut board, _, log) = running((Description { config, ..description }, log));
+    let open = board.desk.open(Request::Measurement(log[0])).unwrap();
+    assert_eq!(answer(&board.say(&open)).unwrap().result, Err(Refusal::NotSecured));
+    assert_eq!(board.status().refusals[Refusal::NotSecured as usize], 1);
+    let secured = board.desk.secured(Request::Measurement(log[0])).unwrap();
+    assert_eq!(estimate(&board.say(&secured)).unwrap().time_s, log[0].time_s);
+    // By default they are taken.
+    let (mut board, _, log) = running(described());
+    let open = board.desk.open(Request::Measurement(log[0])).unwrap();
+    assert!(estimate(&board.say(&open)).is_some());
 }
 
 #[test]

@@ -11,7 +11,11 @@ use rundown::onboard::uplink::{
     TrainFrame, Uplink,
 };
 use rundown::{
-    estimator::Estimator, estimator::config::Config, model::direction::Direction, onboard::task::DATA_ID, tick::digest,
+    estimator::Estimator,
+    estimator::config::{Config, SecurityConfig},
+    model::direction::Direction,
+    onboard::task::DATA_ID,
+    tick::digest,
 };
 use rundown_files::track_file::TrackFile;
 use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
@@ -71,7 +75,10 @@ impl Description {
 
     /// The requests that describe it to the board of this train.
     pub fn requests(&self, train_id: u64) -> Vec<Request> {
-        let mut requests: Vec<Request> = Setting::all(&self.config).into_iter().map(Request::Setting).collect();
+        // Not the default, which a board of an earlier version does not know.
+        let known = |setting: &Setting| *setting != Setting::Security(SecurityConfig::default());
+        let settings = Setting::all(&self.config).into_iter().filter(known);
+        let mut requests: Vec<Request> = settings.map(Request::Setting).collect();
         requests.push(Request::Train(TrainFrame { id: train_id, description: self.train }));
         let total = u16::try_from(self.gradients.len()).unwrap_or(u16::MAX);
         let mut parts: Vec<&[Gradient]> = self.gradients.chunks(GRADIENTS).collect();

@@ -3,13 +3,13 @@
 use crate::Real;
 use crate::model::point::Point;
 use crate::model::track::Target;
-use serde::{Deserialize, Serialize};
+use crate::plain::{Bytes, Plain, plain};
 
 /// Standard deviations of a 90 % interval to either side.
 pub const NINETY_PERCENT: Real = 1.645;
 
 /// What coasting from here leads to.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoastAhead {
     /// Time, location and speed that it begins with.
     pub from: Point,
@@ -19,8 +19,12 @@ pub struct CoastAhead {
     pub outcome: Outcome,
 }
 
+plain! {
+    struct CoastAhead { from, target, outcome }
+}
+
 /// What becomes of a train that coasts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     /// The train stands, or its state is not known well enough.
     Unknown,
@@ -39,8 +43,40 @@ pub enum Outcome {
     },
 }
 
+impl Plain for Outcome {
+    const START: Self = Self::Unknown;
+
+    fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        let now = match self {
+            Self::Unknown => 0,
+            Self::NoTarget => 1,
+            Self::Arrives(_) => 2,
+            Self::MayStop => 3,
+            Self::Stops { .. } => 4,
+        };
+        let chosen = bytes.choice(now, 5);
+        if bytes.are_read() {
+            *self = match chosen {
+                1 => Self::NoTarget,
+                2 => Self::Arrives(Plain::START),
+                3 => Self::MayStop,
+                4 => Self::Stops { location_m: 0.0, sd_m: 0.0 },
+                _ => Self::Unknown,
+            };
+        }
+        match self {
+            Self::Arrives(arrival) => arrival.pass(bytes),
+            Self::Stops { location_m, sd_m } => {
+                location_m.pass(bytes);
+                sd_m.pass(bytes);
+            }
+            Self::Unknown | Self::NoTarget | Self::MayStop => {}
+        }
+    }
+}
+
 /// At the target.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
     /// Speed, m/s.
     pub speed_mps: Real,
@@ -52,4 +88,8 @@ pub struct Arrival {
     pub time_sd_s: Real,
     /// How much speed at the target a metre is worth by which coasting begins later, (m/s)/m, on the level.
     pub speed_per_m: Real,
+}
+
+plain! {
+    struct Arrival { speed_mps, speed_sd_mps, time_s, time_sd_s, speed_per_m }
 }

@@ -1,15 +1,19 @@
 //! When a prediction is published again: with hysteresis.
 
 use super::{CoastAhead, CoastConfig, Outcome};
-use serde::{Deserialize, Serialize};
+use crate::plain::plain;
 
 /// Least worth of a metre that is divided by, (m/s)/m.
 const LEAST_SPEED_PER_M: crate::Real = 1e-6;
 
 /// What was published last.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Steady {
     said: Option<CoastAhead>,
+}
+
+plain! {
+    struct Steady { said }
 }
 
 impl Steady {

@@ -2,7 +2,8 @@
 
 use crate::coast_ahead::CoastConfig;
 use crate::features::FeatureConfig;
-use crate::tick::bounds::ConfigError;
+use crate::plain::{Bytes, Plain as _, plain};
+use crate::tick::bounds::{ConfigError, settings};
 use crate::tick::learning::LearningConfig;
 use crate::tick::memory::MemoryConfig;
 use crate::tick::paper::PaperConfig;
@@ -22,6 +23,10 @@ pub enum Mode {
     Gated,
     /// Effort measured, with a slowly learned gain.
     Measured,
+}
+
+plain! {
+    enum Mode { Paper, Gated, Measured }
 }
 
 /// The whole configuration; `Config::default()` is the `gated` mode.
@@ -48,9 +53,36 @@ pub struct Config {
     pub plausibility: PlausibilityConfig,
     /// Coast-ahead prediction.
     pub coast: CoastConfig,
+    /// What may come without a MAC.
+    pub security: SecurityConfig,
+}
+
+settings! {
+    /// What may come without a MAC.
+    SecurityConfig in "security" {
+        /// Measurements are taken secured only: one that comes open is refused, `not_secured`. Else whoever reaches the line can send them.
+        secured_measurements: bool = false;
+    }
 }
 
 impl Config {
+    /// All of it, for a digest: that of a configuration which leaves the security as it is by default is what it always was.
+    pub(crate) fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        self.mode.pass(bytes);
+        self.sensor.pass(bytes);
+        self.paper.pass(bytes);
+        self.learning.pass(bytes);
+        self.memory.pass(bytes);
+        self.paper_rule.pass(bytes);
+        self.recogniser.pass(bytes);
+        self.features.pass(bytes);
+        self.plausibility.pass(bytes);
+        self.coast.pass(bytes);
+        if self.security != SecurityConfig::default() {
+            self.security.pass(bytes);
+        }
+    }
+
     /// The default values in this mode.
     pub fn with_mode(mode: Mode) -> Self {
         Self { mode, ..Self::default() }
@@ -69,6 +101,7 @@ impl Config {
         self.recogniser.check_ranges()?;
         self.plausibility.check_ranges()?;
         self.coast.check_ranges()?;
+        self.security.check_ranges()?;
         self.features.check()
     }
 }

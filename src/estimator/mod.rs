@@ -21,6 +21,7 @@ use crate::model::point::Point;
 use crate::model::state::{LOCATION, SPEED};
 use crate::model::track::Track;
 use crate::model::train::Train;
+use crate::plain::{Bytes, Plain};
 use crate::tick::bounds::ConfigError;
 use crate::tick::estimate::{Cause, Counters, Estimate, Validity};
 use crate::tick::measurement::Measurement;
@@ -127,6 +128,17 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         E: BorrowMut<Effects>,
     {
         self.effects.borrow_mut()
+    }
+
+    /// Configuration, train and track, for a digest.
+    pub(crate) fn pass_setup(&mut self, bytes: &mut Bytes<'_>)
+    where
+        T: BorrowMut<Track>,
+    {
+        self.config.pass(bytes);
+        let mut description = *self.train.description();
+        description.pass(bytes);
+        self.track_mut().pass(bytes);
     }
 
     /// To be changed between runs only.

@@ -9,6 +9,7 @@ use crate::model::direction::Direction;
 use crate::model::effects::Journey;
 use crate::model::point::Point;
 use crate::model::state::{LOCATION, R0, SIZE};
+use crate::plain;
 use crate::tick::estimate::Counters;
 use crate::tick::kinematics::Kinematics;
 use crate::tick::learning::{Learner, LearningConfig};
@@ -17,11 +18,10 @@ use crate::tick::plausibility::Plausibility;
 use crate::tick::regime::{Recogniser, Regime};
 use crate::tick::snapshot::{InPlace, in_place};
 use rundown_wire::errors;
-use serde::Serialize;
 
 in_place! {
     /// What changes every tick of a run. Made by [`Estimator::begin_run`](crate::estimator::Estimator::begin_run).
-    #[derive(Clone, Debug, Serialize)]
+    #[derive(Clone, Debug)]
     pub struct RunState {
         pub(crate) direction: Direction = (Direction::Up);
         /// What was believed of this run's train when it began.
@@ -114,15 +114,12 @@ impl RunState {
         &self.features
     }
 
-    /// Writes the whole state. The bytes are postcard's, of this version of the library only; at most [`MAX_SNAPSHOT`].
+    /// Writes the whole state, and changes nothing of it. The bytes are of this version of the library only; at most [`MAX_SNAPSHOT`].
     ///
     /// # Errors
     /// [`NoSnapshot`]: `buffer` is too small.
-    pub fn snapshot<'a>(&self, buffer: &'a mut [u8]) -> Result<&'a [u8], NoSnapshot> {
-        match postcard::to_slice(self, buffer) {
-            Ok(bytes) => Ok(bytes),
-            Err(_) => Err(NoSnapshot),
-        }
+    pub fn snapshot<'a>(&mut self, buffer: &'a mut [u8]) -> Result<&'a [u8], NoSnapshot> {
+        plain::write(self, buffer).ok_or(NoSnapshot)
     }
 
     /// Goes on where the snapshot was taken. Field by field in place: a whole run on the stack would be 14 kB.
@@ -130,10 +127,7 @@ impl RunState {
     /// # Errors
     /// [`NoSnapshot`]; the run is idle then.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), NoSnapshot> {
-        let mut source = postcard::Deserializer::from_bytes(bytes);
-        let complete =
-            self.take_fields(&mut source).is_ok() && source.finalize().is_ok_and(<[u8]>::is_empty) && self.is_sound();
-        if !complete {
+        if !(plain::read_all(self, bytes) && self.is_sound()) {
             self.reset();
             return Err(NoSnapshot);
         }

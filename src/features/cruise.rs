@@ -13,29 +13,31 @@
 use super::Statistic;
 use crate::Real;
 use crate::model::units::KmPerHour;
-use crate::tick::snapshot::{InPlace, Source, take};
-use serde::Serialize;
+use crate::plain::{Bytes, Plain};
+use crate::tick::snapshot::InPlace;
 
 const BINS: usize = 721;
 const BINS_PER_KMH: Real = 2.0;
 
 /// Histogram of the held speeds.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub(super) struct HeldSpeeds {
-    #[serde(serialize_with = "serde_big_array::BigArray::serialize")]
     time_ms: [u32; BINS],
 }
 
+impl Plain for HeldSpeeds {
+    const START: Self = Self { time_ms: [0; BINS] };
+
+    fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        bytes.counts(&mut self.time_ms);
+    }
+}
+
 impl InPlace for HeldSpeeds {
-    const ZEROED: Self = Self { time_ms: [0; BINS] };
+    const ZEROED: Self = Self::START;
 
     fn clear_fields(&mut self) {
         self.time_ms.fill(0);
-    }
-
-    /// A tuple of counts, as it was written.
-    fn take_fields(&mut self, source: &mut Source<'_>) -> postcard::Result<()> {
-        self.time_ms.iter_mut().try_for_each(|time_ms| take(time_ms, source))
     }
 }
 

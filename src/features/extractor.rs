@@ -20,14 +20,13 @@ use crate::model::units::KmPerHour;
 use crate::tick::regime::Regime;
 use crate::tick::snapshot::{InPlace, in_place};
 use heapless::{Deque, Vec};
-use serde::Serialize;
 
 /// Boundaries kept with what is needed to place them; the final approach must lie within them.
 const MAX_RECENT: usize = 24;
 
 in_place! {
     /// Collects the features of a run.
-    #[derive(Clone, Debug, Serialize)]
+    #[derive(Clone, Debug)]
     pub struct FeatureExtractor {
         before: Option<Observation> = (None, zeroed Some(Observation::ZEROED));
         stretches: Stretches = (in place);

@@ -9,16 +9,20 @@
 
 use crate::Real;
 use crate::model::resistance::Davis;
-use serde::{Deserialize, Serialize};
+use crate::plain::plain;
 
 /// Moments of the intervals that counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Hindsight {
     time_s: Real,
     /// Σ Δt v, Σ Δt v², Σ Δt v³.
     moments: [Real; 3],
     /// Σ Δt v r(v) with the coefficients of the time.
     taken_j_per_kg: Real,
+}
+
+plain! {
+    struct Hindsight { time_s, moments, taken_j_per_kg }
 }
 
 impl Hindsight {

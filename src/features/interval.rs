@@ -7,12 +7,12 @@
 
 use super::Observation;
 use crate::Real;
+use crate::plain::plain;
 use crate::tick::regime::Regime;
 use crate::tick::snapshot::in_place;
-use serde::{Deserialize, Serialize};
 
 /// From one tick to the next, or several of them taken together.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Interval {
     /// Speed at its beginning, m/s.
     pub(super) before_mps: Real,
@@ -26,6 +26,10 @@ pub(super) struct Interval {
     pub(super) work_j_per_kg: Real,
     /// Regime.
     pub(super) regime: Regime,
+}
+
+plain! {
+    struct Interval { before_mps, after_mps, dt_s, impulse_mps, work_j_per_kg, regime }
 }
 
 impl Interval {
@@ -78,7 +82,7 @@ impl Interval {
 
 in_place! {
     /// Takes intervals together until they are long enough.
-    #[derive(Clone, Debug, Serialize)]
+    #[derive(Clone, Debug)]
     pub(super) struct Stretches {
         open: Option<Interval> = (None, zeroed Some(Interval::ZEROED));
         time_s: [Real; 5] = ([0.0; 5]);

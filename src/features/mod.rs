@@ -29,6 +29,7 @@ pub use extractor::FeatureExtractor;
 
 use crate::Real;
 use crate::model::resistance::Davis;
+use crate::plain::plain;
 use crate::tick::regime::Regime;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -57,6 +58,20 @@ pub struct Observation {
     pub davis: Davis,
     /// The regime of this tick.
     pub regime: Regime,
+}
+
+plain! {
+    struct Observation {
+        time_s,
+        dt_s,
+        location_m,
+        speed_mps,
+        effort_n_per_kg,
+        acceleration_mps2,
+        gradient_n_per_kg,
+        davis,
+        regime,
+    }
 }
 
 impl Observation {
@@ -143,6 +158,10 @@ pub struct SwitchingPoint {
     pub to: Regime,
 }
 
+plain! {
+    struct SwitchingPoint { time_s, location_m, speed_mps, from, to }
+}
+
 /// Energy per rotating mass, J/kg; resistance terms as taken from the train over the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energy {
@@ -158,6 +177,17 @@ pub struct Energy {
     pub r2_j_per_kg: Real,
     /// Taken by the gradient, negative where the train came down.
     pub gradient_j_per_kg: Real,
+}
+
+plain! {
+    struct Energy {
+        traction_j_per_kg,
+        brake_j_per_kg,
+        r0_j_per_kg,
+        r1_j_per_kg,
+        r2_j_per_kg,
+        gradient_j_per_kg,
+    }
 }
 
 impl Energy {

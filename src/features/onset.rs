@@ -26,10 +26,10 @@
 use super::phases::Boundary;
 use super::{FeatureConfig, Observation, SwitchingPoint};
 use crate::Real;
+use crate::plain::plain;
 use crate::tick::regime::Regime;
 use crate::tick::snapshot::in_place;
 use heapless::Deque;
-use serde::{Deserialize, Serialize};
 
 const KNOTS: usize = 64;
 
@@ -37,7 +37,7 @@ const KNOTS: usize = 64;
 const LEAST_STEP_N_PER_KG: Real = 0.02;
 
 /// The course at one time.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Knot {
     time_s: Real,
     /// Effort integrated over time since the beginning, m/s.
@@ -46,9 +46,13 @@ struct Knot {
     location_m: Real,
 }
 
+plain! {
+    struct Knot { time_s, impulse_mps, speed_mps, location_m }
+}
+
 in_place! {
     /// The last minutes.
-    #[derive(Clone, Debug, Serialize)]
+    #[derive(Clone, Debug)]
     pub(super) struct Course {
         knots: Deque<Knot, KNOTS> = (in place);
         head: Option<Knot> = (None);

@@ -18,16 +18,16 @@ use super::cruise::HeldSpeeds;
 use super::interval::Interval;
 use crate::Real;
 use crate::model::units::KmPerHour;
+use crate::plain::plain;
 use crate::tick::regime::Regime;
 use crate::tick::snapshot::in_place;
 use heapless::{Deque, Vec};
-use serde::{Deserialize, Serialize};
 
 /// Samples of other regimes that are kept before the phase is closed. More of them are an end at any length.
 const MAX_PENDING: usize = 16;
 
 /// Where the samples change from one regime to another.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Boundary {
     /// End of the last sample before, s; a dropout behind it belongs to the regime after.
     pub(super) time_s: Real,
@@ -39,12 +39,16 @@ pub(super) struct Boundary {
     pub(super) to: Regime,
 }
 
+plain! {
+    struct Boundary { time_s, first_sample_s, from, to }
+}
+
 impl Boundary {
     const ZEROED: Self = Self { time_s: 0.0, first_sample_s: 0.0, from: Regime::Standstill, to: Regime::Standstill };
 }
 
 /// Samples of one regime in a row.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug)]
 struct SampleRow {
     regime: Regime,
     end_s: Real,
@@ -54,6 +58,10 @@ struct SampleRow {
     dt_s: Real,
     samples: u32,
     impulse_mps: Real,
+}
+
+plain! {
+    struct SampleRow { regime, end_s, first_sample_s, start_mps, end_mps, dt_s, samples, impulse_mps }
 }
 
 impl SampleRow {
@@ -99,7 +107,7 @@ pub(super) type Boundaries = Vec<Boundary, { MAX_PENDING + 1 }>;
 
 in_place! {
     /// Makes phases of samples.
-    #[derive(Clone, Debug, Serialize)]
+    #[derive(Clone, Debug)]
     pub(super) struct Phases {
         phase: Option<SampleRow> = (None, zeroed Some(SampleRow::ZEROED));
         pending: Deque<SampleRow, MAX_PENDING> = (in place);

@@ -4,15 +4,19 @@
 
 use super::{EffortLine, Statistic};
 use crate::Real;
-use serde::{Deserialize, Serialize};
+use crate::plain::plain;
 
 /// Mean and standard deviation of values that lasted for different times (Welford's recurrence with weights).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct WeightedMoments {
     count: u32,
     weight: Real,
     mean: Real,
     squares: Real,
+}
+
+plain! {
+    struct WeightedMoments { count, weight, mean, squares }
 }
 
 impl WeightedMoments {
@@ -39,7 +43,7 @@ impl WeightedMoments {
 }
 
 /// Least squares of y = a + b x.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LineFit {
     count: u32,
     x: Real,
@@ -47,6 +51,10 @@ pub(super) struct LineFit {
     xx: Real,
     xy: Real,
     yy: Real,
+}
+
+plain! {
+    struct LineFit { count, x, y, xx, xy, yy }
 }
 
 impl LineFit {

@@ -10,13 +10,12 @@ use super::interval::Interval;
 use crate::tick::regime::Regime;
 use crate::tick::snapshot::in_place;
 use heapless::Vec;
-use serde::Serialize;
 
 const MAX_HELD: usize = 12;
 
 in_place! {
     /// The filter for one regime.
-    #[derive(Clone, Debug, Serialize)]
+    #[derive(Clone, Debug)]
     pub(super) struct SteadyIntervals {
         regime: Regime = (Regime::Standstill);
         /// The interval before was of the regime.

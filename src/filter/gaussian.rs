@@ -1,6 +1,7 @@
 //! A normal distribution: what is believed of a state.
 
 use crate::Real;
+use crate::plain::{Bytes, Plain};
 use nalgebra::{ArrayStorage, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,15 @@ pub struct Gaussian<const N: usize> {
     pub mean: SVector<Real, N>,
     /// Covariance, symmetric to the last bit.
     pub covariance: SMatrix<Real, N, N>,
+}
+
+impl<const N: usize> Plain for Gaussian<N> {
+    const START: Self = Self::ZEROED;
+
+    fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        self.mean.pass(bytes);
+        self.covariance.pass(bytes);
+    }
 }
 
 impl<const N: usize> Gaussian<N> {

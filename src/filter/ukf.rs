@@ -38,6 +38,7 @@
 use crate::Real;
 use crate::filter::elimination::{Column, NotPositiveDefinite, above_zero, eliminate};
 use crate::filter::gaussian::Gaussian;
+use crate::plain::{Bytes, Plain};
 use nalgebra::{SMatrix, SVector};
 use rundown_wire::errors;
 use serde::{Deserialize, Serialize};
@@ -102,6 +103,20 @@ struct SpreadTable {
     alpha: Real,
     beta: Real,
     kappa: Real,
+}
+
+impl<const N: usize> Plain for Spread<N> {
+    const START: Self = Self { alpha: 0.0, beta: 0.0, kappa: 0.0 };
+
+    fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        let mut parameters = self.parameters();
+        bytes.numbers(&mut parameters);
+        let [alpha, beta, kappa] = parameters;
+        match Self::try_new(alpha, beta, kappa) {
+            Ok(spread) => *self = spread,
+            Err(_) => bytes.refuse(),
+        }
+    }
 }
 
 impl<const N: usize> TryFrom<SpreadTable> for Spread<N> {

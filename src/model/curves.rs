@@ -6,6 +6,7 @@
 
 use crate::Real;
 use crate::model::table::Table;
+use crate::plain::plain;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +23,10 @@ pub struct Curve {
     pub to_m: Real,
     /// Radius, m.
     pub radius_m: Real,
+}
+
+plain! {
+    struct Curve { from_m, to_m, radius_m }
 }
 
 /// Smallest radius that the formula is asked for, m: its pole is at 30 m, and no main line is tighter.
@@ -48,12 +53,20 @@ struct Bend {
     before_m: f32,
 }
 
+plain! {
+    struct Bend { from_m, to_m, roeckl, before_m }
+}
+
 /// The curves of a track.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Curves {
     bends: Vec<Bend, MAX_CURVES>,
     /// Where the last curve was said to begin: where it overlaps the one before, its bend begins later.
     begun_m: Real,
+}
+
+plain! {
+    struct Curves { bends, begun_m }
 }
 
 impl Curves {

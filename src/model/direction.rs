@@ -1,6 +1,7 @@
 //! Direction of travel along the track.
 
 use crate::Real;
+use crate::plain::plain;
 use serde::{Deserialize, Serialize};
 
 /// Direction of travel along the track's locations.
@@ -11,6 +12,10 @@ pub enum Direction {
     Up,
     /// Locations fall.
     Down,
+}
+
+plain! {
+    enum Direction { Up, Down }
 }
 
 impl Direction {

@@ -20,6 +20,7 @@ use crate::model::line::Line;
 use crate::model::point::Point;
 use crate::model::profile::UnderTrain;
 use crate::model::state::{self, GAIN, LOCATION, MOVING, R0, R1, R2, SPEED};
+use crate::plain::plain;
 use nalgebra::SVector;
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +32,10 @@ pub enum Evaluate {
     Beginning,
     /// Half-way, from the speed and acceleration at the mean.
     Midway,
+}
+
+plain! {
+    enum Evaluate { Beginning, Midway }
 }
 
 /// One step of the motion, bound to where it begins.

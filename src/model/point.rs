@@ -1,6 +1,7 @@
 //! A point of a run: when, where, how fast.
 
 use crate::Real;
+use crate::plain::plain;
 use serde::{Deserialize, Serialize};
 
 /// A point of the run: when, where, how fast.
@@ -12,4 +13,8 @@ pub struct Point {
     pub location_m: Real,
     /// Speed, m/s.
     pub speed_mps: Real,
+}
+
+plain! {
+    struct Point { time_s, location_m, speed_mps }
 }

@@ -5,6 +5,7 @@
 
 use crate::Real;
 use crate::model::direction::Direction;
+use crate::plain::plain;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -21,11 +22,19 @@ pub struct Gradient {
     pub permille: Real,
 }
 
+plain! {
+    struct Gradient { from_m, permille }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 struct Piece {
     from_m: Real,
     slope: Real,
     height_m: Real,
+}
+
+plain! {
+    struct Piece { from_m, slope, height_m }
 }
 
 const FLAT_START: Piece = Piece {
@@ -40,6 +49,10 @@ const FLAT_START: Piece = Piece {
 pub(crate) struct Profile {
     /// The first is the flat start, so every location lies in a piece.
     pieces: Vec<Piece, { MAX_GRADIENTS + 1 }>,
+}
+
+plain! {
+    struct Profile { pieces }
 }
 
 impl Profile {

@@ -7,6 +7,7 @@
 //! ```
 
 use crate::Real;
+use crate::plain::plain;
 use serde::{Deserialize, Serialize};
 
 /// Coefficients of the Davis equation, per rotating mass γ m.
@@ -19,6 +20,10 @@ pub struct Davis {
     pub r1: Real,
     /// Quadratic (aerodynamic) term in N/(kg (m/s)²).
     pub r2: Real,
+}
+
+plain! {
+    struct Davis { r0, r1, r2 }
 }
 
 impl Davis {

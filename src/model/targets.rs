@@ -8,6 +8,7 @@
 use crate::Real;
 use crate::model::direction::Direction;
 use crate::model::table::Table;
+use crate::plain::plain;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +24,10 @@ pub struct Target {
     pub limit_mps: Option<Real>,
 }
 
+plain! {
+    struct Target { at_m, limit_mps }
+}
+
 /// What is permitted below and above a place along the track's locations; a stop permits 0 on both sides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 struct Boundary {
@@ -31,10 +36,18 @@ struct Boundary {
     above_mps: f32,
 }
 
+plain! {
+    struct Boundary { at_m, below_mps, above_mps }
+}
+
 /// The places of a track.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Targets {
     places: Vec<Boundary, MAX_TARGETS>,
+}
+
+plain! {
+    struct Targets { places }
 }
 
 impl Targets {

@@ -16,6 +16,7 @@ use crate::model::profile::{Profile, UnderTrain};
 use crate::model::table::Table;
 use crate::model::targets::Targets;
 pub use crate::model::targets::{MAX_TARGETS, Target};
+use crate::plain::{Bytes, Plain};
 use rundown_wire::errors;
 use serde::Serialize;
 
@@ -81,6 +82,18 @@ impl Track {
     /// No track.
     pub(crate) const fn empty() -> Self {
         Self { length_m: 0.0, profile: Profile::NONE, curves: Curves::NONE, targets: Targets::NONE }
+    }
+
+    /// All of it, for a digest: that of a track without curves is what it always was.
+    pub(crate) fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        self.length_m.pass(bytes);
+        self.profile.pass(bytes);
+        if !self.curves.is_empty() {
+            self.curves.pass(bytes);
+        }
+        if !self.targets.is_empty() {
+            self.targets.pass(bytes);
+        }
     }
 
     /// Begins with nothing but a length, in place.
@@ -208,6 +221,8 @@ impl Track {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plain;
+    use crate::tick::digest;
 
     fn track() -> Track {
         Track::try_new(
@@ -216,6 +231,17 @@ mod tests {
                 .map(|(from_m, permille)| Gradient { from_m, permille }),
         )
         .unwrap()
+    }
+
+    #[test]
+    fn the_digest_of_a_track_is_that_of_its_postcard_bytes() {
+        let mut track = track();
+        let digest = |track: &mut Track| plain::digest(|bytes| track.pass(bytes));
+        assert_eq!(digest(&mut track), digest::of(&track));
+        assert!(track.curves.push(Curve { from_m: 100.0, to_m: 200.0, radius_m: 300.0 }));
+        assert_eq!(digest(&mut track), digest::of(&track));
+        assert!(track.targets.push(Target { at_m: 900.0, limit_mps: None }));
+        assert_eq!(digest(&mut track), digest::of(&track));
     }
 
     #[test]

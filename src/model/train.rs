@@ -3,6 +3,7 @@
 use crate::Real;
 use crate::model::bounds::{OutOfRange, between};
 use crate::model::resistance::Davis;
+use crate::plain::plain;
 use serde::{Deserialize, Serialize};
 
 /// Largest effort of the weakest train, N/kg: less than any train needs to start on the level (r0 is near 0.01), so it was stated in kN.
@@ -35,6 +36,18 @@ pub struct TrainDescription {
     pub max_power_w: Real,
     /// Largest deceleration by brake, m/s², positive.
     pub max_brake_mps2: Real,
+}
+
+plain! {
+    struct TrainDescription {
+        mass_kg,
+        rotating_mass_factor,
+        length_m,
+        davis,
+        max_tractive_effort_n,
+        max_power_w,
+        max_brake_mps2,
+    }
 }
 
 impl TrainDescription {

@@ -9,8 +9,8 @@ use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
 use crate::model::state::resistance_sd;
 use crate::model::units::KmPerHour;
+use crate::plain::plain;
 use rundown_wire::Learned;
-use serde::{Deserialize, Serialize};
 
 /// Speed at which learning is judged, km/h: the middle of the speeds at which trains coast.
 pub const JUDGED_KMH: Real = 100.0;
@@ -22,10 +22,14 @@ pub const FORGOTTEN_SHARE: Real = 0.6;
 pub const BOUND_KMH: [Real; 3] = [20.0, 80.0, 140.0];
 
 /// What is remembered from tick to tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Published {
     learned: bool,
     out_of_bounds: bool,
+}
+
+plain! {
+    struct Published { learned, out_of_bounds }
 }
 
 impl Published {

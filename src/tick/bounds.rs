@@ -105,6 +105,10 @@ macro_rules! settings {
             }
         }
 
+        $crate::plain::plain! {
+            struct $Name { $($field),* }
+        }
+
         impl $Name {
             pub(crate) fn check_ranges(&self) -> Result<(), crate::model::bounds::OutOfRange> {
                 $($(

@@ -5,6 +5,7 @@ use crate::filter::gaussian::Gaussian;
 use crate::filter::ukf::Innovation;
 use crate::model::resistance::Davis;
 use crate::model::state::{self, SIZE};
+use crate::plain::plain;
 use crate::tick::regime::Regime;
 pub use rundown_wire::{Cause, Validity};
 use serde::{Deserialize, Serialize};
@@ -49,6 +50,10 @@ pub struct Counters {
     counts: [u32; Cause::ALL.len()],
     /// Measurements dropped because their time did not increase.
     pub time_not_increasing: u32,
+}
+
+plain! {
+    struct Counters { counts, time_not_increasing }
 }
 
 impl Counters {

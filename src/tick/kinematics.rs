@@ -6,9 +6,9 @@
 
 use crate::Real;
 use crate::filter::gaussian::Gaussian;
+use crate::plain::plain;
 use crate::tick::sensor::SensorConfig;
 use nalgebra::{Matrix2, Vector2};
-use serde::{Deserialize, Serialize};
 
 /// What a driver may do to the speed while nobody reads it, m/s².
 const UNKNOWN_ACCELERATION_MPS2: Real = 0.3;
@@ -16,12 +16,16 @@ const UNKNOWN_ACCELERATION_MPS2: Real = 0.3;
 const DISTANCE_SHARE: Real = 0.01;
 
 /// Location and speed by dead reckoning.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Kinematics {
     location_m: Real,
     location_variance: Real,
     speed_mps: Real,
     speed_variance: Real,
+}
+
+plain! {
+    struct Kinematics { location_m, location_variance, speed_mps, speed_variance }
 }
 
 impl Kinematics {

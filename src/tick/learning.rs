@@ -16,11 +16,11 @@ use crate::model::effects::Acting;
 use crate::model::line::Line;
 use crate::model::motion::{Evaluate, Motion};
 use crate::model::state::{LOCATION, R0, SIZE_WITH_GAIN, SPEED};
+use crate::plain::plain;
 use crate::tick::bounds::settings;
 use crate::tick::sensor::SensorConfig;
 use crate::tick::snapshot::{InPlace, in_place};
 use heapless::Deque;
-use serde::{Deserialize, Serialize};
 
 settings! {
     /// When and how the resistance is learned.
@@ -98,15 +98,19 @@ const BEGIN_SPEED_SD_MPS: Real = 1.0;
 const WAITING: usize = 8;
 
 /// A belief of the constants with the time when it was reached.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug)]
 struct Reached {
     time_s: Real,
     constants: Gaussian<4>,
 }
 
+plain! {
+    struct Reached { time_s, constants }
+}
+
 in_place! {
     /// A running segment.
-    #[derive(Clone, Debug, Serialize)]
+    #[derive(Clone, Debug)]
     struct Segment {
         begin_s: Real = (0.0);
         /// Up to here what was learned is valid.
@@ -120,7 +124,7 @@ in_place! {
 
 in_place! {
     /// What is learned in one run.
-    #[derive(Clone, Debug, Serialize)]
+    #[derive(Clone, Debug)]
     pub struct Learner {
         /// r0, r1, r2 and the gain of the effort.
         constants: Gaussian<4> = (Gaussian::ZEROED);

@@ -1,6 +1,7 @@
 //! One measurement as the recorder gives it.
 
 use crate::Real;
+use crate::plain::plain;
 use serde::{Deserialize, Serialize};
 
 /// One sample. A field that was not sent is `None`, never a zero.
@@ -14,4 +15,8 @@ pub struct Measurement {
     pub speed_mps: Option<Real>,
     /// Measured applied effort per rotating mass, N/kg, traction positive, brake negative.
     pub effort_n_per_kg: Option<Real>,
+}
+
+plain! {
+    struct Measurement { time_s, location_m, speed_mps, effort_n_per_kg }
 }

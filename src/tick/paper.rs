@@ -20,6 +20,7 @@ use crate::model::motion::Evaluate;
 use crate::model::motion::Motion;
 use crate::model::point::Point;
 use crate::model::state::{self, LOCATION, R0, SIZE, SPEED};
+use crate::plain::plain;
 use crate::tick::bounds::settings;
 use crate::tick::learning::LocationAndSpeed;
 use serde::{Deserialize, Serialize};
@@ -33,6 +34,10 @@ pub enum Difference {
     Backward,
     /// The difference over a step drives that very step.
     Forward,
+}
+
+plain! {
+    enum Difference { Backward, Forward }
 }
 
 settings! {
@@ -64,7 +69,7 @@ settings! {
 }
 
 /// State of the paper's loop.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaperLoop {
     /// State and covariance.
     pub belief: Gaussian<SIZE>,
@@ -74,6 +79,10 @@ pub struct PaperLoop {
     pub acceleration_mps2: Real,
     reading_mps: Option<Real>,
     since_reading_s: Real,
+}
+
+plain! {
+    struct PaperLoop { belief, effort_n_per_kg, acceleration_mps2, reading_mps, since_reading_s }
 }
 
 impl PaperLoop {

@@ -16,11 +16,11 @@
 use crate::Real;
 use crate::model::direction::Direction;
 use crate::model::train::Train;
+use crate::plain::plain;
 use crate::tick::bounds::settings;
 use crate::tick::estimate::Cause;
 use crate::tick::measurement::Measurement;
 use crate::tick::sensor::SensorConfig;
-use serde::{Deserialize, Serialize};
 
 /// Gravity on a descent of 30 permille, N/kg.
 const DESCENT_N_PER_KG: Real = 0.3;
@@ -80,7 +80,7 @@ pub struct Judged {
 }
 
 /// What must be remembered to judge the next measurement.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Plausibility {
     last_time_s: Option<Real>,
     /// What a clock that was set has to be put forward by to go on from the old one, s.
@@ -106,6 +106,24 @@ pub struct Plausibility {
     same_speed_run_m: Real,
     /// Steps in a row that went backwards.
     backward: u32,
+}
+
+plain! {
+    struct Plausibility {
+        last_time_s,
+        shift_s,
+        rejected_time,
+        speed,
+        expected_m,
+        since_location_m,
+        raw_location_m,
+        agreeing_locations,
+        rejected_speed,
+        same_speed,
+        drift_m,
+        same_speed_run_m,
+        backward,
+    }
 }
 
 impl Plausibility {

@@ -2,6 +2,7 @@
 
 use crate::Real;
 use crate::model::bounds::{OutOfRange, between};
+use crate::plain::plain;
 use crate::tick::bounds::settings;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +15,10 @@ pub enum Rounding {
     Rounded,
     /// Down to the whole quantum below.
     Truncated,
+}
+
+plain! {
+    enum Rounding { Rounded, Truncated }
 }
 
 settings! {

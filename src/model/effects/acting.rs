@@ -15,6 +15,7 @@ use crate::model::line::Line;
 use crate::model::point::Point;
 use crate::model::resistance::Davis;
 use crate::model::train::Train;
+use crate::plain::plain;
 use serde::{Deserialize, Serialize};
 
 /// A train that is faster than this moves, m/s.
@@ -29,6 +30,10 @@ pub struct Surroundings {
     pub day: Option<Real>,
 }
 
+plain! {
+    struct Surroundings { temperature_c, day }
+}
+
 impl Surroundings {
     /// Whether a train can meet them: -60 to 80 °C, a date within a million days of the origin. No number is neither.
     pub fn are_plausible(&self) -> bool {
@@ -39,7 +44,7 @@ impl Surroundings {
 }
 
 /// What the effects need to know of a run beside its motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Journey {
     /// Last time before the train first moved, s; of the first measurement if it moved already.
     departure_s: Option<Real>,
@@ -50,6 +55,10 @@ pub struct Journey {
     /// How long it stood at the last one, or stands there, s.
     stood_s: Option<Real>,
     pub(crate) surroundings: Surroundings,
+}
+
+plain! {
+    struct Journey { departure_s, departed, braked, standing_since_s, stood_s, surroundings }
 }
 
 impl Journey {

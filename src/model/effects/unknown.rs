@@ -7,6 +7,7 @@
 //! It acts against travel in either direction. Where the coordinate is not known (no temperature, no date) nothing is added. Points are in single precision:
 //! the board keeps the table in RAM and flash, and 0.01 m at 100 km and 1e-9 N/kg are enough.
 
+use crate::plain::plain;
 use super::parameters::Parameters;
 use super::{EffectError, FrameError, Law, Moment, Situation};
 use crate::Real;
@@ -36,6 +37,10 @@ pub enum Coordinate {
     Day,
 }
 
+plain! {
+    enum Coordinate { Location, Speed, Time, Temperature, Day }
+}
+
 impl Coordinate {
     /// All, in the order of their numbers on the wire.
     pub const ALL: [Self; 5] = [Self::Location, Self::Speed, Self::Time, Self::Temperature, Self::Day];
@@ -60,6 +65,10 @@ pub struct Unknown {
     pub coordinate: Coordinate,
     /// Points (coordinate, extra resistance in N/kg), the coordinate growing; 1 to [`MAX_POINTS`].
     pub table: Vec<(f32, f32), MAX_POINTS>,
+}
+
+plain! {
+    struct Unknown { coordinate, table }
 }
 
 impl Unknown {

@@ -8,19 +8,19 @@ use crate::listed::listed;
 use crate::model::effects::{Effect, Effects, MAX_EFFECTS, MAX_POINTS, Unknown};
 use crate::model::resistance::Davis;
 use crate::onboard::train_id::TrainId;
+use crate::plain::{self, plain};
 use crate::tick::memory::{Implausible, Vehicle, VehicleRecord};
 use crate::tick::snapshot::{InPlace, in_place};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use rundown_wire::{EffectKind, errors};
-use serde::{Deserialize, Serialize};
 
 /// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order, or [`SCALES`](crate::tick::memory::SCALES).
 pub const LAYOUT: u16 = 2;
 
 in_place! {
     /// What survives a power cut.
-    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    #[derive(Clone, Debug, PartialEq)]
     pub struct Persisted {
         /// What is known of the train's resistance.
         pub vehicle: VehicleRecord = (VehicleRecord::ZEROED);
@@ -34,7 +34,7 @@ in_place! {
 }
 
 /// Counts over the life of the board.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lifetime {
     /// Starts of the firmware.
     pub resets: u32,
@@ -42,6 +42,10 @@ pub struct Lifetime {
     pub runs: u32,
     /// Stops.
     pub stops: u32,
+}
+
+plain! {
+    struct Lifetime { resets, runs, stops }
 }
 
 /// A named effect in numbers, as in frames.
@@ -136,8 +140,7 @@ impl Persisted {
         let Some(restored) = restored.filter(|restored| !restored.payload.is_empty()) else {
             return Ok(None);
         };
-        let mut source = postcard::Deserializer::from_bytes(restored.payload);
-        let complete = self.take_fields(&mut source).is_ok() && source.finalize().is_ok_and(<[u8]>::is_empty);
+        let complete = plain::read_all(self, restored.payload);
         complete.then_some(Some(restored.fallen_back)).ok_or(NotRestored::NotDecoded)
     }
 
@@ -158,7 +161,7 @@ impl Persisted {
     /// # Errors
     /// See [`Store::append`].
     pub fn save<F: NorFlash, const SLOT: usize>(
-        &self,
+        &mut self,
         store: &mut Store<F, SLOT>,
         train: TrainId,
     ) -> Result<u32, AppendError> {
@@ -172,7 +175,7 @@ impl Persisted {
     /// # Errors
     /// See [`Store::advance_epoch`].
     pub fn begin_epoch<F: NorFlash, const SLOT: usize>(
-        &self,
+        &mut self,
         store: &mut Store<F, SLOT>,
         train: TrainId,
     ) -> Result<u32, EpochError> {
@@ -183,10 +186,9 @@ impl Persisted {
     }
 
     /// Cannot fail as long as [`Persisted::MAX_SIZE`] is right.
-    fn encode<'a>(&self, buffer: &'a mut [u8; Self::MAX_SIZE]) -> Result<&'a [u8], AppendError> {
-        let bytes = postcard::to_slice(self, buffer)
-            .map_err(|_| AppendError::TooLong { most: Self::MAX_SIZE, found: Self::MAX_SIZE + 1 })?;
-        Ok(bytes)
+    fn encode<'a>(&mut self, buffer: &'a mut [u8; Self::MAX_SIZE]) -> Result<&'a [u8], AppendError> {
+        let too_long = AppendError::TooLong { most: Self::MAX_SIZE, found: Self::MAX_SIZE + 1 };
+        plain::write(self, buffer).ok_or(too_long)
     }
 }
 

@@ -136,7 +136,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
     }
 
     pub(super) fn write(&mut self) {
-        let persisted =
+        let mut persisted =
             Persisted { lifetime: self.lifetime, ..Persisted::new(&self.vehicle, self.estimator.effects()) };
         let written = match (&mut self.store, self.verifier.train()) {
             (Some(store), Some(train)) => persisted.save(store, train).is_ok(),

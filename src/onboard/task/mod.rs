@@ -230,7 +230,7 @@ impl<F: NorFlash> Task<'_, F> {
         match *protection {
             uplink::OPEN => {
                 // Before it is read: what must be secured costs nothing here.
-                if !uplink::may_come_open(open).ok_or(Refusal::Malformed)? {
+                if !uplink::may_come_open(&self.estimator.config().security, open).ok_or(Refusal::Malformed)? {
                     return Err(Refusal::NotSecured);
                 }
                 uplink::decode(open).ok_or(Refusal::Malformed)

@@ -4,20 +4,19 @@ use super::{LONG_STOP_S, MOVING_MPS, Port, Task};
 use crate::coast_ahead::Steady;
 use crate::estimator::config::Mode;
 use crate::model::direction::Direction;
-use crate::model::effects::{self, Effects, FrameError};
+use crate::model::effects::{self, FrameError};
 use crate::model::state::{SPEED, resistance_sd};
 use crate::model::table::Table;
 use crate::model::track::Track;
 use crate::model::train::Train;
 use crate::model::units::KmPerHour;
 use crate::onboard::published::JUDGED_KMH;
-use crate::tick::digest;
+use crate::plain::{self, Plain as _};
 use crate::tick::estimate::Estimate;
 use crate::tick::regime::Regime;
 use crate::uplink::{Command, Pace, Request, Setting, TrackPart, TrainFrame};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Body, Effect, Refusal};
-use serde::ser::{Serialize, SerializeSeq, Serializer};
 
 impl<F: NorFlash> Task<'_, F> {
     #[inline(never)]
@@ -252,29 +251,21 @@ impl<F: NorFlash> Task<'_, F> {
 
     /// Train, track, configuration or effects in force have changed.
     pub(super) fn settle(&mut self) {
-        let estimator = &self.estimator;
-        self.setup = digest::of(&(
-            self.train_id,
-            self.track_id,
-            estimator.config(),
-            estimator.train().description(),
-            estimator.track(),
-        ));
-        if !estimator.effects().is_empty() {
-            self.setup = digest::of(&(self.setup, Parts(estimator.effects())));
+        let (mut train_id, mut track_id, mut parts) =
+            (self.train_id, self.track_id, self.estimator.effects().len() as u32);
+        self.setup = plain::digest(|bytes| {
+            train_id.pass(bytes);
+            track_id.pass(bytes);
+            self.estimator.pass_setup(bytes);
+        });
+        if parts > 0 {
+            self.setup = plain::digest(|bytes| {
+                self.setup.pass(bytes);
+                parts.pass(bytes);
+                for mut part in self.estimator.effects().iter().flat_map(effects::Effect::parts) {
+                    part.pass(bytes);
+                }
+            });
         }
-    }
-}
-
-/// All frames of all effects, for their digest.
-struct Parts<'a>(&'a Effects);
-
-impl Serialize for Parts<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut sequence = serializer.serialize_seq(Some(self.0.len()))?;
-        for part in self.0.iter().flat_map(effects::Effect::parts) {
-            sequence.serialize_element(&part)?;
-        }
-        sequence.end()
     }
 }

@@ -5,22 +5,25 @@ use crate::Real;
 use crate::coast_ahead::Steady;
 use crate::estimator::run_state::MAX_SNAPSHOT;
 use crate::onboard::published::Published;
+use crate::plain::{self, Plain as _, plain};
 use crate::tick::digest;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use rundown_wire::{Body, Refusal, SNAPSHOT_BYTES, SnapshotPart};
-use serde::{Deserialize, Serialize};
 
 /// Pieces in one tick: some 1 kB, a tenth of a second at 115 200 baud. The largest snapshot takes 14 ticks.
 const PARTS_PER_TICK: usize = 2;
 
 /// What a run needs beside [`RunState`](crate::estimator::run_state::RunState); stands before it.
-#[derive(Serialize, Deserialize)]
 struct Around {
     published: Published,
     moved: bool,
     standing_since_s: Option<Real>,
     coast: Steady,
+}
+
+plain! {
+    struct Around { published, moved, standing_since_s, coast }
 }
 
 /// A snapshot on its way out, or in.
@@ -71,13 +74,13 @@ impl<F: NorFlash> Task<'_, F> {
         if buffer.outwards {
             return;
         }
-        let around = Around {
+        let mut around = Around {
             published: self.published,
             moved: self.moved,
             standing_since_s: self.standing_since_s,
             coast: self.coast,
         };
-        let Ok(head) = postcard::to_slice(&around, buffer.bytes).map(|head| head.len()) else {
+        let Some(head) = plain::write(&mut around, buffer.bytes).map(<[u8]>::len) else {
             return;
         };
         let Some(rest) = buffer.bytes.get_mut(head..) else {
@@ -135,7 +138,8 @@ impl<F: NorFlash> Task<'_, F> {
         if digest::of_bytes(whole) != buffer.crc {
             return Err(Refusal::Snapshot);
         }
-        let (around, run) = postcard::take_from_bytes::<Around>(whole).map_err(|_| Refusal::Snapshot)?;
+        let mut around = Around::START;
+        let run = plain::read(&mut around, whole).ok_or(Refusal::Snapshot)?;
         self.run.restore(run).map_err(|_| Refusal::Snapshot)?;
         self.judge_by_description();
         self.running = true;

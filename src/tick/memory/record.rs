@@ -5,9 +5,9 @@ use crate::Real;
 use crate::filter::elimination::{NotPositiveDefinite, eliminate};
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
+use crate::plain::plain;
 use nalgebra::{Matrix3, Vector3};
 use rundown_wire::errors;
-use serde::{Deserialize, Serialize};
 
 /// A stored coefficient is believed from this share of the manufacturer's coefficient ...
 pub const LEAST_SHARE: Real = 0.2;
@@ -15,7 +15,7 @@ pub const LEAST_SHARE: Real = 0.2;
 pub const MOST_SHARE: Real = 5.0;
 
 /// A [`Vehicle`] in numbers; unchecked. The scales are [`SCALES`] and not repeated.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VehicleRecord {
     /// The manufacturer's coefficients r0, r1, r2 by which the shares are taken.
     pub nominal: [Real; 3],
@@ -25,8 +25,12 @@ pub struct VehicleRecord {
     pub runs: u32,
 }
 
+plain! {
+    struct VehicleRecord { nominal, hypotheses, runs }
+}
+
 /// What is believed if the run-to-run deviation has one scale.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HypothesisRecord {
     /// Probability of the scale.
     pub weight: Real,
@@ -34,6 +38,10 @@ pub struct HypothesisRecord {
     pub mean: [Real; 3],
     /// Upper triangle of their covariance by rows: 00, 01, 02, 11, 12, 22.
     pub covariance: [Real; 6],
+}
+
+plain! {
+    struct HypothesisRecord { weight, mean, covariance }
 }
 
 errors! {

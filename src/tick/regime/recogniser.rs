@@ -19,8 +19,8 @@
 
 use super::Regime;
 use crate::Real;
+use crate::plain::plain;
 use crate::tick::bounds::settings;
-use serde::{Deserialize, Serialize};
 
 const COUNT: usize = Regime::ALL.len();
 
@@ -73,9 +73,13 @@ pub struct Evidence {
 }
 
 /// Probability of each regime, indexed by `Regime as usize`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recogniser {
     probability: [Real; COUNT],
+}
+
+plain! {
+    struct Recogniser { probability }
 }
 
 impl Recogniser {
