@@ -432,7 +432,13 @@ impl RecorderCheck {
         let n = (skews.len() as f64).sqrt();
         let skew_s = Figure { value: middle.value, sd: (1.2533 * spread_s / n).max(middle.sd / n) };
         (self.skew_s, self.skew_spread_s) = (Some(skew_s), Some(spread_s));
-        if skew_s.value.abs() > LEAST_SKEW_S && skew_s.away_from(0.0) > SURE {
+        // Few runs that differ leave their median uncertain, and each may be beyond doubt by itself.
+        let late = |sign: f64| {
+            let beyond = |skew: &&Figure| sign * skew.value > LEAST_SKEW_S.max(SURE * skew.sd);
+            2 * skews.iter().filter(beyond).count() > skews.len()
+        };
+        let usual = skew_s.value.abs() > LEAST_SKEW_S && skew_s.away_from(0.0) > SURE;
+        if usual || (skews.len() > 1 && (late(1.0) || late(-1.0))) {
             self.said(Kind::Skew, skew_s, "s", Done::Said);
         }
     }

@@ -394,3 +394,12 @@ fn held_speeds_that_are_rounded_are_no_wheel() {
     let found = check(&mut (0..6).map(run).collect::<Vec<_>>());
     assert!(!kinds(&found).contains(&Kind::SpeedScale), "{:?}", all(&found));
 }
+
+#[test]
+fn a_skew_that_differs_from_run_to_run_is_found_in_few_runs() {
+    let recorder = Recorder { skew_s: 2.5, skew_sd_s: 0.9, noise_m: 1.0, ..Recorder::default() };
+    for seed in 0..6 {
+        let (found, _) = recorder.check(5100 + seed, 4, 6);
+        assert_eq!(only(&found, Kind::Skew).done, Done::Said, "{seed}");
+    }
+}
