@@ -68,7 +68,7 @@ impl Recorder {
                 bursts: Some(Bursts { probability: 0.004, samples: [3, 20] }),
                 ..second
             },
-            Self::Jru => Sensors { sampling_s: 5.0, day_clock_s: Some([82_000.0, 86_300.0]), ..odometer },
+            Self::Jru => Sensors { sampling_s: 5.0, day_clock_s: Some([84_900.0, 86_300.0]), ..odometer },
         }
     }
 }
