@@ -9,6 +9,7 @@
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | `study` |
 //! | what would be the paper's best filter? | `tune` |
+//! | how often does the diagnosis of logs find an injected defect? | [`check_bench`] |
 //! | how often does the gap workflow find a hidden effect? | [`gap_bench`] |
 //! | what does a DAS computer say to the board? | `desk` |
 //! | how does the host reach a board, and talk to it? | `link`, `session` |
@@ -20,6 +21,7 @@
 #![warn(missing_docs)]
 
 mod advice;
+pub mod check_bench;
 pub mod commands;
 #[cfg(feature = "link")]
 pub mod desk;

@@ -225,6 +225,21 @@ pub fn agreement(parts: &[&[Row]]) -> Option<Agreement> {
 }
 
 impl Agreement {
+    /// The same with what the rounding of the speeds does, which may not show in the residuals: each reading is off by as much as a part of the step, and where a speed is
+    /// held, all of them by the same.
+    ///
+    /// `rounding_mps`: of a reading, standard deviation; `held_mps`: what is left of it in the mean; `step_s`: time between readings.
+    pub fn with_rounding(mut self, rounding_mps: f64, held_mps: f64, step_s: f64) -> Self {
+        let pair_s = PAIR_S.max(step_s);
+        let seen = 2.0 * self.location_noise_m * self.location_noise_m + self.walk_m * self.walk_m * pair_s;
+        let least = rounding_mps * rounding_mps * pair_s * step_s.min(pair_s);
+        self.information *= if least > seen { seen / least } else { 1.0 };
+        let column = self.information.column(1).into_owned();
+        let own = held_mps * held_mps;
+        self.information -= column * column.transpose() * (own / (1.0 + own * column[1]));
+        self
+    }
+
     /// Information on 1/s - 1 and o/s when the skew is unknown.
     fn without_skew(&self) -> Matrix2<f64> {
         let cross = Vector2::new(self.information[(0, 2)], self.information[(1, 2)]);

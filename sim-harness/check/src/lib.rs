@@ -45,6 +45,7 @@ pub mod steps;
 
 use agreement::{Agreement, Figure, Pooled, Row, agreement, pooled, spread};
 use finding::{Done, Finding, Kind};
+use nalgebra::Vector2;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::units;
@@ -92,8 +93,51 @@ pub struct RecorderCheck {
     pub skew_s: Option<Figure>,
     /// How much that differs from run to run, s.
     pub skew_spread_s: Option<f64>,
+    /// What was put right in its speeds.
+    pub correction: Correction,
     /// What was found.
     pub findings: Vec<Finding>,
+}
+
+/// What is put right in the speeds of a recorder.
+///
+/// ```text
+/// read = scale v - offset        v = (read + offset)/scale
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Correction {
+    /// True less read speed, m/s: half a step where the recorder truncates.
+    pub offset_mps: f64,
+    /// Measured over true speed.
+    pub scale: f64,
+}
+
+impl Correction {
+    /// Nothing is put right.
+    pub const NONE: Self = Self { offset_mps: 0.0, scale: 1.0 };
+
+    /// The true speed from a reading, m/s. A standing train reads zero, whatever the recorder does.
+    pub fn true_mps(&self, read_mps: f64) -> f64 {
+        if read_mps > 0.0 { (read_mps + self.offset_mps) / self.scale } else { read_mps }
+    }
+
+    /// The reading of a true speed, m/s.
+    ///
+    /// ```
+    /// use rundown_check::Correction;
+    ///
+    /// let wheel = Correction { offset_mps: 0.5 / 3.6, scale: 1.013 };
+    /// assert!((wheel.true_mps(wheel.read_mps(20.0)) - 20.0).abs() < 1e-9);
+    /// ```
+    pub fn read_mps(&self, true_mps: f64) -> f64 {
+        if true_mps > 0.0 { (true_mps * self.scale - self.offset_mps).max(0.0) } else { true_mps }
+    }
+}
+
+impl Default for Correction {
+    fn default() -> Self {
+        Self::NONE
+    }
 }
 
 /// The diagnosis of a set of runs.
@@ -105,10 +149,49 @@ pub struct Check {
     pub runs: Vec<RunCheck>,
 }
 
+/// Findings of single runs that [`Check::notes`] has.
+const NOTED: usize = 8;
+
 impl Check {
     /// Runs that are not to be used.
     pub fn refused(&self) -> impl Iterator<Item = &RunCheck> {
-        self.runs.iter().filter(|run| run.findings.iter().any(|finding| finding.done == Done::Refused))
+        self.runs.iter().filter(|run| run.refusal().is_some())
+    }
+
+    /// The recorder of a unit.
+    pub fn recorder(&self, unit: &str) -> Option<&RecorderCheck> {
+        self.recorders.iter().find(|recorder| recorder.unit == unit)
+    }
+
+    /// What a person must know, a line each: whatever changed a reading, and what spoils results and was not changed.
+    pub fn notes(&self) -> Vec<String> {
+        let spoils = |finding: &&Finding| match finding.done {
+            Done::PutRight | Done::LeftOut => true,
+            Done::Refused => false,
+            Done::Said => matches!(finding.kind, Kind::Reset | Kind::Skew | Kind::SpeedOffset),
+        };
+        let of_recorder = self.recorders.iter().flat_map(|recorder| {
+            let name = if recorder.unit.is_empty() { "all runs" } else { &recorder.unit };
+            recorder.findings.iter().filter(spoils).map(move |finding| format!("{name}: {finding}"))
+        });
+        let mut notes: Vec<String> = of_recorder.collect();
+        let usable = self.runs.iter().filter(|run| run.refusal().is_none());
+        let of_run = usable
+            .flat_map(|run| run.findings.iter().filter(spoils).map(move |finding| format!("{}: {finding}", run.name)));
+        let of_run: Vec<String> = of_run.collect();
+        let more = of_run.len().saturating_sub(NOTED);
+        notes.extend(of_run.into_iter().take(NOTED));
+        if more > 0 {
+            notes.push(format!("{more} more findings of single runs, all by `rundown check`"));
+        }
+        notes
+    }
+}
+
+impl RunCheck {
+    /// Why the run is not to be used.
+    pub fn refusal(&self) -> Option<&Finding> {
+        self.findings.iter().find(|finding| finding.done == Done::Refused)
     }
 }
 
@@ -253,7 +336,13 @@ fn of_recorder(
     let rows = || of_unit.iter().flat_map(|i| &recordings[*i].rows);
     let speed_step_kmh = steps::of_speed_kmh(rows());
     let location_step_m = steps::of_location_m(rows());
-    let compared: Vec<Agreement> = of_unit.iter().filter_map(|i| agreements[*i]).collect();
+    let step_kmh = speed_step_kmh.unwrap_or(0.0);
+    let rounded = |i: usize| {
+        let held_mps = steps::held_mps(&recordings[i].rows, step_kmh);
+        Some(agreements[i]?.with_rounding(steps::rounding_mps(step_kmh), held_mps, runs[i].step_s))
+    };
+    let agreements: Vec<Option<Agreement>> = of_unit.iter().map(|i| rounded(*i)).collect();
+    let compared: Vec<Agreement> = agreements.iter().flatten().copied().collect();
     let mut recorder = RecorderCheck {
         unit,
         compared: compared.len(),
@@ -264,19 +353,23 @@ fn of_recorder(
         offset_kmh: None,
         skew_s: None,
         skew_spread_s: None,
+        correction: Correction::NONE,
         findings: Vec::new(),
     };
     let Some(all) = pooled(&compared) else {
         return recorder;
     };
-    let readings = recorder.readings(&all, known);
-    for i in of_unit {
+    let values = recorder.decide(&all, known);
+    let correction = recorder.correction;
+    for (i, agreement) in of_unit.into_iter().zip(agreements) {
         let run = &mut runs[i];
-        if let Some(agreement) = agreements[i] {
-            run.skew_s = Some(agreement.skew_s(nalgebra::Vector2::new(readings.values.0, readings.values.1)));
-            run.scale = pooled(&[agreement]).map(|one| one.scale_at(readings.values.1));
+        if let Some(agreement) = agreement {
+            run.skew_s = Some(agreement.skew_s(values));
+            run.scale = pooled(&[agreement]).map(|one| one.scale_at(values[1]));
         }
-        readings.put_right(&mut recordings[i].rows);
+        for row in &mut recordings[i].rows {
+            row.speed_mps = row.speed_mps.map(|mps| correction.true_mps(mps));
+        }
     }
     recorder.skews(runs);
     recorder
@@ -286,26 +379,9 @@ fn put_right(here: bool) -> Done {
     if here { Done::PutRight } else { Done::Said }
 }
 
-/// What is put right in the speeds of a recorder.
-struct Readings {
-    /// 1/s - 1 and o/s, m/s, as the skews are judged with.
-    values: (f64, f64),
-    offset_mps: f64,
-    scale: f64,
-}
-
-impl Readings {
-    fn put_right(&self, rows: &mut [Sample]) {
-        for row in rows {
-            // A standing train reads zero, whatever the recorder does.
-            row.speed_mps = row.speed_mps.map(|mps| if mps > 0.0 { (mps + self.offset_mps) / self.scale } else { mps });
-        }
-    }
-}
-
 impl RecorderCheck {
-    /// Decides how the speed is shown, then the scale with what that says.
-    fn readings(&mut self, all: &Pooled, known: Known) -> Readings {
+    /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, as the skews are judged with.
+    fn decide(&mut self, all: &Pooled, known: Known) -> Vector2<f64> {
         let offset_kmh = all.offset_kmh();
         self.offset_kmh = Some(offset_kmh);
         let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
@@ -332,12 +408,11 @@ impl RecorderCheck {
         if matters {
             self.said(Kind::SpeedScale, scale, "", put_right(!known.scale));
         }
-        let values = (1.0 / scale.value - 1.0, if decided { offset_mps } else { all.values[1] });
-        Readings {
-            values,
+        self.correction = Correction {
             offset_mps: if known.truncates { 0.0 } else { offset_mps },
             scale: if matters && !known.scale { scale.value } else { 1.0 },
-        }
+        };
+        Vector2::new(1.0 / scale.value - 1.0, if decided { offset_mps } else { all.values[1] })
     }
 
     fn said(&mut self, kind: Kind, figure: Figure, unit: &'static str, done: Done) {
@@ -357,7 +432,13 @@ impl RecorderCheck {
         let n = (skews.len() as f64).sqrt();
         let skew_s = Figure { value: middle.value, sd: (1.2533 * spread_s / n).max(middle.sd / n) };
         (self.skew_s, self.skew_spread_s) = (Some(skew_s), Some(spread_s));
-        if skew_s.value.abs() > LEAST_SKEW_S && skew_s.away_from(0.0) > SURE {
+        // Few runs that differ leave their median uncertain, and each may be beyond doubt by itself.
+        let late = |sign: f64| {
+            let beyond = |skew: &&Figure| sign * skew.value > LEAST_SKEW_S.max(SURE * skew.sd);
+            2 * skews.iter().filter(beyond).count() > skews.len()
+        };
+        let usual = skew_s.value.abs() > LEAST_SKEW_S && skew_s.away_from(0.0) > SURE;
+        if usual || (skews.len() > 1 && (late(1.0) || late(-1.0))) {
             self.said(Kind::Skew, skew_s, "s", Done::Said);
         }
     }

@@ -370,3 +370,36 @@ fn there_and_back_other_units_and_missing_standstill_are_said() {
     let finding = only(&found, Kind::MissingStandstill);
     assert!((finding.figure.value - standing as f64).abs() < 90.0, "{finding} {standing}");
 }
+
+/// Rounding is off by the same as long as a speed is held: a few held speeds are no wheel, however well they are located.
+#[test]
+fn held_speeds_that_are_rounded_are_no_wheel() {
+    let run = |k: u32| {
+        let (mut location_m, mut speed) = (0.0, 0.0_f64);
+        let row = |i: u32| {
+            let shown = Some((3.6 * speed).round() / 3.6);
+            let row = Sample {
+                time_s: 10.0 * f64::from(i),
+                location_m: Some(location_m),
+                speed_mps: shown,
+                ..Sample::default()
+            };
+            let next = if i > 70 { (speed - 6.0).max(0.0) } else { (speed + 4.0).min(25.0 + f64::from(k)) };
+            location_m += 5.0 * (speed + next);
+            speed = next;
+            row
+        };
+        recording(&format!("run{k}"), (0..80).map(row).collect())
+    };
+    let found = check(&mut (0..6).map(run).collect::<Vec<_>>());
+    assert!(!kinds(&found).contains(&Kind::SpeedScale), "{:?}", all(&found));
+}
+
+#[test]
+fn a_skew_that_differs_from_run_to_run_is_found_in_few_runs() {
+    let recorder = Recorder { skew_s: 2.5, skew_sd_s: 0.9, noise_m: 1.0, ..Recorder::default() };
+    for seed in 0..6 {
+        let (found, _) = recorder.check(5100 + seed, 4, 6);
+        assert_eq!(only(&found, Kind::Skew).done, Done::Said, "{seed}");
+    }
+}

@@ -3,13 +3,13 @@
 use crate::candidate::{Shape, Term};
 use crate::candidates::dragging_brake;
 use crate::data::believed::{Conditions, Context};
-use crate::data::runs::{Readings, Run};
+use crate::data::runs::{EffortReading, Run};
 use crate::data::{cut, interval::Interval, rows::Row};
 use crate::efforts::{Looked, effort_reading, measured};
 use crate::findings::Findings;
 use crate::noise::calibrate::{Calibrated, calibrate};
 use crate::noise::dragging::dragging;
-use crate::readings::kinematics::kinematics;
+use crate::readings::kinematics::Kinematics;
 use crate::search::{fits::Search, fitting::fitted, headwind::headwind};
 use crate::traction::{hypotheses::limits, powering::SteadyPower};
 
@@ -25,16 +25,16 @@ struct Model {
 /// Analyses runs against the believed model. `None` if there is nothing to analyse: no run has enough of location and speed.
 pub fn analyse(given: &Context<'_>, runs: &[Run], mut progress: impl FnMut(&str)) -> Option<Findings> {
     let config = given.config;
-    let kinematics = kinematics(runs, &config.kinematics);
-    let mut readings = kinematics.readings(&config.kinematics);
+    let kinematics = Kinematics::of(runs);
+    let mut effort = EffortReading::default();
     let measured = measured(runs, &config.effort);
     let context = &Context { conditions: Conditions::of(runs), ..*given };
     if measured {
-        readings.effort = effort_reading(context, runs, &readings);
-        progress(&format!("effort column read as {:?}", readings.effort));
+        effort = effort_reading(context, runs);
+        progress(&format!("effort column read as {effort:?}"));
     }
-    let cut = cut::all(context, runs, &readings);
-    let Model { terms, beta, last } = model(context, runs, &cut, &readings, measured)?;
+    let cut = cut::all(context, runs, effort);
+    let Model { terms, beta, last } = model(context, runs, &cut, effort, measured)?;
     if last.is_none() && kinematics.runs == 0 {
         return None;
     }
@@ -50,12 +50,12 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], mut progress: impl FnMut(&str)
     } else {
         (Vec::new(), 0.0, None)
     };
-    let looked = Looked { context, runs, cut: &cut, readings: &readings, measured, model: (&terms, &beta) };
+    let looked = Looked { context, runs, cut: &cut, effort, measured, model: (&terms, &beta) };
     let (powering, traction) = looked.traction(&calibrated);
     let moves = |interval: &&Interval| interval.mean_speed_mps() > config.interval.slowest_mps;
     Some(Findings {
         kinematics,
-        readings,
+        effort,
         measured,
         moving: cut.iter().flatten().filter(moves).count(),
         terms: fitted,
@@ -74,7 +74,7 @@ fn model(
     context: &Context<'_>,
     runs: &[Run],
     cut: &[Vec<Interval>],
-    readings: &Readings,
+    effort: EffortReading,
     measured: bool,
 ) -> Option<Model> {
     let config = context.config;
@@ -83,7 +83,7 @@ fn model(
     let mut found = Model { terms: Vec::new(), beta: Vec::new(), last: None };
     for uncertain in uncertain.iter().take(rounds) {
         let known = found.last.as_ref().filter(|(rows, _)| rows.len() >= config.search.few_rows);
-        let looked = Looked { context, runs, cut, readings, measured, model: (&found.terms, &found.beta) };
+        let looked = Looked { context, runs, cut, effort, measured, model: (&found.terms, &found.beta) };
         let rows = looked.rows(known.map(|(_, found)| found), *uncertain);
         if rows.len() < config.search.least_rows {
             break;
@@ -110,15 +110,15 @@ fn model(
 
 /// Rows and powering phases of other runs, as the findings would have them: for judging on hold-out runs. `context`: that of the findings.
 pub fn apply(context: &Context<'_>, findings: &Findings, runs: &[Run]) -> (Vec<Row>, Vec<Vec<SteadyPower>>) {
-    let cut = cut::all(context, runs, &findings.readings);
+    let cut = cut::all(context, runs, findings.effort);
     let terms: Vec<Term> = findings.terms.iter().map(|fitted| fitted.term.clone()).collect();
     let of_term = |fitted: &crate::candidate::Fitted| match fitted.term.is_whole() {
         true => vec![1.0],
         false => fitted.beta.clone(),
     };
     let beta: Vec<f64> = findings.terms.iter().flat_map(of_term).collect();
-    let Findings { readings, measured, calibrated, .. } = findings;
-    let looked = Looked { context, runs, cut: &cut, readings, measured: *measured, model: (&terms, &beta) };
+    let Findings { effort, measured, calibrated, .. } = findings;
+    let looked = Looked { context, runs, cut: &cut, effort: *effort, measured: *measured, model: (&terms, &beta) };
     let uncertain = context.config.coasting.uncertain.last().copied().unwrap_or(0.0);
     (looked.rows(Some(calibrated), uncertain), looked.traction(calibrated).0)
 }

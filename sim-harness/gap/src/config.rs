@@ -86,25 +86,10 @@ settings! {
         beyond_m: f64 = 300.0, /// A location may be this far beyond an end of the line, m. Judgement: half a train, and the noise of a receiver.
         most_change_n_per_kg: f64 = 0.03, /// An effort that changes by more within an interval has no mean that is known well enough, N/kg. Measured: a switch of the regime, a brake being applied.
     }
-    /// Speed against location: scale, offset and lag.
+    /// Speed against location: what the diagnosis of the logs says, and what of it has a name.
     kinematics: KinematicsConfig {
-        sure: f64 = 5.0, /// How often a value must exceed its standard deviation before it is believed. Judgement.
-        least_scale: f64 = 0.003, /// A scale nearer to 1 is within what wheels are allowed. Judgement.
+        sure: f64 = 5.0, /// How often a lag must exceed its standard deviation before it is believed. Judgement.
         least_lag_s: f64 = 1.2, /// A lag below this is what receivers have, s. Judgement.
-        corrected_sd: f64 = 3.0, /// A smaller lag is corrected, but not named, above so many standard deviations: it moves the train on its gradients. Judgement.
-        truncated_share: f64 = 0.4, /// An offset within this share of half a step of the speed readings is truncation. Judgement.
-        truncated_sd: f64 = 3.0, /// Truncation is believed above so many standard deviations. Judgement.
-        whole_share: f64 = 0.98, /// Share of the speeds that must be whole steps. Judgement.
-        location_sd_m: f64 = 4.0, /// Standard deviation of a location reading, for the weights, m. Judgement: a receiver under a roof.
-        distance_sd_m: f64 = 0.25, /// The same of the distance by speed, m/s^0.5. Judgement.
-        pair_s: f64 = 9.5, /// Least time between two readings that are compared, s. Derived: in less the distance drowns in the noise of the location.
-        longest_s: f64 = 30.0, /// Longest time between them, s. Judgement.
-        slowest_mps: f64 = 1.0, /// A train below this has no rounding and no truncation, m/s. Judgement.
-        least_pairs: usize = 10, /// Least pairs of a run. Judgement.
-        outlier: f64 = 4.0, /// Locations off by more standard deviations are winsorised. Judgement.
-        outlying_run: f64 = 12.0, /// A run that moves the fit by so many times the median is left out. Judgement.
-        least_runs: usize = 6, /// Fewer runs have no outlier among them. Judgement.
-        least_sd_share: f64 = 0.5, /// Standard deviation never below this share of what the noise model says. Judgement.
         scale_sd: f64 = 3e-4, /// What the path between two readings does to a scale, a standard deviation. Measured.
         lag_sd_s: f64 = 0.02, /// The same of a lag, s. Measured.
     }

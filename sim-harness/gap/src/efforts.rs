@@ -4,7 +4,7 @@ use crate::candidate::Term;
 use crate::coasting::{Driven, Extra, Recognised, coasted};
 use crate::config::EffortConfig;
 use crate::data::believed::{Context, believed_load};
-use crate::data::runs::{EffortReading, Readings, Run, usual_step_s};
+use crate::data::runs::{EffortReading, Run, usual_step_s};
 use crate::data::{cut, interval::Interval, rows::Row};
 use crate::fit::median;
 use crate::noise::calibrate::{Calibrated, Own};
@@ -18,16 +18,17 @@ pub struct Looked<'a> {
     pub context: &'a Context<'a>,
     pub runs: &'a [Run],
     pub cut: &'a [Vec<Interval>],
-    pub readings: &'a Readings,
+    pub effort: EffortReading,
     pub measured: bool,
     pub model: (&'a [Term], &'a [f64]),
 }
 
 /// What the rounding of speeds 10 s apart leaves in an effort calculated from them, standard deviation, N/kg.
-fn rounded_n_per_kg(runs: &[Run], readings: &Readings, config: &EffortConfig) -> f64 {
+fn rounded_n_per_kg(runs: &[Run], config: &EffortConfig) -> f64 {
     // Speeds of a fast log are means of several readings.
     let fast = median(runs.iter().map(usual_step_s)).is_some_and(|step_s| step_s < config.fast_s);
-    let of_reading = readings.speed_quantum_mps / 12.0_f64.sqrt() * if fast { config.fast_share } else { 1.0 };
+    let step_mps = median(runs.iter().map(|run| run.recorded.speed_step_mps)).unwrap_or(0.0);
+    let of_reading = step_mps / 12.0_f64.sqrt() * if fast { config.fast_share } else { 1.0 };
     SQRT_2 * of_reading / 10.0
 }
 
@@ -47,10 +48,10 @@ pub fn measured(runs: &[Run], config: &EffortConfig) -> bool {
 }
 
 /// The reading under which the residuals are smaller.
-pub fn effort_reading(context: &Context<'_>, runs: &[Run], readings: &Readings) -> EffortReading {
+pub fn effort_reading(context: &Context<'_>, runs: &[Run]) -> EffortReading {
     let config = &context.config.effort;
     let spread = |effort| {
-        let cut = cut::all(context, runs, &Readings { effort, ..*readings });
+        let cut = cut::all(context, runs, effort);
         let residuals = runs.iter().zip(cut).flat_map(|(run, intervals)| {
             let line = context.believed.line(run.direction);
             let telling = |interval: &Interval| {
@@ -131,7 +132,7 @@ impl Looked<'_> {
     /// Which intervals coasted.
     fn coasted(&self, known: Option<&Calibrated>, uncertain: f64) -> Vec<Vec<bool>> {
         let (context, config) = (self.context, &self.context.config.effort);
-        let at_first = || rounded_n_per_kg(self.runs, self.readings, config).hypot(config.disturbed_n_per_kg);
+        let at_first = || rounded_n_per_kg(self.runs, config).hypot(config.disturbed_n_per_kg);
         let of = |found| calculated_n_per_kg(found).clamp(config.least_sd_n_per_kg, config.most_sd_n_per_kg);
         let recognised = Recognised {
             noise_n_per_kg: known.map_or_else(at_first, of),
@@ -175,7 +176,7 @@ impl Looked<'_> {
         // The noise was found where coasting was recognised, and there it is at its smallest.
         let sd = match self.measured {
             true => 0.0,
-            false => calculated_n_per_kg(calibrated).max(rounded_n_per_kg(self.runs, self.readings, config)),
+            false => calculated_n_per_kg(calibrated).max(rounded_n_per_kg(self.runs, config)),
         };
         let of_run = |(index, (run, intervals)): (usize, (&Run, &Vec<Interval>))| {
             let line = believed.line(run.direction);
@@ -184,13 +185,13 @@ impl Looked<'_> {
                 let given = calculated(line.train, intervals, &effort, sd, traction_config);
                 return (powering(line.train, intervals, &effort, sd, traction_config), given);
             }
-            let sampled = self.readings.effort == EffortReading::Momentary || usual_step_s(run) < config.fast_s;
+            let sampled = self.effort == EffortReading::Momentary || usual_step_s(run) < config.fast_s;
             let powering = if sampled {
-                sampled_powering(line.train, index, run, self.readings, traction_config)
+                sampled_powering(line.train, index, run, traction_config)
             } else {
                 powering(line.train, intervals, &self.efforts(run, intervals), sd, traction_config)
             };
-            (powering, traction(line.train, run, self.readings))
+            (powering, traction(line.train, run, self.effort))
         };
         self.each().enumerate().map(of_run).unzip()
     }

@@ -3,7 +3,7 @@
 use crate::candidate::{Fitted, Naming};
 use crate::config::{BetweenRunsConfig, SearchConfig};
 use crate::data::believed::{Conditions, Context};
-use crate::data::{rows::Row, runs::Readings};
+use crate::data::{rows::Row, runs::EffortReading};
 use crate::fit::HALF_95;
 use crate::noise::calibrate::Calibrated;
 use crate::readings::kinematics::Kinematics;
@@ -13,7 +13,8 @@ use crate::traction::{limit::FoundLimit, powering::SteadyPower};
 #[derive(Clone, Debug)]
 pub struct Findings {
     pub kinematics: Kinematics,
-    pub readings: Readings,
+    /// How the effort column is read.
+    pub effort: EffortReading,
     pub measured: bool,
     /// Intervals in which a train moved.
     pub moving: usize,

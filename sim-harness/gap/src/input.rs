@@ -1,8 +1,10 @@
 //! What the workflow reads: the believed train and track, and the runs.
 
+use crate::data::load::Loaded;
 use crate::data::{believed::Surroundings, load, runs::Run};
 use crate::refusal::Refusal;
 use rundown::model::{track::Track, train::Train};
+use rundown_check::Check;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::{run_set::RunSet, track_file::TrackFile, train_file::TrainFile};
 use std::path::{Path, PathBuf};
@@ -22,8 +24,10 @@ pub struct Input {
     pub surroundings: Surroundings,
     /// The runs.
     pub runs: Vec<Run>,
-    /// The same as an estimator replays them.
+    /// The same as an estimator replays them: put right but for the scale of the speed, which it has as an effect.
     pub recordings: Vec<Recording>,
+    /// What their recorders did to them; none where they were taken as recorded.
+    pub check: Option<Check>,
     /// Where the runs come from.
     pub dataset: String,
     /// How many logs could not be used.
@@ -33,11 +37,18 @@ pub struct Input {
 }
 
 impl Input {
-    /// Reads files: a train, a track, and folders of run logs or run logs. `direction`: of the runs that no index names.
+    /// Reads files: a train, a track, and folders of run logs or run logs. `direction`: of the runs that no index names. What the diagnosis of the logs finds is
+    /// put right; with `as_recorded` it is not asked.
     ///
     /// # Errors
     /// [`Refusal`] names the file.
-    pub fn read(train: &Path, track: &Path, runs: &[PathBuf], direction: DirectionChoice) -> Result<Self, Refusal> {
+    pub fn read(
+        train: &Path,
+        track: &Path,
+        runs: &[PathBuf],
+        direction: DirectionChoice,
+        as_recorded: bool,
+    ) -> Result<Self, Refusal> {
         let (train_file, train) = TrainFile::read(train).map_err(Refusal::unread)?;
         let (track_file, track) = TrackFile::read(track).map_err(Refusal::unread)?;
         if let Some(nowhere) = runs.iter().find(|path| !path.exists()) {
@@ -47,18 +58,18 @@ impl Input {
             )));
         }
         let set = RunSet::find(runs).map_err(Refusal::unread)?;
-        let (read, notes) = load::runs(&set, &track_file, direction);
+        let Loaded { runs: read, recordings, check, notes } = load::runs(&set, &track_file, direction, as_recorded);
         let dataset: Vec<String> = runs.iter().map(|path| path.display().to_string()).collect();
         let left_out = set.files.len() - read.len();
-        let (runs, recordings) = read.into_iter().unzip();
         Ok(Self {
             train,
             train_file,
             surroundings: load::surroundings(&track_file),
             track_file,
             track,
-            runs,
+            runs: read,
             recordings,
+            check,
             dataset: dataset.join(" "),
             left_out,
             notes: set.notes.into_iter().chain(notes).collect(),
@@ -71,6 +82,6 @@ impl Input {
     /// [`Refusal`] names the file.
     pub fn of_set(folder: &Path) -> Result<Self, Refusal> {
         let runs = [folder.join("runs")];
-        Self::read(&folder.join("train.toml"), &folder.join("track.toml"), &runs, DirectionChoice::Auto)
+        Self::read(&folder.join("train.toml"), &folder.join("track.toml"), &runs, DirectionChoice::Auto, false)
     }
 }

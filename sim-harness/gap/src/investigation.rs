@@ -14,6 +14,7 @@ use crate::holdout::{journey::Journey, share::Share};
 use crate::named::Named;
 use crate::naming::{names::named, on_line::on_line};
 use crate::noise::own_wind::own_wind;
+use crate::readings::kinematics::scaled_recorders;
 use crate::readings::wheels::{put_right, wheels};
 use rundown::model::effects::{Effect, EffectError, Effects};
 
@@ -109,6 +110,10 @@ pub fn investigate(
     let context = &Context { conditions: findings.conditions, ..*given };
     let mut named = all_named(&findings, context, runs);
     named.extend(wheels.iter().map(|wheel| wheel.named(runs, config.certainty.most_gain)));
+    named.extend(scaled_recorders(runs).into_iter().map(|(scale, of)| Named {
+        runs: of.into_iter().map(|i| runs[i].name.clone()).collect(),
+        ..Named::wheel(&scale, config)
+    }));
     named.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let with = effects(&named)?;
     for one in &mut named {

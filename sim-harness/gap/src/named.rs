@@ -1,8 +1,10 @@
 //! A named effect with what is known of it.
 
 use crate::columns::coordinate_name;
+use crate::config::GapConfig;
 use crate::fit::HALF_95;
-use rundown::model::effects::{Effect, EffectKind};
+use rundown::model::effects::{Effect, EffectKind, SpeedScale};
+use rundown_check::agreement::Figure;
 use serde_json::{Map, Value, json};
 
 /// Name of a parameter with the ends of its 95 % interval.
@@ -55,6 +57,14 @@ impl Named {
             gain,
             term: None,
         }
+    }
+
+    /// A wheel that the diagnosis of the logs found and put right.
+    pub fn wheel(scale: &Figure, config: &GapConfig) -> Self {
+        let effect = Effect::SpeedScale(SpeedScale { measured_over_true: scale.value });
+        let sd = scale.sd.hypot(config.kinematics.scale_sd);
+        let interval = around("measured_over_true", scale.value, sd);
+        Self::plain(effect, vec![interval], 0.5 * scale.away_from(1.0).powi(2), config.certainty.most_gain)
     }
 
     /// Adds what may as well be it, with its odds and what would separate the two.

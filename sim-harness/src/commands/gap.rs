@@ -72,6 +72,9 @@ pub struct Arguments {
     /// Direction of the runs that no index names
     #[arg(long, value_enum, default_value_t)]
     direction: DirectionChoice,
+    /// Take the logs as they are: what `rundown check` would put right is left as it is
+    #[arg(long)]
+    as_recorded: bool,
     /// Print gap.json to stdout, and nothing else
     #[arg(long)]
     json: bool,
@@ -90,6 +93,7 @@ impl Arguments {
             out,
             hold_out: None,
             direction: DirectionChoice::default(),
+            as_recorded: false,
             json: false,
         }
     }
@@ -109,7 +113,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     // Both are there: they are required unless a page is asked for.
     let path = |path: &Option<PathBuf>| path.clone().unwrap_or_default();
     let (train, track) = (path(&arguments.train), path(&arguments.track));
-    let input = Input::read(&train, &track, &arguments.runs, arguments.direction).map_err(failed)?;
+    let input =
+        Input::read(&train, &track, &arguments.runs, arguments.direction, arguments.as_recorded).map_err(failed)?;
     // Refused before the work, not after it.
     if let Some(file) = arguments.out.ancestors().find(|path| path.is_file()) {
         return Err(Failure::refused(format!(

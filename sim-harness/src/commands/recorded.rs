@@ -2,7 +2,8 @@
 
 use super::{Failure, screen};
 use crate::study::source::RunSource;
-use rundown::{model::track::Track, model::train::Train};
+use rundown::{estimator::config::Config, model::track::Track, model::train::Train, tick::sensor::Rounding};
+use rundown_check::Known;
 use rundown_files::{map_matching::CentreLine, track_file::TrackFile, train_file::TrainFile};
 use std::path::PathBuf;
 
@@ -14,6 +15,9 @@ pub struct RecordedRuns {
     /// Description of the train of recorded runs
     #[arg(long, value_name = "T.toml", requires = "runs")]
     train: Option<PathBuf>,
+    /// Take recorded runs as they are: what `rundown check` would put right is left as it is
+    #[arg(long, requires = "runs")]
+    as_recorded: bool,
     /// Description of the track of recorded runs
     #[arg(long, value_name = "K.toml", requires = "runs")]
     track: Option<PathBuf>,
@@ -29,14 +33,17 @@ pub(super) struct Opened {
 
 impl RecordedRuns {
     /// Reads the descriptions and finds the runs; `None` when none are asked for.
-    pub(super) fn open(&self) -> Result<Option<Opened>, Failure> {
+    /// `config`: that of the estimator.
+    pub(super) fn open(&self, config: &Config) -> Result<Option<Opened>, Failure> {
         let (Some(train), Some(track)) = (&self.train, &self.track) else {
             return Ok(None);
         };
         let (train_file, train) = TrainFile::read(train)?;
         let (track_file, track) = TrackFile::read(track)?;
         let line = CentreLine::new(&track_file.centre_line);
-        let source = RunSource::recorded(&self.runs, line, screen::note)?;
+        let known = Known { truncates: config.sensor.rounding == Rounding::Truncated, ..Known::default() };
+        let known = (!self.as_recorded).then_some(known);
+        let source = RunSource::recorded(&self.runs, line, known, screen::note)?;
         Ok(Some(Opened { train_file, train, track_file, track, source }))
     }
 }

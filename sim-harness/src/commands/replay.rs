@@ -184,15 +184,16 @@ fn replay(arguments: &Arguments, setup: &ReplaySetup) -> Result<Results, Failure
     }
     let mut notes = set.notes;
     if !arguments.as_recorded {
-        let effects = &setup.estimator.effects();
+        // A wheel of some runs counts, too: it must not be put right twice.
+        let effects = setup.train.effect.iter().chain(&setup.track.effect);
         let known = Known {
             truncates: setup.config.sensor.rounding == Rounding::Truncated,
-            scale: effects.iter().any(|effect| matches!(effect, Effect::SpeedScale(_))),
+            scale: effects.into_iter().any(|entry| matches!(entry.effect, Effect::SpeedScale(_))),
         };
         let (used, refused, found) = logs::diagnosed(recordings, known);
         recordings = used;
         failed.extend(refused);
-        notes.extend(logs::notes(&found));
+        notes.extend(found.notes());
     }
     let tick = arguments.tick.map_or(Tick::EverySample, |seconds| Tick::Period { seconds });
     let bar = screen::progress(recordings.len());

@@ -3,7 +3,8 @@
 use super::{Failure, screen};
 use crate::simulation::folder;
 use crate::simulation::scenario_file::{EXAMPLE, HIDDEN_EFFECT, Simulation};
-use rundown_truth::facts::Facts;
+use clap::builder::PossibleValuesParser;
+use rundown_truth::{facts::Facts, recorders::Recorder};
 use std::path::{Path, PathBuf};
 use std::{process::ExitCode, time::Instant};
 
@@ -16,6 +17,9 @@ Examples:
   A scenario of your own: start from the commented example, add an effect, simulate:
     rundown simulate --example > scenario.toml
     rundown simulate --scenario scenario.toml --out hidden --seed 7 --runs 100
+
+  The logs of a locomotive's event recorder: speeds cut off, late and without rows while standing:
+    rundown simulate --recorder event_recorder --out loco
 
   Runs with an effect that the description does not have, for `rundown gap`:
     rundown simulate --example hidden-effect > scenario.toml
@@ -45,6 +49,9 @@ pub struct Arguments {
     /// Number of runs; replaces that of the scenario
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     runs: Option<u32>,
+    /// Recorder of the logs; what the scenario says of single properties of the sensors stays
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Recorder::ALL.map(Recorder::name)))]
+    recorder: Option<String>,
     /// Write into a folder that has files, in place of the data set there
     #[arg(long)]
     force: bool,
@@ -78,9 +85,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             return Ok(ExitCode::SUCCESS);
         }
     };
+    let named = |name: &String| Recorder::ALL.into_iter().find(|recorder| recorder.name() == name);
+    let recorder = arguments.recorder.as_ref().and_then(named);
     let mut simulation = match &arguments.scenario {
-        Some(path) => Simulation::read(path),
-        None => Simulation::parse(Path::new("scenario"), ""),
+        Some(path) => Simulation::read_with(path, recorder),
+        None => Simulation::parse_with(Path::new("scenario"), "", recorder),
     }?;
     if let Some(seed) = arguments.seed {
         simulation.seed = seed;

@@ -13,6 +13,7 @@ use crate::{
     simulation::scenario_file::Simulation, study::source::RunSource, study::trials::Trials, study::write::RunTable,
 };
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
+use rundown_check::Check;
 use rundown_files::{
     parquet::RunWriter, recording::Recording, table::Record, track_file::TrackFile, train_file::TrainFile,
 };
@@ -113,7 +114,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if arguments.truth_slope {
         return truth_slope(arguments, config);
     }
-    let described = described(arguments)?;
+    let described = described(arguments, &config)?;
     let study = study(
         described,
         config,
@@ -122,6 +123,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         arguments.keep_runs.as_deref(),
         &arguments.out,
     )?;
+    study.gathered.checks.iter().flat_map(Check::notes).for_each(|text| screen::note(&text));
     for failed in study.gathered.failed.iter().take(5) {
         screen::error(&failed.error);
     }
@@ -134,6 +136,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             "runs": study.gathered.paper.runs,
             "runs_with_truth": study.gathered.truth.runs,
             "failed": study.gathered.failed.len(),
+            "diagnosis": study.gathered.checks,
             "claims": claims,
             "truth_slope": study.answers,
         });
@@ -149,8 +152,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     })
 }
 
-fn described(arguments: &Arguments) -> Result<Described, Failure> {
-    let Some(opened) = arguments.recorded.open()? else {
+fn described(arguments: &Arguments, config: &Config) -> Result<Described, Failure> {
+    let Some(opened) = arguments.recorded.open(config)? else {
         let simulation = match &arguments.scenario {
             Some(path) => Simulation::read(path),
             None => case_study(),

@@ -11,6 +11,7 @@ use crate::tune::surface::{EVALUATIONS, plane, profiles};
 use crate::{study::source::RunSource, study::trials::sensitivity, tune::score::Bench, tune::search::search};
 use rundown::estimator::config::{Config, Mode};
 use rundown::tick::paper::PaperConfig;
+use rundown_check::Check;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -95,7 +96,7 @@ fn write_results(out: &Path, tuned: &Config, tuning: &Tuning) -> Result<(), Fail
 
 fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure> {
     let count = usize::from(arguments.count);
-    let (train, track, mut source, words) = match arguments.recorded.open()? {
+    let (train, track, mut source, words) = match arguments.recorded.open(&base)? {
         Some(opened) => (opened.train, opened.track, opened.source, "recorded"),
         None => {
             let simulation = case_study()?;
@@ -116,6 +117,7 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure
         }
     }
     runs.truncate(count);
+    source.found().iter().flat_map(Check::notes).for_each(|text| screen::note(&text));
     if runs.is_empty() {
         return Err(Failure::no_runs("no run could be used; nothing was written"));
     }

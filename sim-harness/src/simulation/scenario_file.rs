@@ -8,6 +8,7 @@ use rundown::{model::resistance::Davis, model::train::TrainDescription};
 use rundown_files::toml_file::{Step, TomlFile};
 use rundown_files::{effect_file::refuse_effect, refusal::ReadError, track_file::TrackFile, train_file::TrainFile};
 use rundown_truth::plan::{Dates, Headings};
+use rundown_truth::recorders::Recorder;
 use rundown_truth::scenario::{Scenario, UnscheduledStop};
 use rundown_truth::sensors::{Bursts, LocationWalk, Sensors, SpeedReading};
 use rundown_truth::train::{DavisTruth, TrainTruth};
@@ -137,6 +138,15 @@ tables! {
         dropout_share: f64 = Sensors::default().dropout_probability, 0.0 to 0.9;
         gap_share: f64 = 0.0, 0.0 to 0.9;
         gap_samples: [usize; 2] = [3, 12];
+        recorder: Option<Recorder> = None;
+        speed_lag_s: [f64; 2] = [0.0; 2];
+        location_step_m: f64 = 0.0, 0.0 to 1000.0;
+        location_by_wheel: bool = false;
+        stuck_share: f64 = 0.0, 0.0 to 0.9;
+        stuck_samples: [usize; 2] = [8, 25];
+        lost_second_every_s: f64 = 0.0, 0.0 to 86_400.0;
+        standing_rows: bool = true;
+        day_clock_s: Option<[f64; 2]> = None;
     }
     EffortTable in "effort." {
         column: bool = false;
@@ -173,10 +183,11 @@ impl TrainTable {
 }
 
 impl SensorTable {
-    fn sensors(&self, effort: &EffortTable) -> Sensors {
+    /// `given`: whether the file has a field. What it leaves out is that of the recorder, or else of the case study.
+    fn sensors(&self, effort: &EffortTable, given: &dyn Fn(&str) -> bool) -> Sensors {
         let walk = LocationWalk { sd_m: self.location_walk_sd_m, tau_s: self.location_walk_s };
-        let bursts = Bursts { probability: self.gap_share, samples: self.gap_samples };
-        Sensors {
+        let bursts = |probability, samples| (probability > 0.0).then_some(Bursts { probability, samples });
+        let own = Sensors {
             sampling_s: self.sampling_s,
             speed: self.speed,
             speed_quantum_kmh: self.speed_quantum_kmh,
@@ -184,23 +195,74 @@ impl SensorTable {
             location_noise_m: self.location_sd_m,
             location_walk: (walk.sd_m > 0.0).then_some(walk),
             dropout_probability: self.dropout_share,
-            bursts: (bursts.probability > 0.0).then_some(bursts),
+            bursts: bursts(self.gap_share, self.gap_samples),
             latency_s: self.latency_s,
             location_lag_s: self.location_lag_s,
+            speed_lag_s: self.speed_lag_s,
+            location_step_m: self.location_step_m,
+            location_by_wheel: self.location_by_wheel,
+            location_stuck: bursts(self.stuck_share, self.stuck_samples),
+            lost_second_every_s: self.lost_second_every_s,
+            standing_rows: self.standing_rows,
+            day_clock_s: self.day_clock_s,
             effort_gain: effort.gain,
             effort_momentary: effort.momentary,
             effort_gain_sd: effort.gain_sd,
             effort_noise_n_per_kg: effort.noise_n_per_kg,
             ..Sensors::default()
+        };
+        let Some(recorder) = self.recorder else {
+            return own;
+        };
+        let mut sensors = Sensors {
+            effort_gain: own.effort_gain,
+            effort_momentary: own.effort_momentary,
+            effort_gain_sd: own.effort_gain_sd,
+            effort_noise_n_per_kg: own.effort_noise_n_per_kg,
+            ..recorder.sensors()
+        };
+        /// Takes a property from the file where one of its fields is there.
+        macro_rules! take {
+            ($($property:ident by $($field:literal)+;)*) => {
+                $(if $(given($field))||+ { sensors.$property = own.$property; })*
+            };
         }
+        take! {
+            sampling_s by "sampling_s";
+            speed by "speed";
+            speed_quantum_kmh by "speed_quantum_kmh";
+            speed_noise_kmh by "speed_noise_kmh";
+            location_noise_m by "location_sd_m";
+            location_walk by "location_walk_sd_m" "location_walk_s";
+            dropout_probability by "dropout_share";
+            bursts by "gap_share" "gap_samples";
+            latency_s by "latency_s";
+            location_lag_s by "location_lag_s";
+            speed_lag_s by "speed_lag_s";
+            location_step_m by "location_step_m";
+            location_by_wheel by "location_by_wheel";
+            location_stuck by "stuck_share" "stuck_samples";
+            lost_second_every_s by "lost_second_every_s";
+            standing_rows by "standing_rows";
+            day_clock_s by "day_clock_s";
+        }
+        sensors
     }
 }
 
 impl Simulation {
     /// Reads and checks a scenario file; a track file that it names lies beside it.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
+        Self::read_with(path, None)
+    }
+
+    /// The same with a recorder in place of the one that the file names.
+    ///
+    /// # Errors
+    /// As [`Simulation::read`].
+    pub fn read_with(path: &Path, recorder: Option<Recorder>) -> Result<Self, ReadError> {
         let text = std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
-        Self::parse(path, &text)
+        Self::parse_with(path, &text, recorder)
     }
 
     /// Reads and checks a text; `path` is for the messages and for a track file beside it.
@@ -219,8 +281,22 @@ impl Simulation {
     /// # Ok::<(), rundown_files::refusal::ReadError>(())
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, ReadError> {
-        let file: TomlFile<ScenarioFile> = TomlFile::parse(path, text)?;
+        Self::parse_with(path, text, None)
+    }
+
+    /// The same with a recorder in place of the one that the text names; what the text says of single properties stays.
+    ///
+    /// # Errors
+    /// As [`Simulation::read`].
+    pub fn parse_with(path: &Path, text: &str, recorder: Option<Recorder>) -> Result<Self, ReadError> {
+        let mut file: TomlFile<ScenarioFile> = TomlFile::parse(path, text)?;
         check_numbers(&file)?;
+        if recorder.is_some() {
+            file.values.sensors.recorder = recorder;
+        }
+        // It was parsed before: it is a table.
+        let table: toml::Table = text.parse().unwrap_or_default();
+        let given = |field: &str| table.get("sensors").is_some_and(|sensors| sensors.get(field).is_some());
         let values = &file.values;
         let (line, track) = line(&file, path)?;
         let train = believed::train_file(&values.train.name, &values.train.truth());
@@ -232,7 +308,7 @@ impl Simulation {
         let dates = dates(&file)?;
         Ok(Self {
             name: values.name.clone(),
-            scenario: scenario(values, line, dates),
+            scenario: scenario(values, line, dates, &given),
             track,
             train,
             runs: values.runs,
@@ -240,12 +316,15 @@ impl Simulation {
             unit: values.unit.clone(),
             effort_column: values.effort.column,
             temperature_column: values.temperature.column,
-            text: text.to_owned(),
+            text: match recorder {
+                Some(recorder) => format!("# rundown simulate --recorder {}\n{text}", recorder.name()),
+                None => text.to_owned(),
+            },
         })
     }
 }
 
-fn scenario(values: &ScenarioFile, line: Line, dates: Dates) -> Scenario {
+fn scenario(values: &ScenarioFile, line: Line, dates: Dates, given: &dyn Fn(&str) -> bool) -> Scenario {
     let TemperatureTable { mean_c, yearly_c, daily_c, run_sd_c, drift_sd_c_per_h, .. } = values.temperature;
     Scenario {
         train: values.train.truth(),
@@ -263,7 +342,7 @@ fn scenario(values: &ScenarioFile, line: Line, dates: Dates) -> Scenario {
         climate: Climate { mean_c, yearly_c, daily_c, run_sd_c, drift_sd_c_per_h },
         effects: values.effect.clone(),
         step_s: values.step_s,
-        sensors: values.sensors.sensors(&values.effort),
+        sensors: values.sensors.sensors(&values.effort, given),
     }
 }
 
@@ -276,10 +355,22 @@ fn check_numbers(file: &TomlFile<ScenarioFile>) -> Result<(), ReadError> {
     let tables = [v.dates.numbers(), v.line.numbers(), v.train.numbers(), v.driver.numbers(), v.wind.numbers()];
     let more = [v.load.numbers(), v.sensors.numbers(), v.effort.numbers(), v.temperature.numbers()];
     within(file, &[tables.concat(), more.concat()].concat())?;
-    let [least, most] = v.sensors.gap_samples;
-    if least == 0 || most < least {
-        let message = format!("expected [least, most] with 1 or more, found [{least}, {most}]");
-        return Err(file.refuse_dotted("sensors.gap_samples", message));
+    for (field, [least, most]) in [("gap_samples", v.sensors.gap_samples), ("stuck_samples", v.sensors.stuck_samples)] {
+        if least == 0 || most < least {
+            let message = format!("expected [least, most] with 1 or more, found [{least}, {most}]");
+            return Err(file.refuse_dotted(&format!("sensors.{field}"), message));
+        }
+    }
+    let ranges =
+        [("speed_lag_s", Some(v.sensors.speed_lag_s), 600.0), ("day_clock_s", v.sensors.day_clock_s, 86_400.0)];
+    for (field, range, limit) in ranges {
+        let Some([least, most]) = range else {
+            continue;
+        };
+        if !(0.0 <= least && least <= most && most <= limit) {
+            let message = format!("expected [least, most] from 0 to {limit}, found [{least}, {most}]");
+            return Err(file.refuse_dotted(&format!("sensors.{field}"), message));
+        }
     }
     for (index, scale) in v.train.true_davis_over_described.into_iter().enumerate() {
         if !(0.0..=10.0).contains(&scale) {
@@ -382,6 +473,30 @@ mod tests {
         assert_eq!(calm, default.scenario);
         assert_eq!(example.train, default.train);
         assert_eq!(example.unit, default.unit);
+    }
+
+    #[test]
+    fn a_recorder_brings_its_properties_and_the_file_may_say_otherwise() {
+        for recorder in Recorder::ALL {
+            let simulation = parse(&format!("[sensors]\nrecorder = \"{}\"\n", recorder.name())).unwrap();
+            assert_eq!(simulation.scenario.sensors, recorder.sensors(), "{recorder:?}");
+            let forced = Simulation::parse_with(Path::new("s.toml"), "", Some(recorder)).unwrap();
+            assert_eq!(forced.scenario, simulation.scenario);
+        }
+        let text = "[sensors]\nrecorder = \"event_recorder\"\nspeed = \"rounded\"\nlost_second_every_s = 0\n[effort]\ngain = 1.1\n";
+        let expected = Sensors {
+            speed: SpeedReading::Rounded,
+            lost_second_every_s: 0.0,
+            effort_gain: 1.1,
+            ..Recorder::EventRecorder.sensors()
+        };
+        assert_eq!(parse(text).unwrap().scenario.sensors, expected);
+        let error = |text: &str| parse(text).unwrap_err().to_string();
+        assert!(error("[sensors]\nrecorder = \"tape\"\n").contains("event_recorder"));
+        assert_eq!(
+            error("[sensors]\nspeed_lag_s = [4, 0.2]\n"),
+            "s.toml:2:15: sensors.speed_lag_s: expected [least, most] from 0 to 600, found [4, 0.2]"
+        );
     }
 
     #[test]

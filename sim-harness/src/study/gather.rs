@@ -19,6 +19,7 @@ use rundown::{
     estimator::Estimator, filter::gaussian::Gaussian, model::state, model::track::Track, model::train::Train,
     tick::bounds::ConfigError, tick::memory::Vehicle,
 };
+use rundown_check::Check;
 use rundown_files::recording::Recording;
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_units_by};
 use rundown_files::table::{Cell, Record};
@@ -89,6 +90,8 @@ pub struct Gathered {
     /// What the gated mode knows of each unit after its last run, by name.
     pub units: Vec<(String, Gaussian<3>)>,
     pub failed: Vec<Failed>,
+    /// What the recorders did to recorded runs, a diagnosis for each chunk.
+    pub checks: Vec<Check>,
 }
 
 /// What happens with the runs of a chunk and their rows of results.
@@ -139,6 +142,7 @@ pub fn gather(
         }
         done(count);
     }
+    gathered.checks = source.found().to_vec();
     let known = vehicles.into_iter();
     gathered.units = known.map(|(name, vehicle)| (name, vehicle.davis())).collect();
     gathered.units.sort_by(|a, b| a.0.cmp(&b.0));

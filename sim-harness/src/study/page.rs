@@ -5,6 +5,7 @@ use super::{
     figures::Picture, gather::Gathered, moments::Moments, slope::Answer, tallies::Tallies, trials::Sensitivity,
 };
 use maud::{Markup, html};
+use rundown_check::Check;
 use rundown_pages::numbers::{NOTHING, counted, number};
 use rundown_pages::shell::{column, document, figure, table, text_column};
 
@@ -69,6 +70,11 @@ fn summary(page: &StudyPage) -> Markup {
                     (counted(gathered.failed.len(), "log", "logs")) " could not be used; the first: "
                     (gathered.failed.first().map_or("", |failed| failed.error.as_str()))
                 }
+            }
+            @let notes: Vec<String> = gathered.checks.iter().flat_map(Check::notes).collect();
+            @if !notes.is_empty() {
+                p.note { "What the recorders did to the logs, before anything else looked at them:" }
+                ul { @for note in &notes { li { (note) } } }
             }
             p {
                 "Paper: Cunillera, Be\u{161}inovi\u{107}, van Oort, Goverde, Real-time train motion parameter estimation using an Unscented Kalman Filter, "

@@ -5,6 +5,7 @@ use super::{Refused, truth_folder::TruthFolder};
 use crate::logs::{self, Failed};
 use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
+use rundown_check::{Check, Known};
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::{map_matching::CentreLine, parquet::RunReader, recording::DirectionChoice, run_log::BadRows};
 use std::collections::{HashMap, VecDeque};
@@ -16,8 +17,25 @@ pub const CHUNK: usize = 256;
 #[derive(Debug)]
 pub enum RunSource {
     Simulated(Box<Simulated>),
+    Recorded(Box<Recorded>),
+}
+
+/// Recorded runs, diagnosed chunk by chunk: a recorder is judged by its runs of a chunk, so that memory does not grow and a wheel may wear.
+#[derive(Debug)]
+pub struct Recorded {
+    of: Files,
+    /// Nothing is diagnosed nor put right.
+    as_recorded: bool,
+    /// What an estimator puts right by itself.
+    known: Known,
+    /// What was found, a diagnosis for each chunk so far.
+    found: Vec<Check>,
+}
+
+#[derive(Debug)]
+enum Files {
     Logs(Logs),
-    Parquet(Files),
+    Parquet(ParquetFiles),
 }
 
 #[derive(Clone, Debug)]
@@ -29,7 +47,7 @@ pub struct Simulated {
 }
 
 #[derive(Clone, Debug)]
-pub struct Logs {
+struct Logs {
     files: Vec<RunFile>,
     line: Option<CentreLine>,
     /// By the folder of the logs.
@@ -39,7 +57,7 @@ pub struct Logs {
 
 /// Parquet files, read one after the other. A unit's files must follow each other in time; a run does not go on in the next file.
 #[derive(Debug)]
-pub struct Files {
+struct ParquetFiles {
     readers: VecDeque<RunReader>,
     runs: usize,
 }
@@ -50,24 +68,61 @@ impl RunSource {
         Self::Simulated(Box::new(Simulated { simulation, seed, runs, next: 0 }))
     }
 
-    /// Parquet files of runs, in this order.
-    pub fn parquet(paths: &[PathBuf], line: Option<&CentreLine>) -> Result<Self, Refused> {
-        let readers = paths.iter().map(|path| RunReader::open(path, line));
-        let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
-        let runs = readers.iter().map(RunReader::runs).sum();
-        Ok(Self::Parquet(Files { readers, runs }))
-    }
-
-    /// Recorded runs: Parquet files, folders of them (also deeper, in the order of their paths), or else logs and folders of logs.
+    /// Recorded runs, diagnosed but for what is `known` of their recorders; none of it: taken as recorded.
+    ///
+    /// These are Parquet files, folders of them (also deeper, in the order of their paths), or else logs and folders of logs.
     /// Where the truth of logs lies beside them, as `rundown simulate` writes it, the runs have it.
     /// What a person may want to know is handed to `note`.
-    pub fn recorded(arguments: &[PathBuf], line: Option<CentreLine>, note: impl Fn(&str)) -> Result<Self, Refused> {
+    pub fn recorded(
+        arguments: &[PathBuf],
+        line: Option<CentreLine>,
+        known: Option<Known>,
+        note: impl Fn(&str),
+    ) -> Result<Self, Refused> {
+        let of = Files::open(arguments, line, note)?;
+        let (as_recorded, known) = (known.is_none(), known.unwrap_or_default());
+        Ok(Self::Recorded(Box::new(Recorded { of, as_recorded, known, found: Vec::new() })))
+    }
+
+    pub fn total(&self) -> usize {
+        match self {
+            Self::Simulated(simulated) => simulated.runs,
+            Self::Recorded(recorded) => match &recorded.of {
+                Files::Logs(logs) => logs.files.len(),
+                Files::Parquet(files) => files.runs,
+            },
+        }
+    }
+
+    /// What the recorders of the runs did to them, as far as they have been read: a diagnosis for each chunk.
+    pub fn found(&self) -> &[Check] {
+        match self {
+            Self::Simulated(_) => &[],
+            Self::Recorded(recorded) => &recorded.found,
+        }
+    }
+
+    /// The next runs, at most [`CHUNK`]; none after the last. A log that cannot be used is in its place.
+    pub fn next_chunk(&mut self) -> Result<Option<Vec<Result<Case, Failed>>>, Refused> {
+        let chunk = match self {
+            Self::Simulated(simulated) => simulated.next_chunk(),
+            Self::Recorded(recorded) => recorded.next_chunk()?,
+        };
+        Ok((!chunk.is_empty()).then_some(chunk))
+    }
+}
+
+impl Files {
+    fn open(arguments: &[PathBuf], line: Option<CentreLine>, note: impl Fn(&str)) -> Result<Self, Refused> {
         let mut files = Vec::new();
         for argument in arguments {
             parquet_files(argument, &mut files)?;
         }
         if !files.is_empty() {
-            return Self::parquet(&files, line.as_ref());
+            let readers = files.iter().map(|path| RunReader::open(path, line.as_ref()));
+            let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
+            let runs = readers.iter().map(RunReader::runs).sum();
+            return Ok(Self::Parquet(ParquetFiles { readers, runs }));
         }
         let set = RunSet::find(arguments)?;
         set.notes.iter().for_each(|text| note(text));
@@ -83,36 +138,12 @@ impl RunSource {
         Ok(Self::Logs(Logs { files: set.files, line, truths, next: 0 }))
     }
 
-    pub fn total(&self) -> usize {
+    fn next_chunk(&mut self) -> Result<Vec<Result<Case, Failed>>, Refused> {
         match self {
-            Self::Simulated(simulated) => simulated.runs,
-            Self::Logs(logs) => logs.files.len(),
-            Self::Parquet(files) => files.runs,
-        }
-    }
-
-    /// The next runs, at most [`CHUNK`]; none after the last. A log that cannot be used is in its place.
-    pub fn next_chunk(&mut self) -> Result<Option<Vec<Result<Case, Failed>>>, Refused> {
-        let chunk: Vec<Result<Case, Failed>> = match self {
-            Self::Simulated(simulated) => {
-                let range = advance(&mut simulated.next, simulated.runs);
-                let (simulation, seed) = (&simulated.simulation, simulated.seed);
-                // A unit's runs are planned together: once a chunk, not once a run.
-                let runs = FleetUnit::runs(simulation);
-                let first = range.start / runs;
-                let units = first..range.end.div_ceil(runs);
-                let units: Vec<FleetUnit> = units.map(|unit| FleetUnit::new(simulation, seed, unit)).collect();
-                let run = |index: usize| {
-                    let unit = &units[index / runs - first];
-                    unit.drive(index % runs)
-                        .map_err(|error| Failed { file: PathBuf::from(&simulation.name), error: error.to_string() })
-                };
-                range.into_par_iter().map(run).collect()
-            }
             Self::Logs(logs) => {
                 let range = advance(&mut logs.next, logs.files.len());
                 let logs = &*logs;
-                logs.files[range].par_iter().map(|file| logs.read(file)).collect()
+                Ok(logs.files[range].par_iter().map(|file| logs.read(file)).collect())
             }
             Self::Parquet(files) => {
                 let mut chunk = Vec::new();
@@ -124,10 +155,51 @@ impl RunSource {
                         None => drop(files.readers.pop_front()),
                     }
                 }
-                chunk
+                Ok(chunk)
             }
+        }
+    }
+}
+
+impl Simulated {
+    fn next_chunk(&mut self) -> Vec<Result<Case, Failed>> {
+        let range = advance(&mut self.next, self.runs);
+        let (simulation, seed) = (&self.simulation, self.seed);
+        // A unit's runs are planned together: once a chunk, not once a run.
+        let runs = FleetUnit::runs(simulation);
+        let first = range.start / runs;
+        let units = first..range.end.div_ceil(runs);
+        let units: Vec<FleetUnit> = units.map(|unit| FleetUnit::new(simulation, seed, unit)).collect();
+        let run = |index: usize| {
+            let unit = &units[index / runs - first];
+            unit.drive(index % runs)
+                .map_err(|error| Failed { file: PathBuf::from(&simulation.name), error: error.to_string() })
         };
-        Ok((!chunk.is_empty()).then_some(chunk))
+        range.into_par_iter().map(run).collect()
+    }
+}
+
+impl Recorded {
+    fn next_chunk(&mut self) -> Result<Vec<Result<Case, Failed>>, Refused> {
+        let read = self.of.next_chunk()?;
+        if self.as_recorded || read.is_empty() {
+            return Ok(read);
+        }
+        let (mut recordings, mut truths, mut chunk) = (Vec::new(), Vec::new(), Vec::new());
+        for case in read {
+            match case {
+                Ok(Case { recording, truth }) => {
+                    recordings.push(recording);
+                    truths.push(truth);
+                }
+                Err(failed) => chunk.push(Err(failed)),
+            }
+        }
+        let (diagnosed, found) = logs::diagnosed_each(recordings, self.known);
+        let with_truth = diagnosed.into_iter().zip(truths);
+        chunk.extend(with_truth.map(|(recording, truth)| Ok(Case { recording: recording?, truth })));
+        self.found.push(found);
+        Ok(chunk)
     }
 }
 

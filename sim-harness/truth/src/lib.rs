@@ -29,6 +29,7 @@ pub mod habits;
 pub mod line;
 pub mod motion;
 pub mod plan;
+pub mod recorders;
 pub mod regime;
 pub mod scenario;
 pub mod seeds;

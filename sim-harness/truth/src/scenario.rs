@@ -87,7 +87,8 @@ pub fn simulate_planned(scenario: &Scenario, plan: &RunPlan) -> Result<Run, Driv
         effort_gain: scenario.sensors.effort_gain * (1.0 + scenario.sensors.effort_gain_sd * gain_unit),
         ..scenario.sensors.clone()
     };
-    let (samples, truth) = sensors.read(&trace, scenario.step_s, &mut stream(plan.seed, 3), &mut stream(plan.seed, 6));
+    let [mut readings, mut effort, mut run] = [3, 6, 11].map(|number| stream(plan.seed, number));
+    let (samples, truth) = sensors.read(&trace, scenario.step_s, &mut readings, &mut effort, &mut run);
     Ok(Run { samples, truth, facts })
 }
 

@@ -70,6 +70,20 @@ pub struct Sensors {
     pub latency_s: f64,
     /// How much older the location is than that, s: a slow receiver.
     pub location_lag_s: f64,
+    /// How much older the speed is than that, least and most, s; drawn where a run is simulated.
+    pub speed_lag_s: [f64; 2],
+    /// The step of a location that is cut off, m; 0 for none.
+    pub location_step_m: f64,
+    /// The location is the distance that the wheel of the speed has run, with its gain, from the true place of departure.
+    pub location_by_wheel: bool,
+    /// The location stands still now and then.
+    pub location_stuck: Option<Bursts>,
+    /// The clock of the recorder loses a second after each so many, s; 0 for never.
+    pub lost_second_every_s: f64,
+    /// Whether there are rows while the train stands; the first of a standstill there always is.
+    pub standing_rows: bool,
+    /// The clock shows seconds of the day and begins the run between these, s; drawn where a run is simulated.
+    pub day_clock_s: Option<[f64; 2]>,
     /// The step of a speed that is rounded or truncated, km/h.
     pub speed_quantum_kmh: f64,
     /// Shown over true effort, 1 for none.
@@ -96,6 +110,13 @@ impl Default for Sensors {
             bursts: None,
             latency_s: 0.0,
             location_lag_s: 0.0,
+            speed_lag_s: [0.0; 2],
+            location_step_m: 0.0,
+            location_by_wheel: false,
+            location_stuck: None,
+            lost_second_every_s: 0.0,
+            standing_rows: true,
+            day_clock_s: None,
             speed_quantum_kmh: 1.0,
             effort_gain: 1.0,
             effort_momentary: false,
@@ -148,7 +169,7 @@ pub struct TruthSample {
 
 impl Sensors {
     /// Reads the trace, whose first row is time 0 and whose rows are `step_s` apart. Location and speed draw from `rng`, the effort from
-    /// `effort_rng`.
+    /// `effort_rng`, what differs from run to run and where the location stands still from `run_rng`. The times of samples and truth are the recorder's.
     ///
     /// # Panics
     /// If the sampling is not a multiple of the step.
@@ -158,6 +179,7 @@ impl Sensors {
         step_s: f64,
         rng: &mut impl Rng,
         effort_rng: &mut impl Rng,
+        run_rng: &mut impl Rng,
     ) -> (Vec<Sample>, Vec<TruthSample>) {
         let stride = (self.sampling_s / step_s).round() as usize;
         assert!(
@@ -170,7 +192,23 @@ impl Sensors {
         let mut lost = 0_usize;
         let mut samples = Vec::new();
         let mut truth = Vec::new();
-        for (row, at) in trace.iter().enumerate().step_by(stride) {
+        let drawn = |[least, most]: [f64; 2], share: f64| least + share * (most - least);
+        let [lag_share, clock_share]: [f64; 2] = std::array::from_fn(|_| run_rng.random());
+        let speed_age_s = self.latency_s + drawn(self.speed_lag_s, lag_share);
+        let clock = Clock {
+            stride,
+            sampling_s: self.sampling_s,
+            each_second: 1.0 / step_s,
+            loses_every_s: self.lost_second_every_s,
+            day_s: self.day_clock_s.map(|range| drawn(range, clock_share).floor()),
+        };
+        let (mut last_row, mut stands) = (0, false);
+        let (mut held, mut held_m) = (0_usize, 0.0);
+        for tick in 0.. {
+            let row = clock.row(tick);
+            let Some(at) = trace.get(row) else {
+                break;
+            };
             // All draws are made whatever is used, so that one option does not move the noise of another.
             let [speed_unit, location_unit, walk_unit] = std::array::from_fn(|_| unit.sample(rng));
             let [drop_location, drop_speed, burst, extent]: [f64; 4] = std::array::from_fn(|_| rng.random());
@@ -184,24 +222,41 @@ impl Sensors {
                 let [least, most] = bursts.samples;
                 lost = least + (extent * (most - least + 1) as f64) as usize;
             }
-            let (_, speed_mps) = delayed(trace, row, self.latency_s / step_s);
+            let (_, speed_mps) = delayed(trace, row, speed_age_s / step_s);
             let location_age_s = self.latency_s + self.location_lag_s;
             let (location_m, _) = delayed(trace, row, location_age_s / step_s);
             let heard = lost == 0;
-            let location_m = location_m + walk_m + self.location_noise_m * location_unit;
+            let read_m = location_m + walk_m + self.location_noise_m * location_unit;
+            let location_m = self.shown_m(read_m, trace[0].location_m);
+            if let Some(stuck) = self.location_stuck {
+                let [begins, extent]: [f64; 2] = std::array::from_fn(|_| run_rng.random());
+                if held == 0 && begins < stuck.probability {
+                    let [least, most] = stuck.samples;
+                    (held, held_m) = (least + (extent * (most - least + 1) as f64) as usize, location_m);
+                }
+            }
+            let location_m = if held > 0 { held_m } else { location_m };
+            held = held.saturating_sub(1);
             let speed_kmh = self.shown_kmh(speed_mps, speed_unit);
 
-            let begun = &trace[row.saturating_sub(stride) + 1..=row.max(1)];
+            let begun = &trace[last_row + 1..=row.max(1)];
             let mean = |effort: fn(&TruthSample) -> f64| {
                 if row == 0 {
                     return 0.0;
                 }
-                begun.iter().map(effort).sum::<f64>() / stride as f64
+                begun.iter().map(effort).sum::<f64>() / begun.len() as f64
             };
             let mean_effort_n_per_kg = mean(|s| s.effort_n_per_kg);
             let noise = if row == 0 { 0.0 } else { self.effort_noise_n_per_kg * unit.sample(effort_rng) };
+            last_row = row;
+            lost = lost.saturating_sub(1);
+            let stood = std::mem::replace(&mut stands, at.speed_mps == 0.0);
+            if stood && stands && !self.standing_rows {
+                continue;
+            }
+            let time_s = clock.shown_s(tick, at.time_s);
             samples.push(Sample {
-                time_s: at.time_s,
+                time_s,
                 location_m: (heard && drop_location >= self.dropout_probability).then_some(location_m),
                 speed_kmh: (heard && drop_speed >= self.dropout_probability).then_some(speed_kmh),
                 effort_n_per_kg: self.effort_gain
@@ -209,10 +264,17 @@ impl Sensors {
                     + noise,
                 temperature_c: (10.0 * at.temperature_c).round() / 10.0,
             });
-            truth.push(TruthSample { mean_effort_n_per_kg, ..*at });
-            lost = lost.saturating_sub(1);
+            truth.push(TruthSample { time_s, mean_effort_n_per_kg, ..*at });
         }
         (samples, truth)
+    }
+
+    /// A location as it is shown, of a run that began at `begin_m`.
+    fn shown_m(&self, location_m: f64, begin_m: f64) -> f64 {
+        let location_m =
+            if self.location_by_wheel { begin_m + self.speed_gain * (location_m - begin_m) } else { location_m };
+        let step = self.location_step_m;
+        if step > 0.0 { step * (location_m / step).floor() } else { location_m }
     }
 
     fn shown_kmh(&self, speed_mps: f64, unit: f64) -> f64 {
@@ -226,6 +288,35 @@ impl Sensors {
             SpeedReading::Truncated => step * (kmh / step).floor(),
             SpeedReading::Exact => kmh,
         }
+    }
+}
+
+/// The clock of a recorder.
+struct Clock {
+    /// Rows of the trace between samples.
+    stride: usize,
+    sampling_s: f64,
+    /// Rows of the trace in a second.
+    each_second: f64,
+    loses_every_s: f64,
+    /// Time of the day at which the run begins.
+    day_s: Option<f64>,
+}
+
+impl Clock {
+    /// Row of the trace at a sample.
+    fn row(&self, tick: usize) -> usize {
+        let lost_s = match self.loses_every_s {
+            every_s if every_s > 0.0 => (tick as f64 * self.sampling_s / every_s).floor(),
+            _ => 0.0,
+        };
+        tick * self.stride + (lost_s * self.each_second).round() as usize
+    }
+
+    /// The time that is shown at a sample; the true one where the clock has no fault.
+    fn shown_s(&self, tick: usize, true_s: f64) -> f64 {
+        let gone_s = if self.loses_every_s > 0.0 { tick as f64 * self.sampling_s } else { true_s };
+        self.day_s.map_or(gone_s, |begin_s| (begin_s + gone_s).rem_euclid(86_400.0))
     }
 }
 
@@ -263,7 +354,8 @@ mod tests {
     }
 
     fn read(sensors: &Sensors, rows: usize) -> Vec<Sample> {
-        sensors.read(&steady(rows), 0.1, &mut ChaCha8Rng::seed_from_u64(3), &mut ChaCha8Rng::seed_from_u64(4)).0
+        let [mut a, mut b, mut c] = [3, 4, 5].map(ChaCha8Rng::seed_from_u64);
+        sensors.read(&steady(rows), 0.1, &mut a, &mut b, &mut c).0
     }
 
     #[test]
@@ -309,6 +401,60 @@ mod tests {
         assert!((shown(SpeedReading::Exact, 10.0) - 36.0).abs() < 1e-12);
         let half = Sensors { speed_quantum_kmh: 0.5, ..Sensors::default() };
         assert_eq!(half.shown_kmh(10.3 / 3.6, 0.0), 10.5);
+    }
+
+    #[test]
+    fn a_clock_that_loses_seconds_shows_two_in_one_row_and_a_day_begins_again_at_midnight() {
+        let exact = Sensors { sampling_s: 1.0, location_noise_m: 0.0, ..Sensors::default() };
+        let slow = read(&Sensors { lost_second_every_s: 10.0, ..exact.clone() }, 401);
+        let steps = slow.windows(2).map(|pair| pair[1].location_m.unwrap() - pair[0].location_m.unwrap());
+        let long: Vec<usize> = steps.enumerate().filter(|(_, m)| (m - 60.0).abs() < 1e-6).map(|(i, _)| i).collect();
+        assert_eq!(long, [9, 19, 29]);
+        assert!(slow.windows(2).all(|pair| pair[1].time_s - pair[0].time_s == 1.0));
+        let night = read(&Sensors { day_clock_s: Some([86_390.0; 2]), ..exact }, 401);
+        let times: Vec<f64> = [9, 10, 30].map(|i: usize| night[i].time_s.round()).to_vec();
+        assert_eq!(times, [86_399.0, 0.0, 20.0]);
+    }
+
+    #[test]
+    fn an_odometer_runs_with_the_wheel_of_the_speed_in_whole_metres() {
+        let odometer =
+            Sensors { location_by_wheel: true, location_step_m: 1.0, speed_gain: 1.013, ..Sensors::default() };
+        assert_eq!(odometer.shown_m(1100.5, 100.0), 1113.0);
+    }
+
+    #[test]
+    fn a_standing_train_is_recorded_once_if_at_all_and_a_location_that_stands_still_says_the_same() {
+        let mut trace = steady(401);
+        trace[100..201].iter_mut().for_each(|row| row.speed_mps = 0.0);
+        let sensors = Sensors { sampling_s: 1.0, standing_rows: false, ..Sensors::default() };
+        let [mut a, mut b, mut c] = [3, 4, 5].map(ChaCha8Rng::seed_from_u64);
+        let (samples, truth) = sensors.read(&trace, 0.1, &mut a, &mut b, &mut c);
+        let times: Vec<f64> = samples.iter().map(|sample| sample.time_s.round()).collect();
+        assert_eq!((samples.len(), times[10], times[11]), (31, 10.0, 21.0));
+        assert!(truth.iter().zip(&samples).all(|(truth, sample)| truth.time_s == sample.time_s));
+
+        let stuck = Some(Bursts { probability: 0.05, samples: [4, 6] });
+        let samples = read(&Sensors { location_stuck: stuck, sampling_s: 0.1, ..sensors }, 5_000);
+        let same: Vec<usize> = samples.chunk_by(|a, b| a.location_m == b.location_m).map(<[_]>::len).collect();
+        assert!(same.iter().filter(|length| (4..=6).contains(*length)).count() > 100);
+        assert!(same.iter().filter(|length| **length > 1).all(|length| *length >= 4));
+    }
+
+    #[test]
+    fn the_speed_of_each_run_is_late_by_its_own() {
+        let mut trace = steady(401);
+        trace.iter_mut().for_each(|row| row.speed_mps = row.time_s);
+        let sensors =
+            Sensors { sampling_s: 1.0, speed: SpeedReading::Exact, speed_lag_s: [0.2, 4.0], ..Sensors::default() };
+        let late_s = |seed| {
+            let [mut a, mut b, mut c] = [3, 4, seed].map(ChaCha8Rng::seed_from_u64);
+            let (samples, _) = sensors.read(&trace, 0.1, &mut a, &mut b, &mut c);
+            30.0 - samples[30].speed_kmh.unwrap() / 3.6
+        };
+        let late: Vec<f64> = (0..20).map(late_s).collect();
+        assert!(late.iter().all(|s| (0.2..4.0).contains(s)), "{late:?}");
+        assert!(late.iter().any(|s| *s < 1.5) && late.iter().any(|s| *s > 2.5), "{late:?}");
     }
 
     #[test]

@@ -20,6 +20,7 @@ impl Answer {
             "dataset": input.dataset,
             "runs": input.runs.len(),
             "runs_left_out": input.left_out,
+            "diagnosis": input.check,
             "verdict": found.verdict.name(),
             "effects": self.effects(),
             "gap": {

@@ -1,7 +1,6 @@
 //! A speed on a wrong scale.
 
 use crate::candidates::kit::*;
-use rundown::model::effects::SpeedScale;
 
 pub struct This;
 
@@ -22,12 +21,8 @@ impl Candidate for This {
     }
 
     fn beside(&self, naming: &Naming<'_>) -> Option<(Named, Odds)> {
-        let config = naming.context.config;
-        let (value, sd) = naming.kinematics.scale_that_matters(&config.kinematics)?;
-        let measured_over_true = 1.0 + value;
-        let effect = SpeedScale { measured_over_true }.into();
-        let interval = around("measured_over_true", measured_over_true, sd.hypot(config.kinematics.scale_sd));
-        Some((Named::plain(effect, vec![interval], 0.5 * (value / sd).powi(2), config.certainty.most_gain), Vec::new()))
+        // Found and put right by the diagnosis of the logs, where it is beyond doubt and matters: told to the analyst nevertheless.
+        Some((Named::wheel(&naming.kinematics.scale?, naming.context.config), Vec::new()))
     }
 
     fn separated_from(&self, other: EffectKind) -> Option<&'static str> {

@@ -6,7 +6,7 @@
 use crate::config::IntervalConfig;
 use crate::data::believed::{Context, believed_load};
 use crate::data::interval::{Interval, POINTS, Point};
-use crate::data::runs::{EffortReading, Readings, Run, usual_step_s};
+use crate::data::runs::{EffortReading, Run, usual_step_s};
 use rundown::model::line::Line;
 use rundown_files::sample::Sample;
 
@@ -20,18 +20,17 @@ struct Node {
 }
 
 /// The intervals of each run.
-pub fn all(context: &Context<'_>, runs: &[Run], readings: &Readings) -> Vec<Vec<Interval>> {
+pub fn all(context: &Context<'_>, runs: &[Run], effort: EffortReading) -> Vec<Vec<Interval>> {
     let config = &context.config.interval;
-    let of = |(i, run): (usize, &Run)| {
-        Cut { run, line: context.believed.line(run.direction), readings, config }.intervals(i)
-    };
+    let of =
+        |(i, run): (usize, &Run)| Cut { run, line: context.believed.line(run.direction), effort, config }.intervals(i);
     runs.iter().enumerate().map(of).collect()
 }
 
 struct Cut<'a> {
     run: &'a Run,
     line: &'a Line<'a>,
-    readings: &'a Readings,
+    effort: EffortReading,
     config: &'a IntervalConfig,
 }
 
@@ -130,7 +129,7 @@ impl Cut<'_> {
         let (before, after) = (self.effort_at(from.sample), self.effort_at(to.sample));
         let powered = before > 0.0 && after > 0.0;
         let held = (to.speed_mps - from.speed_mps).abs() < self.config.held_mps;
-        if self.readings.effort != EffortReading::Momentary || to.sample != from.sample + 1 || !powered || !held {
+        if self.effort != EffortReading::Momentary || to.sample != from.sample + 1 || !powered || !held {
             return 0.0;
         }
         let along = path.iter().map(|p| self.line.gradient_n_per_kg(p.location_m)).sum::<f64>() / POINTS as f64;
@@ -173,10 +172,7 @@ impl Cut<'_> {
             .samples
             .iter()
             .enumerate()
-            .filter_map(|(index, sample)| {
-                let speed = sample.speed_mps?;
-                Some((index, self.readings.true_speed_mps(speed)))
-            })
+            .filter_map(|(index, sample)| Some((index, sample.speed_mps?)))
             .collect();
         let every_s = if usual_s > 0.5 * self.config.length_s { 0.0 } else { self.config.length_s };
         let impulses = self.impulses();
@@ -200,7 +196,7 @@ impl Cut<'_> {
     fn impulses(&self) -> Vec<Option<(usize, f64)>> {
         let with_effort = self.run.samples.iter().any(|s| s.effort_n_per_kg.is_some());
         let gradient = |sample: &Sample| {
-            let late_m = self.readings.location_lag_s * sample.speed_mps?;
+            let late_m = self.run.recorded.location_lag_s * sample.speed_mps?;
             Some(self.line.gradient_n_per_kg(sample.location_m? + self.line.direction.sign() * late_m))
         };
         let given = |index: usize| {
@@ -287,7 +283,7 @@ impl Cut<'_> {
             .enumerate()
             .filter(|(index, _)| !distance_m[*index].is_nan())
             .filter_map(|(index, sample)| {
-                let late_m = speed_of[index] * self.readings.location_lag_s;
+                let late_m = speed_of[index] * self.run.recorded.location_lag_s;
                 Some((sample.time_s, sample.location_m? - sign * (distance_m[index] - late_m)))
             })
             .collect();
@@ -346,7 +342,7 @@ impl Cut<'_> {
         for pair in samples.windows(2) {
             let dt_s = pair[1].time_s - pair[0].time_s;
             let now = pair[1].effort_n_per_kg;
-            let mean = match (self.readings.effort, last, now) {
+            let mean = match (self.effort, last, now) {
                 (EffortReading::Momentary, Some(a), Some(b)) => self.between(a, b, pair),
                 (EffortReading::MeanSinceLast, _, Some(b)) => b,
                 _ => return None,

@@ -1,8 +1,11 @@
 //! Runs from a folder, as the gap workflow takes them.
 
-use crate::data::{believed::Surroundings, runs::Run};
+use crate::data::{believed::Surroundings, runs::Recorded, runs::Run};
 use rayon::prelude::*;
 use rundown::model::units::KmPerHour;
+use rundown_check::agreement::Figure;
+use rundown_check::finding::{Done, Kind};
+use rundown_check::{Check, Correction, Known, RecorderCheck, RunCheck, check_beside, steps};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::run_log::{BadRows, RunLog};
 use rundown_files::run_set::{RunFile, RunSet};
@@ -27,58 +30,150 @@ pub enum LoadError {
     },
 }
 
-/// Reads one run: as the workflow takes it, and as an estimator replays it.
-pub fn run(
-    file: &RunFile,
-    line: Option<&CentreLine>,
-    direction: DirectionChoice,
-) -> Result<(Run, Recording), LoadError> {
+/// A lag of a recorder within so many standard deviations is none: it would only move trains on their gradients by chance.
+const LAG_SURE: f64 = 3.0;
+
+/// Runs as the workflow takes them, beside what an estimator replays, and what was said while they were read.
+#[derive(Debug, Default)]
+pub struct Loaded {
+    pub runs: Vec<Run>,
+    /// Put right but for the scale of the speed: an estimator has that as an effect.
+    pub recordings: Vec<Recording>,
+    /// What the recorders did; none where the runs were taken as recorded.
+    pub check: Option<Check>,
+    pub notes: Vec<String>,
+}
+
+/// Reads all runs of a set, those that can be used. With `as_recorded` nothing is diagnosed nor put right.
+pub fn runs(set: &RunSet, track: &TrackFile, direction: DirectionChoice, as_recorded: bool) -> Loaded {
+    let line = CentreLine::new(&track.centre_line);
+    let read: Vec<_> = set.files.par_iter().map(|file| recording(file, line.as_ref(), direction)).collect();
+    let mut loaded = Loaded::default();
+    let mut seen: Vec<Vec<Sample>> = Vec::new();
+    for result in read {
+        match result {
+            Ok(recording) => {
+                let samples = without_lines(&recording.rows);
+                // Counted twice it would stand on both sides of the hold-out.
+                if seen.contains(&samples) {
+                    let name = &recording.name;
+                    let text = "has the samples of another run, to the last digit; the run was left out";
+                    loaded.notes.push(format!("{name}: {text}"));
+                    continue;
+                }
+                seen.push(samples);
+                loaded.notes.extend(recording.warnings.iter().cloned());
+                loaded.recordings.push(recording);
+            }
+            Err(error) => loaded.notes.push(format!("{error}; the run was left out")),
+        }
+    }
+    if as_recorded {
+        loaded.runs = loaded.recordings.iter().map(|recording| run(recording, as_read(recording))).collect();
+    } else {
+        loaded.diagnose();
+    }
+    loaded
+}
+
+impl Loaded {
+    /// Diagnoses recordings.
+    #[cfg(test)]
+    pub fn of(recordings: Vec<Recording>) -> Self {
+        let mut loaded = Self { recordings, ..Self::default() };
+        loaded.diagnose();
+        loaded
+    }
+
+    fn diagnose(&mut self) {
+        let mut check = check_beside(&mut self.recordings, Known { scale: true, ..Known::default() });
+        // In the runs the scale is put right, too.
+        let mut scales = check.recorders.iter_mut().flat_map(|recorder| &mut recorder.findings);
+        scales
+            .by_ref()
+            .filter(|finding| finding.kind == Kind::SpeedScale)
+            .for_each(|found| found.done = Done::PutRight);
+        self.notes.extend(check.notes());
+        let recordings = std::mem::take(&mut self.recordings);
+        for (recording, of_run) in recordings.into_iter().zip(&check.runs) {
+            if let Some(finding) = of_run.refusal() {
+                self.notes.push(format!("{}: {finding}; the run was left out", recording.path.display()));
+                continue;
+            }
+            self.runs.push(run(&recording, recorded(&check, of_run)));
+            self.recordings.push(recording);
+        }
+        self.check = Some(check);
+    }
+}
+
+fn without_lines(rows: &[Sample]) -> Vec<Sample> {
+    rows.iter().map(|row| Sample { line: 0, ..*row }).collect()
+}
+
+/// Reads one log.
+fn recording(file: &RunFile, line: Option<&CentreLine>, direction: DirectionChoice) -> Result<Recording, LoadError> {
     let log = RunLog::read(&file.path, BadRows::LeaveOut)?;
     let recording = Recording::new(file, &log, line, direction)?;
-    if let Some(doubt) = units::doubt(&recording.rows) {
-        let path = file.path.clone();
-        return Err(LoadError::Units { path, doubt });
+    match units::doubt(&recording.rows) {
+        Some(doubt) => Err(LoadError::Units { path: file.path.clone(), doubt }),
+        None => Ok(recording),
     }
+}
+
+/// The run of a recording whose clock, locations and truncation are put right: its scale is, here.
+fn run(recording: &Recording, recorded: Recorded) -> Run {
     let most_mps = KmPerHour(MOST_SPEED_KMH).to_mps();
+    let wheel = Correction { offset_mps: 0.0, ..recorded.correction };
     let mut samples: Vec<Sample> = Vec::with_capacity(recording.rows.len());
-    for row in &recording.rows {
+    for row in without_lines(&recording.rows) {
         // Times that do not increase were reported when the log was read.
         if samples.last().is_some_and(|last| last.time_s >= row.time_s) {
             continue;
         }
         samples.push(Sample {
-            // The same reading in another line of another log is the same.
-            line: 0,
             // What no train has was warned of when the log was read; no estimator checks it here.
             location_m: row.location_m.filter(|at| at.abs() < MOST_LOCATION_M),
-            speed_mps: row.speed_mps.filter(|v| (0.0..most_mps).contains(v)),
-            ..*row
+            speed_mps: row.speed_mps.filter(|v| (0.0..most_mps).contains(v)).map(|v| wheel.true_mps(v)),
+            ..row
         });
     }
-    let run = Run { name: recording.name.clone(), direction: recording.direction, day: recording.day, samples };
-    Ok((run, recording))
+    let Recording { name, direction, day, .. } = recording;
+    Run { name: name.clone(), direction: *direction, day: *day, samples, recorded }
 }
 
-/// Reads all runs, with what an estimator replays of each; those that cannot be used are left out, with the reason.
-pub fn runs(set: &RunSet, track: &TrackFile, direction: DirectionChoice) -> (Vec<(Run, Recording)>, Vec<String>) {
-    let line = CentreLine::new(&track.centre_line);
-    let read: Vec<_> = set.files.par_iter().map(|file| run(file, line.as_ref(), direction)).collect();
-    let (mut runs, mut notes): (Vec<(Run, Recording)>, Vec<String>) = (Vec::new(), Vec::new());
-    for result in read {
-        match result {
-            // Counted twice it would stand on both sides of the hold-out.
-            Ok((run, _)) if runs.iter().any(|(other, _)| other.samples == run.samples) => {
-                let name = &run.name;
-                notes.push(format!("{name}: has the samples of another run, to the last digit; the run was left out"));
-            }
-            Ok((run, recording)) => {
-                notes.extend(recording.warnings.iter().cloned());
-                runs.push((run, recording));
-            }
-            Err(error) => notes.push(format!("{error}; the run was left out")),
-        }
+/// What a log says of its recorder without a diagnosis: how it rounds.
+fn as_read(recording: &Recording) -> Recorded {
+    let step_kmh = steps::of_speed_kmh(recording.rows.iter());
+    Recorded { unit: recording.unit.clone(), speed_step_mps: step_kmh.unwrap_or(0.0) / 3.6, ..Recorded::default() }
+}
+
+/// What the diagnosis says of one run.
+pub fn recorded(check: &Check, run: &RunCheck) -> Recorded {
+    let Some(recorder) = check.recorder(&run.unit) else {
+        return Recorded::default();
+    };
+    let scale = recorder.scale.filter(|_| recorder.findings.iter().any(|found| found.kind == Kind::SpeedScale));
+    Recorded {
+        unit: run.unit.clone(),
+        correction: Correction { scale: scale.map_or(1.0, |scale| scale.value), ..recorder.correction },
+        scale,
+        own_scale: run.scale,
+        speed_step_mps: recorder.speed_step_kmh.unwrap_or(0.0) / 3.6,
+        // The diagnosis asks how old the speed is, the effect how old the location.
+        usual_lag_s: recorder.skew_s.map(|skew| Figure { value: -skew.value, sd: skew.sd }),
+        location_lag_s: -skew_s(recorder, run),
     }
-    (runs, notes)
+}
+
+/// By how much the speed of a run is older than the location, s: its own figure, drawn to the usual one of its recorder by what is known of both.
+fn skew_s(recorder: &RecorderCheck, run: &RunCheck) -> f64 {
+    let usual = recorder.skew_s.filter(|usual| usual.away_from(0.0) > LAG_SURE).map_or(0.0, |usual| usual.value);
+    let (Some(own), Some(spread_s)) = (run.skew_s, recorder.skew_spread_s) else {
+        return usual;
+    };
+    let between = (spread_s * spread_s - own.sd * own.sd).max(0.0);
+    usual + (own.value - usual) * between / (between + own.sd * own.sd).max(f64::MIN_POSITIVE)
 }
 
 /// What is doubtful about the track that these runs are compared with. `beyond_m`: how far a location may lie beyond its ends.

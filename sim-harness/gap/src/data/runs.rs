@@ -1,6 +1,7 @@
-//! Recorded runs as the gap workflow sees them, and how their readings are corrected.
+//! Recorded runs as the gap workflow sees them, and what is known of their recorder.
 
 use rundown::model::direction::Direction;
+use rundown_check::{Correction, agreement::Figure};
 use rundown_files::sample::Sample;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -12,51 +13,36 @@ pub struct Run {
     pub day: Option<f64>,
     /// Samples, times increasing.
     pub samples: Vec<Sample>,
+    /// What is known of the recorder.
+    pub recorded: Recorded,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EffortReading {
     /// At the moment of its sample.
+    #[default]
     Momentary,
     /// Mean since the sample before.
     MeanSinceLast,
 }
 
-/// Corrections of the readings, found from location against speed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Readings {
-    /// Measured over true speed.
-    pub speed_scale: f64,
-    /// To be added to a speed reading, m/s: half a quantum if the recorder truncates.
-    pub speed_offset_mps: f64,
+/// What the diagnosis of the logs says of a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recorded {
+    /// Whose recorder it was.
+    pub unit: String,
+    /// What was put right in the speeds of the samples.
+    pub correction: Correction,
+    /// Measured over true speed of the recorder, where a scale was put right.
+    pub scale: Option<Figure>,
+    /// The same of this run alone, whether it matters or not.
+    pub own_scale: Option<Figure>,
     /// The step of the speed readings, m/s; 0 if there is none.
-    pub speed_quantum_mps: f64,
-    /// The location reading is this old, s.
+    pub speed_step_mps: f64,
+    /// Age of the location less that of the speed, s: of the recorder.
+    pub usual_lag_s: Option<Figure>,
+    /// The same of this run, as far as it is known; the locations of the samples are as they were read.
     pub location_lag_s: f64,
-    pub effort: EffortReading,
-}
-
-impl Readings {
-    /// The true speed from a reading, m/s. The recorder cuts digits off what the wheel shows, which is the scale times the truth; a train that stands has nothing to cut off:
-    ///
-    /// ```text
-    /// read = scale v - offset        v = (read + offset)/scale
-    /// ```
-    pub fn true_speed_mps(&self, read_mps: f64) -> f64 {
-        if read_mps > 0.0 { (read_mps + self.speed_offset_mps) / self.speed_scale } else { 0.0 }
-    }
-}
-
-impl Default for Readings {
-    fn default() -> Self {
-        Self {
-            speed_scale: 1.0,
-            speed_offset_mps: 0.0,
-            speed_quantum_mps: 0.0,
-            location_lag_s: 0.0,
-            effort: EffortReading::Momentary,
-        }
-    }
 }
 
 /// Median time between samples, s; that of a slow log where there is no second sample.

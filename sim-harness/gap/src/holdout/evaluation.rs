@@ -61,7 +61,7 @@ pub fn evaluate(
     }
     let by_readings = |named: &Named| candidates::of_effect(&named.effect).facts().nature.shows_in == ShowsIn::Readings;
     if trained.iter().any(by_readings) {
-        let of_run = |(i, run)| travelled(i, run, &found.readings, &context.config.holdout);
+        let of_run = |(i, run)| travelled(i, run, &context.config.holdout);
         compared.extend(tested.iter().enumerate().flat_map(of_run));
     }
     let of_runs = rows.chunk_by(|a, b| a.interval.run == b.interval.run);

@@ -1,14 +1,15 @@
 //! Does the distance by speed agree with the locations? The gap that a wrong scale or a late location makes.
 //!
-//! In windows of 120 s, σ the sign of the direction, v the readings of the speed as they stand (before) and put right (after):
+//! In windows of 120 s, σ the sign of the direction, v the speeds as they were read (before) and put right (after):
 //!
 //! ```text
 //! error = (∫ v dt - lag Δv - σ Δs) / window        m/s; scale, offset and lag put right only after
 //! ```
 
 use crate::config::HoldoutConfig;
-use crate::data::runs::{Readings, Run, usual_step_s};
+use crate::data::runs::{Run, usual_step_s};
 use crate::holdout::forward::Compared;
+use rundown_check::Correction;
 
 /// A sample that has both.
 #[derive(Clone, Copy)]
@@ -19,7 +20,7 @@ struct Read {
 }
 
 /// The windows of a run, `index` its number. Floor: what the scatter of pieces of about 10 s leaves of the difference of two locations.
-pub fn travelled(index: usize, run: &Run, readings: &Readings, config: &HoldoutConfig) -> Vec<Compared> {
+pub fn travelled(index: usize, run: &Run, config: &HoldoutConfig) -> Vec<Compared> {
     let sign = run.direction.sign();
     let longest_s = 3.0 * usual_step_s(run).max(5.0);
     let read: Vec<Read> = run
@@ -27,19 +28,22 @@ pub fn travelled(index: usize, run: &Run, readings: &Readings, config: &HoldoutC
         .iter()
         .filter_map(|s| Some(Read { time_s: s.time_s, location_m: s.location_m?, speed_mps: s.speed_mps? }))
         .collect();
-    let none = Readings::default();
+    let recorded = &run.recorded;
     // Errors of the distance between two samples, before and after, m.
     let errors = |from: usize, to: usize| {
-        let distance = |r: &Readings| {
-            let speed = |read: &Read| r.true_speed_mps(read.speed_mps);
+        let distance = |correction: Correction, lag_s: f64| {
+            let speed = |read: &Read| correction.read_mps(read.speed_mps);
             let by_speed: f64 = read[from..=to]
                 .windows(2)
                 .map(|p| 0.5 * (p[1].time_s - p[0].time_s) * (speed(&p[0]) + speed(&p[1])))
                 .sum();
-            by_speed - r.location_lag_s * (speed(&read[to]) - speed(&read[from]))
+            by_speed - lag_s * (speed(&read[to]) - speed(&read[from]))
         };
         let by_location = sign * (read[to].location_m - read[from].location_m);
-        (distance(&none) - by_location, distance(readings) - by_location)
+        (
+            distance(recorded.correction, 0.0) - by_location,
+            distance(Correction::NONE, recorded.location_lag_s) - by_location,
+        )
     };
     let cut = |length_s: f64| {
         let mut pieces = Vec::new();
@@ -79,39 +83,32 @@ pub fn travelled(index: usize, run: &Run, readings: &Readings, config: &HoldoutC
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::runs::Recorded;
     use rundown::model::direction::Direction;
     use rundown_files::sample::Sample;
 
-    /// 20 m/s down the line by location, and these readings of the speed.
-    fn run(read_mps: impl Fn(u32) -> f64) -> Run {
+    /// 20 m/s down the line by location, read by this recorder and put right.
+    fn run(correction: Correction) -> Run {
         let sample = |k: u32| Sample {
             time_s: 10.0 * f64::from(k),
             location_m: Some(10_000.0 - 200.0 * f64::from(k)),
-            speed_mps: Some(read_mps(k)),
+            speed_mps: Some(20.0),
             ..Sample::default()
         };
         let samples = (0..25).map(sample).collect();
-        Run { name: "run".to_owned(), direction: Direction::Down, day: None, samples }
+        let recorded = Recorded { correction, ..Recorded::default() };
+        Run { name: "run".to_owned(), direction: Direction::Down, day: None, samples, recorded }
     }
 
     #[test]
     fn a_wheel_that_reads_high_is_a_gap_until_it_is_known() {
-        let right = Readings { speed_scale: 1.02, ..Readings::default() };
-        let found = travelled(0, &run(|_| 20.4), &right, &HoldoutConfig::default());
+        let wheel = Correction { scale: 1.02, ..Correction::NONE };
+        let found = travelled(0, &run(wheel), &HoldoutConfig::default());
         assert_eq!(found.len(), 2);
         for window in found {
             assert!((window.before_mps - 0.4).abs() < 1e-9);
             assert!(window.after_mps.abs() < 1e-9);
             assert!((window.measured_mps - 20.0).abs() < 1e-9);
         }
-    }
-
-    /// The recorder cuts digits off what the wheel shows: half a step is missing there, and not in the true speed.
-    #[test]
-    fn a_recorder_that_truncates_what_a_wrong_wheel_shows_is_put_right_to_the_last_digit() {
-        let right = Readings { speed_scale: 1.03, speed_offset_mps: 0.5 / 3.6, ..Readings::default() };
-        let found = travelled(0, &run(|_| 1.03 * 20.0 - 0.5 / 3.6), &right, &HoldoutConfig::default());
-        assert!(found.iter().all(|window| window.after_mps.abs() < 1e-9), "{found:?}");
-        assert_eq!(right.true_speed_mps(0.0), 0.0);
     }
 }

@@ -1,4 +1,4 @@
-//! Speed against location: scale, offset and lag of all runs, and the wheel of single ones.
+//! Speed against location: what the diagnosis says of all runs, and the wheels of single ones.
 
 pub mod kinematics;
 pub mod wheels;

@@ -2,16 +2,15 @@
 //!
 //! | compared | what it shows |
 //! |---|---|
-//! | speed against location, run by run | a wrong wheel diameter beside locations of a satellite receiver |
+//! | speed against location, run by run, as the diagnosis of the logs has it | a wrong wheel diameter beside locations of a satellite receiver |
 //! | distances between stops against those of the other runs | a wrong wheel diameter whose odometer gave the locations, too |
 //!
-//! Where platforms are described, the second also checks all runs together. What all runs have alike in the first is found by [`kinematics`](super::kinematics).
+//! Where platforms are described, the second also checks all runs together. What all runs of a recorder have alike in the first is put right before.
 
 use crate::config::{GapConfig, WheelConfig};
 use crate::data::{believed::Surroundings, runs::Run};
 use crate::fit::median;
 use crate::named::{Named, around};
-use crate::readings::kinematics::scale_of_run;
 use rundown::model::direction::Direction;
 use rundown::model::effects::{Effect, SpeedScale};
 use rundown_files::sample::Sample;
@@ -40,8 +39,8 @@ pub fn wheels(runs: &[Run], surroundings: &Surroundings, config: &GapConfig) -> 
         .iter()
         .enumerate()
         .filter_map(|(run, one)| {
-            let (value, sd) = scale_of_run(one, &config.kinematics)?;
-            Some(Scale { run, value, sd })
+            let own = one.recorded.own_scale?;
+            Some(Scale { run, value: own.value / one.recorded.correction.scale, sd: own.sd })
         })
         .collect();
     let mut found = exceptions(&by_speed, false, &config.wheel);
@@ -190,6 +189,9 @@ pub fn put_right(runs: &[Run], wheels: &[Wheel]) -> Vec<Run> {
         let concerned = |i: &usize| wheel.runs.is_empty() || wheel.runs.contains(i);
         let runs = right.iter_mut().enumerate();
         for (_, run) in runs.filter(|(i, _)| concerned(i)) {
+            if !wheel.locations {
+                run.recorded.correction.scale *= scale;
+            }
             let begin_m = run.samples.iter().find_map(|s| s.location_m);
             for sample in &mut run.samples {
                 sample.speed_mps = sample.speed_mps.map(|v| v / scale);
@@ -218,6 +220,8 @@ impl Wheel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::data::load::Loaded;
+    use rundown_files::recording::Recording;
 
     const PLACES_M: [f64; 5] = [0.0, 4_000.0, 9_000.0, 15_500.0, 24_000.0];
 
@@ -246,9 +250,17 @@ mod tests {
                     time_s += 10.0;
                 }
             }
-            Run { name: format!("run{i}"), direction: Direction::Up, day: None, samples }
+            Recording {
+                name: format!("run{i}"),
+                path: format!("run{i}.csv").into(),
+                unit: String::new(),
+                direction: Direction::Up,
+                day: None,
+                rows: samples,
+                warnings: Vec::new(),
+            }
         };
-        scales.iter().enumerate().map(run).collect()
+        Loaded::of(scales.iter().enumerate().map(run).collect()).runs
     }
 
     #[test]

@@ -5,7 +5,7 @@
 
 use crate::config::TractionConfig;
 use crate::data::interval::{Interval, POINTS};
-use crate::data::runs::{EffortReading, Readings, Run};
+use crate::data::runs::{EffortReading, Run};
 use crate::traction::limit::FoundLimit;
 use rundown::model::{effects::Effect, train::Train};
 use rundown_files::sample::Sample;
@@ -21,15 +21,12 @@ pub struct Reading {
 }
 
 /// All readings of traction of a run where the power limits.
-pub fn traction(train: &Train, run: &Run, readings: &Readings) -> Vec<Reading> {
+pub fn traction(train: &Train, run: &Run, effort: EffortReading) -> Vec<Reading> {
     let most = train.max_effort_n_per_kg(0.1);
-    let limit = |s: &Sample| {
-        let speed_mps = readings.true_speed_mps(s.speed_mps?);
-        Some(train.max_effort_n_per_kg(speed_mps.max(0.5))).filter(|limit| *limit < most)
-    };
+    let limit = |s: &Sample| Some(train.max_effort_n_per_kg(s.speed_mps?.max(0.5))).filter(|limit| *limit < most);
     let read = (0..run.samples.len()).filter_map(|i| {
         let here = &run.samples[i];
-        let from = match readings.effort {
+        let from = match effort {
             EffortReading::Momentary => here,
             EffortReading::MeanSinceLast => &run.samples[i.checked_sub(1)?],
         };

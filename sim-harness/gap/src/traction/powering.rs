@@ -2,7 +2,7 @@
 
 use crate::config::TractionConfig;
 use crate::data::interval::Interval;
-use crate::data::runs::{Readings, Run};
+use crate::data::runs::Run;
 use rundown::model::train::Train;
 use rundown_files::sample::Sample;
 
@@ -177,16 +177,10 @@ fn floats(read: &[(f64, SteadyPower)], here: usize, config: &TractionConfig) -> 
 
 /// Intervals of steady power where the effort is measured at the moments of its samples: no mean over an interval is needed, and a fast log shows more of the first
 /// seconds.
-pub fn sampled_powering(
-    train: &Train,
-    index: usize,
-    run: &Run,
-    readings: &Readings,
-    config: &TractionConfig,
-) -> Vec<SteadyPower> {
+pub fn sampled_powering(train: &Train, index: usize, run: &Run, config: &TractionConfig) -> Vec<SteadyPower> {
     let most = train.max_effort_n_per_kg(0.1);
     let read = |s: &Sample| {
-        let speed_mps = readings.true_speed_mps(s.speed_mps?);
+        let speed_mps = s.speed_mps?;
         let limits = [train.max_effort_n_per_kg(speed_mps.max(0.5)), most];
         let (at, sd) = ((index, s.location_m?, speed_mps), [0.0, config.sampled_speed_sd_mps]);
         Some((s.time_s, SteadyPower::read(at, s.effort_n_per_kg?, limits, sd, config)))

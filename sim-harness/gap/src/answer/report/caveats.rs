@@ -52,27 +52,19 @@ fn noise(answer: &Answer) -> String {
 
 fn readings(answer: &Answer) -> String {
     let findings = &answer.found.findings;
-    let readings = &findings.readings;
-    let mut corrected = Vec::new();
-    if readings.speed_scale != 1.0 {
-        corrected.push(format!("speeds were divided by {}", number(readings.speed_scale, 4)));
+    let mut corrected = match &answer.input.check {
+        Some(check) => check.notes(),
+        None => vec!["the logs were taken as recorded, nothing was diagnosed".to_owned()],
+    };
+    let located = answer.input.runs.iter().filter(|run| run.recorded.location_lag_s != 0.0).count();
+    if located > 0 {
+        corrected.push(format!("locations were shifted by their lag in {}", counted(located, "run", "runs")));
     }
-    if readings.speed_offset_mps != 0.0 {
-        corrected.push(format!(
-            "{} m/s was added to each speed, because the recorder cuts off digits",
-            number(readings.speed_offset_mps, 3)
-        ));
-    }
-    if readings.location_lag_s != 0.0 {
-        let late_s = readings.location_lag_s;
-        let put = if late_s > 0.0 { "carried on" } else { "put back" };
-        corrected.push(format!("locations were {put} by the distance of {} s", number(late_s.abs(), 1)));
-    }
-    if findings.measured && readings.effort == EffortReading::MeanSinceLast {
+    if findings.measured && findings.effort == EffortReading::MeanSinceLast {
         corrected.push("the effort was read as the mean since the sample before".to_owned());
     }
     if corrected.is_empty() {
-        return "Speed and location agree; no reading was corrected.".to_owned();
+        return "Speed, location and clock agree; no reading was corrected.".to_owned();
     }
     format!("Before any force was looked at: {}.", corrected.join("; "))
 }

@@ -1,0 +1,470 @@
+//! Injected defects: how often the diagnosis of logs finds each, how near its figure is, and how often it accuses a clean log.
+//!
+//! ```text
+//! scenario, seed -> runs of a recorder -> defect, of known size -> diagnosis -> found? figure? interval? anything else?
+//! ```
+//!
+//! Nothing is hidden by hand-made rows: the trains are the simulator's, and a defect is what `docs/check.md` lists.
+
+use crate::study::case::Case;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use rundown_check::agreement::Figure;
+use rundown_check::finding::{Finding, Kind};
+use rundown_check::{Check, check};
+use rundown_files::{recording::Recording, sample::Sample, units::median};
+use rundown_truth::scenario::{DriveError, Scenario, simulate_planned};
+use rundown_truth::sensors::{LocationWalk, Sensors, SpeedReading};
+use rundown_truth::{habits::DriverKind, line::Line, plan::plan};
+use serde::Serialize;
+
+/// Runs of a set.
+const RUNS: usize = 4;
+
+/// A defect that is injected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Defect {
+    /// Speeds cut off to whole km/h.
+    Truncated,
+    /// A wheel that reads up to 4 % wrong, beside satellites.
+    Wheel,
+    /// Both.
+    TruncatedWheel,
+    /// A speed older than the location by 1 to 4 s, each run by its own.
+    Skew,
+    /// A clock that loses a second every 106 s, beside an odometer.
+    LostSeconds,
+    /// Seconds of the day, across midnight.
+    Midnight,
+    /// The clock is set back by an hour.
+    SetBack,
+    /// The clock is set forward by ten minutes.
+    SetForward,
+    /// Standing is one row.
+    NoStandstill,
+    /// The odometer wraps at 65 536 m.
+    Wrap,
+    /// The locations begin again at zero.
+    Reset,
+    /// Single locations off by a kilometre.
+    Spikes,
+    /// The speed stays at zero.
+    StuckSpeed,
+    /// The location stays.
+    StuckLocation,
+    /// There and back in one log.
+    TwoDirections,
+    /// Speeds in m/s under the header of km/h.
+    OtherUnit,
+}
+
+/// A clean recorder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clean {
+    /// Satellites, every second.
+    Satellites,
+    /// The same every 10 s.
+    Slow,
+    /// An odometer in whole metres, rounded speeds.
+    Odometer,
+    /// Satellites that drift by 6 m.
+    Drifting,
+}
+
+impl Defect {
+    /// All of them.
+    pub const ALL: [Self; 16] = [
+        Self::Truncated,
+        Self::Wheel,
+        Self::TruncatedWheel,
+        Self::Skew,
+        Self::LostSeconds,
+        Self::Midnight,
+        Self::SetBack,
+        Self::SetForward,
+        Self::NoStandstill,
+        Self::Wrap,
+        Self::Reset,
+        Self::Spikes,
+        Self::StuckSpeed,
+        Self::StuckLocation,
+        Self::TwoDirections,
+        Self::OtherUnit,
+    ];
+
+    /// In words, with the unit of its figure.
+    pub fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Truncated => ("speeds cut off to whole km/h: their offset", "km/h"),
+            Self::Wheel => ("a wheel up to 4 % off", "%"),
+            Self::TruncatedWheel => ("the same beside truncation", "%"),
+            Self::Skew => ("speed 1 to 4 s old, run by run", "s"),
+            Self::LostSeconds => ("a second lost every 106 s", "% of rows"),
+            Self::Midnight => ("midnight", "s"),
+            Self::SetBack => ("clock set back an hour", "s"),
+            Self::SetForward => ("clock set forward 10 min", "s"),
+            Self::NoStandstill => ("no rows while standing", "s"),
+            Self::Wrap => ("odometer wraps at 65 536 m", "m"),
+            Self::Reset => ("locations begin again at zero", "m"),
+            Self::Spikes => ("single locations 1 km off", "m"),
+            Self::StuckSpeed => ("speed stuck at zero for 60 s", "m"),
+            Self::StuckLocation => ("location stuck for 60 s", "m"),
+            Self::TwoDirections => ("there and back in one log", "m"),
+            Self::OtherUnit => ("speeds in m/s", "ratio"),
+        }
+    }
+
+    fn kind(self) -> Kind {
+        match self {
+            Self::Truncated => Kind::TruncatedSpeed,
+            Self::Wheel | Self::TruncatedWheel => Kind::SpeedScale,
+            Self::Skew => Kind::Skew,
+            Self::LostSeconds => Kind::LostSeconds,
+            Self::Midnight => Kind::Midnight,
+            Self::SetBack => Kind::ClockSetBack,
+            Self::SetForward => Kind::ClockSetForward,
+            Self::NoStandstill => Kind::MissingStandstill,
+            Self::Wrap => Kind::Wrap,
+            Self::Reset => Kind::Reset,
+            Self::Spikes => Kind::LocationSpikes,
+            Self::StuckSpeed => Kind::StuckSpeed,
+            Self::StuckLocation => Kind::StuckLocation,
+            Self::TwoDirections => Kind::TwoDirections,
+            Self::OtherUnit => Kind::OtherUnit,
+        }
+    }
+
+    /// What else is true of a log with this defect, and no false accusation.
+    fn belongs(self, kind: Kind) -> bool {
+        let by_design = match self {
+            Self::TruncatedWheel => kind == Kind::TruncatedSpeed,
+            // A log that is not used is not looked at further; its turn is a gap.
+            Self::TwoDirections => matches!(kind, Kind::Gaps | Kind::MissingStandstill),
+            _ => false,
+        };
+        by_design || kind == self.kind() || harmless(kind)
+    }
+}
+
+/// How a speed is rounded is no accusation.
+fn harmless(kind: Kind) -> bool {
+    matches!(kind, Kind::RoundedSpeed | Kind::SteppedSpeed)
+}
+
+impl Clean {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Satellites, Self::Slow, Self::Odometer, Self::Drifting];
+
+    fn sensors(self) -> Sensors {
+        let satellites = Sensors { sampling_s: 1.0, ..Sensors::default() };
+        match self {
+            Self::Satellites => satellites,
+            Self::Slow => Sensors { sampling_s: 10.0, ..satellites },
+            Self::Odometer => {
+                Sensors { location_noise_m: 0.0, location_by_wheel: true, location_step_m: 1.0, ..satellites }
+            }
+            Self::Drifting => {
+                Sensors { location_noise_m: 1.0, location_walk: Some(LocationWalk::of(6.0)), ..satellites }
+            }
+        }
+    }
+}
+
+/// A figure beside its truth, with what the diagnosis says of its uncertainty.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Known {
+    truth: f64,
+    found: Figure,
+}
+
+/// What came of the sets of one defect.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// What was injected.
+    pub what: &'static str,
+    /// Unit of the figures.
+    pub unit: &'static str,
+    /// Sets.
+    pub sets: usize,
+    /// Sets in which it was found.
+    pub found: usize,
+    /// Sets in which something else was found, too.
+    pub accused: usize,
+    /// What that was.
+    pub accused_of: Vec<Kind>,
+    /// Median size of the errors of the figure; none where it was never found.
+    pub error: Option<f64>,
+    /// Largest.
+    pub largest_error: Option<f64>,
+    /// 95 % intervals, and how many hold the truth; where the figure has one.
+    pub intervals: [usize; 2],
+}
+
+/// What came of all sets.
+#[derive(Clone, Debug, Serialize)]
+pub struct Bench {
+    /// By defect.
+    pub rows: Vec<Row>,
+    /// Clean sets.
+    pub clean: usize,
+    /// Those that were accused, with what they were accused of.
+    pub accused: Vec<String>,
+}
+
+/// Injects each defect into so many sets, and diagnoses as many clean ones of each recorder.
+///
+/// # Errors
+/// [`DriveError`] where a run could not be simulated.
+pub fn bench(defects: &[Defect], sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<Bench, DriveError> {
+    let row = |defect: &Defect| {
+        let all = (0..sets).into_par_iter().map(|set| {
+            let outcome = injected(*defect, seed.wrapping_add(set));
+            done();
+            outcome
+        });
+        all.collect::<Result<Vec<_>, _>>().map(|outcomes| tally(*defect, &outcomes))
+    };
+    let clean: Vec<(Clean, u64)> = Clean::ALL.iter().flat_map(|clean| (0..sets).map(|set| (*clean, set))).collect();
+    let accused = |(recorder, set): &(Clean, u64)| {
+        let mut recordings = simulated(&recorder.sensors(), seed.wrapping_add(1_000_000 + set), &[])?;
+        let found = check(&mut recordings);
+        done();
+        let wrong: Vec<Kind> = all(&found).map(|finding| finding.kind).filter(|kind| !harmless(*kind)).collect();
+        Ok((!wrong.is_empty()).then(|| format!("{recorder:?}, seed {}: {wrong:?}", seed.wrapping_add(1_000_000 + set))))
+    };
+    let accused = clean.par_iter().map(accused).collect::<Result<Vec<_>, DriveError>>()?;
+    Ok(Bench {
+        rows: defects.iter().map(row).collect::<Result<Vec<_>, _>>()?,
+        clean: clean.len(),
+        accused: accused.into_iter().flatten().collect(),
+    })
+}
+
+struct Outcome {
+    found: bool,
+    accused: Vec<Kind>,
+    known: Vec<Known>,
+}
+
+fn tally(defect: Defect, outcomes: &[Outcome]) -> Row {
+    let (what, unit) = defect.words();
+    let known = || outcomes.iter().flat_map(|outcome| &outcome.known);
+    let errors: Vec<f64> = known().map(|known| (known.found.value - known.truth).abs()).collect();
+    let mut accused_of: Vec<Kind> = outcomes.iter().flat_map(|outcome| outcome.accused.iter().copied()).collect();
+    accused_of.sort_unstable();
+    accused_of.dedup();
+    let with_interval = || known().filter(|known| known.found.sd > 0.0);
+    let holds = |known: &&Known| {
+        let [low, high] = known.found.interval();
+        (low..=high).contains(&known.truth)
+    };
+    Row {
+        what,
+        unit,
+        sets: outcomes.len(),
+        found: outcomes.iter().filter(|outcome| outcome.found).count(),
+        accused: outcomes.iter().filter(|outcome| !outcome.accused.is_empty()).count(),
+        accused_of,
+        error: (!errors.is_empty()).then(|| median(&errors)),
+        largest_error: errors.iter().copied().reduce(f64::max),
+        intervals: [with_interval().count(), with_interval().filter(holds).count()],
+    }
+}
+
+/// All findings: of recorders, then of runs.
+fn all(check: &Check) -> impl Iterator<Item = &Finding> {
+    let of_runs = check.runs.iter().flat_map(|run| &run.findings);
+    check.recorders.iter().flat_map(|recorder| &recorder.findings).chain(of_runs)
+}
+
+/// Runs of a recorder. `lags_s`: by how much the speed of each run is late.
+fn simulated(sensors: &Sensors, seed: u64, lags_s: &[f64]) -> Result<Vec<Recording>, DriveError> {
+    let scenario = Scenario {
+        line: if seed.is_multiple_of(2) { Line::hilly(seed) } else { Line::flat_corridor() },
+        driver: if seed.is_multiple_of(3) { DriverKind::CaseStudy } else { DriverKind::ShortHop },
+        wind_sd_mps: 2.0,
+        load_sd: 0.02,
+        final_dwell: true,
+        sensors: sensors.clone(),
+        ..Scenario::default()
+    };
+    let run = |(i, plan)| {
+        let lag_s = lags_s.get(i).copied().unwrap_or(0.0);
+        let sensors = Sensors { speed_lag_s: [lag_s; 2], ..sensors.clone() };
+        let run = simulate_planned(&Scenario { sensors, ..scenario.clone() }, plan)?;
+        Ok(Case::simulated(format!("run{i}"), String::new(), run).recording)
+    };
+    plan(&scenario, RUNS, seed).iter().enumerate().map(run).collect()
+}
+
+fn injected(defect: Defect, seed: u64) -> Result<Outcome, DriveError> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0xC4EC);
+    let mut sensors = Clean::Satellites.sensors();
+    let gain = 1.0 + random.random_range(0.007..0.04) * if random.random_bool(0.5) { 1.0 } else { -1.0 };
+    let lags_s: Vec<f64> = (0..RUNS).map(|_| random.random_range(1.0..4.0)).collect();
+    match defect {
+        Defect::Truncated => sensors.speed = SpeedReading::Truncated,
+        Defect::Wheel => sensors.speed_gain = gain,
+        Defect::TruncatedWheel => (sensors.speed, sensors.speed_gain) = (SpeedReading::Truncated, gain),
+        Defect::LostSeconds => {
+            sensors = Sensors { lost_second_every_s: 106.0, ..Clean::Odometer.sensors() };
+        }
+        Defect::Midnight => sensors.day_clock_s = Some([85_800.0; 2]),
+        Defect::NoStandstill => sensors.standing_rows = false,
+        _ => {}
+    }
+    let lags_s = if defect == Defect::Skew { lags_s } else { Vec::new() };
+    let mut recordings = simulated(&sensors, seed, &lags_s)?;
+    // What is done to rows is done to one run.
+    let truth = spoil(defect, &mut recordings[1].rows, &mut random);
+    let check = check(&mut recordings);
+    let found: Vec<&Finding> = all(&check).filter(|finding| finding.kind == defect.kind()).collect();
+    let accused = all(&check).map(|finding| finding.kind).filter(|kind| !defect.belongs(*kind)).collect();
+    let of_recorder = &check.recorders[0];
+    let percent = |scale: Figure| Figure { value: 100.0 * scale.value, sd: 100.0 * scale.sd };
+    let known: Vec<Known> = match defect {
+        _ if found.is_empty() => Vec::new(),
+        Defect::Truncated => of_recorder.offset_kmh.map(|found| Known { truth: 0.5, found }).into_iter().collect(),
+        Defect::Wheel | Defect::TruncatedWheel => {
+            of_recorder.scale.map(|found| Known { truth: 100.0 * gain, found: percent(found) }).into_iter().collect()
+        }
+        Defect::Skew => {
+            let runs = check.runs.iter().zip(&lags_s);
+            runs.filter_map(|(run, lag_s)| Some(Known { truth: *lag_s, found: run.skew_s? })).collect()
+        }
+        // Every run shows it, and its own figure is nothing that was chosen.
+        Defect::LostSeconds => found.iter().map(|one| Known { truth: 100.0 / 106.0, found: one.figure }).collect(),
+        Defect::Midnight => found.iter().map(|one| Known { truth: 86_400.0, found: one.figure }).collect(),
+        Defect::NoStandstill => Vec::new(),
+        _ => found.iter().take(1).map(|one| Known { truth, found: one.figure }).collect(),
+    };
+    Ok(Outcome { found: !found.is_empty(), accused, known })
+}
+
+/// Rows of a place where the train runs fast for a while.
+fn fast(rows: &[Sample], random: &mut ChaCha8Rng) -> usize {
+    let fast = |i: &usize| rows[*i..*i + 90].iter().all(|row| row.speed_mps.is_some_and(|mps| mps > 12.0));
+    let places: Vec<usize> = (60..rows.len().saturating_sub(150)).filter(fast).collect();
+    if places.is_empty() { rows.len() / 2 } else { places[random.random_range(0..places.len())] }
+}
+
+/// Does to the rows of a run what makes the defect. Out: its true figure.
+fn spoil(defect: Defect, rows: &mut Vec<Sample>, random: &mut ChaCha8Rng) -> f64 {
+    let at = fast(rows, random);
+    let shift_clock = |rows: &mut [Sample], by_s: f64| rows.iter_mut().for_each(|row| row.time_s += by_s);
+    let shift = |rows: &mut [Sample], by_m: f64| {
+        rows.iter_mut().for_each(|row| row.location_m = row.location_m.map(|m| m + by_m));
+    };
+    let run_m = |rows: &[Sample]| rows.windows(2).map(|pair| pair[0].speed_mps.unwrap_or(0.0)).sum::<f64>();
+    match defect {
+        Defect::SetBack => {
+            shift_clock(&mut rows[at..], -3600.0);
+            -3600.0
+        }
+        Defect::SetForward => {
+            shift_clock(&mut rows[at..], 600.0);
+            600.0
+        }
+        Defect::Wrap => {
+            shift(&mut rows[at..], -65_536.0);
+            -65_536.0
+        }
+        Defect::Reset => {
+            let here_m = rows[at].location_m.unwrap_or(0.0);
+            shift(&mut rows[at..], -here_m);
+            -here_m
+        }
+        Defect::Spikes => {
+            for k in 0..5 {
+                shift(&mut rows[at + 15 * k..=at + 15 * k], 1000.0);
+            }
+            1000.0
+        }
+        Defect::StuckSpeed => {
+            let missed_m = run_m(&rows[at..at + 60]);
+            rows[at..at + 60].iter_mut().for_each(|row| row.speed_mps = Some(0.0));
+            missed_m
+        }
+        Defect::StuckLocation => {
+            let held = rows[at].location_m;
+            rows[at..at + 60].iter_mut().for_each(|row| row.location_m = held);
+            run_m(&rows[at..at + 60])
+        }
+        Defect::TwoDirections => {
+            let last = rows.len() - 1;
+            let (end_s, line) = (rows[last].time_s, rows[last].line);
+            let way_m = rows[last].location_m.zip(rows[0].location_m).map_or(0.0, |(a, b)| (a - b).abs());
+            let back: Vec<Sample> = rows.iter().rev().copied().collect();
+            let later = |(i, row): (usize, Sample)| {
+                let i = i as u64 + 1;
+                Sample { time_s: end_s + 60.0 + i as f64, line: line + i, ..row }
+            };
+            rows.extend(back.into_iter().enumerate().map(later));
+            way_m
+        }
+        Defect::OtherUnit => {
+            rows.iter_mut().for_each(|row| row.speed_mps = row.speed_mps.map(|mps| mps / 3.6));
+            3.6
+        }
+        _ => 0.0,
+    }
+}
+
+impl Bench {
+    /// As in `docs/check.md`.
+    pub fn table(&self) -> String {
+        let mut text = String::from(
+            "| injected | found | error of the figure, median and largest | 95 % intervals that hold | accused of more |\n|---|---|---|---|---|\n",
+        );
+        for row in &self.rows {
+            let error = row.error.zip(row.largest_error).map_or_else(
+                || "-".to_owned(),
+                |(median, largest)| format!("{}, {} {}", digits(median), digits(largest), row.unit),
+            );
+            let [all, hold] = row.intervals;
+            let intervals = if all == 0 { "-".to_owned() } else { format!("{hold} of {all}") };
+            let Row { what, found, sets, accused, .. } = row;
+            let of: Vec<String> = row.accused_of.iter().map(|kind| format!(": {}", kind.words())).collect();
+            let of = of.concat();
+            text += &format!("| {what} | {found} of {sets} | {error} | {intervals} | {accused}{of} |\n");
+        }
+        text + &format!("\nClean sets that are accused of anything: {} of {}.\n", self.accused.len(), self.clean)
+    }
+}
+
+/// Two digits that count.
+fn digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = (1.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fewer sets than in the documents, and the same figures within what chance allows.
+    #[test]
+    fn defects_are_found_and_clean_logs_are_not_accused() {
+        let bench = bench(&Defect::ALL, 5, 77, || ()).unwrap();
+        let text = bench.table();
+        println!("{text}\n{:?}", bench.accused);
+        for row in &bench.rows {
+            assert!(row.found + 1 >= row.sets, "{}: {} of {}\n{text}", row.what, row.found, row.sets);
+        }
+        assert!(bench.accused.len() <= 1, "{:?}", bench.accused);
+        let error = |what: Defect| {
+            let row = bench.rows.iter().find(|row| row.what == what.words().0);
+            row.and_then(|row| row.error).unwrap_or(f64::INFINITY)
+        };
+        assert!(error(Defect::Truncated) < 0.05, "{text}");
+        assert!(error(Defect::Wheel) < 0.1 && error(Defect::TruncatedWheel) < 0.1, "{text}");
+        assert!(error(Defect::Skew) < 0.2, "{text}");
+        assert!(error(Defect::LostSeconds) < 0.15, "{text}");
+        let [all, hold] = bench.rows.iter().fold([0, 0], |[a, h], row| [a + row.intervals[0], h + row.intervals[1]]);
+        assert!(100 * hold >= 80 * all, "{text}");
+    }
+}
