@@ -30,8 +30,11 @@ const FLAGS: [&str; 8] = [
 ];
 
 /// Each target for so many seconds; what breaks one is left in `host-tests/fuzz/artifacts`.
-pub fn fuzz(seconds: &str) -> Result<(), String> {
+/// With a seed the same inputs come each time, as far as the time allows.
+pub fn fuzz(seconds: &str, seed: Option<&str>) -> Result<(), String> {
     let seconds: u32 = seconds.parse().map_err(|_| format!("expected a number of seconds, found `{seconds}`"))?;
+    let number = |text: &str| text.parse().map_err(|_| format!("expected a seed, found `{text}`"));
+    let seed: Option<u32> = seed.map(number).transpose()?;
     // Zero would be for ever.
     if seconds == 0 {
         return Err("expected at least one second, found 0".into());
@@ -41,7 +44,7 @@ pub fn fuzz(seconds: &str) -> Result<(), String> {
     build(&host)?;
     let programs = root().join("host-tests/fuzz/target").join(&host).join("release");
     for targets in TARGETS.chunks(AT_ONCE) {
-        run_together(&programs, targets, seconds)?;
+        run_together(&programs, targets, seconds, seed)?;
     }
     Ok(())
 }
@@ -60,10 +63,10 @@ fn build(host: &str) -> Result<(), String> {
 }
 
 /// Waits for all of them, also where one has failed: the others' findings count too.
-fn run_together(programs: &Path, targets: &[&str], seconds: u32) -> Result<(), String> {
+fn run_together(programs: &Path, targets: &[&str], seconds: u32, seed: Option<u32>) -> Result<(), String> {
     let mut running = Vec::new();
     for target in targets {
-        running.push((target, start(programs, target, seconds)?));
+        running.push((target, start(programs, target, seconds, seed)?));
     }
     let mut failed = Vec::new();
     for (target, mut child) in running {
@@ -93,7 +96,7 @@ fn finding(said: &str) -> String {
     lines[first..].iter().take(FINDING_LINES).copied().collect::<Vec<_>>().join("\n")
 }
 
-fn start(programs: &Path, target: &str, seconds: u32) -> Result<Child, String> {
+fn start(programs: &Path, target: &str, seconds: u32, seed: Option<u32>) -> Result<Child, String> {
     for folder in ["corpus", "artifacts"] {
         let folder = root().join("host-tests/fuzz").join(folder).join(target);
         std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
@@ -104,6 +107,7 @@ fn start(programs: &Path, target: &str, seconds: u32) -> Result<Child, String> {
     // All lengths from the start: by default a short run of a slow target stays with inputs of a few bytes.
     command.args(["-max_len=4096", "-len_control=0", "-print_final_stats=1"]);
     command.arg(format!("-max_total_time={seconds}"));
+    command.args(seed.map(|seed| format!("-seed={seed}")));
     command.arg(format!("-artifact_prefix=host-tests/fuzz/artifacts/{target}/"));
     command.arg(format!("host-tests/fuzz/corpus/{target}"));
     println!("$ {} 2> host-tests/fuzz/artifacts/{target}.log", shown(&command));
@@ -139,7 +143,7 @@ mod tests {
 
     #[test]
     fn a_time_that_is_none_is_named() {
-        assert_eq!(fuzz("soon"), Err("expected a number of seconds, found `soon`".into()));
-        assert!(fuzz("0").is_err());
+        assert_eq!(fuzz("soon", None), Err("expected a number of seconds, found `soon`".into()));
+        assert!(fuzz("0", None).is_err());
     }
 }

@@ -31,7 +31,8 @@ Tasks:
   stack                         the most stack that the firmware can take, path by path, and the largest frames
   test                          the whole test run: set-up, firmware, unit, integration and documentation tests of every package
   browser                       the page of `rundown display` in Chromium, which is installed if it is missing; pictures in target/browser
-  fuzz [--seconds N]            every fuzz target for so long (default: 60), two at a time; needs a C++ compiler
+  fuzz [--seconds N] [--seed N] every fuzz target for so long (default: 60), two at a time; other inputs each time
+                                without a seed; needs a C++ compiler
   ci                            everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
 
 Exit codes: 0 passed, 1 a command failed, 2 no such task";
@@ -68,8 +69,9 @@ fn main() -> ExitCode {
         ["stack"] => budget::stack(),
         ["test"] => test(),
         ["browser"] => browser(),
-        ["fuzz"] => fuzz::fuzz("60"),
-        ["fuzz", "--seconds", seconds] => fuzz::fuzz(seconds),
+        ["fuzz"] => fuzz::fuzz("60", None),
+        ["fuzz", "--seconds", seconds] => fuzz::fuzz(seconds, None),
+        ["fuzz", "--seconds", seconds, "--seed", seed] => fuzz::fuzz(seconds, Some(seed)),
         ["ci"] => run(Command::new("bash").arg(".ci/run")),
         [] | ["help" | "--help" | "-h"] => {
             println!("{HELP}");

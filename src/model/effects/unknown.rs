@@ -7,11 +7,11 @@
 //! It acts against travel in either direction. Where the coordinate is not known (no temperature, no date) nothing is added. Points are in single precision:
 //! the board keeps the table in RAM and flash, and 0.01 m at 100 km and 1e-9 N/kg are enough.
 
-use crate::plain::plain;
 use super::parameters::Parameters;
 use super::{EffectError, FrameError, Law, Moment, Situation};
 use crate::Real;
 use crate::listed::listed;
+use crate::plain::plain;
 use heapless::Vec;
 use rundown_wire::{self as wire, EFFECT_VALUES};
 use serde::{Deserialize, Serialize};
