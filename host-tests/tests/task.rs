@@ -99,6 +99,9 @@ fn open_measurements_are_refused_where_the_setting_asks_for_secured_ones() {
     assert_eq!(board.status().refusals[Refusal::NotSecured as usize], 1);
     let secured = board.desk.secured(Request::Measurement(log[0])).unwrap();
     assert_eq!(estimate(&board.say(&secured)).unwrap().time_s, log[0].time_s);
+    // The desk knows what the board was described to ask for.
+    let own = board.desk.measurement(&log[1]).unwrap();
+    assert_eq!(estimate(&board.say(&own)).unwrap().time_s, log[1].time_s);
     // By default they are taken.
     let (mut board, _, log) = running(described());
     let open = board.desk.open(Request::Measurement(log[0])).unwrap();

@@ -466,5 +466,12 @@ mod tests {
         assert!(error(Defect::LostSeconds) < 0.15, "{text}");
         let [all, hold] = bench.rows.iter().fold([0, 0], |[a, h], row| [a + row.intervals[0], h + row.intervals[1]]);
         assert!(100 * hold >= 80 * all, "{text}");
+        for what in [Defect::Truncated, Defect::Wheel, Defect::TruncatedWheel] {
+            let row = bench.rows.iter().find(|row| row.what == what.words().0).unwrap();
+            assert!(row.intervals[1] + 1 >= row.intervals[0], "{}: {:?}", row.what, row.intervals);
+        }
+        for row in &bench.rows {
+            assert!(row.accused <= 1, "{} is also called something else\n{text}", row.what);
+        }
     }
 }

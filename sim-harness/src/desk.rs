@@ -10,6 +10,7 @@ use rundown::onboard::uplink::{
     self, CURVES, Command, CurvePart, GRADIENTS, Pace, Request, SECURED, Setting, TARGETS, TargetPart, TrackPart,
     TrainFrame, Uplink,
 };
+use rundown::tick::measurement::Measurement;
 use rundown::{
     estimator::Estimator,
     estimator::config::{Config, SecurityConfig},
@@ -147,12 +148,14 @@ pub struct Desk {
     signer: Option<Signer>,
     sequence: u16,
     snapshot: Vec<SnapshotPart>,
+    /// The board that was described asks for secured measurements.
+    secures_measurements: bool,
 }
 
 impl Desk {
     /// `provisioning` is the record that the board was given.
     pub fn new(provisioning: Provisioning) -> Self {
-        Self { provisioning, signer: None, sequence: 0, snapshot: Vec::new() }
+        Self { provisioning, signer: None, sequence: 0, snapshot: Vec::new(), secures_measurements: false }
     }
 
     /// Takes from a frame of the board what the next messages need: the freshness, and the pieces of a snapshot.
@@ -214,6 +217,15 @@ impl Desk {
         Ok(uplink::encode(&uplink, uplink::OPEN, &mut buffer)?.to_vec())
     }
 
+    /// A measurement: open, unless the board was described as one that asks for secured ones.
+    ///
+    /// # Errors
+    /// As [`secured`](Self::secured).
+    pub fn measurement(&mut self, measurement: &Measurement) -> Result<Vec<u8>, DeskError> {
+        let request = Request::Measurement(*measurement);
+        if self.secures_measurements { self.secured(request) } else { self.open(request) }
+    }
+
     /// Everything up to the first measurement.
     pub fn prepare(
         &mut self,
@@ -226,7 +238,8 @@ impl Desk {
     }
 
     /// What [`Desk::prepare`] secures.
-    pub fn preparation(&self, description: &Description, direction: Direction, pace: Pace) -> Vec<Request> {
+    pub fn preparation(&mut self, description: &Description, direction: Direction, pace: Pace) -> Vec<Request> {
+        self.secures_measurements = description.config.security.secured_measurements;
         let mut requests = description.requests(self.provisioning.train.0);
         requests.push(Request::Command(Command::Pace(pace)));
         requests.push(Request::Command(Command::Begin { direction, track_id: description.track_id() }));

@@ -175,7 +175,7 @@ where
 
     /// One measurement in lockstep: the frames of its tick, or the answer that refuses it.
     pub fn measure(&mut self, measurement: &Measurement) -> Result<Vec<Heard>, SessionError> {
-        let question = |desk: &mut Desk| desk.open(Request::Measurement(*measurement));
+        let question = |desk: &mut Desk| desk.measurement(measurement);
         let its = |body: &Body| matches!(body, Body::Estimate(estimate) if estimate.time_s == measurement.time_s);
         self.exchange("a measurement", LATE, question, its)
     }
@@ -194,7 +194,7 @@ where
 
     /// A measurement by the clock: nothing is waited for.
     pub fn report(&mut self, measurement: &Measurement) -> Result<(), SessionError> {
-        let message = self.desk.open(Request::Measurement(*measurement))?;
+        let message = self.desk.measurement(measurement)?;
         self.tell(&message)
     }
 }

@@ -71,7 +71,8 @@ fn run_together(programs: &Path, targets: &[&str], seconds: u32, seed: Option<u3
     let mut failed = Vec::new();
     for (target, mut child) in running {
         let ended = child.wait();
-        let said = std::fs::read_to_string(log_of(target)).unwrap_or_default();
+        let said = std::fs::read(log_of(target)).unwrap_or_default();
+        let said = String::from_utf8_lossy(&said);
         let counts = said.lines().filter_map(|line| line.strip_prefix("stat::"));
         println!("{target}: {}", counts.map(|count| count.replace(' ', "")).collect::<Vec<_>>().join(", "));
         if !ended.is_ok_and(|status| status.success()) {
@@ -97,9 +98,16 @@ fn finding(said: &str) -> String {
 }
 
 fn start(programs: &Path, target: &str, seconds: u32, seed: Option<u32>) -> Result<Child, String> {
-    for folder in ["corpus", "artifacts"] {
-        let folder = root().join("host-tests/fuzz").join(folder).join(target);
-        std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    // What earlier runs found would lead a sequence of inputs elsewhere.
+    let corpus = match seed {
+        Some(seed) => format!("host-tests/fuzz/target/corpus-{seed}/{target}"),
+        None => format!("host-tests/fuzz/corpus/{target}"),
+    };
+    if seed.is_some() && root().join(&corpus).exists() {
+        std::fs::remove_dir_all(root().join(&corpus)).map_err(|error| format!("{corpus}: {error}"))?;
+    }
+    for folder in [&corpus, &format!("host-tests/fuzz/artifacts/{target}")] {
+        std::fs::create_dir_all(root().join(folder)).map_err(|error| format!("{folder}: {error}"))?;
     }
     let log = log_of(target);
     let log = File::create(&log).map_err(|error| format!("{}: {error}", log.display()))?;
@@ -109,7 +117,7 @@ fn start(programs: &Path, target: &str, seconds: u32, seed: Option<u32>) -> Resu
     command.arg(format!("-max_total_time={seconds}"));
     command.args(seed.map(|seed| format!("-seed={seed}")));
     command.arg(format!("-artifact_prefix=host-tests/fuzz/artifacts/{target}/"));
-    command.arg(format!("host-tests/fuzz/corpus/{target}"));
+    command.arg(corpus);
     println!("$ {} 2> host-tests/fuzz/artifacts/{target}.log", shown(&command));
     let started = command.current_dir(root()).stderr(log).spawn();
     started.map_err(|error| format!("{target} could not be started: {error}"))

@@ -245,12 +245,15 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
     other_unit(rows, &mut findings);
     let usable = findings.iter().all(|finding| finding.done != Done::Refused);
     if usable {
-        places::stuck(rows, &mut findings);
-        places::join(rows, &mut findings);
+        places::stuck_locations(rows, &mut findings);
         places::spikes(rows, &mut findings);
+        places::join(rows, &mut findings);
+        // Only beside locations that are right is a speed known to stand still.
+        places::stuck_speeds(rows, &mut findings);
         places::two_directions(rows, &mut findings);
         clock::lost_seconds(rows, &mut findings);
     }
+    let usable = findings.iter().all(|finding| finding.done != Done::Refused);
     clock::gaps(rows, &mut findings);
     let step_s = clock::usual_step_s(rows);
     let agreement =
@@ -421,8 +424,8 @@ impl RecorderCheck {
 
     /// The usual skew, and how much it differs from run to run.
     fn skews(&mut self, runs: &[RunCheck]) {
-        let mut skews: Vec<Figure> =
-            runs.iter().filter(|run| run.unit == self.unit).filter_map(|run| run.skew_s).collect();
+        let usable = runs.iter().filter(|run| run.unit == self.unit && run.refusal().is_none());
+        let mut skews: Vec<Figure> = usable.filter_map(|run| run.skew_s).collect();
         skews.sort_by(|a, b| a.value.total_cmp(&b.value));
         let Some(middle) = skews.get(skews.len() / 2).copied() else {
             return;

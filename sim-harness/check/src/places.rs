@@ -102,10 +102,14 @@ pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     }
 }
 
-/// Readings of a sensor that stands still while the other one does not: left out.
-pub fn stuck(rows: &mut [Sample], findings: &mut Vec<Finding>) {
+/// Locations that stand still while the train does not: left out.
+pub fn stuck_locations(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed);
     leave_out(rows, &places, Kind::StuckLocation, findings);
+}
+
+/// Speeds that stand still while the locations say otherwise: left out.
+pub fn stuck_speeds(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let speeds = stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed);
     leave_out(rows, &speeds, Kind::StuckSpeed, findings);
 }

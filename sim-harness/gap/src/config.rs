@@ -291,6 +291,7 @@ settings! {
         location_knots: usize = 24, /// Knots along the location. Judgement.
         knots: usize = 7, /// Knots along speed and time. Judgement.
         run_knots: usize = 5, /// Knots along temperature and day. Judgement.
+        least_rows: usize = 30, /// From fewer rows their scatter is not known. Judgement.
         powering_habit: f64 = 0.15, /// What all drivers do alike between two readings while powering, as a share of the scatter beyond that of coasting. Judgement: most intervals have no change, a few a large one.
         braking_habit: f64 = 1.0, /// The same while braking. Judgement: what happens between two readings there happens in most intervals.
         least_runs: usize = 3, /// Least runs of a probe. Derived: fewer signs cannot be flipped.

@@ -122,7 +122,7 @@ type Acts = fn(&Row, f64) -> bool;
 /// Rows that power, or that brake: between two readings of the effort their drivers do what nobody sees.
 struct Driven {
     acts: Acts,
-    /// Variance of their residuals, and that of coasting, (N/kg)².
+    /// Mean square of their residuals, and of those of coasting, (N/kg)².
     scatter: [f64; 2],
     /// What all drivers do alike at an effort, or at a place: standard deviation, N/kg.
     habit_n_per_kg: f64,
@@ -132,26 +132,29 @@ impl Driven {
     /// Powering and braking.
     fn both(rows: &[Row], config: &EvidenceConfig) -> [Self; 2] {
         let coast = config.coast_n_per_kg;
+        // `None`: too few rows to tell.
         let scatter = |acts: Acts| {
             let squares = rows.iter().filter(|row| acts(row, coast)).map(|row| row.residual_n_per_kg.powi(2));
-            squares.clone().sum::<f64>() / squares.count().max(1) as f64
+            let count = squares.clone().count();
+            (count >= config.least_rows).then(|| squares.sum::<f64>() / count as f64)
         };
-        let coasting = scatter(|row, coast| row.effort_n_per_kg.abs() <= coast);
+        let [powers, brakes]: [Acts; 2] =
+            [|row, coast| row.effort_n_per_kg > coast, |row, coast| row.effort_n_per_kg < -coast];
+        // Where hardly anybody coasts, powering is the calmest that there is.
+        let calm = scatter(|row, coast| row.effort_n_per_kg.abs() <= coast).or_else(|| scatter(powers));
+        let calm = calm.unwrap_or(f64::INFINITY);
         let of = |acts: Acts, share: f64| {
-            let scatter = [scatter(acts), coasting];
-            let habit_n_per_kg = share * (scatter[0] - coasting).max(0.0).sqrt();
+            let scatter = [scatter(acts).unwrap_or(calm), calm];
+            let habit_n_per_kg = share * (scatter[0] - calm).max(0.0).sqrt();
             Self { acts, scatter, habit_n_per_kg }
         };
-        [
-            of(|row, coast| row.effort_n_per_kg > coast, config.powering_habit),
-            of(|row, coast| row.effort_n_per_kg < -coast, config.braking_habit),
-        ]
+        [of(powers, config.powering_habit), of(brakes, config.braking_habit)]
     }
 
     /// So many times wider than coasting.
     fn wider(&self) -> f64 {
-        let [driven, coasting] = self.scatter;
-        if coasting > 0.0 { (driven / coasting).sqrt().max(1.0) } else { 1.0 }
+        let [driven, calm] = self.scatter;
+        if calm > 0.0 && driven > calm { (driven / calm).sqrt() } else { 1.0 }
     }
 
     /// One standard deviation of each habit: of all of them, and along the line.

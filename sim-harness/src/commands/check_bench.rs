@@ -25,7 +25,7 @@ Files in the output folder:
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
     /// Sets of each defect and of each clean recorder
-    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     sets: u64,
     /// Seed of all draws
     #[arg(long, value_name = "SEED", default_value_t = 1)]

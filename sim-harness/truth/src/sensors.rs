@@ -80,7 +80,7 @@ pub struct Sensors {
     pub location_stuck: Option<Bursts>,
     /// The clock of the recorder loses a second after each so many, s; 0 for never.
     pub lost_second_every_s: f64,
-    /// Whether there are rows while the train stands; the first of a standstill there always is.
+    /// Whether there are rows while the speed, as old as it is, is zero; the first of a standstill there always is.
     pub standing_rows: bool,
     /// The clock shows seconds of the day and begins the run between these, s; drawn where a run is simulated.
     pub day_clock_s: Option<[f64; 2]>,
@@ -250,7 +250,7 @@ impl Sensors {
             let noise = if row == 0 { 0.0 } else { self.effort_noise_n_per_kg * unit.sample(effort_rng) };
             last_row = row;
             lost = lost.saturating_sub(1);
-            let stood = std::mem::replace(&mut stands, at.speed_mps == 0.0);
+            let stood = std::mem::replace(&mut stands, speed_mps == 0.0);
             if stood && stands && !self.standing_rows {
                 continue;
             }
@@ -433,6 +433,13 @@ mod tests {
         let times: Vec<f64> = samples.iter().map(|sample| sample.time_s.round()).collect();
         assert_eq!((samples.len(), times[10], times[11]), (31, 10.0, 21.0));
         assert!(truth.iter().zip(&samples).all(|(truth, sample)| truth.time_s == sample.time_s));
+
+        // A speed that is late stands later, and its last row says so.
+        let late = Sensors { speed_lag_s: [2.0, 2.0], ..sensors };
+        let [mut a, mut b, mut c] = [3, 4, 5].map(ChaCha8Rng::seed_from_u64);
+        let (samples, _) = late.read(&trace, 0.1, &mut a, &mut b, &mut c);
+        let times: Vec<f64> = samples.iter().map(|sample| sample.time_s.round()).collect();
+        assert_eq!((samples.len(), times[12], times[13], samples[12].speed_kmh), (31, 12.0, 23.0, Some(0.0)));
 
         let stuck = Some(Bursts { probability: 0.05, samples: [4, 6] });
         let samples = read(&Sensors { location_stuck: stuck, sampling_s: 0.1, ..sensors }, 5_000);

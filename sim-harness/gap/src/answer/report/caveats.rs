@@ -66,7 +66,7 @@ fn readings(answer: &Answer) -> String {
     if corrected.is_empty() {
         return "Speed, location and clock agree; no reading was corrected.".to_owned();
     }
-    format!("Before any force was looked at: {}.", corrected.join("; "))
+    format!("Of the readings: {}.", corrected.join("; "))
 }
 
 fn names(answer: &Answer) -> Vec<&'static str> {
