@@ -353,9 +353,21 @@ macro_rules! plain {
     )*};
 }
 
-/// An enum of which each value holds one thing.
+/// Declares an enum of which each value holds one thing: what stands first is 0.
 macro_rules! plain_choice {
-    ($Name:ident { $First:ident($FirstType:ty) $(, $Other:ident($Type:ty))* $(,)? }) => {
+    (
+        $(#[$attribute:meta])* pub enum $Name:ident {
+            $(#[$first:meta])* $First:ident($FirstType:ty)
+            $(, $(#[$other:meta])* $Other:ident($Type:ty))* $(,)?
+        }
+    ) => {
+        $(#[$attribute])*
+        pub enum $Name {
+            $(#[$first])*
+            $First($FirstType),
+            $($(#[$other])* $Other($Type),)*
+        }
+
         impl $crate::plain::Plain for $Name {
             const START: Self = Self::$First(<$FirstType as $crate::plain::Plain>::START);
 

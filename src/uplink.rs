@@ -46,30 +46,32 @@ pub struct Uplink {
     pub request: Request,
 }
 
-/// The frames. New ones are appended, so that the numbers of the old ones stay.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum Request {
-    /// 0: one measurement.
-    Measurement(Measurement),
-    /// 1: the train, between runs.
-    Train(TrainFrame),
-    /// 2: a part of the track, between runs; it is in force once the last part has come.
-    Track(TrackPart),
-    /// 3: a section of the configuration, between runs.
-    Setting(Setting),
-    /// 4: a named effect for the model, between runs.
-    Effect(Effect),
-    /// 5: something to do.
-    Command(Command),
-    /// 6: a part of a snapshot to go on from.
-    Snapshot(SnapshotPart),
-    /// 7: temperature and date, for the effects that depend on them; at any time.
-    Surroundings(Surroundings),
-    /// 8: curves of the track in force, between runs.
-    Curves(CurvePart),
-    /// 9: stops and permitted speeds of the track in force, between runs.
-    Targets(TargetPart),
+plain_choice! {
+    /// The frames. New ones are appended, so that the numbers of the old ones stay.
+    #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+    #[non_exhaustive]
+    pub enum Request {
+        /// 0: one measurement.
+        Measurement(Measurement),
+        /// 1: the train, between runs.
+        Train(TrainFrame),
+        /// 2: a part of the track, between runs; it is in force once the last part has come.
+        Track(TrackPart),
+        /// 3: a section of the configuration, between runs.
+        Setting(Setting),
+        /// 4: a named effect for the model, between runs.
+        Effect(Effect),
+        /// 5: something to do.
+        Command(Command),
+        /// 6: a part of a snapshot to go on from.
+        Snapshot(SnapshotPart),
+        /// 7: temperature and date, for the effects that depend on them; at any time.
+        Surroundings(Surroundings),
+        /// 8: curves of the track in force, between runs.
+        Curves(CurvePart),
+        /// 9: stops and permitted speeds of the track in force, between runs.
+        Targets(TargetPart),
+    }
 }
 
 /// The train.
@@ -126,11 +128,13 @@ pub struct TargetPart {
 
 macro_rules! sections {
     ($($(#[$doc:meta])* $Section:ident($Type:ty) is $field:ident,)*) => {
-        /// A section of the configuration; the whole is checked before it takes the old one's place.
-        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-        #[non_exhaustive]
-        pub enum Setting {
-            $($(#[$doc])* $Section($Type),)*
+        plain_choice! {
+            /// A section of the configuration; the whole is checked before it takes the old one's place.
+            #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+            #[non_exhaustive]
+            pub enum Setting {
+                $($(#[$doc])* $Section($Type),)*
+            }
         }
 
         impl Setting {
@@ -145,10 +149,6 @@ macro_rules! sections {
                     $(Self::$Section(section) => config.$field = section,)*
                 }
             }
-        }
-
-        plain_choice! {
-            Setting { $($Section($Type)),* }
         }
     };
 }
@@ -223,21 +223,6 @@ plain! {
 
 plain! {
     enum Pace { Clock, Lockstep }
-}
-
-plain_choice! {
-    Request {
-        Measurement(Measurement),
-        Train(TrainFrame),
-        Track(TrackPart),
-        Setting(Setting),
-        Effect(Effect),
-        Command(Command),
-        Snapshot(SnapshotPart),
-        Surroundings(Surroundings),
-        Curves(CurvePart),
-        Targets(TargetPart),
-    }
 }
 
 impl Plain for Command {

@@ -14,6 +14,7 @@ use rundown_check::agreement::Figure;
 use rundown_check::finding::{Finding, Kind};
 use rundown_check::{Check, check};
 use rundown_files::{recording::Recording, sample::Sample, units::median};
+use rundown_truth::recorders::odometer;
 use rundown_truth::scenario::{DriveError, Scenario, simulate_planned};
 use rundown_truth::sensors::{LocationWalk, Sensors, SpeedReading};
 use rundown_truth::{habits::DriverKind, line::Line, plan::plan};
@@ -161,9 +162,7 @@ impl Clean {
         match self {
             Self::Satellites => satellites,
             Self::Slow => Sensors { sampling_s: 10.0, ..satellites },
-            Self::Odometer => {
-                Sensors { location_noise_m: 0.0, location_by_wheel: true, location_step_m: 1.0, ..satellites }
-            }
+            Self::Odometer => odometer(),
             Self::Drifting => {
                 Sensors { location_noise_m: 1.0, location_walk: Some(LocationWalk::of(6.0)), ..satellites }
             }

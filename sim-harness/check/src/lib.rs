@@ -243,8 +243,8 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
     let rows = &mut recording.rows;
     clock::put_right(rows, &mut findings);
     other_unit(rows, &mut findings);
-    let usable = findings.iter().all(|finding| finding.done != Done::Refused);
-    if usable {
+    let is_usable = |findings: &[Finding]| findings.iter().all(|finding| finding.done != Done::Refused);
+    if is_usable(&findings) {
         places::stuck_locations(rows, &mut findings);
         places::spikes(rows, &mut findings);
         places::join(rows, &mut findings);
@@ -253,11 +253,13 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
         places::two_directions(rows, &mut findings);
         clock::lost_seconds(rows, &mut findings);
     }
-    let usable = findings.iter().all(|finding| finding.done != Done::Refused);
     clock::gaps(rows, &mut findings);
     let step_s = clock::usual_step_s(rows);
-    let agreement =
-        if usable { agreement(&parts(rows, step_s).iter().map(Vec::as_slice).collect::<Vec<_>>()) } else { None };
+    let agreement = if is_usable(&findings) {
+        agreement(&parts(rows, step_s).iter().map(Vec::as_slice).collect::<Vec<_>>())
+    } else {
+        None
+    };
     let run = RunCheck {
         name: recording.name.clone(),
         unit: recording.unit.clone(),

@@ -92,6 +92,19 @@ impl<T> TomlFile<T> {
         self.refuse(&steps, message)
     }
 
+    /// Whether the text has a value, its path written as in `davis.r0`.
+    pub fn has(&self, dotted: &str) -> bool {
+        let Ok(table) = DeTable::parse(&self.text) else {
+            return false;
+        };
+        let mut names = dotted.split('.');
+        let mut value = names.next().and_then(|name| table.get_ref().get(name));
+        for name in names {
+            value = value.and_then(|value| child(value, &Step::Name(name)));
+        }
+        value.is_some()
+    }
+
     fn byte_of(&self, steps: &[Step<'_>]) -> Option<usize> {
         let table = DeTable::parse(&self.text).ok()?;
         let (first, rest) = steps.split_first()?;
@@ -168,6 +181,7 @@ mod tests {
         assert_eq!(file.refuse(&steps, "not sorted").to_string(), "x.toml:6:9: entry[1].at_m: not sorted");
         assert_eq!(file.refuse_dotted("mass_kg", "light").to_string(), "x.toml:1:11: mass_kg: light");
         assert_eq!(file.refuse_dotted("davis.r0", "small").to_string(), "x.toml: davis.r0: small");
+        assert!(file.has("mass_kg") && !file.has("davis.r0") && !file.has("mass_kg.r0"));
     }
 
     #[test]

@@ -65,21 +65,13 @@ fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(Along, Columns)> {
         let column = rows.iter().map(|row| f64::from(acts(row))).collect();
         (value, column)
     };
-    let coast_n_per_kg = config.coast_n_per_kg;
     vec![
         along(Coordinate::Location, config.location_knots),
         along(Coordinate::Speed, config.knots),
         along(Coordinate::Time, config.knots),
         along(Coordinate::Temperature, config.run_knots),
         along(Coordinate::Day, config.run_knots),
-        (
-            Along::Regime,
-            vec![
-                those(1.0, &|row| row.effort_n_per_kg > coast_n_per_kg),
-                those(0.0, &|row| row.effort_n_per_kg.abs() <= coast_n_per_kg),
-                those(-1.0, &|row| row.effort_n_per_kg < -coast_n_per_kg),
-            ],
-        ),
+        (Along::Regime, [1, 0, -1].map(|which| those(f64::from(which), &|row| regime(row, config) == which)).to_vec()),
         (
             Along::Direction,
             [Direction::Up, Direction::Down]
@@ -116,39 +108,39 @@ impl Probe {
     }
 }
 
-/// Whether a row is driven so: by an effort beyond that at which a train coasts.
-type Acts = fn(&Row, f64) -> bool;
+/// Power 1, coast 0, brake -1.
+fn regime(row: &Row, config: &EvidenceConfig) -> i8 {
+    let effort = row.effort_n_per_kg;
+    i8::from(effort > config.coast_n_per_kg) - i8::from(effort < -config.coast_n_per_kg)
+}
 
 /// Rows that power, or that brake: between two readings of the effort their drivers do what nobody sees.
 struct Driven {
-    acts: Acts,
+    /// As [`regime`] has it.
+    regime: i8,
     /// Mean square of their residuals, and of those of coasting, (N/kg)².
     scatter: [f64; 2],
-    /// What all drivers do alike at an effort, or at a place: standard deviation, N/kg.
+    /// What all drivers do alike, anywhere and at a place: standard deviation, N/kg.
     habit_n_per_kg: f64,
 }
 
 impl Driven {
     /// Powering and braking.
     fn both(rows: &[Row], config: &EvidenceConfig) -> [Self; 2] {
-        let coast = config.coast_n_per_kg;
         // `None`: too few rows to tell.
-        let scatter = |acts: Acts| {
-            let squares = rows.iter().filter(|row| acts(row, coast)).map(|row| row.residual_n_per_kg.powi(2));
+        let scatter = |which: i8| {
+            let those = rows.iter().filter(|row| regime(row, config) == which);
+            let squares = those.map(|row| row.residual_n_per_kg.powi(2));
             let count = squares.clone().count();
             (count >= config.least_rows).then(|| squares.sum::<f64>() / count as f64)
         };
-        let [powers, brakes]: [Acts; 2] =
-            [|row, coast| row.effort_n_per_kg > coast, |row, coast| row.effort_n_per_kg < -coast];
         // Where hardly anybody coasts, powering is the calmest that there is.
-        let calm = scatter(|row, coast| row.effort_n_per_kg.abs() <= coast).or_else(|| scatter(powers));
-        let calm = calm.unwrap_or(f64::INFINITY);
-        let of = |acts: Acts, share: f64| {
-            let scatter = [scatter(acts).unwrap_or(calm), calm];
+        let calm = scatter(0).or_else(|| scatter(1)).unwrap_or(f64::INFINITY);
+        [(1, config.powering_habit), (-1, config.braking_habit)].map(|(regime, share)| {
+            let scatter = [scatter(regime).unwrap_or(calm), calm];
             let habit_n_per_kg = share * (scatter[0] - calm).max(0.0).sqrt();
-            Self { acts, scatter, habit_n_per_kg }
-        };
-        [of(powers, config.powering_habit), of(brakes, config.braking_habit)]
+            Self { regime, scatter, habit_n_per_kg }
+        })
     }
 
     /// So many times wider than coasting.
@@ -159,7 +151,7 @@ impl Driven {
 
     /// One standard deviation of each habit: of all of them, and along the line.
     fn habits(&self, rows: &[Row], config: &EvidenceConfig) -> Vec<Vec<f64>> {
-        let acts = |row: &Row| (self.acts)(row, config.coast_n_per_kg);
+        let acts = |row: &Row| regime(row, config) == self.regime;
         let place = |row: &Row| in_the_middle(Coordinate::Location, row);
         let edges = knots(rows.iter().filter(|row| acts(row)).filter_map(place), config.location_knots);
         let column = |here: &dyn Fn(&Row) -> bool| -> Vec<f64> {
@@ -182,8 +174,9 @@ fn probes(
     let driven = Driven::both(rows, config);
     let mut calibrated = calibrated.clone();
     for (row, spread) in rows.iter().zip(&mut calibrated.spread) {
-        let acting = driven.iter().filter(|driven| (driven.acts)(row, config.coast_n_per_kg));
-        *spread *= acting.map(Driven::wider).product::<f64>();
+        if let Some(driven) = driven.iter().find(|driven| driven.regime == regime(row, config)) {
+            *spread *= driven.wider();
+        }
     }
     let whitening = calibrated.whitening(context, rows);
     let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
@@ -251,10 +244,7 @@ pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::GapConfig;
-    use crate::data::believed::{Believed, Conditions, Surroundings};
-    use rundown::model::track::{Gradient, Track};
-    use rundown::model::train::{Train, TrainDescription};
+    use crate::data::believed::tests::on_a_level_line;
 
     const RUNS: usize = 30;
     const ROWS: usize = 60;
@@ -262,16 +252,6 @@ mod tests {
     /// The p-value where nothing is hidden but what `residual` says of a row: its index in the run and whether it brakes, with noise of a standard deviation
     /// of 0.01 N/kg, five times as much where it brakes.
     fn p_value(seed: u64, residual: fn(usize, bool) -> f64) -> f64 {
-        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
-        let level = Gradient { from_m: 0.0, permille: 0.0 };
-        let track = Track::try_new(60_000.0, [level]).unwrap();
-        let (surroundings, config) = (Surroundings::default(), GapConfig::default());
-        let context = Context {
-            believed: Believed::new(&train, &track),
-            surroundings: &surroundings,
-            conditions: Conditions { temperature_c: 10.0, first_day: 0.0, period_days: 30.0, runs: RUNS },
-            config: &config,
-        };
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut rows = Vec::new();
         for run in 0..RUNS {
@@ -288,7 +268,7 @@ mod tests {
         }
         let noise = crate::noise::whitening::Noise { acceleration_mps2: 0.01, ..Default::default() };
         let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
-        evidence(&context, &rows, &calibrated).1
+        on_a_level_line(RUNS, |context| evidence(context, &rows, &calibrated).1)
     }
 
     #[test]

@@ -294,9 +294,7 @@ impl Simulation {
         if recorder.is_some() {
             file.values.sensors.recorder = recorder;
         }
-        // It was parsed before: it is a table.
-        let table: toml::Table = text.parse().unwrap_or_default();
-        let given = |field: &str| table.get("sensors").is_some_and(|sensors| sensors.get(field).is_some());
+        let given = |field: &str| file.has(&format!("sensors.{field}"));
         let values = &file.values;
         let (line, track) = line(&file, path)?;
         let train = believed::train_file(&values.train.name, &values.train.truth());

@@ -102,7 +102,7 @@ impl RunSource {
         }
     }
 
-    /// The next runs, at most [`CHUNK`]; none after the last. A log that cannot be used is in its place.
+    /// The next runs, at most [`CHUNK`]; none after the last. Logs that cannot be read come before the others of their chunk.
     pub fn next_chunk(&mut self) -> Result<Option<Vec<Result<Case, Failed>>>, Refused> {
         let chunk = match self {
             Self::Simulated(simulated) => simulated.next_chunk(),

@@ -41,8 +41,7 @@ impl Recorder {
     /// What it does to the truth.
     pub fn sensors(self) -> Sensors {
         let second = Sensors { sampling_s: 1.0, ..Sensors::default() };
-        let odometer =
-            Sensors { location_noise_m: 0.0, location_by_wheel: true, location_step_m: 1.0, ..second.clone() };
+        let odometer = odometer();
         match self {
             Self::EventRecorder => Sensors {
                 speed: SpeedReading::Truncated,
@@ -70,5 +69,16 @@ impl Recorder {
             },
             Self::Jru => Sensors { sampling_s: 5.0, day_clock_s: Some([84_900.0, 86_300.0]), ..odometer },
         }
+    }
+}
+
+/// Every second the location of an odometer, whole metres by the same wheel as the speed, which is rounded.
+pub fn odometer() -> Sensors {
+    Sensors {
+        sampling_s: 1.0,
+        location_noise_m: 0.0,
+        location_by_wheel: true,
+        location_step_m: 1.0,
+        ..Sensors::default()
     }
 }

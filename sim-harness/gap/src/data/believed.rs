@@ -110,10 +110,22 @@ pub fn described(section: [f64; 2], edges: [(f64, f64); 2], descriptions: &[(f64
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::data::rows::Row;
     use rundown::model::{track::Gradient, train::TrainDescription};
+
+    /// The train of the case study on 60 km of level line, and so many runs of it, one a day.
+    pub(crate) fn on_a_level_line<T>(runs: usize, then: impl FnOnce(&Context<'_>) -> T) -> T {
+        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
+        let track = Track::try_new(60_000.0, [Gradient { from_m: 0.0, permille: 0.0 }]).unwrap();
+        then(&Context {
+            believed: Believed::new(&train, &track),
+            surroundings: &Surroundings::default(),
+            conditions: Conditions { temperature_c: 10.0, first_day: 0.0, period_days: runs as f64, runs },
+            config: &GapConfig::default(),
+        })
+    }
 
     #[test]
     fn a_measured_headwind_changes_the_load_by_the_air_speed_and_none_changes_nothing() {

@@ -49,19 +49,16 @@ pub fn runs(set: &RunSet, track: &TrackFile, direction: DirectionChoice, as_reco
     let line = CentreLine::new(&track.centre_line);
     let read: Vec<_> = set.files.par_iter().map(|file| recording(file, line.as_ref(), direction)).collect();
     let mut loaded = Loaded::default();
-    let mut seen: Vec<Vec<Sample>> = Vec::new();
     for result in read {
         match result {
             Ok(recording) => {
-                let samples = without_lines(&recording.rows);
                 // Counted twice it would stand on both sides of the hold-out.
-                if seen.contains(&samples) {
+                if loaded.recordings.iter().any(|other| are_same(&other.rows, &recording.rows)) {
                     let name = &recording.name;
                     let text = "has the samples of another run, to the last digit; the run was left out";
                     loaded.notes.push(format!("{name}: {text}"));
                     continue;
                 }
-                seen.push(samples);
                 loaded.notes.extend(recording.warnings.iter().cloned());
                 loaded.recordings.push(recording);
             }
@@ -88,11 +85,11 @@ impl Loaded {
     fn diagnose(&mut self) {
         let mut check = check_beside(&mut self.recordings, Known { scale: true, ..Known::default() });
         // In the runs the scale is put right, too.
-        let mut scales = check.recorders.iter_mut().flat_map(|recorder| &mut recorder.findings);
-        scales
-            .by_ref()
-            .filter(|finding| finding.kind == Kind::SpeedScale)
-            .for_each(|found| found.done = Done::PutRight);
+        for finding in check.recorders.iter_mut().flat_map(|recorder| &mut recorder.findings) {
+            if finding.kind == Kind::SpeedScale {
+                finding.done = Done::PutRight;
+            }
+        }
         self.notes.extend(check.notes());
         let recordings = std::mem::take(&mut self.recordings);
         for (recording, of_run) in recordings.into_iter().zip(&check.runs) {
@@ -107,8 +104,9 @@ impl Loaded {
     }
 }
 
-fn without_lines(rows: &[Sample]) -> Vec<Sample> {
-    rows.iter().map(|row| Sample { line: 0, ..*row }).collect()
+/// The same readings, in whichever lines of their logs they stand.
+fn are_same(a: &[Sample], b: &[Sample]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| *a == Sample { line: a.line, ..*b })
 }
 
 /// Reads one log.
@@ -126,7 +124,7 @@ fn run(recording: &Recording, recorded: Recorded) -> Run {
     let most_mps = KmPerHour(MOST_SPEED_KMH).to_mps();
     let wheel = Correction { offset_mps: 0.0, ..recorded.correction };
     let mut samples: Vec<Sample> = Vec::with_capacity(recording.rows.len());
-    for row in without_lines(&recording.rows) {
+    for row in &recording.rows {
         // Times that do not increase were reported when the log was read.
         if samples.last().is_some_and(|last| last.time_s >= row.time_s) {
             continue;
@@ -135,7 +133,7 @@ fn run(recording: &Recording, recorded: Recorded) -> Run {
             // What no train has was warned of when the log was read; no estimator checks it here.
             location_m: row.location_m.filter(|at| at.abs() < MOST_LOCATION_M),
             speed_mps: row.speed_mps.filter(|v| (0.0..most_mps).contains(v)).map(|v| wheel.true_mps(v)),
-            ..row
+            ..*row
         });
     }
     let Recording { name, direction, day, .. } = recording;

@@ -264,30 +264,21 @@ fn flexible(context: &Context<'_>, rows: &[Row], model: &[Term]) -> Vec<Vec<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::GapConfig;
-    use crate::data::believed::{Believed, Conditions, Surroundings};
+    use crate::data::believed::tests::on_a_level_line;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, Normal};
     use rundown::model::direction::Direction;
-    use rundown::model::track::{Gradient, Track};
-    use rundown::model::train::{Train, TrainDescription};
 
     /// Noise of a reading, m/s.
     const READING_MPS: f64 = 0.08;
 
     /// What is found in 40 runs of which each coasts for six intervals, at any place and speed, in a wind of its own.
     fn found(wind_sd_mps: f64, seed: u64) -> Calibrated {
-        let train = Train::try_new(TrainDescription::CASE_STUDY).unwrap();
-        let level = Gradient { from_m: 0.0, permille: 0.0 };
-        let track = Track::try_new(60_000.0, [level]).unwrap();
-        let (surroundings, config) = (Surroundings::default(), GapConfig::default());
-        let context = Context {
-            believed: Believed::new(&train, &track),
-            surroundings: &surroundings,
-            conditions: Conditions { temperature_c: 10.0, first_day: 0.0, period_days: 40.0, runs: 40 },
-            config: &config,
-        };
+        on_a_level_line(40, |context| found_beside(context, wind_sd_mps, seed))
+    }
+
+    fn found_beside(context: &Context<'_>, wind_sd_mps: f64, seed: u64) -> Calibrated {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let unit = Normal::new(0.0, 1.0).unwrap();
         let mut rows = Vec::new();
@@ -308,11 +299,11 @@ mod tests {
                 winds.push(wind);
             }
         }
-        let [_, against_wind, _] = own_columns(&context, &rows);
+        let [_, against_wind, _] = own_columns(context, &rows);
         for ((row, wind), column) in rows.iter_mut().zip(winds).zip(against_wind) {
             row.residual_n_per_kg += wind * column;
         }
-        calibrate(&context, &rows, false, true, &[]).0
+        calibrate(context, &rows, false, true, &[]).0
     }
 
     #[test]
