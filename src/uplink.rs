@@ -17,6 +17,7 @@ use crate::model::effects::Surroundings;
 use crate::model::track::{Curve, Gradient, Target};
 use crate::model::train::TrainDescription;
 use crate::plain::{self, Bytes, Plain, plain, plain_choice};
+use crate::tick::effort_reading::EffortReadingConfig;
 use crate::tick::learning::LearningConfig;
 use crate::tick::measurement::Measurement;
 use crate::tick::memory::MemoryConfig;
@@ -24,6 +25,7 @@ use crate::tick::paper::PaperConfig;
 use crate::tick::plausibility::PlausibilityConfig;
 use crate::tick::regime::{PaperRule, RecogniserConfig};
 use crate::tick::sensor::SensorConfig;
+use crate::tick::short_hops::ShortHopConfig;
 use heapless::Vec;
 use rundown_wire::{Effect, SnapshotPart};
 use serde::{Deserialize, Serialize};
@@ -139,7 +141,7 @@ macro_rules! sections {
 
         impl Setting {
             /// All sections of a configuration.
-            pub fn all(config: &Config) -> [Self; 11] {
+            pub fn all(config: &Config) -> [Self; 13] {
                 [$(Self::$Section(config.$field)),*]
             }
 
@@ -176,6 +178,10 @@ sections! {
     Coast(CoastConfig) is coast,
     /// 10: what may come without a MAC.
     Security(SecurityConfig) is security,
+    /// 11: what is expected of an effort column.
+    EffortReading(EffortReadingConfig) is effort_reading,
+    /// 12: learning on short hops.
+    ShortHops(ShortHopConfig) is short_hops,
 }
 
 /// When a tick happens.

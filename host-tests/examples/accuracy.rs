@@ -1,29 +1,35 @@
-//! Prints estimates against truth for fleets of simulated vehicles: `cargo run --release -p host-tests --example accuracy [vehicles] [runs] [mode]`.
-
-use host_tests::accuracy::{judge, scales};
+//! Tries settings on fleets: `cargo run -p host-tests --example accuracy FLEET VEHICLES RUNS SEED [NAME=VALUE]..`.
 use host_tests::prelude::*;
-
+use sim_harness::accuracy_bench::{fleets, judge};
 fn main() {
-    let argument = |i: usize| std::env::args().nth(i);
-    let vehicles = argument(1).and_then(|a| a.parse().ok()).unwrap_or(12);
-    let runs = argument(2).and_then(|a| a.parse().ok()).unwrap_or(67);
-    let mode = match argument(3).as_deref() {
-        Some("paper") => Mode::Paper,
-        Some("measured") => Mode::Measured,
-        _ => Mode::Gated,
-    };
-    let which = argument(4);
-    let scales = scales(vehicles);
-    let config = Config::with_mode(mode);
-    let one_second = Sensors { sampling_s: 1.0, ..Sensors::default() };
-    for (name, scenario) in [
-        ("clean", Scenario::default()),
-        ("wind", Scenario { wind_sd_mps: 2.0, ..Scenario::default() }),
-        ("hilly", Scenario { line: rundown_truth::line::Line::hilly(3), ..Scenario::default() }),
-        ("fast", Scenario { sensors: one_second, ..Scenario::default() }),
-    ] {
-        if which.as_deref().is_none_or(|which| which == name) {
-            judge(config, &scenario, &scales, runs, 77).print(name);
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number = |i: usize| arguments[i].parse::<usize>().unwrap();
+    let (vehicles, runs, seed) = (number(1), number(2), number(3) as u64);
+    for fleet in fleets::all() {
+        if arguments[0] != "all" && !arguments[0].split(',').any(|name| name == fleet.name) {
+            continue;
+        }
+        let mut config = fleet.config();
+        for setting in &arguments[4..] {
+            let (name, value) = setting.split_once('=').unwrap();
+            let value: f64 = value.parse().unwrap();
+            let learning = &mut config.learning;
+            match name {
+                "min_speed" => learning.min_speed_kmh = value,
+                "begin" => learning.begin_probability = value,
+                "end" => learning.end_probability = value,
+                "cut" => learning.end_cut_s = value,
+                "min" => learning.min_segment_s = value,
+                "interval" => config.recogniser.interval_s = value,
+                "staircase" => learning.staircase_s = value,
+                "noise" => learning.acceleration_noise_mps2 = value,
+                "share" => learning.effort_change_share = value,
+                _ => panic!("{name}"),
+            }
+        }
+        match judge(&fleet, config, vehicles, runs, seed, || ()) {
+            Ok(table) => table.print(&format!("{}: {}", fleet.name, fleet.what)),
+            Err(e) => println!("{}: {e}", fleet.name),
         }
     }
 }

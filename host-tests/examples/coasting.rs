@@ -3,7 +3,7 @@
 //! Truth is what the simulated train does when it coasts from there. A row: predictions, share of truths inside the 90 % interval, its half width, rms error, bias, rms of
 //! error over standard deviation; of the speed at the target, then of the time.
 
-use host_tests::accuracy::scales;
+use sim_harness::accuracy_bench::scales;
 use host_tests::coasting::{Calibration, Judged, judge, published};
 use host_tests::prelude::*;
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! Does it behave? Logs with faults cut into them; every scenario is judged against truth or against the same log without the fault.
 
-use host_tests::accuracy::{Errors, estimator, measurements, resistance};
+use host_tests::accuracy::{BAND_KMH, Errors, estimator, measurements, resistance};
 use host_tests::prelude::*;
 use rundown::estimator::StepError;
 use rundown::tick::estimate::{Cause, Validity};
@@ -501,8 +501,8 @@ fn samples_5_to_15_s_apart_say_the_same_as_regular_ones() {
         // Then every sample is believed, and train and driver are the same. Other samples have other rounding errors: hence the tolerances.
         assert!(estimates.iter().all(|e| e.validity == Validity::Valid), "seed {seed}");
         let DavisTruth { r0, r1, r2 } = run.facts.davis;
-        regular_errors.add(&expected.run_davis, &Davis { r0, r1, r2 });
-        jittered_errors.add(&found.run_davis, &Davis { r0, r1, r2 });
+        regular_errors.add(BAND_KMH, &expected.run_davis, &Davis { r0, r1, r2 });
+        jittered_errors.add(BAND_KMH, &found.run_davis, &Davis { r0, r1, r2 });
         for kmh in [60.0, 100.0, 140.0] {
             let moved = moved_sd(&found, &expected, kmh);
             // Two sets of rounding errors, each of one sd: 3 sd is 2 of their difference, over 20 runs.

@@ -13,13 +13,16 @@ use rundown::onboard::uplink::{
 use rundown::tick::measurement::Measurement;
 use rundown::{
     estimator::Estimator,
-    estimator::config::{Config, SecurityConfig},
+    estimator::config::Config,
     model::direction::Direction,
     onboard::task::DATA_ID,
     tick::digest,
 };
 use rundown_files::track_file::TrackFile;
 use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
+
+/// Number of the first section of the configuration that the boards of the first version do not know.
+const FIRST_LATER: usize = 10;
 
 /// What a board gets before a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,10 +79,11 @@ impl Description {
 
     /// The requests that describe it to the board of this train.
     pub fn requests(&self, train_id: u64) -> Vec<Request> {
-        // Not the default, which a board of an earlier version does not know.
-        let known = |setting: &Setting| *setting != Setting::Security(SecurityConfig::default());
-        let settings = Setting::all(&self.config).into_iter().filter(known);
-        let mut requests: Vec<Request> = settings.map(Request::Setting).collect();
+        // Of the later ones not the defaults, which a board of an earlier version does not know.
+        let defaults = Setting::all(&Config::default());
+        let settings = Setting::all(&self.config).into_iter().zip(defaults).enumerate();
+        let known = settings.filter(|(number, (setting, default))| *number < FIRST_LATER || setting != default);
+        let mut requests: Vec<Request> = known.map(|(_, (setting, _))| Request::Setting(setting)).collect();
         requests.push(Request::Train(TrainFrame { id: train_id, description: self.train }));
         let total = u16::try_from(self.gradients.len()).unwrap_or(u16::MAX);
         let mut parts: Vec<&[Gradient]> = self.gradients.chunks(GRADIENTS).collect();

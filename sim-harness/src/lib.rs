@@ -20,6 +20,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod accuracy_bench;
 mod advice;
 pub mod check_bench;
 pub mod commands;

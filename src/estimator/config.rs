@@ -4,12 +4,14 @@ use crate::coast_ahead::CoastConfig;
 use crate::features::FeatureConfig;
 use crate::plain::{Bytes, Plain as _, plain};
 use crate::tick::bounds::{ConfigError, settings};
+use crate::tick::effort_reading::EffortReadingConfig;
 use crate::tick::learning::LearningConfig;
 use crate::tick::memory::MemoryConfig;
 use crate::tick::paper::PaperConfig;
 use crate::tick::plausibility::PlausibilityConfig;
 use crate::tick::regime::{PaperRule, RecogniserConfig};
 use crate::tick::sensor::SensorConfig;
+use crate::tick::short_hops::ShortHopConfig;
 use serde::{Deserialize, Serialize};
 
 /// Where the applied effort comes from, and what may be learned from it.
@@ -55,6 +57,10 @@ pub struct Config {
     pub coast: CoastConfig,
     /// What may come without a MAC.
     pub security: SecurityConfig,
+    /// What is expected of an effort column, in the `measured` mode.
+    pub effort_reading: EffortReadingConfig,
+    /// Learning on short hops, in the `gated` mode.
+    pub short_hops: ShortHopConfig,
 }
 
 settings! {
@@ -66,7 +72,7 @@ settings! {
 }
 
 impl Config {
-    /// All of it, for a digest: that of a configuration which leaves the security as it is by default is what it always was.
+    /// All of it, for a digest: that of a configuration which leaves the later sections as they are by default is what it always was.
     pub(crate) fn pass(&mut self, bytes: &mut Bytes<'_>) {
         self.mode.pass(bytes);
         self.sensor.pass(bytes);
@@ -80,6 +86,12 @@ impl Config {
         self.coast.pass(bytes);
         if self.security != SecurityConfig::default() {
             self.security.pass(bytes);
+        }
+        if self.effort_reading != EffortReadingConfig::default() {
+            self.effort_reading.pass(bytes);
+        }
+        if self.short_hops != ShortHopConfig::default() {
+            self.short_hops.pass(bytes);
         }
     }
 
@@ -102,6 +114,8 @@ impl Config {
         self.plausibility.check_ranges()?;
         self.coast.check_ranges()?;
         self.security.check_ranges()?;
+        self.effort_reading.check_ranges()?;
+        self.short_hops.check_ranges()?;
         self.features.check()
     }
 }

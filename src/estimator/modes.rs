@@ -17,15 +17,21 @@ use crate::model::line::Line;
 use crate::model::point::Point;
 use crate::model::resistance::Davis;
 use crate::model::state::{LOCATION, SIZE, SPEED, resistance_sd};
+use crate::tick::effort_reading::Known;
 use crate::tick::estimate::{Cause, Estimate, Validity};
 use crate::tick::kinematics::Kinematics;
-use crate::tick::learning::Tick;
+use crate::tick::learning::{Counts, Tick};
 use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Judged;
 use crate::tick::regime::{Evidence, Recogniser, Regime};
+use crate::tick::snapshot::InPlace as _;
 
 /// Without a speed for longer than this the regime is unknown, s.
 const LOST_S: Real = 60.0;
+/// Where coasting is less likely than this no segment is tried.
+const LEAST_COASTS: Real = 0.02;
+/// Below, wheels slip and couplers stretch, m/s.
+const SLOWEST_MEASURED_MPS: Real = 3.0;
 
 /// The paper's loop: one filter over the whole run.
 pub(super) fn paper_tick(
@@ -84,10 +90,25 @@ pub(super) fn learning_tick(
     let now = take_up(config, run, line, judged);
     let read = judged.speed_mps.is_ok();
     let standing = read && now.speed_mps <= 0.25 * config.sensor.speed_quantum_kmh / 3.6;
-    let recognition = recognise(config, run, line, acting, &now, Reading { read, standing });
-    let effort = known_effort(config, run, judged, &now, &recognition, standing);
-    run.last_effort_n_per_kg = judged.effort_n_per_kg;
-    let (innovation, validity) = match learn(config, run, line, acting, judged, effort) {
+    if read {
+        run.hops.observe(&config.short_hops, judged.time_s, standing);
+    }
+    let short_hops = run.hops.are_short(&config.short_hops, judged.time_s);
+    let reading = &mut run.effort_reading;
+    let read_effort = match config.mode {
+        Mode::Measured => {
+            let change_share = config.learning.effort_change_share;
+            reading.read(&config.effort_reading, change_share, judged.dt_s, judged.effort_n_per_kg)
+        }
+        Mode::Gated | Mode::Paper => None,
+    };
+    let recognition = recognise(config, run, line, acting, &now, Reading { read, standing, short_hops });
+    let effort = read_effort.filter(|_| read && now.speed_mps > SLOWEST_MEASURED_MPS);
+    let learned = match config.mode {
+        Mode::Measured => learn_measured(config, run, line, acting, judged, effort),
+        Mode::Gated | Mode::Paper => learn_coasting(config, run, line, acting, judged, &recognition, short_hops),
+    };
+    let (innovation, validity) = match learned {
         Ok(innovation) => (innovation, validity),
         Err(_) => {
             run.counters.count(Cause::Numerics);
@@ -101,7 +122,7 @@ pub(super) fn learning_tick(
         effort_n_per_kg: recognition.effort.map(|effort| effort.effort_n_per_kg),
         acceleration_mps2: recognition.effort.map(|effort| effort.acceleration_mps2),
         confirmed: recognition.confirmed,
-        learning: innovation.is_some() && run.learner.in_segment(),
+        learning: innovation.is_some() && run.learner.is_learning(),
         innovation,
         ..assemble(judged, line, run.belief(), run.regime, validity)
     }
@@ -136,7 +157,7 @@ fn take_up(config: &Config, run: &mut RunState, line: &Line<'_>, judged: &Judged
         run.recogniser = Recogniser::default();
         run.anchor = None;
         run.last = None;
-        run.last_effort_n_per_kg = None;
+        run.effort_reading.clear_fields();
         run.learner.end();
     } else {
         run.kinematics.step(&config.sensor, line.direction.sign(), judged.dt_s, location_m, speed_mps);
@@ -157,6 +178,8 @@ struct Reading {
     read: bool,
     /// And it is that of a standing train.
     standing: bool,
+    /// Of a train on short hops.
+    short_hops: bool,
 }
 
 /// What the recogniser says at a tick.
@@ -165,6 +188,8 @@ struct Recognition {
     confirmed: Option<Regime>,
     /// Probability that the whole interval was coasted.
     coasted: Real,
+    /// Where an interval ends, and the next one begins: the probability that the train coasts now.
+    coasts: Option<Real>,
 }
 
 /// Effort and regime over the piece of evidence that ends now.
@@ -174,7 +199,7 @@ fn recognise(
     line: &Line<'_>,
     acting: &Acting<'_>,
     now: &Point,
-    Reading { read, standing }: Reading,
+    Reading { read, standing, short_hops }: Reading,
 ) -> Recognition {
     let belief = run.learner.provisional();
     let [r0, r1, r2] = belief.mean.into();
@@ -184,16 +209,19 @@ fn recognise(
         effort: over.map(|(_, effort)| effort),
         confirmed: run.unconfirmed.map(|_| run.regime),
         coasted: 0.0,
+        coasts: None,
     };
     if standing {
         run.recogniser = Recogniser::standing();
         run.regime = Regime::Standstill;
         run.anchor = Some(*now);
+        run.effort_reading.begin_interval();
         return recognition;
     }
     let Some((anchor, effort)) = over else {
         if read {
             run.anchor = Some(*now);
+            run.effort_reading.begin_interval();
             run.regime = run.recogniser.regime();
         } else if run.anchor.is_some_and(|anchor| now.time_s - anchor.time_s > LOST_S) {
             run.anchor = None;
@@ -212,9 +240,14 @@ fn recognise(
         (_, true) => recognised.before.regime(),
         (_, false) => run.regime,
     });
-    if evidence.interval_s >= 0.95 * config.recogniser.interval_s {
+    let usual_s = config.recogniser.interval_s;
+    let interval_s = if short_hops { usual_s.min(config.short_hops.interval_s) } else { usual_s };
+    if evidence.interval_s >= 0.95 * interval_s {
+        recognition.coasts = Some(recognised.now.of(Regime::Coast));
         run.recogniser = recognised.now;
         run.anchor = Some(*now);
+        let sd = libm::hypot(evidence.acceleration_sd_mps2, evidence.resistance_sd_n_per_kg);
+        run.effort_reading.compare(&config.effort_reading, evidence.interval_s, &effort, sd, run.learner.gain());
     }
     recognition
 }
@@ -240,37 +273,19 @@ fn evidence(
     }
 }
 
-/// An effort over the interval and its standard deviation, N/kg.
-type Known = (Real, Real);
-
-/// The effort, where it is known well enough to learn from.
-fn known_effort(
-    config: &Config,
-    run: &RunState,
-    judged: &Judged,
-    now: &Point,
-    recognition: &Recognition,
-    standing: bool,
-) -> Option<Known> {
-    let learning = &config.learning;
-    match config.mode {
-        Mode::Gated => {
-            let enough = if run.learner.in_segment() { learning.end_probability } else { learning.begin_probability };
-            let fast = now.speed_mps > learning.min_speed_kmh / 3.6;
-            (recognition.coasted > enough && fast).then_some((0.0, 0.0))
-        }
-        // Its mean, and how uncertain that is. Not while braking, whose effort has another gain.
-        Mode::Measured if !standing => {
-            let (before, now) = (run.last_effort_n_per_kg?, judged.effort_n_per_kg?);
-            let applied = before.min(now) > -0.01 && judged.speed_mps.ok()? > 3.0;
-            applied.then_some((0.5 * (before + now), learning.effort_change_share * (now - before).abs()))
-        }
-        Mode::Measured | Mode::Paper => None,
+fn tick(judged: &Judged, (effort_n_per_kg, effort_sd_n_per_kg): Known) -> Tick {
+    Tick {
+        time_s: judged.time_s,
+        dt_s: judged.dt_s,
+        location_m: judged.location_m.ok(),
+        speed_mps: judged.speed_mps.ok(),
+        effort_n_per_kg,
+        effort_sd_n_per_kg,
     }
 }
 
-/// Begins, continues or ends a segment. Out: the innovation of a step of a segment with a known effort.
-fn learn(
+/// Begins, continues or ends a segment of measured effort. Out: the innovation of a step of it.
+fn learn_measured(
     config: &Config,
     run: &mut RunState,
     line: &Line<'_>,
@@ -278,30 +293,67 @@ fn learn(
     judged: &Judged,
     effort: Option<Known>,
 ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
-    let tick = |(effort_n_per_kg, effort_sd_n_per_kg)| Tick {
-        time_s: judged.time_s,
-        dt_s: judged.dt_s,
-        location_m: judged.location_m.ok(),
-        speed_mps: judged.speed_mps.ok(),
-        effort_n_per_kg,
-        effort_sd_n_per_kg,
-    };
-    let contradicted = judged.contradiction.is_some();
-    let read = judged.speed_mps.is_ok();
-    // A missing speed says nothing about the regime: a coasted segment waits for the next one.
-    let waits = !read && !contradicted && config.mode == Mode::Gated;
-    match effort.filter(|_| !contradicted) {
+    match effort.filter(|_| judged.contradiction.is_none()) {
         Some(known) if run.learner.in_segment() => {
-            return run.learner.step(&config.learning, &config.sensor, line, acting, &tick(known));
+            let tick = tick(judged, known);
+            return run.learner.step(&config.learning, &config.sensor, line, acting, &tick, &usual(config));
         }
-        Some(_) if read && judged.location_m.is_ok() => run.learner.begin(judged.time_s, &run.kinematics.belief()),
+        Some(_) if judged.location_m.is_ok() => run.learner.begin(judged.time_s, &run.kinematics.belief(), true),
         Some(_) => {}
-        None if waits && run.learner.in_segment() => {
-            if run.learner.step(&config.learning, &config.sensor, line, acting, &tick((0.0, 0.0))).is_err() {
-                run.learner.end();
-            }
-        }
         None => run.learner.end(),
     }
     Ok(None)
+}
+
+/// What of a segment counts, but on short hops.
+fn usual(config: &Config) -> Counts {
+    let learning = &config.learning;
+    Counts { believed: true, end_cut_s: learning.end_cut_s, min_segment_s: learning.min_segment_s }
+}
+
+/// The same of coasting. On short hops a segment runs on trial from the end of an interval on, until it is believed or not; else it begins after an
+/// interval that was coasted as a whole.
+fn learn_coasting(
+    config: &Config,
+    run: &mut RunState,
+    line: &Line<'_>,
+    acting: &Acting<'_>,
+    judged: &Judged,
+    recognition: &Recognition,
+    short_hops: bool,
+) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
+    let Config { learning, short_hops: short, .. } = config;
+    let coasted = recognition.coasted;
+    let speed_mps = run.kinematics.belief().mean[SPEED];
+    let visible = if short_hops {
+        line.train.davis().resistance_n_per_kg(speed_mps) > short.min_resistance_n_per_kg
+    } else {
+        speed_mps > learning.min_speed_kmh / 3.6
+    };
+    let read = judged.speed_mps.is_ok();
+    // A missing speed says nothing about the regime: a segment waits for the next one.
+    let goes_on = judged.contradiction.is_none() && (!read || (visible && coasted > learning.end_probability));
+    let mut innovation = None;
+    if !goes_on {
+        run.learner.end();
+    } else if run.learner.in_segment() {
+        let counts = if short_hops {
+            let believed = read && run.learner.unbroken(coasted) > short.believe_probability;
+            Counts { believed, end_cut_s: short.end_cut_s, min_segment_s: short.min_segment_s }
+        } else {
+            usual(config)
+        };
+        let tick = tick(judged, (0.0, 0.0));
+        let stepped = run.learner.step(learning, &config.sensor, line, acting, &tick, &counts)?;
+        innovation = stepped.filter(|_| read && run.learner.is_learning());
+    } else if !short_hops && read && coasted > learning.begin_probability && judged.location_m.is_ok() {
+        run.learner.begin(judged.time_s, &run.kinematics.belief(), true);
+    }
+    if let Some(coasts) = recognition.coasts.filter(|_| short_hops && visible) {
+        run.learner.end_of_interval(coasted, coasts, short.begin_probability);
+        if !run.learner.in_segment() && coasts > LEAST_COASTS && judged.location_m.is_ok() {
+            run.learner.begin(judged.time_s, &run.kinematics.belief(), false);
+        }
+    }
+    Ok(innovation)
 }

@@ -10,12 +10,14 @@ use crate::model::effects::Journey;
 use crate::model::point::Point;
 use crate::model::state::{LOCATION, R0, SIZE};
 use crate::plain;
+use crate::tick::effort_reading::EffortReading;
 use crate::tick::estimate::Counters;
 use crate::tick::kinematics::Kinematics;
 use crate::tick::learning::{Learner, LearningConfig};
 use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Plausibility;
 use crate::tick::regime::{Recogniser, Regime};
+use crate::tick::short_hops::Hops;
 use crate::tick::snapshot::{InPlace, in_place};
 use rundown_wire::errors;
 
@@ -38,7 +40,8 @@ in_place! {
         pub(crate) anchor: Option<Point> = (None);
         /// Last tick with a speed, for the effort of one interval.
         pub(crate) last: Option<Point> = (None);
-        pub(crate) last_effort_n_per_kg: Option<Real> = (None);
+        pub(crate) effort_reading: EffortReading = (in place);
+        pub(crate) hops: Hops = (in place);
         /// Last speed reading, for the features.
         pub(crate) reading: Option<Point> = (None);
         /// The last tick waits here until its regime is confirmed.

@@ -51,8 +51,8 @@ settings! {
         max_gap_s: Real = 30.0, 1.0 to 600.0;
         /// Standard deviation of the gain of a measured effort.
         gain_sd: Real = 0.03, 1e-6 to 0.5;
-        /// Share of a change of the measured effort by which its mean over the interval is uncertain.
-        effort_change_share: Real = 0.6, 0.0 to 10.0;
+        /// Share of a change of the measured effort by which its mean over a tick stays uncertain, once it is known how the column was made.
+        effort_change_share: Real = 0.05, 0.0 to 10.0;
     }
 }
 
@@ -90,6 +90,17 @@ pub struct Tick {
     pub effort_sd_n_per_kg: Real,
 }
 
+/// What of a segment counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Counts {
+    /// It is believed to be one; it stays so.
+    pub believed: bool,
+    /// Time cut from its end, s.
+    pub end_cut_s: Real,
+    /// Shortest one, s.
+    pub min_segment_s: Real,
+}
+
 /// Standard deviation of the speed with which a segment begins, m/s: so wide that the reading counts for nothing. It was chosen, for a segment begins where the readings
 /// look like coasting; one that is too low does so more often, and believed it made r 0.2 % too small at 140 km/h and 0.9 % too large at 20 km/h.
 const BEGIN_SPEED_SD_MPS: Real = 1.0;
@@ -113,6 +124,10 @@ in_place! {
     #[derive(Clone, Debug)]
     struct Segment {
         begin_s: Real = (0.0);
+        /// Probability that all of it was coasted, if the train coasts now.
+        unbroken: Real = (1.0);
+        /// Whether it is believed by now.
+        believed: bool = (false);
         /// Up to here what was learned is valid.
         settled_s: Real = (0.0);
         belief: Gaussian<SIZE_WITH_GAIN> = (Gaussian::ZEROED);
@@ -157,7 +172,7 @@ impl Learner {
 
     /// The best belief at this moment, for recognising: what the running segment has reached, before it is known whether it counts.
     pub fn provisional(&self) -> Gaussian<3> {
-        self.segment.as_ref().map_or_else(|| self.davis(), |segment| davis_of(&segment.constants()))
+        self.believed().map_or_else(|| self.davis(), |segment| davis_of(&segment.constants()))
     }
 
     /// Gain of the measured effort, true over measured, with its standard deviation.
@@ -165,9 +180,33 @@ impl Learner {
         (self.constants.mean[3], self.constants.sd(3))
     }
 
-    /// A segment is running.
+    /// A segment is running, which may turn out to be none.
     pub fn in_segment(&self) -> bool {
         self.segment.is_some()
+    }
+
+    /// A segment is running that is believed by now.
+    pub fn is_learning(&self) -> bool {
+        self.believed().is_some()
+    }
+
+    fn believed(&self) -> Option<&Segment> {
+        self.segment.as_ref().filter(|segment| segment.believed)
+    }
+
+    /// Probability that the running segment was coasted to this moment. `coasted`: that of the interval up to here.
+    pub fn unbroken(&self, coasted: Real) -> Real {
+        self.segment.as_ref().map_or(0.0, |segment| segment.unbroken * coasted)
+    }
+
+    /// An interval of the recogniser ends, at whose end the train coasts with probability `coasts`. A segment on trial that began too early, by a
+    /// probability below `least`, ends: what comes later does not tell (the regimes are a Markov chain).
+    pub fn end_of_interval(&mut self, coasted: Real, coasts: Real, least: Real) {
+        let unbroken = self.unbroken(coasted) / coasts.max(Real::MIN_POSITIVE);
+        match &mut self.segment {
+            Some(segment) if segment.believed || unbroken >= least => segment.unbroken = unbroken.min(1.0),
+            _ => self.segment = None,
+        }
     }
 
     /// Time of the segments that counted, cuts taken off, s.
@@ -177,14 +216,14 @@ impl Learner {
 
     /// Location and speed of the running segment with their covariance.
     pub fn moving(&self) -> Option<Gaussian<2>> {
-        self.segment.as_ref().map(|segment| Gaussian {
+        self.believed().map(|segment| Gaussian {
             mean: segment.belief.mean.fixed_rows::<2>(0).into_owned(),
             covariance: segment.belief.covariance.fixed_view::<2, 2>(0, 0).into_owned(),
         })
     }
 
-    /// Begins a segment where location and speed are known from readings alone; the speed is left to the next reading, see `BEGIN_SPEED_SD_MPS`.
-    pub fn begin(&mut self, time_s: Real, moving: &Gaussian<2>) {
+    /// Begins a segment, on trial or `believed`, where location and speed are known from readings alone; the speed is left to the next reading, see `BEGIN_SPEED_SD_MPS`.
+    pub fn begin(&mut self, time_s: Real, moving: &Gaussian<2>, believed: bool) {
         let mut belief = Gaussian::independent([0.0; SIZE_WITH_GAIN], [0.0; SIZE_WITH_GAIN]);
         belief.mean.fixed_rows_mut::<2>(LOCATION).copy_from(&moving.mean);
         belief.covariance.fixed_view_mut::<2, 2>(LOCATION, LOCATION).copy_from(&moving.covariance);
@@ -193,6 +232,8 @@ impl Learner {
         belief.covariance.fixed_view_mut::<4, 4>(R0, R0).copy_from(&self.constants.covariance);
         let segment = self.segment.insert(Segment::ZEROED);
         segment.begin_s = time_s;
+        segment.unbroken = 1.0;
+        segment.believed = believed;
         segment.settled_s = time_s;
         segment.belief = belief;
         segment.last_speed_s = time_s;
@@ -215,14 +256,16 @@ impl Learner {
         line: &Line<'_>,
         acting: &Acting<'_>,
         tick: &Tick,
+        counts: &Counts,
     ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
         let Some(segment) = &mut self.segment else {
             return Ok(None);
         };
+        segment.believed |= counts.believed;
         let stepped = segment.step(config, sensor, line, acting, tick);
         match stepped {
             Ok((innovation, true)) => {
-                self.settle(config, tick.time_s);
+                self.settle(counts, tick.time_s);
                 Ok(Some(innovation))
             }
             Ok((innovation, false)) => {
@@ -237,23 +280,30 @@ impl Learner {
     }
 
     /// What was reached `end_cut_s` ago becomes valid, if the segment was long enough by then; what is reached now begins to wait.
-    fn settle(&mut self, config: &LearningConfig, time_s: Real) {
+    fn settle(&mut self, counts: &Counts, time_s: Real) {
         let Some(segment) = &mut self.segment else {
             return;
         };
         while let Some(reached) = segment.waiting.front().copied() {
-            if time_s - reached.time_s < config.end_cut_s {
+            if time_s - reached.time_s < counts.end_cut_s {
+                break;
+            }
+            if !segment.believed {
+                // Full: what was reached long ago is worth less than what comes.
+                if segment.waiting.is_full() {
+                    segment.waiting.pop_front();
+                }
                 break;
             }
             segment.waiting.pop_front();
-            if reached.time_s - segment.begin_s >= config.min_segment_s {
+            if reached.time_s - segment.begin_s >= counts.min_segment_s {
                 self.constants = reached.constants;
                 self.learned_s += reached.time_s - segment.settled_s;
                 segment.settled_s = reached.time_s;
             }
         }
         // Ticks of a fast log need not all wait: so few are enough that the ring is never full.
-        let spacing_s = config.end_cut_s / (WAITING - 2) as Real;
+        let spacing_s = counts.end_cut_s / (WAITING - 2) as Real;
         let due = segment.waiting.back().is_none_or(|last| time_s - last.time_s >= spacing_s);
         if due {
             let reached = Reached { time_s, constants: segment.constants() };

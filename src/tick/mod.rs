@@ -2,6 +2,7 @@
 
 pub mod bounds;
 pub mod digest;
+pub mod effort_reading;
 pub mod estimate;
 pub mod kinematics;
 pub mod learning;
@@ -11,4 +12,5 @@ pub mod paper;
 pub mod plausibility;
 pub mod regime;
 pub mod sensor;
+pub mod short_hops;
 pub(crate) mod snapshot;

@@ -282,6 +282,7 @@ fn uplink() -> Vec<(String, Frame)> {
     // Tuning may move a default; the bytes of an example stay.
     let mut config = Config::default();
     config.learning.acceleration_noise_mps2 = 0.001;
+    config.learning.effort_change_share = 0.6;
     config.coast = CoastConfig { horizon_m: 25e3, wind_change_mps: 0.3, coasting_point_m: 150.0, arrival_s: 3.0 };
     for setting in Setting::all(&config) {
         let request = Request::Setting(setting);

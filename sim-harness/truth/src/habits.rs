@@ -27,6 +27,9 @@ pub enum DriverKind {
     /// Stops every 4 to 6 km unless the line has its own, 80 to 100 km/h, no coast or a short one.
     #[serde(rename = "short_hops")]
     ShortHop,
+    /// Metro or tram that saves energy: up to three quarters of the limit or a little more, then a coast until the brake.
+    #[serde(rename = "hop_and_coast")]
+    HopAndCoast,
 }
 
 /// How the speed is kept.
@@ -123,11 +126,15 @@ impl Habits {
                 let coast_s = rng.random_range(10.0..40.0);
                 (cruise_kmh, if coasts { coast_s } else { 0.0 }, 45.0)
             }
+            DriverKind::HopAndCoast => {
+                let share = rng.random_range(0.75..0.95);
+                (3.6 * share * top_mps, rng.random_range(15.0..45.0), 30.0)
+            }
         };
         // Drawn for a line of 140 km/h.
         let mut cruise_mps = match kind {
             DriverKind::CaseStudy => drawn_kmh / 140.0 * top_mps,
-            DriverKind::ShortHop => (drawn_kmh / 3.6).min(top_mps),
+            DriverKind::ShortHop | DriverKind::HopAndCoast => (drawn_kmh / 3.6).min(top_mps),
         };
         let mut cruising = Cruising::Hold;
         if cycles && kind == DriverKind::CaseStudy {
@@ -147,7 +154,7 @@ impl Habits {
             coast_s,
             coast_hop_m: match kind {
                 DriverKind::CaseStudy => COAST_HOP_M,
-                DriverKind::ShortHop => 0.0,
+                DriverKind::ShortHop | DriverKind::HopAndCoast => 0.0,
             },
             least_coast_mps: (least_coast_kmh / 3.6).min(0.45 * top_mps),
             brake,

@@ -94,6 +94,8 @@ pub struct Sensors {
     pub effort_gain_sd: f64,
     /// White noise of the effort, standard deviation, N/kg.
     pub effort_noise_n_per_kg: f64,
+    /// The same as a share of the effort.
+    pub effort_noise_share: f64,
 }
 
 impl Default for Sensors {
@@ -122,6 +124,7 @@ impl Default for Sensors {
             effort_momentary: false,
             effort_gain_sd: 0.0,
             effort_noise_n_per_kg: 0.0,
+            effort_noise_share: 0.0,
         }
     }
 }
@@ -247,7 +250,8 @@ impl Sensors {
                 begun.iter().map(effort).sum::<f64>() / begun.len() as f64
             };
             let mean_effort_n_per_kg = mean(|s| s.effort_n_per_kg);
-            let noise = if row == 0 { 0.0 } else { self.effort_noise_n_per_kg * unit.sample(effort_rng) };
+            let effort_unit = if row == 0 { 0.0 } else { unit.sample(effort_rng) };
+            let reported = if self.effort_momentary { at.reported_n_per_kg } else { mean(|s| s.reported_n_per_kg) };
             last_row = row;
             lost = lost.saturating_sub(1);
             let stood = std::mem::replace(&mut stands, speed_mps == 0.0);
@@ -259,9 +263,8 @@ impl Sensors {
                 time_s,
                 location_m: (heard && drop_location >= self.dropout_probability).then_some(location_m),
                 speed_kmh: (heard && drop_speed >= self.dropout_probability).then_some(speed_kmh),
-                effort_n_per_kg: self.effort_gain
-                    * if self.effort_momentary { at.reported_n_per_kg } else { mean(|s| s.reported_n_per_kg) }
-                    + noise,
+                effort_n_per_kg: self.effort_gain * reported * (1.0 + self.effort_noise_share * effort_unit)
+                    + self.effort_noise_n_per_kg * effort_unit,
                 temperature_c: (10.0 * at.temperature_c).round() / 10.0,
             });
             truth.push(TruthSample { time_s, mean_effort_n_per_kg, ..*at });

@@ -44,6 +44,8 @@ settings! {
     }
 }
 
+/// Time of [`TRANSITION`], s.
+const TRANSITION_S: Real = 10.0;
 /// Probability of the regime of the next ten seconds, given the regime now (rows and columns as [`Regime::ALL`]).
 /// Set by hand so that accelerations and brakes last one to two minutes and cruising and coasting two to three, shorter than in the case study
 /// (section 4.3); not fitted to any set of runs.
@@ -132,7 +134,7 @@ impl Recogniser {
     pub fn step(&self, config: &RecogniserConfig, evidence: &Evidence) -> Recognised {
         let foreseen = foreseen(config, evidence);
         let noise = evidence.acceleration_sd_mps2 * evidence.acceleration_sd_mps2;
-        let share = (evidence.interval_s / config.interval_s).min(1.0);
+        let share = (evidence.interval_s / TRANSITION_S).min(1.0);
         let mut now = [0.0; COUNT];
         let mut before = [0.0; COUNT];
         let mut coasted = 0.0;
