@@ -3,12 +3,12 @@
 //! Truth is what the simulated train does when it coasts from there. A row: predictions, share of truths inside the 90 % interval, its half width, rms error, bias, rms of
 //! error over standard deviation; of the speed at the target, then of the time.
 
-use sim_harness::accuracy_bench::scales;
 use host_tests::coasting::{Calibration, Judged, judge, published};
 use host_tests::prelude::*;
 use rayon::prelude::*;
 use rundown_truth::driver::Regime;
 use rundown_truth::line::Line;
+use sim_harness::accuracy_bench::scales;
 
 /// Slowest speed at which a prediction is judged, km/h.
 const LEAST_KMH: f64 = 60.0;

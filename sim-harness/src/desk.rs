@@ -12,11 +12,7 @@ use rundown::onboard::uplink::{
 };
 use rundown::tick::measurement::Measurement;
 use rundown::{
-    estimator::Estimator,
-    estimator::config::Config,
-    model::direction::Direction,
-    onboard::task::DATA_ID,
-    tick::digest,
+    estimator::Estimator, estimator::config::Config, model::direction::Direction, onboard::task::DATA_ID, tick::digest,
 };
 use rundown_files::track_file::TrackFile;
 use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};

@@ -9,6 +9,7 @@
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | `study` |
 //! | what would be the paper's best filter? | `tune` |
+//! | how near does the estimator come to the truth? | [`accuracy_bench`] |
 //! | how often does the diagnosis of logs find an injected defect? | [`check_bench`] |
 //! | how often does the gap workflow find a hidden effect? | [`gap_bench`] |
 //! | what does a DAS computer say to the board? | `desk` |

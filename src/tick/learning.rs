@@ -125,7 +125,7 @@ in_place! {
     struct Segment {
         begin_s: Real = (0.0);
         /// Probability that all of it was coasted, if the train coasts now.
-        unbroken: Real = (1.0);
+        unbroken: Real = (0.0);
         /// Whether it is believed by now.
         believed: bool = (false);
         /// Up to here what was learned is valid.
@@ -249,6 +249,8 @@ impl Learner {
     ///
     /// # Errors
     /// [`NotPositiveDefinite`]: the segment is dropped, what was learned before stays.
+    // Called from two places, and 10 kB.
+    #[inline(never)]
     pub fn step(
         &mut self,
         config: &LearningConfig,

@@ -20,7 +20,7 @@ settings! {
         interval_s: Real = 7.0, 1.0 to 60.0;
         /// Probability that a segment was coasted to this moment, above which it is believed.
         believe_probability: Real = 0.8, 0.5 to 1.0;
-        /// Probability that the train coasted already where a segment on trial began; below, it begins anew.
+        /// Probability that the train coasted already where a segment on trial began; below, it begins again.
         begin_probability: Real = 0.9, 0.5 to 1.0;
         /// Time cut from the end of a segment, s.
         end_cut_s: Real = 6.0, 0.0 to 600.0;

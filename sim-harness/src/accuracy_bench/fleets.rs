@@ -76,10 +76,14 @@ pub fn all() -> Vec<Fleet> {
     let sensed = |sensors: Sensors| Scenario { sensors, ..Scenario::default() };
     vec![
         Fleet::new("calm", "intercity, calm, 10 s", case_study()),
-        Fleet::new("1s", "the same at 1 s", sensed(every(1.0))),
+        Fleet::new("1s", "intercity, calm, 1 s", sensed(every(1.0))),
         Fleet::new("wind", "wind of 2 m/s between runs", Scenario { wind_sd_mps: 2.0, ..case_study() }),
         Fleet::new("hills", "hills of 10 permille", Scenario { line: Line::hilly(3), ..case_study() }),
-        Fleet::new("on-off", "speed held by cycles of power and coasting", Scenario { cycle_share: 1.0, ..case_study() }),
+        Fleet::new(
+            "on-off",
+            "speed held by cycles of power and coasting",
+            Scenario { cycle_share: 1.0, ..case_study() },
+        ),
         Fleet::new("holding", "speed held by holding it", Scenario { cycle_share: 0.0, ..case_study() }),
         Fleet::new(
             "missing",
@@ -93,7 +97,7 @@ pub fn all() -> Vec<Fleet> {
         ),
         Fleet::new("odometer", "odometer in whole metres, rounded speed, 1 s", sensed(odometer())),
         Fleet::new("effort", "effort column: mean, 2 % noise, unknown gain", case_study()).measured(),
-        Fleet::new("effort-1s", "the same at 1 s", sensed(every(1.0))).measured(),
+        Fleet::new("effort-1s", "the same effort column at 1 s", sensed(every(1.0))).measured(),
         Fleet::new(
             "momentary",
             "momentary efforts, and not told so",
@@ -105,7 +109,7 @@ pub fn all() -> Vec<Fleet> {
         Fleet::new("metro", "metro, 90 km/h, 1.2 km between stops, 1 s", metro(1.0)).band([20.0, 90.0]),
         Fleet::new("tram", "tram, 50 km/h, 500 m between stops, 1 s", tram(1.0)).band([15.0, 50.0]),
         Fleet::new("suburban", "suburban, 120 km/h, 3 km between stops, 10 s", suburban(10.0)).band([20.0, 120.0]),
-        Fleet::new("suburban-1s", "the same at 1 s", suburban(1.0)).band([20.0, 120.0]),
+        Fleet::new("suburban-1s", "suburban, the same at 1 s", suburban(1.0)).band([20.0, 120.0]),
         Fleet::new("freight", "freight, 90 km/h, 10 s", freight()).band([20.0, 90.0]),
         Fleet::new("high-speed", "high speed, 300 km/h, 10 s", high_speed()).band([60.0, 300.0]),
     ]

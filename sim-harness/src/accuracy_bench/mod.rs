@@ -6,6 +6,7 @@
 
 pub mod fleets;
 pub mod score;
+pub mod table;
 
 use fleets::Fleet;
 use rand::{RngExt, SeedableRng};

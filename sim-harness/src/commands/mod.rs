@@ -2,6 +2,7 @@
 //!
 //! Exit codes: see `AFTER_HELP`. Errors are one line each on stderr: what, where, what to do.
 
+mod accuracy_bench;
 mod check;
 mod check_bench;
 mod demo;
@@ -65,6 +66,8 @@ enum Command {
     Replay(Box<replay::Arguments>),
     /// What the recorder of some logs did to speed, location and clock, with figures
     Check(check::Arguments),
+    /// How near the estimator comes to the truth: resistance, regimes and features of fleets of several kinds
+    AccuracyBench(accuracy_bench::Arguments),
     /// How often the diagnosis of logs finds an injected defect, and accuses nothing else
     CheckBench(check_bench::Arguments),
     /// Turn logs of any recorder into run logs: CSV, Excel, GPX, NMEA, JSON lines, Parquet
@@ -158,6 +161,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let done = match Arguments::parse_from(arguments).command {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::AccuracyBench(arguments) => accuracy_bench::run(&arguments),
         Command::CheckBench(arguments) => check_bench::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),

@@ -1,0 +1,40 @@
+//! The tables of `docs/measured.md`.
+
+use super::fleets::Fleet;
+use super::score::{Errors, Table};
+use rundown::estimator::config::Mode;
+
+/// The fleets beside each other: r(v), then regimes and features.
+pub fn tables(judged: &[(Fleet, Table)]) -> String {
+    let mut text = String::from(
+        "| fleet | r(v) of the vehicle, rms % after 1 / 10 / all runs | of the running train | truths inside 95 % | \
+         learned from, s a run |\n|---|---|---|---|---|\n",
+    );
+    for (fleet, table) in judged {
+        let mode = if fleet.mode == Mode::Measured { ", `measured`" } else { "" };
+        let inside = slots(&table.vehicle, |errors| format!("{:.0}", 100.0 * errors.coverage()));
+        let [vehicle, running] = [&table.vehicle, &table.running].map(|errors| slots(errors, rms));
+        let learned_s = table.learned_s.iter().sum::<f64>() / table.learned_s.len() as f64;
+        text += &format!("| {}{mode} | {vehicle} | {running} | {inside} | {learned_s:.0} |\n", fleet.what);
+    }
+    text += "\n| fleet | regimes right, at the sample / one later | macro F1 one later | 90 % of brake starts, coast starts \
+             within | cruise, power |\n|---|---|---|---|---|\n";
+    for (fleet, table) in judged {
+        let [(at, _), (later, f1)] = table.regime_scores();
+        let [brake_s, coast_s, cruise_kmh, power] = table.feature_p90();
+        text += &format!(
+            "| {} | {at:.2} / {later:.2} | {f1:.2} | {brake_s:.0} s, {coast_s:.0} s | {cruise_kmh:.1} km/h, {} |\n",
+            fleet.what,
+            if power.is_nan() { "-".to_owned() } else { format!("{power:.1} %") },
+        );
+    }
+    text
+}
+
+fn rms(errors: &Errors) -> String {
+    format!("{:.1$}", errors.rmse_percent(), if errors.rmse_percent() < 1.0 { 2 } else { 1 })
+}
+
+fn slots(errors: &[Errors; 3], of: impl Fn(&Errors) -> String) -> String {
+    errors.iter().map(of).collect::<Vec<_>>().join(" / ")
+}
