@@ -104,11 +104,14 @@ pub fn serve<const N: usize>(
 
 /// Starts sending what waits; the interrupt does the rest.
 pub fn send<const N: usize>(port: &mut impl LinePort, outbox: &mut Outbox<N>) {
-    while let Some(byte) = outbox.front() {
-        if matches!(port.write(byte), Err(nb::Error::WouldBlock)) {
+    loop {
+        let bytes = outbox.next();
+        let takes = |byte: &&u8| !matches!(port.write(**byte), Err(nb::Error::WouldBlock));
+        let (taken, all) = (bytes.iter().take_while(takes).count(), bytes.len());
+        outbox.gone(taken);
+        if taken == 0 || taken < all {
             break;
         }
-        outbox.pop();
     }
     port.interrupt_when_writable(!outbox.is_empty());
 }
