@@ -19,7 +19,7 @@ use rundown::{
     tick::digest,
 };
 use rundown_files::track_file::TrackFile;
-use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
+use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart, Versions};
 
 /// What a board gets before a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,12 +150,20 @@ pub struct Desk {
     snapshot: Vec<SnapshotPart>,
     /// The board that was described asks for secured measurements.
     secures_measurements: bool,
+    versions: Option<Versions>,
 }
 
 impl Desk {
     /// `provisioning` is the record that the board was given.
     pub fn new(provisioning: Provisioning) -> Self {
-        Self { provisioning, signer: None, sequence: 0, snapshot: Vec::new(), secures_measurements: false }
+        Self {
+            provisioning,
+            signer: None,
+            sequence: 0,
+            snapshot: Vec::new(),
+            secures_measurements: false,
+            versions: None,
+        }
     }
 
     /// Takes from a frame of the board what the next messages need: the freshness, and the pieces of a snapshot.
@@ -173,6 +181,7 @@ impl Desk {
                     .map_err(DeskError::WrongKey)?;
                 }
             }
+            Body::Versions(versions) => self.versions = Some(*versions),
             Body::SnapshotPart(part) => {
                 if part.first == 0 {
                     self.snapshot.clear();
@@ -182,6 +191,11 @@ impl Desk {
             _ => {}
         }
         Ok(())
+    }
+
+    /// Which firmware the board is, once it has said so; boards of before this frame do not.
+    pub fn versions(&self) -> Option<Versions> {
+        self.versions
     }
 
     /// The last snapshot, if all of it has come.

@@ -24,6 +24,7 @@ pub mod stm32l4_flash;
 pub mod store;
 pub mod task;
 pub mod train_id;
+pub mod versions;
 pub mod watchdog;
 
 pub use crate::uplink;
