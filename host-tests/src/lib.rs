@@ -1,10 +1,11 @@
-//! What the integration tests share: the task on a board of the host and of the emulator, a flash that fails, the textbook filter, and the measure of accuracy.
+//! What the integration tests share: the task on a board of the host and of the emulator, a flash that fails, a CAN controller, the textbook filter, and the measure of accuracy.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod accuracy;
 pub mod board;
+pub mod can_controller;
 pub mod coasting;
 pub mod fields;
 pub mod flash;

@@ -96,7 +96,7 @@ pub struct Same {
     pub messages: Vec<Vec<u8>>,
 }
 
-/// Plays a log to both. All frames must be the same, but for [`Body::Health`], which tells of the hardware.
+/// Plays a log to both. All frames must be the same, but for [`Body::Health`] and [`Body::Versions`], which tell of the hardware and the build.
 ///
 /// # Errors
 /// The first tick whose frames differ, with both; or why a session ended.
@@ -148,6 +148,6 @@ pub fn compare(
 }
 
 fn comparable(frames: &[Heard]) -> Vec<&Heard> {
-    let of_the_task = |heard: &&Heard| !matches!(heard.frame.body, Body::Health(_));
+    let of_the_task = |heard: &&Heard| !matches!(heard.frame.body, Body::Health(_) | Body::Versions(_));
     frames.iter().filter(of_the_task).collect()
 }

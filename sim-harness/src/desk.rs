@@ -15,7 +15,7 @@ use rundown::{
     estimator::Estimator, estimator::config::Config, model::direction::Direction, onboard::task::DATA_ID, tick::digest,
 };
 use rundown_files::track_file::TrackFile;
-use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart};
+use rundown_wire::{Body, Downlink, EncodeError, MAX_MESSAGE, SnapshotPart, Versions};
 
 /// Number of the first section of the configuration that the boards of the first version do not know.
 const FIRST_LATER: usize = 10;
@@ -150,12 +150,20 @@ pub struct Desk {
     snapshot: Vec<SnapshotPart>,
     /// The board that was described asks for secured measurements.
     secures_measurements: bool,
+    versions: Option<Versions>,
 }
 
 impl Desk {
     /// `provisioning` is the record that the board was given.
     pub fn new(provisioning: Provisioning) -> Self {
-        Self { provisioning, signer: None, sequence: 0, snapshot: Vec::new(), secures_measurements: false }
+        Self {
+            provisioning,
+            signer: None,
+            sequence: 0,
+            snapshot: Vec::new(),
+            secures_measurements: false,
+            versions: None,
+        }
     }
 
     /// Takes from a frame of the board what the next messages need: the freshness, and the pieces of a snapshot.
@@ -173,6 +181,7 @@ impl Desk {
                     .map_err(DeskError::WrongKey)?;
                 }
             }
+            Body::Versions(versions) => self.versions = Some(*versions),
             Body::SnapshotPart(part) => {
                 if part.first == 0 {
                     self.snapshot.clear();
@@ -182,6 +191,11 @@ impl Desk {
             _ => {}
         }
         Ok(())
+    }
+
+    /// Which firmware the board is, once it has said so; boards of before this frame do not.
+    pub fn versions(&self) -> Option<Versions> {
+        self.versions
     }
 
     /// The last snapshot, if all of it has come.

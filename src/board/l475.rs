@@ -4,14 +4,16 @@
 //! |---|---|
 //! | serial line | USART1, TX PB6, RX PB7, both AF7: the ST-LINK's virtual COM port |
 //! | clock | MSI 4 MHz -> PLL 80 MHz; MSI alone if anything is late |
+//! | CAN, feature `can` | CAN1, RX PB8, TX PB9, both AF9; a transceiver is not on the board |
 //! | watchdog | IWDG on the LSI, 2 s, stands still while a debugger halts the core |
 
+#[cfg(feature = "can")]
+pub mod can;
 mod clock_tree;
+pub mod device;
 #[cfg(not(feature = "emulator"))]
 mod flash;
 mod serial;
-
-pub use stm32l4::stm32l4x5 as device;
 
 #[cfg(feature = "emulator")]
 use super::ram_flash::{self, Flash};

@@ -22,6 +22,8 @@ pub mod stopwatch;
 
 #[cfg(not(feature = "mps2"))]
 mod l475;
+#[cfg(all(feature = "can", not(feature = "mps2")))]
+pub use l475::can;
 #[cfg(not(feature = "mps2"))]
 pub use l475::{L475 as Metal, device};
 
@@ -33,3 +35,9 @@ pub use mps2::{Mps2 as Metal, device};
 /// Speed of the serial line, bit/s.
 #[cfg_attr(feature = "mps2", expect(dead_code, reason = "the emulated port takes any"))]
 pub const BAUD: u32 = 115_200;
+/// Bit rate on CAN, bit/s: one of CiA 301's, 125 k to 1 M, as the bus has it.
+#[cfg(feature = "can")]
+pub const CAN_BIT_S: u32 = 250_000;
+
+#[cfg(all(feature = "can", feature = "mps2"))]
+compile_error!("the mps2-an386 has no CAN controller");

@@ -28,6 +28,25 @@ pub fn start(timer: &mut SYST, clock_hz: u32) {
     timer.enable_interrupt();
 }
 
+/// Time since the start, µs, from the periods of the timer that have passed. For tasks below the timer's priority: there the count and the periods fit.
+#[cfg(feature = "can")]
+pub fn now_us(periods: &AtomicU32) -> u64 {
+    let period = PERIOD.load(Ordering::Relaxed);
+    let mut now = (periods.load(Ordering::Relaxed), SYST::get_current());
+    // A period that ends between the two readings is over at the second.
+    if periods.load(Ordering::Relaxed) != now.0 {
+        now = (periods.load(Ordering::Relaxed), SYST::get_current());
+    }
+    let counts = period.saturating_sub(now.1) / PER_US.load(Ordering::Relaxed);
+    u64::from(now.0) * u64::from(1_000_000 / TIMER_HZ) + u64::from(counts)
+}
+
+/// Nothing asks.
+#[cfg(not(feature = "can"))]
+pub fn now_us(_: &AtomicU32) -> u64 {
+    0
+}
+
 /// A moment.
 pub struct Stopwatch {
     count: u32,

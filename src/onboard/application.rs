@@ -16,6 +16,10 @@ pub trait Hardware: Copy {
     fn uptime_s(&self) -> u32 {
         0
     }
+    /// What links beside the serial line have counted.
+    fn other_links(&self) -> Counters {
+        Counters::ZERO
+    }
 }
 
 impl<F: Fn() -> Health + Copy> Hardware for F {
@@ -60,6 +64,12 @@ impl<'a, F: NorFlash> Application<'a, F> {
         }
     }
 
+    /// A whole message came over another link, which counts for itself.
+    pub fn take(&mut self, message: &[u8], hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
+        let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
+        self.task.receive(message, &mut line);
+    }
+
     /// A tick of the clock.
     pub fn tick(&mut self, hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
         let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
@@ -84,7 +94,7 @@ impl<S: FnMut(&[u8]) -> bool, H: Hardware> Port for AnswerPort<'_, S, H> {
     }
 
     fn health(&self) -> Health {
-        Health { messages: *self.messages, ..self.hardware.health() }
+        Health { messages: self.messages.and(&self.hardware.other_links()), ..self.hardware.health() }
     }
 
     fn uptime_s(&self) -> u32 {

@@ -1,4 +1,4 @@
-//! What a board needs besides the estimator, free of registers, so that the host tests it: serial line, watchdog, resets, clock, stack.
+//! What a board needs besides the estimator, free of registers, so that the host tests it: serial line, CAN, watchdog, resets, clock, stack.
 //!
 //! ```text
 //! registers (src/board) --- traits ---> onboard (here) ---> tick and link task (src/bin/firmware)
@@ -10,6 +10,7 @@ pub mod application;
 pub mod auth;
 pub mod board;
 mod bytes;
+pub mod can;
 pub mod clock;
 pub mod crash_loop;
 pub mod flash;
@@ -23,6 +24,7 @@ pub mod stm32l4_flash;
 pub mod store;
 pub mod task;
 pub mod train_id;
+pub mod versions;
 pub mod watchdog;
 
 pub use crate::uplink;

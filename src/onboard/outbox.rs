@@ -1,9 +1,8 @@
 //! Frames that wait for the line. When the line does not take them, the oldest goes, so that the newest estimate is the one that is sent.
 //!
-//! In: whole frames, each with the delimiter at its end and nowhere else (COBS). Out: bytes, one by one.
+//! In: whole frames, each with the delimiter at its end and nowhere else (COBS). Out: bytes, in pieces that lie together.
 //! A frame of which a part has gone is cut short by its delimiter: the receiver refuses that one and reads the next.
 
-use heapless::Deque;
 use rundown_wire::errors;
 
 /// End of a frame.
@@ -28,9 +27,12 @@ errors! {
 /// assert_eq!(outbox.pop(), Some(4));
 /// # Ok::<(), rundown::onboard::outbox::TooLong>(())
 /// ```
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Outbox<const N: usize> {
-    bytes: Deque<u8, N>,
+    bytes: [u8; N],
+    /// Place of the next byte.
+    first: usize,
+    waiting: usize,
     /// The front is the inside of a frame of which a part has gone.
     inside: bool,
     /// A frame was cut; its delimiter is still to be sent.
@@ -38,10 +40,16 @@ pub struct Outbox<const N: usize> {
     dropped: u32,
 }
 
+impl<const N: usize> Default for Outbox<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<const N: usize> Outbox<N> {
     /// An empty one.
     pub const fn new() -> Self {
-        Self { bytes: Deque::new(), inside: false, owed: false, dropped: 0 }
+        Self { bytes: [0; N], first: 0, waiting: 0, inside: false, owed: false, dropped: 0 }
     }
 
     /// Takes a whole frame, at the cost of the oldest ones if there is no room.
@@ -52,35 +60,62 @@ impl<const N: usize> Outbox<N> {
         if frame.len() > N {
             return Err(TooLong { found: frame.len(), capacity: N });
         }
-        while N - self.bytes.len() < frame.len() {
+        while N - self.waiting < frame.len() {
             self.drop_oldest();
         }
-        for byte in frame {
-            // There is room: see above.
-            let _ = self.bytes.push_back(*byte);
+        let end = self.first + self.waiting;
+        let at = if end < N { end } else { end - N };
+        // Up to the end of the room, the rest from its beginning. There is room: see above.
+        let (before, behind) = frame.split_at_checked(N - at).unwrap_or((frame, &[]));
+        for (to, byte) in self.bytes.iter_mut().skip(at).zip(before) {
+            *to = *byte;
         }
+        for (to, byte) in self.bytes.iter_mut().zip(behind) {
+            *to = *byte;
+        }
+        self.waiting += frame.len();
         Ok(())
+    }
+
+    /// The bytes that go next, as far as they lie together; none where nothing waits.
+    pub fn next(&self) -> &[u8] {
+        if self.owed {
+            return &[DELIMITER];
+        }
+        let end = (self.first + self.waiting).min(N);
+        self.bytes.get(self.first..end).unwrap_or_default()
+    }
+
+    /// So many of [`next`](Self::next) have gone.
+    pub fn gone(&mut self, count: usize) {
+        let next = self.next();
+        let count = count.min(next.len());
+        let Some(last) = count.checked_sub(1).and_then(|last| next.get(last)) else {
+            return;
+        };
+        let inside = *last != DELIMITER;
+        if self.owed {
+            self.owed = false;
+            return;
+        }
+        self.inside = inside;
+        self.waiting -= count;
+        self.first += count;
+        if self.first == N {
+            self.first = 0;
+        }
     }
 
     /// Next byte for the line.
     pub fn pop(&mut self) -> Option<u8> {
-        if self.owed {
-            self.owed = false;
-            return Some(DELIMITER);
-        }
-        let byte = self.bytes.pop_front()?;
-        self.inside = byte != DELIMITER;
+        let byte = *self.next().first()?;
+        self.gone(1);
         Some(byte)
-    }
-
-    /// The byte that [`Self::pop`] would give.
-    pub fn front(&self) -> Option<u8> {
-        if self.owed { Some(DELIMITER) } else { self.bytes.front().copied() }
     }
 
     /// Nothing waits.
     pub fn is_empty(&self) -> bool {
-        self.bytes.is_empty() && !self.owed
+        self.waiting == 0 && !self.owed
     }
 
     /// Frames that went unsent, or were cut.
@@ -89,9 +124,10 @@ impl<const N: usize> Outbox<N> {
     }
 
     fn drop_oldest(&mut self) {
-        self.owed |= self.inside;
-        self.inside = false;
-        while self.bytes.pop_front().is_some_and(|byte| byte != DELIMITER) {}
+        let owed = self.owed || self.inside;
+        self.owed = false;
+        while self.pop().is_some_and(|byte| byte != DELIMITER) {}
+        (self.owed, self.inside) = (owed, false);
         self.dropped = self.dropped.saturating_add(1);
     }
 }
@@ -100,6 +136,7 @@ impl<const N: usize> Outbox<N> {
 mod tests {
     use super::*;
     extern crate std;
+    use std::collections::VecDeque;
     use std::vec::Vec;
 
     fn drain<const N: usize>(outbox: &mut Outbox<N>) -> Vec<u8> {
@@ -144,6 +181,65 @@ mod tests {
         outbox.push(&[1, 0]).unwrap();
         assert_eq!(outbox.push(&[1, 2, 3, 4, 0]), Err(TooLong { found: 5, capacity: 4 }));
         assert_eq!(drain(&mut outbox), [1, 0]);
+    }
+
+    /// The same by a queue of bytes, one at a time.
+    #[derive(Default)]
+    struct Model {
+        bytes: VecDeque<u8>,
+        inside: bool,
+        owed: bool,
+        dropped: u32,
+    }
+
+    impl Model {
+        fn push(&mut self, frame: &[u8], room: usize) {
+            while room - self.bytes.len() < frame.len() {
+                self.owed |= self.inside;
+                self.inside = false;
+                while self.bytes.pop_front().is_some_and(|byte| byte != DELIMITER) {}
+                self.dropped += 1;
+            }
+            self.bytes.extend(frame);
+        }
+
+        fn pop(&mut self) -> Option<u8> {
+            if std::mem::take(&mut self.owed) {
+                return Some(DELIMITER);
+            }
+            let byte = self.bytes.pop_front()?;
+            self.inside = byte != DELIMITER;
+            Some(byte)
+        }
+    }
+
+    #[test]
+    fn pieces_of_any_length_are_the_bytes_one_by_one() {
+        let (mut outbox, mut model) = (Outbox::<23>::new(), Model::default());
+        let mut random = 1_u32;
+        let mut below = |limit: u32| {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (random >> 16) % limit
+        };
+        for step in 0..20_000_u32 {
+            if below(3) == 0 {
+                let mut frame: Vec<u8> = (0..below(12)).map(|_| 1 + below(255) as u8).collect();
+                frame.push(DELIMITER);
+                outbox.push(&frame).unwrap();
+                model.push(&frame, 23);
+            } else {
+                let piece = below(6) as usize;
+                let next = outbox.next();
+                let gone: Vec<u8> = next.iter().take(piece).copied().collect();
+                outbox.gone(piece);
+                let expected: Vec<u8> = (0..gone.len()).filter_map(|_| model.pop()).collect();
+                assert_eq!(gone, expected, "step {step}");
+            }
+            assert_eq!(outbox.is_empty(), model.bytes.is_empty() && !model.owed, "step {step}");
+            assert_eq!(outbox.is_empty(), outbox.next().is_empty(), "step {step}");
+            assert_eq!(outbox.dropped(), model.dropped, "step {step}");
+        }
+        assert!(outbox.dropped() > 1000);
     }
 
     #[test]

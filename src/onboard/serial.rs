@@ -55,7 +55,8 @@ impl LineErrors {
         }
     }
 
-    fn count(&self, kind: ErrorKind) {
+    /// An error. To be counted by interrupts of one priority only.
+    pub fn count(&self, kind: ErrorKind) {
         let counter = match kind {
             ErrorKind::Overrun => &self.overrun,
             ErrorKind::FrameFormat => &self.framing,
@@ -64,9 +65,14 @@ impl LineErrors {
         };
         increment(counter);
     }
+
+    /// A byte or frame for which the queue had no room.
+    pub fn count_full(&self) {
+        increment(&self.ring_full);
+    }
 }
 
-/// Only the interrupt writes, so load and store need not be one step.
+/// Only interrupts of one priority write, so load and store need not be one step.
 fn increment(counter: &AtomicU32) {
     let next = counter.load(Ordering::Relaxed).saturating_add(1);
     counter.store(next, Ordering::Relaxed);
@@ -85,7 +91,7 @@ pub fn serve<const N: usize>(
             Ok(byte) => {
                 came = true;
                 if ring.enqueue(byte).is_err() {
-                    increment(&errors.ring_full);
+                    errors.count_full();
                 }
             }
             Err(nb::Error::WouldBlock) => break,
@@ -98,11 +104,14 @@ pub fn serve<const N: usize>(
 
 /// Starts sending what waits; the interrupt does the rest.
 pub fn send<const N: usize>(port: &mut impl LinePort, outbox: &mut Outbox<N>) {
-    while let Some(byte) = outbox.front() {
-        if matches!(port.write(byte), Err(nb::Error::WouldBlock)) {
+    loop {
+        let bytes = outbox.next();
+        let takes = |byte: &&u8| !matches!(port.write(**byte), Err(nb::Error::WouldBlock));
+        let (taken, all) = (bytes.iter().take_while(takes).count(), bytes.len());
+        outbox.gone(taken);
+        if taken == 0 || taken < all {
             break;
         }
-        outbox.pop();
     }
     port.interrupt_when_writable(!outbox.is_empty());
 }

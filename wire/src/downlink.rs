@@ -6,6 +6,7 @@ use crate::coast::CoastAhead;
 use crate::envelope::{self, DecodeError, EncodeError};
 use crate::health::Health;
 use crate::words::{Cause, Regime, Validity, Value, words};
+use core::fmt;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +68,8 @@ pub enum Body {
     Health(Health),
     /// 11: what coasting from here leads to.
     CoastAhead(CoastAhead),
+    /// 12: which firmware it is.
+    Versions(Versions),
 }
 
 impl Body {
@@ -85,6 +88,7 @@ impl Body {
             Self::Answer(_) => "answer",
             Self::Health(_) => "health",
             Self::CoastAhead(_) => "coast_ahead",
+            Self::Versions(_) => "versions",
         }
     }
 }
@@ -369,6 +373,43 @@ pub struct Status {
     pub memory: Memory,
     /// Records written since the start, and those that failed.
     pub records: [u32; 2],
+}
+
+/// Which firmware it is. Differs between a board and a host that replays its log, as [`Health`] does.
+///
+/// ```
+/// use rundown_wire::Versions;
+///
+/// let board = Versions { firmware: [0, 1, 0], commit: Some(0x0A1B_2C3D), changed: false, downlink: 1, uplink: 1 };
+/// assert_eq!(board.to_string(), "firmware 0.1.0 (0a1b2c3d), messages 1 down, 1 up");
+/// let test = Versions { commit: None, ..board };
+/// assert_eq!(test.to_string(), "firmware 0.1.0 (commit unknown), messages 1 down, 1 up");
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Versions {
+    /// Version of the firmware: major, minor, patch.
+    pub firmware: [u16; 3],
+    /// First 32 bits of the commit that it was built from; none: not known.
+    pub commit: Option<u32>,
+    /// It was built from sources that differ from that commit.
+    pub changed: bool,
+    /// Version of the messages that it sends.
+    pub downlink: u8,
+    /// Version of the messages that it reads.
+    pub uplink: u8,
+}
+
+impl fmt::Display for Versions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [major, minor, patch] = self.firmware;
+        write!(f, "firmware {major}.{minor}.{patch} (")?;
+        match self.commit {
+            Some(commit) => write!(f, "{commit:08x}")?,
+            None => f.write_str("commit unknown")?,
+        }
+        let changed = if self.changed { ", changed" } else { "" };
+        write!(f, "{changed}), messages {} down, {} up", self.downlink, self.uplink)
+    }
 }
 
 /// What is known at the end of a run.

@@ -99,18 +99,18 @@ pub struct Stalled {
     pub link: bool,
 }
 
-/// What went wrong on the serial line, counted since the start.
+/// What went wrong on the serial line, and on CAN where the firmware has it, counted since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LineCounts {
-    /// A byte came before the last one was read.
+    /// A byte came before the last one was read; on CAN a frame.
     pub overrun: u32,
     /// A byte without its stop bit.
     pub framing: u32,
     /// The samples of a bit disagreed.
     pub noise: u32,
-    /// Parity, or what the port cannot name.
+    /// Parity, or what the port cannot name; on CAN a bus-off, and a controller that does not start.
     pub other: u32,
-    /// Bytes dropped because the ring was full.
+    /// Bytes, on CAN frames, dropped because the ring was full.
     pub ring_full: u32,
 }
 
@@ -133,11 +133,11 @@ pub struct Health {
     pub longest_us: u32,
     /// Double-bit errors that the flash reported.
     pub flash_errors: u32,
-    /// The serial line.
+    /// The serial line, and CAN.
     pub line: LineCounts,
-    /// The link.
+    /// The link; of both lines together.
     pub messages: Counters,
-    /// Frames that the line did not take.
+    /// Frames that the line did not take; of both lines together.
     pub not_sent: u32,
 }
 

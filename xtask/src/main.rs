@@ -21,7 +21,7 @@ Usage: cargo xtask TASK
 
 Tasks:
   setup                         finds or installs what the firmware needs: Rust for thumbv7em-none-eabihf, QEMU >= 10
-  firmware [--board NAME]       builds the firmware: l475, l475-emulated, mps2 (default: all)
+  firmware [--board NAME]       builds the firmware: l475, l475-can, l475-emulated, mps2 (default: all)
   firmware-lint                 clippy over the firmware of all boards
   run [--key KEY.bin]           starts the B-L475E-IOT01A in the emulator; its serial line is a TCP port of this machine
   emulate RUN.csv [T.toml K.toml] [FRAMES.bin]
@@ -131,7 +131,7 @@ fn all(task: fn(Board) -> Result<(), String>) -> Result<(), String> {
 fn with_board(name: &str, task: fn(Board) -> Result<(), String>) -> Result<(), String> {
     match Board::named(name) {
         Some(board) => task(board),
-        None => Err(format!("no board `{name}`: there are l475, l475-emulated and mps2")),
+        None => Err(format!("no board `{name}`: there are l475, l475-can, l475-emulated and mps2")),
     }
 }
 

@@ -9,7 +9,7 @@ fn names(frames: &[Downlink]) -> Vec<&'static str> {
 }
 
 const TICK: [&str; 3] = ["parameters", "effort", "estimate"];
-const MINUTE: [&str; 4] = ["features", "switching_points", "status", "health"];
+const MINUTE: [&str; 5] = ["features", "switching_points", "status", "health", "versions"];
 
 #[test]
 fn the_frames_of_a_tick_come_in_this_order() {
@@ -49,7 +49,7 @@ fn the_end_of_a_run_comes_in_this_order() {
     let end = board.desk.secured(Request::Command(Command::End)).unwrap();
     let mut found = names(&board.say(&end));
     found.dedup();
-    assert_eq!(found, ["features", "switching_points", "run_summary", "status", "health", "answer"]);
+    assert_eq!(found, ["features", "switching_points", "run_summary", "status", "health", "versions", "answer"]);
     // The same bytes once more: no answer at all.
     assert_eq!(board.say(&end), []);
 }
@@ -72,7 +72,7 @@ fn a_long_stop_ends_the_run_with_the_estimate_and_the_next_one_begins_at_zero() 
     let [.., before, estimate] = &last[..] else {
         panic!("two frames at least: {last:?}");
     };
-    assert_eq!(before.body.as_str(), "health");
+    assert_eq!(before.body.as_str(), "versions");
     assert!(matches!(estimate.body, Body::Estimate(_)));
     assert_eq!((estimate.sequence, estimate.tick), (before.sequence + 1, before.tick));
     standing.time_s += 10.0;

@@ -242,6 +242,13 @@ fn downlink() -> Vec<(String, Frame)> {
                 time_sd_s: 1.25,
             }),
         }),
+        Body::Versions(Versions {
+            firmware: [0, 1, 300],
+            commit: Some(0x0A1B_2C3D),
+            changed: true,
+            downlink: VERSION,
+            uplink: uplink::VERSION,
+        }),
     ];
     bodies.into_iter().map(|body| down(body.as_str(), body)).collect()
 }
@@ -420,6 +427,13 @@ fn largest_body(body: Body) -> Body {
             },
             not_sent: MOST,
             ..health
+        }),
+        Body::Versions(versions) => Body::Versions(Versions {
+            firmware: [u16::MAX; 3],
+            commit: Some(MOST),
+            downlink: u8::MAX,
+            uplink: u8::MAX,
+            ..versions
         }),
         other => panic!("no largest value of {}", other.as_str()),
     }

@@ -12,7 +12,7 @@ use rundown_files::{
     effect_file, effect_frame, map_matching::CentreLine, run_log::BadRows, run_set::RunSet, track_file::TrackFile,
     train_file::TrainFile,
 };
-use rundown_wire::{Body, RunSummary};
+use rundown_wire::{Body, RunSummary, Versions};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -130,9 +130,13 @@ where
     let bar = screen::progress(ticks);
     // What the board had from an earlier session is not known.
     let mut sent = None;
+    let mut greeted = false;
     for recording in recordings {
         let pace = if arguments.real_time { Pace::Clock } else { Pace::Lockstep };
         session.prepare(description, recording.direction, pace).map_err(board)?;
+        if !std::mem::replace(&mut greeted, true) {
+            bar.suspend(|| screen::note(&board_words(session.desk().versions())));
+        }
         let mut said = Said::default();
         let begin = Instant::now();
         let first_s = recording.rows.first().map_or(0.0, |row| row.time_s);
@@ -170,6 +174,14 @@ where
     }
     bar.finish_and_clear();
     Ok(())
+}
+
+/// Which firmware answers.
+fn board_words(versions: Option<Versions>) -> String {
+    versions.map_or_else(
+        || "the board does not say its version: its firmware is older than this program".to_owned(),
+        |versions| format!("the board: {versions}"),
+    )
 }
 
 #[derive(Default)]

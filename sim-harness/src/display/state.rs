@@ -6,7 +6,7 @@
 
 use rundown_wire::{
     Body, CoastAhead, Effect, EffectKind, Effort, Estimate, Features, Health, Order, Parameters, Received, Regime,
-    RunSummary, Status, SwitchingPoint, Validity,
+    RunSummary, Status, SwitchingPoint, Validity, Versions,
 };
 use serde::Serialize;
 
@@ -118,6 +118,8 @@ pub struct Now {
     /// What the board has, and what it has counted.
     pub status: Option<Status>,
     pub health: Option<Health>,
+    /// Which firmware it is.
+    pub versions: Option<Versions>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -164,6 +166,7 @@ impl State {
             }
             Body::Status(status) => self.now.status = Some(*status),
             Body::Health(health) => self.now.health = Some(*health),
+            Body::Versions(versions) => self.now.versions = Some(*versions),
             Body::RunSummary(summary) => self.end_run(summary),
             // Snapshots are for the desk, answers for who asked; newer frames are not shown.
             _ => {}

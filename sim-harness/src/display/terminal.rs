@@ -320,14 +320,15 @@ fn of_link<'a>(view: &View<'_>) -> Paragraph<'a> {
     };
     let age = link.age_s.map_or_else(|| "-".to_owned(), |age| format!("{age:.0} s ago"));
     let counts = format!(
-        "  {age}  {} frames, {} lost, {} damaged, {} out of order, {} unknown, {} reconnects; {}",
+        "  {age}  {} frames, {} lost, {} damaged, {} out of order, {} unknown, {} reconnects; {}{}",
         link.tally.frames,
         link.tally.lost,
         link.tally.damaged,
         link.tally.out_of_order,
         link.tally.unknown,
         link.reconnects,
-        link.source
+        link.source,
+        view.state.now.versions.map_or_else(String::new, |versions| format!("; {versions}"))
     );
     Paragraph::new(Line::from(vec![" ".into(), state, counts.into()]))
 }

@@ -96,6 +96,7 @@ fn said(body: &Body) -> String {
             health.stack_bytes,
             health.longest_us
         ),
+        Body::Versions(versions) => versions.to_string(),
         // Newer than this program.
         _ => String::new(),
     }

@@ -4,6 +4,8 @@
 #[cfg(target_os = "none")]
 #[path = "../../board/mod.rs"]
 mod board;
+#[cfg(target_os = "none")]
+mod can;
 #[cfg(not(target_os = "none"))]
 mod host;
 #[cfg(target_os = "none")]

@@ -3,6 +3,7 @@
 //! | priority | task | woken by | does |
 //! |---|---|---|---|
 //! | 3 | `line` | serial port | bytes into the ring, bytes out of the outbox |
+//! | 3 | in `board` | CAN controller, feature `can` | frames into one queue, frames out of the other |
 //! | 2 | `timer` | system timer, 10 Hz | time, watchdog, wakes the two below |
 //! | 1 | `tick` | `timer` | every [`PERIOD_S`]: the application's tick |
 //! | 1 | `link` | `line`, `timer` | bytes of the ring into the application |
@@ -19,11 +20,13 @@ mod app {
     use super::PERIOD_S;
     use crate::board::stopwatch::{self, Stopwatch, TIMER_HZ};
     use crate::board::{self, Metal, device::Interrupt, kept_ram};
+    use crate::can;
     use core::mem::MaybeUninit;
     use core::sync::atomic::{AtomicU32, Ordering};
     use heapless::spsc::{Consumer, Producer, Queue};
     use rtic::mutex_prelude::TupleExt02;
     use rundown::estimator::run_state::RunState;
+    use rundown::link::Counters;
     use rundown::onboard::application::{Application, Hardware};
     use rundown::onboard::auth::Provisioning;
     use rundown::onboard::board::{Board, FailurePoint, Started};
@@ -60,6 +63,7 @@ mod app {
     pub struct Start {
         boot: Boot,
         clock: Clock,
+        can: can::Counts,
     }
 
     #[shared]
@@ -67,6 +71,8 @@ mod app {
         /// With the line's interrupt.
         port: SerialPort,
         outbox: &'static mut Outbox<OUTBOX>,
+        #[lock_free]
+        can: can::Line,
         #[lock_free]
         start: Start,
         #[lock_free]
@@ -95,11 +101,18 @@ mod app {
         defmt::info!("boot, clock {=u32} Hz, resets {=u32}", clock.hz(), boot.resets);
         let heartbeat_only = boot.operation == Operation::HeartbeatOnly;
         let application = place(cx.local.application, flash, heartbeat_only, cx.local.run, cx.local.room);
+        let can = can::Line::start(clock.hz(), &LINE_ERRORS);
         let (ring_in, ring_out) = cx.local.ring.split();
         rtic::pend(Interrupt::COMP);
         rtic::pend(Interrupt::TSC);
         (
-            Shared { port, outbox: cx.local.outbox, start: Start { boot, clock }, application },
+            Shared {
+                port,
+                outbox: cx.local.outbox,
+                can,
+                start: Start { boot, clock, can: can::Counts::NONE },
+                application,
+            },
             Local { ring_in, ring_out, watchdog, feed_rule: FeedRule::default(), quiet_periods: 0, kept, next_tick: 0 },
         )
     }
@@ -149,7 +162,7 @@ mod app {
         rtic::pend(Interrupt::TSC);
     }
 
-    #[task(binds = COMP, priority = 1, shared = [port, outbox, start, application], local = [next_tick])]
+    #[task(binds = COMP, priority = 1, shared = [port, outbox, can, start, application], local = [next_tick])]
     fn tick(cx: tick::Context) {
         if cx.shared.start.boot.operation == Operation::Normal {
             Metal::provoke(FailurePoint::Tick);
@@ -158,7 +171,7 @@ mod app {
         // The difference, because the counter wraps.
         if periods.wrapping_sub(*cx.local.next_tick) < u32::MAX / 2 {
             *cx.local.next_tick = cx.local.next_tick.wrapping_add(PERIOD_S * TIMER_HZ);
-            let (start, mut say) = (*cx.shared.start, say(cx.shared.port, cx.shared.outbox));
+            let (start, mut say) = (*cx.shared.start, say(cx.shared.port, cx.shared.outbox, cx.shared.can));
             let watch = Stopwatch::start();
             cx.shared.application.tick(start, &mut say);
             watch.stop();
@@ -166,13 +179,21 @@ mod app {
         TICK_BEATS.fetch_add(1, Ordering::Relaxed);
     }
 
-    #[task(binds = TSC, priority = 1, shared = [port, outbox, start, application], local = [ring_out])]
+    #[task(binds = TSC, priority = 1, shared = [port, outbox, can, start, application], local = [ring_out])]
     fn link(cx: link::Context) {
         if cx.shared.start.boot.operation == Operation::Normal {
             Metal::provoke(FailurePoint::Link);
         }
+        let now_us = stopwatch::now_us(&PERIODS);
+        let message = cx.shared.can.exchange(now_us);
+        cx.shared.start.can = cx.shared.can.counts();
         let start = *cx.shared.start;
-        let mut say = say(cx.shared.port, cx.shared.outbox);
+        let mut say = say(cx.shared.port, cx.shared.outbox, cx.shared.can);
+        if let Some(message) = message {
+            let watch = Stopwatch::start();
+            cx.shared.application.take(&message, start, &mut say);
+            watch.stop();
+        }
         // At most one ring at a time: a line that babbles must not keep the other task waiting.
         for _ in 0..RING {
             let Some(byte) = cx.local.ring_out.dequeue() else {
@@ -206,9 +227,11 @@ mod app {
     fn say(
         port: impl rtic::Mutex<T = SerialPort>,
         outbox: impl rtic::Mutex<T = &'static mut Outbox<OUTBOX>>,
+        can: &mut can::Line,
     ) -> impl FnMut(&[u8]) -> bool {
         let mut wires = (port, outbox);
         move |frame| {
+            can.push(frame);
             wires.lock(|port, outbox| {
                 let taken = outbox.push(frame).is_ok();
                 DROPPED.store(outbox.dropped(), Ordering::Relaxed);
@@ -230,9 +253,13 @@ mod app {
                 longest_us: stopwatch::longest_us(),
                 flash_errors: Metal::flash_errors(),
                 line: LINE_ERRORS.counts(),
-                not_sent: DROPPED.load(Ordering::Relaxed),
+                not_sent: DROPPED.load(Ordering::Relaxed).saturating_add(self.can.dropped()),
                 ..Health::default()
             }
+        }
+
+        fn other_links(&self) -> Counters {
+            self.can.link()
         }
 
         fn uptime_s(&self) -> u32 {

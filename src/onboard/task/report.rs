@@ -6,6 +6,7 @@ use crate::estimator::config::Mode;
 use crate::filter::gaussian::Gaussian;
 use crate::model::state::{LOCATION, R0, SPEED};
 use crate::onboard::frames;
+use crate::onboard::versions::VERSIONS;
 use crate::tick::estimate::{Cause, Estimate};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::{Body, CAUSES, Downlink, MAX_MESSAGE, SWITCHING_POINTS, Status};
@@ -136,6 +137,7 @@ impl<F: NorFlash> Task<'_, F> {
         self.send(Body::Status(status), port);
         let health = port.health();
         self.send(Body::Health(health), port);
+        self.send(Body::Versions(VERSIONS), port);
     }
 
     #[inline(never)]

@@ -192,6 +192,22 @@ impl Counters {
         timeout: 0,
         refused: 0,
     };
+
+    /// Those of two links together.
+    #[inline]
+    pub const fn and(&self, other: &Self) -> Self {
+        Self {
+            sent: self.sent.saturating_add(other.sent),
+            received: self.received.saturating_add(other.received),
+            checksum: self.checksum.saturating_add(other.checksum),
+            coding: self.coding.saturating_add(other.coding),
+            too_long: self.too_long.saturating_add(other.too_long),
+            too_short: self.too_short.saturating_add(other.too_short),
+            sequence: self.sequence.saturating_add(other.sequence),
+            timeout: self.timeout.saturating_add(other.timeout),
+            refused: self.refused.saturating_add(other.refused),
+        }
+    }
 }
 
 /// Adds one, and stays at the largest value.

@@ -14,12 +14,15 @@
 
 use super::checksum::{self, ChecksumError, LengthError};
 use super::{Counters, Link, LinkError, MAX_CHECKED, MAX_MESSAGE, Message, count, write_whole};
-use cobs::{CobsEncoder, DecodeResult, DecoderState};
+use cobs::{DecodeResult, DecoderState};
 use embedded_io::{Read, ReadReady, Write};
 use heapless::Vec;
 
 /// Largest message on the line: COBS adds one byte and one more for each 254, then comes the zero.
 pub const MAX_SERIAL: usize = cobs::max_encoding_length(MAX_CHECKED) + 1;
+
+/// Bytes of a full block of COBS: its code, 255, stands for no zero.
+const FULL_BLOCK: usize = 254;
 
 /// Bytes that one call of [`SerialLink::receive`] takes at most, so that a babbling line cannot hold up the caller.
 const BYTES_PER_CALL: usize = 2 * MAX_SERIAL;
@@ -65,16 +68,52 @@ pub fn encode(message: &[u8]) -> Result<Vec<u8, MAX_SERIAL>, LengthError> {
     if message.is_empty() || message.len() > MAX_MESSAGE {
         return Err(error);
     }
-    // Not `resize`, which goes byte by byte.
-    let mut bytes: Vec<u8, MAX_SERIAL> = Vec::from_array([0; MAX_SERIAL]);
-    let mut encoder = CobsEncoder::new(&mut bytes);
-    // In two pieces, for want of stack for a copy. The buffer is made for the largest message, so neither fails.
-    encoder.push(message).and_then(|()| encoder.push(&checksum::crc32c(message).to_le_bytes())).map_err(|_| error)?;
-    let length = encoder.finalize();
-    // One byte behind the code may have been written to, when the code ends with a full block.
-    bytes.truncate(length);
+    let checksum = checksum::crc32c(message).to_le_bytes();
+    // The buffer is made for the largest message, so nothing below fails.
+    let mut bytes: Vec<u8, MAX_SERIAL> = Vec::new();
+    // A third of what the encoder of `cobs` costs: nearly no message has a full block.
+    for has_full_blocks in [false, true] {
+        bytes.clear();
+        bytes.push(0).map_err(|_| error)?;
+        bytes.extend_from_slice(message).and_then(|()| bytes.extend_from_slice(&checksum)).map_err(|_| error)?;
+        if has_full_blocks {
+            end_full_blocks(&mut bytes).map_err(|_| error)?;
+        }
+        if zeros_to_distances(&mut bytes) <= FULL_BLOCK {
+            break;
+        }
+    }
     bytes.push(0).map_err(|_| error)?;
     Ok(bytes)
+}
+
+/// Each zero becomes the distance to the next one, from behind. The longest.
+fn zeros_to_distances(bytes: &mut [u8]) -> usize {
+    let (mut next, mut longest) = (bytes.len(), 0);
+    for (at, byte) in bytes.iter_mut().enumerate().rev() {
+        if *byte == 0 {
+            longest = longest.max(next - at);
+            *byte = (next - at) as u8;
+            next = at;
+        }
+    }
+    longest
+}
+
+/// One more zero behind each full block, unless it ends the code.
+fn end_full_blocks(bytes: &mut Vec<u8, MAX_SERIAL>) -> Result<(), u8> {
+    let (mut block, mut at) = (0, 1);
+    while at < bytes.len() {
+        if block == FULL_BLOCK {
+            bytes.push(0)?;
+            bytes.iter_mut().skip(at).fold(0, |before, byte| core::mem::replace(byte, before));
+            block = 0;
+        } else {
+            block = if bytes.get(at) == Some(&0) { 0 } else { block + 1 };
+        }
+        at += 1;
+    }
+    Ok(())
 }
 
 /// Takes bytes one by one and gives messages. `N` is the room for a message with its checksum.
@@ -204,5 +243,49 @@ impl<P: Read + ReadReady + Write> Link for SerialLink<P> {
 
     fn counters(&self) -> Counters {
         self.counters
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By the encoder of `cobs`.
+    fn by_the_crate(message: &[u8]) -> Vec<u8, MAX_SERIAL> {
+        let mut room = [0; MAX_SERIAL + 1];
+        let mut encoder = cobs::CobsEncoder::new(&mut room);
+        encoder.push(message).unwrap();
+        encoder.push(&checksum::crc32c(message).to_le_bytes()).unwrap();
+        let length = encoder.finalize();
+        let mut bytes = Vec::from_slice(&room[..length]).unwrap();
+        bytes.push(0).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn messages_of_every_length_are_coded_as_the_crate_codes_them() {
+        let mut message = [0; MAX_MESSAGE];
+        // Zeros after so many bytes: none, each byte, about the length of a block.
+        for every in [usize::MAX, 1, 2, 3, 100, 253, 254, 255, 256, 257, 508, 509] {
+            for (place, byte) in message.iter_mut().enumerate() {
+                *byte = if place % every == every - 1 { 0 } else { 1 + (place * 7 % 255) as u8 };
+            }
+            for length in 1..=MAX_MESSAGE {
+                let message = &message[..length];
+                assert_eq!(encode(message).unwrap(), by_the_crate(message), "{length} bytes, zeros every {every}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_code_that_ends_with_a_full_block_has_nothing_behind_it() {
+        // 250 bytes and a checksum without zeros.
+        let mut message = [1; 250];
+        while checksum::crc32c(&message).to_le_bytes().contains(&0) {
+            message[0] += 1;
+        }
+        let bytes = encode(&message).unwrap();
+        assert_eq!((bytes.len(), bytes[0], bytes[255]), (256, 255, 0));
+        assert_eq!(bytes, by_the_crate(&message));
     }
 }

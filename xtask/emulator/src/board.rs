@@ -10,6 +10,8 @@ pub enum Board {
     L475,
     /// The same with RAM in the place of the flash pages for records, for the emulator.
     L475Emulated,
+    /// The same with CAN beside the serial line. The emulator has no CAN controller: there only the serial line speaks, and secured messages are refused.
+    L475Can,
     /// Arm MPS2 AN386: test-only, its watchdog bites and its flash survives the loss of power.
     Mps2,
 }
@@ -26,13 +28,14 @@ pub enum NoImage {
 
 impl Board {
     /// All.
-    pub const ALL: [Self; 3] = [Self::L475, Self::L475Emulated, Self::Mps2];
+    pub const ALL: [Self; 4] = [Self::L475, Self::L475Emulated, Self::L475Can, Self::Mps2];
 
     /// Its name on the command line, the feature of the firmware that makes it, QEMU's name for it.
     const fn names(self) -> (&'static str, Option<&'static str>, &'static str) {
         match self {
             Self::L475 => ("l475", None, "b-l475e-iot01a"),
             Self::L475Emulated => ("l475-emulated", Some("emulator"), "b-l475e-iot01a"),
+            Self::L475Can => ("l475-can", Some("can"), "b-l475e-iot01a"),
             Self::Mps2 => ("mps2", Some("mps2"), "mps2-an386"),
         }
     }

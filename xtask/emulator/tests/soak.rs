@@ -6,7 +6,7 @@ use common::{frame, wait_for};
 use emulator::{Board, Emulator, Image, Settings, Sleep};
 use rundown_wire::Failure;
 
-/// Two hours on both boards: the watchdog of the test board would have bitten 3600 times.
+/// Two hours on all boards: the watchdog of the test board would have bitten 3600 times.
 #[test]
 #[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn two_quiet_hours_pass_without_a_reset() {

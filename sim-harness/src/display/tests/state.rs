@@ -75,6 +75,14 @@ fn old_values_are_called_old() {
 }
 
 #[test]
+fn the_board_s_firmware_is_shown_from_its_first_status_on() {
+    let hub = shown(&on_the_line(&MESSAGES));
+    let version = format!("firmware {} (", env!("CARGO_PKG_VERSION"));
+    let said = hub.view(|view| view.state.now.versions).expect("a board that says its version");
+    assert!(said.to_string().starts_with(&version), "{said}");
+}
+
+#[test]
 fn a_line_of_json_has_the_frame_and_its_order() {
     let body = Body::Answer(Answer { to: 4, result: Ok(()) });
     let received = Received { frame: Downlink { sequence: 7, tick: 300, body }, order: Order::Next };

@@ -1,0 +1,71 @@
+//! Registers of the STM32L475 from its access crate; interrupts, as far as they are used, from RM0351 table 58: the crate lacks those of the CAN controller.
+
+use cortex_m::interrupt::InterruptNumber;
+pub use stm32l4::stm32l4x5::*;
+
+/// The name under which RTIC looks for them.
+pub use self::Interrupt as interrupt;
+
+/// Priority bits of its interrupt controller.
+pub const NVIC_PRIO_BITS: u8 = 4;
+
+/// Names of the manual.
+#[derive(Clone, Copy)]
+#[cfg_attr(feature = "can", expect(non_camel_case_types, reason = "as the peripheral access crates do"))]
+#[expect(clippy::upper_case_acronyms, reason = "as the peripheral access crates do")]
+pub enum Interrupt {
+    /// A transmit mailbox became free.
+    #[cfg(feature = "can")]
+    CAN1_TX = 19,
+    /// A frame came, or was lost.
+    #[cfg(feature = "can")]
+    CAN1_RX0 = 20,
+    /// Bus-off.
+    #[cfg(feature = "can")]
+    CAN1_SCE = 22,
+    /// The serial line.
+    USART1 = 37,
+    /// Not used by its device; wakes the tick task.
+    COMP = 64,
+    /// Not used by its device; wakes the link task.
+    TSC = 77,
+}
+
+// SAFETY: the numbers are those of the vector table below.
+unsafe impl InterruptNumber for Interrupt {
+    fn number(self) -> u16 {
+        self as u16
+    }
+}
+
+unsafe extern "C" {
+    #[cfg(feature = "can")]
+    fn CAN1_TX();
+    #[cfg(feature = "can")]
+    fn CAN1_RX0();
+    #[cfg(feature = "can")]
+    fn CAN1_SCE();
+    fn USART1();
+    fn COMP();
+    fn TSC();
+    fn DefaultHandler();
+}
+
+/// As many as the chip has.
+const VECTORS: usize = 82;
+
+#[unsafe(link_section = ".vector_table.interrupts")]
+#[unsafe(no_mangle)]
+static __INTERRUPTS: [unsafe extern "C" fn(); VECTORS] = {
+    let mut vectors = [DefaultHandler as unsafe extern "C" fn(); VECTORS];
+    #[cfg(feature = "can")]
+    {
+        vectors[Interrupt::CAN1_TX as usize] = CAN1_TX;
+        vectors[Interrupt::CAN1_RX0 as usize] = CAN1_RX0;
+        vectors[Interrupt::CAN1_SCE as usize] = CAN1_SCE;
+    }
+    vectors[Interrupt::USART1 as usize] = USART1;
+    vectors[Interrupt::COMP as usize] = COMP;
+    vectors[Interrupt::TSC as usize] = TSC;
+    vectors
+};
