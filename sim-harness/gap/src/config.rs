@@ -109,6 +109,21 @@ settings! {
         stop_sd_m: f64 = 10.0, /// Standard deviation of a stop, m. Judgement.
         least_distance_m: f64 = 1_500.0, /// Shorter distances show nothing, m. Derived: 60 m are 4 % of them.
     }
+    /// What is wrong with the readings of all runs alike, and no effect: always in, with a normal prior around none.
+    nuisance: NuisanceConfig {
+        effort_gain_sd: f64 = 0.05, /// Gain of the effort column less 1, standard deviation. Judgement: efforts are calculated from currents and voltages, and masses from tables.
+        effort_delay_sd_s: f64 = 3.0, /// Age of an effort at its time stamp, standard deviation, s. Judgement: buses and loggers; a sample of 10 s is then possible, and a minute is not.
+        location_offset_sd_m: f64 = 50.0, /// Shown less true location along the line in all runs, standard deviation, m. Judgement: another zero of the chainage, an antenna at the other end of a train.
+        most_sd: f64 = 5.0, /// A nuisance is not further off, in standard deviations of its prior. Judgement.
+        sure: f64 = 3.0, /// What is so many of its own standard deviations off is told. Judgement.
+        least_gain: f64 = 0.01, /// A gain nearer to 1 is not told: a sensor is off by about so much. Judgement.
+        least_delay_s: f64 = 0.7, /// A shorter delay stays a column of the fit, s. Judgement.
+        least_offset_m: f64 = 10.0, /// A smaller offset is left as it is, m. Judgement: receivers.
+        gain_sd: f64 = 0.002, /// Standard deviation of a gain at least: efforts between two readings, as a share. Judgement.
+        delay_step_s: f64 = 0.5, /// Delays are tried so far apart, and are certain to a half of that, s. Judgement: the time it takes.
+        offset_step_m: f64 = 10.0, /// Offsets are tried so far apart, m. Judgement: less than the length of a train.
+        places: usize = 16, /// Parts of the line whose agreement says how certain an offset is: a gradient may begin elsewhere than described. Judgement.
+    }
     /// The effort column, or the effort calculated from the change of speed.
     effort: EffortConfig {
         measured_share: f64 = 0.7, /// Share of moving samples with an effort above which the effort counts as measured. Judgement.

@@ -35,9 +35,19 @@ pub struct Calibrated {
 
 impl Calibrated {
     pub fn whitening(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
+        self.without_gain(context, rows).with_common(&[(effort(rows), context.config.nuisance.effort_gain_sd)])
+    }
+
+    /// The same where a flexible model has the gain of the effort column as well.
+    pub fn without_gain(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
         let deviations = Deviations { noise: self.noise, own: self.own };
         whitening(&deviations, &self.spread, rows, &own_columns(context, rows))
     }
+}
+
+/// What the gain of the effort column is a factor of: none without the column.
+pub fn effort(rows: &[Row]) -> Vec<f64> {
+    rows.iter().map(|row| row.effort_n_per_kg).collect()
 }
 
 /// Columns of what each run has for itself: constant, wind, mass.
@@ -231,12 +241,12 @@ fn freedom(rows: &[Row], flexible: &[Vec<f64>]) -> f64 {
 pub fn left(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, model: &[Term]) -> Option<(Vec<f64>, f64)> {
     let flexible = flexible(context, rows, model);
     let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
-    let (left, _) = left_of(&y, &flexible, &calibrated.whitening(context, rows))?;
+    let (left, _) = left_of(&y, &flexible, &calibrated.without_gain(context, rows))?;
     Some((left, freedom(rows, &flexible)))
 }
 
 /// Columns that take up any effect: Davis, location, time, the known model, and effects of the effort.
-fn flexible(context: &Context<'_>, rows: &[Row], model: &[Term]) -> Vec<Vec<f64>> {
+pub fn flexible(context: &Context<'_>, rows: &[Row], model: &[Term]) -> Vec<Vec<f64>> {
     let config = &context.config.noise;
     let along =
         |which, count| hats(which, &knots(rows.iter().filter_map(|row| in_the_middle(which, row)), count), rows);
