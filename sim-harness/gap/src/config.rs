@@ -107,6 +107,8 @@ settings! {
         least_stops: usize = 3, /// Least runs that make a place of their stops; and a third of all. Judgement.
         stop_m: f64 = 60.0, /// How far a stop may be from its place, m. Judgement: drivers, and the noise of a receiver.
         stop_sd_m: f64 = 10.0, /// Standard deviation of a stop, m. Judgement.
+        platform_sd_m: f64 = 50.0, /// How far a platform is from where it is described, standard deviation, m. Judgement: half a train, or the middle of a station.
+        sure_of_platforms: f64 = 3.0, /// How often a wheel of all runs must exceed what that makes of it. Judgement.
         least_distance_m: f64 = 1_500.0, /// Shorter distances show nothing, m. Derived: 60 m are 4 % of them.
     }
     /// What is wrong with the readings of all runs alike, and no effect: always in, with a normal prior around none.

@@ -9,7 +9,7 @@
 use crate::candidate::{Family, Offer, Shape, Term};
 use crate::candidates::{self, sensors};
 use crate::columns::in_the_middle;
-use crate::config::NuisanceConfig;
+use crate::config::{NuisanceConfig, SearchConfig};
 use crate::data::believed::{Context, load_at};
 use crate::data::interval::Point;
 use crate::data::{rows::Row, runs::Run};
@@ -57,6 +57,13 @@ fn moved(context: &Context<'_>, rows: &[Row], offset_m: f64) -> Vec<f64> {
     rows.iter().map(of_row).collect()
 }
 
+/// No driver could have forged what this row shows: braking comes at the same places in each run, and a held speed answers each change of the gradient some seconds late.
+fn is_strong(row: &Row, config: &SearchConfig) -> bool {
+    let held = row.interval.acceleration_mps2().abs() < config.held_mps2;
+    let effort = row.effort_n_per_kg;
+    effort >= config.braking_n_per_kg && !(held && effort > 0.0)
+}
+
 /// Finds it. `rows` of runs with an effort column.
 pub fn offset(context: &Context<'_>, rows: &[Row]) -> Option<Offset> {
     let config = &context.config.nuisance;
@@ -69,7 +76,9 @@ pub fn offset(context: &Context<'_>, rows: &[Row]) -> Option<Offset> {
     beside.extend([sensors::DELAY, sensors::LATE_LOCATION].map(|of| of.columns(&Shape::Law, context, rows).remove(0)));
     let beside: Vec<DVector<f64>> = beside.iter().map(|column| whitening.whiten(column)).collect();
     let base = Base::new(&whitening.whiten(&moved(context, rows, 0.0)), &beside, whitening.runs())?;
-    let left = |residual: &[f64]| base.beside(&whitening.whiten(residual));
+    let strong: Vec<f64> = rows.iter().map(|row| f64::from(is_strong(row, &context.config.search))).collect();
+    let strong = DVector::from_vec(strong);
+    let left = |residual: &[f64]| base.beside(&whitening.whiten(residual)).component_mul(&strong);
     let loss = |offset_m: f64| {
         let prior = 0.5 * (offset_m / config.location_offset_sd_m).powi(2);
         0.5 * left(&moved(context, rows, offset_m)).norm_squared() + prior
@@ -171,6 +180,8 @@ mod tests {
                 for (k, point) in row.interval.path.iter_mut().enumerate() {
                     point.location_m = begin_m + direction.sign() * speed_mps * k as f64;
                 }
+                // Nobody holds this speed.
+                row.interval.speed_mps[1] += 0.5;
                 row.interval.run = run;
                 row.interval.begin_s = 20.0 * f64::from(i);
                 row.effort_n_per_kg = rng.random_range(-0.1..0.2);
