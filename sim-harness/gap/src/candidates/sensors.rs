@@ -1,11 +1,16 @@
 //! What sensors do to the residuals beyond what is put right: no effects of a train. In every fit, and none to be found.
 
 use crate::candidates::kit::*;
+use crate::data::interval::Point;
+use rundown::model::line::Line;
 
 /// Speed read later than the effort: step of the effort over the interval's length; coefficient in s.
 pub static DELAY: &dyn Candidate = &Sensor::Delay;
 /// Location read late, beyond what was put right: the gradient of v seconds back less the one here, over 1 s.
 pub static LATE_LOCATION: &dyn Candidate = &Sensor::LateLocation;
+
+/// Locations that are shown further on along the line: the change of the gradient over 1 m, less.
+pub static LOCATION_OFFSET: &dyn Candidate = &Sensor::LocationOffset;
 
 /// Half the distance over which the change of the gradient is taken, m.
 const SLOPE_M: f64 = 15.0;
@@ -13,6 +18,7 @@ const SLOPE_M: f64 = 15.0;
 enum Sensor {
     Delay,
     LateLocation,
+    LocationOffset,
 }
 
 impl Candidate for Sensor {
@@ -24,18 +30,23 @@ impl Candidate for Sensor {
         match self {
             Self::Delay => "delay",
             Self::LateLocation => "late",
+            Self::LocationOffset => "offset",
         }
     }
 
     fn columns(&self, _: &Shape, context: &Context<'_>, rows: &[Row]) -> Vec<Vec<f64>> {
         vec![match self {
             Self::Delay => along(context, rows, |_, row, _| row.interval.effort_step_n_per_kg / row.interval.dt_s),
-            Self::LateLocation => along(context, rows, |line, _, p| {
-                let sign = line.direction.sign();
-                let ahead = line.gradient_n_per_kg(p.location_m + sign * SLOPE_M);
-                let behind = line.gradient_n_per_kg(p.location_m - sign * SLOPE_M);
-                p.speed_mps * (ahead - behind) / (2.0 * SLOPE_M)
-            }),
+            Self::LateLocation => {
+                along(context, rows, |line, _, p| p.speed_mps * line.direction.sign() * slope(line, p))
+            }
+            Self::LocationOffset => along(context, rows, |line, _, p| -slope(line, p)),
         }]
     }
+}
+
+/// Change of the gradient along the line, N/kg for each m.
+fn slope(line: &Line<'_>, p: &Point) -> f64 {
+    let at = |by_m: f64| line.gradient_n_per_kg(p.location_m + by_m);
+    (at(SLOPE_M) - at(-SLOPE_M)) / (2.0 * SLOPE_M)
 }

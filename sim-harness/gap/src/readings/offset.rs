@@ -71,7 +71,7 @@ pub fn offset(context: &Context<'_>, rows: &[Row]) -> Option<Offset> {
         return None;
     }
     let (calibrated, _) = calibrate(context, rows, true, true, &[]);
-    let whitening = calibrated.without_gain(context, rows);
+    let whitening = calibrated.without_nuisances(context, rows);
     let mut beside = flexible(context, rows, &[]);
     beside.extend([sensors::DELAY, sensors::LATE_LOCATION].map(|of| of.columns(&Shape::Law, context, rows).remove(0)));
     let beside: Vec<DVector<f64>> = beside.iter().map(|column| whitening.whiten(column)).collect();
@@ -87,7 +87,8 @@ pub fn offset(context: &Context<'_>, rows: &[Row]) -> Option<Offset> {
     let steps = (config.most_sd * config.location_offset_sd_m / config.offset_step_m).round() as i32;
     let tried =
         (-steps..=steps).map(|i| f64::from(i) * config.offset_step_m).map(|offset_m| (offset_m, loss(offset_m)));
-    let (near_m, _) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let tried: Vec<(f64, f64)> = tried.collect();
+    let (near_m, least) = tried.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
     // Between the points of the grid the residuals are straight in the offset.
     let step_m = 0.5 * config.offset_step_m;
     let [below, at, above] = [-step_m, 0.0, step_m].map(|by| left(&moved(context, rows, near_m + by)));
@@ -102,7 +103,10 @@ pub fn offset(context: &Context<'_>, rows: &[Row]) -> Option<Offset> {
         scores[*place] += slope[i] * rest[i];
     }
     let scatter = scores.iter().map(|score| score * score).sum::<f64>();
-    let sd = scatter.sqrt().max(information.sqrt()) / information;
+    // Where gradients come and go alike, there is more than one likely offset.
+    let weighed = tried.iter().map(|(offset_m, loss)| ((least - loss).exp(), (offset_m - value).powi(2)));
+    let (weight, square) = weighed.fold((0.0, 0.0), |(weight, square), (w, s)| (weight + w, square + w * s));
+    let sd = (scatter.sqrt().max(information.sqrt()) / information).max((square / weight).sqrt());
     let (length_gain, length_penalty) = length_gain(context, rows, &left, none)?;
     Some(Offset { offset_m: Figure { value, sd }, gain: none - loss(value), length_gain, length_penalty })
 }
