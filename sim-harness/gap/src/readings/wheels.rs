@@ -111,9 +111,13 @@ fn scales_by_stops(runs: &[Run], described: &[f64], as_described: bool, config: 
         }
         let of = runs.iter().zip(&stops).enumerate();
         let of = of.filter(|(_, (run, _))| run.direction == direction);
-        let all = of.flat_map(|(index, (_, stops))| stops.iter().map(move |at| (*at, index)));
-        let visited = visited(all.collect(), config);
-        if visited.len() < 2 { described.to_vec() } else { visited }
+        let all: Vec<(f64, usize)> =
+            of.flat_map(|(index, (_, stops))| stops.iter().map(move |at| (*at, index))).collect();
+        if described.is_empty() {
+            return visited(all, config);
+        }
+        let places: Vec<f64> = described.iter().filter_map(|place| stood_at(*place, &all, config)).collect();
+        if places.len() < 2 { described.to_vec() } else { places }
     };
     let place_sd_m = if as_described { config.platform_sd_m } else { 0.0 };
     let [up, down] = [Direction::Up, Direction::Down].map(places);
@@ -137,14 +141,23 @@ fn stops(run: &Run, standing_mps: f64) -> Vec<f64> {
     standing.filter(|part| part[0].1 < standing_mps).filter_map(|part| median(part.iter().map(|(at, _)| *at))).collect()
 }
 
+/// Where the runs stand that stop at a described platform. `None`: too few do.
+fn stood_at(place_m: f64, all: &[(f64, usize)], config: &WheelConfig) -> Option<f64> {
+    let near: Vec<(f64, usize)> =
+        all.iter().copied().filter(|(at, _)| (at - place_m).abs() < 2.0 * config.stop_m).collect();
+    let enough = runs_of(&near) >= config.least_stops.max(runs_of(all) / 3);
+    median(near.iter().map(|(at, _)| *at)).filter(|_| enough)
+}
+
+fn runs_of(stops: &[(f64, usize)]) -> usize {
+    let mut runs: Vec<usize> = stops.iter().map(|(_, run)| *run).collect();
+    runs.sort_unstable();
+    runs.dedup();
+    runs.len()
+}
+
 /// Places at which at least three runs, and a third of all, stand. `all`: location and run.
 fn visited(mut all: Vec<(f64, usize)>, config: &WheelConfig) -> Vec<f64> {
-    let runs_of = |stops: &[(f64, usize)]| {
-        let mut runs: Vec<usize> = stops.iter().map(|(_, run)| *run).collect();
-        runs.sort_unstable();
-        runs.dedup();
-        runs.len()
-    };
     let least = config.least_stops.max(runs_of(&all) / 3);
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     all.chunk_by(|a, b| b.0 - a.0 < config.near_m)
@@ -296,6 +309,16 @@ mod tests {
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].runs.is_empty());
         assert!((found[0].measured_over_true - 1.013).abs() < 0.001, "{found:?}");
+    }
+
+    #[test]
+    fn platforms_that_are_described_some_way_off_are_no_wheel() {
+        let off_m = [40.0, -90.0, 95.0, -60.0, 100.0];
+        let stops = PLACES_M.iter().zip(off_m).map(|(at, off)| at + off).collect();
+        let described = Surroundings { stops, ..Surroundings::default() };
+        assert_eq!(wheels(&runs(&[1.0; 8], true), &described, &GapConfig::default()), []);
+        let found = wheels(&runs(&[1.0, 1.0, 1.013, 1.0, 1.0, 1.0, 1.0], true), &described, &GapConfig::default());
+        assert!(matches!(found.as_slice(), [wheel] if wheel.runs == [2]), "{found:?}");
     }
 
     #[test]
