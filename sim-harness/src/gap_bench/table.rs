@@ -98,7 +98,7 @@ fn nuisances(done: &[Done]) -> String {
                 yes(effort),
                 sets.len(),
                 share(errors.len(), sets.iter().filter(|s| s.nuisance.is_some()).count()),
-                median(errors.iter().map(|(error, _)| error.abs())).map_or_else(nothing, |x| format!("{x:.3}")),
+                median(errors.iter().map(|(error, _)| error.abs())).map_or_else(nothing, |x| format!("{x:.4}")),
                 share(hold, errors.len()),
             ));
         }
