@@ -2,10 +2,11 @@
 
 use crate::candidate::{Shape, Term};
 use crate::candidates::dragging_brake;
+use crate::config::TractionConfig;
 use crate::data::believed::{Conditions, Context};
-use crate::data::runs::{EffortReading, Run};
+use crate::data::runs::{EffortReading, Run, without_gain};
 use crate::data::{cut, interval::Interval, rows::Row};
-use crate::efforts::{Looked, effort_reading, measured};
+use crate::efforts::{Looked, measured};
 use crate::findings::Findings;
 use crate::noise::calibrate::{Calibrated, calibrate};
 use crate::noise::dragging::dragging;
@@ -22,17 +23,12 @@ struct Model {
     last: Option<(Vec<Row>, Calibrated)>,
 }
 
-/// Analyses runs against the believed model. `None` if there is nothing to analyse: no run has enough of location and speed.
-pub fn analyse(given: &Context<'_>, runs: &[Run], mut progress: impl FnMut(&str)) -> Option<Findings> {
+/// Analyses runs against the believed model, with efforts that are read so. `None` if there is nothing to analyse: no run has enough of location and speed.
+pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Option<Findings> {
     let config = given.config;
     let kinematics = Kinematics::of(runs);
-    let mut effort = EffortReading::default();
     let measured = measured(runs, &config.effort);
     let context = &Context { conditions: Conditions::of(runs), ..*given };
-    if measured {
-        effort = effort_reading(context, runs);
-        progress(&format!("effort column read as {effort:?}"));
-    }
     let cut = cut::all(context, runs, effort);
     let Model { terms, beta, last } = model(context, runs, &cut, effort, measured)?;
     if last.is_none() && kinematics.runs == 0 {
@@ -40,7 +36,16 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], mut progress: impl FnMut(&str)
     }
     // Without rows forces cannot be evaluated; wheels and locations can.
     let has_rows = last.is_some();
-    let (rows, calibrated) = last.unwrap_or_default();
+    let (mut rows, calibrated) = last.unwrap_or_default();
+    let gain = Search::new(context, &rows, &calibrated, measured).effort_gain(&terms).filter(|_| has_rows && measured);
+    let (righted, recut);
+    let (mut runs, mut cut) = (runs, cut.as_slice());
+    if let Some(gain) = gain {
+        rows = rows.into_iter().map(|row| row.without_gain(gain.value)).collect();
+        righted = without_gain(runs, gain.value);
+        recut = cut::all(context, &righted, effort);
+        (runs, cut) = (&righted, &recut);
+    }
     let (fitted, wind_gain, headwind) = if has_rows {
         // Beside the same model, which was not known when the noise was found.
         let reached = |wind| calibrate(context, &rows, measured, wind, &terms).1;
@@ -50,8 +55,11 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], mut progress: impl FnMut(&str)
     } else {
         (Vec::new(), 0.0, None)
     };
-    let looked = Looked { context, runs, cut: &cut, effort, measured, model: (&terms, &beta) };
+    let looked = Looked { context, runs, cut, effort, measured, model: (&terms, &beta) };
     let (powering, traction) = looked.traction(&calibrated);
+    // What is not known of the gain of the effort is no finding of a limit.
+    let least_scale = gain.map_or(0.0, |gain| config.nuisance.sure * gain.sd).max(config.traction.least_scale);
+    let traction_config = TractionConfig { least_scale, ..config.traction.clone() };
     let moves = |interval: &&Interval| interval.mean_speed_mps() > config.interval.slowest_mps;
     Some(Findings {
         kinematics,
@@ -59,7 +67,8 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], mut progress: impl FnMut(&str)
         measured,
         moving: cut.iter().flatten().filter(moves).count(),
         terms: fitted,
-        limits: limits(&powering, &traction, &config.traction, &context.penalty()),
+        limits: limits(&powering, &traction, &traction_config, &context.penalty()),
+        gain,
         powering,
         wind_gain,
         headwind,
@@ -110,6 +119,8 @@ fn model(
 
 /// Rows and powering phases of other runs, as the findings would have them: for judging on hold-out runs. `context`: that of the findings.
 pub fn apply(context: &Context<'_>, findings: &Findings, runs: &[Run]) -> (Vec<Row>, Vec<Vec<SteadyPower>>) {
+    let righted = without_gain(runs, findings.gain.map_or(0.0, |gain| gain.value));
+    let runs = &righted;
     let cut = cut::all(context, runs, findings.effort);
     let terms: Vec<Term> = findings.terms.iter().map(|fitted| fitted.term.clone()).collect();
     let of_term = |fitted: &crate::candidate::Fitted| match fitted.term.is_whole() {

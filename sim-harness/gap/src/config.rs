@@ -107,14 +107,31 @@ settings! {
         least_stops: usize = 3, /// Least runs that make a place of their stops; and a third of all. Judgement.
         stop_m: f64 = 60.0, /// How far a stop may be from its place, m. Judgement: drivers, and the noise of a receiver.
         stop_sd_m: f64 = 10.0, /// Standard deviation of a stop, m. Judgement.
+        platform_sd_m: f64 = 50.0, /// How far a platform is from where it is described, standard deviation, m. Judgement: half a train, or the middle of a station.
+        sure_of_platforms: f64 = 3.0, /// How often a wheel of all runs must exceed what that makes of it. Judgement.
         least_distance_m: f64 = 1_500.0, /// Shorter distances show nothing, m. Derived: 60 m are 4 % of them.
+    }
+    /// What is wrong with the readings of all runs alike, and no effect: always in, with a normal prior around none.
+    nuisance: NuisanceConfig {
+        effort_gain_sd: f64 = 0.05, /// Gain of the effort column less 1, standard deviation. Judgement: efforts are calculated from currents and voltages, and masses from tables.
+        effort_delay_sd_s: f64 = 3.0, /// Age of an effort at its time stamp, standard deviation, s. Judgement: buses and loggers; a sample of 10 s is then possible, and a minute is not.
+        location_offset_sd_m: f64 = 50.0, /// Shown less true location along the line in all runs, standard deviation, m. Judgement: another zero of the chainage, an antenna at the other end of a train.
+        most_sd: f64 = 5.0, /// A nuisance is not further off, in standard deviations of its prior. Judgement.
+        sure: f64 = 3.0, /// What is so many of its own standard deviations off is told. Judgement.
+        least_gain: f64 = 0.01, /// A gain nearer to 1 is not told: a sensor is off by about so much. Judgement.
+        least_delay_s: f64 = 0.7, /// A shorter delay stays a column of the fit, s. Judgement.
+        least_offset_m: f64 = 10.0, /// A smaller offset is left as it is, m. Judgement: receivers.
+        gain_sd: f64 = 0.002, /// Standard deviation of a gain at least: efforts between two readings, as a share. Judgement.
+        delay_step_s: f64 = 0.5, /// Delays are tried so far apart, and are certain to a half of that, s. Judgement: the time it takes.
+        offset_step_m: f64 = 10.0, /// Offsets are tried so far apart, m. Judgement: less than the length of a train.
+        places: usize = 16, /// Parts of the line whose agreement says how certain an offset is: a gradient may begin elsewhere than described. Judgement.
     }
     /// The effort column, or the effort calculated from the change of speed.
     effort: EffortConfig {
         measured_share: f64 = 0.7, /// Share of moving samples with an effort above which the effort counts as measured. Judgement.
         moving_mps: f64 = 1.0, /// A faster train moves, m/s. Judgement.
         telling_change_n_per_kg: f64 = 0.03, /// Intervals whose effort changes by more show how the column is to be read, N/kg. Judgement.
-        mean_share: f64 = 0.7, /// Residuals below this share of those of momentary readings make it a mean since the sample before. Judgement.
+        mean_share: f64 = 0.9, /// Residuals below this share of those of momentary readings, each at its own delay, make it a mean since the sample before. Measured: where one is as good as the other they differ by 2 %.
         steady_n_per_kg: f64 = 0.05, /// An effort that changes by more is no ground for judging the traction, N/kg. Judgement.
         disturbed_n_per_kg: f64 = 0.005, /// What a calculated effort has beyond the rounding of the speeds, standard deviation at first, N/kg. Measured.
         least_sd_n_per_kg: f64 = 0.003, /// The least standard deviation of a calculated effort that is believed, N/kg. Judgement.

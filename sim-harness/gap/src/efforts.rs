@@ -5,7 +5,7 @@ use crate::coasting::{Driven, Extra, Recognised, coasted};
 use crate::config::EffortConfig;
 use crate::data::believed::{Context, believed_load};
 use crate::data::runs::{EffortReading, Run, usual_step_s};
-use crate::data::{cut, interval::Interval, rows::Row};
+use crate::data::{interval::Interval, rows::Row};
 use crate::fit::median;
 use crate::noise::calibrate::{Calibrated, Own};
 use crate::traction::exceeded::{Reading, calculated, traction};
@@ -45,30 +45,6 @@ pub fn measured(runs: &[Run], config: &EffortConfig) -> bool {
     // A column of zeros is none.
     let any = moving().any(|s| s.effort_n_per_kg.is_some_and(|effort| effort != 0.0));
     any && with as f64 > config.measured_share * moving().count() as f64
-}
-
-/// The reading under which the residuals are smaller.
-pub fn effort_reading(context: &Context<'_>, runs: &[Run]) -> EffortReading {
-    let config = &context.config.effort;
-    let spread = |effort| {
-        let cut = cut::all(context, runs, effort);
-        let residuals = runs.iter().zip(cut).flat_map(|(run, intervals)| {
-            let line = context.believed.line(run.direction);
-            let telling = |interval: &Interval| {
-                let effort = interval
-                    .effort_n_per_kg
-                    .filter(|_| interval.effort_change_n_per_kg > config.telling_change_n_per_kg)?;
-                Some((effort - interval.acceleration_mps2() - believed_load(line, interval)).abs())
-            };
-            intervals.iter().filter_map(telling).collect::<Vec<_>>()
-        });
-        median(residuals).unwrap_or(0.0)
-    };
-    if spread(EffortReading::MeanSinceLast) < config.mean_share * spread(EffortReading::Momentary) {
-        EffortReading::MeanSinceLast
-    } else {
-        EffortReading::Momentary
-    }
 }
 
 /// Extra resistance of a model along intervals, N/kg.

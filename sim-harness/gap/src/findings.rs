@@ -9,6 +9,7 @@ use crate::noise::calibrate::Calibrated;
 use crate::readings::kinematics::Kinematics;
 use crate::search::headwind::Headwind;
 use crate::traction::{limit::FoundLimit, powering::SteadyPower};
+use rundown_check::agreement::Figure;
 
 #[derive(Clone, Debug)]
 pub struct Findings {
@@ -16,6 +17,8 @@ pub struct Findings {
     /// How the effort column is read.
     pub effort: EffortReading,
     pub measured: bool,
+    /// Gain of the effort column less 1, put right in rows and powering phases; none without the column.
+    pub gain: Option<Figure>,
     /// Intervals in which a train moved.
     pub moving: usize,
     /// Rows that counted.

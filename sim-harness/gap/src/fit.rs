@@ -169,6 +169,9 @@ impl Base {
 
     /// What these whitened columns bring beside the current model.
     pub fn gain(&self, columns: &[DVector<f64>]) -> Option<Gain> {
+        if columns.is_empty() {
+            return None;
+        }
         let x = DMatrix::from_columns(&columns.iter().map(|c| self.beside(c)).collect::<Vec<_>>());
         let naive = inverse(x.transpose() * &x)?;
         let beta = &naive * (x.transpose() * &self.residual);

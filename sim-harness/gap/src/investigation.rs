@@ -4,7 +4,9 @@
 
 use crate::analysis::analyse;
 use crate::config::HoldoutConfig;
-use crate::data::{believed::Context, rows::Row, runs::Run};
+use crate::data::believed::{Conditions, Context};
+use crate::data::rows::Row;
+use crate::data::runs::{EffortReading, Run};
 use crate::evidence::{Evidence, evidence};
 use crate::explained::repaired;
 use crate::findings::Findings;
@@ -15,6 +17,7 @@ use crate::named::Named;
 use crate::naming::{names::named, on_line::on_line};
 use crate::noise::own_wind::own_wind;
 use crate::readings::kinematics::scaled_recorders;
+use crate::readings::nuisances::{Nuisance, nuisances, righted};
 use crate::readings::wheels::{put_right, wheels};
 use rundown::model::effects::{Effect, EffectError, Effects};
 
@@ -25,6 +28,8 @@ pub struct Investigation {
     pub findings: Findings,
     /// What was found, by name, largest first.
     pub named: Vec<Named>,
+    /// What is wrong with the readings of all runs alike, told or not.
+    pub nuisances: Vec<Nuisance>,
     /// What the same analysis of the training runs alone found.
     pub trained: Vec<Named>,
     /// Along what the residuals of the believed model vary.
@@ -96,17 +101,22 @@ pub fn investigate(
     let config = given.config;
     progress("wheels: each run against the others");
     let wheels = wheels(runs, given.surroundings, config);
-    let righted: Vec<Run>;
+    let own_wheels: Vec<Run>;
     let runs = if wheels.is_empty() {
         runs
     } else {
-        righted = put_right(runs, &wheels);
-        &righted
+        own_wheels = put_right(runs, &wheels);
+        &own_wheels
     };
+    progress("readings of all runs: the age of the effort, the zero of the locations");
+    let (righted, readings) = righted(&Context { conditions: Conditions::of(runs), ..*given }, runs);
+    let (runs, effort) = (righted.as_slice(), readings.effort.reading);
     progress("where and what: all runs");
-    let Some(findings) = analyse(given, runs, &mut progress) else {
+    let Some(findings) = analyse(given, runs, effort) else {
         return Ok(None);
     };
+    let nuisances = nuisances(&readings, findings.gain, config);
+    nuisances.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
     let context = &Context { conditions: findings.conditions, ..*given };
     let mut named = all_named(&findings, context, runs);
     named.extend(wheels.iter().map(|wheel| wheel.named(runs, config.certainty.most_gain)));
@@ -129,7 +139,7 @@ pub fn investigate(
     let (mut evaluation, mut trained) = (Evaluation::default(), Vec::new());
     if !held_out.is_empty() {
         progress("the same on the training runs, evaluated on the others");
-        (evaluation, trained) = out_of_sample(given, runs, &held_out)?;
+        (evaluation, trained) = out_of_sample(given, runs, effort, &held_out)?;
     }
     let gap = gap(&evaluation.compared, &config.holdout);
     Ok(Some(Investigation {
@@ -137,6 +147,7 @@ pub fn investigate(
         gap,
         findings,
         named,
+        nuisances,
         trained,
         evidence,
         p_value,
@@ -152,6 +163,7 @@ pub fn investigate(
 fn out_of_sample(
     given: &Context<'_>,
     runs: &[Run],
+    effort: EffortReading,
     held_out: &[usize],
 ) -> Result<(Evaluation, Vec<Named>), EffectError> {
     let of = |tested: bool| -> Vec<Run> {
@@ -159,7 +171,7 @@ fn out_of_sample(
         wanted.map(|(_, run)| run.clone()).collect()
     };
     let training = of(false);
-    let Some(found) = analyse(given, &training, |_| ()) else {
+    let Some(found) = analyse(given, &training, effort) else {
         return Ok((Evaluation::default(), Vec::new()));
     };
     let context = &Context { conditions: found.conditions, ..*given };

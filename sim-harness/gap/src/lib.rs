@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! runs, train, track                                        Input
-//!      |  wheels, scale, offset, lag                        readings/
+//!      |  wheels, lag, age of the effort, locations         readings/
 //!      v
 //! intervals of 10 s --> residuals                           data/, coasting (without an effort column), efforts
 //!      |                    |
@@ -59,7 +59,7 @@ pub mod investigation;
 pub mod named;
 mod naming;
 mod noise;
-mod readings;
+pub mod readings;
 pub mod refusal;
 mod search;
 mod traction;

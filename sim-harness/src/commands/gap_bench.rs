@@ -2,6 +2,7 @@
 
 use super::{Failure, screen};
 use crate::gap_bench::draw::{Request, SIZES, Set, Size, kinds};
+use crate::gap_bench::nuisance::Nuisance;
 use crate::gap_bench::score::Score;
 use crate::gap_bench::table::{Done, tables};
 use crate::gap_bench::{BenchError, blind};
@@ -22,6 +23,9 @@ Examples:
 
   One kind in one size, ten times, with the keys beside what was found:
     rundown gap-bench --kind warm_up --size faint --sets 10 --none 0 --pairs 0 --list
+
+  What recorders do wrong, hiding nothing:
+    rundown gap-bench --sets 0 --pairs 0 --nuisance effort-gain --nuisance effort-late --nuisance location-off
 
 Each set is written as `rundown simulate` does it, its truth is removed, and `rundown gap` investigates the rest.
 
@@ -51,6 +55,9 @@ pub struct Arguments {
     /// Sets with two effects, of each size and effort
     #[arg(long, value_name = "N", default_value_t = 6)]
     pairs: u64,
+    /// Each set once with each of these, instead of once without: what is wrong with recorders and descriptions, and no effect
+    #[arg(long, value_enum, value_name = "NAME")]
+    nuisance: Vec<Nuisance>,
     /// Share of the sets with an effect that have dirty sensors
     #[arg(long, value_name = "SHARE", default_value_t = 0.25)]
     dirty: f64,
@@ -147,15 +154,22 @@ fn requests(arguments: &Arguments) -> Vec<Request> {
     let kinds: Vec<&'static str> = kinds().filter(chosen).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(arguments.seed);
     let mut requests = Vec::new();
+    let nuisances: Vec<Option<Nuisance>> = match arguments.nuisance.is_empty() {
+        true => vec![None],
+        false => arguments.nuisance.iter().copied().map(Some).collect(),
+    };
     let mut request = |kinds: Vec<&'static str>, size, effort, dirty, rng: &mut ChaCha8Rng| {
-        requests.push(Request {
-            kinds,
-            size,
-            effort,
-            dirty,
-            runs: usize::from(arguments.runs),
-            seed: rng.random_range(0..u64::from(u32::MAX)),
-        });
+        for &nuisance in &nuisances {
+            requests.push(Request {
+                kinds: kinds.clone(),
+                size,
+                effort,
+                dirty,
+                nuisance,
+                runs: usize::from(arguments.runs),
+                seed: rng.random_range(0..u64::from(u32::MAX)),
+            });
+        }
     };
     for &effort in efforts {
         for _ in 0..arguments.none {
@@ -246,6 +260,12 @@ fn line(done: &Done) -> String {
     );
     if !score.rivals.is_empty() {
         text.push_str(&format!(" or {}", score.rivals.join(", ")));
+    }
+    for (name, value, sd) in &score.told {
+        text.push_str(&format!("; told {name} {value:.3} ± {sd:.3}"));
+    }
+    if let Some((name, value)) = score.nuisance {
+        text.push_str(&format!("; there is {name} {value:.3}"));
     }
     if !score.exact && !done.request.kinds.is_empty() {
         text.push_str(&format!("\n       hidden {}", done.hidden));

@@ -1,5 +1,6 @@
 //! Draws a set by seed: train, line, drivers, sensors, and what is hidden.
 
+use crate::gap_bench::nuisance::{Drawn, Nuisance};
 use crate::simulation;
 use crate::simulation::believed::{TRAIN_NAME, corridor, train_file};
 use crate::simulation::folder::FolderError;
@@ -34,6 +35,8 @@ pub struct Request {
     pub effort: bool,
     /// Correlated location noise, dropouts, a late location, small load changes.
     pub dirty: bool,
+    /// What else is wrong with the recorder or the description, and no effect.
+    pub nuisance: Option<Nuisance>,
     /// How many runs.
     pub runs: usize,
     /// Seed.
@@ -47,6 +50,8 @@ pub struct Set {
     pub request: Request,
     /// All that is simulated, what is hidden included.
     pub scenario: Scenario,
+    /// The nuisance with its size.
+    pub drawn: Option<Drawn>,
 }
 
 impl Set {
@@ -85,7 +90,8 @@ impl Set {
         }
         let one = |kind: &&str| effect(kind, request.size, &scenario.train, &mut rng);
         scenario.effects = request.kinds.iter().map(one).collect::<Result<_, String>>()?;
-        Ok(Self { request, scenario })
+        let drawn = request.nuisance.map(|nuisance| nuisance.draw(request.seed, &mut scenario));
+        Ok(Self { request, scenario, drawn })
     }
 
     /// Writes the set as `rundown simulate` does: the key is in its folder `truth`.
@@ -93,9 +99,13 @@ impl Set {
     /// # Errors
     /// [`FolderError`] names the file or the run.
     pub fn write(&self, folder: &Path) -> Result<(), FolderError> {
+        let mut track = corridor(&self.scenario.line, "line".to_owned());
+        if let Some(drawn) = &self.drawn {
+            drawn.described(&mut track);
+        }
         let simulation = Simulation {
             name: format!("set {}", self.request.seed),
-            track: corridor(&self.scenario.line, "line".to_owned()),
+            track,
             train: train_file(TRAIN_NAME, &self.scenario.train),
             scenario: self.scenario.clone(),
             runs: self.request.runs,

@@ -8,6 +8,7 @@
 //! | many sets in a table | [`table`] |
 
 pub mod draw;
+pub mod nuisance;
 pub mod score;
 pub mod table;
 

@@ -1,6 +1,7 @@
 //! One investigation beside its key.
 
 use crate::gap_bench::draw::Set;
+use crate::gap_bench::nuisance::Drawn;
 use rundown::model::effects::{DavisError, Effect};
 use rundown_gap::candidates;
 use rundown_gap::investigation::Investigation;
@@ -42,6 +43,10 @@ pub struct Score {
     pub gap_mps: [f64; 3],
     /// Probability of the residuals without a gap.
     pub p_value: f64,
+    /// Nuisances that were told: name, value, standard deviation.
+    pub told: Vec<(&'static str, f64, f64)>,
+    /// The nuisance that there is, as it should be told, with its value.
+    pub nuisance: Option<(&'static str, f64)>,
 }
 
 impl Score {
@@ -64,6 +69,11 @@ impl Score {
             removed: found.and_then(|f| f.gap.removed),
             gap_mps: found.map_or([0.0; 3], |f| [f.gap.before, f.gap.after, f.gap.floor]),
             p_value: found.map_or(1.0, |f| f.p_value),
+            told: found.map_or_else(Vec::new, told),
+            nuisance: set
+                .request
+                .nuisance
+                .and_then(|nuisance| nuisance.told_as().zip(set.drawn.as_ref().and_then(Drawn::told))),
             rivals: named.iter().flat_map(|n| n.ambiguous_with.iter().map(|kind| kind.name())).collect(),
             found: names,
             key,
@@ -104,6 +114,11 @@ impl Score {
             self.size_errors.push(((b - a) / (a - neutral)).abs());
         }
     }
+}
+
+fn told(found: &Investigation) -> Vec<(&'static str, f64, f64)> {
+    let told = found.nuisances.iter().filter(|nuisance| nuisance.told);
+    told.map(|nuisance| (nuisance.name, nuisance.value, nuisance.sd)).collect()
 }
 
 fn key_name(effect: &Hidden) -> &'static str {

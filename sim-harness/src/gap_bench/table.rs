@@ -1,6 +1,7 @@
 //! Many scores in tables that a person reads: Markdown.
 
 use crate::gap_bench::draw::{Request, SIZES};
+use crate::gap_bench::nuisance::Nuisance;
 use crate::gap_bench::score::Score;
 use rundown_gap::median;
 use serde::Serialize;
@@ -24,7 +25,7 @@ pub struct Done {
 
 /// All tables.
 pub fn tables(done: &[Done]) -> String {
-    [false_alarms(done), sizes(done), confusion(done, true), confusion(done, false)].concat()
+    [false_alarms(done), nuisances(done), sizes(done), confusion(done, true), confusion(done, false)].concat()
 }
 
 fn false_alarms(done: &[Done]) -> String {
@@ -35,7 +36,8 @@ fn false_alarms(done: &[Done]) -> String {
         for dirty in [false, true] {
             let sets: Vec<&Done> = done
                 .iter()
-                .filter(|d| d.request.kinds.is_empty() && d.request.effort == effort && d.request.dirty == dirty)
+                .filter(|d| d.request.kinds.is_empty() && d.request.nuisance.is_none())
+                .filter(|d| d.request.effort == effort && d.request.dirty == dirty)
                 .collect();
             if sets.is_empty() {
                 continue;
@@ -47,6 +49,57 @@ fn false_alarms(done: &[Done]) -> String {
                 yes(effort),
                 if dirty { "dirty" } else { "clean" },
                 sets.len()
+            ));
+        }
+    }
+    text.push('\n');
+    text
+}
+
+/// What was said of recorders and descriptions that are wrong, one row for each nuisance and kind of log; the last is of sets without one.
+fn nuisances(done: &[Done]) -> String {
+    let mut kinds: Vec<Option<Nuisance>> = Vec::new();
+    for one in done {
+        if !kinds.contains(&one.request.nuisance) {
+            kinds.push(one.request.nuisance);
+        }
+    }
+    if kinds.iter().all(Option::is_none) {
+        return String::new();
+    }
+    let mut text = String::from(
+        "### Nuisances\n\n\
+        Wrong names: sets with a name that the key has not. Told: the nuisance of the set. Error: of the figure told, median of its size. \
+        Told besides: other nuisances.\n\n\
+        | nuisance | effort column | sets | wrong names | p-value below 0.05 | told | error | 95 % intervals that hold | told besides |\n\
+        |---|---|---|---|---|---|---|---|---|\n",
+    );
+    for kind in kinds {
+        for effort in [true, false] {
+            let of_kind = |d: &&Done| d.request.nuisance == kind && d.request.effort == effort;
+            let sets: Vec<&Score> = done.iter().filter(of_kind).map(|d| &d.score).collect();
+            if sets.is_empty() {
+                continue;
+            }
+            let wrong = sets.iter().filter(|s| s.found.iter().any(|name| !s.key.contains(name))).count();
+            let low = sets.iter().filter(|s| s.p_value < 0.05).count();
+            let told = |s: &&Score| {
+                let (name, truth) = s.nuisance?;
+                let (_, value, sd) = s.told.iter().find(|(told, ..)| *told == name)?;
+                Some((value - truth, *sd))
+            };
+            let errors: Vec<(f64, f64)> = sets.iter().filter_map(told).collect();
+            let hold = errors.iter().filter(|(error, sd)| error.abs() < 1.96 * sd).count();
+            let is_other = |s: &Score, name: &str| s.nuisance.is_none_or(|(own, _)| own != name);
+            let besides = sets.iter().filter(|s| s.told.iter().any(|(name, ..)| is_other(s, name))).count();
+            text.push_str(&format!(
+                "| {} | {} | {} | {wrong} | {low} | {} | {} | {} | {besides} |\n",
+                kind.map_or("none", Nuisance::name),
+                yes(effort),
+                sets.len(),
+                share(errors.len(), sets.iter().filter(|s| s.nuisance.is_some()).count()),
+                median(errors.iter().map(|(error, _)| error.abs())).map_or_else(nothing, |x| format!("{x:.4}")),
+                share(hold, errors.len()),
             ));
         }
     }

@@ -134,6 +134,7 @@ tables! {
         location_walk_sd_m: f64 = 0.0, 0.0 to 10_000.0;
         location_walk_s: f64 = LocationWalk::of(0.0).tau_s, 0.1 to 1e6;
         latency_s: f64 = Sensors::default().latency_s, 0.0 to 600.0;
+        location_offset_m: f64 = 0.0, -10_000.0 to 10_000.0;
         location_lag_s: f64 = Sensors::default().location_lag_s, 0.0 to 600.0;
         dropout_share: f64 = Sensors::default().dropout_probability, 0.0 to 0.9;
         gap_share: f64 = 0.0, 0.0 to 0.9;
@@ -154,6 +155,7 @@ tables! {
         gain: f64 = 1.0, 0.1 to 10.0;
         gain_sd: f64 = 0.0, 0.0 to 0.3;
         noise_n_per_kg: f64 = 0.0, 0.0 to 1.0;
+        lag_s: f64 = 0.0, 0.0 to 600.0;
     }
     TemperatureTable in "temperature." {
         column: bool = false;
@@ -197,6 +199,7 @@ impl SensorTable {
             dropout_probability: self.dropout_share,
             bursts: bursts(self.gap_share, self.gap_samples),
             latency_s: self.latency_s,
+            location_offset_m: self.location_offset_m,
             location_lag_s: self.location_lag_s,
             speed_lag_s: self.speed_lag_s,
             location_step_m: self.location_step_m,
@@ -209,6 +212,7 @@ impl SensorTable {
             effort_momentary: effort.momentary,
             effort_gain_sd: effort.gain_sd,
             effort_noise_n_per_kg: effort.noise_n_per_kg,
+            effort_lag_s: effort.lag_s,
             ..Sensors::default()
         };
         let Some(recorder) = self.recorder else {
@@ -219,6 +223,7 @@ impl SensorTable {
             effort_momentary: own.effort_momentary,
             effort_gain_sd: own.effort_gain_sd,
             effort_noise_n_per_kg: own.effort_noise_n_per_kg,
+            effort_lag_s: own.effort_lag_s,
             ..recorder.sensors()
         };
         /// Takes a property from the file where one of its fields is there.
@@ -237,6 +242,7 @@ impl SensorTable {
             dropout_probability by "dropout_share";
             bursts by "gap_share" "gap_samples";
             latency_s by "latency_s";
+            location_offset_m by "location_offset_m";
             location_lag_s by "location_lag_s";
             speed_lag_s by "speed_lag_s";
             location_step_m by "location_step_m";

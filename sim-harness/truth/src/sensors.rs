@@ -96,6 +96,10 @@ pub struct Sensors {
     pub effort_noise_n_per_kg: f64,
     /// The same as a share of the effort.
     pub effort_noise_share: f64,
+    /// Age of the effort when it is stamped, s.
+    pub effort_lag_s: f64,
+    /// Shown less true location, along the line, m.
+    pub location_offset_m: f64,
 }
 
 impl Default for Sensors {
@@ -125,6 +129,8 @@ impl Default for Sensors {
             effort_gain_sd: 0.0,
             effort_noise_n_per_kg: 0.0,
             effort_noise_share: 0.0,
+            effort_lag_s: 0.0,
+            location_offset_m: 0.0,
         }
     }
 }
@@ -229,7 +235,7 @@ impl Sensors {
             let location_age_s = self.latency_s + self.location_lag_s;
             let (location_m, _) = delayed(trace, row, location_age_s / step_s);
             let heard = lost == 0;
-            let read_m = location_m + walk_m + self.location_noise_m * location_unit;
+            let read_m = location_m + self.location_offset_m + walk_m + self.location_noise_m * location_unit;
             let location_m = self.shown_m(read_m, trace[0].location_m);
             if let Some(stuck) = self.location_stuck {
                 let [begins, extent]: [f64; 2] = std::array::from_fn(|_| run_rng.random());
@@ -242,16 +248,22 @@ impl Sensors {
             held = held.saturating_sub(1);
             let speed_kmh = self.shown_kmh(speed_mps, speed_unit);
 
-            let begun = &trace[last_row + 1..=row.max(1)];
-            let mean = |effort: fn(&TruthSample) -> f64| {
+            let begun = last_row + 1..=row.max(1);
+            let mean = |effort: fn(&TruthSample) -> f64, old: usize| {
                 if row == 0 {
                     return 0.0;
                 }
-                begun.iter().map(effort).sum::<f64>() / begun.len() as f64
+                let aged = begun.clone().map(|i| effort(&trace[i.saturating_sub(old)]));
+                aged.sum::<f64>() / (row - last_row).max(1) as f64
             };
-            let mean_effort_n_per_kg = mean(|s| s.effort_n_per_kg);
+            let mean_effort_n_per_kg = mean(|s| s.effort_n_per_kg, 0);
+            let old = (self.effort_lag_s / step_s).round() as usize;
+            let reported_n_per_kg = if self.effort_momentary {
+                trace[row.saturating_sub(old)].reported_n_per_kg
+            } else {
+                mean(|s| s.reported_n_per_kg, old)
+            };
             let effort_unit = if row == 0 { 0.0 } else { unit.sample(effort_rng) };
-            let reported = if self.effort_momentary { at.reported_n_per_kg } else { mean(|s| s.reported_n_per_kg) };
             last_row = row;
             lost = lost.saturating_sub(1);
             let stood = std::mem::replace(&mut stands, speed_mps == 0.0);
@@ -263,7 +275,7 @@ impl Sensors {
                 time_s,
                 location_m: (heard && drop_location >= self.dropout_probability).then_some(location_m),
                 speed_kmh: (heard && drop_speed >= self.dropout_probability).then_some(speed_kmh),
-                effort_n_per_kg: self.effort_gain * reported * (1.0 + self.effort_noise_share * effort_unit)
+                effort_n_per_kg: self.effort_gain * reported_n_per_kg * (1.0 + self.effort_noise_share * effort_unit)
                     + self.effort_noise_n_per_kg * effort_unit,
                 temperature_c: (10.0 * at.temperature_c).round() / 10.0,
             });
@@ -394,6 +406,25 @@ mod tests {
         assert_eq!(samples[0].effort_n_per_kg, 0.0);
         assert!((samples[1].effort_n_per_kg - 2.0 * 5.5).abs() < 1e-12);
         assert!((samples[2].effort_n_per_kg - 2.0 * 15.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_effort_that_is_late_shows_the_train_of_that_time_and_moves_nothing_else() {
+        for effort_momentary in [true, false] {
+            let of_now = Sensors { sampling_s: 1.0, effort_momentary, ..Sensors::default() };
+            let late = Sensors { effort_lag_s: 2.0, ..of_now.clone() };
+            let (now, late) = (read(&of_now, 61), read(&late, 61));
+            assert_eq!(late[5].effort_n_per_kg, now[3].effort_n_per_kg);
+            assert!(now.iter().zip(&late).all(|(a, b)| a.location_m == b.location_m));
+        }
+    }
+
+    #[test]
+    fn locations_that_are_off_are_off_by_the_same_everywhere() {
+        let right = Sensors { sampling_s: 1.0, ..Sensors::default() };
+        let off = Sensors { location_offset_m: -60.0, ..right.clone() };
+        let pairs = read(&right, 61).into_iter().zip(read(&off, 61));
+        assert!(pairs.into_iter().all(|(a, b)| (a.location_m.unwrap() - b.location_m.unwrap() - 60.0).abs() < 1e-9));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::answer::{notes::notes, rivals::MEANING, whole::Answer};
 use crate::holdout::journey::{Spread, Summary};
 use crate::named::Named;
+use crate::readings::nuisances::Nuisance;
 use serde_json::{Value, json};
 
 /// Energy cannot be measured without an effort column.
@@ -22,6 +23,7 @@ impl Answer {
             "runs_left_out": input.left_out,
             "diagnosis": input.check,
             "verdict": found.verdict.name(),
+            "nuisances": found.nuisances.iter().map(Nuisance::json).collect::<Vec<_>>(),
             "effects": self.effects(),
             "gap": {
                 "what": "simulated against measured speed, held-out runs",

@@ -2,11 +2,12 @@
 
 use crate::answer::whole::Answer;
 use crate::candidate::ShowsIn;
-use crate::candidates::{self, sensors};
+use crate::candidates;
 use crate::data::load::about_track;
 use crate::findings::Findings;
 use crate::investigation::Investigation;
 use crate::named::Named;
+use crate::readings::nuisances::Nuisance;
 use crate::search::headwind::Headwind;
 use rundown::model::effects::Effect;
 use rundown_pages::numbers::counted;
@@ -20,7 +21,8 @@ pub fn notes(answer: &Answer) -> Vec<String> {
         notes.push(no_rows(&found.findings).to_owned());
     }
     notes.extend(seen(&found.findings, answer.config.search.few_rows));
-    notes.extend(gain(&found.findings));
+    let told = found.nuisances.iter().filter(|nuisance| nuisance.told);
+    notes.extend(told.map(Nuisance::sentence));
     notes.extend(found.findings.headwind.as_ref().map(measured_wind));
     if found.gap.is_worse(config) {
         notes.push(format!(
@@ -58,18 +60,6 @@ pub fn notes(answer: &Answer) -> Vec<String> {
         ));
     }
     notes
-}
-
-/// What the effort sensor reads too much or too little.
-fn gain(findings: &Findings) -> Option<String> {
-    let gain = sensors::EFFORT_GAIN.name();
-    let gain = findings.terms.iter().find(|fitted| fitted.term.of.name() == gain)?;
-    let share = gain.beta.first()?;
-    Some(format!(
-        "The effort column reads {:.1} % too {} for the motion, beside what is named: the gain of its sensor, which the model does not need to know.",
-        100.0 * share.abs(),
-        if *share > 0.0 { "much" } else { "little" },
-    ))
 }
 
 /// What the headwind column explains, and whether the residuals fit just as much of it.

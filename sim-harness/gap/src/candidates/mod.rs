@@ -24,7 +24,7 @@ pub(crate) mod sensors;
 /// All that a search looks among. Of terms that fit alike to the last digit the first is taken: a wrong r2 before a mass in coasting, an unnamed one last.
 pub fn searched() -> impl Iterator<Item = &'static dyn Candidate> {
     let named = EffectKind::ALL.iter().rev().filter(|kind| **kind != EffectKind::Unknown);
-    named.map(|kind| of(*kind)).chain([sensors::EFFORT_GAIN, of(EffectKind::Unknown)])
+    named.map(|kind| of(*kind)).chain([of(EffectKind::Unknown)])
 }
 
 /// The candidate of an effect.

@@ -42,6 +42,17 @@ impl Row {
         })
     }
 
+    /// The row with its effort put right, which read by `gain` too much.
+    pub fn without_gain(mut self, gain: f64) -> Self {
+        self.residual_n_per_kg -= self.effort_n_per_kg * (1.0 - 1.0 / (1.0 + gain));
+        for effort in [&mut self.effort_n_per_kg, &mut self.interval.effort_step_n_per_kg] {
+            *effort /= 1.0 + gain;
+        }
+        self.interval.effort_n_per_kg = self.interval.effort_n_per_kg.map(|effort| effort / (1.0 + gain));
+        self.interval.effort_change_n_per_kg /= 1.0 + gain;
+        self
+    }
+
     /// A train at a point, driven as it was in this row.
     pub fn moment(&self, point: &Point) -> Moment {
         Moment {

@@ -54,3 +54,12 @@ pub fn usual_step_s(run: &Run) -> f64 {
     steps.sort_by(f64::total_cmp);
     steps[steps.len() / 2]
 }
+
+/// Runs with their efforts put right, which read by `gain` too much.
+pub fn without_gain(runs: &[Run], gain: f64) -> Vec<Run> {
+    let mut runs = runs.to_vec();
+    for sample in runs.iter_mut().flat_map(|run| &mut run.samples) {
+        sample.effort_n_per_kg = sample.effort_n_per_kg.map(|effort| effort / (1.0 + gain));
+    }
+    runs
+}

@@ -2,7 +2,7 @@
 
 use crate::candidate::{Fitted, Naming, Odds, Shape, Term};
 use crate::candidates::tunnel_drag::renamed;
-use crate::candidates::{self, mass_error, sensors, separates};
+use crate::candidates::{self, mass_error, separates};
 use crate::named::{Named, around, not_chance};
 use crate::traction::limit::FoundLimit;
 use rundown::model::effects::{Effect, EffectKind, MassError};
@@ -76,9 +76,6 @@ fn of_term(index: usize, fitted: &Fitted, naming: &Naming<'_>) -> Option<Named> 
     rivals.truncate(2);
     let mut would_separate: Vec<&'static str> =
         rivals.iter().map(|other| separates(kind, *other, naming.have())).collect();
-    if near.iter().any(|term| term.of.name() == sensors::EFFORT_GAIN.name()) {
-        would_separate.push("a calibrated effort sensor");
-    }
     would_separate.dedup();
     let mut named = Named::plain(effect, intervals, fitted.gain, certainty.most_gain);
     named.confidence = not_chance(fitted.gain, certainty.most_gain) / (1.0 + odds);

@@ -3,7 +3,8 @@
 //! Maximum likelihood over reading error, disturbance, share of effort changes, and what each run has for itself, beside a model flexible enough to
 //! take up any effect. Outliers are given a wider spread instead of being dropped.
 
-use crate::candidate::Term;
+use crate::candidate::{Shape, Term};
+use crate::candidates::sensors::LOCATION_OFFSET;
 use crate::columns::{self, both_directions, hats, in_the_middle, knots};
 use crate::config::NoiseConfig;
 use crate::data::{believed::Context, interval::Interval, rows::Row};
@@ -35,9 +36,25 @@ pub struct Calibrated {
 
 impl Calibrated {
     pub fn whitening(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
+        let whitening = self.without_nuisances(context, rows);
+        if rows.iter().all(|row| row.interval.effort_n_per_kg.is_none()) {
+            return whitening;
+        }
+        let config = &context.config.nuisance;
+        let offset = LOCATION_OFFSET.columns(&Shape::Law, context, rows).remove(0);
+        whitening.with_common(&[(effort(rows), config.effort_gain_sd), (offset, config.location_offset_sd_m)])
+    }
+
+    /// The same where a flexible model has gain and offset as well.
+    pub fn without_nuisances(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
         let deviations = Deviations { noise: self.noise, own: self.own };
         whitening(&deviations, &self.spread, rows, &own_columns(context, rows))
     }
+}
+
+/// What the gain of the effort column is a factor of: none without the column.
+pub fn effort(rows: &[Row]) -> Vec<f64> {
+    rows.iter().map(|row| row.effort_n_per_kg).collect()
 }
 
 /// Columns of what each run has for itself: constant, wind, mass.
@@ -231,12 +248,12 @@ fn freedom(rows: &[Row], flexible: &[Vec<f64>]) -> f64 {
 pub fn left(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated, model: &[Term]) -> Option<(Vec<f64>, f64)> {
     let flexible = flexible(context, rows, model);
     let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
-    let (left, _) = left_of(&y, &flexible, &calibrated.whitening(context, rows))?;
+    let (left, _) = left_of(&y, &flexible, &calibrated.without_nuisances(context, rows))?;
     Some((left, freedom(rows, &flexible)))
 }
 
 /// Columns that take up any effect: Davis, location, time, the known model, and effects of the effort.
-fn flexible(context: &Context<'_>, rows: &[Row], model: &[Term]) -> Vec<Vec<f64>> {
+pub fn flexible(context: &Context<'_>, rows: &[Row], model: &[Term]) -> Vec<Vec<f64>> {
     let config = &context.config.noise;
     let along =
         |which, count| hats(which, &knots(rows.iter().filter_map(|row| in_the_middle(which, row)), count), rows);

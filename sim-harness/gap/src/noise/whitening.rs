@@ -8,7 +8,8 @@
 //!
 //! with q the error of a reading (rounding included), a a disturbance of the acceleration, c the share of a change of the effort by which its
 //! mean is uncertain. On top, each run has its own wind, load and effort gain: columns Z with variances D. A whitened column is
-//! S L⁻¹ x with L Lᵀ = V and S = (I + Z̃ D Z̃ᵀ)^(-1/2); in whitened rows ordinary least squares is right.
+//! S L⁻¹ x with L Lᵀ = V and S = (I + Z̃ D Z̃ᵀ)^(-1/2); in whitened rows ordinary least squares is right. What all runs have alike with a prior
+//! (the gain of the effort column) comes on top in the same way.
 
 use crate::data::interval::Interval;
 use core::ops::Range;
@@ -40,6 +41,8 @@ pub struct Whitening {
     below: Vec<f64>,
     /// For each run an orthonormal basis U of its own columns and 1 - 1/√(1 + d²) for each.
     own: Vec<(DMatrix<f64>, DVector<f64>)>,
+    /// The same of what all runs have alike.
+    common: Option<(DMatrix<f64>, DVector<f64>)>,
     log_determinant: f64,
 }
 
@@ -70,7 +73,7 @@ impl Whitening {
             below.push(off);
             log_determinant += 0.5 * rest.ln();
         }
-        Self { own: Vec::new(), runs, diagonal, below, log_determinant }
+        Self { own: Vec::new(), common: None, runs, diagonal, below, log_determinant }
     }
 
     /// Adds what each run has for itself: columns (not whitened) with their standard deviations.
@@ -91,6 +94,21 @@ impl Whitening {
             own.push((svd.u.unwrap_or_else(|| DMatrix::zeros(range.len(), shrink.len())), shrink));
         }
         self.own = own;
+        self
+    }
+
+    /// Adds what all runs have alike: columns (not whitened) with the standard deviations of their priors around zero.
+    pub fn with_common(mut self, columns: &[(Vec<f64>, f64)]) -> Self {
+        let acts = |column: &[f64]| column.iter().any(|value| *value != 0.0);
+        let acting = columns.iter().filter(|(column, sd)| *sd > 0.0 && acts(column));
+        let white: Vec<DVector<f64>> = acting.map(|(column, sd)| self.whiten(column) * *sd).collect();
+        if white.is_empty() {
+            return self;
+        }
+        let svd = DMatrix::from_columns(&white).svd(true, false);
+        let d = svd.singular_values;
+        self.log_determinant += d.iter().map(|d| 0.5 * (1.0 + d * d).ln()).sum::<f64>();
+        self.common = svd.u.map(|u| (u, d.map(|d| 1.0 - 1.0 / (1.0 + d * d).sqrt())));
         self
     }
 
@@ -120,6 +138,10 @@ impl Whitening {
             let mut rows = whitened.rows_mut(range.start, range.len());
             let along = (u.transpose() * &rows).component_mul(shrink);
             rows -= u * along;
+        }
+        if let Some((u, shrink)) = &self.common {
+            let along = (u.transpose() * &whitened).component_mul(shrink);
+            whitened -= u * along;
         }
         whitened
     }

@@ -1,4 +1,7 @@
-//! Speed against location: what the diagnosis says of all runs, and the wheels of single ones.
+//! What is put right before anything asks for forces: wheels, the age of the effort, the zero of the locations.
 
-pub mod kinematics;
-pub mod wheels;
+mod delay;
+pub(crate) mod kinematics;
+pub mod nuisances;
+mod offset;
+pub(crate) mod wheels;

@@ -5,7 +5,8 @@
 //! | speed against location, run by run, as the diagnosis of the logs has it | a wrong wheel diameter beside locations of a satellite receiver |
 //! | distances between stops against those of the other runs | a wrong wheel diameter whose odometer gave the locations, too |
 //!
-//! Where platforms are described, the second also checks all runs together. What all runs of a recorder have alike in the first is put right before.
+//! A platform may be described some way off, so runs are compared with where the others stand; where platforms are described, all runs together are compared with
+//! these, as surely as platforms are known. What all runs of a recorder have alike in the first is put right before.
 
 use crate::config::{GapConfig, WheelConfig};
 use crate::data::{believed::Surroundings, runs::Run};
@@ -44,10 +45,10 @@ pub fn wheels(runs: &[Run], surroundings: &Surroundings, config: &GapConfig) -> 
         })
         .collect();
     let mut found = exceptions(&by_speed, false, &config.wheel);
-    let by_stops = scales_by_stops(runs, &surroundings.stops, &config.wheel);
-    found.extend(exceptions(&by_stops, true, &config.wheel));
+    let by_runs = scales_by_stops(runs, &surroundings.stops, false, &config.wheel);
+    found.extend(exceptions(&by_runs, true, &config.wheel));
     if !surroundings.stops.is_empty() {
-        found.extend(common(&by_stops, &config.wheel));
+        found.extend(common(&scales_by_stops(runs, &surroundings.stops, true, &config.wheel), &config.wheel));
     }
     found
 }
@@ -88,8 +89,11 @@ fn exceptions(scales: &[Scale], locations: bool, config: &WheelConfig) -> Vec<Wh
 fn common(scales: &[Scale], config: &WheelConfig) -> Option<Wheel> {
     let (middle, scatter) = middle(scales, config)?;
     let off = (middle - 1.0).abs();
-    let sd = scatter / (scales.len() as f64).sqrt();
-    (scales.len() >= config.least_runs && off > config.least && off > config.sure * sd).then_some(Wheel {
+    // What the runs scatter, and what the platforms are off in all of them alike.
+    let (of_runs, of_platforms) = (scatter / (scales.len() as f64).sqrt(), median(scales.iter().map(|s| s.sd))?);
+    let sure = off > config.sure * of_runs && off > config.sure_of_platforms * of_platforms;
+    let sd = of_runs.hypot(of_platforms);
+    (scales.len() >= config.least_runs && off > config.least && sure).then_some(Wheel {
         runs: Vec::new(),
         measured_over_true: middle,
         sd,
@@ -97,18 +101,25 @@ fn common(scales: &[Scale], config: &WheelConfig) -> Option<Wheel> {
     })
 }
 
-/// Each run's distance between its stops over that between the places where trains stop: the described platforms, or where the other runs stand.
-fn scales_by_stops(runs: &[Run], described: &[f64], config: &WheelConfig) -> Vec<Scale> {
+/// Each run's distance between its stops over that between the places where trains stop: where the other runs stand, or the platforms as they are described, which are also
+/// taken where too few runs stand at the same places.
+fn scales_by_stops(runs: &[Run], described: &[f64], as_described: bool, config: &WheelConfig) -> Vec<Scale> {
     let stops: Vec<Vec<f64>> = runs.iter().map(|run| stops(run, config.standing_mps)).collect();
     let places = |direction: Direction| -> Vec<f64> {
-        if !described.is_empty() {
+        if as_described {
             return described.to_vec();
         }
         let of = runs.iter().zip(&stops).enumerate();
         let of = of.filter(|(_, (run, _))| run.direction == direction);
-        let all = of.flat_map(|(index, (_, stops))| stops.iter().map(move |at| (*at, index)));
-        visited(all.collect(), config)
+        let all: Vec<(f64, usize)> =
+            of.flat_map(|(index, (_, stops))| stops.iter().map(move |at| (*at, index))).collect();
+        if described.is_empty() {
+            return visited(all, config);
+        }
+        let places: Vec<f64> = described.iter().filter_map(|place| stood_at(*place, &all, config)).collect();
+        if places.len() < 2 { described.to_vec() } else { places }
     };
+    let place_sd_m = if as_described { config.platform_sd_m } else { 0.0 };
     let [up, down] = [Direction::Up, Direction::Down].map(places);
     let of = runs.iter().zip(&stops).enumerate();
     of.filter_map(|(run, (one, stops))| {
@@ -116,7 +127,7 @@ fn scales_by_stops(runs: &[Run], described: &[f64], config: &WheelConfig) -> Vec
             Direction::Up => &up,
             Direction::Down => &down,
         };
-        let (value, sd) = scale_by_stops(stops, places, config)?;
+        let (value, sd) = scale_by_stops(stops, places, place_sd_m, config)?;
         Some(Scale { run, value, sd })
     })
     .collect()
@@ -130,14 +141,23 @@ fn stops(run: &Run, standing_mps: f64) -> Vec<f64> {
     standing.filter(|part| part[0].1 < standing_mps).filter_map(|part| median(part.iter().map(|(at, _)| *at))).collect()
 }
 
+/// Where the runs stand that stop at a described platform. `None`: too few do.
+fn stood_at(place_m: f64, all: &[(f64, usize)], config: &WheelConfig) -> Option<f64> {
+    let near: Vec<(f64, usize)> =
+        all.iter().copied().filter(|(at, _)| (at - place_m).abs() < 2.0 * config.stop_m).collect();
+    let enough = runs_of(&near) >= config.least_stops.max(runs_of(all) / 3);
+    median(near.iter().map(|(at, _)| *at)).filter(|_| enough)
+}
+
+fn runs_of(stops: &[(f64, usize)]) -> usize {
+    let mut runs: Vec<usize> = stops.iter().map(|(_, run)| *run).collect();
+    runs.sort_unstable();
+    runs.dedup();
+    runs.len()
+}
+
 /// Places at which at least three runs, and a third of all, stand. `all`: location and run.
 fn visited(mut all: Vec<(f64, usize)>, config: &WheelConfig) -> Vec<f64> {
-    let runs_of = |stops: &[(f64, usize)]| {
-        let mut runs: Vec<usize> = stops.iter().map(|(_, run)| *run).collect();
-        runs.sort_unstable();
-        runs.dedup();
-        runs.len()
-    };
     let least = config.least_stops.max(runs_of(&all) / 3);
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     all.chunk_by(|a, b| b.0 - a.0 < config.near_m)
@@ -147,7 +167,7 @@ fn visited(mut all: Vec<(f64, usize)>, config: &WheelConfig) -> Vec<f64> {
 }
 
 /// Scale of the distances from the first stop at a known place to the later ones, with its standard deviation.
-fn scale_by_stops(stops: &[f64], places: &[f64], config: &WheelConfig) -> Option<(f64, f64)> {
+fn scale_by_stops(stops: &[f64], places: &[f64], place_sd_m: f64, config: &WheelConfig) -> Option<(f64, f64)> {
     let (first, begin, from) = stops.iter().enumerate().find_map(|(i, at)| {
         let near = |place: &&f64| (*place - at).abs() < 2.0 * config.stop_m;
         places.iter().find(near).map(|place| (i, *at, *place))
@@ -178,7 +198,10 @@ fn scale_by_stops(stops: &[f64], places: &[f64], config: &WheelConfig) -> Option
     let kept = agreeing(tried.max_by(better)?);
     let squares: f64 = kept.iter().map(|(_, distance)| distance * distance).sum();
     let value = kept.iter().map(|(s, distance)| s * distance * distance).sum::<f64>() / squares;
-    Some((value, config.stop_sd_m / squares.sqrt()))
+    // The first place is in all distances.
+    let sum: f64 = kept.iter().map(|(_, distance)| distance.abs()).sum();
+    let of_places = place_sd_m * (squares + sum * sum).sqrt() / squares;
+    Some((value, of_places.hypot(config.stop_sd_m / squares.sqrt())))
 }
 
 /// The runs with their speeds, and locations where the odometer gave them, put right.
@@ -286,6 +309,16 @@ mod tests {
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(found[0].runs.is_empty());
         assert!((found[0].measured_over_true - 1.013).abs() < 0.001, "{found:?}");
+    }
+
+    #[test]
+    fn platforms_that_are_described_some_way_off_are_no_wheel() {
+        let off_m = [40.0, -90.0, 95.0, -60.0, 100.0];
+        let stops = PLACES_M.iter().zip(off_m).map(|(at, off)| at + off).collect();
+        let described = Surroundings { stops, ..Surroundings::default() };
+        assert_eq!(wheels(&runs(&[1.0; 8], true), &described, &GapConfig::default()), []);
+        let found = wheels(&runs(&[1.0, 1.0, 1.013, 1.0, 1.0, 1.0, 1.0], true), &described, &GapConfig::default());
+        assert!(matches!(found.as_slice(), [wheel] if wheel.runs == [2]), "{found:?}");
     }
 
     #[test]

@@ -4,9 +4,11 @@ use crate::candidate::{Family, Offer, Shape, Term};
 use crate::candidates::{self, sensors};
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::{Base, Gain};
-use crate::noise::{calibrate::Calibrated, whitening::Whitening};
+use crate::noise::calibrate::{Calibrated, effort};
+use crate::noise::whitening::Whitening;
 use crate::search::scan::Scan;
 use nalgebra::DVector;
+use rundown_check::agreement::Figure;
 use std::{cell::RefCell, collections::HashMap, rc::Rc};
 
 pub struct Search<'a> {
@@ -79,6 +81,23 @@ impl<'a> Search<'a> {
         Some(gain)
     }
 
+    /// Gain of the effort column less 1 beside a model, as the prior and the rows have it; none without the column.
+    pub fn effort_gain(&self, model: &[Term]) -> Option<Figure> {
+        let config = &self.context.config.nuisance;
+        let effort = effort(self.rows);
+        if effort.iter().all(|effort| *effort == 0.0) {
+            return None;
+        }
+        let base = self.base(model)?;
+        let column = self.whitening.whiten(&effort);
+        let variance = config.effort_gain_sd.powi(2);
+        let value = variance * column.dot(&base.residual);
+        let left = variance - variance * variance * base.beside(&column).norm_squared();
+        // Of the effort that is read; the gain is one of the true one.
+        let of_true = 1.0 / (1.0 - value);
+        Some(Figure { value: value * of_true, sd: left.max(0.0).sqrt().hypot(config.gain_sd) * of_true * of_true })
+    }
+
     /// Penalised log-likelihood of a model.
     pub fn score(&self, model: &[Term]) -> f64 {
         let Some(base) = self.base(model) else {
@@ -95,4 +114,61 @@ pub fn sensors(context: &Context<'_>, rows: &[Row], whitening: &Whitening) -> Ve
     let columns = [sensors::DELAY, sensors::LATE_LOCATION].map(|of| of.columns(&Shape::Law, context, rows).remove(0));
     let shown = columns.iter().filter(|c| c.iter().any(|v| *v != 0.0));
     shown.map(|column| whitening.whiten(column)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::believed::tests::on_a_level_line;
+    use crate::noise::whitening::Noise;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rundown::model::{direction::Direction, effects::EffectKind};
+
+    /// Terms that a search finds, and the gain it leaves to the effort column: 30 runs that power, coast and brake, of a train that is heavier by a share of its mass, beside an effort
+    /// column that reads too much by a share.
+    fn found(heavier: f64, gain: f64, seed: u64) -> (Vec<Term>, Figure) {
+        on_a_level_line(30, |context| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let r2 = context.believed.train().davis().r2;
+            let mut rows = Vec::new();
+            for i in 0..30 * 60 {
+                let mut row = Row::coasting(Direction::Up, 900.0 * f64::from(i % 60), rng.random_range(8.0..45.0));
+                row.interval.run = i as usize / 60;
+                let effort: f64 = [0.0, 0.05, 0.2, -0.15][i as usize % 4];
+                let speed = row.interval.mean_speed_mps();
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                row.effort_n_per_kg = effort * (1.0 + gain);
+                row.residual_n_per_kg =
+                    effort * gain + heavier / (1.0 + heavier) * (effort - r2 * speed * speed) + 0.005 * noise;
+                row.interval.effort_n_per_kg = Some(row.effort_n_per_kg);
+                rows.push(row);
+            }
+            let noise = Noise { acceleration_mps2: 0.005, ..Noise::default() };
+            let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+            let search = Search::new(context, &rows, &calibrated, true);
+            let terms = search.select();
+            let gain = search.effort_gain(&terms).unwrap();
+            (terms, gain)
+        })
+    }
+
+    #[test]
+    fn an_effort_column_that_reads_too_much_is_no_mass() {
+        for (seed, gain) in [(1, 0.1), (2, -0.08), (3, 0.0)] {
+            let (terms, found) = found(0.0, gain, seed);
+            assert_eq!(terms, []);
+            assert!((found.value - gain).abs() < 3.0 * found.sd && found.sd < 0.01, "{found:?} for {gain}");
+        }
+    }
+
+    #[test]
+    fn a_heavier_train_is_one_and_leaves_the_effort_column_as_it_is() {
+        for (seed, heavier) in [(4, 0.1), (5, -0.06)] {
+            let (terms, found) = found(heavier, 0.0, seed);
+            assert!(matches!(terms.as_slice(), [term] if term.is(EffectKind::MassError)), "{terms:?}");
+            assert!(found.away_from(0.0) < 3.0, "{found:?}");
+        }
+    }
 }

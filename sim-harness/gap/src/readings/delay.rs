@@ -1,0 +1,280 @@
+//! How the effort column is read, and how late it is.
+//!
+//! In: runs with an effort column. Out: the reading (momentary, or the mean since the sample before), the age of the effort at its time stamp, and the runs with
+//! their efforts moved to where they belong.
+//!
+//! ```text
+//! largest over reading and d:   -n ln(mean |y(d)|) - d²/2 sd²        y(d): residual with the effort that is shown d later
+//! ```
+//!
+//! where n counts the intervals in which the effort changes: only these tell. Efforts are resampled, not differentiated: a sample of 10 s is no small delay. An effect
+//! that is looked for is a tenth of a switch of the regime.
+
+use crate::config::NuisanceConfig;
+use crate::data::believed::{Context, believed_load};
+use crate::data::cut;
+use crate::data::runs::{EffortReading, Run, usual_step_s};
+use crate::fit::median;
+use rundown_check::agreement::Figure;
+use rundown_files::sample::Sample;
+
+/// How the column is read, and how old it is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Delay {
+    pub reading: EffortReading,
+    /// Age of the effort at its time stamp, s; put right in the runs if it [matters](Self::matters).
+    pub delay_s: Option<Figure>,
+    /// Gain of log-likelihood over none.
+    pub gain: f64,
+}
+
+impl Delay {
+    /// It is beyond doubt, and more than a column of the fit takes up.
+    pub fn matters(&self, config: &NuisanceConfig, enough: f64) -> Option<Figure> {
+        let sure = |delay: &Figure| delay.value.abs() > config.least_delay_s && delay.away_from(0.0) > config.sure;
+        self.delay_s.filter(|delay| sure(delay) && self.gain > enough)
+    }
+}
+
+/// Residuals under one reading and delay, run by run: sum of their sizes, and how many there are.
+type Sizes = Vec<(f64, f64)>;
+
+/// A run with its efforts read `delay_s` later.
+fn read_later(run: &Run, reading: EffortReading, delay_s: f64, gap: f64) -> Run {
+    let longest_s = gap * usual_step_s(run);
+    let known: Vec<(f64, f64)> =
+        run.samples.iter().filter_map(|sample| Some((sample.time_s, sample.effort_n_per_kg?))).collect();
+    let at = |time_s: f64| {
+        let after = known.partition_point(|(t, _)| *t < time_s);
+        let (t1, u1) = *known.get(after)?;
+        if t1 == time_s {
+            return Some(u1);
+        }
+        let (t0, u0) = *known.get(after.checked_sub(1)?)?;
+        (t1 - t0 <= longest_s).then(|| u0 + (u1 - u0) * (time_s - t0) / (t1 - t0))
+    };
+    // Impulse since the first sample: the mean since the one before, times that time.
+    let mut impulse = 0.0;
+    let impulses: Vec<(f64, f64)> = known
+        .iter()
+        .scan(None, |before: &mut Option<f64>, (t, u)| {
+            impulse += before.map_or(0.0, |t0| u * (t - t0));
+            *before = Some(*t);
+            Some((*t, impulse))
+        })
+        .collect();
+    let given = |time_s: f64| {
+        let after = impulses.partition_point(|(t, _)| *t < time_s);
+        let (t1, i1) = *impulses.get(after)?;
+        if t1 == time_s {
+            return Some(i1);
+        }
+        let (t0, i0) = *impulses.get(after.checked_sub(1)?)?;
+        (t1 - t0 <= longest_s).then(|| i0 + (i1 - i0) * (time_s - t0) / (t1 - t0))
+    };
+    let mut before_s = None;
+    let read = |sample: &Sample| {
+        let time_s = sample.time_s + delay_s;
+        let since_s: Option<f64> = before_s.replace(time_s);
+        let effort_n_per_kg = match reading {
+            EffortReading::Momentary => at(time_s),
+            EffortReading::MeanSinceLast => since_s.and_then(|since_s| {
+                let mean = (given(time_s)? - given(since_s)?) / (time_s - since_s);
+                (time_s - since_s <= longest_s).then_some(mean)
+            }),
+        };
+        Sample { effort_n_per_kg, ..*sample }
+    };
+    Run { samples: run.samples.iter().map(read).collect(), ..run.clone() }
+}
+
+/// The runs with their efforts read `delay_s` later.
+pub fn put_right(context: &Context<'_>, runs: &[Run], reading: EffortReading, delay_s: f64) -> Vec<Run> {
+    let gap = context.config.interval.gap;
+    runs.iter().map(|run| read_later(run, reading, delay_s, gap)).collect()
+}
+
+/// Residuals of all moving intervals.
+fn sizes(context: &Context<'_>, runs: &[Run], reading: EffortReading, delay_s: f64) -> Sizes {
+    let moved: Vec<Run>;
+    let runs = if delay_s == 0.0 {
+        runs
+    } else {
+        moved = put_right(context, runs, reading, delay_s);
+        &moved
+    };
+    let slowest_mps = context.config.interval.slowest_mps;
+    let cut = cut::all(context, runs, reading);
+    let of_run = |(run, intervals): (&Run, Vec<crate::data::interval::Interval>)| {
+        let line = context.believed.line(run.direction);
+        let moving = intervals.iter().filter(|i| i.speed_mps[0].min(i.speed_mps[1]) > slowest_mps);
+        moving.fold((0.0, 0.0), |(sum, count), interval| match interval.effort_n_per_kg {
+            Some(effort) => {
+                let residual = effort - interval.acceleration_mps2() - believed_load(line, interval);
+                (sum + residual.abs(), count + 1.0)
+            }
+            None => (sum, count),
+        })
+    };
+    runs.iter().zip(cut).map(of_run).collect()
+}
+
+fn mean(sizes: &Sizes, left_out: Option<usize>, groups: usize) -> f64 {
+    let kept = sizes.iter().enumerate().filter(|(i, _)| left_out != Some(i % groups));
+    let (sum, count) = kept.fold((0.0, 0.0), |(sum, count), (_, (s, c))| (sum + s, count + c));
+    sum / f64::max(count, 1.0)
+}
+
+/// Runs from which the delay is found: more take time and say the same.
+const MOST_RUNS: usize = 24;
+/// Parts of the runs of which each is left out once.
+const GROUPS: usize = 6;
+
+/// Finds reading and delay.
+pub fn delay(context: &Context<'_>, runs: &[Run]) -> Delay {
+    let (config, effort) = (&context.config.nuisance, &context.config.effort);
+    let every = runs.len().div_ceil(MOST_RUNS).max(1);
+    let some: Vec<Run> = runs.iter().step_by(every).cloned().collect();
+    let usual_s = median(some.iter().map(usual_step_s)).unwrap_or(10.0);
+    let of = |reading, delay_s: f64| (delay_s, sizes(context, &some, reading, delay_s));
+    let telling = telling(context, &some);
+    let likelihood =
+        |mean: f64, delay_s: f64| -telling * mean.max(1e-9).ln() - 0.5 * (delay_s / config.effort_delay_sd_s).powi(2);
+    let most_s = config.most_sd * config.effort_delay_sd_s;
+    let coarse_s = usual_s.clamp(1.0, 10.0) / 2.0;
+    let best = |tried: &[(f64, Sizes)], left_out: Option<usize>| -> Option<(f64, f64)> {
+        let each = tried.iter().map(|(d, sizes)| (*d, likelihood(mean(sizes, left_out, GROUPS), *d)));
+        each.max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let found = |reading: EffortReading| {
+        let steps = (most_s / coarse_s).floor() as i32;
+        // Efforts come late; early they are where the speed is late.
+        let mut tried: Vec<(f64, Sizes)> = (-steps / 2..=steps).map(|i| of(reading, f64::from(i) * coarse_s)).collect();
+        let (near_s, _) = best(&tried, None)?;
+        let fine = (coarse_s / config.delay_step_s).round() as i32;
+        let around = (1 - fine..fine).filter(|i| *i != 0).map(|i| near_s + f64::from(i) * config.delay_step_s);
+        tried.extend(around.map(|delay_s| of(reading, delay_s)));
+        let (value, reached) = best(&tried, None)?;
+        let parts: Vec<f64> = (0..GROUPS).filter_map(|part| best(&tried, Some(part))).map(|(d, _)| d).collect();
+        let scatter = parts.iter().map(|d| (d - value).powi(2)).sum::<f64>();
+        let jackknife = (scatter * (GROUPS as f64 - 1.0) / GROUPS as f64).sqrt();
+        let sd = jackknife.hypot(0.5 * config.delay_step_s);
+        let none =
+            tried.iter().find(|(d, _)| *d == 0.0).map_or(reached, |(_, s)| likelihood(mean(s, None, GROUPS), 0.0));
+        Some((Delay { reading, delay_s: Some(Figure { value, sd }), gain: reached - none }, reached))
+    };
+    let (Some((momentary, a)), Some((since_last, b))) =
+        (found(EffortReading::Momentary), found(EffortReading::MeanSinceLast))
+    else {
+        return Delay::default();
+    };
+    // A mean that is half a sample late is a momentary value that is a whole one late, to the last digit but for constant power.
+    let clearly = -effort.mean_share.ln() * telling;
+    if b - a > clearly { since_last } else { momentary }
+}
+
+/// Intervals between whose ends the effort changes.
+fn telling(context: &Context<'_>, runs: &[Run]) -> f64 {
+    let least = context.config.effort.telling_change_n_per_kg;
+    let cut = cut::all(context, runs, EffortReading::Momentary);
+    cut.iter().flatten().filter(|interval| interval.effort_step_n_per_kg.abs() > least).count() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::believed::tests::on_a_level_line;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use rundown::model::direction::Direction;
+
+    /// Runs of a train that powers, coasts and brakes by turns, read every `step` s. The effort column is `age` samples old.
+    fn runs(context: &Context<'_>, step: usize, age: usize, reading: EffortReading) -> Vec<Run> {
+        let line = context.believed.line(Direction::Up);
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let one = |index: usize| {
+            let (mut speed, mut location_m, mut until, mut effort) = (20.0, 2_000.0, 0, 0.0);
+            let each: Vec<(f64, f64, f64)> = (0..1_200)
+                .map(|second| {
+                    if second >= until {
+                        until = second + rng.random_range(25..70);
+                        let power = if speed < 25.0 { 0.25 } else { -0.2 };
+                        effort = if effort == 0.0 { power } else { 0.0 };
+                    }
+                    let shown = (speed, location_m, effort);
+                    speed += effort - line.train.davis().resistance_n_per_kg(speed);
+                    location_m += speed;
+                    shown
+                })
+                .collect();
+            let sample = |second: usize| {
+                let now = second.saturating_sub(age * step);
+                let past = &each[now.saturating_sub(step)..=now];
+                let of_effort = match reading {
+                    EffortReading::Momentary => each[now].2,
+                    EffortReading::MeanSinceLast => past.iter().map(|(.., u)| u).sum::<f64>() / past.len() as f64,
+                };
+                Sample {
+                    time_s: second as f64,
+                    location_m: Some(each[second].1),
+                    speed_mps: Some((3.6 * each[second].0).round() / 3.6),
+                    effort_n_per_kg: Some(of_effort),
+                    ..Sample::default()
+                }
+            };
+            Run {
+                name: index.to_string(),
+                direction: Direction::Up,
+                day: None,
+                samples: (0..1_200).step_by(step).map(sample).collect(),
+                recorded: crate::data::runs::Recorded::default(),
+            }
+        };
+        (0..12).map(one).collect()
+    }
+
+    #[test]
+    fn an_effort_that_is_late_is_told_and_one_that_is_not_is_left() {
+        on_a_level_line(12, |context| {
+            // What drives a second of these trains stands at its beginning: half a second early.
+            for (step, late) in [(10, 1), (1, 3)] {
+                for age in [0, late] {
+                    let found = delay(context, &runs(context, step, age, EffortReading::Momentary));
+                    let told = found.matters(&context.config.nuisance, context.config.search.enough);
+                    assert_eq!(told.is_some(), age > 0, "{step} s, {found:?}");
+                    let late_s = told.map_or(0.0, |delay| delay.value);
+                    assert!((late_s - (age * step) as f64).abs() <= 0.5, "{step} s, {found:?}");
+                    assert_eq!(found.reading, EffortReading::Momentary, "{step} s");
+                }
+            }
+        });
+    }
+
+    #[test]
+    fn a_mean_since_the_sample_before_is_recognised_however_late_it_is() {
+        on_a_level_line(12, |context| {
+            for age in [0, 1] {
+                let runs = runs(context, 10, age, EffortReading::MeanSinceLast);
+                let found = delay(context, &runs);
+                assert_eq!(found.reading, EffortReading::MeanSinceLast);
+                assert!((found.delay_s.unwrap().value - 10.0 * age as f64).abs() <= 0.5, "{found:?}");
+            }
+        });
+    }
+
+    #[test]
+    fn a_delay_of_a_whole_sample_moves_each_effort_by_one_row() {
+        on_a_level_line(12, |context| {
+            for reading in [EffortReading::Momentary, EffortReading::MeanSinceLast] {
+                let [now, late] = [0, 1].map(|age| runs(context, 10, age, reading));
+                let right = put_right(context, &late, reading, 10.0);
+                let efforts = |runs: &[Run]| -> Vec<Option<f64>> {
+                    runs[0].samples[2..100].iter().map(|sample| sample.effort_n_per_kg).collect()
+                };
+                for (a, b) in efforts(&right).into_iter().zip(efforts(&now)) {
+                    assert!((a.unwrap() - b.unwrap()).abs() < 1e-9);
+                }
+            }
+        });
+    }
+}

@@ -1,0 +1,128 @@
+//! What is wrong with the readings of all runs alike: found, told, put right, and never the name of an effect.
+//!
+//! The age of the effort and the offset of the locations are put right in the samples, one after the other, before effects are looked for. The gain of the effort
+//! column is straight in the residuals: it stays in every fit with its prior, and what the chosen model leaves for it is put right afterwards.
+
+use crate::config::GapConfig;
+use crate::data::believed::Context;
+use crate::data::cut;
+use crate::data::runs::Run;
+use crate::efforts::{Looked, measured};
+use crate::fit::HALF_95;
+use crate::readings::delay::{self, Delay, delay};
+use crate::readings::offset::{self, Offset, offset};
+use rundown::model::effects::EffectKind;
+use rundown_check::agreement::Figure;
+use serde_json::{Value, json};
+
+/// What was found of all runs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Readings {
+    /// How the effort column is read, and its age.
+    pub effort: Delay,
+    /// None without an effort column.
+    pub offset: Option<Offset>,
+}
+
+/// A nuisance as it is told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nuisance {
+    /// As in `gap.json`.
+    pub name: &'static str,
+    /// Of value and standard deviation; empty: a share.
+    pub unit: &'static str,
+    /// Gain less 1, age of the effort, shown less true location.
+    pub value: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+    /// Beyond doubt, and large enough to matter.
+    pub told: bool,
+    /// What these data cannot separate from it.
+    pub ambiguous_with: Vec<EffectKind>,
+}
+
+/// The runs put right, and what was put right.
+pub fn righted(context: &Context<'_>, runs: &[Run]) -> (Vec<Run>, Readings) {
+    let config = context.config;
+    if !measured(runs, &config.effort) {
+        return (runs.to_vec(), Readings::default());
+    }
+    let effort = delay(context, runs);
+    let late_s = effort.matters(&config.nuisance, config.search.enough).map(|delay| delay.value);
+    let runs = late_s.map_or_else(|| runs.to_vec(), |late_s| delay::put_right(context, runs, effort.reading, late_s));
+    let cut = cut::all(context, &runs, effort.reading);
+    let looked = Looked { context, runs: &runs, cut: &cut, effort: effort.reading, measured: true, model: (&[], &[]) };
+    let offset = offset(context, &looked.rows(None, 0.0));
+    let off_m = offset.and_then(|offset| offset.matters(&config.nuisance, config.search.enough));
+    let runs = off_m.map_or_else(|| runs.clone(), |off_m| offset::put_right(&runs, off_m.value));
+    (runs, Readings { effort, offset })
+}
+
+/// All nuisances with an effort column, told or not. `gain`: of the effort column less 1.
+pub fn nuisances(readings: &Readings, gain: Option<Figure>, config: &GapConfig) -> Vec<Nuisance> {
+    let (nuisance, enough) = (&config.nuisance, config.search.enough);
+    let one = |name, unit, figure: Figure, told| Nuisance {
+        name,
+        unit,
+        value: figure.value,
+        sd: figure.sd,
+        told,
+        ambiguous_with: Vec::new(),
+    };
+    let gain = gain.map(|gain| {
+        let told = gain.value.abs() > nuisance.least_gain && gain.away_from(0.0) > nuisance.sure;
+        one("effort_gain", "", gain, told)
+    });
+    let told = readings.effort.matters(nuisance, enough).is_some();
+    let delay = readings.effort.delay_s.map(|delay| one("effort_delay", "s", delay, told));
+    let offset = readings.offset.map(|offset| {
+        let told = offset.matters(nuisance, enough).is_some();
+        let rival = told && offset.may_be_length(config.certainty.near);
+        let ambiguous_with = rival.then_some(EffectKind::TrainLengthError).into_iter().collect();
+        Nuisance { ambiguous_with, ..one("location_offset", "m", offset.offset_m, told) }
+    });
+    [gain, delay, offset].into_iter().flatten().collect()
+}
+
+impl Nuisance {
+    /// As in `gap.json`.
+    pub fn json(&self) -> Value {
+        let (low, high) = (self.value - HALF_95 * self.sd, self.value + HALF_95 * self.sd);
+        let rivals: Vec<&str> = self.ambiguous_with.iter().map(|kind| kind.name()).collect();
+        json!({
+            "name": self.name,
+            "unit": self.unit,
+            "value": self.value,
+            "sd": self.sd,
+            "interval_95": [low, high],
+            "told": self.told,
+            "ambiguous_with": rivals,
+        })
+    }
+
+    /// In a sentence.
+    pub fn sentence(&self) -> String {
+        let (size, more) = (self.value.abs(), self.value > 0.0);
+        let mut text = match self.name {
+            "effort_gain" => format!(
+                "The effort column reads {:.1} ± {:.1} % too {} for the motion of the train",
+                100.0 * size,
+                100.0 * self.sd,
+                if more { "high" } else { "low" }
+            ),
+            "effort_delay" => {
+                format!("The effort is {size:.1} ± {:.1} s {}", self.sd, if more { "late" } else { "early" })
+            }
+            _ => format!(
+                "The locations of all runs are {size:.0} ± {:.0} m too far {} the line",
+                self.sd,
+                if more { "up" } else { "down" }
+            ),
+        };
+        let rivals: Vec<&str> = self.ambiguous_with.iter().map(|kind| kind.name()).collect();
+        if !rivals.is_empty() {
+            text.push_str(&format!(" (these data cannot tell it from {})", rivals.join(", ")));
+        }
+        text + "; put right, and no effect of the train."
+    }
+}

@@ -1,0 +1,100 @@
+//! What is wrong with a recorder, or with the description of a line, and no effect of a train: an investigation has to tell it, not to name an effect for it.
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rundown_files::track_file::{Stop, TrackFile};
+use rundown_truth::scenario::Scenario;
+use serde::Serialize;
+
+/// A kind of nuisance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Nuisance {
+    /// The effort column is 6 to 12 % too high or too low.
+    EffortGain,
+    /// The effort column is one sample late.
+    EffortLate,
+    /// All locations are 40 to 80 m off along the line.
+    LocationOff,
+    /// Trains call at four platforms, and each is described 20 to 100 m off.
+    PlatformsOff,
+}
+
+/// Where trains call, m.
+const PLATFORMS_M: [f64; 4] = [5_000.0, 11_500.0, 17_500.0, 24_500.0];
+
+/// A nuisance with its size.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Drawn {
+    /// In the scenario already: the figure that an investigation should tell.
+    Told(f64),
+    /// Stops as they are described.
+    Stops(Vec<Stop>),
+}
+
+impl Nuisance {
+    /// In tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::EffortGain => "effort 6 to 12 % too high or low, share",
+            Self::EffortLate => "effort one sample late, s",
+            Self::LocationOff => "locations 40 to 80 m off, m",
+            Self::PlatformsOff => "platforms described 20 to 100 m off",
+        }
+    }
+
+    /// As the investigation calls it; none: it has nothing to tell of it.
+    pub fn told_as(self) -> Option<&'static str> {
+        match self {
+            Self::EffortGain => Some("effort_gain"),
+            Self::EffortLate => Some("effort_delay"),
+            Self::LocationOff => Some("location_offset"),
+            Self::PlatformsOff => None,
+        }
+    }
+
+    /// Draws its size, and puts it into what is simulated.
+    pub fn draw(self, seed: u64, scenario: &mut Scenario) -> Drawn {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5E_ED0F);
+        let signed = |rng: &mut ChaCha8Rng, least: f64, most: f64| {
+            let size = rng.random_range(least..most);
+            if rng.next_u32() & 1 == 0 { size } else { -size }
+        };
+        let sensors = &mut scenario.sensors;
+        match self {
+            Self::EffortGain => {
+                let off = signed(&mut rng, 0.06, 0.12);
+                sensors.effort_gain *= 1.0 + off;
+                Drawn::Told(off)
+            }
+            Self::EffortLate => {
+                sensors.effort_lag_s = sensors.sampling_s;
+                Drawn::Told(sensors.effort_lag_s)
+            }
+            Self::LocationOff => {
+                sensors.location_offset_m = signed(&mut rng, 40.0, 80.0);
+                Drawn::Told(sensors.location_offset_m)
+            }
+            Self::PlatformsOff => {
+                scenario.line.set_calls(PLATFORMS_M.to_vec());
+                let mut stop = |at_m| Stop { at_m: at_m + signed(&mut rng, 20.0, 100.0), name: String::new() };
+                Drawn::Stops(PLATFORMS_M.map(&mut stop).into())
+            }
+        }
+    }
+}
+
+impl Drawn {
+    /// What of it is in the description of the line.
+    pub fn described(&self, track: &mut TrackFile) {
+        if let Self::Stops(stops) = self {
+            let arrival = track.stop.len().min(1);
+            track.stop.splice(arrival..arrival, stops.iter().cloned());
+        }
+    }
+
+    /// The figure that an investigation should tell.
+    pub fn told(&self) -> Option<f64> {
+        if let Self::Told(value) = self { Some(*value) } else { None }
+    }
+}
