@@ -28,7 +28,7 @@ fn of_size(
     dirty: bool,
     seed: u64,
 ) -> (Set, Score, Answer) {
-    let set = Set::draw(Request { kinds: kinds.to_vec(), size, effort, dirty, runs, seed }).unwrap();
+    let set = Set::draw(Request { kinds: kinds.to_vec(), size, effort, dirty, nuisance: None, runs, seed }).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let answer = blind(&set, folder.path()).unwrap().unwrap();
     assert!(!folder.path().join("truth").exists());
@@ -186,9 +186,16 @@ fn a_tunnel_in_one_direction_is_named_or_shared() {
 /// One of the runs has a worn wheel, and its odometer gives the locations, too: only the other runs tell.
 #[test]
 fn a_worn_wheel_of_one_run_is_found_by_the_distances_of_the_others() {
-    let set =
-        Set::draw(Request { kinds: Vec::new(), size: Size::Clear, effort: true, dirty: false, runs: RUNS, seed: 1 })
-            .unwrap();
+    let set = Set::draw(Request {
+        kinds: Vec::new(),
+        size: Size::Clear,
+        effort: true,
+        dirty: false,
+        nuisance: None,
+        runs: RUNS,
+        seed: 1,
+    })
+    .unwrap();
     let folder = tempfile::tempdir().unwrap();
     set.write(folder.path()).unwrap();
     let mut read = Input::of_set(folder.path()).unwrap();

@@ -137,6 +137,9 @@ mod tests {
 
     const TICK_S: Real = 10.0;
 
+    /// The row of a time.
+    type Column = fn(Real) -> Real;
+
     /// A driver's effort, N/kg: power on and off with ramps of 6 s, at odds with the ticks.
     fn effort_n_per_kg(time_s: Real) -> Real {
         let phase_s = time_s % 83.0;
@@ -150,7 +153,7 @@ mod tests {
     }
 
     /// What is believed of `s` after 100 ticks of a column, and the errors of the last 50 means in their standard deviations, root mean square.
-    fn learned(column: fn(Real) -> Real) -> (Real, Real) {
+    fn learned(column: Column) -> (Real, Real) {
         let config = EffortReadingConfig::default();
         let mut reading = EffortReading::ZEROED;
         reading.begin_interval();
@@ -171,7 +174,7 @@ mod tests {
 
     #[test]
     fn a_mean_a_moment_and_a_late_column_are_told_apart() {
-        let cases: [(&str, fn(Real) -> Real, Real); 3] = [
+        let cases: [(&str, Column, Real); 3] = [
             ("mean", |t| mean_n_per_kg(t - TICK_S, t), 0.0),
             ("moment", effort_n_per_kg, 0.5),
             ("mean, 2 s late", |t| mean_n_per_kg(t - TICK_S - 2.0, t - 2.0), -0.2),
