@@ -246,8 +246,10 @@ fn recognise(
         recognition.coasts = Some(recognised.now.of(Regime::Coast));
         run.recogniser = recognised.now;
         run.anchor = Some(*now);
-        let sd = libm::hypot(evidence.acceleration_sd_mps2, evidence.resistance_sd_n_per_kg);
-        run.effort_reading.compare(&config.effort_reading, evidence.interval_s, &effort, sd, run.learner.gain());
+        if config.mode == Mode::Measured {
+            let sd = libm::hypot(evidence.acceleration_sd_mps2, evidence.resistance_sd_n_per_kg);
+            run.effort_reading.compare(&config.effort_reading, evidence.interval_s, &effort, sd, run.learner.gain());
+        }
     }
     recognition
 }

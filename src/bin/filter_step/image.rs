@@ -18,8 +18,16 @@ use rundown::model::state::SIZE;
 use rundown::model::track::{Gradient, Track};
 use rundown::model::train::{Train, TrainDescription};
 use rundown::tick::learning::LocationAndSpeed;
-// The vector table.
-use stm32l4 as _;
+
+unsafe extern "C" {
+    fn DefaultHandler();
+}
+
+/// Nothing interrupts; the start-up code asks for the table.
+// SAFETY: the section is of vectors, and each is the start-up code's own handler.
+#[unsafe(link_section = ".vector_table.interrupts")]
+#[unsafe(no_mangle)]
+static __INTERRUPTS: [unsafe extern "C" fn(); 32] = [DefaultHandler; 32];
 
 const STEPS: u32 = 60;
 const DT_S: f64 = 10.0;
