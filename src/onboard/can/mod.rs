@@ -8,7 +8,7 @@
 //! |---|---|
 //! | which bit timing? | [`timing`] |
 //! | which registers, in which order? | [`bxcan`] |
-//! | which message goes next? | [`line`] |
+//! | which message goes next? | [`mod@line`] |
 //!
 //! Classic frames with the identifiers of [`can_link`](crate::link::can_link); the controller drops all others itself.
 
