@@ -81,15 +81,16 @@ fn an_effort_column_teaches_however_it_was_made_and_whatever_its_gain() {
     }
 }
 
-/// Nothing was learned on hops before: the errors after 20 runs were the 16 % of the descriptions.
+/// Nothing was learned on hops before: the errors after 20 runs were the 16 % of the descriptions. What is learned must hold: gentle brakes that were taken
+/// for coasts gave a suburban train a fifth too much.
 #[test]
 fn short_coasts_teach_metros_trams_and_suburban_trains() {
-    for (name, most_percent) in [("metro", 9.0), ("tram", 4.0), ("suburban-1s", 5.0)] {
+    for (name, most_percent) in [("metro", 9.0), ("tram", 6.0), ("suburban-1s", 13.0)] {
         let fleet = fleets::all().into_iter().find(|fleet| fleet.name == name).unwrap();
         let table = sim_harness::accuracy_bench::judge(&fleet, fleet.config(), 6, 20, 4000, || ()).unwrap();
         table.print(name);
         assert!(table.vehicle[2].rmse_percent() < most_percent, "{name}");
-        assert!(table.vehicle[2].coverage() > 0.85, "{name}");
+        assert!(table.vehicle[2].coverage() > 0.95, "{name}");
     }
 }
 

@@ -24,7 +24,7 @@ use crate::tick::learning::{Counts, Tick};
 use crate::tick::paper::PaperLoop;
 use crate::tick::plausibility::Judged;
 use crate::tick::regime::{Evidence, Recogniser, Regime};
-use crate::tick::snapshot::InPlace as _;
+use crate::tick::short_hops;
 
 /// Without a speed for longer than this the regime is unknown, s.
 const LOST_S: Real = 60.0;
@@ -93,7 +93,7 @@ pub(super) fn learning_tick(
     if read {
         run.hops.observe(&config.short_hops, judged.time_s, standing);
     }
-    let short_hops = run.hops.are_short(&config.short_hops, judged.time_s);
+    let are_short = config.mode == Mode::Gated && run.hops.are_short(&config.short_hops, judged.time_s);
     let reading = &mut run.effort_reading;
     let read_effort = match config.mode {
         Mode::Measured => {
@@ -102,11 +102,11 @@ pub(super) fn learning_tick(
         }
         Mode::Gated | Mode::Paper => None,
     };
-    let recognition = recognise(config, run, line, acting, &now, Reading { read, standing, short_hops });
+    let recognition = recognise(config, run, line, acting, &now, Reading { read, standing, short_hops: are_short });
     let effort = read_effort.filter(|_| read && now.speed_mps > SLOWEST_MEASURED_MPS);
     let learned = match config.mode {
         Mode::Measured => learn_measured(config, run, line, acting, judged, effort),
-        Mode::Gated | Mode::Paper => learn_coasting(config, run, line, acting, judged, &recognition, short_hops),
+        Mode::Gated | Mode::Paper => learn_coasting(config, run, line, acting, judged, &recognition, are_short),
     };
     let (innovation, validity) = match learned {
         Ok(innovation) => (innovation, validity),
@@ -157,7 +157,7 @@ fn take_up(config: &Config, run: &mut RunState, line: &Line<'_>, judged: &Judged
         run.recogniser = Recogniser::default();
         run.anchor = None;
         run.last = None;
-        run.effort_reading.clear_fields();
+        run.effort_reading.interrupt();
         run.learner.end();
     } else {
         run.kinematics.step(&config.sensor, line.direction.sign(), judged.dt_s, location_m, speed_mps);
@@ -246,10 +246,11 @@ fn recognise(
         recognition.coasts = Some(recognised.now.of(Regime::Coast));
         run.recogniser = recognised.now;
         run.anchor = Some(*now);
-        if config.mode == Mode::Measured {
+        if config.mode == Mode::Measured && anchor.speed_mps.min(now.speed_mps) > SLOWEST_MEASURED_MPS {
             let sd = libm::hypot(evidence.acceleration_sd_mps2, evidence.resistance_sd_n_per_kg);
             run.effort_reading.compare(&config.effort_reading, evidence.interval_s, &effort, sd, run.learner.gain());
         }
+        run.effort_reading.begin_interval();
     }
     recognition
 }
@@ -307,10 +308,10 @@ fn learn_measured(
     Ok(None)
 }
 
-/// What of a segment counts, but on short hops.
+/// What of a segment counts, but on short hops: it was believed when it began.
 fn usual(config: &Config) -> Counts {
     let learning = &config.learning;
-    Counts { believed: true, end_cut_s: learning.end_cut_s, min_segment_s: learning.min_segment_s }
+    Counts { believed: false, end_cut_s: learning.end_cut_s, min_segment_s: learning.min_segment_s }
 }
 
 /// The same of coasting. On short hops a segment runs on trial from the end of an interval on, until it is believed or not; else it begins after an
@@ -322,24 +323,29 @@ fn learn_coasting(
     acting: &Acting<'_>,
     judged: &Judged,
     recognition: &Recognition,
-    short_hops: bool,
+    are_short: bool,
 ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
     let Config { learning, short_hops: short, .. } = config;
     let coasted = recognition.coasted;
     let speed_mps = run.kinematics.belief().mean[SPEED];
-    let visible = if short_hops {
+    let visible = if are_short {
         line.train.davis().resistance_n_per_kg(speed_mps) > short.min_resistance_n_per_kg
     } else {
         speed_mps > learning.min_speed_kmh / 3.6
     };
     let read = judged.speed_mps.is_ok();
     // A missing speed says nothing about the regime: a segment waits for the next one.
-    let goes_on = judged.contradiction.is_none() && (!read || (visible && coasted > learning.end_probability));
+    let least = if are_short { short_hops::END_PROBABILITY } else { learning.end_probability };
+    let goes_on = judged.contradiction.is_none() && (!read || (visible && coasted > least));
+    if !are_short && !run.learner.is_learning() {
+        // On trial since a hop that was expected to be short.
+        run.learner.end();
+    }
     let mut innovation = None;
     if !goes_on {
         run.learner.end();
     } else if run.learner.in_segment() {
-        let counts = if short_hops {
+        let counts = if are_short {
             let believed = read && run.learner.unbroken(coasted) > short.believe_probability;
             Counts { believed, end_cut_s: short.end_cut_s, min_segment_s: short.min_segment_s }
         } else {
@@ -348,10 +354,10 @@ fn learn_coasting(
         let tick = tick(judged, (0.0, 0.0));
         let stepped = run.learner.step(learning, &config.sensor, line, acting, &tick, &counts)?;
         innovation = stepped.filter(|_| read && run.learner.is_learning());
-    } else if !short_hops && read && coasted > learning.begin_probability && judged.location_m.is_ok() {
+    } else if !are_short && read && coasted > learning.begin_probability && judged.location_m.is_ok() {
         run.learner.begin(judged.time_s, &run.kinematics.belief(), true);
     }
-    if let Some(coasts) = recognition.coasts.filter(|_| short_hops && visible) {
+    if let Some(coasts) = recognition.coasts.filter(|_| are_short && visible && judged.contradiction.is_none()) {
         run.learner.end_of_interval(coasted, coasts, short.begin_probability);
         if !run.learner.in_segment() && coasts > LEAST_COASTS && judged.location_m.is_ok() {
             run.learner.begin(judged.time_s, &run.kinematics.belief(), false);

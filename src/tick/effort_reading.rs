@@ -52,6 +52,8 @@ in_place! {
     pub struct EffortReading {
         /// Effort of the last row, N/kg.
         last_n_per_kg: Option<Real> = (None);
+        /// Shortest time between two rows, s: what `s` is of; 0 before the first.
+        usual_s: Real = (0.0);
         /// Since the interval began: sums of effort and of its change over the ticks, times their length, N s/kg.
         effort: Real = (0.0);
         change: Real = (0.0);
@@ -85,7 +87,10 @@ impl EffortReading {
         effort_n_per_kg: Option<Real>,
     ) -> Option<Known> {
         let before = core::mem::replace(&mut self.last_n_per_kg, effort_n_per_kg);
-        let known = before.zip(effort_n_per_kg).filter(|(before, now)| before.min(*now) > BRAKE_N_PER_KG);
+        self.usual_s = if self.usual_s > 0.0 { self.usual_s.min(dt_s) } else { dt_s };
+        // `s` is a share of the usual tick: after a gap nothing is known of the mean.
+        let usual = dt_s < LONGEST_TICK * self.usual_s;
+        let known = before.zip(effort_n_per_kg).filter(|(before, now)| usual && before.min(*now) > BRAKE_N_PER_KG);
         let Some((before, now)) = known else {
             self.ticks = None;
             return None;
@@ -102,15 +107,21 @@ impl EffortReading {
         Some((now + share * (before - now), libm::hypot(noise, of_share)))
     }
 
+    /// The log begins again after a pause: what was learned of the column stays.
+    pub fn interrupt(&mut self) {
+        self.last_n_per_kg = None;
+        self.ticks = None;
+    }
+
     /// An interval begins.
     pub fn begin_interval(&mut self) {
         (self.effort, self.change, self.ticks) = (0.0, 0.0, Some(0));
     }
 
-    /// An interval ends: `effort` by the change of speed, with the standard deviation of that, N/kg. `gain` is true over read. The next one begins.
+    /// An interval ends: `effort` by the change of speed, with the standard deviation of that, N/kg. `gain` is true over read. One that is further from
+    /// what is expected than four standard deviations says nothing: a brake that the column does not show, a slip.
     pub fn compare(&mut self, config: &EffortReadingConfig, interval_s: Real, effort: &Effort, sd: Real, gain: Known) {
         let (read, change, ticks) = (self.effort / interval_s, self.change / interval_s, self.ticks);
-        self.begin_interval();
         let Some(ticks @ 1..) = ticks.filter(|_| change.abs() > LEAST_CHANGE_N_PER_KG) else {
             return;
         };
@@ -118,8 +129,14 @@ impl EffortReading {
         let noise = config.noise_share * read;
         let variance = sd * sd + gain_sd * gain_sd * read * read + noise * noise / Real::from(ticks);
         let column = gain * change;
+        let (share, share_sd) = self.share(config, self.usual_s);
+        let missed = effort.effort_n_per_kg - gain * read;
+        let expected_sd = libm::sqrt(variance + column * column * (share_sd * share_sd + MISSED * MISSED / 4.0));
+        if (missed - share * column).abs() > GATE * expected_sd {
+            return;
+        }
         self.information += column * column / variance;
-        self.vector += column * (effort.effort_n_per_kg - gain * read) / variance;
+        self.vector += column * missed / variance;
     }
 }
 
@@ -127,6 +144,10 @@ impl EffortReading {
 const MISSED: Real = 0.5;
 /// What a column that is late by a whole tick has not seen of its end, standard deviation over all ticks, N/kg.
 const UNSEEN_N_PER_KG: Real = 0.03;
+/// Longest tick that is a usual one, in usual ones.
+const LONGEST_TICK: Real = 1.5;
+/// Standard deviations beyond which an interval is not believed.
+const GATE: Real = 4.0;
 /// Rows below are of a brake, N/kg.
 const BRAKE_N_PER_KG: Real = -0.01;
 
@@ -164,6 +185,7 @@ mod tests {
             let truth = mean_n_per_kg(time_s - TICK_S, time_s);
             let effort = Effort { effort_n_per_kg: truth, acceleration_mps2: 0.0, resistance_n_per_kg: 0.0 };
             reading.compare(&config, TICK_S, &effort, 0.012, (1.0, 0.03));
+            reading.begin_interval();
             if let Some((mean, sd)) = known.filter(|_| tick >= 50) {
                 square += (mean - truth) * (mean - truth) / (sd * sd);
                 count += 1.0;

@@ -37,7 +37,8 @@ pub fn analyse(given: &Context<'_>, runs: &[Run], effort: EffortReading) -> Opti
     // Without rows forces cannot be evaluated; wheels and locations can.
     let has_rows = last.is_some();
     let (mut rows, calibrated) = last.unwrap_or_default();
-    let gain = Search::new(context, &rows, &calibrated, measured).effort_gain(&terms).filter(|_| has_rows && measured);
+    let searched = (has_rows && measured).then(|| Search::new(context, &rows, &calibrated, measured));
+    let gain = searched.and_then(|search| search.effort_gain(&terms));
     let (righted, recut);
     let (mut runs, mut cut) = (runs, cut.as_slice());
     if let Some(gain) = gain {

@@ -151,7 +151,7 @@ pub fn delay(context: &Context<'_>, runs: &[Run]) -> Delay {
         // Efforts come late; early they are where the speed is late.
         let mut tried: Vec<(f64, Sizes)> = (-steps / 2..=steps).map(|i| of(reading, f64::from(i) * coarse_s)).collect();
         let (near_s, _) = best(&tried, None)?;
-        let fine = (coarse_s / config.delay_step_s).round() as i32;
+        let fine = (coarse_s / config.delay_step_s.max(0.01)).round() as i32;
         let around = (1 - fine..fine).filter(|i| *i != 0).map(|i| near_s + f64::from(i) * config.delay_step_s);
         tried.extend(around.map(|delay_s| of(reading, delay_s)));
         let (value, reached) = best(&tried, None)?;

@@ -84,7 +84,7 @@ pub fn offset(context: &Context<'_>, rows: &[Row]) -> Option<Offset> {
         0.5 * left(&moved(context, rows, offset_m)).norm_squared() + prior
     };
     let none = loss(0.0);
-    let steps = (config.most_sd * config.location_offset_sd_m / config.offset_step_m).round() as i32;
+    let steps = (config.most_sd * config.location_offset_sd_m / config.offset_step_m.max(0.1)).round() as i32;
     let tried =
         (-steps..=steps).map(|i| f64::from(i) * config.offset_step_m).map(|offset_m| (offset_m, loss(offset_m)));
     let tried: Vec<(f64, f64)> = tried.collect();
