@@ -110,7 +110,8 @@ pub fn all() -> Vec<Fleet> {
             sensed(Sensors { effort_lag_s: 1.0, ..every(10.0) }),
         )
         .measured(),
-        Fleet::new("late-1s", "the same at 1 s", sensed(Sensors { effort_lag_s: 1.0, ..every(1.0) })).measured(),
+        Fleet::new("late-1s", "mean efforts one second late, 1 s", sensed(Sensors { effort_lag_s: 1.0, ..every(1.0) }))
+            .measured(),
         Fleet::new("effort-wind", "effort column, wind of 2 m/s", Scenario { wind_sd_mps: 2.0, ..case_study() })
             .measured(),
         Fleet::new("metro", "metro, 90 km/h, 1.2 km between stops, 1 s", metro(1.0)).band([20.0, 90.0]),
