@@ -56,7 +56,7 @@ fn false_alarms(done: &[Done]) -> String {
     text
 }
 
-/// What was said of recorders and descriptions that are wrong, one row for each nuisance and kind of log; the last is of sets without one.
+/// What was said of recorders and descriptions that are wrong, one row for each nuisance and kind of log.
 fn nuisances(done: &[Done]) -> String {
     let mut kinds: Vec<Option<Nuisance>> = Vec::new();
     for one in done {

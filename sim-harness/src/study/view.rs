@@ -4,6 +4,7 @@
 //! the figures draw.
 
 use super::{case::CaseTruth, moments::Moments};
+use crate::accuracy_bench::score::regime;
 use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
 use rundown_files::table::{Cell, Record};
@@ -184,7 +185,7 @@ impl Seen {
                 speed_mps: 0.5 * (before.speed_mps + now.speed_mps),
                 rate_mps2: Some((before.speed_mps - now.speed_mps) / dt_s),
                 // An interval is of one regime where it is that at both ends.
-                regime: (before.regime == now.regime).then(|| estimated(now.regime)),
+                regime: (before.regime == now.regime).then(|| regime(now.regime)),
                 is_traction: now.regime == TrueRegime::Traction,
                 effort_n_per_kg: Some(now.mean_effort_n_per_kg),
                 location_m: now.location_m,
@@ -194,7 +195,7 @@ impl Seen {
             Points::of(vec![davis; truth.samples.len()], truth.samples.windows(2).map(interval), kw);
         let mut times_s = [0.0; 5];
         for pair in truth.samples.windows(2) {
-            times_s[estimated(pair[1].regime) as usize] += pair[1].time_s - pair[0].time_s;
+            times_s[regime(pair[1].regime) as usize] += pair[1].time_s - pair[0].time_s;
         }
         let moving = |regime: Regime| times_s[regime as usize];
         let coast = facts.final_coast.as_ref();
@@ -232,17 +233,6 @@ impl FirstAcceleration {
             };
         }
         self.without < OVER_SAMPLES
-    }
-}
-
-/// The estimator's word for what the driver did.
-const fn estimated(regime: TrueRegime) -> Regime {
-    match regime {
-        TrueRegime::Standstill => Regime::Standstill,
-        TrueRegime::Traction => Regime::Traction,
-        TrueRegime::Cruise => Regime::Cruise,
-        TrueRegime::Coast => Regime::Coast,
-        TrueRegime::Brake => Regime::Brake,
     }
 }
 
