@@ -74,6 +74,11 @@ pub(crate) fn digest(pass: impl FnOnce(&mut Bytes<'_>)) -> u32 {
 }
 
 impl Bytes<'_> {
+    /// A value is read, and there are no bytes left.
+    pub(crate) fn are_at_end(&self) -> bool {
+        matches!(self.way, Way::In { rest: [] })
+    }
+
     /// True where a value is read, and what it was does not count.
     pub(crate) fn are_read(&self) -> bool {
         matches!(self.way, Way::In { .. })

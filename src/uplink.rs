@@ -26,6 +26,7 @@ use crate::tick::plausibility::PlausibilityConfig;
 use crate::tick::regime::{PaperRule, RecogniserConfig};
 use crate::tick::sensor::SensorConfig;
 use crate::tick::short_hops::ShortHopConfig;
+use crate::tick::track_doubt::TrackDoubtConfig;
 use heapless::Vec;
 use rundown_wire::{Effect, SnapshotPart};
 use serde::{Deserialize, Serialize};
@@ -141,7 +142,7 @@ macro_rules! sections {
 
         impl Setting {
             /// All sections of a configuration.
-            pub fn all(config: &Config) -> [Self; 13] {
+            pub fn all(config: &Config) -> [Self; 14] {
                 [$(Self::$Section(config.$field)),*]
             }
 
@@ -182,6 +183,8 @@ sections! {
     EffortReading(EffortReadingConfig) is effort_reading,
     /// 12: learning on short hops.
     ShortHops(ShortHopConfig) is short_hops,
+    /// 13: how far the described gradients may be off.
+    TrackDoubt(TrackDoubtConfig) is track_doubt,
 }
 
 /// When a tick happens.

@@ -8,6 +8,7 @@ use host_tests::prelude::*;
 use rundown::model::effects::{Coordinate, Effect, Effects, TunnelDrag, Unknown, WarmUp};
 use rundown::onboard::store::persisted::{LAYOUT, Lifetime, NotRestored, Persisted};
 use rundown::onboard::store::{AppendError, EpochError, Identity, OVERHEAD, Refused, Store, TooFewPages};
+use rundown::tick::foresight::Foresight;
 use rundown::tick::memory::{Implausible, MemoryConfig};
 
 const SLOT: usize = 1024;
@@ -402,7 +403,7 @@ fn learned() -> (Vehicle, Persisted) {
     let mut end = begin;
     end.mean *= 0.9;
     end.covariance *= 0.2;
-    vehicle.learn(&config, &begin, &end);
+    vehicle.learn(&config, &begin, &end, &Foresight::NONE);
     let effects = [
         Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s: 300.0 }),
         Effect::Unknown(Unknown {

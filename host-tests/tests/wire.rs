@@ -200,7 +200,7 @@ fn the_numbers_of_the_enums_are_those_of_the_code() {
     let arrival = CoastArrival { speed_mps: Value::default(), time_s: 0.0, time_sd_s: 0.0 };
     let (arrives, stops) = (CoastOutcome::Arrives(arrival), CoastOutcome::Stops(Value::default()));
     enum_table(tables, &[CoastOutcome::Unknown, CoastOutcome::NoTarget, arrives, CoastOutcome::MayStop, stops]);
-    enum_table(tables, &[Learned::NotYet, Learned::Learned, Learned::OutOfBounds]);
+    enum_table(tables, &[Learned::NotYet, Learned::Learned, Learned::OutOfBounds, Learned::PredictsWorse]);
     let older = Memory::RestoredOlder;
     enum_table(
         tables,

@@ -12,6 +12,7 @@ use crate::tick::plausibility::PlausibilityConfig;
 use crate::tick::regime::{PaperRule, RecogniserConfig};
 use crate::tick::sensor::SensorConfig;
 use crate::tick::short_hops::ShortHopConfig;
+use crate::tick::track_doubt::TrackDoubtConfig;
 use serde::{Deserialize, Serialize};
 
 /// Where the applied effort comes from, and what may be learned from it.
@@ -61,6 +62,8 @@ pub struct Config {
     pub effort_reading: EffortReadingConfig,
     /// Learning on short hops, in the `gated` mode.
     pub short_hops: ShortHopConfig,
+    /// How far the described gradients may be off.
+    pub track_doubt: TrackDoubtConfig,
 }
 
 settings! {
@@ -93,6 +96,9 @@ impl Config {
         if self.short_hops != ShortHopConfig::default() {
             self.short_hops.pass(bytes);
         }
+        if self.track_doubt != TrackDoubtConfig::default() {
+            self.track_doubt.pass(bytes);
+        }
     }
 
     /// The default values in this mode.
@@ -116,6 +122,7 @@ impl Config {
         self.security.check_ranges()?;
         self.effort_reading.check_ranges()?;
         self.short_hops.check_ranges()?;
+        self.track_doubt.check_ranges()?;
         self.features.check()
     }
 }

@@ -18,18 +18,22 @@ use crate::model::effects::{Acting, Effects, Surroundings};
 use crate::model::effort;
 use crate::model::line::Line;
 use crate::model::point::Point;
-use crate::model::state::{LOCATION, SPEED};
+use crate::model::resistance::Davis;
+use crate::model::state::{LOCATION, SPEED, resistance_sd};
 use crate::model::track::Track;
 use crate::model::train::Train;
+use crate::model::units::KmPerHour;
 use crate::plain::{Bytes, Plain};
 use crate::tick::bounds::ConfigError;
 use crate::tick::estimate::{Cause, Counters, Estimate, Validity};
+use crate::tick::foresight::Foresight;
 use crate::tick::measurement::Measurement;
 use crate::tick::memory::{MemoryConfig, Vehicle};
 use crate::tick::plausibility::Judged;
+use crate::tick::published::{JUDGED_KMH, Published};
 use crate::tick::regime::Regime;
 use core::borrow::{Borrow, BorrowMut};
-use rundown_wire::errors;
+use rundown_wire::{Learned, errors};
 
 /// Without a location for longer than this the location is invalid; the same for the speed, s.
 const INVALID_AFTER_S: Real = 60.0;
@@ -62,6 +66,8 @@ pub struct RunSummary {
     pub gain: (Real, Real),
     /// How long the resistance was learned, s.
     pub learned_s: Real,
+    /// How the coasts that taught had been foreseen.
+    pub foresight: Foresight,
     /// How often each cause occurred.
     pub counters: Counters,
 }
@@ -73,6 +79,7 @@ impl RunSummary {
         run_davis: Gaussian::ZEROED,
         gain: (0.0, 0.0),
         learned_s: 0.0,
+        foresight: Foresight::NONE,
         counters: Counters::ZEROED,
     };
 }
@@ -206,6 +213,13 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         }
     }
 
+    /// What of a vehicle is published between runs, and how far it may be trusted.
+    pub fn published(&self, vehicle: &Vehicle) -> (Davis, Learned) {
+        let nominal = self.train.davis();
+        let initial_sd = resistance_sd(&self.new_vehicle().davis(), KmPerHour(JUDGED_KMH).to_mps());
+        Published::default().judge(&nominal, initial_sd, &vehicle.davis(), vehicle.trust().is_worse())
+    }
+
     /// Begins a run with what is known of the vehicle.
     pub fn begin_run(&self, vehicle: &Vehicle, direction: Direction) -> RunState {
         let mut run = RunState::idle();
@@ -280,7 +294,9 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         let acting = Acting::new(self.effects.borrow(), run.journey);
         // That of a tick of 10 s.
         let noise_mps2 = self.config.learning.acceleration_noise_mps2;
-        let noise = 10.0 * noise_mps2 * noise_mps2;
+        let speed_mps = estimate.belief.mean[SPEED];
+        let noise =
+            10.0 * noise_mps2 * noise_mps2 + self.config.track_doubt.density(self.train.gravity_n_per_kg(), speed_mps);
         coast_ahead::predict(&self.config.coast, &line, &acting, noise, estimate)
     }
 
@@ -298,7 +314,9 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         match self.config.mode {
             Mode::Paper => vehicle.replace(&summary.run_davis),
             Mode::Gated | Mode::Measured => {
-                vehicle.learn(&self.memory_config(), &run.begin, &summary.run_davis);
+                let foresight = run.learner.foresight();
+                vehicle.learn(&self.memory_config(), &run.begin, &summary.run_davis, &foresight);
+                summary.foresight = foresight;
             }
         }
         if let Some(last) = run.unconfirmed.take() {

@@ -266,18 +266,29 @@ fn evidence(
     let interval_s = to.time_s - from.time_s;
     let midway_mps = 0.5 * (from.speed_mps + to.speed_mps);
     let (max_effort_n_per_kg, _) = acting.limits_n_per_kg(line.train, to.location_m, midway_mps);
+    let gravity_n_per_kg = line.train.gravity_n_per_kg();
+    let of_track = libm::sqrt(config.track_doubt.density(gravity_n_per_kg, midway_mps) / interval_s)
+        .min(config.track_doubt.sd_n_per_kg(gravity_n_per_kg));
     Evidence {
         interval_s,
         acceleration_mps2: effort.acceleration_mps2,
         acceleration_sd_mps2: core::f64::consts::SQRT_2 * config.sensor.speed_sd_mps() / interval_s,
         resistance_n_per_kg: effort.resistance_n_per_kg,
-        resistance_sd_n_per_kg: resistance_sd(belief, midway_mps),
+        resistance_sd_n_per_kg: libm::hypot(resistance_sd(belief, midway_mps), of_track),
         max_effort_n_per_kg,
     }
 }
 
-fn tick(judged: &Judged, (effort_n_per_kg, effort_sd_n_per_kg): Known) -> Tick {
+fn tick(
+    config: &Config,
+    run: &RunState,
+    line: &Line<'_>,
+    judged: &Judged,
+    (effort_n_per_kg, effort_sd_n_per_kg): Known,
+) -> Tick {
+    let speed_mps = run.kinematics.belief().mean[SPEED];
     Tick {
+        track_density: config.track_doubt.density(line.train.gravity_n_per_kg(), speed_mps),
         time_s: judged.time_s,
         dt_s: judged.dt_s,
         location_m: judged.location_m.ok(),
@@ -298,7 +309,7 @@ fn learn_measured(
 ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
     match effort.filter(|_| judged.contradiction.is_none()) {
         Some(known) if run.learner.in_segment() => {
-            let tick = tick(judged, known);
+            let tick = tick(config, run, line, judged, known);
             return run.learner.step(&config.learning, &config.sensor, line, acting, &tick, &usual(config));
         }
         Some(_) if judged.location_m.is_ok() => run.learner.begin(judged.time_s, &run.kinematics.belief(), true),
@@ -351,7 +362,7 @@ fn learn_coasting(
         } else {
             usual(config)
         };
-        let tick = tick(judged, (0.0, 0.0));
+        let tick = tick(config, run, line, judged, (0.0, 0.0));
         let stepped = run.learner.step(learning, &config.sensor, line, acting, &tick, &counts)?;
         innovation = stepped.filter(|_| read && run.learner.is_learning());
     } else if !are_short && read && coasted > learning.begin_probability && judged.location_m.is_ok() {

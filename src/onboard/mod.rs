@@ -17,7 +17,6 @@ pub mod flash;
 pub mod frames;
 pub mod kept;
 pub mod outbox;
-pub mod published;
 pub mod serial;
 pub mod stack;
 pub mod stm32l4_flash;

@@ -15,9 +15,10 @@ use crate::filter::ukf::{Innovation, MeasurementModel, Reading, Spread, Ukf};
 use crate::model::effects::Acting;
 use crate::model::line::Line;
 use crate::model::motion::{Evaluate, Motion};
-use crate::model::state::{LOCATION, R0, SIZE_WITH_GAIN, SPEED};
+use crate::model::state::{LOCATION, R0, SIZE_WITH_GAIN, SPEED, davis};
 use crate::plain::plain;
 use crate::tick::bounds::settings;
+use crate::tick::foresight::{Coast, Course, Foresight, Leg};
 use crate::tick::sensor::SensorConfig;
 use crate::tick::snapshot::{InPlace, in_place};
 use heapless::Deque;
@@ -88,6 +89,8 @@ pub struct Tick {
     pub effort_n_per_kg: Real,
     /// Standard deviation of that effort.
     pub effort_sd_n_per_kg: Real,
+    /// Spectral density of the acceleration by the doubt of the track, m²/s³.
+    pub track_density: Real,
 }
 
 /// What of a segment counts.
@@ -108,15 +111,16 @@ const BEGIN_SPEED_SD_MPS: Real = 1.0;
 /// Beliefs that wait for the end cut to pass.
 const WAITING: usize = 8;
 
-/// A belief of the constants with the time when it was reached.
+/// A belief of the constants with the time when it was reached, and how the segment had been foreseen up to there.
 #[derive(Clone, Copy, Debug)]
 struct Reached {
     time_s: Real,
     constants: Gaussian<4>,
+    coast: Option<Coast>,
 }
 
 plain! {
-    struct Reached { time_s, constants }
+    struct Reached { time_s, constants, coast }
 }
 
 in_place! {
@@ -133,6 +137,11 @@ in_place! {
         belief: Gaussian<SIZE_WITH_GAIN> = (Gaussian::ZEROED);
         last_speed_s: Real = (0.0);
         last_location_s: Real = (0.0);
+        course: Course = (Course::ZEROED);
+        /// How it was foreseen up to the last tick.
+        latest: Option<Coast> = (None);
+        /// How it was foreseen, as far as it counts.
+        coast: Option<Coast> = (None);
         waiting: Deque<Reached, WAITING> = (in place);
     }
 }
@@ -145,6 +154,7 @@ in_place! {
         constants: Gaussian<4> = (Gaussian::ZEROED);
         segment: Option<Segment> = (in place);
         learned_s: Real = (0.0);
+        foresight: Foresight = (Foresight::NONE);
     }
 }
 
@@ -190,6 +200,12 @@ impl Learner {
         self.believed().is_some()
     }
 
+    /// How the segments that counted were foreseen, the running one included.
+    pub fn foresight(&self) -> Foresight {
+        let running = self.segment.as_ref().and_then(|segment| segment.coast);
+        running.map_or(self.foresight, |coast| self.foresight.with(&coast))
+    }
+
     fn believed(&self) -> Option<&Segment> {
         self.segment.as_ref().filter(|segment| segment.believed)
     }
@@ -205,7 +221,7 @@ impl Learner {
         let unbroken = self.unbroken(coasted) / coasts.max(Real::MIN_POSITIVE);
         match &mut self.segment {
             Some(segment) if segment.believed || unbroken >= least => segment.unbroken = unbroken.min(1.0),
-            _ => self.segment = None,
+            _ => self.end(),
         }
     }
 
@@ -238,10 +254,12 @@ impl Learner {
         segment.belief = belief;
         segment.last_speed_s = time_s;
         segment.last_location_s = time_s;
+        segment.course = Course::begin(time_s, &davis_of(&self.constants));
     }
 
     /// Ends the segment: what waits for the end cut is forgotten.
     pub fn end(&mut self) {
+        self.foresight = self.foresight();
         self.segment = None;
     }
 
@@ -271,11 +289,11 @@ impl Learner {
                 Ok(Some(innovation))
             }
             Ok((innovation, false)) => {
-                self.segment = None;
+                self.end();
                 Ok(Some(innovation))
             }
             Err(error) => {
-                self.segment = None;
+                self.end();
                 Err(error)
             }
         }
@@ -300,6 +318,7 @@ impl Learner {
             segment.waiting.pop_front();
             if reached.time_s - segment.begin_s >= counts.min_segment_s {
                 self.constants = reached.constants;
+                segment.coast = reached.coast;
                 self.learned_s += reached.time_s - segment.settled_s;
                 segment.settled_s = reached.time_s;
             }
@@ -308,7 +327,7 @@ impl Learner {
         let spacing_s = counts.end_cut_s / (WAITING - 2) as Real;
         let due = segment.waiting.back().is_none_or(|last| time_s - last.time_s >= spacing_s);
         if due {
-            let reached = Reached { time_s, constants: segment.constants() };
+            let reached = Reached { time_s, constants: segment.constants(), coast: segment.latest };
             // Cannot be full, see above; if it were, this belief would merely not wait.
             let _waits = segment.waiting.push_back(reached).is_ok();
         }
@@ -344,10 +363,11 @@ impl Segment {
         let sub_steps = libm::ceil(tick.dt_s / config.sub_step_s).clamp(1.0, 1000.0);
         let h_s = tick.dt_s / sub_steps;
         // White acceleration noise of this tick, spread over its sub-steps so that their sum has the same variance.
-        let gusts = config.acceleration_noise_mps2 * config.acceleration_noise_mps2 * 10.0 / tick.dt_s;
+        let gusts = config.acceleration_noise_mps2 * config.acceleration_noise_mps2 * 10.0;
         let effort = tick.effort_sd_n_per_kg * tick.effort_sd_n_per_kg;
-        let noise_mps2 = libm::sqrt((gusts + effort) * sub_steps);
+        let noise_mps2 = libm::sqrt(((gusts + tick.track_density) / tick.dt_s + effort) * sub_steps);
         let mut begin_s = tick.time_s - tick.dt_s;
+        let (began_mps, believed) = (self.belief.mean[SPEED], davis(&self.belief.mean));
         for _ in 0..sub_steps as u32 {
             let (x, evaluate) = (&self.belief.mean, Evaluate::Midway);
             let motion = Motion::new(line, x, tick.effort_n_per_kg, h_s, evaluate)
@@ -357,10 +377,25 @@ impl Segment {
         }
         let staircase = (config.staircase_s / tick.dt_s).max(1.0);
         let speed_sd_mps = sensor.speed_sd_mps();
-        let observation = LocationAndSpeed {
-            location_variance: sensor.location_sd_m * sensor.location_sd_m,
-            speed_variance: speed_sd_mps * speed_sd_mps * staircase,
+        let speed_variance = speed_sd_mps * speed_sd_mps * staircase;
+        let ends_mps = self.belief.mean[SPEED];
+        // A measured effort has errors of its own, which would be taken for those of the resistance.
+        let coasts = tick.effort_sd_n_per_kg == 0.0;
+        let leg = Leg {
+            time_s: tick.time_s,
+            dt_s: tick.dt_s,
+            midway_mps: 0.5 * (began_mps + ends_mps),
+            foreseen_mps: ends_mps - began_mps,
+            believed,
+            described: line.train.davis(),
+            speed_mps: tick.speed_mps,
+            speed_variance,
+            gusts,
+            track: tick.track_density,
         };
+        self.latest = if coasts { self.course.add(&leg) } else { None };
+        let observation =
+            LocationAndSpeed { location_variance: sensor.location_sd_m * sensor.location_sd_m, speed_variance };
         let innovation = ukf.update(&mut self.belief, &observation, &[tick.location_m, tick.speed_mps])?;
         let [location, speed] = innovation.readings;
         if location == Reading::Used {

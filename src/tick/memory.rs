@@ -26,6 +26,7 @@ use crate::Real;
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
 use crate::tick::bounds::settings;
+use crate::tick::foresight::{Foresight, Trust};
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -51,6 +52,14 @@ settings! {
 }
 
 impl MemoryConfig {
+    /// A vehicle before its first run, in shares.
+    fn described(&self) -> Gaussian<3> {
+        let common = self.vehicle_scale_sd * self.vehicle_scale_sd;
+        let own = self.vehicle_shape_sd * self.vehicle_shape_sd;
+        let covariance = Matrix3::from_element(common) + Matrix3::from_diagonal_element(own);
+        Gaussian { mean: Vector3::from_element(1.0), covariance }
+    }
+
     /// A run's deviation at a scale, in shares.
     fn deviation(&self, nominal: &Davis, scale: Real) -> Gaussian<3> {
         let wind_sd_mps = scale * self.wind_sd_mps;
@@ -80,15 +89,13 @@ pub struct Vehicle {
     nominal: Davis,
     hypotheses: [Hypothesis; SCALES.len()],
     runs: u32,
+    trust: Trust,
 }
 
 impl Vehicle {
     /// A vehicle as its manufacturer describes it.
     pub fn new(config: &MemoryConfig, nominal: Davis) -> Self {
-        let common = config.vehicle_scale_sd * config.vehicle_scale_sd;
-        let own = config.vehicle_shape_sd * config.vehicle_shape_sd;
-        let covariance = Matrix3::from_element(common) + Matrix3::from_diagonal_element(own);
-        Self::with_prior(nominal, Gaussian { mean: Vector3::from_element(1.0), covariance })
+        Self::with_prior(nominal, config.described())
     }
 
     /// A vehicle with independent standard deviations of its coefficients (SI units), as Table 1 states them.
@@ -104,7 +111,7 @@ impl Vehicle {
         for (slot, entry) in hypotheses.iter_mut().zip(SCALES.into_iter().zip(SCALE_WEIGHTS)) {
             *slot = hypothesis(entry);
         }
-        Self { nominal, hypotheses, runs: 0 }
+        Self { nominal, hypotheses, runs: 0, trust: Trust::NONE }
     }
 
     /// The vehicle's Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²).
@@ -130,20 +137,36 @@ impl Vehicle {
         config.wind_sd_mps * libm::sqrt(variance)
     }
 
-    /// Takes up what a run said: its belief at the beginning and at the end. A run that learned nothing changes nothing.
+    /// How far this may be trusted, by how it foresaw coasts.
+    pub fn trust(&self) -> &Trust {
+        &self.trust
+    }
+
+    /// Takes up what a run said: its belief at the beginning and at the end, and how its coasts had been foreseen. A run that learned nothing changes nothing.
+    ///
+    /// What scatters more than it should says less. What the doubt of the track has in it is shared by the runs: so much of what is known is forgotten first, and no number of
+    /// runs says more than the track allows.
     #[inline(never)]
-    pub fn learn(&mut self, config: &MemoryConfig, begin: &Gaussian<3>, end: &Gaussian<3>) {
+    pub fn learn(&mut self, config: &MemoryConfig, begin: &Gaussian<3>, end: &Gaussian<3>, run: &Foresight) {
         if begin == end {
             return;
         }
         let Some((information, vector)) = self.likelihood(begin, end) else {
             return;
         };
+        let mut trust = self.trust;
+        trust.add(&run.trust);
+        let weight = 1.0 / trust.inflation();
+        let (information, vector) = (information * weight, vector * weight);
+        let forgotten = run.track_share();
         let drift = Matrix3::from_diagonal_element(config.drift_sd * config.drift_sd);
         let mut next = *self;
         let mut log_weights = [0.0; SCALES.len()];
         for (hypothesis, log_weight) in next.hypotheses.iter_mut().zip(&mut log_weights) {
             hypothesis.vehicle.covariance += drift;
+            if forgotten > 0.0 && hypothesis.forget(forgotten, &config.described()).is_none() {
+                return;
+            }
             let deviation = config.deviation(&self.nominal, hypothesis.scale);
             let Some(evidence) = hypothesis.learn(&deviation, &information, &vector) else {
                 return;
@@ -161,6 +184,7 @@ impl Vehicle {
             hypothesis.weight /= sum;
         }
         next.runs = next.runs.saturating_add(1);
+        next.trust = trust;
         if next.davis().is_finite() {
             *self = next;
         }
@@ -221,6 +245,15 @@ fn shares(nominal: &Davis) -> Vector3<Real> {
 }
 
 impl Hypothesis {
+    /// Forgets a share of what is known beyond the description.
+    fn forget(&mut self, share: Real, described: &Gaussian<3>) -> Option<()> {
+        let (prior, known) = (described.covariance.try_inverse()?, self.vehicle.covariance.try_inverse()?);
+        let covariance = (prior * share + known * (1.0 - share)).try_inverse()?;
+        let vector = prior * described.mean * share + known * self.vehicle.mean * (1.0 - share);
+        self.vehicle = Gaussian { mean: covariance * vector, covariance: (covariance + covariance.transpose()) * 0.5 };
+        Some(())
+    }
+
     /// The train of a run: the vehicle and its deviation of the day.
     fn of_run(&self, deviation: &Gaussian<3>) -> Gaussian<3> {
         Gaussian {
@@ -252,5 +285,45 @@ impl Hypothesis {
             covariance: (covariance + covariance.transpose()) * 0.5,
         };
         Some(evidence)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::state::resistance_sd;
+
+    /// Reported standard deviation of r(100 km/h) after so many runs that each say the same with the same share of the track in it, and how far they scatter.
+    fn sd_after(runs: u32, track_share: Real, squares: Real) -> Real {
+        let config = MemoryConfig { drift_sd: 0.0, ..MemoryConfig::default() };
+        let mut vehicle = Vehicle::new(&config, Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 });
+        let trust = Trust { coasts: 10.0, squares, ..Trust::NONE };
+        let run = Foresight { trust, track_share: 10.0 * track_share, ..Foresight::NONE };
+        for _ in 0..runs {
+            let begin = vehicle.next_run(&config);
+            let mut end = begin;
+            // Each run adds the information of one standard deviation of 5 %.
+            let unit = Vector3::new(1.0 / 7.38e-3, 1.0 / 1.6e-4, 1.0 / 2.8e-5);
+            let before = begin.covariance.try_inverse().unwrap();
+            end.covariance = (before + Matrix3::from_diagonal(&unit.map(|u| u * u / 0.0025))).try_inverse().unwrap();
+            vehicle.learn(&config, &begin, &end, &run);
+        }
+        assert_eq!(vehicle.runs(), runs);
+        resistance_sd(&vehicle.davis(), 100.0 / 3.6)
+    }
+
+    #[test]
+    fn runs_over_a_doubtful_track_say_no_more_than_one() {
+        let (one, exact, doubtful) = (sd_after(1, 0.0, 0.0), sd_after(50, 0.0, 0.0), sd_after(50, 1.0, 0.0));
+        assert!(exact < 0.3 * one, "{exact} {one}");
+        assert!((doubtful / one - 1.0).abs() < 0.2, "{doubtful} {one}");
+        let half = sd_after(50, 0.5, 0.0);
+        assert!(exact < half && half < doubtful);
+    }
+
+    #[test]
+    fn coasts_that_scatter_count_for_less() {
+        let (expected, scattered) = (sd_after(20, 0.0, 10.0), sd_after(20, 0.0, 90.0));
+        assert!(scattered > 1.5 * expected, "{scattered} {expected}");
     }
 }

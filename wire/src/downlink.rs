@@ -129,6 +129,8 @@ words! {
         Learned "learned",
         /// The estimate lies outside what a train can have; the values are cut off there.
         OutOfBounds "out_of_bounds",
+        /// Coasts are foreseen worse by what was learned than by the description, whose coefficients are published instead.
+        PredictsWorse "predicts_worse",
     }
 }
 

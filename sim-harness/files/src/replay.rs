@@ -12,10 +12,12 @@
 use crate::{recording::Recording, sample::Sample};
 use rayon::prelude::*;
 use rundown::estimator::{Estimator, RunSummary, StepError};
+use rundown::tick::foresight::Trust;
 use rundown::{
     coast_ahead::CoastAhead, filter::gaussian::Gaussian, model::direction::Direction, tick::estimate::Estimate,
     tick::measurement::Measurement, tick::memory::Vehicle, tick::regime::Regime,
 };
+use rundown_wire::Learned;
 use std::collections::{BTreeMap, HashMap};
 use std::{borrow::Borrow, path::PathBuf};
 
@@ -66,6 +68,10 @@ pub struct ReplayedRun {
     pub vehicle_before: Gaussian<3>,
     /// The vehicle's Davis coefficients after the run.
     pub vehicle_after: Gaussian<3>,
+    /// How far they may be trusted: only where they are learned would the board publish them between runs.
+    pub learned: Learned,
+    /// The same by how coasts were foreseen, those of earlier runs included.
+    pub trust: Trust,
     pub warnings: Vec<String>,
 }
 
@@ -108,6 +114,8 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
         summary,
         vehicle_before,
         vehicle_after: vehicle.davis(),
+        learned: estimator.published(vehicle).1,
+        trust: *vehicle.trust(),
         warnings: recording.warnings.clone(),
     }
 }

@@ -3,10 +3,16 @@
 use crate::effect_file::{self, EffectEntry};
 use crate::refusal::ReadError;
 use crate::toml_file::{Step, TomlFile};
+use rundown::estimator::config::Config;
 use rundown::model::track::{Curve, Gradient, MAX_CURVES, MAX_GRADIENTS, MAX_TARGETS, Target, Track, TrackError};
 use rundown::model::units::KmPerHour;
 use serde::{Deserialize, Serialize};
 use std::{fmt::Display, path::Path};
+
+/// Standard deviation of the gradients of a line of which none is known, permille: that of main lines through hills.
+const UNDESCRIBED_SD_PERMILLE: f64 = 5.0;
+/// Beyond, nothing would be said of a gradient.
+const MOST_SD_PERMILLE: f64 = 100.0;
 
 /// What a track file holds. Every table is sorted by where its entries begin.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -15,6 +21,9 @@ use std::{fmt::Display, path::Path};
 pub struct TrackFile {
     pub name: String,
     pub length_m: f64,
+    /// How far a gradient may be off, standard deviation, permille; see [`TrackFile::gradient_sd_permille`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient_sd_permille: Option<f64>,
     /// Piecewise constant until the next entry.
     #[serde(default)]
     pub gradient: Vec<Gradient>,
@@ -93,6 +102,34 @@ impl TrackFile {
         checked(TomlFile::read(path)?)
     }
 
+    /// How far a gradient may be off: as the file says; else nothing where gradients are described, and as much as lines differ from flat ones
+    /// where none are.
+    ///
+    /// ```
+    /// use rundown_files::track_file::TrackFile;
+    ///
+    /// let bare = "name = \"bare\"\nlength_m = 5000\n";
+    /// let (bare, _) = TrackFile::parse("bare.toml".as_ref(), bare)?;
+    /// assert_eq!(bare.gradient_sd_permille(), 5.0);
+    /// let flat = "name = \"flat\"\nlength_m = 5000\ngradient_sd_permille = 0\n";
+    /// let (flat, _) = TrackFile::parse("flat.toml".as_ref(), flat)?;
+    /// assert_eq!(flat.gradient_sd_permille(), 0.0);
+    /// # Ok::<(), rundown_files::refusal::ReadError>(())
+    /// ```
+    pub fn gradient_sd_permille(&self) -> f64 {
+        let unsaid = if self.gradient.is_empty() { UNDESCRIBED_SD_PERMILLE } else { 0.0 };
+        self.gradient_sd_permille.unwrap_or(unsaid)
+    }
+
+    /// The configuration of an estimator on this track, where it has no doubt of its own.
+    pub fn doubted(&self, mut config: Config) -> Config {
+        let doubt = &mut config.track_doubt.gradient_sd_permille;
+        if *doubt == 0.0 {
+            *doubt = self.gradient_sd_permille();
+        }
+        config
+    }
+
     /// Stops and permitted speeds as the estimator takes them, sorted. At one place the limit comes first.
     pub fn targets(&self) -> Vec<Target> {
         let limits = self
@@ -128,6 +165,10 @@ impl TrackFile {
 fn checked(file: TomlFile<TrackFile>) -> Result<(TrackFile, Track), ReadError> {
     let values = &file.values;
     let entry = |table, index| Entry { file: &file, table, index };
+    if let Some(sd) = values.gradient_sd_permille.filter(|sd| !(0.0..=MOST_SD_PERMILLE).contains(sd)) {
+        let expected = format!("expected 0 to {MOST_SD_PERMILLE}, found {sd}");
+        return Err(file.refuse_dotted("gradient_sd_permille", expected));
+    }
     sorted(&file, "curve", "from_m", &values.curve, |c| c.from_m, false)?;
     sorted(&file, "tunnel", "from_m", &values.tunnel, |t| t.from_m, false)?;
     sorted(&file, "speed_limit", "from_m", &values.speed_limit, |l| l.from_m, true)?;

@@ -71,7 +71,7 @@ const LAST_FRAMES: Duration = Duration::from_secs(3);
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let (train_file, train) = TrainFile::read(&arguments.train)?;
     let (track, _) = TrackFile::read(&arguments.track)?;
-    let config = super::config(arguments.config.as_deref())?;
+    let config = track.doubted(super::config(arguments.config.as_deref())?);
     let effects = match &arguments.effects {
         Some(path) => read_effects(path)?,
         None => effect_file::effects(&track.effect, &train_file.effect, None)?,

@@ -149,6 +149,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         screen::print(&format!("{json:#}\n"));
     } else {
         screen::print(&screen::run_table(&results.runs));
+        screen::print(&screen::foresight(&results.runs));
         let (runs, mode) = (results.runs.len(), mode_word(setup.config.mode));
         let report = arguments.out.join("report.html");
         let report = report.display();
@@ -164,6 +165,7 @@ fn setup(arguments: &Arguments) -> Result<ReplaySetup, Failure> {
     if let Some(mode) = arguments.mode {
         config.mode = mode.into();
     }
+    let config = track.doubted(config);
     let effects = effect_file::effects(&track.effect, &train.effect, None)?;
     let estimator = Estimator::try_new(config, core_train, core_track)?.with_effects(effects);
     Ok(ReplaySetup { config, train, core_train, track, estimator })
@@ -206,7 +208,7 @@ fn replay(arguments: &Arguments, setup: &ReplaySetup) -> Result<Results, Failure
         replay_carried_by(&model, &recordings, tick, done)
     };
     bar.finish_and_clear();
-    notes.extend(advice(&setup.config, setup.track.length_m, &runs));
+    notes.extend(advice(&setup.estimator, &runs));
     Ok(Results { runs, failed, notes, carried: !arguments.no_carry, tick })
 }
 

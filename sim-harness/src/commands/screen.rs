@@ -4,6 +4,8 @@ use crate::{report::regime_shares, report::resistance::Resistance};
 use indicatif::{ProgressBar, ProgressStyle};
 use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
+use rundown_wire::Learned;
+use std::collections::BTreeMap;
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
 
@@ -82,13 +84,44 @@ pub(super) fn run_table(runs: &[ReplayedRun]) -> String {
         for share in regime_shares(run).unwrap_or_default() {
             text += &format!(" {:>8.1} %", 100.0 * share);
         }
-        text += &format!("   {}\n", resistance(&run.vehicle_after, 100.0));
+        text += &format!("   {}{}\n", resistance(&run.vehicle_after, 100.0), doubt(run.learned));
     }
     let more = runs.len().saturating_sub(RUNS_PRINTED);
     if more > 0 {
         text += &format!("... and {more} more runs, see parameters.csv and features.csv\n");
     }
     text
+}
+
+/// Why a learned resistance is none that is published.
+fn doubt(learned: Learned) -> &'static str {
+    match learned {
+        Learned::OutOfBounds => ", not published: out of bounds",
+        Learned::PredictsWorse => ", not published: predicts worse than the description",
+        _ => "",
+    }
+}
+
+/// How the coasts of each unit were foreseen, a line a unit; nothing where nobody coasted.
+pub(super) fn foresight(runs: &[ReplayedRun]) -> String {
+    let mut units: BTreeMap<&str, [f64; 3]> = BTreeMap::new();
+    for run in runs {
+        let foresight = &run.summary.foresight;
+        let of_run = [foresight.trust.coasts, foresight.learned_mps, foresight.described_mps];
+        let sums = units.entry(&run.unit).or_default();
+        sums.iter_mut().zip(of_run).for_each(|(sum, more)| *sum += more);
+    }
+    let line = |(unit, [coasts, learned, described]): (&str, [f64; 3])| {
+        let rms_kmh = |squares_mps: f64| 3.6 * (squares_mps / coasts).sqrt();
+        (coasts > 0.0).then(|| {
+            format!(
+                "unit {unit}: {coasts} coasts, the speed at their end foreseen within {:.1} km/h (rms) by what had been learned, {:.1} by the description\n",
+                rms_kmh(learned),
+                rms_kmh(described)
+            )
+        })
+    };
+    units.into_iter().take(RUNS_PRINTED).filter_map(line).collect()
 }
 
 /// `0.03125 ± 0.00042 N/kg (1.3 %)`

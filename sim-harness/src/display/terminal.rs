@@ -242,7 +242,7 @@ fn of_parameters<'a>(state: &State) -> Paragraph<'a> {
     };
     let words = match parameters.map(|parameters| parameters.learned) {
         Some(Learned::Learned) => learned(state).green(),
-        Some(Learned::OutOfBounds) => learned(state).light_red(),
+        Some(Learned::OutOfBounds | Learned::PredictsWorse) => learned(state).light_red(),
         _ => learned(state).yellow(),
     };
     let lines = vec![

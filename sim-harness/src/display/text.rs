@@ -127,6 +127,7 @@ pub const fn learned_words(learned: Learned) -> &'static str {
         Learned::NotYet => "not learned yet",
         Learned::Learned => "learned",
         Learned::OutOfBounds => "out of bounds",
+        Learned::PredictsWorse => "predicts worse than the description",
         _ => "unknown",
     }
 }

@@ -31,7 +31,11 @@ pub fn track_toml(runs: &[Passed], line: &[CentreLinePoint]) -> String {
     );
     let sections = gradients(runs, length_m);
     if sections.is_empty() {
-        text += "\n# No gradients: the logs have no altitude. A line without them is taken for a flat one.\n";
+        text +=
+            "\n# No gradients: the logs have no altitude. Without them hardly anything is learned of the resistance.\n";
+    } else {
+        let square = sections.iter().map(|(_, _, sd)| sd * sd).sum::<f64>() / sections.len() as f64;
+        let _ = writeln!(text, "gradient_sd_permille = {:.2}", square.sqrt());
     }
     for (from_m, permille, sd) in sections {
         let _ = write!(text, "\n[[gradient]]\nfrom_m = {from_m:.1}\npermille = {permille:.2} # sd {sd:.2}\n");

@@ -71,6 +71,7 @@ fn of_run(run: &ReplayedRun, config: &Config) -> Value {
         "estimates": estimates::file_name(run),
         "coast_ahead": (!run.coast_ahead.is_empty()).then(|| coast_ahead::file_name(run)),
         "vehicle": object(parameters::coefficients("", &run.vehicle_after)),
+        "foresight": object(parameters::foresight(run)),
         "this_run": object(parameters::coefficients("", &run.summary.run_davis)),
         "features": object(features::of_run(&run.summary.features, &config.features)),
         "switching_points": points,

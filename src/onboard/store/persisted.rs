@@ -8,7 +8,8 @@ use crate::listed::listed;
 use crate::model::effects::{Effect, Effects, MAX_EFFECTS, MAX_POINTS, Unknown};
 use crate::model::resistance::Davis;
 use crate::onboard::train_id::TrainId;
-use crate::plain::{self, plain};
+use crate::plain::{self, Plain as _, plain};
+use crate::tick::foresight::StoredTrust;
 use crate::tick::memory::{Implausible, Vehicle, VehicleRecord};
 use crate::tick::snapshot::{InPlace, in_place};
 use embedded_storage::nor_flash::NorFlash;
@@ -30,6 +31,8 @@ in_place! {
         pub effects: Vec<StoredEffect, MAX_EFFECTS> = (in place);
         /// The unknown one.
         pub table: Option<Unknown> = (None);
+        /// How far the vehicle may be trusted; the last field, which records of older firmware do not have.
+        pub trust: StoredTrust = (StoredTrust::START);
     }
 }
 
@@ -79,8 +82,17 @@ errors! {
 
 impl Persisted {
     /// Largest number of bytes it is stored in: 8 a number, 5 a count.
-    pub const MAX_SIZE: usize =
-        8 * 3 + 4 * 8 * 10 + 5 + 3 * 5 + 1 + MAX_EFFECTS * (1 + 1 + 2 * 8 + 1 + 4 * 8) + 1 + 1 + 1 + MAX_POINTS * 2 * 4;
+    pub const MAX_SIZE: usize = 8 * 3
+        + 4 * 8 * 10
+        + 5
+        + 3 * 5
+        + 1
+        + MAX_EFFECTS * (1 + 1 + 2 * 8 + 1 + 4 * 8)
+        + 1
+        + 1
+        + 1
+        + MAX_POINTS * 2 * 4
+        + 4 * 4;
 
     /// A vehicle and the effects of the model, nothing counted.
     pub fn new(vehicle: &Vehicle, effects: &Effects) -> Self {
@@ -90,6 +102,7 @@ impl Persisted {
             lifetime: Lifetime::default(),
             effects: listed(named.map(Effect::to_frame)),
             table: effects.table().cloned(),
+            trust: vehicle.trust().into(),
         }
     }
 
@@ -151,7 +164,9 @@ impl Persisted {
         manufacturer: &Davis,
         effects: &mut Effects,
     ) -> Result<Vehicle, NotRestored> {
-        let vehicle = Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
+        let vehicle = Vehicle::from_record(&self.vehicle, manufacturer)
+            .and_then(|vehicle| vehicle.with_trust(self.trust.into()))
+            .map_err(NotRestored::Vehicle)?;
         self.effects_in(effects)?;
         Ok(vehicle)
     }

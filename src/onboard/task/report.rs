@@ -45,7 +45,8 @@ impl<F: NorFlash> Task<'_, F> {
             covariance: estimate.belief.covariance.fixed_view::<3, 3>(R0, R0).into_owned(),
         };
         let nominal = self.estimator.train().davis();
-        let (published, learned) = self.published.judge(&nominal, self.initial_sd, &davis);
+        let (published, learned) =
+            self.published.judge(&nominal, self.initial_sd, &davis, self.vehicle.trust().is_worse());
         let gain = match self.estimator.config().mode {
             Mode::Measured => Some(self.run.gain()),
             Mode::Gated | Mode::Paper => None,

@@ -6,6 +6,7 @@ use crate::filter::elimination::{NotPositiveDefinite, eliminate};
 use crate::filter::gaussian::Gaussian;
 use crate::model::resistance::Davis;
 use crate::plain::plain;
+use crate::tick::foresight::Trust;
 use nalgebra::{Matrix3, Vector3};
 use rundown_wire::errors;
 
@@ -107,12 +108,21 @@ impl Vehicle {
                 vehicle: Gaussian { mean: Vector3::from(stored.mean), covariance: symmetric(&stored.covariance) },
             }),
             runs: record.runs,
+            trust: Trust::NONE,
         };
         for (hypothesis, scale) in vehicle.hypotheses.iter_mut().zip(SCALES) {
             hypothesis.scale = scale;
         }
         vehicle.check(manufacturer)?;
         Ok(vehicle)
+    }
+
+    /// The same with what is known of how it foresaw coasts.
+    ///
+    /// # Errors
+    /// [`Implausible::NotFinite`].
+    pub fn with_trust(self, trust: Trust) -> Result<Self, Implausible> {
+        if trust.is_sound() { Ok(Self { trust, ..self }) } else { Err(Implausible::NotFinite) }
     }
 
     fn check(&self, manufacturer: &Davis) -> Result<(), Implausible> {
@@ -154,6 +164,7 @@ fn symmetric([a, b, c, d, e, f]: &[Real; 6]) -> Matrix3<Real> {
 mod tests {
     use super::super::MemoryConfig;
     use super::*;
+    use crate::tick::foresight::Foresight;
 
     const DAVIS: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
 
@@ -164,7 +175,7 @@ mod tests {
         let mut end = begin;
         end.mean *= 1.1;
         end.covariance *= 0.3;
-        vehicle.learn(&config, &begin, &end);
+        vehicle.learn(&config, &begin, &end, &Foresight::NONE);
         assert_eq!(vehicle.runs(), 1);
         vehicle
     }

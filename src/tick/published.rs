@@ -1,7 +1,8 @@
 //! The running resistance as it is published: with hysteresis in its validity, and never a value that no train has.
 //!
 //! - *Not yet*, until the standard deviation of r(v) at [`JUDGED_KMH`] has fallen below [`LEARNED_SHARE`] of the description's; and again only above [`FORGOTTEN_SHARE`].
-//! - *Out of bounds*, when r(v) at one of [`BOUND_KMH`] leaves 0.5 to 2 times the manufacturer's; until all are back within 0.55 to 1.9 times. The curve is judged
+//! - *Predicts worse*: the description foresaw the coasts better than what was learned ([`Foresight::is_worse`](crate::tick::foresight::Foresight::is_worse)); it is published.
+//! - *Out of bounds*, when r(v) at one of [`BOUND_KMH`] leaves 0.5 to 2 times the manufacturer's; until all are back within 0.55 to 1.9 times; or when it falls from one of them to the next. The curve is judged
 //!   and not each coefficient: a headwind alone may double r1 or make it negative. Out of bounds the published coefficients are cut off at 0.5 and 2 times; the filter goes on with its own.
 
 use crate::Real;
@@ -38,8 +39,9 @@ impl Published {
         self.out_of_bounds
     }
 
-    /// The coefficients to publish and how far they may be trusted. `initial_sd` is that of r at [`JUDGED_KMH`] by the description alone.
-    pub fn judge(&mut self, nominal: &Davis, initial_sd: Real, found: &Gaussian<3>) -> (Davis, Learned) {
+    /// The coefficients to publish and how far they may be trusted. `initial_sd` is that of r at [`JUDGED_KMH`] by the description alone;
+    /// `worse`: the description foresaw the coasts better.
+    pub fn judge(&mut self, nominal: &Davis, initial_sd: Real, found: &Gaussian<3>, worse: bool) -> (Davis, Learned) {
         let sd = resistance_sd(found, KmPerHour(JUDGED_KMH).to_mps());
         let least = if self.learned { FORGOTTEN_SHARE } else { LEARNED_SHARE };
         self.learned = sd < least * initial_sd;
@@ -47,15 +49,21 @@ impl Published {
         let [r0, r1, r2] = found.mean.into();
         let davis = Davis { r0, r1, r2 };
         let (low, high) = if self.out_of_bounds { (0.55, 1.9) } else { (0.5, 2.0) };
+        let mut slower = 0.0;
         self.out_of_bounds = !BOUND_KMH.iter().all(|kmh| {
             let speed_mps = KmPerHour(*kmh).to_mps();
-            let share = davis.resistance_n_per_kg(speed_mps) / nominal.resistance_n_per_kg(speed_mps);
-            (low..=high).contains(&share)
+            let r = davis.resistance_n_per_kg(speed_mps);
+            let rises = r >= core::mem::replace(&mut slower, r);
+            let share = r / nominal.resistance_n_per_kg(speed_mps);
+            rises && (low..=high).contains(&share)
         });
         if self.out_of_bounds {
             let cut = |found: Real, nominal: Real| found.max(0.5 * nominal).min(2.0 * nominal);
             let davis = Davis { r0: cut(r0, nominal.r0), r1: cut(r1, nominal.r1), r2: cut(r2, nominal.r2) };
             return (davis, Learned::OutOfBounds);
+        }
+        if worse {
+            return (*nominal, Learned::PredictsWorse);
         }
         let learned = if self.learned { Learned::Learned } else { Learned::NotYet };
         (davis, learned)
@@ -77,7 +85,7 @@ mod tests {
     #[test]
     fn validity_has_hysteresis() {
         let mut published = Published::default();
-        let mut say = |scale, sd| published.judge(&NOMINAL, 1e-3, &belief(scale, sd)).1;
+        let mut say = |scale, sd| published.judge(&NOMINAL, 1e-3, &belief(scale, sd), false).1;
         assert_eq!(say(1.0, 5.5e-4), Learned::NotYet);
         assert_eq!(say(1.0, 4.9e-4), Learned::Learned);
         assert_eq!(say(1.0, 5.5e-4), Learned::Learned);
@@ -94,13 +102,30 @@ mod tests {
         let mut published = Published::default();
         let mut wild = belief(1.0, 1e-4);
         wild.mean = Vector3::new(-1.0, 1.0, NOMINAL.r2);
-        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &wild);
+        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &wild, false);
         assert_eq!(learned, Learned::OutOfBounds);
         assert_eq!((davis.r0, davis.r1, davis.r2), (0.5 * NOMINAL.r0, 2.0 * NOMINAL.r1, NOMINAL.r2));
         let none = Gaussian::independent([Real::NAN; 3], [1.0; 3]);
-        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &none);
+        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &none, false);
         assert_eq!(learned, Learned::OutOfBounds);
         assert!(davis.r0.is_finite() && davis.r1.is_finite() && davis.r2.is_finite());
+    }
+
+    #[test]
+    fn where_the_description_foresees_better_it_is_published() {
+        let (davis, learned) = Published::default().judge(&NOMINAL, 1e-3, &belief(1.2, 1e-4), true);
+        assert_eq!((davis, learned), (NOMINAL, Learned::PredictsWorse));
+        let (_, learned) = Published::default().judge(&NOMINAL, 1e-3, &belief(3.0, 1e-4), true);
+        assert_eq!(learned, Learned::OutOfBounds);
+    }
+
+    #[test]
+    fn a_resistance_that_falls_with_speed_is_out_of_bounds() {
+        // 1.9 times at 20 km/h, 0.6 times at 140 km/h.
+        let mut falling = belief(1.0, 1e-4);
+        falling.mean = Vector3::new(0.0325, 0.0, 0.0);
+        let (_, learned) = Published::default().judge(&NOMINAL, 1e-3, &falling, false);
+        assert_eq!(learned, Learned::OutOfBounds);
     }
 
     #[test]
@@ -110,7 +135,7 @@ mod tests {
         wind.mean[0] += NOMINAL.r2 * 9.0;
         wind.mean[1] += 2.0 * NOMINAL.r2 * 3.0;
         assert!(wind.mean[1] > 2.0 * NOMINAL.r1);
-        let (davis, learned) = Published::default().judge(&NOMINAL, 1e-3, &wind);
+        let (davis, learned) = Published::default().judge(&NOMINAL, 1e-3, &wind, false);
         assert_eq!((davis.r1, learned), (wind.mean[1], Learned::Learned));
     }
 }

@@ -1,8 +1,11 @@
 //! What a person should know before trusting the results: things that are no error of any log, and still spoil all of it.
 //!
-//! In: the configuration, the track, the runs as replayed. Out: notes, one line each.
+//! In: the estimator, the runs as replayed. Out: notes, one line each.
 
-use rundown::estimator::config::{Config, Mode};
+mod vehicle;
+
+use rundown::estimator::Estimator;
+use rundown::estimator::config::Mode;
 use rundown::tick::estimate::Cause;
 use rundown_files::replay::ReplayedRun;
 
@@ -10,7 +13,8 @@ const NAMED: usize = 3;
 /// One reading in so many off the track is no glitch of a receiver.
 const SHARE_OFF_TRACK: usize = 20;
 
-pub fn advice(config: &Config, track_length_m: f64, runs: &[ReplayedRun]) -> Vec<String> {
+pub fn advice(estimator: &Estimator, runs: &[ReplayedRun]) -> Vec<String> {
+    let (config, track_length_m) = (estimator.config(), estimator.track().length_m());
     let mut notes = Vec::new();
     if runs.is_empty() {
         return notes;
@@ -63,6 +67,9 @@ pub fn advice(config: &Config, track_length_m: f64, runs: &[ReplayedRun]) -> Vec
             "nothing was learned about the resistance: it takes {} s of {what} in one piece",
             learning.min_segment_s
         ));
+    }
+    if config.mode != Mode::Paper {
+        notes.extend(vehicle::notes(estimator, runs));
     }
     notes
 }

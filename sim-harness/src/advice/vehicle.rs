@@ -1,0 +1,109 @@
+//! What a vehicle's resistance is worth after the runs: how its coasts were foreseen, and whether its description can be right.
+//!
+//! In: the runs as replayed, the description and what is believed of vehicles before any run. Out: notes, one line a unit.
+
+use nalgebra::Vector3;
+use rundown::estimator::Estimator;
+use rundown::model::resistance::Davis;
+use rundown_files::replay::ReplayedRun;
+use rundown_wire::Learned;
+
+/// A description this many prior standard deviations away is no description of this train.
+const FAR: f64 = 4.0;
+/// A conversion explains the learned resistance if r(v) of both is this near, share.
+const NEAR: f64 = 0.25;
+/// Speeds at which it is judged, km/h: where trains coast.
+const JUDGED_KMH: [f64; 3] = [60.0, 90.0, 120.0];
+/// Coasts that scatter so much more than expected are worth a word ...
+const SCATTER: f64 = 1.5;
+/// ... if there are this many.
+const FEW_COASTS: f64 = 8.0;
+
+/// By what described coefficients have to be multiplied if they were written in other units.
+const CONVERSIONS: [(&str, [f64; 3]); 6] = [
+    ("r1 and r2 per km/h and (km/h)²: r1 x 3.6, r2 x 12.96", [1.0, 3.6, 12.96]),
+    ("r1 and r2 already divided by 3.6 and 12.96 twice: r1 / 3.6, r2 / 12.96", [1.0, 1.0 / 3.6, 1.0 / 12.96]),
+    ("r2 a hundred times too large: r2 / 100", [1.0, 1.0, 0.01]),
+    ("r2 a hundred times too small: r2 x 100", [1.0, 1.0, 100.0]),
+    ("N/t in place of N/kg: all / 1000", [1e-3; 3]),
+    ("kN/kg in place of N/kg: all x 1000", [1e3; 3]),
+];
+
+/// Notes on the vehicles, each after its last run.
+pub(super) fn notes(estimator: &Estimator, runs: &[ReplayedRun]) -> Vec<String> {
+    let mut units: Vec<&str> = runs.iter().map(|run| run.unit.as_str()).collect();
+    units.sort_unstable();
+    units.dedup();
+    let last = |unit: &str| runs.iter().rev().find(|run| run.unit == unit);
+    let mut notes: Vec<String> =
+        units.into_iter().filter_map(last).flat_map(|run| of_vehicle(estimator, run)).collect();
+    let sd = estimator.config().track_doubt.gradient_sd_permille;
+    if sd > 0.0 {
+        notes.push(format!(
+            "track: gradients are taken to be off by {sd} permille (standard deviation), so the resistance is learned less surely; \
+             describe the gradients, or write gradient_sd_permille = 0 for a line that is flat"
+        ));
+    }
+    notes
+}
+
+fn of_vehicle(estimator: &Estimator, run: &ReplayedRun) -> Vec<String> {
+    let mut notes = Vec::new();
+    let mut say = |text: String| notes.push(format!("unit {}: {text}", run.unit));
+    let trust = &run.trust;
+    match run.learned {
+        Learned::PredictsWorse => {
+            say("the description foresees coasts better than what was learned, which is not published; \
+             are the gradients those of this line?"
+                .to_owned())
+        }
+        Learned::OutOfBounds => {
+            say("the learned resistance is none of a train (less than half or more than twice the described one, or \
+             falling with speed) and is not published; are train, gradients and units right?"
+                .to_owned())
+        }
+        _ => {}
+    }
+    if trust.coasts >= FEW_COASTS && trust.inflation() > SCATTER {
+        say(format!(
+            "coasts scatter {:.1} times as much as expected, and count for so much less: wind, gradients or the \
+             recorder are not as described",
+            trust.inflation().sqrt()
+        ));
+    }
+    let away = deviations(estimator, run);
+    if away > FAR {
+        let conversion = conversion(&estimator.train().davis(), run);
+        let hint = conversion.map_or_else(String::new, |words| format!("; it would fit with {words}"));
+        say(format!(
+            "the described resistance looks wrong: what was learned is {away:.0} standard deviations of trains away from it{hint}"
+        ));
+    }
+    notes
+}
+
+/// How far the vehicle is from its description, in standard deviations of vehicles.
+fn deviations(estimator: &Estimator, run: &ReplayedRun) -> f64 {
+    let described = estimator.new_vehicle().davis();
+    let apart = run.vehicle_after.mean - described.mean;
+    described.covariance.try_inverse().map_or(0.0, |weight| apart.dot(&(weight * apart)).max(0.0).sqrt())
+}
+
+/// The conversion of the description that is near what was learned at all speeds, if the description itself is not.
+fn conversion(described: &Davis, run: &ReplayedRun) -> Option<&'static str> {
+    let furthest = |factors: [f64; 3]| {
+        let off = |kmh: f64| {
+            let v = kmh / 3.6;
+            let at = Vector3::new(1.0, v, v * v);
+            let converted =
+                Vector3::new(described.r0 * factors[0], described.r1 * factors[1], described.r2 * factors[2]);
+            (at.dot(&run.vehicle_after.mean) / at.dot(&converted) - 1.0).abs()
+        };
+        JUDGED_KMH.map(off).into_iter().fold(0.0, f64::max)
+    };
+    let (words, off) = CONVERSIONS
+        .into_iter()
+        .map(|(words, factors)| (words, furthest(factors)))
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (off < NEAR && off < 0.5 * furthest([1.0; 3])).then_some(words)
+}

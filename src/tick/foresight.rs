@@ -1,0 +1,368 @@
+//! How well coasts were foreseen before they taught.
+//!
+//! In: while a segment runs, each reading of the speed beside what was foreseen of it, by what was learned before the segment and by the description.
+//! Out: each segment as one [`Coast`], those of a run as a [`Foresight`], and over runs the [`Trust`] in what was learned.
+//!
+//! Read speed less foreseen speed is y(t), and what the description foresees of it differs from that by w(t). A straight line through each,
+//!
+//! ```text
+//! y(t) = b + e t        w(t) = c + d t        e, e + d: acceleration that was not foreseen, m/s², by the learned and the described resistance
+//! ```
+//!
+//! says what a coast contradicts, whatever the speed it began with. What the reading of the speed, gusts, the doubt of the track and that of the
+//! resistance itself add to e is known, so e has an expected variance. If the coasts scatter more than that, something is not in the model, and a
+//! run says less than its filter believes: its information is divided by [`Trust::inflation`].
+
+use crate::Real;
+use crate::filter::gaussian::Gaussian;
+use crate::model::resistance::Davis;
+use crate::model::state::resistance_sd;
+use crate::plain::{Bytes, Plain, plain};
+use serde::{Deserialize, Serialize};
+
+/// Coasts that are taken to have been as expected before the first one: one that is not does not decide.
+const EXPECTED_COASTS: Real = 5.0;
+/// The learned resistance foresees worse than the described one by so many standard deviations: it is not published.
+const WORSE_BY: Real = 2.0;
+/// With fewer coasts nothing is said against the learned resistance.
+const FEWEST_COASTS: Real = 5.0;
+/// Weight of older coasts when a run is added: a fault that is mended is forgotten after some tens of runs.
+const REMEMBERED: Real = 0.97;
+
+/// One segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coast {
+    /// How long it lasted, s.
+    pub duration_s: Real,
+    /// Acceleration that the learned resistance did not foresee, m/s².
+    pub error_mps2: Real,
+    /// How much more the described one did not.
+    pub apart_mps2: Real,
+    /// Variance of the error by readings and gusts, (m/s²)².
+    pub noise_variance: Real,
+    /// Variance by the doubt of the track.
+    pub track_variance: Real,
+    /// Variance by that of the learned resistance.
+    pub resistance_variance: Real,
+}
+
+plain! {
+    struct Coast { duration_s, error_mps2, apart_mps2, noise_variance, track_variance, resistance_variance }
+}
+
+/// How far what was learned may be trusted, by how it foresaw coasts. Kept with the vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trust {
+    /// Number of coasts.
+    pub coasts: Real,
+    /// Sum of the squared errors over their expected variances.
+    pub squares: Real,
+    /// Sum of squared errors, learned less described, over their expected variances.
+    pub worse: Real,
+    /// Sum of the squared difference between what the two foresee, over the same variances.
+    pub apart: Real,
+}
+
+plain! {
+    struct Trust { coasts, squares, worse, apart }
+}
+
+impl Trust {
+    /// Of no coast.
+    pub const NONE: Self = Self { coasts: 0.0, squares: 0.0, worse: 0.0, apart: 0.0 };
+
+    /// Adds the coasts of a run to those of the runs before.
+    pub fn add(&mut self, run: &Self) {
+        let sum = |before: Real, run: Real| REMEMBERED * before + run;
+        *self = Self {
+            coasts: sum(self.coasts, run.coasts),
+            squares: sum(self.squares, run.squares),
+            worse: sum(self.worse, run.worse),
+            apart: sum(self.apart, run.apart),
+        };
+    }
+
+    /// Scatter of the errors over what is expected, of variances, at least 1.
+    pub fn inflation(&self) -> Real {
+        self.scatter(self.squares)
+    }
+
+    fn scatter(&self, squares: Real) -> Real {
+        ((EXPECTED_COASTS + squares) / (EXPECTED_COASTS + self.coasts)).max(1.0)
+    }
+
+    /// The described resistance foresees the coasts better than the learned one.
+    ///
+    /// Were both equally good, [`worse`](Self::worse) would be around zero with a standard deviation of 2 √[`apart`](Self::apart), if coasts scatter as expected around
+    /// the better of the two; more if they scatter more.
+    pub fn is_worse(&self) -> bool {
+        let scatter = self.scatter(self.squares - self.worse);
+        self.coasts >= FEWEST_COASTS && self.worse > WORSE_BY * 2.0 * libm::sqrt(self.apart * scatter)
+    }
+
+    /// Numbers that sums over coasts can be.
+    pub(crate) fn is_sound(&self) -> bool {
+        let squares = [self.coasts, self.squares, self.apart];
+        self.worse.is_finite() && squares.iter().all(|sum| (0.0..Real::MAX).contains(sum))
+    }
+}
+
+/// The same as it is stored, in single precision.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StoredTrust([f32; 4]);
+
+impl From<&Trust> for StoredTrust {
+    fn from(trust: &Trust) -> Self {
+        Self([trust.coasts, trust.squares, trust.worse, trust.apart].map(|sum| sum as f32))
+    }
+}
+
+impl From<StoredTrust> for Trust {
+    fn from(StoredTrust(sums): StoredTrust) -> Self {
+        let [coasts, squares, worse, apart] = sums.map(Real::from);
+        Self { coasts, squares, worse, apart }
+    }
+}
+
+impl Plain for StoredTrust {
+    const START: Self = Self([0.0; 4]);
+
+    fn pass(&mut self, bytes: &mut Bytes<'_>) {
+        // It was added behind what older firmware stored.
+        if bytes.are_at_end() {
+            *self = Self::START;
+        } else {
+            self.0.pass(bytes);
+        }
+    }
+}
+
+/// How the coasts of a run were foreseen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foresight {
+    /// What they say about trust.
+    pub trust: Trust,
+    /// Sum of the squared errors of the learned resistance in speed at the end of a coast, (m/s)².
+    pub learned_mps: Real,
+    /// The same of the described one.
+    pub described_mps: Real,
+    /// Sum of the shares of the known variance that the doubt of the track has.
+    pub track_share: Real,
+}
+
+plain! {
+    struct Foresight { trust, learned_mps, described_mps, track_share }
+}
+
+impl Foresight {
+    /// Of no coast.
+    pub const NONE: Self = Self { trust: Trust::NONE, learned_mps: 0.0, described_mps: 0.0, track_share: 0.0 };
+
+    /// With one more coast.
+    pub fn with(&self, coast: &Coast) -> Self {
+        let square = |x: Real| x * x;
+        let known = coast.noise_variance + coast.track_variance;
+        let expected = known + coast.resistance_variance;
+        let described_mps2 = coast.error_mps2 + coast.apart_mps2;
+        let trust = &self.trust;
+        Self {
+            trust: Trust {
+                coasts: trust.coasts + 1.0,
+                squares: trust.squares + square(coast.error_mps2) / expected,
+                worse: trust.worse + (square(coast.error_mps2) - square(described_mps2)) / expected,
+                apart: trust.apart + square(coast.apart_mps2) / expected,
+            },
+            learned_mps: self.learned_mps + square(coast.error_mps2 * coast.duration_s),
+            described_mps: self.described_mps + square(described_mps2 * coast.duration_s),
+            track_share: self.track_share + coast.track_variance / known,
+        }
+    }
+
+    /// Mean share of the track's doubt in the known variance.
+    pub fn track_share(&self) -> Real {
+        if self.trust.coasts > 0.0 { self.track_share / self.trust.coasts } else { 0.0 }
+    }
+}
+
+/// What a tick of a segment says about its course.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leg {
+    pub(crate) time_s: Real,
+    pub(crate) dt_s: Real,
+    /// Speed midway, m/s.
+    pub(crate) midway_mps: Real,
+    /// Change of the speed that was foreseen with `believed`, m/s.
+    pub(crate) foreseen_mps: Real,
+    pub(crate) believed: Davis,
+    pub(crate) described: Davis,
+    pub(crate) speed_mps: Option<Real>,
+    /// Variance of a reading, (m/s)².
+    pub(crate) speed_variance: Real,
+    /// Spectral density of the acceleration by gusts, m²/s³.
+    pub(crate) gusts: Real,
+    /// The same by the doubt of the track.
+    pub(crate) track: Real,
+}
+
+/// The straight lines through the speeds of a segment, as sums.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Course {
+    begin_s: Real,
+    /// What was believed when it began.
+    before: Gaussian<3>,
+    /// Change of the speed since, foreseen by that, m/s.
+    foreseen_mps: Real,
+    /// Less what the description foresees.
+    apart_mps: Real,
+    readings: Real,
+    /// Sums of t, t², y, t y, w, t w.
+    t: Real,
+    tt: Real,
+    y: Real,
+    ty: Real,
+    w: Real,
+    tw: Real,
+    /// Integral of the track's density over time, m²/s².
+    track: Real,
+}
+
+plain! {
+    struct Course { begin_s, before, foreseen_mps, apart_mps, readings, t, tt, y, ty, w, tw, track }
+}
+
+impl Course {
+    pub(crate) const ZEROED: Self = Self {
+        begin_s: 0.0,
+        before: Gaussian::ZEROED,
+        foreseen_mps: 0.0,
+        apart_mps: 0.0,
+        readings: 0.0,
+        t: 0.0,
+        tt: 0.0,
+        y: 0.0,
+        ty: 0.0,
+        w: 0.0,
+        tw: 0.0,
+        track: 0.0,
+    };
+
+    pub(crate) fn begin(time_s: Real, before: &Gaussian<3>) -> Self {
+        Self { begin_s: time_s, before: *before, ..Self::ZEROED }
+    }
+
+    /// Adds a tick. Out: the segment up to here, once a line can be drawn.
+    pub(crate) fn add(&mut self, leg: &Leg) -> Option<Coast> {
+        let [r0, r1, r2] = self.before.mean.into();
+        let r_before = Davis { r0, r1, r2 }.resistance_n_per_kg(leg.midway_mps);
+        let more = leg.believed.resistance_n_per_kg(leg.midway_mps) - r_before;
+        self.foreseen_mps += leg.foreseen_mps + more * leg.dt_s;
+        self.apart_mps += (leg.described.resistance_n_per_kg(leg.midway_mps) - r_before) * leg.dt_s;
+        self.track += leg.track * leg.dt_s;
+        let t = leg.time_s - self.begin_s;
+        if let Some(speed_mps) = leg.speed_mps {
+            let (y, w) = (speed_mps - self.foreseen_mps, self.apart_mps);
+            self.readings += 1.0;
+            self.t += t;
+            self.tt += t * t;
+            self.y += y;
+            self.ty += t * y;
+            self.w += w;
+            self.tw += t * w;
+        }
+        let n = self.readings;
+        let spread = self.tt - self.t * self.t / n;
+        let drawn = n >= 3.0 && spread > 0.0;
+        drawn.then(|| {
+            let slope = |sum: Real, with_t: Real| (with_t - self.t * sum / n) / spread;
+            // The slope of a line through a random walk has 6/5 of the variance of its mean step.
+            let walk = 1.2 / t;
+            let resistance_sd = resistance_sd(&self.before, leg.midway_mps);
+            Coast {
+                duration_s: t,
+                error_mps2: slope(self.y, self.ty),
+                apart_mps2: slope(self.w, self.tw),
+                noise_variance: leg.speed_variance / spread + walk * leg.gusts,
+                track_variance: walk * self.track / t,
+                resistance_variance: resistance_sd * resistance_sd,
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DESCRIBED: Davis = Davis { r0: 7.38e-3, r1: 1.6e-4, r2: 2.8e-5 };
+
+    /// A coast of 100 s on the level whose true resistance is the described one plus so much, followed with another belief.
+    fn coast(true_more: Real, believed_more: Real) -> Coast {
+        let before =
+            Gaussian::independent([DESCRIBED.r0 + believed_more, DESCRIBED.r1, DESCRIBED.r2], [1e-4, 0.0, 0.0]);
+        let mut course = Course::begin(0.0, &before);
+        let (mut speed_mps, mut coast) = (30.0, None);
+        for tick in 1..=100 {
+            let began_mps = speed_mps;
+            speed_mps -= DESCRIBED.resistance_n_per_kg(speed_mps) + true_more;
+            let midway_mps = 0.5 * (began_mps + speed_mps);
+            // The filter has learned something else meanwhile; what was believed before counts.
+            let believed = Davis { r0: DESCRIBED.r0 + 0.5 * believed_more, ..DESCRIBED };
+            coast = course.add(&Leg {
+                time_s: Real::from(tick),
+                dt_s: 1.0,
+                midway_mps,
+                foreseen_mps: -believed.resistance_n_per_kg(midway_mps),
+                believed,
+                described: DESCRIBED,
+                speed_mps: Some(speed_mps),
+                speed_variance: 1e-3,
+                gusts: 2.5e-6,
+                track: 0.0,
+            });
+        }
+        coast.unwrap()
+    }
+
+    #[test]
+    fn a_coast_says_what_neither_resistance_foresaw() {
+        let coast = coast(2e-3, 5e-3);
+        // The train slowed by 2e-3 more than described, and by 3e-3 less than believed.
+        assert!((coast.error_mps2 - 3e-3).abs() < 5e-5, "{coast:?}");
+        assert!((coast.error_mps2 + coast.apart_mps2 + 2e-3).abs() < 5e-5, "{coast:?}");
+        assert_eq!(coast.duration_s, 100.0);
+        assert!((coast.resistance_variance - 1e-8).abs() < 1e-12);
+    }
+
+    #[test]
+    fn who_foresees_worse_is_found_and_as_good_is_not_accused() {
+        let trust_of = |true_more, believed_more| {
+            let mut trust = Trust::NONE;
+            for _ in 0..10 {
+                trust.add(&Foresight::NONE.with(&coast(true_more, believed_more)).trust);
+            }
+            trust
+        };
+        assert!(trust_of(0.0, 4e-3).is_worse());
+        assert!(!trust_of(4e-3, 4e-3).is_worse());
+        // Both are off by the same.
+        assert!(!trust_of(2e-3, 4e-3).is_worse());
+        assert!(!trust_of(0.0, 0.0).is_worse());
+        assert!(trust_of(0.0, 4e-3).inflation() > 5.0);
+        assert_eq!(trust_of(4e-3, 4e-3).inflation(), 1.0);
+    }
+
+    #[test]
+    fn a_record_of_older_firmware_has_no_trust() {
+        let mut stored = StoredTrust([1.0; 4]);
+        assert!(crate::plain::read_all(&mut stored, &[]));
+        assert_eq!(Trust::from(stored), Trust::NONE);
+        let trust = Trust { coasts: 3.0, squares: 2.5, worse: -1.0, apart: 0.5 };
+        let mut buffer = [0; 16];
+        let bytes = crate::plain::write(&mut StoredTrust::from(&trust), &mut buffer).unwrap();
+        let mut stored = StoredTrust::START;
+        assert!(crate::plain::read_all(&mut stored, bytes));
+        assert_eq!(Trust::from(stored), trust);
+        assert!(!Trust { worse: Real::NAN, ..trust }.is_sound());
+        assert!(!Trust { coasts: -1.0, ..trust }.is_sound());
+    }
+}
