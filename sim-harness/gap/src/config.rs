@@ -86,6 +86,10 @@ settings! {
         beyond_m: f64 = 300.0, /// A location may be this far beyond an end of the line, m. Judgement: half a train, and the noise of a receiver.
         most_change_n_per_kg: f64 = 0.03, /// An effort that changes by more within an interval has no mean that is known well enough, N/kg. Measured: a switch of the regime, a brake being applied.
     }
+    /// The track, as far as it can be doubted.
+    track: TrackConfig {
+        most_gradient_sd_permille: f64 = 1.0, /// Gradients that are less certain are taken for effects, and nothing is analysed, permille. Derived: 1 permille is a third of the resistance at 100 km/h.
+    }
     /// Speed against location: what the diagnosis of the logs says, and what of it has a name.
     kinematics: KinematicsConfig {
         sure: f64 = 5.0, /// How often a lag must exceed its standard deviation before it is believed. Judgement.

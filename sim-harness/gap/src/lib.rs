@@ -92,6 +92,11 @@ pub fn run(
     if let Some(wanted) = hold_out.filter(|wanted| *wanted > most) {
         return Err(Refusal::HoldOut { wanted, most, runs, least: config.holdout.least_training });
     }
+    let (sd_permille, most_permille) =
+        (input.track_file.gradient_sd_permille(), config.track.most_gradient_sd_permille);
+    if sd_permille > most_permille {
+        return Err(Refusal::Gradients { sd_permille, most_permille });
+    }
     let given = Context {
         believed: Believed::new(&input.train, &input.track),
         surroundings: &input.surroundings,

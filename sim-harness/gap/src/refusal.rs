@@ -25,6 +25,16 @@ pub enum Refusal {
         /// How many an analysis needs.
         least: usize,
     },
+    /// What is not known of the gradients would be taken for an effect.
+    #[error(
+        "track: gradients may be off by {sd_permille} permille (standard deviation), expected at most {most_permille}: the gap would be theirs. Describe them, or write gradient_sd_permille = 0 for a line that is flat; nothing was written"
+    )]
+    Gradients {
+        /// Standard deviation of a gradient.
+        sd_permille: f64,
+        /// The largest with which anything can be said.
+        most_permille: f64,
+    },
     /// No run has enough.
     #[error(
         "{runs} runs have too little to compare: expected moving samples with location and speed, and an effort column or long coasting; nothing was written"

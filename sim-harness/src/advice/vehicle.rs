@@ -10,8 +10,8 @@ use rundown_wire::Learned;
 
 /// A description this many prior standard deviations away is no description of this train.
 const FAR: f64 = 4.0;
-/// A conversion explains the learned resistance if r(v) of both is this near, share.
-const NEAR: f64 = 0.25;
+/// A conversion is worth a word if it comes so much nearer to what was learned than the description, which holds back what is learned.
+const NEARER: f64 = 0.6;
 /// Speeds at which it is judged, km/h: where trains coast.
 const JUDGED_KMH: [f64; 3] = [60.0, 90.0, 120.0];
 /// Coasts that scatter so much more than expected are worth a word ...
@@ -74,7 +74,7 @@ fn of_vehicle(estimator: &Estimator, run: &ReplayedRun) -> Vec<String> {
     let away = deviations(estimator, run);
     if away > FAR {
         let conversion = conversion(&estimator.train().davis(), run);
-        let hint = conversion.map_or_else(String::new, |words| format!("; it would fit with {words}"));
+        let hint = conversion.map_or_else(String::new, |words| format!("; nearest to it would be {words}"));
         say(format!(
             "the described resistance looks wrong: what was learned is {away:.0} standard deviations of trains away from it{hint}"
         ));
@@ -89,21 +89,18 @@ fn deviations(estimator: &Estimator, run: &ReplayedRun) -> f64 {
     described.covariance.try_inverse().map_or(0.0, |weight| apart.dot(&(weight * apart)).max(0.0).sqrt())
 }
 
-/// The conversion of the description that is near what was learned at all speeds, if the description itself is not.
+/// The conversion of the description that is nearest to what was learned, if it is much nearer than the description itself.
 fn conversion(described: &Davis, run: &ReplayedRun) -> Option<&'static str> {
-    let furthest = |factors: [f64; 3]| {
-        let off = |kmh: f64| {
+    let off = |factors: [f64; 3]| {
+        let at = |kmh: f64| {
             let v = kmh / 3.6;
-            let at = Vector3::new(1.0, v, v * v);
-            let converted =
-                Vector3::new(described.r0 * factors[0], described.r1 * factors[1], described.r2 * factors[2]);
-            (at.dot(&run.vehicle_after.mean) / at.dot(&converted) - 1.0).abs()
+            let converted = described.r0 * factors[0] + v * (described.r1 * factors[1] + v * described.r2 * factors[2]);
+            let ratio = Vector3::new(1.0, v, v * v).dot(&run.vehicle_after.mean) / converted;
+            ratio.max(f64::MIN_POSITIVE).ln().powi(2)
         };
-        JUDGED_KMH.map(off).into_iter().fold(0.0, f64::max)
+        JUDGED_KMH.map(at).into_iter().sum::<f64>().sqrt()
     };
-    let (words, off) = CONVERSIONS
-        .into_iter()
-        .map(|(words, factors)| (words, furthest(factors)))
-        .min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (off < NEAR && off < 0.5 * furthest([1.0; 3])).then_some(words)
+    let tried = CONVERSIONS.into_iter().map(|(words, factors)| (words, off(factors)));
+    let (words, nearest) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (nearest < NEARER * off([1.0; 3])).then_some(words)
 }

@@ -1,0 +1,94 @@
+//! Does a replay say what its results rest on: unknown gradients, a description in other units?
+
+mod common;
+
+use common::{Folder, reference};
+use std::fmt::Write as _;
+
+/// Simulated runs in `set`, with the track without its gradients in `bare.toml`.
+fn simulated(runs: usize) -> Folder {
+    let folder = Folder::simulated(&format!("name = \"set\"\nruns = {runs}\nseed = 5\n"));
+    let track = folder.read("set/track.toml");
+    let mut bare = String::new();
+    let mut inside = false;
+    for line in track.lines() {
+        if line.starts_with("[[") {
+            inside = line == "[[gradient]]";
+        }
+        if !inside {
+            let _ = writeln!(bare, "{line}");
+        }
+    }
+    folder.write("bare.toml", &bare);
+    folder
+}
+
+fn replayed(folder: &Folder, train: &str, track: &str) -> (String, Vec<String>) {
+    let said = folder.rundown(&["replay", "--train", train, "--track", track, "--out", "out", "set/runs"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let table = folder.read("out/parameters.csv");
+    let mut lines = table.lines();
+    let column = lines.next().unwrap().split(',').position(|name| name == "published").unwrap();
+    let published = lines.map(|line| line.split(',').nth(column).unwrap().to_owned()).collect();
+    (said.err, published)
+}
+
+#[test]
+fn a_track_without_gradients_is_said_and_teaches_little() {
+    let folder = simulated(6);
+    let (said, published) = replayed(&folder, "set/train.toml", "bare.toml");
+    assert!(said.contains("off by 5 permille"), "{said}");
+    assert!(published.iter().all(|word| word == "not_yet"), "{published:?}");
+    let (said, published) = replayed(&folder, "set/train.toml", "set/track.toml");
+    assert!(!said.contains("permille"), "{said}");
+    assert_eq!(published.last().unwrap(), "learned");
+    let flat = format!("gradient_sd_permille = 0\n{}", folder.read("bare.toml"));
+    folder.write("flat.toml", &flat);
+    let (said, _) = replayed(&folder, "set/train.toml", "flat.toml");
+    assert!(!said.contains("off by"), "{said}");
+}
+
+#[test]
+fn a_gap_on_unknown_gradients_is_refused() {
+    let folder = simulated(6);
+    let said = folder.rundown(&[
+        "gap",
+        "--train",
+        "set/train.toml",
+        "--track",
+        "bare.toml",
+        "--out",
+        "out",
+        "--runs",
+        "set/runs",
+    ]);
+    assert_ne!(said.code, Some(0));
+    assert!(said.err.contains("gradients may be off by 5 permille"), "{}", said.err);
+    assert!(!folder.path("out").exists());
+}
+
+#[test]
+fn coefficients_per_kmh_are_recognised() {
+    let folder = simulated(20);
+    let train = folder.read("set/train.toml");
+    let mut wrong = String::new();
+    for line in train.lines() {
+        let factor = match line.split('=').next().map(str::trim) {
+            Some("r1") => 3.6,
+            Some("r2") => 12.96,
+            _ => 1.0,
+        };
+        match line.split_once('=').filter(|_| factor > 1.0) {
+            Some((name, value)) => writeln!(wrong, "{name}= {:e}", value.trim().parse::<f64>().unwrap() / factor),
+            None => writeln!(wrong, "{line}"),
+        }
+        .unwrap();
+    }
+    assert_ne!(wrong, train, "{}", reference("train.toml"));
+    folder.write("wrong.toml", &wrong);
+    let (said, published) = replayed(&folder, "wrong.toml", "set/track.toml");
+    assert!(said.contains("looks wrong") && said.contains("r1 x 3.6, r2 x 12.96"), "{said}");
+    assert_eq!(published.last().unwrap(), "out_of_bounds");
+    let (said, _) = replayed(&folder, "set/train.toml", "set/track.toml");
+    assert!(!said.contains("looks wrong"), "{said}");
+}
