@@ -4,7 +4,8 @@
 //! |---|---|
 //! | the command `rundown` | [`commands`] |
 //! | how do logs of any recorder become run logs? | `import` |
-//! | what invalidates a whole replay? where are its results written? | `advice`, `output`, `report` |
+//! | how are recorded runs replayed? | [`replaying`], of logs [`logs`] can read |
+//! | what invalidates a whole replay? where are its results written? | `advice`, [`output`], `report` |
 //! | what does another tool get of what was learned? | `learned_train`, `sfera` |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | `study` |
@@ -34,8 +35,9 @@ mod import;
 mod learned_train;
 #[cfg(feature = "link")]
 pub mod link;
-mod logs;
-mod output;
+pub mod logs;
+pub mod output;
+pub mod replaying;
 mod report;
 #[cfg(feature = "link")]
 pub mod session;

@@ -13,8 +13,9 @@ use crate::logs::Failed;
 use crate::output::{coast_ahead, estimates, features, parameters};
 use rundown::estimator::StepError;
 use rundown::estimator::config::{Config, Mode};
+use rundown_files::column::{Column, record};
 use rundown_files::replay::{Dropped, ReplayedRun, Tick};
-use rundown_files::table::{Record, to_json};
+use rundown_files::table::to_json;
 use serde_json::{Value, json};
 
 #[derive(Clone, Debug)]
@@ -57,10 +58,14 @@ pub fn value(replay: &Replay<'_>) -> Value {
     })
 }
 
+fn object<Row>(columns: &[Column<Row>], row: &Row) -> Value {
+    to_json(&record(columns, row))
+}
+
 fn of_run(run: &ReplayedRun, config: &Config) -> Value {
-    let object = |record: Record| to_json(&record);
-    let points: Vec<Value> =
-        features::switching_points(run).iter().map(|record| object(record[1..].to_vec())).collect();
+    let of_switch = features::switch_columns();
+    let points: Vec<Value> = features::switches(run).map(|switch| object(&of_switch[1..], &switch)).collect();
+    let davis = parameters::coefficients("", "");
     json!({
         "run": run.name,
         "unit": run.unit,
@@ -70,11 +75,11 @@ fn of_run(run: &ReplayedRun, config: &Config) -> Value {
         "steps": run.estimates.len(),
         "estimates": estimates::file_name(run),
         "coast_ahead": (!run.coast_ahead.is_empty()).then(|| coast_ahead::file_name(run)),
-        "vehicle": object(parameters::coefficients("", &run.vehicle_after)),
-        "this_run": object(parameters::coefficients("", &run.summary.run_davis)),
-        "features": object(features::of_run(&run.summary.features, &config.features)),
+        "vehicle": object(&davis, &run.vehicle_after),
+        "this_run": object(&davis, &run.summary.run_davis),
+        "features": object(&features::of_run(&config.features), &run.summary.features),
         "switching_points": points,
-        "counters": object(parameters::counters(run)),
+        "counters": object(&parameters::counters(), &run.summary.counters),
         "dropped": run.dropped.iter().map(dropped).collect::<Vec<Value>>(),
         "warnings": run.warnings,
     })

@@ -1,47 +1,74 @@
 //! `parameters.csv`: what is known of the vehicle after each run, what this run's train was, and how often each cause occurred.
 
+use rundown::tick::estimate::{Cause, Counters};
 use rundown::{filter::gaussian::Gaussian, model::direction::Direction};
+use rundown_files::column::Column;
 use rundown_files::replay::ReplayedRun;
-use rundown_files::table::{Cell, Record};
 
-/// The names of the three Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²).
-const COEFFICIENTS: [&str; 3] = ["r0", "r1", "r2"];
+/// The three Davis coefficients with their units.
+const COEFFICIENTS: [(&str, &str); 3] = [("r0", "N/kg"), ("r1", "N/kg per m/s"), ("r2", "N/kg per (m/s)²")];
 
-pub const fn direction_word(direction: Direction) -> &'static str {
+pub(crate) const fn direction_word(direction: Direction) -> &'static str {
     match direction {
         Direction::Up => "up",
         Direction::Down => "down",
     }
 }
 
-/// One row: run, the vehicle after it, the run's own train (`run_*`: wind and load of the day included), rows and counters.
-pub fn record(run: &ReplayedRun) -> Record {
-    let mut record: Record = vec![("run".to_owned(), Cell::from(run.name.as_str()))];
-    record.extend(coefficients("", &run.vehicle_after));
-    record.extend(coefficients("run_", &run.summary.run_davis));
-    record.push(("unit".to_owned(), Cell::from(run.unit.as_str())));
-    record.push(("direction".to_owned(), Cell::from(direction_word(run.direction))));
-    record.push(("rows".to_owned(), Cell::from(run.rows)));
-    record.push(("steps".to_owned(), Cell::from(run.estimates.len())));
-    let learned = run.estimates.iter().filter(|estimate| estimate.learning).count();
-    record.push(("learning_steps".to_owned(), Cell::from(learned)));
-    record.extend(counters(run));
-    record
+/// The columns of the file: run, the vehicle after it, the run's own train (`run_*`: wind and load of the day included), rows and counters.
+pub fn columns() -> Vec<Column<ReplayedRun>> {
+    let learned = |run: &ReplayedRun| run.estimates.iter().filter(|estimate| estimate.learning).count();
+    let mut columns = vec![run_name()];
+    let vehicle = coefficients("", "the vehicle after the run");
+    columns.extend(vehicle.into_iter().map(|column| column.of_part(|run: &ReplayedRun| &run.vehicle_after)));
+    let of_run = coefficients("run_", "the train of this run alone, with the wind and load of the day");
+    columns.extend(of_run.into_iter().map(|column| column.of_part(|run: &ReplayedRun| &run.summary.run_davis)));
+    columns.extend([
+        unit(),
+        direction(),
+        Column::count("rows", "rows of the log", |run: &ReplayedRun| run.rows),
+        Column::count("steps", "ticks with an estimate", |run: &ReplayedRun| run.estimates.len()),
+        Column::count("learning_steps", "ticks from which the resistance was learned", learned),
+    ]);
+    columns.extend(counters().into_iter().map(|column| column.of_part(|run: &ReplayedRun| &run.summary.counters)));
+    columns
 }
 
-pub fn counters(run: &ReplayedRun) -> Record {
-    let counters = &run.summary.counters;
-    let dropped = ("time_not_increasing".to_owned(), Cell::from(counters.time_not_increasing));
-    let causes = counters.iter().map(|(cause, count)| (cause.as_str().to_owned(), Cell::from(count)));
-    std::iter::once(dropped).chain(causes).collect()
+pub(super) fn run_name() -> Column<ReplayedRun> {
+    Column::text("run", "name of the run: that of its log without `.csv`", |run: &ReplayedRun| run.name.clone())
 }
 
-pub fn coefficients(prefix: &str, davis: &Gaussian<3>) -> Record {
-    let means =
-        COEFFICIENTS.iter().zip(davis.mean.iter()).map(|(name, mean)| (format!("{prefix}{name}"), Cell::from(*mean)));
-    let sds = COEFFICIENTS
-        .iter()
-        .enumerate()
-        .map(|(index, name)| (format!("{prefix}sd_{name}"), Cell::from(davis.sd(index))));
-    means.chain(sds).collect()
+pub(super) fn unit() -> Column<ReplayedRun> {
+    Column::text("unit", "unit of the index `runs.csv`", |run: &ReplayedRun| run.unit.clone())
+        .empty_when("no index names one")
+}
+
+pub(super) fn direction() -> Column<ReplayedRun> {
+    Column::text("direction", "`up`: locations rise, or `down`", |run: &ReplayedRun| direction_word(run.direction))
+}
+
+/// How often each cause occurred.
+pub(super) fn counters() -> Vec<Column<Counters>> {
+    let dropped = "rows that were dropped because their time did not increase";
+    let mut columns =
+        vec![Column::count("time_not_increasing", dropped, |counters: &Counters| counters.time_not_increasing)];
+    columns.extend(Cause::ALL.map(|cause| {
+        let meaning = format!("how often the cause `{}` occurred", cause.as_str());
+        Column::count(cause.as_str(), &meaning, move |counters: &Counters| counters.of(cause))
+    }));
+    columns
+}
+
+/// Means, then standard deviations. `whose`: what they are the coefficients of.
+pub(super) fn coefficients(prefix: &str, whose: &str) -> Vec<Column<Gaussian<3>>> {
+    let mean = |(at, (name, unit)): (usize, (&str, &'static str))| {
+        let meaning = format!("Davis coefficient of {whose}");
+        Column::number(&format!("{prefix}{name}"), unit, &meaning, move |davis: &Gaussian<3>| davis.mean[at])
+    };
+    let sd = |(at, (name, unit)): (usize, (&str, &'static str))| {
+        let meaning = format!("standard deviation of `{prefix}{name}`");
+        Column::number(&format!("{prefix}sd_{name}"), unit, &meaning, move |davis: &Gaussian<3>| davis.sd(at))
+    };
+    let means = COEFFICIENTS.into_iter().enumerate().map(mean);
+    means.chain(COEFFICIENTS.into_iter().enumerate().map(sd)).collect()
 }
