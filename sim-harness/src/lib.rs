@@ -4,6 +4,7 @@
 //! |---|---|
 //! | the command `rundown` | [`commands`] |
 //! | how do logs of any recorder become run logs? | `import` |
+//! | what did a recorder do to its logs? | [`checking`] |
 //! | how are recorded runs replayed? | [`replaying`], of logs [`logs`] can read |
 //! | what invalidates a whole replay? where are its results written? | `advice`, [`output`], `report` |
 //! | what does another tool get of what was learned? | `learned_train`, `sfera` |
@@ -25,6 +26,7 @@
 pub mod accuracy_bench;
 mod advice;
 pub mod check_bench;
+pub mod checking;
 pub mod commands;
 #[cfg(feature = "link")]
 pub mod desk;
@@ -38,7 +40,7 @@ pub mod link;
 pub mod logs;
 pub mod output;
 pub mod replaying;
-mod report;
+pub mod report;
 #[cfg(feature = "link")]
 pub mod session;
 mod sfera;

@@ -6,7 +6,8 @@
 
 use crate::logs::{self, Failed};
 use crate::output::json::{self, mode_word};
-use crate::report::{Report, RunView, write_report};
+use crate::report::page::HISTORY_KMH;
+use crate::report::{Report, RunView, figures, write_report};
 use crate::{advice::advice, output::write_tables};
 use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
@@ -226,6 +227,24 @@ impl Replayed {
         write_tables(folder, &self.runs, &self.config, &json)?;
         write_report(&folder.join("report.html"), &self.report())?;
         Ok(json)
+    }
+
+    /// Names of the pictures that [`Replayed::picture`] knows; all but the first two are of a run.
+    pub const PICTURES: [&str; 6] = ["resistance", "history", "motion", "terms", "regimes", "innovations"];
+
+    /// A picture of the report as SVG, of the run at `index` where it is of one; none where there is no such picture or run.
+    pub fn picture(&self, name: &str, index: usize) -> Option<String> {
+        let report = self.report();
+        let run = report.runs.get(index)?;
+        Some(match name {
+            "resistance" => report.resistance_curve(),
+            "history" => figures::vehicle_history(&report.vehicle, &self.core_train, HISTORY_KMH),
+            "motion" => figures::motion(run, &self.core_train),
+            "terms" => figures::resistance_terms(run),
+            "regimes" => figures::regimes(run),
+            "innovations" => figures::innovations(run),
+            _ => return None,
+        })
     }
 
     fn report(&self) -> Report<'_> {

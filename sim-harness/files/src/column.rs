@@ -108,6 +108,20 @@ impl<Row> Column<Row> {
     }
 }
 
+/// A table as columns, whatever its rows were: for formats that go column by column.
+pub type Filled = Vec<(About, Vec<Cell>)>;
+
+/// All cells of some rows, column by column.
+pub fn filled<Row>(columns: Vec<Column<Row>>, rows: impl IntoIterator<Item: Borrow<Row>>) -> Filled {
+    let mut cells: Vec<Vec<Cell>> = vec![Vec::new(); columns.len()];
+    for row in rows {
+        for (column, cells) in columns.iter().zip(&mut cells) {
+            cells.push(column.cell(row.borrow()));
+        }
+    }
+    columns.into_iter().map(|column| column.about).zip(cells).collect()
+}
+
 /// A row with the names of its columns.
 pub fn record<Row>(columns: &[Column<Row>], row: &Row) -> Record {
     columns.iter().map(|column| (column.about.name.clone(), column.cell(row))).collect()
@@ -145,8 +159,9 @@ mod tests {
             String::from_utf8(bytes).unwrap()
         };
         assert_eq!(text(&[]), "half_m,word\n");
-        let [a, b] = [0.5, 2.0].map(crate::table::digits_17);
-        assert_eq!(text(&[1.0, 4.0]), format!("half_m,word\n{a},little\n{b},much\n"));
+        assert_eq!(text(&[1.0, 4.0]), "half_m,word\n0.5,little\n2.0,much\n");
         assert_eq!(record(&columns, &4.0)[1], ("word".to_owned(), Cell::from("much")));
+        let found = filled(columns.into(), [4.0]);
+        assert_eq!((found[0].0.unit, &found[1].1), ("m", &vec![Cell::from("much")]));
     }
 }

@@ -1,6 +1,6 @@
 //! One column of one group of rows, into and out of plain vectors. Every column may have missing values.
 
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::errors::Result;
@@ -45,8 +45,9 @@ pub(super) fn schema(columns: &[(String, Kind)]) -> Result<TypePtr> {
 }
 
 pub(super) fn properties() -> Arc<WriterProperties> {
-    let properties =
-        WriterProperties::builder().set_compression(Compression::SNAPPY).set_created_by("rundown".to_owned());
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_created_by("rundown".to_owned());
     Arc::new(properties.build())
 }
 
