@@ -83,7 +83,7 @@ impl Gap {
 /// `hold_out`: how many runs evaluate the repaired model; a fifth without it. `progress` is called with the name of each step.
 ///
 /// >>> import rundown, tempfile
-/// >>> made = rundown.simulate(tempfile.mkdtemp(), example="hidden_effect", runs=30)
+/// >>> made = rundown.simulate(tempfile.mkdtemp(), example="hidden_effect", runs=10)
 /// >>> found = rundown.gap(made.runs, train=made.train, track=made.track)
 /// >>> found.verdict
 /// 'explained'

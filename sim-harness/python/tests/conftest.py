@@ -41,5 +41,5 @@ def command():
 @pytest.fixture(scope="session")
 def tunnel(tmp_path_factory):
     """Runs through a tunnel that the described track lacks, and what the gap workflow says of them."""
-    made = rundown.simulate(tmp_path_factory.mktemp("tunnel"), example="hidden_effect", runs=30)
+    made = rundown.simulate(tmp_path_factory.mktemp("tunnel"), example="hidden_effect", runs=10)
     return made, rundown.gap(made.runs, train=made.train, track=made.track)
