@@ -75,6 +75,36 @@ pub fn columns() -> Vec<Column<Found>> {
     ]
 }
 
+/// What `rundown check --json` prints: path, unit, meaning, when it is null.
+pub const FIELDS: &[[&str; 4]] = &[
+    ["recorders[].unit", "", "unit of the index `runs.csv`, empty without one", ""],
+    ["recorders[].compared", "", "runs that moved long enough to compare speed and location", ""],
+    ["recorders[].runs", "", "runs", ""],
+    ["recorders[].speed_step_kmh", "km/h", "step of the speeds", "they have none"],
+    ["recorders[].location_step_m", "m", "step of the locations", "they have none"],
+    ["recorders[].scale.*", "1", "measured over true speed: `value` and `sd`", "nothing was compared"],
+    ["recorders[].offset_kmh.*", "km/h", "true less read speed: `value` and `sd`", "nothing was compared"],
+    ["recorders[].skew_s.*", "s", "age of the speed against the location, median over runs: `value` and `sd`", "nothing was compared"],
+    ["recorders[].skew_spread_s", "s", "how much that differs from run to run", "nothing was compared"],
+    ["recorders[].correction.offset_mps", "m/s", "what is added to each speed above 0", ""],
+    ["recorders[].correction.scale", "1", "by what the sum is divided", ""],
+    ["recorders[].findings[].*", "", "what was found in all runs: as below", ""],
+    ["runs[].name", "", "name of the run", ""],
+    ["runs[].unit", "", "unit of the index `runs.csv`, empty without one", ""],
+    ["runs[].rows", "", "rows of the log", ""],
+    ["runs[].step_s", "s", "usual time between rows", ""],
+    ["runs[].skew_s.*", "s", "age of the speed against the location: `value` and `sd`", "too little moves"],
+    ["runs[].location_noise_m", "m", "standard deviation of the white noise of the locations", "nothing was compared"],
+    ["runs[].scale.*", "1", "measured over true speed of this run alone: `value` and `sd`", "nothing was compared"],
+    ["runs[].findings[].kind", "", "what is the matter", ""],
+    ["runs[].findings[].figure.value", "as `unit`", "how much", ""],
+    ["runs[].findings[].figure.sd", "as `unit`", "its standard deviation, 0 where there is none", ""],
+    ["runs[].findings[].unit", "", "unit of the figure, empty where it has none", ""],
+    ["runs[].findings[].count", "", "times that it was seen, or rows", ""],
+    ["runs[].findings[].line", "", "first line of the log where it is seen, 0: the whole log", ""],
+    ["runs[].findings[].done", "", "`put_right`, `left_out`, `said` or `refused`", ""],
+];
+
 /// The word of JSON.
 fn word(value: &impl Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()

@@ -43,6 +43,18 @@ pub struct About {
     pub empty: &'static str,
 }
 
+impl About {
+    /// A column that has a unit in its name, or none.
+    pub fn new(name: &str, kind: Kind, meaning: &str) -> Self {
+        Self { name: name.to_owned(), kind, unit: "", meaning: meaning.to_owned(), empty: "" }
+    }
+}
+
+/// What columns are, without what fills them.
+pub fn about<Row>(columns: Vec<Column<Row>>) -> Vec<About> {
+    columns.into_iter().map(|column| column.about).collect()
+}
+
 /// A column of a table with rows of this type.
 pub struct Column<Row> {
     /// What it is.

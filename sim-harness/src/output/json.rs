@@ -1,13 +1,4 @@
-//! `replay.json`, also what `--json` prints: all but the estimates, for machines.
-//!
-//! ```text
-//! { "rundown", "mode", "train", "track", "carried", "tick_s",
-//!   "runs": [ { "run", "unit", "file", "direction", "rows", "steps", "estimates", "coast_ahead",
-//!               "vehicle": { r0 .. sd_r2 }, "this_run": { r0 .. sd_r2 },
-//!               "features": { as in features.csv }, "switching_points": [ ... ], "counters": { cause: count },
-//!               "dropped": [ { "line", "time_s", "reason" } ], "warnings": [ ... ] } ],
-//!   "failed": [ { "file", "errors": [ ... ] } ], "notes": [ ... ] }
-//! ```
+//! `replay.json`, also what `--json` prints: all but the estimates, for machines. [`FIELDS`] says what stands in it.
 
 use crate::logs::Failed;
 use crate::output::{coast_ahead, estimates, features, parameters};
@@ -18,8 +9,38 @@ use rundown_files::replay::{Dropped, ReplayedRun, Tick};
 use rundown_files::table::to_json;
 use serde_json::{Value, json};
 
+/// What stands in `replay.json`: path, unit, meaning, when it is null.
+pub const FIELDS: &[[&str; 4]] = &[
+    ["rundown", "", "version of the writer", ""],
+    ["mode", "", "`paper`, `gated` or `measured`", ""],
+    ["train", "", "name of the train", ""],
+    ["track", "", "name of the track", ""],
+    ["carried", "", "whether a unit's vehicle was carried from run to run", ""],
+    ["tick_s", "s", "period of the ticks", "every sample is a tick"],
+    ["runs[].run", "", "name of the run", ""],
+    ["runs[].unit", "", "unit of the index `runs.csv`, empty without one", ""],
+    ["runs[].file", "", "its log", ""],
+    ["runs[].direction", "", "`up` or `down`", ""],
+    ["runs[].rows", "", "rows of the log", ""],
+    ["runs[].steps", "", "ticks with an estimate", ""],
+    ["runs[].estimates", "", "file with the estimates", ""],
+    ["runs[].coast_ahead", "", "file with what coasting leads to", "the track has no stops or speed limits"],
+    ["runs[].vehicle.*", "", "the vehicle after the run: `r0` to `sd_r2` of `parameters.csv`", ""],
+    ["runs[].this_run.*", "", "the train of this run alone: `run_r0` to `run_sd_r2` there, without the `run_`", ""],
+    ["runs[].features.*", "", "from `max_effort_count` on as in `features.csv`", "as the cell there is empty"],
+    ["runs[].switching_points[].*", "", "as in `switching_points.csv`, without the run", ""],
+    ["runs[].counters.*", "", "from `time_not_increasing` on as in `parameters.csv`", ""],
+    ["runs[].dropped[].line", "", "line of a row that gave no estimate", ""],
+    ["runs[].dropped[].time_s", "s", "its time", ""],
+    ["runs[].dropped[].reason", "", "`time_not_increasing` or `other`", ""],
+    ["runs[].warnings[]", "", "what is to be said about its log", ""],
+    ["failed[].file", "", "a log that could not be used", ""],
+    ["failed[].errors[]", "", "why", ""],
+    ["notes[]", "", "what a person should know about all runs", ""],
+];
+
 #[derive(Clone, Debug)]
-pub struct Replay<'a> {
+pub(crate) struct Replay<'a> {
     pub config: &'a Config,
     pub train: &'a str,
     pub track: &'a str,
@@ -31,7 +52,7 @@ pub struct Replay<'a> {
     pub notes: &'a [String],
 }
 
-pub const fn mode_word(mode: Mode) -> &'static str {
+pub(crate) const fn mode_word(mode: Mode) -> &'static str {
     match mode {
         Mode::Paper => "paper",
         Mode::Gated => "gated",
@@ -39,7 +60,7 @@ pub const fn mode_word(mode: Mode) -> &'static str {
     }
 }
 
-pub fn value(replay: &Replay<'_>) -> Value {
+pub(crate) fn value(replay: &Replay<'_>) -> Value {
     let tick_s = match replay.tick {
         Tick::EverySample => None,
         Tick::Period { seconds } => Some(seconds),

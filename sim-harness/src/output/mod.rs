@@ -10,10 +10,11 @@
 //! | `replay.json` | all but the estimates in one file for machines (`json`) |
 
 pub mod coast_ahead;
+pub mod document;
 pub mod estimates;
 pub mod features;
 pub(crate) mod files;
-pub(crate) mod json;
+pub mod json;
 pub mod parameters;
 
 use rayon::prelude::*;
