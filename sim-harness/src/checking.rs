@@ -84,7 +84,12 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["recorders[].location_step_m", "m", "step of the locations", "they have none"],
     ["recorders[].scale.*", "1", "measured over true speed: `value` and `sd`", "nothing was compared"],
     ["recorders[].offset_kmh.*", "km/h", "true less read speed: `value` and `sd`", "nothing was compared"],
-    ["recorders[].skew_s.*", "s", "age of the speed against the location, median over runs: `value` and `sd`", "nothing was compared"],
+    [
+        "recorders[].skew_s.*",
+        "s",
+        "age of the speed against the location, median over runs: `value` and `sd`",
+        "nothing was compared",
+    ],
     ["recorders[].skew_spread_s", "s", "how much that differs from run to run", "nothing was compared"],
     ["recorders[].correction.offset_mps", "m/s", "what is added to each speed above 0", ""],
     ["recorders[].correction.scale", "1", "by what the sum is divided", ""],

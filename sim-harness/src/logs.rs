@@ -14,7 +14,7 @@ pub struct Failed {
     /// Why: a line for each bad row.
     pub error: String,
     /// The first place that is wrong, where it is known.
-    pub refusal: Option<Refusal>,
+    pub refusal: Option<Box<Refusal>>,
 }
 
 impl Failed {
@@ -24,7 +24,7 @@ impl Failed {
             ReadError::BadRows { rows, .. } => rows.first().cloned(),
             _ => None,
         };
-        Self { file: file.to_owned(), error: error.to_string(), refusal }
+        Self { file: file.to_owned(), error: error.to_string(), refusal: refusal.map(Box::new) }
     }
 }
 

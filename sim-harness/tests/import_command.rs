@@ -319,7 +319,8 @@ fn a_table_of_parquet_is_read_and_split_by_its_runs() {
         }
     }
     let number = |name| About::new(name, Kind::Number, "");
-    let columns = vec![About::new("zugnummer", Kind::Text, ""), number("time_s"), number("location_m"), number("v [m/s]")];
+    let columns =
+        vec![About::new("zugnummer", Kind::Text, ""), number("time_s"), number("location_m"), number("v [m/s]")];
     let mut writer = TableWriter::new(&folder.path("log.parquet"), columns);
     writer.write(&records).unwrap();
     writer.close().unwrap();

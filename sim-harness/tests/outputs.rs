@@ -56,7 +56,9 @@ fn leaves(value: &Value, path: &str, found: &mut BTreeSet<String>) {
 
 /// A leaf is what a path of the table says; one without values is any path below it.
 fn says(table: &str, leaf: &str) -> bool {
-    let below = |of: &str, from: &str| of.strip_prefix(from).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
+    let below = |of: &str, from: &str| {
+        of.strip_prefix(from).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+    };
     if let Some(nothing) = leaf.strip_suffix('!') {
         let nothing = nothing.trim_end_matches("[]");
         return below(table, nothing) || table.strip_suffix(".*").is_some_and(|table| below(nothing, table));
@@ -76,7 +78,8 @@ fn agree(name: &str, fields: &[[&str; 4]], value: &Value) {
     for [path, _, _, null] in fields {
         let is_there = found.iter().any(|leaf| says(path, leaf));
         let parent = path.rsplit_once("[]").map_or("", |(list, _)| list);
-        let nobody = !parent.is_empty() && !found.iter().any(|leaf| leaf.starts_with(&format!("{parent}[]")) && !leaf.ends_with('!'));
+        let nobody = !parent.is_empty()
+            && !found.iter().any(|leaf| leaf.starts_with(&format!("{parent}[]")) && !leaf.ends_with('!'));
         assert!(is_there || null.starts_with("absent") || nobody, "{name}: nothing has {path}");
     }
 }

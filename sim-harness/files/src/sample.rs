@@ -86,7 +86,14 @@ pub const COLUMNS: [Column; 8] = [
         set: |sample, time_s| sample.time_s = time_s,
         get: |sample| Some(sample.time_s),
     },
-    column!(LOCATION, "m", "location of the front along the track", true, (-MOST_LOCATION_M, MOST_LOCATION_M), location_m),
+    column!(
+        LOCATION,
+        "m",
+        "location of the front along the track",
+        true,
+        (-MOST_LOCATION_M, MOST_LOCATION_M),
+        location_m
+    ),
     Column {
         name: "speed_kmh",
         unit: "km/h",
@@ -99,9 +106,23 @@ pub const COLUMNS: [Column; 8] = [
     },
     column!(COORDINATES[0], "degrees", "latitude, WGS 84", false, (-90.0, 90.0), latitude_deg),
     column!(COORDINATES[1], "degrees", "longitude, WGS 84", false, (-180.0, 180.0), longitude_deg),
-    column!("effort_n_per_kg", "N/kg", "applied effort F/(γ m), traction positive, brake negative", false, (-10.0, 10.0), effort_n_per_kg),
+    column!(
+        "effort_n_per_kg",
+        "N/kg",
+        "applied effort F/(γ m), traction positive, brake negative",
+        false,
+        (-10.0, 10.0),
+        effort_n_per_kg
+    ),
     column!("ambient_temperature_c", "°C", "ambient temperature", false, (-60.0, 80.0), temperature_c),
-    column!("headwind_mps", "m/s", "wind component against the direction of travel", false, (-60.0, 60.0), headwind_mps),
+    column!(
+        "headwind_mps",
+        "m/s",
+        "wind component against the direction of travel",
+        false,
+        (-60.0, 60.0),
+        headwind_mps
+    ),
 ];
 
 /// Names of needed columns that a file does not have.

@@ -46,7 +46,7 @@ pub fn not_replayed(error: ReplayError) -> PyErr {
 pub fn no_runs(message: &str, failed: &[Failed]) -> PyErr {
     let first = failed.first();
     let text = first.map_or_else(|| message.to_owned(), |first| format!("{message}\n{}", first.error));
-    with_place(&text, first.and_then(|first| first.refusal.as_ref()))
+    with_place(&text, first.and_then(|first| first.refusal.as_deref()))
 }
 
 /// Why the gap workflow has no answer.

@@ -43,8 +43,8 @@ def test_polars_takes_it(table):
 def test_duckdb_asks_it(table):
     duckdb = pytest.importorskip("duckdb")
     ticks = table
-    found = duckdb.sql("select count(*), max(speed_mps) from ticks").fetchone()
-    assert found == (len(ticks), max(ticks["speed_mps"]))
+    found = duckdb.sql("select count(*), max(speed_mps) from ticks").fetchall()
+    assert found == [(len(ticks), max(ticks["speed_mps"]))]
 
 
 def test_a_column_that_is_not_there_is_a_key_error(table):

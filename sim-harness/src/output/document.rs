@@ -66,7 +66,9 @@ fn gap(text: &mut String) {
 }
 
 fn table(text: &mut String, heading: &str, words: &str, columns: &[About]) {
-    *text += &format!("\n## {heading}\n\n{words}\n\n| column | kind | unit | meaning | empty when |\n|---|---|---|---|---|\n");
+    *text += &format!(
+        "\n## {heading}\n\n{words}\n\n| column | kind | unit | meaning | empty when |\n|---|---|---|---|---|\n"
+    );
     for About { name, kind, unit, meaning, empty } in columns {
         *text += &format!("| `{name}` | {} | {unit} | {meaning} | {empty} |\n", kind.name());
     }

@@ -17,9 +17,9 @@ use rayon::prelude::*;
 use rundown_files::column::{self, Column};
 use rundown_files::run_set::INDEX;
 use rundown_files::table::Cell;
+use rundown_truth::facts::Facts;
 use rundown_truth::plan::{RunPlan, plan};
 use rundown_truth::scenario::{DriveError, Run, simulate_planned};
-use rundown_truth::facts::Facts;
 use rundown_truth::sensors::{SpeedReading, TruthSample};
 use serde::Serialize;
 use std::borrow::Borrow;
@@ -172,7 +172,9 @@ pub fn truth_columns() -> Vec<Column<TrueRow>> {
         rounded("extra_n_per_kg", "N/kg", "what of it effects other than wind, mass and Davis cause", 7, |row| {
             row.at.extra_n_per_kg
         }),
-        rounded("gravity_n_per_kg", "N/kg", "gravity along the track, uphill positive", 7, |row| row.at.gravity_n_per_kg),
+        rounded("gravity_n_per_kg", "N/kg", "gravity along the track, uphill positive", 7, |row| {
+            row.at.gravity_n_per_kg
+        }),
         rounded("ambient_temperature_c", "°C", "ambient temperature", 3, |row| row.at.temperature_c),
     ]
 }

@@ -10,7 +10,7 @@
 
 use super::case::{Case, CaseTruth};
 use super::tallies::{LIMIT_KMH, Tallies};
-use super::view::{Outcome, Seen};
+use super::view::{NOTHING, Outcome, Seen};
 use super::{Refused, moments::Moments, source::RunSource};
 use crate::logs::Failed;
 use rayon::prelude::*;
@@ -20,9 +20,9 @@ use rundown::{
     tick::bounds::ConfigError, tick::memory::Vehicle,
 };
 use rundown_check::Check;
+use rundown_files::column::{Column, record};
 use rundown_files::recording::Recording;
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_units_by};
-use rundown_files::column::{Column, record};
 use rundown_files::table::Record;
 use std::collections::HashMap;
 
@@ -178,6 +178,13 @@ fn looked_at(estimators: &Estimators, cases: Vec<Case>, vehicles: &mut HashMap<S
     runs.into_par_iter().map(look).collect()
 }
 
+impl LookedAt {
+    /// One that nobody knows, where the truth is not there.
+    fn true_outcome(&self) -> &Outcome {
+        self.truth.as_ref().map_or(&NOTHING, |truth| &truth.outcome)
+    }
+}
+
 /// The columns of `runs.csv` and `runs.parquet`: the same for every run, so that a table of recorded and simulated runs is one.
 pub fn columns() -> Vec<Column<LookedAt>> {
     let mut columns = vec![
@@ -187,12 +194,14 @@ pub fn columns() -> Vec<Column<LookedAt>> {
         Column::count("rows", "rows of the log", |one: &LookedAt| one.case.recording.rows.len()),
         Column::number("top_kmh", "km/h", "largest measured speed", |one: &LookedAt| top_kmh(&one.case.recording)),
     ];
-    for (index, (prefix, by)) in [("paper", "by the paper's mode"), ("gated", "by the gated mode")].into_iter().enumerate() {
+    for (index, (prefix, by)) in
+        [("paper", "by the paper's mode"), ("gated", "by the gated mode")].into_iter().enumerate()
+    {
         let seen = Outcome::columns(prefix, by).into_iter();
         columns.extend(seen.map(|column| column.of_part(move |one: &LookedAt| &one.seen[index].outcome)));
     }
-    let truth = |one: &LookedAt| one.truth.as_ref().map_or(&*NOTHING, |truth| &truth.outcome);
-    columns.extend(Outcome::columns("true", "in truth").into_iter().map(|column| column.of_part(truth)));
+    columns
+        .extend(Outcome::columns("true", "in truth").into_iter().map(|column| column.of_part(LookedAt::true_outcome)));
     columns
 }
 

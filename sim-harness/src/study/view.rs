@@ -6,8 +6,8 @@
 use super::{case::CaseTruth, moments::Moments};
 use crate::accuracy_bench::score::regime;
 use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
-use rundown_files::replay::ReplayedRun;
 use rundown_files::column::Column;
+use rundown_files::replay::ReplayedRun;
 use rundown_truth::regime::Regime as TrueRegime;
 use rundown_truth::sensors::TruthSample;
 use std::sync::LazyLock;
