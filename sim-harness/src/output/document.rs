@@ -12,8 +12,8 @@ use rundown_gap::answer::{json as gap_json, tables};
 const BEGIN: &str = "\
 # What Rundown writes
 
-Every column of the tables and every field of the JSON files, with unit, meaning and when there is no value. This page is
-made from the tables by which the files are written; a test compares both, and
+Every column of the tables and every field of the JSON files, with unit, meaning and when there is no value. This page
+is made from the tables by which the files are written; a test compares both, and
 `BLESS=1 cargo test -p sim-harness --test outputs` writes it.
 
 In CSV an empty field is a missing value, in JSON `null`, in Parquet a null. Numbers have as few digits as give the very
@@ -67,7 +67,7 @@ fn gap(text: &mut String) {
 
 fn table(text: &mut String, heading: &str, words: &str, columns: &[About]) {
     *text += &format!(
-        "\n## {heading}\n\n{words}\n\n| column | kind | unit | meaning | empty when |\n|---|---|---|---|---|\n"
+        "\n## `{heading}`\n\n{words}\n\n| column | kind | unit | meaning | empty when |\n|---|---|---|---|---|\n"
     );
     for About { name, kind, unit, meaning, empty } in columns {
         *text += &format!("| `{name}` | {} | {unit} | {meaning} | {empty} |\n", kind.name());
@@ -75,7 +75,7 @@ fn table(text: &mut String, heading: &str, words: &str, columns: &[About]) {
 }
 
 fn json_file(text: &mut String, heading: &str, words: &str, fields: &[[&str; 4]]) {
-    *text += &format!("\n## {heading}\n\n`[]` is each value of a list, `*` each key of an object. {words}");
+    *text += &format!("\n## `{heading}`\n\n`[]` is each value of a list, `*` each key of an object. {words}");
     *text = format!("{}\n\n| field | unit | meaning | null when |\n|---|---|---|---|\n", text.trim_end());
     for [path, unit, meaning, null] in fields {
         *text += &format!("| `{path}` | {unit} | {meaning} | {null} |\n");
