@@ -4,7 +4,9 @@
 //! |---|---|
 //! | the command `rundown` | [`commands`] |
 //! | how do logs of any recorder become run logs? | `import` |
-//! | what invalidates a whole replay? where are its results written? | `advice`, `output`, `report` |
+//! | what did a recorder do to its logs? | [`checking`] |
+//! | how are recorded runs replayed? | [`replaying`], of logs [`logs`] can read |
+//! | what invalidates a whole replay? where are its results written? | `advice`, [`output`], `report` |
 //! | what does another tool get of what was learned? | `learned_train`, `sfera` |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | `study` |
@@ -24,6 +26,7 @@
 pub mod accuracy_bench;
 mod advice;
 pub mod check_bench;
+pub mod checking;
 pub mod commands;
 #[cfg(feature = "link")]
 pub mod desk;
@@ -34,9 +37,10 @@ mod import;
 mod learned_train;
 #[cfg(feature = "link")]
 pub mod link;
-mod logs;
-mod output;
-mod report;
+pub mod logs;
+pub mod output;
+pub mod replaying;
+pub mod report;
 #[cfg(feature = "link")]
 pub mod session;
 mod sfera;

@@ -2,23 +2,43 @@
 
 use rundown_check::{Check, Known, check_beside};
 use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::refusal::{ReadError, Refusal};
 use rundown_files::{map_matching::CentreLine, run_log::BadRows, run_set::RunFile};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+/// A log that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failed {
+    /// Where it lies.
     pub file: PathBuf,
+    /// Why: a line for each bad row.
     pub error: String,
+    /// The first place that is wrong, where it is known.
+    pub refusal: Option<Box<Refusal>>,
 }
 
+impl Failed {
+    fn of(file: &Path, error: &ReadError) -> Self {
+        let refusal = match error {
+            ReadError::Refused(refusal) => Some(refusal.clone()),
+            ReadError::BadRows { rows, .. } => rows.first().cloned(),
+            _ => None,
+        };
+        Self { file: file.to_owned(), error: error.to_string(), refusal: refusal.map(Box::new) }
+    }
+}
+
+/// Reads a log.
+///
+/// # Errors
+/// [`Failed`] says why it cannot be used.
 pub fn read(
     file: &RunFile,
     bad_rows: BadRows,
     line: Option<&CentreLine>,
     direction: DirectionChoice,
 ) -> Result<Recording, Failed> {
-    Recording::read(file, bad_rows, line, direction)
-        .map_err(|error| Failed { file: file.path.clone(), error: error.to_string() })
+    Recording::read(file, bad_rows, line, direction).map_err(|error| Failed::of(&file.path, &error))
 }
 
 /// Diagnoses recordings, puts right what is beyond doubt, and refuses those that cannot be used. Out: each in its place, and what was found.
@@ -28,7 +48,7 @@ pub fn diagnosed_each(mut recordings: Vec<Recording>, known: Known) -> (Vec<Resu
         None => Ok(recording),
         Some(finding) => {
             let error = format!("{}: {finding}", recording.path.display());
-            Err(Failed { file: recording.path, error })
+            Err(Failed { file: recording.path, error, refusal: None })
         }
     });
     (each.collect(), found)

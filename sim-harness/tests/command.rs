@@ -228,7 +228,7 @@ fn a_tick_takes_the_newest_sample_of_each_period() {
     let estimates = folder.read("out/run.estimates.csv");
     let times: Vec<&str> = estimates.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
     assert_eq!(times.len(), 59);
-    assert_eq!(times[1], "2.0000000000000000e1");
+    assert_eq!(times[1], "20.0");
 }
 
 #[test]

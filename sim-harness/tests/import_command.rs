@@ -3,6 +3,7 @@
 mod common;
 
 use common::Folder;
+use rundown_files::column::{About, Kind};
 use rundown_files::parquet::TableWriter;
 use rundown_files::table::{Cell, Record};
 use rundown_files::track_file::TrackFile;
@@ -317,7 +318,10 @@ fn a_table_of_parquet_is_read_and_split_by_its_runs() {
             records.push(cells.map(|(name, cell)| (name.to_owned(), cell)).to_vec());
         }
     }
-    let mut writer = TableWriter::new(&folder.path("log.parquet"));
+    let number = |name| About::new(name, Kind::Number, "");
+    let columns =
+        vec![About::new("zugnummer", Kind::Text, ""), number("time_s"), number("location_m"), number("v [m/s]")];
+    let mut writer = TableWriter::new(&folder.path("log.parquet"), columns);
     writer.write(&records).unwrap();
     writer.close().unwrap();
     folder.done(&["import", "log.parquet", "--chainage", "as-is"]);

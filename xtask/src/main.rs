@@ -6,6 +6,7 @@
 mod budget;
 mod firmware;
 mod fuzz;
+mod python;
 mod run_firmware;
 mod setup;
 mod shell;
@@ -31,6 +32,8 @@ Tasks:
   stack                         the most stack that the firmware can take, path by path, and the largest frames
   test                          the whole test run: set-up, firmware, unit, integration and documentation tests of every package
   browser                       the page of `rundown display` in Chromium, which is installed if it is missing; pictures in target/browser
+  python                        the Python module: builds the wheel, installs it into a virtual environment in target/python, runs its tests;
+                                needs Python >= 3.9
   fuzz [--seconds N] [--seed N] every fuzz target for so long (default: 60), two at a time; other inputs each time
                                 without a seed; needs a C++ compiler
   ci                            everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
@@ -69,6 +72,7 @@ fn main() -> ExitCode {
         ["stack"] => budget::stack(),
         ["test"] => test(),
         ["browser"] => browser(),
+        ["python"] => python::python(),
         ["fuzz"] => fuzz::fuzz("60", None),
         ["fuzz", "--seconds", seconds] => fuzz::fuzz(seconds, None),
         ["fuzz", "--seconds", seconds, "--seed", seed] => fuzz::fuzz(seconds, Some(seed)),
@@ -191,7 +195,7 @@ mod tests {
     fn each_task_has_help_of_its_own() {
         let tasks = HELP.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
         let tasks: Vec<&str> = tasks.map(|line| line.split_whitespace().next().unwrap()).collect();
-        assert_eq!(tasks.len(), 11, "{tasks:?}");
+        assert_eq!(tasks.len(), 12, "{tasks:?}");
         for task in tasks {
             assert!(help_of(task).unwrap().trim_start().starts_with(task));
         }

@@ -13,10 +13,11 @@
 //! | what does the estimator get? | [`recording`], [`map_matching`], [`units`] |
 //! | what does it say? | [`replay`] |
 //! | train, track, configuration, effects | [`train_file`], [`track_file`], [`config_file`], [`effect_file`], all by [`toml_file`] |
-//! | tables and runs for other tools | [`table`], [`parquet`] |
+//! | tables and runs for other tools | [`column`], [`table`], [`parquet`] |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod column;
 pub mod config_file;
 pub mod effect_file;
 pub mod effect_frame;

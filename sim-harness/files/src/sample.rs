@@ -1,5 +1,6 @@
 //! One sample of a run, and [`COLUMNS`], the table by which CSV and Parquet are read and written. What a file has in other units is SI from here on.
 
+use crate::column::{About, Kind};
 use rundown::{model::effects::Surroundings, model::units::KmPerHour, tick::measurement::Measurement};
 
 /// One row of a log. What is missing is `None`.
@@ -32,6 +33,8 @@ pub struct Column {
     pub name: &'static str,
     /// The file's unit.
     pub unit: &'static str,
+    /// What it says.
+    pub meaning: &'static str,
     /// No log goes without it, but for [`LOCATION`] where there are coordinates.
     pub needed: bool,
     /// What a value may be in the file's unit. One beyond is warned of and handed on; a time beyond makes a bad row.
@@ -41,6 +44,8 @@ pub struct Column {
     /// The sample's value in the file's unit.
     pub get: fn(&Sample) -> Option<f64>,
 }
+
+const NOT_READ: &str = "there is no reading";
 
 /// Name of the column without which a row is none.
 pub const TIME: &str = "time_s";
@@ -57,10 +62,11 @@ const LATEST_S: f64 = 1e11;
 
 /// A column that stands as it is in the field of this name.
 macro_rules! column {
-    ($name:expr, $unit:literal, $needed:literal, $range:expr, $field:ident) => {
+    ($name:expr, $unit:literal, $meaning:literal, $needed:literal, $range:expr, $field:ident) => {
         Column {
             name: $name,
             unit: $unit,
+            meaning: $meaning,
             needed: $needed,
             range: $range,
             set: |sample, value| sample.$field = Some(value),
@@ -74,26 +80,49 @@ pub const COLUMNS: [Column; 8] = [
     Column {
         name: TIME,
         unit: "s",
+        meaning: "time on any clock that only goes forward",
         needed: true,
         range: (-LATEST_S, LATEST_S),
         set: |sample, time_s| sample.time_s = time_s,
         get: |sample| Some(sample.time_s),
     },
-    column!(LOCATION, "m", true, (-MOST_LOCATION_M, MOST_LOCATION_M), location_m),
+    column!(
+        LOCATION,
+        "m",
+        "location of the front along the track",
+        true,
+        (-MOST_LOCATION_M, MOST_LOCATION_M),
+        location_m
+    ),
     Column {
         name: "speed_kmh",
         unit: "km/h",
+        meaning: "speed reading",
         needed: true,
         range: (0.0, MOST_SPEED_KMH),
         set: |sample, kmh| sample.speed_mps = Some(KmPerHour(kmh).to_mps()),
         // Readings are km/h with a few decimals; the detour through m/s must not leave crumbs.
         get: |sample| sample.speed_mps.map(|mps| (3.6e6 * mps).round() / 1e6),
     },
-    column!(COORDINATES[0], "degrees", false, (-90.0, 90.0), latitude_deg),
-    column!(COORDINATES[1], "degrees", false, (-180.0, 180.0), longitude_deg),
-    column!("effort_n_per_kg", "N/kg", false, (-10.0, 10.0), effort_n_per_kg),
-    column!("ambient_temperature_c", "°C", false, (-60.0, 80.0), temperature_c),
-    column!("headwind_mps", "m/s", false, (-60.0, 60.0), headwind_mps),
+    column!(COORDINATES[0], "degrees", "latitude, WGS 84", false, (-90.0, 90.0), latitude_deg),
+    column!(COORDINATES[1], "degrees", "longitude, WGS 84", false, (-180.0, 180.0), longitude_deg),
+    column!(
+        "effort_n_per_kg",
+        "N/kg",
+        "applied effort F/(γ m), traction positive, brake negative",
+        false,
+        (-10.0, 10.0),
+        effort_n_per_kg
+    ),
+    column!("ambient_temperature_c", "°C", "ambient temperature", false, (-60.0, 80.0), temperature_c),
+    column!(
+        "headwind_mps",
+        "m/s",
+        "wind component against the direction of travel",
+        false,
+        (-60.0, 60.0),
+        headwind_mps
+    ),
 ];
 
 /// Names of needed columns that a file does not have.
@@ -104,6 +133,17 @@ pub(crate) fn missing(has: impl Fn(&str) -> bool) -> Vec<&'static str> {
 }
 
 impl Column {
+    /// What it is, without its values.
+    pub fn about(&self) -> About {
+        About {
+            name: self.name.to_owned(),
+            kind: Kind::Number,
+            unit: self.unit,
+            meaning: self.meaning.to_owned(),
+            empty: if self.name == TIME { "" } else { NOT_READ },
+        }
+    }
+
     /// What makes a value of the file doubtful.
     pub(crate) fn doubt(&self, value: f64) -> Option<String> {
         let (least, most) = self.range;

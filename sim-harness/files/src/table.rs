@@ -1,6 +1,6 @@
 //! Tables for people and machines: the same records as CSV and as JSON.
 //!
-//! Numbers are written with 17 significant digits in CSV, so that the reader gets the very bits back. What is missing is an
+//! Numbers are written with as few digits as give the reader the very bits back. What is missing is an
 //! empty field in CSV and `null` in JSON; a number that is not finite is missing.
 
 use serde_json::{Map, Value};
@@ -22,6 +22,24 @@ pub type Record = Vec<(String, Cell)>;
 impl From<&str> for Cell {
     fn from(text: &str) -> Self {
         Self::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<Option<&str>> for Cell {
+    fn from(text: Option<&str>) -> Self {
+        text.map_or(Self::Missing, Self::from)
+    }
+}
+
+impl From<bool> for Cell {
+    fn from(yes: bool) -> Self {
+        Self::Count(u64::from(yes))
     }
 }
 
@@ -55,7 +73,7 @@ impl Cell {
         match self {
             Self::Text(text) => text.clone(),
             Self::Count(count) => count.to_string(),
-            Self::Number(number) => digits_17(*number),
+            Self::Number(number) => exact(*number),
             Self::Missing => String::new(),
         }
     }
@@ -70,13 +88,14 @@ impl Cell {
     }
 }
 
-/// 17 significant digits: reading them back gives the same bits.
+/// The fewest digits of which reading gives the same bits.
 ///
 /// ```
-/// assert_eq!(rundown_files::table::digits_17(0.1), "1.0000000000000001e-1");
+/// assert_eq!(rundown_files::table::exact(0.1), "0.1");
+/// assert_eq!(rundown_files::table::exact(0.1 + 0.2), "0.30000000000000004");
 /// ```
-pub fn digits_17(number: f64) -> String {
-    format!("{number:.16e}")
+pub fn exact(number: f64) -> String {
+    format!("{number:?}")
 }
 
 /// Writes records of the same names, a header line first.
@@ -114,14 +133,14 @@ mod tests {
         ];
         let mut bytes = Vec::new();
         write_csv(&mut bytes, std::slice::from_ref(&record)).unwrap();
-        assert_eq!(String::from_utf8(bytes).unwrap(), "run,count,mean,sd\n\"a,b\",3,,1.0000000000000001e-1\n");
+        assert_eq!(String::from_utf8(bytes).unwrap(), "run,count,mean,sd\n\"a,b\",3,,0.1\n");
         assert_eq!(to_json(&record).to_string(), r#"{"run":"a,b","count":3,"mean":null,"sd":0.1}"#);
     }
 
     #[test]
-    fn seventeen_digits_give_the_bits_back() {
+    fn the_fewest_digits_give_the_bits_back() {
         for number in [0.1, 1.0 / 3.0, 6.02e23, -1e-300, 0.0, f64::MAX] {
-            assert_eq!(digits_17(number).parse::<f64>().unwrap().to_bits(), number.to_bits());
+            assert_eq!(exact(number).parse::<f64>().unwrap().to_bits(), number.to_bits());
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::refusal::Refusal;
 use rundown::model::{track::Track, train::Train};
 use rundown_check::Check;
 use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::refusal::Place;
 use rundown_files::{run_set::RunSet, track_file::TrackFile, train_file::TrainFile};
 use std::path::{Path, PathBuf};
 
@@ -52,10 +53,9 @@ impl Input {
         let (train_file, train) = TrainFile::read(train).map_err(Refusal::unread)?;
         let (track_file, track) = TrackFile::read(track).map_err(Refusal::unread)?;
         if let Some(nowhere) = runs.iter().find(|path| !path.exists()) {
-            return Err(Refusal::Unread(format!(
-                "{}: expected a folder of run logs, or a run log; there is nothing of this name",
-                nowhere.display()
-            )));
+            let place = Place::of_file(nowhere);
+            let message = "expected a folder of run logs, or a run log; there is nothing of this name";
+            return Err(Refusal::unread(place.refuse("", message).into()));
         }
         let set = RunSet::find(runs).map_err(Refusal::unread)?;
         let Loaded { runs: read, recordings, check, notes } = load::runs(&set, &track_file, direction, as_recorded);

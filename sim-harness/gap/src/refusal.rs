@@ -1,16 +1,21 @@
 //! Why there is no answer.
 
 use rundown::model::effects::EffectError;
-use std::fmt;
+use rundown_files::refusal::ReadError;
 use thiserror::Error;
 
 /// Why there is no answer.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// A file or a folder; the text names it.
-    #[error("{0}")]
-    Unread(String),
+    /// A file or a folder.
+    #[error("{text}")]
+    Unread {
+        /// Names it.
+        text: String,
+        /// The place in a file, where it is known.
+        place: Option<Box<rundown_files::refusal::Refusal>>,
+    },
     /// So many runs cannot be held out.
     #[error(
         "--hold-out {wanted}: an analysis needs {least} runs and there are {runs}, so at most {most} can be held out; nothing was written"
@@ -50,7 +55,12 @@ pub enum Refusal {
 
 impl Refusal {
     /// A file or a folder that cannot be read.
-    pub(crate) fn unread(error: impl fmt::Display) -> Self {
-        Self::Unread(error.to_string())
+    pub(crate) fn unread(error: ReadError) -> Self {
+        let text = error.to_string();
+        let place = match error {
+            ReadError::Refused(refusal) => Some(Box::new(refusal)),
+            _ => None,
+        };
+        Self::Unread { text, place }
     }
 }

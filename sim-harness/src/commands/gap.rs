@@ -5,7 +5,7 @@ use clap::builder::PossibleValuesParser;
 use rundown::model::effects::EffectKind;
 use rundown_files::recording::DirectionChoice;
 use rundown_gap::answer::{files::AnswerError, story::story};
-use rundown_gap::candidates::{explain, printed_config};
+use rundown_gap::candidates::{explain, printed_config, read_config};
 use rundown_gap::config::GapConfig;
 use rundown_gap::input::Input;
 use rundown_gap::refusal::Refusal;
@@ -109,7 +109,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         screen::print(&printed_config());
         return Ok(ExitCode::SUCCESS);
     }
-    let config = arguments.config.as_deref().map_or_else(|| Ok(GapConfig::default()), config)?;
+    let config = arguments.config.as_deref().map_or_else(|| Ok(GapConfig::default()), read_config).map_err(failed)?;
     // Both are there: they are required unless a page is asked for.
     let path = |path: &Option<PathBuf>| path.clone().unwrap_or_default();
     let (train, track) = (path(&arguments.train), path(&arguments.track));
@@ -161,14 +161,4 @@ fn failed(refusal: Refusal) -> Failure {
         _ => super::DESCRIPTION_REFUSED,
     };
     Failure { message: refusal.to_string(), code }
-}
-
-/// Reads thresholds and priors.
-fn config(path: &Path) -> Result<GapConfig, Failure> {
-    let read = || -> Result<GapConfig, Box<dyn std::error::Error>> {
-        let config: GapConfig = toml::from_str(&std::fs::read_to_string(path)?)?;
-        rundown_gap::candidates::check_priors(&config)?;
-        Ok(config)
-    };
-    read().map_err(|error| Failure::refused(format!("{}: {error}", path.display())))
 }

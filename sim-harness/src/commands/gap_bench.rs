@@ -206,12 +206,11 @@ fn one(request: Request, kept: Option<&Path>) -> Result<Done, BenchError> {
     let answer = blind(&set, folder)?;
     let found = answer.as_ref().map(|answer| &answer.found);
     let seconds = begun.elapsed().as_secs_f64();
-    if let (Some(folder), Some(found)) = (kept, found) {
-        let put = |name: &str, table: Result<Vec<u8>, csv::Error>| {
-            std::fs::write(folder.join(name), table.map_err(std::io::Error::other)?)
-        };
-        put("residuals.csv", gap_tables::residuals(&found.findings.rows)).map_err(failed)?;
-        put("pulls.csv", gap_tables::powering(&found.findings.powering)).map_err(failed)?;
+    if let (Some(folder), Some(answer)) = (kept, &answer) {
+        // All but the speeds of held-out runs.
+        for (name, bytes) in gap_tables::files(answer).map_err(failed)?.into_iter().take(2) {
+            std::fs::write(folder.join(name), bytes).map_err(failed)?;
+        }
     }
     let scenario = &set.scenario;
     Ok(Done {

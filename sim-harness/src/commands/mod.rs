@@ -23,7 +23,7 @@ mod simulate;
 mod study;
 mod tune;
 
-use crate::{simulation::folder::FolderError, study::Refused};
+use crate::{replaying::ReplayError, simulation::folder::FolderError, study::Refused};
 use clap::{CommandFactory, Parser, Subcommand};
 use rundown::{estimator::config::Config, model::effects::EffectError, tick::bounds::ConfigError};
 use rundown_files::refusal::ReadError;
@@ -142,7 +142,7 @@ macro_rules! failures {
 }
 
 failures! {
-    refused: ReadError, ConfigError, EffectError, Refused;
+    refused: ReadError, ConfigError, EffectError, ReplayError, Refused;
     not_written: WriteError, FolderError;
 }
 

@@ -1,25 +1,13 @@
 //! `rundown replay`: recorded runs, a train and a track in; estimates, features, parameters and a report out.
 
 use super::{Failure, SOME_RUNS_FAILED, screen};
-use crate::logs::{self, Failed};
-use crate::output::json::{self, mode_word};
-use crate::report::{Report, RunView, write_report};
-use crate::{advice::advice, output::write_tables};
+use crate::output::json::mode_word;
+use crate::replaying::{PERIOD, Request, is_period};
 use clap::ValueEnum;
-use rayon::prelude::*;
-use rundown::estimator::config::{Config, Mode};
-use rundown::tick::sensor::Rounding;
-use rundown::{estimator::Estimator, model::effects::Effect, model::train::Train};
-use rundown_check::Known;
-use rundown_files::recording::{DirectionChoice, Recording};
-use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
-use rundown_files::{
-    effect_file, map_matching::CentreLine, run_log::BadRows, run_set::RunSet, track_file::TrackFile,
-    train_file::TrainFile,
-};
-use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::{collections::HashMap, process::ExitCode};
+use rundown::estimator::config::Mode;
+use rundown_files::{recording::DirectionChoice, replay::Tick, run_log::BadRows};
+use std::path::PathBuf;
+use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -107,150 +95,49 @@ impl From<ModeChoice> for Mode {
 }
 
 fn period(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        // After a longer pause the estimator restarts.
-        Ok(seconds) if seconds > 0.0 && seconds <= 600.0 => Ok(seconds),
-        _ => Err("expected a number of seconds above 0, at most 600".to_owned()),
+    let seconds = text.parse::<f64>().map_err(|_| PERIOD.to_owned())?;
+    is_period(seconds).then_some(seconds).ok_or_else(|| PERIOD.to_owned())
+}
+
+impl Arguments {
+    fn request(&self) -> Request {
+        Request {
+            runs: self.runs.clone(),
+            train: self.train.clone(),
+            track: self.track.clone(),
+            config: self.config.clone(),
+            mode: self.mode.map(Mode::from),
+            tick: self.tick.map_or(Tick::EverySample, |seconds| Tick::Period { seconds }),
+            direction: self.direction,
+            carried: !self.no_carry,
+            as_recorded: self.as_recorded,
+            bad_rows: if self.skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse },
+        }
     }
-}
-
-struct ReplaySetup {
-    config: Config,
-    train: TrainFile,
-    core_train: Train,
-    track: TrackFile,
-    /// With the effects that act in all runs.
-    estimator: Estimator,
-}
-
-struct Results {
-    runs: Vec<ReplayedRun>,
-    failed: Vec<Failed>,
-    notes: Vec<String>,
-    carried: bool,
-    tick: Tick,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let setup = setup(arguments)?;
-    let results = replay(arguments, &setup)?;
-    screen::warnings(&results.runs);
-    results.notes.iter().for_each(|text| screen::note(text));
-    results.failed.iter().for_each(|failed| screen::error(&failed.error));
-    if results.runs.is_empty() {
-        let message = match results.failed.len() {
-            0 => "expected at least one run log, found none; nothing was written".to_owned(),
-            failed => format!("none of {failed} run logs could be used; nothing was written"),
-        };
+    let opened = arguments.request().open()?;
+    let bar = screen::progress(opened.runs());
+    let replayed = opened.replay(|| bar.inc(1));
+    bar.finish_and_clear();
+    let replayed = replayed?;
+    screen::warnings(&replayed.runs);
+    replayed.notes.iter().for_each(|text| screen::note(text));
+    replayed.failed.iter().for_each(|failed| screen::error(&failed.error));
+    if let Some(message) = replayed.nothing() {
         return Err(Failure::no_runs(message));
     }
-    let json = write(&arguments.out, &setup, &results)?;
+    let json = replayed.write(&arguments.out)?;
     if arguments.json {
         screen::print(&format!("{json:#}\n"));
     } else {
-        screen::print(&screen::run_table(&results.runs));
-        screen::print(&screen::foresight(&results.runs));
-        let (runs, mode) = (results.runs.len(), mode_word(setup.config.mode));
+        screen::print(&screen::run_table(&replayed.runs));
+        screen::print(&screen::foresight(&replayed.runs));
+        let (runs, mode) = (replayed.runs.len(), mode_word(replayed.config.mode));
         let report = arguments.out.join("report.html");
         let report = report.display();
         screen::print(&format!("\nruns: {runs}, mode: {mode}, report: {report}\n"));
     }
-    Ok(if results.failed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
-}
-
-fn setup(arguments: &Arguments) -> Result<ReplaySetup, Failure> {
-    let (train, core_train) = TrainFile::read(&arguments.train)?;
-    let (track, core_track) = TrackFile::read(&arguments.track)?;
-    let mut config = super::config(arguments.config.as_deref())?;
-    if let Some(mode) = arguments.mode {
-        config.mode = mode.into();
-    }
-    let config = track.doubted(config);
-    let effects = effect_file::effects(&track.effect, &train.effect, None)?;
-    let estimator = Estimator::try_new(config, core_train, core_track)?.with_effects(effects);
-    Ok(ReplaySetup { config, train, core_train, track, estimator })
-}
-
-fn replay(arguments: &Arguments, setup: &ReplaySetup) -> Result<Results, Failure> {
-    let set = RunSet::find(&arguments.runs)?;
-    let line = CentreLine::new(&setup.track.centre_line);
-    let bad_rows = if arguments.skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse };
-    let read: Vec<Result<Recording, Failed>> =
-        set.files.par_iter().map(|file| logs::read(file, bad_rows, line.as_ref(), arguments.direction)).collect();
-    let (mut recordings, mut failed) = (Vec::new(), Vec::new());
-    for result in read {
-        match result {
-            Ok(recording) => recordings.push(recording),
-            Err(failure) => failed.push(failure),
-        }
-    }
-    let mut notes = set.notes;
-    if !arguments.as_recorded {
-        // A wheel of some runs counts, too: it must not be put right twice.
-        let effects = setup.train.effect.iter().chain(&setup.track.effect);
-        let known = Known {
-            truncates: setup.config.sensor.rounding == Rounding::Truncated,
-            scale: effects.into_iter().any(|entry| matches!(entry.effect, Effect::SpeedScale(_))),
-        };
-        let (used, refused, found) = logs::diagnosed(recordings, known);
-        recordings = used;
-        failed.extend(refused);
-        notes.extend(found.notes());
-    }
-    let tick = arguments.tick.map_or(Tick::EverySample, |seconds| Tick::Period { seconds });
-    let bar = screen::progress(recordings.len());
-    let done = || bar.inc(1);
-    let own = own_estimators(setup, &recordings)?;
-    let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&setup.estimator);
-    let runs = if arguments.no_carry {
-        replay_apart_by(&model, &recordings, tick, done)
-    } else {
-        replay_carried_by(&model, &recordings, tick, done)
-    };
-    bar.finish_and_clear();
-    notes.extend(advice(&setup.estimator, &runs));
-    Ok(Results { runs, failed, notes, carried: !arguments.no_carry, tick })
-}
-
-/// The estimators of the runs in which not the same effects act as in all.
-fn own_estimators(setup: &ReplaySetup, recordings: &[Recording]) -> Result<HashMap<String, Estimator>, Failure> {
-    let mut own = HashMap::new();
-    for recording in recordings {
-        let effects = effect_file::effects(&setup.track.effect, &setup.train.effect, Some(&recording.name))?;
-        if effects != *setup.estimator.effects() {
-            let estimator = setup.estimator.clone().with_effects(effects);
-            own.insert(recording.name.clone(), estimator);
-        }
-    }
-    Ok(own)
-}
-
-/// Writes the tables and the report; returns what `--json` prints.
-fn write(folder: &Path, setup: &ReplaySetup, results: &Results) -> Result<Value, Failure> {
-    let json = json::value(&json::Replay {
-        config: &setup.config,
-        train: &setup.train.name,
-        track: &setup.track.name,
-        carried: results.carried,
-        tick: results.tick,
-        runs: &results.runs,
-        failed: &results.failed,
-        notes: &results.notes,
-    });
-    write_tables(folder, &results.runs, &setup.config, &json)?;
-    write_report(&folder.join("report.html"), &report(setup, results))?;
-    Ok(json)
-}
-
-fn report<'a>(setup: &'a ReplaySetup, results: &'a Results) -> Report<'a> {
-    let view = |run: &'a ReplayedRun| RunView::of(run, None);
-    let vehicle = |run: &ReplayedRun| (run.name.clone(), run.vehicle_after);
-    Report {
-        title: format!("{} on {}", setup.train.name, setup.track.name),
-        train: &setup.core_train,
-        runs: results.runs.iter().map(view).collect(),
-        mode: mode_word(setup.config.mode),
-        features: setup.config.features,
-        vehicle: results.runs.iter().map(vehicle).collect(),
-    }
+    Ok(if replayed.failed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
 }

@@ -1,26 +1,19 @@
 //! `<run>.coast_ahead.csv`: what coasting from each tick on leads to, [`rundown::coast_ahead`]. Written where the track has stops or speed limits.
 //!
-//! | columns | what |
-//! |---|---|
-//! | `time_s`, `location_m`, `speed_mps` | the estimate that the prediction begins with |
-//! | `outcome` | `arrives`, `may_stop`, `stops`, `no_target`, `unknown` |
-//! | `target_m`, `target_limit_mps` | the next stop (limit 0) or fall of the speed limit, with the limit behind it |
-//! | `target_speed_mps`, `sd_target_speed_mps`, `target_time_s`, `sd_target_time_s` | speed and time there; a 90 % interval is 1.645 standard deviations to either side |
-//! | `stop_m`, `sd_stop_m` | where the train stands before the target |
-//! | `published` | 1 where the prediction is another one than that published before it |
-//!
-//! A board makes no prediction in the ticks in which it has the most to do (each sixth, and each twelfth from the third on); else it says those of the rows with a 1.
+//! A board makes no prediction in the ticks in which it has the most to do (each sixth, and each twelfth from the third on); else it says those of
+//! the rows with `published` 1.
 
-use rundown::coast_ahead::{CoastAhead, CoastConfig, Outcome, Steady};
+use rundown::coast_ahead::{Arrival, CoastAhead, CoastConfig, Outcome, Steady};
+use rundown_files::column::{self, Column};
 use rundown_files::replay::ReplayedRun;
-use rundown_files::table::{Cell, Record, write_csv};
 use std::io::{self, Write};
 
+/// Name of the file of a run.
 pub fn file_name(run: &ReplayedRun) -> String {
     format!("{}.coast_ahead.csv", run.name)
 }
 
-pub const fn outcome_word(outcome: &Outcome) -> &'static str {
+pub(crate) const fn outcome_word(outcome: &Outcome) -> &'static str {
     match outcome {
         Outcome::Unknown => "unknown",
         Outcome::NoTarget => "no_target",
@@ -30,38 +23,85 @@ pub const fn outcome_word(outcome: &Outcome) -> &'static str {
     }
 }
 
-pub fn write(writer: impl Write, run: &ReplayedRun, config: &CoastConfig) -> io::Result<()> {
-    let mut steady = Steady::NONE;
-    let records: Vec<Record> =
-        run.coast_ahead.iter().map(|ahead| record(ahead, steady.is_news(config, ahead))).collect();
-    write_csv(writer, &records)
+/// A tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    ahead: CoastAhead,
+    published: bool,
 }
 
-fn record(ahead: &CoastAhead, published: bool) -> Record {
-    let arrival = match ahead.outcome {
-        Outcome::Arrives(arrival) => Some(arrival),
-        _ => None,
-    };
-    let stop = match ahead.outcome {
-        Outcome::Stops { location_m, sd_m } => Some((location_m, sd_m)),
-        _ => None,
-    };
-    let target = ahead.target;
-    let limit_mps = target.map(|target| target.limit_mps.unwrap_or(0.0));
-    let cells = [
-        ("time_s", Cell::from(ahead.from.time_s)),
-        ("location_m", Cell::from(ahead.from.location_m)),
-        ("speed_mps", Cell::from(ahead.from.speed_mps)),
-        ("outcome", Cell::from(outcome_word(&ahead.outcome))),
-        ("target_m", Cell::from(target.map(|target| target.at_m))),
-        ("target_limit_mps", Cell::from(limit_mps)),
-        ("target_speed_mps", Cell::from(arrival.map(|a| a.speed_mps))),
-        ("sd_target_speed_mps", Cell::from(arrival.map(|a| a.speed_sd_mps))),
-        ("target_time_s", Cell::from(arrival.map(|a| a.time_s))),
-        ("sd_target_time_s", Cell::from(arrival.map(|a| a.time_sd_s))),
-        ("stop_m", Cell::from(stop.map(|(location_m, _)| location_m))),
-        ("sd_stop_m", Cell::from(stop.map(|(_, sd_m)| sd_m))),
-        ("published", Cell::Count(u64::from(published))),
+const NO_TARGET: &str = "there is no target ahead";
+const NO_ARRIVAL: &str = "`outcome` is not `arrives`";
+const NO_STOP: &str = "`outcome` is not `stops`";
+
+/// The columns of the file.
+pub fn columns() -> Vec<Column<Row>> {
+    let limit = "speed limit behind the target, 0 at a stop";
+    let outcome = "`arrives`, `may_stop`, `stops`, `no_target` or `unknown`";
+    let published = "1 where the prediction is another one than that published before it";
+    let mut columns = vec![
+        Column::number("time_s", "s", "time of the tick", |r: &Row| r.ahead.from.time_s),
+        Column::number("location_m", "m", "estimated location from which the train coasts", |r: &Row| {
+            r.ahead.from.location_m
+        }),
+        Column::number("speed_mps", "m/s", "estimated speed from which the train coasts", |r: &Row| {
+            r.ahead.from.speed_mps
+        }),
+        Column::text("outcome", outcome, |r: &Row| outcome_word(&r.ahead.outcome)),
+        Column::number("target_m", "m", "location of the next stop or fall of the speed limit", |r: &Row| {
+            r.ahead.target.map(|target| target.at_m)
+        })
+        .empty_when(NO_TARGET),
+        Column::number("target_limit_mps", "m/s", limit, |r: &Row| {
+            r.ahead.target.map(|target| target.limit_mps.unwrap_or(0.0))
+        })
+        .empty_when(NO_TARGET),
     ];
-    cells.into_iter().map(|(name, cell)| (name.to_owned(), cell)).collect()
+    columns.extend(arrival());
+    columns.extend([
+        Column::number("stop_m", "m", "where the train stands before the target", |r: &Row| r.stop().map(|s| s.0))
+            .empty_when(NO_STOP),
+        Column::number("sd_stop_m", "m", "standard deviation of `stop_m`", |r: &Row| r.stop().map(|s| s.1))
+            .empty_when(NO_STOP),
+        Column::count("published", published, |r: &Row| r.published),
+    ]);
+    columns
+}
+
+fn arrival() -> [Column<Row>; 4] {
+    let of = |value: fn(&Arrival) -> f64| move |r: &Row| r.arrival().map(|arrival| value(&arrival));
+    let sd = "standard deviation of it; a 90 % interval is 1.645 of them to either side";
+    [
+        Column::number("target_speed_mps", "m/s", "speed at the target", of(|a| a.speed_mps)),
+        Column::number("sd_target_speed_mps", "m/s", sd, of(|a| a.speed_sd_mps)),
+        Column::number("target_time_s", "s", "time at the target, on the clock of `time_s`", of(|a| a.time_s)),
+        Column::number("sd_target_time_s", "s", sd, of(|a| a.time_sd_s)),
+    ]
+    .map(|column| column.empty_when(NO_ARRIVAL))
+}
+
+impl Row {
+    fn arrival(&self) -> Option<Arrival> {
+        match self.ahead.outcome {
+            Outcome::Arrives(arrival) => Some(arrival),
+            _ => None,
+        }
+    }
+
+    fn stop(&self) -> Option<(f64, f64)> {
+        match self.ahead.outcome {
+            Outcome::Stops { location_m, sd_m } => Some((location_m, sd_m)),
+            _ => None,
+        }
+    }
+}
+
+/// The ticks of a run.
+pub fn rows<'a>(run: &'a ReplayedRun, config: &'a CoastConfig) -> impl Iterator<Item = Row> + 'a {
+    let mut steady = Steady::NONE;
+    run.coast_ahead.iter().map(move |ahead| Row { ahead: *ahead, published: steady.is_news(config, ahead) })
+}
+
+pub(super) fn write(writer: impl Write, run: &ReplayedRun, config: &CoastConfig) -> io::Result<()> {
+    column::write_csv(writer, &columns(), rows(run, config))
 }

@@ -1,34 +1,52 @@
 //! `<run>.estimates.csv`: one row a tick.
-//!
-//! | columns | what |
-//! |---|---|
-//! | `time_s` | time of the measurement |
-//! | `location_m`, `speed_mps`, `r0`, `r1`, `r2`, `sd_*` | the estimate and its standard deviations |
-//! | `P_00` .. `P_44` | covariance of (location, speed, r0, r1, r2), upper triangle |
-//! | `effort_n_per_kg`, `acceleration_mps2` | means since the tick before |
-//! | `regime` | as known at this tick |
-//! | `learning` | 1 when the resistance was learned from this measurement |
-//! | `innovation_*`, `S_ss`, `S_sv`, `S_vv` | measured minus expected, and its covariance |
-//! | `validity`, `cause` | how far location and speed may be trusted, and why not |
-//! | `regime_confirmed` | the regime of this row's sample as known one sample later; the last row keeps its causal one |
 
 use rundown::model::state::{LOCATION, R0, R1, R2, SIZE, SPEED};
 use rundown::{filter::ukf::Reading, tick::estimate::Estimate, tick::regime::Regime};
-use rundown_files::{replay::ReplayedRun, table::digits_17};
+use rundown_files::column::{self, Column};
+use rundown_files::replay::ReplayedRun;
 use std::io::{self, Write};
 
+/// Name of the file of a run.
 pub fn file_name(run: &ReplayedRun) -> String {
     format!("{}.estimates.csv", run.name)
 }
 
-pub fn columns() -> Vec<String> {
-    let fixed = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
-    let mut columns = fixed(&["time_s", "location_m", "speed_mps", "r0", "r1", "r2"]);
-    columns.extend(fixed(&["sd_location_m", "sd_speed_mps", "sd_r0", "sd_r1", "sd_r2"]));
-    columns.extend(upper_triangle().map(|(row, column)| format!("P_{row}{column}")));
-    columns.extend(fixed(&["effort_n_per_kg", "acceleration_mps2", "regime", "learning"]));
-    columns.extend(fixed(&["innovation_location_m", "innovation_speed_mps", "S_ss", "S_sv", "S_vv"]));
-    columns.extend(fixed(&["validity", "cause", "regime_confirmed"]));
+/// A tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    estimate: Estimate,
+    confirmed: Regime,
+}
+
+/// The components of the state, with their names, units and meanings.
+const STATE: [(usize, &str, &str, &str); SIZE] = [
+    (LOCATION, "location_m", "m", "location of the front along the track"),
+    (SPEED, "speed_mps", "m/s", "speed"),
+    (R0, "r0", "N/kg", "Davis coefficient of this run's train: r(v) = r0 + r1 v + r2 v²"),
+    (R1, "r1", "N/kg per m/s", "Davis coefficient of this run's train"),
+    (R2, "r2", "N/kg per (m/s)²", "Davis coefficient of this run's train"),
+];
+const NO_READING: &str = "a reading was missing, or the run begins here";
+const NOT_MEASURED: &str = "the reading was missing, or nothing was expected";
+
+/// The columns of the file.
+pub fn columns() -> Vec<Column<Row>> {
+    let mut columns = vec![Column::number("time_s", "s", "time of the measurement", |row: &Row| row.estimate.time_s)];
+    columns
+        .extend(STATE.map(|(at, name, unit, meaning)| Column::number(name, unit, meaning, move |r: &Row| r.mean(at))));
+    columns.extend(STATE.map(|(at, name, unit, _)| {
+        let meaning = format!("standard deviation of `{name}`");
+        Column::number(&format!("sd_{name}"), unit, &meaning, move |r: &Row| r.estimate.belief.sd(at))
+    }));
+    columns.extend(upper_triangle().map(|at| {
+        let names = [STATE[at.0].1, STATE[at.1].1];
+        let meaning = format!("covariance of `{}` and `{}`, product of their units", names[0], names[1]);
+        let name = format!("P_{}{}", at.0, at.1);
+        Column::number(&name, "", &meaning, move |r: &Row| r.estimate.belief.covariance[at])
+    }));
+    columns.extend(motion());
+    columns.extend(innovations());
+    columns.extend(trust());
     columns
 }
 
@@ -36,45 +54,73 @@ fn upper_triangle() -> impl Iterator<Item = (usize, usize)> {
     (0..SIZE).flat_map(|row| (row..SIZE).map(move |column| (row, column)))
 }
 
-pub fn write(writer: impl Write, run: &ReplayedRun) -> io::Result<()> {
-    let mut csv = csv::Writer::from_writer(writer);
-    csv.write_record(columns())?;
-    for (estimate, confirmed) in run.estimates.iter().zip(&run.regimes) {
-        csv.write_record(fields(estimate, *confirmed))?;
+fn motion() -> [Column<Row>; 4] {
+    let effort = "applied effort F/(γ m), mean since the tick before; traction positive, brake negative";
+    let learning = "1 where the resistance was learned from this measurement";
+    [
+        Column::number("effort_n_per_kg", "N/kg", effort, |r: &Row| r.estimate.effort_n_per_kg).empty_when(NO_READING),
+        Column::number("acceleration_mps2", "m/s²", "mean since the tick before", |r: &Row| {
+            r.estimate.acceleration_mps2
+        })
+        .empty_when(NO_READING),
+        Column::text("regime", "regime as known at this tick", |r: &Row| r.estimate.regime.as_str()),
+        Column::count("learning", learning, |r: &Row| r.estimate.learning),
+    ]
+}
+
+/// A reading that was missing has no innovation, and keeps its expected variance.
+fn innovations() -> [Column<Row>; 5] {
+    let variance =
+        |at: (usize, usize)| move |r: &Row| r.estimate.innovation.as_ref().map(|innovation| innovation.covariance[at]);
+    let nothing = "nothing was expected: the run begins here";
+    [
+        Column::number("innovation_location_m", "m", "measured less expected location", |r: &Row| r.innovation(0))
+            .empty_when(NOT_MEASURED),
+        Column::number("innovation_speed_mps", "m/s", "measured less expected speed", |r: &Row| r.innovation(1))
+            .empty_when(NOT_MEASURED),
+        Column::number("S_ss", "m²", "expected variance of the innovation of the location", variance((0, 0)))
+            .empty_when(nothing),
+        Column::number("S_sv", "m²/s", "expected covariance of both innovations", variance((0, 1))).empty_when(nothing),
+        Column::number("S_vv", "m²/s²", "expected variance of the innovation of the speed", variance((1, 1)))
+            .empty_when(nothing),
+    ]
+}
+
+fn trust() -> [Column<Row>; 3] {
+    let confirmed = "regime of this row's sample as known one sample later; the last row keeps its `regime`";
+    [
+        Column::text(
+            "validity",
+            "`valid`, `held` or `invalid`: how far location and speed may be trusted",
+            |r: &Row| r.estimate.validity.as_str(),
+        ),
+        Column::text("cause", "why they are not valid", |r: &Row| {
+            r.estimate.validity.cause().map(|cause| cause.as_str())
+        })
+        .empty_when("they are valid"),
+        Column::text("regime_confirmed", confirmed, |r: &Row| r.confirmed.as_str()),
+    ]
+}
+
+impl Row {
+    fn mean(&self, component: usize) -> f64 {
+        self.estimate.belief.mean[component]
     }
-    csv.flush()
+
+    fn innovation(&self, index: usize) -> Option<f64> {
+        let innovation = self.estimate.innovation.as_ref()?;
+        (innovation.readings[index] != Reading::Missing).then(|| innovation.value[index])
+    }
 }
 
-fn fields(estimate: &Estimate, confirmed: Regime) -> Vec<String> {
-    let belief = &estimate.belief;
-    let components = [LOCATION, SPEED, R0, R1, R2];
-    let mut fields = vec![digits_17(estimate.time_s)];
-    fields.extend(components.map(|component| digits_17(belief.mean[component])));
-    fields.extend(components.map(|component| digits_17(belief.sd(component))));
-    fields.extend(upper_triangle().map(|at| digits_17(belief.covariance[at])));
-    fields.push(optional(estimate.effort_n_per_kg));
-    fields.push(optional(estimate.acceleration_mps2));
-    fields.push(estimate.regime.as_str().to_owned());
-    fields.push(u8::from(estimate.learning).to_string());
-    fields.extend(innovation(estimate).map(optional));
-    fields.push(estimate.validity.as_str().to_owned());
-    fields.push(estimate.validity.cause().map_or("", |cause| cause.as_str()).to_owned());
-    fields.push(confirmed.as_str().to_owned());
-    fields
+/// The ticks of a run.
+pub fn rows(run: &ReplayedRun) -> impl Iterator<Item = Row> + '_ {
+    let pairs = run.estimates.iter().zip(&run.regimes);
+    pairs.map(|(estimate, confirmed)| Row { estimate: *estimate, confirmed: *confirmed })
 }
 
-/// Innovation of location and speed, S_ss, S_sv, S_vv. A reading that was missing has no innovation, and keeps its expected variance.
-fn innovation(estimate: &Estimate) -> [Option<f64>; 5] {
-    let Some(innovation) = &estimate.innovation else {
-        return [None; 5];
-    };
-    let value = |index: usize| (innovation.readings[index] != Reading::Missing).then(|| innovation.value[index]);
-    let s = &innovation.covariance;
-    [value(0), value(1), Some(s[(0, 0)]), Some(s[(0, 1)]), Some(s[(1, 1)])]
-}
-
-fn optional(number: Option<f64>) -> String {
-    number.filter(|number| number.is_finite()).map(digits_17).unwrap_or_default()
+pub(super) fn write(writer: impl Write, run: &ReplayedRun) -> io::Result<()> {
+    column::write_csv(writer, &columns(), rows(run))
 }
 
 #[cfg(test)]
@@ -87,6 +133,7 @@ mod tests {
             P_00,P_01,P_02,P_03,P_04,P_11,P_12,P_13,P_14,P_22,P_23,P_24,P_33,P_34,P_44,\
             effort_n_per_kg,acceleration_mps2,regime,learning,innovation_location_m,innovation_speed_mps,S_ss,S_sv,S_vv,\
             validity,cause,regime_confirmed";
-        assert_eq!(columns().join(","), expected);
+        let names: Vec<String> = columns().into_iter().map(|column| column.about.name).collect();
+        assert_eq!(names.join(","), expected);
     }
 }

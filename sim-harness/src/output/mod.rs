@@ -7,24 +7,30 @@
 //! | `features.csv` | one row a run ([`features`]) |
 //! | `parameters.csv` | the vehicle after each run, the run's own train, and how often each cause occurred ([`parameters`]) |
 //! | `switching_points.csv` | one row for each change of regime ([`features`]) |
-//! | `replay.json` | all but the estimates in one file for machines ([`json`]) |
+//! | `replay.json` | all but the estimates in one file for machines (`json`) |
 
-pub(crate) mod coast_ahead;
-pub(crate) mod estimates;
-pub(crate) mod features;
+pub mod coast_ahead;
+pub mod document;
+pub mod estimates;
+pub mod features;
 pub(crate) mod files;
-pub(crate) mod json;
-pub(crate) mod parameters;
+pub mod json;
+pub mod parameters;
 
 use rayon::prelude::*;
 use rundown::estimator::config::Config;
-use rundown_files::table::{self, Record};
+use rundown_files::column::{self, Column};
 use rundown_files::{WriteError, replay::ReplayedRun};
 use serde_json::Value;
-use std::{io::Write, path::Path};
+use std::{borrow::Borrow, io::Write, path::Path};
 
 /// Writes all tables of a replay into `folder`, which is made when it does not exist.
-pub fn write_tables(folder: &Path, runs: &[ReplayedRun], config: &Config, json: &Value) -> Result<(), WriteError> {
+pub(crate) fn write_tables(
+    folder: &Path,
+    runs: &[ReplayedRun],
+    config: &Config,
+    json: &Value,
+) -> Result<(), WriteError> {
     files::folder(folder)?;
     runs.par_iter().try_for_each(|run| {
         let name = estimates::file_name(run);
@@ -35,19 +41,20 @@ pub fn write_tables(folder: &Path, runs: &[ReplayedRun], config: &Config, json: 
         let name = coast_ahead::file_name(run);
         files::file(&folder.join(name), |file| coast_ahead::write(file, run, &config.coast))
     })?;
-    let of_features: Vec<Record> = runs.iter().map(|run| features::record(run, &config.features)).collect();
-    files::records(&folder.join("features.csv"), &of_features)?;
-    let of_parameters: Vec<Record> = runs.iter().map(parameters::record).collect();
-    files::records(&folder.join("parameters.csv"), &of_parameters)?;
-    let points: Vec<Record> = runs.iter().flat_map(features::switching_points).collect();
-    files::file(&folder.join("switching_points.csv"), |file| {
-        if points.is_empty() {
-            return writeln!(file, "{}", features::SWITCHING_POINT_COLUMNS.join(","));
-        }
-        table::write_csv(file, &points)
-    })?;
+    table(folder, "features.csv", &features::columns(&config.features), runs)?;
+    table(folder, "parameters.csv", &parameters::columns(), runs)?;
+    table(folder, "switching_points.csv", &features::switch_columns(), runs.iter().flat_map(features::switches))?;
     files::file(&folder.join("replay.json"), |file| {
         serde_json::to_writer_pretty(&mut *file, json)?;
         writeln!(file)
     })
+}
+
+fn table<Row>(
+    folder: &Path,
+    name: &str,
+    columns: &[Column<Row>],
+    rows: impl IntoIterator<Item: Borrow<Row>>,
+) -> Result<(), WriteError> {
+    files::file(&folder.join(name), |file| column::write_csv(file, columns, rows))
 }

@@ -1,73 +1,116 @@
 //! `parameters.csv`: what is known of the vehicle after each run, what this run's train was, and how often each cause occurred.
 
 use rundown::model::{state::resistance_sd, units::KmPerHour};
+use rundown::tick::estimate::{Cause, Counters};
+use rundown::tick::foresight::Foresight;
 use rundown::{filter::gaussian::Gaussian, model::direction::Direction};
+use rundown_files::column::Column;
 use rundown_files::replay::ReplayedRun;
-use rundown_files::table::{Cell, Record};
 
-/// The names of the three Davis coefficients, N/kg, N/(kg m/s), N/(kg (m/s)²).
-const COEFFICIENTS: [&str; 3] = ["r0", "r1", "r2"];
+/// The three Davis coefficients with their units.
+const COEFFICIENTS: [(&str, &str); 3] = [("r0", "N/kg"), ("r1", "N/kg per m/s"), ("r2", "N/kg per (m/s)²")];
 
 /// Speeds at which it is said what a run taught, km/h.
 const TAUGHT_KMH: [f64; 4] = [20.0, 60.0, 100.0, 140.0];
 
-pub const fn direction_word(direction: Direction) -> &'static str {
+pub(crate) const fn direction_word(direction: Direction) -> &'static str {
     match direction {
         Direction::Up => "up",
         Direction::Down => "down",
     }
 }
 
-/// One row: run, the vehicle after it, the run's own train (`run_*`: wind and load of the day included), rows and counters.
-pub fn record(run: &ReplayedRun) -> Record {
-    let mut record: Record = vec![("run".to_owned(), Cell::from(run.name.as_str()))];
-    record.extend(coefficients("", &run.vehicle_after));
-    record.extend(coefficients("run_", &run.summary.run_davis));
-    record.push(("unit".to_owned(), Cell::from(run.unit.as_str())));
-    record.push(("direction".to_owned(), Cell::from(direction_word(run.direction))));
-    record.push(("rows".to_owned(), Cell::from(run.rows)));
-    record.push(("steps".to_owned(), Cell::from(run.estimates.len())));
-    let learned = run.estimates.iter().filter(|estimate| estimate.learning).count();
-    record.push(("learning_steps".to_owned(), Cell::from(learned)));
-    record.extend(foresight(run));
-    record.extend(counters(run));
-    record
+/// The columns of the file: run, the vehicle after it, the run's own train (`run_*`: wind and load of the day included), rows and counters.
+pub fn columns() -> Vec<Column<ReplayedRun>> {
+    let learned = |run: &ReplayedRun| run.estimates.iter().filter(|estimate| estimate.learning).count();
+    let mut columns = vec![run_name()];
+    let vehicle = coefficients("", "the vehicle after the run");
+    columns.extend(vehicle.into_iter().map(|column| column.of_part(|run: &ReplayedRun| &run.vehicle_after)));
+    let of_run = coefficients("run_", "the train of this run alone, with the wind and load of the day");
+    columns.extend(of_run.into_iter().map(|column| column.of_part(|run: &ReplayedRun| &run.summary.run_davis)));
+    columns.extend([
+        unit(),
+        direction(),
+        Column::count("rows", "rows of the log", |run: &ReplayedRun| run.rows),
+        Column::count("steps", "ticks with an estimate", |run: &ReplayedRun| run.estimates.len()),
+        Column::count("learning_steps", "ticks from which the resistance was learned", learned),
+    ]);
+    columns.extend(foresight());
+    columns.extend(counters().into_iter().map(|column| column.of_part(|run: &ReplayedRun| &run.summary.counters)));
+    columns
 }
 
-/// Whether the vehicle's resistance would be published, how its coasts were foreseen, and what this run taught about r at some speeds.
-pub fn foresight(run: &ReplayedRun) -> Record {
-    let foresight = &run.summary.foresight;
-    let coasts = foresight.trust.coasts;
-    let kmh = |squares_mps: f64| Cell::from((coasts > 0.0).then(|| 3.6 * (squares_mps / coasts).sqrt()));
-    let mut record = vec![
-        ("published".to_owned(), Cell::from(run.learned.as_str())),
-        ("coasts".to_owned(), Cell::from(coasts)),
-        ("coast_error_kmh".to_owned(), kmh(foresight.learned_mps)),
-        ("coast_error_described_kmh".to_owned(), kmh(foresight.described_mps)),
-        ("coast_scatter".to_owned(), Cell::from(run.trust.inflation().sqrt())),
+/// Whether the vehicle's resistance would be published, how the run's coasts were foreseen, and what it taught about r at some speeds.
+pub(super) fn foresight() -> Vec<Column<ReplayedRun>> {
+    let published = "whether the board would publish the vehicle's resistance between runs: `learned`, or why not";
+    let scatter = "errors of foreseen coasts over what is expected of them, rms over the last tens of runs, at least 1";
+    let mut columns = vec![
+        Column::text("published", published, |run: &ReplayedRun| run.learned.as_str()),
+        Column::count("coasts", "coasts that taught", |run: &ReplayedRun| run.summary.foresight.trust.coasts),
+        coast_error("coast_error_kmh", "by what had been learned", |foresight| foresight.learned_mps),
+        coast_error("coast_error_described_kmh", "by the description", |foresight| foresight.described_mps),
+        Column::number("coast_scatter", "", scatter, |run: &ReplayedRun| run.trust.inflation().sqrt()),
     ];
-    let sd = |davis: &Gaussian<3>, speed_kmh: f64| resistance_sd(davis, KmPerHour(speed_kmh).to_mps());
-    record.extend(TAUGHT_KMH.map(|speed_kmh| {
-        let ratio = sd(&run.vehicle_before, speed_kmh) / sd(&run.vehicle_after, speed_kmh);
-        let bits = ratio.is_finite().then(|| ratio.log2());
-        (format!("bits_{speed_kmh}_kmh"), Cell::from(bits))
+    columns.extend(TAUGHT_KMH.map(taught));
+    columns
+}
+
+fn coast_error(name: &str, whose: &str, squares_mps: fn(&Foresight) -> f64) -> Column<ReplayedRun> {
+    let meaning = format!("rms error of the speed at the end of a coast, as foreseen {whose}");
+    Column::number(name, "km/h", &meaning, move |run: &ReplayedRun| {
+        let foresight = &run.summary.foresight;
+        let coasts = foresight.trust.coasts;
+        (coasts > 0.0).then(|| 3.6 * (squares_mps(foresight) / coasts).sqrt())
+    })
+    .empty_when("no coast taught")
+}
+
+fn taught(speed_kmh: f64) -> Column<ReplayedRun> {
+    let meaning =
+        format!("what the run taught about the vehicle's r({speed_kmh} km/h): log2 of how much narrower it is known");
+    let sd = move |davis: &Gaussian<3>| resistance_sd(davis, KmPerHour(speed_kmh).to_mps());
+    Column::number(&format!("bits_{speed_kmh}_kmh"), "bits", &meaning, move |run: &ReplayedRun| {
+        let ratio = sd(&run.vehicle_before) / sd(&run.vehicle_after);
+        ratio.is_finite().then(|| ratio.log2())
+    })
+    .empty_when("nothing is known of it")
+}
+
+pub(super) fn run_name() -> Column<ReplayedRun> {
+    Column::text("run", "name of the run: that of its log without `.csv`", |run: &ReplayedRun| run.name.clone())
+}
+
+pub(super) fn unit() -> Column<ReplayedRun> {
+    Column::text("unit", "unit of the index `runs.csv`", |run: &ReplayedRun| run.unit.clone())
+        .empty_when("no index names one")
+}
+
+pub(super) fn direction() -> Column<ReplayedRun> {
+    Column::text("direction", "`up`: locations rise, or `down`", |run: &ReplayedRun| direction_word(run.direction))
+}
+
+/// How often each cause occurred.
+pub(super) fn counters() -> Vec<Column<Counters>> {
+    let dropped = "rows that were dropped because their time did not increase";
+    let mut columns =
+        vec![Column::count("time_not_increasing", dropped, |counters: &Counters| counters.time_not_increasing)];
+    columns.extend(Cause::ALL.map(|cause| {
+        let meaning = format!("how often the cause `{}` occurred", cause.as_str());
+        Column::count(cause.as_str(), &meaning, move |counters: &Counters| counters.of(cause))
     }));
-    record
+    columns
 }
 
-pub fn counters(run: &ReplayedRun) -> Record {
-    let counters = &run.summary.counters;
-    let dropped = ("time_not_increasing".to_owned(), Cell::from(counters.time_not_increasing));
-    let causes = counters.iter().map(|(cause, count)| (cause.as_str().to_owned(), Cell::from(count)));
-    std::iter::once(dropped).chain(causes).collect()
-}
-
-pub fn coefficients(prefix: &str, davis: &Gaussian<3>) -> Record {
-    let means =
-        COEFFICIENTS.iter().zip(davis.mean.iter()).map(|(name, mean)| (format!("{prefix}{name}"), Cell::from(*mean)));
-    let sds = COEFFICIENTS
-        .iter()
-        .enumerate()
-        .map(|(index, name)| (format!("{prefix}sd_{name}"), Cell::from(davis.sd(index))));
-    means.chain(sds).collect()
+/// Means, then standard deviations. `whose`: what they are the coefficients of.
+pub(super) fn coefficients(prefix: &str, whose: &str) -> Vec<Column<Gaussian<3>>> {
+    let mean = |(at, (name, unit)): (usize, (&str, &'static str))| {
+        let meaning = format!("Davis coefficient of {whose}");
+        Column::number(&format!("{prefix}{name}"), unit, &meaning, move |davis: &Gaussian<3>| davis.mean[at])
+    };
+    let sd = |(at, (name, unit)): (usize, (&str, &'static str))| {
+        let meaning = format!("standard deviation of `{prefix}{name}`");
+        Column::number(&format!("{prefix}sd_{name}"), unit, &meaning, move |davis: &Gaussian<3>| davis.sd(at))
+    };
+    let means = COEFFICIENTS.into_iter().enumerate().map(mean);
+    means.chain(COEFFICIENTS.into_iter().enumerate().map(sd)).collect()
 }

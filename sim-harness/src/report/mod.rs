@@ -13,7 +13,7 @@
 mod axis;
 pub(crate) mod figures;
 pub(crate) mod page;
-pub(crate) mod resistance;
+pub mod resistance;
 
 #[cfg(test)]
 pub(crate) mod example;
@@ -28,10 +28,10 @@ use std::ops::{Deref, Range};
 use std::path::Path;
 
 /// Runs that have figures; all are in the tables.
-pub const RUNS_IN_FULL: usize = 12;
+pub(crate) const RUNS_IN_FULL: usize = 12;
 
 #[derive(Clone, Debug)]
-pub struct Report<'a> {
+pub(crate) struct Report<'a> {
     pub title: String,
     pub train: &'a Train,
     pub runs: Vec<RunView<'a>>,
@@ -44,7 +44,7 @@ pub struct Report<'a> {
 
 /// A replayed run, and what was true of a simulated one.
 #[derive(Clone, Copy, Debug)]
-pub struct RunView<'a> {
+pub(crate) struct RunView<'a> {
     run: &'a ReplayedRun,
     truth: Option<&'a TruthView>,
 }
@@ -65,7 +65,7 @@ impl<'a> RunView<'a> {
 
 /// What was true of a run, a value for each estimate; drawn where it has as many.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TruthView {
+pub(crate) struct TruthView {
     pub davis: Davis,
     /// Mean effort since the sample before, N/kg.
     pub effort_n_per_kg: Vec<Real>,
@@ -74,8 +74,20 @@ pub struct TruthView {
     pub starts: Vec<(Real, Real)>,
 }
 
-pub fn write_report(path: &Path, report: &Report) -> Result<(), WriteError> {
+pub(crate) fn write_report(path: &Path, report: &Report) -> Result<(), WriteError> {
     files::text(path, &page::html(report))
+}
+
+impl Report<'_> {
+    fn learned(&self) -> Learned {
+        self.runs.iter().map(RunView::learned).fold(Learned::default(), |all, run| all.and(&run))
+    }
+
+    /// r(v) of the vehicle after the last run, as the page has it.
+    pub(crate) fn resistance_curve(&self) -> String {
+        let vehicle = self.vehicle.last().map(|(_, belief)| belief);
+        figures::resistance_curve(vehicle, self.train, self.learned().speeds_mps)
+    }
 }
 
 impl RunView<'_> {
@@ -152,7 +164,7 @@ impl Learned {
 }
 
 /// Share of the time in each regime, indexed by `Regime as usize`; none when no time went by.
-pub fn regime_shares(run: &ReplayedRun) -> Option<[Real; 5]> {
+pub(crate) fn regime_shares(run: &ReplayedRun) -> Option<[Real; 5]> {
     let times_s = run.summary.features.regime_time_s;
     let total_s: Real = times_s.iter().sum();
     (total_s > 0.0 && total_s.is_finite()).then(|| times_s.map(|time_s| time_s / total_s))

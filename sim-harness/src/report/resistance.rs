@@ -9,7 +9,9 @@ use rundown::{Real, filter::gaussian::Gaussian, model::resistance::Davis};
 /// Half-width of a 95 % interval of a normal distribution in standard deviations.
 pub const NINETY_FIVE: Real = 1.96;
 
+/// Running resistance at a speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "named with their units")]
 pub struct Resistance {
     pub mean_n_per_kg: Real,
     pub sd_n_per_kg: Real,
@@ -26,10 +28,12 @@ impl Resistance {
         is_finite.then_some(found)
     }
 
+    /// Lower end of the 95 % interval, N/kg.
     pub fn lower(&self) -> Real {
         self.mean_n_per_kg - NINETY_FIVE * self.sd_n_per_kg
     }
 
+    /// Upper end of the 95 % interval, N/kg.
     pub fn upper(&self) -> Real {
         self.mean_n_per_kg + NINETY_FIVE * self.sd_n_per_kg
     }
@@ -45,6 +49,7 @@ impl Resistance {
     }
 }
 
+/// An estimate beside the manufacturer's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
     /// The manufacturer's value, N/kg.

@@ -14,11 +14,15 @@
 use super::key::{self, departure_utc, file_name};
 use super::scenario_file::Simulation;
 use rayon::prelude::*;
+use rundown_files::column::{self, Column};
 use rundown_files::run_set::INDEX;
+use rundown_files::table::Cell;
+use rundown_truth::facts::Facts;
 use rundown_truth::plan::{RunPlan, plan};
 use rundown_truth::scenario::{DriveError, Run, simulate_planned};
-use rundown_truth::{facts::Facts, sensors::SpeedReading};
+use rundown_truth::sensors::{SpeedReading, TruthSample};
 use serde::Serialize;
+use std::borrow::Borrow;
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
@@ -67,12 +71,12 @@ pub fn write(
             let run = simulate_planned(&simulation.scenario, plan)?;
             let name = file_name(plan.number, plans.len());
             write_csv(&runs.join(&name), |csv| write_log(csv, simulation, &run))?;
-            write_csv(&truth.join(&name), |csv| write_truth(csv, &run))?;
+            write_truth(&truth.join(&name), &run)?;
             done();
             Ok(run.facts)
         })
         .collect::<Result<Vec<Facts>, FolderError>>()?;
-    write_csv(&runs.join(INDEX), |csv| write_index(csv, simulation, &plans))?;
+    write_index(&runs.join(INDEX), simulation, &plans)?;
     let path = truth.join("truth.json");
     let json = format!("{:#}\n", key::value(simulation, &facts));
     std::fs::write(&path, json).map_err(io_at(&path))?;
@@ -141,53 +145,82 @@ fn write_log(csv: &mut Csv, simulation: &Simulation, run: &Run) -> io::Result<()
     Ok(())
 }
 
-/// The columns of `truth/runNNN.csv`; per *true* rotating mass of the run where it says N/kg.
-pub const TRUTH_COLUMNS: [&str; 11] = [
-    "time_s",
-    "location_m",
-    "speed_mps",
-    "regime",
-    "effort_n_per_kg",
-    "mean_effort_n_per_kg",
-    "effort_n",
-    "resistance_n_per_kg",
-    "extra_n_per_kg",
-    "gravity_n_per_kg",
-    "ambient_temperature_c",
-];
-
-fn write_truth(csv: &mut Csv, run: &Run) -> io::Result<()> {
-    csv.write_record(TRUTH_COLUMNS)?;
-    let rotating_mass_kg = run.facts.train.rotating_mass_kg();
-    for at in &run.truth {
-        csv.write_record([
-            time(at.time_s),
-            format!("{:.3}", at.location_m),
-            format!("{:.6}", at.speed_mps),
-            at.regime.as_str().to_owned(),
-            format!("{:.7}", at.effort_n_per_kg),
-            format!("{:.7}", at.mean_effort_n_per_kg),
-            format!("{:.1}", at.effort_n_per_kg * rotating_mass_kg),
-            format!("{:.7}", at.resistance_n_per_kg),
-            format!("{:.7}", at.extra_n_per_kg),
-            format!("{:.7}", at.gravity_n_per_kg),
-            format!("{:.3}", at.temperature_c),
-        ])?;
-    }
-    Ok(())
+/// A sample of the truth, and the true rotating mass of its run.
+#[derive(Clone, Copy, Debug)]
+pub struct TrueRow {
+    at: TruthSample,
+    rotating_mass_kg: f64,
 }
 
-fn write_index(csv: &mut Csv, simulation: &Simulation, plans: &[RunPlan]) -> io::Result<()> {
-    csv.write_record(["file", "departure_utc", "unit", "direction"])?;
-    for plan in plans {
-        csv.write_record([
-            file_name(plan.number, plans.len()).as_str(),
-            &departure_utc(plan),
-            &simulation.unit,
-            plan.heading.as_str(),
-        ])?;
-    }
-    Ok(())
+/// The columns of `truth/runNNN.csv`; per *true* rotating mass of the run where it says N/kg.
+pub fn truth_columns() -> Vec<Column<TrueRow>> {
+    // What is beyond the last digit is no truth: the simulation's steps are that coarse.
+    let rounded = |name: &str, unit: &'static str, meaning: &str, digits: usize, value: fn(&TrueRow) -> f64| {
+        Column::number(name, unit, meaning, move |row: &TrueRow| Cell::Text(format!("{:.digits$}", value(row))))
+    };
+    vec![
+        Column::number("time_s", "s", "time of the sample", |row: &TrueRow| Cell::Text(time(row.at.time_s))),
+        rounded("location_m", "m", "location of the front along the line", 3, |row| row.at.location_m),
+        rounded("speed_mps", "m/s", "speed", 6, |row| row.at.speed_mps),
+        Column::text("regime", "what the driver does", |row: &TrueRow| row.at.regime.as_str().to_owned()),
+        rounded("effort_n_per_kg", "N/kg", "effort at the wheels, now", 7, |row| row.at.effort_n_per_kg),
+        rounded("mean_effort_n_per_kg", "N/kg", "its mean since the row before", 7, |row| row.at.mean_effort_n_per_kg),
+        rounded("effort_n", "N", "effort at the wheels, now", 1, |row| row.at.effort_n_per_kg * row.rotating_mass_kg),
+        rounded("resistance_n_per_kg", "N/kg", "resistance with wind and effects, without gravity", 7, |row| {
+            row.at.resistance_n_per_kg
+        }),
+        rounded("extra_n_per_kg", "N/kg", "what of it effects other than wind, mass and Davis cause", 7, |row| {
+            row.at.extra_n_per_kg
+        }),
+        rounded("gravity_n_per_kg", "N/kg", "gravity along the track, uphill positive", 7, |row| {
+            row.at.gravity_n_per_kg
+        }),
+        rounded("ambient_temperature_c", "°C", "ambient temperature", 3, |row| row.at.temperature_c),
+    ]
+}
+
+fn write_truth(path: &Path, run: &Run) -> Result<(), FolderError> {
+    let rotating_mass_kg = run.facts.train.rotating_mass_kg();
+    let rows = run.truth.iter().map(|at| TrueRow { at: *at, rotating_mass_kg });
+    write_table(path, &truth_columns(), rows)
+}
+
+/// A run of the index.
+#[derive(Clone, Debug)]
+pub struct IndexRow {
+    file: String,
+    departure_utc: String,
+    unit: String,
+    direction: &'static str,
+}
+
+/// The columns of `runs/runs.csv`.
+pub fn index_columns() -> Vec<Column<IndexRow>> {
+    vec![
+        Column::text("file", "name of the log", |row: &IndexRow| row.file.clone()),
+        Column::text("departure_utc", "departure, ISO 8601", |row: &IndexRow| row.departure_utc.clone()),
+        Column::text("unit", "unit whose vehicle is carried", |row: &IndexRow| row.unit.clone()),
+        Column::text("direction", "`up` or `down`", |row: &IndexRow| row.direction.to_owned()),
+    ]
+}
+
+fn write_index(path: &Path, simulation: &Simulation, plans: &[RunPlan]) -> Result<(), FolderError> {
+    let row = |plan: &RunPlan| IndexRow {
+        file: file_name(plan.number, plans.len()),
+        departure_utc: departure_utc(plan),
+        unit: simulation.unit.clone(),
+        direction: plan.heading.as_str(),
+    };
+    write_table(path, &index_columns(), plans.iter().map(row))
+}
+
+fn write_table<Row>(
+    path: &Path,
+    columns: &[Column<Row>],
+    rows: impl IntoIterator<Item: Borrow<Row>>,
+) -> Result<(), FolderError> {
+    let file = File::create(path).map_err(io_at(path))?;
+    column::write_csv(BufWriter::new(file), columns, rows).map_err(io_at(path))
 }
 
 /// To the millisecond, without needless zeros.

@@ -162,6 +162,7 @@ impl FleetUnit {
 }
 
 /// Run `index` of a fleet, unit after unit.
+#[cfg(any(feature = "link", test))]
 pub fn fleet_run(simulation: &Simulation, seed: u64, index: usize) -> Result<Case, DriveError> {
     let runs = FleetUnit::runs(simulation);
     FleetUnit::new(simulation, seed, index / runs).drive(index % runs)

@@ -10,7 +10,7 @@
 
 use super::case::{Case, CaseTruth};
 use super::tallies::{LIMIT_KMH, Tallies};
-use super::view::{Outcome, Seen};
+use super::view::{NOTHING, Outcome, Seen};
 use super::{Refused, moments::Moments, source::RunSource};
 use crate::logs::Failed;
 use rayon::prelude::*;
@@ -20,9 +20,10 @@ use rundown::{
     tick::bounds::ConfigError, tick::memory::Vehicle,
 };
 use rundown_check::Check;
+use rundown_files::column::{Column, record};
 use rundown_files::recording::Recording;
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_units_by};
-use rundown_files::table::{Cell, Record};
+use rundown_files::table::Record;
 use std::collections::HashMap;
 
 /// Runs whose points are drawn.
@@ -123,6 +124,7 @@ pub fn gather(
     // One run in so many is drawn.
     let stride = source.total().div_ceil(DRAWN).max(1);
     let mut index = 0;
+    let of_run = columns();
     while let Some(loaded) = source.next_chunk()? {
         let count = loaded.len();
         let mut cases = Vec::with_capacity(count);
@@ -134,7 +136,7 @@ pub fn gather(
         }
         let chunk = looked_at(estimators, cases, &mut vehicles);
         let recordings: Vec<&Recording> = chunk.iter().map(|one| &one.case.recording).collect();
-        let records: Vec<Record> = chunk.iter().map(LookedAt::record).collect();
+        let records: Vec<Record> = chunk.iter().map(|one| record(&of_run, one)).collect();
         sink(&recordings, &records)?;
         for one in chunk {
             gathered.add(one, index % stride == 0, wanted);
@@ -150,7 +152,7 @@ pub fn gather(
 }
 
 /// A case through every pair of eyes: the paper's mode, the gated one, the truth.
-struct LookedAt {
+pub struct LookedAt {
     case: Case,
     runs: [ReplayedRun; 2],
     seen: [Seen; 2],
@@ -177,23 +179,30 @@ fn looked_at(estimators: &Estimators, cases: Vec<Case>, vehicles: &mut HashMap<S
 }
 
 impl LookedAt {
-    fn record(&self) -> Record {
-        let recording = &self.case.recording;
-        let text = |name: &str, text: &str| (name.to_owned(), Cell::from(text));
-        let mut record = vec![
-            text("run", &recording.name),
-            text("unit", &recording.unit),
-            ("rows".to_owned(), Cell::from(recording.rows.len())),
-            ("top_kmh".to_owned(), Cell::from(top_kmh(recording))),
-        ];
-        for (seen, prefix) in self.seen.iter().zip(["paper", "gated"]) {
-            record.extend(seen.outcome.record(prefix));
-        }
-        // The same columns for every run, so that a table of recorded and simulated runs is one.
-        let nothing = Outcome { davis: [f64::NAN; 3], ..Outcome::default() };
-        record.extend(self.truth.as_ref().map_or(&nothing, |truth| &truth.outcome).record("true"));
-        record
+    /// One that nobody knows, where the truth is not there.
+    fn true_outcome(&self) -> &Outcome {
+        self.truth.as_ref().map_or(&NOTHING, |truth| &truth.outcome)
     }
+}
+
+/// The columns of `runs.csv` and `runs.parquet`: the same for every run, so that a table of recorded and simulated runs is one.
+pub fn columns() -> Vec<Column<LookedAt>> {
+    let mut columns = vec![
+        Column::text("run", "name of the run", |one: &LookedAt| one.case.recording.name.clone()),
+        Column::text("unit", "unit whose vehicle is carried", |one: &LookedAt| one.case.recording.unit.clone())
+            .empty_when("no index names one"),
+        Column::count("rows", "rows of the log", |one: &LookedAt| one.case.recording.rows.len()),
+        Column::number("top_kmh", "km/h", "largest measured speed", |one: &LookedAt| top_kmh(&one.case.recording)),
+    ];
+    for (index, (prefix, by)) in
+        [("paper", "by the paper's mode"), ("gated", "by the gated mode")].into_iter().enumerate()
+    {
+        let seen = Outcome::columns(prefix, by).into_iter();
+        columns.extend(seen.map(|column| column.of_part(move |one: &LookedAt| &one.seen[index].outcome)));
+    }
+    columns
+        .extend(Outcome::columns("true", "in truth").into_iter().map(|column| column.of_part(LookedAt::true_outcome)));
+    columns
 }
 
 impl Gathered {

@@ -172,8 +172,11 @@ impl Simulated {
         let units: Vec<FleetUnit> = units.map(|unit| FleetUnit::new(simulation, seed, unit)).collect();
         let run = |index: usize| {
             let unit = &units[index / runs - first];
-            unit.drive(index % runs)
-                .map_err(|error| Failed { file: PathBuf::from(&simulation.name), error: error.to_string() })
+            unit.drive(index % runs).map_err(|error| Failed {
+                file: PathBuf::from(&simulation.name),
+                error: error.to_string(),
+                refusal: None,
+            })
         };
         range.into_par_iter().map(run).collect()
     }
@@ -229,7 +232,7 @@ fn advance(next: &mut usize, end: usize) -> std::ops::Range<usize> {
 impl Logs {
     fn read(&self, file: &RunFile) -> Result<Case, Failed> {
         let recording = logs::read(file, BadRows::Refuse, self.line.as_ref(), DirectionChoice::Auto)?;
-        let failed = |error| Failed { file: file.path.clone(), error };
+        let failed = |error| Failed { file: file.path.clone(), error, refusal: None };
         let truth = match self.truths.get(folder_of(file)) {
             Some(folder) => folder.of(&file.path, &recording.rows).map_err(failed)?,
             None => None,

@@ -6,10 +6,11 @@
 use super::{case::CaseTruth, moments::Moments};
 use crate::accuracy_bench::score::regime;
 use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
+use rundown_files::column::Column;
 use rundown_files::replay::ReplayedRun;
-use rundown_files::table::{Cell, Record};
 use rundown_truth::regime::Regime as TrueRegime;
 use rundown_truth::sensors::TruthSample;
+use std::sync::LazyLock;
 
 /// Steps of ATB-EG, km/h, from the fastest (section 3.3).
 pub const ATB_STEPS_KMH: [f64; 4] = [130.0, 80.0, 60.0, 40.0];
@@ -261,30 +262,41 @@ pub fn atb_step(speed_kmh: f64) -> usize {
     ATB_STEPS_KMH.iter().position(|edge| speed_kmh > *edge).unwrap_or(ATB_STEPS_KMH.len())
 }
 
+/// An outcome that nobody knows.
+pub static NOTHING: LazyLock<Outcome> = LazyLock::new(|| Outcome { davis: [f64::NAN; 3], ..Outcome::default() });
+
 impl Outcome {
-    /// As cells of a row, each name after the prefix.
-    pub fn record(&self, prefix: &str) -> Record {
-        let mut record = Record::new();
-        let mut push = |name: &str, value: Option<f64>| {
-            record.push((format!("{prefix}_{name}"), Cell::from(value)));
+    /// The columns of an outcome, each name after the prefix. `by`: who says so.
+    pub fn columns(prefix: &str, by: &str) -> Vec<Column<Self>> {
+        let unknown = if prefix == "true" { "the truth is not known, or has none" } else { "the run has none" };
+        let column = |name: &str, unit: &'static str, meaning: &str, value: fn(&Self) -> Option<f64>| {
+            let meaning = format!("{meaning}, {by}");
+            Column::number(&format!("{prefix}_{name}"), unit, &meaning, value).empty_when(unknown)
         };
-        push("cruise_kmh", self.cruise_kmh);
-        push("final_coast_s", self.coast_s);
-        push("final_brake_s", self.brake_s);
-        for (index, name) in ["traction", "cruise", "coast", "brake"].iter().enumerate() {
-            push(&format!("share_{name}"), self.shares.map(|shares| shares[index]));
-        }
-        push("power_kw", self.power_kw);
-        push("max_power_50_90_kw", self.max_power_kw);
-        push("coasting_mps2", self.coast_mps2);
-        for (name, value) in ["r0", "r1", "r2"].into_iter().zip(self.davis) {
-            push(name, Some(value));
-        }
+        let mut columns = vec![
+            column("cruise_kmh", "km/h", "median cruise speed", |o| o.cruise_kmh),
+            column("final_coast_s", "s", "duration of the final coast", |o| o.coast_s),
+            column("final_brake_s", "s", "duration of the final brake", |o| o.brake_s),
+            column("share_traction", "1", "share of the running time in traction", |o| o.shares.map(|s| s[0])),
+            column("share_cruise", "1", "share of the running time in cruise", |o| o.shares.map(|s| s[1])),
+            column("share_coast", "1", "share of the running time in coast", |o| o.shares.map(|s| s[2])),
+            column("share_brake", "1", "share of the running time in brake", |o| o.shares.map(|s| s[3])),
+            column("power_kw", "kW", "mean tractive power from 50 to 130 km/h", |o| o.power_kw),
+            column("max_power_50_90_kw", "kW", "largest tractive power of the first acceleration", |o| o.max_power_kw),
+            column("coasting_mps2", "m/s²", "mean deceleration of coasts from 100 to 120 km/h", |o| o.coast_mps2),
+            column("r0", "N/kg", "Davis coefficient of the run's train", |o| Some(o.davis[0])),
+            column("r1", "N/kg per m/s", "Davis coefficient of the run's train", |o| Some(o.davis[1])),
+            column("r2", "N/kg per (m/s)²", "Davis coefficient of the run's train", |o| Some(o.davis[2])),
+        ];
         if prefix != "true" {
-            push("speed_rms_kmh", self.speed_rms_kmh);
-            push("learned_share", self.learned_share);
+            columns.push(column("speed_rms_kmh", "km/h", "root mean square of filtered less measured speed", |o| {
+                o.speed_rms_kmh
+            }));
+            columns.push(column("learned_share", "1", "share of the time in which resistance was learned", |o| {
+                o.learned_share
+            }));
         }
-        record
+        columns
     }
 }
 

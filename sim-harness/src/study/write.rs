@@ -1,8 +1,9 @@
 //! Files of a study: pictures as SVG, their numbers as CSV, a row for each run as CSV and Parquet, the page.
 
-use super::figures::Picture;
+use super::{figures::Picture, gather};
 use crate::output::files::failed;
 pub use crate::output::files::{folder, records, text};
+use rundown_files::column::about;
 use rundown_files::{WriteError, parquet::TableWriter, table::Record};
 use rundown_pages::chart::standalone;
 use std::path::{Path, PathBuf};
@@ -35,7 +36,7 @@ impl RunTable {
             csv_path,
             csv: csv::Writer::from_writer(file),
             has_header: false,
-            parquet: TableWriter::new(&folder.join(format!("{RUNS}.parquet"))),
+            parquet: TableWriter::new(&folder.join(format!("{RUNS}.parquet")), about(gather::columns())),
         })
     }
 

@@ -1,22 +1,17 @@
 //! One column of one group of rows, into and out of plain vectors. Every column may have missing values.
 
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use crate::column::{About, Kind};
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type, Int64Type};
 use parquet::errors::Result;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::RowGroupReader;
 use parquet::file::writer::SerializedRowGroupWriter;
 use parquet::schema::types::{Type, TypePtr};
+use serde_json::{Map, Value, json};
 use std::sync::Arc;
-
-/// What a column holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Text,
-    Count,
-    Number,
-}
 
 /// The values of a column; none where one is missing.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,14 +21,14 @@ pub(super) enum Values {
     Numbers(Vec<Option<f64>>),
 }
 
-pub(super) fn schema(columns: &[(String, Kind)]) -> Result<TypePtr> {
-    let field = |(name, kind): &(String, Kind)| {
-        let (physical, logical) = match kind {
+pub(super) fn schema(columns: &[About]) -> Result<TypePtr> {
+    let field = |column: &About| {
+        let (physical, logical) = match column.kind {
             Kind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
             Kind::Count => (Physical::INT64, None),
             Kind::Number => (Physical::DOUBLE, None),
         };
-        Type::primitive_type_builder(name, physical)
+        Type::primitive_type_builder(&column.name, physical)
             .with_repetition(Repetition::OPTIONAL)
             .with_logical_type(logical)
             .build()
@@ -44,9 +39,25 @@ pub(super) fn schema(columns: &[(String, Kind)]) -> Result<TypePtr> {
     Ok(Arc::new(message.build()?))
 }
 
-pub(super) fn properties() -> Arc<WriterProperties> {
-    let properties =
-        WriterProperties::builder().set_compression(Compression::SNAPPY).set_created_by("rundown".to_owned());
+/// Name of the metadata with the version of the writer.
+pub(super) const VERSION: &str = "rundown.version";
+/// Name of the metadata with unit, meaning and rule for missing values of each column, as JSON by the names of the columns.
+pub(super) const COLUMNS: &str = "rundown.columns";
+
+pub(super) fn properties(columns: &[About]) -> Arc<WriterProperties> {
+    let about = |column: &About| {
+        let value = json!({ "unit": column.unit, "meaning": column.meaning, "null_when": column.empty });
+        (column.name.clone(), value)
+    };
+    let described: Map<String, Value> = columns.iter().map(about).collect();
+    let metadata = vec![
+        KeyValue::new(VERSION.to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        KeyValue::new(COLUMNS.to_owned(), Value::Object(described).to_string()),
+    ];
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_created_by("rundown".to_owned())
+        .set_key_value_metadata(Some(metadata));
     Arc::new(properties.build())
 }
 

@@ -2,6 +2,7 @@
 
 use super::columns;
 use super::{ParquetError, TableWriter};
+use crate::column::{About, Kind};
 use crate::recording::{self, Recording};
 use crate::sample::{self, COLUMNS, Column, LOCATION, Sample};
 use crate::table::{Cell, Record};
@@ -13,6 +14,15 @@ use std::{collections::VecDeque, fs::File};
 
 /// Columns of texts: name of the run, which is needed, its unit and its direction.
 const TEXTS: [&str; 3] = ["run", "unit", "direction"];
+/// What they say.
+const MEANINGS: [&str; 3] =
+    ["name of the run; its rows follow each other", "unit whose vehicle is carried from run to run", "`up` or `down`"];
+
+/// The columns of a file of runs.
+pub fn run_columns() -> Vec<About> {
+    let text = |(name, meaning): (&str, &str)| About::new(name, Kind::Text, meaning);
+    TEXTS.into_iter().zip(MEANINGS).map(text).chain(COLUMNS.iter().map(Column::about)).collect()
+}
 
 /// Reads runs, holding one group of rows and one run at a time.
 pub struct RunReader {
@@ -171,7 +181,7 @@ pub struct RunWriter(TableWriter);
 impl RunWriter {
     /// A file that will be made with the first runs.
     pub fn new(path: &Path) -> Self {
-        Self(TableWriter::new(path))
+        Self(TableWriter::new(path, run_columns()))
     }
 
     /// Adds runs.
@@ -254,10 +264,34 @@ mod tests {
         assert!(reader.next_run().unwrap().is_none());
     }
 
+    #[test]
+    fn a_file_says_its_version_units_and_meanings_and_is_compressed_with_zstd() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("runs.parquet");
+        let mut writer = RunWriter::new(&path);
+        writer.write([&recording(0)]).unwrap();
+        writer.close().unwrap();
+        let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+        let metadata = reader.metadata();
+        let said = |key: &str| {
+            let all = metadata.file_metadata().key_value_metadata().unwrap();
+            all.iter().find(|pair| pair.key == key).unwrap().value.clone().unwrap()
+        };
+        assert_eq!(said(columns::VERSION), env!("CARGO_PKG_VERSION"));
+        let described: serde_json::Value = serde_json::from_str(&said(columns::COLUMNS)).unwrap();
+        assert_eq!(described["speed_kmh"]["unit"], "km/h");
+        assert_eq!(described["effort_n_per_kg"]["null_when"], "there is no reading");
+        for column in metadata.row_group(0).columns() {
+            assert!(matches!(column.compression(), parquet::basic::Compression::ZSTD(_)), "{column:?}");
+        }
+    }
+
     /// A file of one row: `run` is `a`, the others are numbers.
     fn file(folder: &Path, numbers: &[(&str, f64)]) -> PathBuf {
         let path = folder.join("t.parquet");
-        let mut writer = TableWriter::new(&path);
+        let about = numbers.iter().map(|(name, _)| About::new(name, Kind::Number, ""));
+        let about = std::iter::once(About::new("run", Kind::Text, "")).chain(about).collect();
+        let mut writer = TableWriter::new(&path, about);
         let numbers = numbers.iter().map(|(name, number)| ((*name).to_owned(), Cell::from(*number)));
         let row = [("run".to_owned(), Cell::from("a"))].into_iter().chain(numbers).collect();
         writer.write(&[row]).unwrap();

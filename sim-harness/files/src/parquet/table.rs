@@ -1,45 +1,37 @@
 //! Records of a table, group by group.
 
 use super::ParquetError;
-use super::columns::{self, Kind, Values};
+use super::columns::{self, Values};
+use crate::column::{About, Kind};
 use crate::table::{Cell, Record};
 use parquet::file::writer::SerializedFileWriter;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// Writes records of the same names as they come; each call is a group of rows.
+/// Writes records as they come; each call is a group of rows.
 #[derive(Debug)]
 pub struct TableWriter {
     path: PathBuf,
-    kinds: Vec<(String, Kind)>,
+    columns: Vec<About>,
     writer: Option<SerializedFileWriter<File>>,
 }
 
 impl TableWriter {
-    /// A file that will be made with the first records.
-    pub fn new(path: &Path) -> Self {
-        Self { path: path.to_owned(), kinds: Vec::new(), writer: None }
+    /// A file with these columns, which will be made with the first records.
+    pub fn new(path: &Path, columns: Vec<About>) -> Self {
+        Self { path: path.to_owned(), columns, writer: None }
     }
 
-    /// Adds records. The first ones say what the columns hold; one without any value holds numbers.
+    /// Adds records with the cells of the columns. A cell of another kind than its column's is a missing value.
     ///
     /// # Errors
     /// [`ParquetError`] when the file cannot be written.
     pub fn write(&mut self, records: &[Record]) -> Result<(), ParquetError> {
-        let Some(first) = records.first() else {
+        if records.is_empty() {
             return Ok(());
-        };
-        if self.writer.is_none() {
-            let kind = |index: usize| {
-                let cells = records.iter().filter_map(|record| record.get(index));
-                let mut kinds = cells.filter_map(|(_, cell)| kind_of(cell));
-                kinds.next().unwrap_or(Kind::Number)
-            };
-            let names = first.iter().enumerate();
-            self.kinds = names.map(|(i, (name, _))| (name.clone(), kind(i))).collect();
         }
-        let columns: Vec<Values> =
-            (0..self.kinds.len()).map(|index| column(records, index, self.kinds[index].1)).collect();
+        let values = |(index, about): (usize, &About)| column(records, index, about.kind);
+        let columns: Vec<Values> = self.columns.iter().enumerate().map(values).collect();
         self.write_columns(&columns)
     }
 
@@ -50,8 +42,8 @@ impl TableWriter {
             Some(writer) => writer,
             None => {
                 let file = File::create(path).map_err(|source| ParquetError::io(path, source))?;
-                let schema = columns::schema(&self.kinds).map_err(format)?;
-                let properties = columns::properties();
+                let schema = columns::schema(&self.columns).map_err(format)?;
+                let properties = columns::properties(&self.columns);
                 let writer = SerializedFileWriter::new(file, schema, properties).map_err(format)?;
                 self.writer.insert(writer)
             }
@@ -74,15 +66,6 @@ impl TableWriter {
             writer.close().map_err(|source| ParquetError::format(&path, source))?;
         }
         Ok(())
-    }
-}
-
-fn kind_of(cell: &Cell) -> Option<Kind> {
-    match cell {
-        Cell::Text(_) => Some(Kind::Text),
-        Cell::Count(_) => Some(Kind::Count),
-        Cell::Number(_) => Some(Kind::Number),
-        Cell::Missing => None,
     }
 }
 

@@ -60,9 +60,8 @@ impl Files {
         let effects = effect_file::effects(&track.effect, &train.effect, None);
         let effects = effects.map_err(|error| failed(name, &error))?;
         files.add(name, effect_frame::write(&effects))?;
-        files.add("residuals.csv", tables::residuals(&answer.found.findings.rows))?;
-        files.add("pulls.csv", tables::powering(&answer.found.findings.powering))?;
-        files.add("before_after.csv", tables::before_after(&answer.found))?;
+        let tables = tables::files(answer).map_err(|error| failed("residuals.csv", &error))?;
+        files.0.extend(tables);
         Ok(files)
     }
 

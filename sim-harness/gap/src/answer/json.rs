@@ -9,6 +9,87 @@ use serde_json::{Value, json};
 /// Energy cannot be measured without an effort column.
 pub const NO_ENERGY: &str = "cannot be measured: the logs have no effort column, or no held-out run that powers";
 
+const NOTHING_COMPARED: &str = "nothing was compared";
+const NO_ROWS: &str = "no interval has a residual";
+
+/// What stands in `gap.json`: path, unit, meaning, when it is null; `absent: ..` says when the key is not there.
+pub const FIELDS: &[[&str; 4]] = &[
+    ["dataset", "", "where the runs come from", ""],
+    ["runs", "", "runs that were used", ""],
+    ["runs_left_out", "", "logs that could not be used", ""],
+    ["diagnosis.*", "", "as `rundown check --json` prints it", "the logs were taken as recorded"],
+    ["verdict", "", "the verdict in one word", ""],
+    ["nuisances[].name", "", "what is wrong with the readings of all runs alike", ""],
+    ["nuisances[].unit", "", "unit of its value", ""],
+    ["nuisances[].value", "as `unit`", "how much", ""],
+    ["nuisances[].sd", "as `unit`", "its standard deviation", ""],
+    ["nuisances[].interval_95[]", "as `unit`", "ends of its 95 % interval", ""],
+    ["nuisances[].told", "", "whether it is beyond doubt", ""],
+    ["nuisances[].ambiguous_with[]", "", "effects that it is confounded with", ""],
+    ["effects[].name", "", "the effect", ""],
+    ["effects[].from_m", "m", "begin of its section", "it acts everywhere"],
+    ["effects[].to_m", "m", "end of its section", "it acts everywhere"],
+    ["effects[].parameters.*", "as `rundown gap --explain NAME` says", "its parameters", ""],
+    ["effects[].intervals_95.*", "as the parameter", "ends of their 95 % intervals", ""],
+    ["effects[].confidence", "1", "how sure its name is", ""],
+    ["effects[].ambiguous_with[]", "", "effects that it is not distinguishable from", ""],
+    ["effects[].would_separate[]", "", "data that would separate them", "there is no rival"],
+    ["effects[].runs[]", "", "runs in which it acts; empty: in all", ""],
+    ["effects[].coordinate", "", "what it depends on, where no kind explains it", "a kind explains it"],
+    ["effects[].gain", "", "penalised likelihood that it gains", ""],
+    ["effects[].rivals[].name", "", "another effect that was tried", ""],
+    ["effects[].rivals[].worse", "", "by how much it fits worse, see `rivals`", ""],
+    ["effects[].table.*", "", "values over the coordinate", "absent: a kind explains it"],
+    [
+        "effects[].per_run[].*",
+        "",
+        "`run`, `value` and `sd` of an effect that differs from run to run",
+        "absent: it does not",
+    ],
+    ["gap.what", "", "what is compared", ""],
+    ["gap.unit", "", "unit of the next three", ""],
+    ["gap.before", "m/s", "root mean square with the believed model", NOTHING_COMPARED],
+    ["gap.after", "m/s", "the same with the effects", NOTHING_COMPARED],
+    ["gap.noise_floor", "m/s", "what noise alone leaves", NOTHING_COMPARED],
+    ["gap.removed_share", "1", "share of the gap above the floor that is gone", NOTHING_COMPARED],
+    ["gap.removed_share_95[]", "1", "its 95 % interval", NOTHING_COMPARED],
+    ["gap.worse_than_before", "", "whether the effects make it worse", ""],
+    ["gap.held_out_runs", "", "hold-out runs", ""],
+    ["gap.p_value_before", "1", "of the residuals without a gap", NO_ROWS],
+    ["gap.p_value_after", "1", "of the residuals with the effects", NO_ROWS],
+    ["gap.p_value_held_out.before", "1", "the same on the hold-out runs alone", NOTHING_COMPARED],
+    ["gap.p_value_held_out.after", "1", "the same on the hold-out runs alone", NOTHING_COMPARED],
+    [
+        "running_time.*",
+        "",
+        "error of the simulated running time; `what` and `unit` say of what, `why_not` why there is none",
+        "it is not known",
+    ],
+    [
+        "energy.*",
+        "",
+        "error of the simulated energy; `what` and `unit` say of what, `why_not` why there is none",
+        "it is not known",
+    ],
+    ["p_value", "1", "as `gap.p_value_before`", NO_ROWS],
+    ["evidence[].coordinate", "", "a coordinate over which the residuals may differ", ""],
+    ["evidence[].score", "", "how much they do", ""],
+    ["evidence[].at", "as the coordinate", "where most", "nowhere"],
+    ["evidence[].p_value", "1", "of that score without a gap", ""],
+    ["rivals", "", "what `worse` of a rival means", ""],
+    ["caveats[]", "", "what the answer rests on", ""],
+    [
+        "headwind.*",
+        "",
+        "residuals with and without a measured headwind; `what` and `unit` say more",
+        "absent: no log has a headwind",
+    ],
+    ["innovations.what", "", "what is compared", "absent: no hold-out run was replayed"],
+    ["innovations.unit", "", "unit of the next two", "absent: no hold-out run was replayed"],
+    ["innovations.before", "m/s", "with the believed model", "absent: no hold-out run was replayed"],
+    ["innovations.after", "m/s", "with the effects", "absent: no hold-out run was replayed"],
+];
+
 impl Answer {
     /// The object.
     pub fn json(&self) -> Value {

@@ -1,111 +1,111 @@
 //! Tables for other tools: the residuals of the believed model, and simulated beside measured speed.
 
+use crate::answer::whole::Answer;
 use crate::data::rows::Row;
-use crate::investigation::Investigation;
+use crate::holdout::forward::Compared;
 use crate::traction::powering::SteadyPower;
-use serde::Serialize;
+use rundown_files::column::{Column, Filled, filled, write_csv};
+use std::{borrow::Borrow, io};
 
-#[derive(Serialize)]
-struct Residual {
+const RUN: &str = "number of the run in the order in which it was read, from 1";
+const NO_COLUMN: &str = "no log has it";
+
+/// `residuals.csv`: each interval's residual; location, speed and time since departure are those of its middle.
+pub fn residuals() -> Vec<Column<Row>> {
+    let direction = "1 with rising location, -1 against it";
+    let effort = "effort over the interval, measured or known to be zero";
+    let residual = "resistance that the believed model lacks";
+    vec![
+        Column::count("run", RUN, |row: &Row| row.interval.run + 1),
+        Column::number("time_s", "s", "begin of the interval", |row: &Row| row.interval.begin_s),
+        Column::number("duration_s", "s", "its duration", |row: &Row| row.interval.dt_s),
+        Column::number("since_departure_s", "s", "time since departure", |row: &Row| {
+            row.interval.middle().since_departure_s
+        }),
+        Column::number("direction", "", direction, |row: &Row| row.direction.sign()),
+        Column::number("location_m", "m", "location of the front", |row: &Row| row.interval.middle().location_m),
+        Column::number("speed_kmh", "km/h", "mean speed", |row: &Row| 3.6 * row.interval.mean_speed_mps()),
+        Column::number("effort_n_per_kg", "N/kg", effort, |row: &Row| row.effort_n_per_kg),
+        Column::number("temperature_c", "°C", "ambient temperature", |row: &Row| row.interval.temperature_c)
+            .empty_when(NO_COLUMN),
+        Column::number("day", "d", "day of the departure, from any day on", |row: &Row| row.interval.day)
+            .empty_when("no index has departures"),
+        Column::number("residual_n_per_kg", "N/kg", residual, |row: &Row| row.residual_n_per_kg),
+    ]
+}
+
+/// `pulls.csv`: the intervals of steady power while trains gain speed, beside the believed limit.
+pub fn powering() -> Vec<Column<SteadyPower>> {
+    let by_power = "`true` where the power is what limits, `false` where it is the effort";
+    vec![
+        Column::count("run", RUN, |p: &SteadyPower| p.run + 1),
+        Column::count("pull", "number of the powering phase in its run, from 1", |p: &SteadyPower| p.number + 1),
+        Column::number("location_m", "m", "location of the front", |p: &SteadyPower| p.location_m),
+        Column::number("speed_kmh", "km/h", "speed", |p: &SteadyPower| 3.6 * p.speed_mps),
+        Column::number("ratio", "1", "effort over the believed limit", |p: &SteadyPower| p.ratio),
+        Column::number("sd", "1", "standard deviation of `ratio`", |p: &SteadyPower| p.sd),
+        Column::text("by_power", by_power, |p: &SteadyPower| p.by_power.to_string()),
+    ]
+}
+
+/// A measured speed of a hold-out run beside the simulated ones.
+#[derive(Clone, Copy, Debug)]
+pub struct BeforeAfter {
     run: usize,
-    time_s: f64,
-    duration_s: f64,
-    since_departure_s: f64,
-    /// 1 with rising location, -1 against it.
-    direction: f64,
-    location_m: f64,
-    speed_kmh: f64,
-    effort_n_per_kg: f64,
-    temperature_c: Option<f64>,
-    day: Option<f64>,
-    residual_n_per_kg: f64,
+    compared: Compared,
 }
 
-#[derive(Serialize)]
-struct PoweredAt {
-    run: usize,
-    #[serde(rename = "pull")]
-    phase: usize,
-    location_m: f64,
-    speed_kmh: f64,
-    /// Effort over the believed limit.
-    ratio: f64,
-    sd: f64,
-    /// The power is what limits, not the effort.
-    by_power: bool,
+/// `before_after.csv`: measured and simulated speed of the held-out runs.
+pub fn before_after() -> Vec<Column<BeforeAfter>> {
+    let simulated =
+        |of: fn(&Compared) -> f64| move |row: &BeforeAfter| 3.6 * (row.compared.measured_mps + of(&row.compared));
+    vec![
+        Column::count("run", RUN, |row: &BeforeAfter| row.run + 1),
+        Column::number("time_s", "s", "time of the sample", |row: &BeforeAfter| row.compared.time_s),
+        Column::number("location_m", "m", "location of the front", |row: &BeforeAfter| row.compared.location_m),
+        Column::number("measured_kmh", "km/h", "measured speed", |row: &BeforeAfter| 3.6 * row.compared.measured_mps),
+        Column::number("before_kmh", "km/h", "speed simulated with the believed model", simulated(|c| c.before_mps)),
+        Column::number("after_kmh", "km/h", "speed simulated with the effects found", simulated(|c| c.after_mps)),
+    ]
 }
 
-#[derive(Serialize)]
-struct Compared {
-    run: usize,
-    time_s: f64,
-    location_m: f64,
-    measured_kmh: f64,
-    before_kmh: f64,
-    after_kmh: f64,
-}
-
-/// Each interval's residual; location, speed and time since departure are those of its middle.
-///
-/// # Errors
-/// [`csv::Error`] when a row cannot be written as text.
-pub fn residuals(rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
-    let residual = |row: &Row| {
-        let middle = row.interval.middle();
-        Residual {
-            run: row.interval.run + 1,
-            time_s: row.interval.begin_s,
-            duration_s: row.interval.dt_s,
-            since_departure_s: middle.since_departure_s,
-            direction: row.direction.sign(),
-            location_m: middle.location_m,
-            speed_kmh: 3.6 * row.interval.mean_speed_mps(),
-            effort_n_per_kg: row.effort_n_per_kg,
-            temperature_c: row.interval.temperature_c,
-            day: row.interval.day,
-            residual_n_per_kg: row.residual_n_per_kg,
-        }
-    };
-    table(rows.iter().map(residual))
-}
-
-/// The intervals of steady power while trains gain speed, beside the believed limit.
-///
-/// # Errors
-/// [`csv::Error`] when a row cannot be written as text.
-pub fn powering(powering: &[Vec<SteadyPower>]) -> Result<Vec<u8>, csv::Error> {
-    let rows = powering.iter().flatten().map(|power| PoweredAt {
-        run: power.run + 1,
-        phase: power.number + 1,
-        location_m: power.location_m,
-        speed_kmh: 3.6 * power.speed_mps,
-        ratio: power.ratio,
-        sd: power.sd,
-        by_power: power.by_power,
-    });
-    table(rows)
-}
-
-/// Measured and simulated speed of the held-out runs, before and after.
-///
-/// # Errors
-/// [`csv::Error`] when a row cannot be written as text.
-pub fn before_after(found: &Investigation) -> Result<Vec<u8>, csv::Error> {
-    let rows = found.compared.iter().map(|c| Compared {
-        run: found.held_out[c.run] + 1,
-        time_s: c.time_s,
-        location_m: c.location_m,
-        measured_kmh: 3.6 * c.measured_mps,
-        before_kmh: 3.6 * (c.measured_mps + c.before_mps),
-        after_kmh: 3.6 * (c.measured_mps + c.after_mps),
-    });
-    table(rows)
-}
-
-fn table(rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, csv::Error> {
-    let mut csv = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        csv.serialize(row)?;
+impl Answer {
+    fn before_after(&self) -> impl Iterator<Item = BeforeAfter> + '_ {
+        let found = &self.found;
+        found.compared.iter().map(|compared| BeforeAfter { run: found.held_out[compared.run], compared: *compared })
     }
-    csv.into_inner().map_err(|error| std::io::Error::other(error.to_string()).into())
+
+    /// The table of `residuals.csv`.
+    pub fn residuals(&self) -> Filled {
+        filled(residuals(), &self.found.findings.rows)
+    }
+
+    /// The table of `pulls.csv`.
+    pub fn powering(&self) -> Filled {
+        filled(powering(), self.found.findings.powering.iter().flatten())
+    }
+
+    /// The table of `before_after.csv`.
+    pub fn compared(&self) -> Filled {
+        filled(before_after(), self.before_after())
+    }
+}
+
+/// The files with these tables.
+///
+/// # Errors
+/// None is known: what a cell holds can be written.
+pub fn files(answer: &Answer) -> io::Result<[(&'static str, Vec<u8>); 3]> {
+    let found = &answer.found.findings;
+    Ok([
+        ("residuals.csv", csv(&residuals(), &found.rows)?),
+        ("pulls.csv", csv(&powering(), found.powering.iter().flatten())?),
+        ("before_after.csv", csv(&before_after(), answer.before_after())?),
+    ])
+}
+
+fn csv<R>(columns: &[Column<R>], rows: impl IntoIterator<Item: Borrow<R>>) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write_csv(&mut bytes, columns, rows)?;
+    Ok(bytes)
 }

@@ -2,7 +2,10 @@
 
 use crate::candidate::{Candidate, Have, Prior};
 use crate::config::GapConfig;
+use crate::refusal::Refusal;
 use rundown::model::effects::{Effect, EffectKind};
+use rundown_files::refusal::Place;
+use std::path::Path;
 
 macro_rules! candidates {
     ($($number:literal $Kind:ident $name:ident $place:ident $summary:literal $parameters:tt)*) => {
@@ -83,6 +86,19 @@ pub fn check_priors(config: &GapConfig) -> Result<(), String> {
         Some(name) => Err(format!("prior.{name}: expected an effect that has sizes or shapes to set, found {name}")),
         None => Ok(()),
     }
+}
+
+/// Reads thresholds and priors from a file as [`printed_config`] prints it; what it leaves out stays as it is.
+///
+/// # Errors
+/// Names the file.
+pub fn read_config(path: &Path) -> Result<GapConfig, Refusal> {
+    let read = || -> Result<GapConfig, Box<dyn std::error::Error>> {
+        let config: GapConfig = toml::from_str(&std::fs::read_to_string(path)?)?;
+        check_priors(&config)?;
+        Ok(config)
+    };
+    read().map_err(|error| Refusal::unread(Place::of_file(path).refuse("", error.to_string()).into()))
 }
 
 const OTHER_DIRECTION: &str = "runs in the other direction";

@@ -27,7 +27,8 @@ pub fn innovations(
     (repaired_train, repaired_track): &(TrainFile, TrackFile),
     recordings: &[&Recording],
 ) -> Result<Option<Innovations>, Refusal> {
-    let estimator = Estimator::try_new(Config::default(), *train, track.clone()).map_err(Refusal::unread)?;
+    let estimator = Estimator::try_new(Config::default(), *train, track.clone())
+        .map_err(|error| Refusal::Unread { text: error.to_string(), place: None })?;
     let acting = |run: &str| effect_file::effects(&repaired_track.effect, &repaired_train.effect, Some(run));
     let acting = recordings.iter().map(|recording| acting(&recording.name)).collect::<Result<Vec<_>, _>>()?;
     let of = |effects: &dyn Fn(usize) -> Effects| {

@@ -7,7 +7,7 @@ mod runs;
 mod tests;
 
 use super::resistance::Resistance;
-use super::{Learned, RUNS_IN_FULL, Report, RunView, figures};
+use super::{RUNS_IN_FULL, Report, RunView, figures};
 use maud::{Markup, html};
 use run::{learning_words, run_section};
 use rundown::{Real, filter::gaussian::Gaussian, model::train::Train, model::units::KmPerHour};
@@ -17,7 +17,7 @@ use runs::{others, run_table};
 
 const SPEEDS_KMH: [Real; 3] = [60.0, 100.0, 140.0];
 
-const HISTORY_KMH: Real = 100.0;
+pub(crate) const HISTORY_KMH: Real = 100.0;
 
 const KMH: Real = 3.6;
 
@@ -35,15 +35,10 @@ pub fn html(report: &Report) -> String {
     shell::document(&report.title, &body)
 }
 
-fn learned(report: &Report) -> Learned {
-    let runs = report.runs.iter().map(RunView::learned);
-    runs.fold(Learned::default(), |all, run| all.and(&run))
-}
-
 fn summary(report: &Report) -> Markup {
     let duration_s: Real = report.runs.iter().map(RunView::duration_s).sum();
     let distance_m: Real = report.runs.iter().map(RunView::distance_m).sum();
-    let learned = learned(report);
+    let learned = report.learned();
     let share = percent((duration_s > 0.0).then_some(learned.time_s / duration_s));
     html! {
         section id="summary" aria-label="Summary" {
@@ -129,7 +124,6 @@ fn verdict(report: &Report) -> Markup {
 
 fn resistance(report: &Report) -> Markup {
     let vehicle = report.vehicle.last().map(|(_, vehicle)| vehicle);
-    let learned = learned(report);
     html! {
         section id="resistance" {
             h2 { "Running resistance of the vehicle" }
@@ -137,7 +131,7 @@ fn resistance(report: &Report) -> Markup {
                 (resistance_table(vehicle, report.train))
             }
             (figure(
-                figures::resistance_curve(vehicle, report.train, learned.speeds_mps),
+                report.resistance_curve(),
                 "Running resistance per rotating mass over speed, after the last run. Beyond the speeds at which it was learned the curve is the Davis equation's."
             ))
             @if report.vehicle.len() > 1 {

@@ -30,6 +30,25 @@ use crate::explained::explained;
 use maud::html;
 use rundown_pages::shell::{document, figure};
 
+/// Names of the pictures that [`picture`] knows.
+pub const PICTURES: [&str; 4] = ["residual", "coordinates", "law", "before_after"];
+
+/// One picture of the page as SVG: residuals over location, over the other coordinates, the law of the first effect, the error of the simulated
+/// speed before and after. None where there is nothing to be drawn.
+pub fn picture(answer: &Answer, name: &str) -> Option<String> {
+    let found = &answer.found;
+    let explained = || explained(&answer.context().believed, &found.named, &answer.input.runs, &found.findings.rows);
+    let mut pictures = match name {
+        "residual" | "coordinates" if found.findings.rows.is_empty() => Vec::new(),
+        "residual" | "coordinates" => maps::maps(answer, &explained()),
+        "law" => law::laws(answer, &explained()),
+        "before_after" => held_out::held_out(answer),
+        _ => Vec::new(),
+    };
+    let at = usize::from(name == "coordinates");
+    (at < pictures.len()).then(|| pictures.swap_remove(at).0)
+}
+
 /// The whole page.
 pub fn page(answer: &Answer) -> String {
     let found = &answer.found;

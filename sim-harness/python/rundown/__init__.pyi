@@ -1,0 +1,163 @@
+from collections.abc import Callable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Literal, Union, final
+
+_Path = Union[str, PathLike[str]]
+_Paths = Union[_Path, Sequence[_Path]]
+_Direction = Literal["auto", "up", "down"]
+_Runs = Union[bool, Callable[[int, int], object]]
+
+__version__: str
+
+__all__ = [
+    "Check",
+    "Figure",
+    "Gap",
+    "Replay",
+    "RundownError",
+    "Simulated",
+    "Table",
+    "__version__",
+    "check",
+    "gap",
+    "replay",
+    "simulate",
+]
+
+class RundownError(Exception):
+    file: Path | None
+    line: int | None
+    column: int | None
+    field: str | None
+    reason: str
+
+@final
+class Table:
+    @property
+    def column_names(self) -> list[str]: ...
+    @property
+    def units(self) -> dict[str, str]: ...
+    @property
+    def meanings(self) -> dict[str, str]: ...
+    def __getitem__(self, name: str, /) -> list[str | None] | list[int | None] | list[float | None]: ...
+    def __len__(self) -> int: ...
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
+    def __arrow_c_schema__(self) -> object: ...
+
+@final
+class Figure:
+    @property
+    def svg(self) -> str: ...
+    def save(self, path: _Path) -> None: ...
+    def _repr_svg_(self) -> str: ...
+
+@final
+class Simulated:
+    @property
+    def folder(self) -> Path: ...
+    @property
+    def train(self) -> Path: ...
+    @property
+    def track(self) -> Path: ...
+    @property
+    def runs(self) -> Path: ...
+    @property
+    def truth(self) -> Path: ...
+
+@final
+class Replay:
+    @property
+    def runs(self) -> list[str]: ...
+    @property
+    def failed(self) -> list[tuple[Path, str]]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def features(self) -> Table: ...
+    @property
+    def parameters(self) -> Table: ...
+    @property
+    def switching_points(self) -> Table: ...
+    def estimates(self, run: str | None = None) -> Table: ...
+    def coast_ahead(self, run: str | None = None) -> Table: ...
+    def resistance(
+        self,
+        speeds_mps: float | Sequence[float],
+        run: str | None = None,
+        *,
+        of: Literal["vehicle", "run", "before"] = "vehicle",
+    ) -> Table: ...
+    def plot(
+        self,
+        what: Literal["resistance", "history", "motion", "terms", "regimes", "innovations"] = "resistance",
+        run: str | None = None,
+    ) -> Figure: ...
+    def to_json(self) -> str: ...
+    def write(self, out: _Path) -> None: ...
+
+@final
+class Check:
+    @property
+    def findings(self) -> Table: ...
+    @property
+    def failed(self) -> list[tuple[Path, str]]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def to_json(self) -> str: ...
+
+@final
+class Gap:
+    @property
+    def verdict(self) -> str: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def residuals(self) -> Table: ...
+    @property
+    def pulls(self) -> Table: ...
+    @property
+    def before_after(self) -> Table: ...
+    def to_json(self) -> str: ...
+    def write(self, out: _Path) -> None: ...
+    def plot(self, what: Literal["residual", "coordinates", "law", "before_after"] = "residual") -> Figure: ...
+
+def replay(
+    runs: _Paths,
+    *,
+    train: _Path,
+    track: _Path,
+    config: _Path | None = None,
+    mode: Literal["paper", "gated", "measured"] | None = None,
+    tick: float | None = None,
+    direction: _Direction = "auto",
+    carry: bool = True,
+    as_recorded: bool = False,
+    skip_bad_rows: bool = False,
+    progress: _Runs | None = None,
+) -> Replay: ...
+def simulate(
+    out: _Path,
+    *,
+    scenario: _Path | None = None,
+    example: Literal["case_study", "hidden_effect"] | None = None,
+    seed: int | None = None,
+    runs: int | None = None,
+    recorder: str | None = None,
+    force: bool = False,
+    progress: _Runs | None = None,
+) -> Simulated: ...
+def check(runs: _Paths, *, track: _Path | None = None) -> Check: ...
+def gap(
+    runs: _Paths,
+    *,
+    train: _Path,
+    track: _Path,
+    config: _Path | None = None,
+    hold_out: int | None = None,
+    direction: _Direction = "auto",
+    as_recorded: bool = False,
+    progress: bool | Callable[[str], object] | None = None,
+) -> Gap: ...

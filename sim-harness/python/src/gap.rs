@@ -1,0 +1,114 @@
+//! `rundown.gap`.
+
+use crate::error::{no_answer, refused};
+use crate::figure::Figure;
+use crate::paths::{self, Paths};
+use crate::progress::{Progress, Wanted};
+use crate::table::Table;
+use pyo3::prelude::*;
+use rundown_gap::answer::{report, story::story, whole::Answer};
+use rundown_gap::candidates::read_config;
+use rundown_gap::config::GapConfig;
+use rundown_gap::{input::Input, refusal::Refusal};
+use std::path::PathBuf;
+
+/// Where recorded runs and a model disagree, which effect is missing, and what remains of the gap with it. `print(gap)` tells the story.
+#[pyclass(frozen, module = "rundown")]
+pub struct Gap {
+    answer: Answer,
+}
+
+#[pymethods]
+impl Gap {
+    /// The verdict in one word: `explained`, `no_gap`, ...
+    #[getter]
+    fn verdict(&self) -> String {
+        self.answer.found.verdict.name().to_owned()
+    }
+
+    /// What was said while the runs were read.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.answer.input.notes.clone()
+    }
+
+    /// Each interval's residual, as in `residuals.csv`.
+    #[getter]
+    fn residuals(&self) -> PyResult<Table> {
+        Table::of(self.answer.residuals())
+    }
+
+    /// Steady power while trains gain speed, as in `pulls.csv`.
+    #[getter]
+    fn pulls(&self) -> PyResult<Table> {
+        Table::of(self.answer.powering())
+    }
+
+    /// Simulated beside measured speed of the hold-out runs, as in `before_after.csv`.
+    #[getter]
+    fn before_after(&self) -> PyResult<Table> {
+        Table::of(self.answer.compared())
+    }
+
+    /// The whole answer as `gap.json` has it.
+    fn to_json(&self) -> String {
+        self.answer.json_text()
+    }
+
+    /// Writes what `rundown gap --out` writes: report, tables, the model with the effects, the frame for a board.
+    fn write(&self, py: Python<'_>, out: PathBuf) -> PyResult<()> {
+        py.detach(|| self.answer.write(&out)).map_err(refused)
+    }
+
+    /// A picture of the report: `residual` over location, `coordinates`, the `law` of the effect, or the speed error `before_after`.
+    #[pyo3(signature = (what="residual"))]
+    fn plot(&self, what: &str) -> PyResult<Figure> {
+        let known = report::PICTURES.map(|name| (name, name));
+        let name = paths::chosen("what", what, &known)?;
+        let svg = report::picture(&self.answer, name);
+        svg.as_deref().map(Figure::of).ok_or_else(|| refused(format!("{name}: there is nothing to be drawn")))
+    }
+
+    fn __str__(&self) -> String {
+        story(&self.answer)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<rundown.Gap: {} in {} runs>", self.verdict(), self.answer.input.runs.len())
+    }
+}
+
+/// Finds which effect a model of train and track lacks, as `rundown gap` does.
+///
+/// `hold_out`: how many runs evaluate the repaired model; a fifth without it. `progress` is called with the name of each step.
+///
+/// >>> import rundown, tempfile
+/// >>> made = rundown.simulate(tempfile.mkdtemp(), example="hidden_effect", runs=10)
+/// >>> found = rundown.gap(made.runs, train=made.train, track=made.track)
+/// >>> found.verdict
+/// 'explained'
+#[pyfunction]
+#[pyo3(signature = (runs, *, train, track, config=None, hold_out=None, direction="auto", as_recorded=false, progress=None))]
+#[expect(clippy::too_many_arguments, reason = "they have names in Python")]
+pub fn gap(
+    py: Python<'_>,
+    runs: Paths,
+    train: PathBuf,
+    track: PathBuf,
+    config: Option<PathBuf>,
+    hold_out: Option<usize>,
+    direction: &str,
+    as_recorded: bool,
+    progress: Option<Wanted>,
+) -> PyResult<Gap> {
+    let (runs, direction) = (Vec::from(runs), paths::direction(direction)?);
+    let said = Progress::new(progress, 0);
+    let work = || -> Result<Answer, Refusal> {
+        let config = config.as_deref().map_or_else(|| Ok(GapConfig::default()), read_config)?;
+        let input = Input::read(&train, &track, &runs, direction, as_recorded)?;
+        rundown_gap::run(input, config, hold_out, |step| said.step(step))
+    };
+    let answer = py.detach(work);
+    said.end()?;
+    Ok(Gap { answer: answer.map_err(no_answer)? })
+}

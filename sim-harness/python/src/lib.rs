@@ -1,0 +1,50 @@
+//! The Python module `rundown`: the commands as functions, their tables as Arrow.
+//!
+//! | question | module |
+//! |---|---|
+//! | how do the commands look from Python? | [`replay`], [`simulate`], [`check`], [`gap`] |
+//! | how does a table reach pandas, polars, pyarrow or DuckDB? | [`table`] |
+//! | how are pictures seen? | [`figure`] |
+//! | how is a refusal raised? | [`error`] |
+//! | how is progress said? | [`progress`] |
+//!
+//! Nothing is calculated here: every number is that of `sim-harness`, as the command `rundown` has it. What is documented for Python stands in
+//! `rundown/__init__.pyi`, and in the docstrings that Python shows.
+#![deny(unsafe_code)]
+#![warn(missing_docs)]
+
+mod check;
+mod error;
+mod figure;
+mod gap;
+mod paths;
+mod progress;
+mod replay;
+mod resistance;
+mod simulate;
+mod table;
+
+/// What `rundown/__init__.py` hands on.
+#[pyo3::pymodule]
+mod _rundown {
+    #[pymodule_export]
+    use crate::check::{Check, check};
+    #[pymodule_export]
+    use crate::error::RundownError;
+    #[pymodule_export]
+    use crate::figure::Figure;
+    #[pymodule_export]
+    use crate::gap::{Gap, gap};
+    #[pymodule_export]
+    use crate::replay::{Replay, replay};
+    #[pymodule_export]
+    use crate::simulate::{Simulated, simulate};
+    #[pymodule_export]
+    use crate::table::Table;
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn version(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

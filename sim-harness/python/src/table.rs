@@ -1,0 +1,174 @@
+//! A table for other tools: Arrow, handed over without a copy.
+//!
+//! In: columns as the writer of a file has them. Out: the PyCapsule interface (`__arrow_c_stream__`), which pandas, polars, pyarrow and DuckDB read.
+//! Unit, meaning and rule for empty cells are metadata of each field.
+
+use crate::error::refused;
+use arrow_array::ffi_stream::FFI_ArrowArrayStream;
+use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, RecordBatchIterator, StringArray};
+use arrow_schema::ffi::FFI_ArrowSchema;
+use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
+use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+use pyo3::types::{PyCapsule, PyDict, PyList};
+use rundown_files::column::{About, Filled, Kind};
+use rundown_files::table::Cell;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// A table. Take it whole with `pandas.DataFrame.from_arrow(table)`, `polars.DataFrame(table)`, `pyarrow.table(table)` or DuckDB, or a column as a list
+/// with `table["r0"]`.
+#[pyclass(frozen, module = "rundown")]
+pub struct Table {
+    about: Vec<About>,
+    schema: SchemaRef,
+    parts: Vec<RecordBatch>,
+}
+
+impl Table {
+    /// Of one part.
+    ///
+    /// # Errors
+    /// None is known: the columns have the kinds that they declare.
+    pub fn of(filled: Filled) -> PyResult<Self> {
+        Self::of_parts(vec![filled])
+    }
+
+    /// Of parts with the same columns, at least one.
+    ///
+    /// # Errors
+    /// As [`Table::of`].
+    pub fn of_parts(parts: Vec<Filled>) -> PyResult<Self> {
+        let about: Vec<About> =
+            parts.first().map(|first| first.iter().map(|(about, _)| about.clone()).collect()).unwrap_or_default();
+        let schema = Arc::new(Schema::new(about.iter().map(field).collect::<Vec<Field>>()));
+        let parts: Result<Vec<RecordBatch>, ArrowError> = parts.iter().map(|part| batch(&schema, part)).collect();
+        Ok(Self { about, schema, parts: parts.map_err(refused)? })
+    }
+
+    fn index(&self, name: &str) -> PyResult<usize> {
+        self.about.iter().position(|about| about.name == name).ok_or_else(|| PyKeyError::new_err(name.to_owned()))
+    }
+
+    fn rows(&self) -> usize {
+        self.parts.iter().map(RecordBatch::num_rows).sum()
+    }
+}
+
+#[pymethods]
+impl Table {
+    /// Names of the columns.
+    #[getter]
+    fn column_names(&self) -> Vec<&str> {
+        self.about.iter().map(|about| about.name.as_str()).collect()
+    }
+
+    /// Units by the names of their columns; an empty text where there is none.
+    #[getter]
+    fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let units = PyDict::new(py);
+        self.about.iter().try_for_each(|about| units.set_item(&about.name, about.unit))?;
+        Ok(units)
+    }
+
+    /// What the columns say, by their names.
+    #[getter]
+    fn meanings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let meanings = PyDict::new(py);
+        self.about.iter().try_for_each(|about| meanings.set_item(&about.name, &about.meaning))?;
+        Ok(meanings)
+    }
+
+    /// A column as a list; None where a cell is empty.
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyList>> {
+        let (index, list) = (self.index(name)?, PyList::empty(py));
+        for part in &self.parts {
+            values(part.column(index), &list)?;
+        }
+        Ok(list)
+    }
+
+    fn __len__(&self) -> usize {
+        self.rows()
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<rundown.Table: {} rows, {} columns: {}>",
+            self.rows(),
+            self.about.len(),
+            self.column_names().join(", ")
+        )
+    }
+
+    /// The Arrow PyCapsule interface. A schema that is asked for is not needed to be followed, and is not.
+    #[pyo3(signature = (requested_schema=None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        drop(requested_schema);
+        let parts = self.parts.clone().into_iter().map(Ok);
+        let reader = RecordBatchIterator::new(parts, Arc::clone(&self.schema));
+        let stream = FFI_ArrowArrayStream::new(Box::new(reader));
+        PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
+    }
+
+    /// The Arrow PyCapsule interface: the schema alone.
+    fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
+        let schema = FFI_ArrowSchema::try_from(self.schema.as_ref()).map_err(refused)?;
+        PyCapsule::new_with_value(py, schema, c"arrow_schema")
+    }
+}
+
+fn field(about: &About) -> Field {
+    let kind = match about.kind {
+        Kind::Text => DataType::Utf8,
+        Kind::Count => DataType::Int64,
+        Kind::Number => DataType::Float64,
+    };
+    let metadata = [("unit", about.unit), ("meaning", &about.meaning), ("empty_when", about.empty)];
+    let metadata: HashMap<String, String> = metadata.map(|(key, text)| (key.to_owned(), text.to_owned())).into();
+    Field::new(&about.name, kind, true).with_metadata(metadata)
+}
+
+fn batch(schema: &SchemaRef, filled: &Filled) -> Result<RecordBatch, ArrowError> {
+    let columns = filled.iter().map(|(about, cells)| array(about.kind, cells)).collect();
+    RecordBatch::try_new(Arc::clone(schema), columns)
+}
+
+fn array(kind: Kind, cells: &[Cell]) -> ArrayRef {
+    match kind {
+        // An empty field of CSV is a missing one, whatever it is called here.
+        Kind::Text => Arc::new(StringArray::from_iter(cells.iter().map(|cell| match cell {
+            Cell::Text(text) if !text.is_empty() => Some(text.as_str()),
+            _ => None,
+        }))),
+        Kind::Count => Arc::new(Int64Array::from_iter(cells.iter().map(|cell| match cell {
+            Cell::Count(count) => i64::try_from(*count).ok(),
+            _ => None,
+        }))),
+        Kind::Number => Arc::new(Float64Array::from_iter(cells.iter().map(|cell| match cell {
+            Cell::Number(number) => Some(*number),
+            _ => None,
+        }))),
+    }
+}
+
+/// Adds the values of an array to a list.
+fn values(array: &ArrayRef, list: &Bound<'_, PyList>) -> PyResult<()> {
+    let py = list.py();
+    let any = array.as_any();
+    if let Some(texts) = any.downcast_ref::<StringArray>() {
+        return texts.iter().try_for_each(|text| list.append(text.into_bound_py_any(py)?));
+    }
+    if let Some(counts) = any.downcast_ref::<Int64Array>() {
+        return counts.iter().try_for_each(|count| list.append(count.into_bound_py_any(py)?));
+    }
+    if let Some(numbers) = any.downcast_ref::<Float64Array>() {
+        return numbers.iter().try_for_each(|number| list.append(number.into_bound_py_any(py)?));
+    }
+    Ok(())
+}

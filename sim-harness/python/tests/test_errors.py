@@ -1,0 +1,113 @@
+"""Refusals are exceptions with their place."""
+
+import threading
+import time
+
+import pytest
+
+import rundown
+
+
+def test_a_wrong_field_names_its_place(reference, tmp_path):
+    text = reference["train"].read_text().splitlines()
+    line = next(index for index, one in enumerate(text) if one.strip().startswith("r0"))
+    text[line] = "r0 = -1.0"
+    train = tmp_path / "train.toml"
+    train.write_text("\n".join(text))
+    with pytest.raises(rundown.RundownError) as caught:
+        rundown.replay(**{**reference, "train": train})
+    error = caught.value
+    assert (error.file, error.line) == (train, line + 1)
+    assert error.column is not None and error.field.endswith("r0")
+    assert "expected" in error.reason
+    assert str(error).startswith(f"{train}:{line + 1}:")
+
+
+def test_a_bad_row_names_its_place(reference, tmp_path):
+    log = tmp_path / "bad.csv"
+    lines = reference["runs"].read_text().splitlines()
+    fields = lines[10].split(",")
+    lines[10] = ",".join(["x", *fields[1:]])
+    log.write_text("\n".join(lines) + "\n")
+    with pytest.raises(rundown.RundownError) as caught:
+        rundown.replay(**{**reference, "runs": log})
+    error = caught.value
+    assert (error.file, error.line, error.column, error.field) == (log, 11, 1, "time_s")
+    assert str(error).startswith("none of 1 run logs could be used")
+    left_out = rundown.replay(**{**reference, "runs": log}, skip_bad_rows=True)
+    assert len(left_out.estimates()) == 115 and len(left_out.warnings) == 1
+    both = rundown.replay(**{**reference, "runs": [log, reference["runs"]]})
+    assert both.runs == ["run01"]
+    [(path, text)] = both.failed
+    assert path == log and f"{log}:11:1: time_s: " in text
+
+
+def test_what_is_not_there_is_named(reference, tmp_path):
+    nowhere = tmp_path / "nowhere.toml"
+    with pytest.raises(rundown.RundownError, match="nowhere.toml") as caught:
+        rundown.replay(**{**reference, "track": nowhere})
+    assert caught.value.file == nowhere and caught.value.line is None
+    with pytest.raises(rundown.RundownError, match="nowhere"):
+        rundown.gap(tmp_path / "nowhere", train=reference["train"], track=reference["track"])
+    scenario = tmp_path / "scenario.toml"
+    scenario.write_text("rums = 3\n")
+    with pytest.raises(rundown.RundownError) as caught:
+        rundown.simulate(tmp_path / "out", scenario=scenario)
+    assert (caught.value.file, caught.value.line, caught.value.column) == (scenario, 1, 1)
+
+
+@pytest.mark.parametrize(
+    ("option", "expected"),
+    [
+        ({"mode": "papre"}, "mode: expected paper, gated, measured"),
+        ({"direction": "left"}, "direction: expected auto, up, down"),
+        ({"tick": 0.0}, "tick: expected a number of seconds above 0"),
+    ],
+)
+def test_a_wrong_option_says_what_is_expected(reference, option, expected):
+    with pytest.raises(rundown.RundownError, match=expected):
+        rundown.replay(**reference, **option)
+
+
+def test_a_run_that_was_not_replayed_is_refused(reference):
+    learned = rundown.replay(**reference)
+    with pytest.raises(rundown.RundownError, match="run02"):
+        learned.estimates("run02")
+
+
+def test_progress_counts_the_runs(made, capsys):
+    told = []
+    rundown.replay(made.runs, train=made.train, track=made.track, progress=lambda *now: told.append(now))
+    assert told == [(1, 3), (2, 3), (3, 3)]
+    assert capsys.readouterr().err == ""
+    rundown.replay(made.runs, train=made.train, track=made.track, progress=True)
+    assert capsys.readouterr().err.endswith("3 of 3 runs\n")
+
+
+def test_what_progress_raises_is_raised(made):
+    def stop(done, total):
+        raise KeyboardInterrupt(f"{done} of {total}")
+
+    with pytest.raises(KeyboardInterrupt, match="1 of 3"):
+        rundown.replay(made.runs, train=made.train, track=made.track, progress=stop)
+
+
+def test_other_threads_go_on_while_it_works(tmp_path):
+    ticks, done = [], threading.Event()
+
+    def count():
+        while not done.is_set():
+            ticks.append(time.monotonic())
+            time.sleep(0.005)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    begun = time.monotonic()
+    rundown.simulate(tmp_path / "set", runs=40)
+    ended = time.monotonic()
+    done.set()
+    thread.join()
+    inside = [begun, *(tick for tick in ticks if begun < tick < ended), ended]
+    longest = max(after - before for before, after in zip(inside, inside[1:]))
+    assert ended - begun > 0.1, "too short to be a test"
+    assert longest < 0.5 * (ended - begun), (longest, ended - begun)

@@ -1,0 +1,166 @@
+//! `check`: run logs in, what their recorder did to them out. The command and the Python module do this.
+
+use crate::logs::{self, Failed};
+use rayon::prelude::*;
+use rundown_check::agreement::Figure;
+use rundown_check::finding::Finding;
+use rundown_check::{Check, RecorderCheck};
+use rundown_files::column::{Column, Filled, filled};
+use rundown_files::map_matching::CentreLine;
+use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::run_set::{RunFile, RunSet};
+use rundown_files::{refusal::ReadError, run_log::BadRows, track_file::TrackFile};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// What was found.
+#[derive(Debug)]
+pub struct Checked {
+    /// Recorder by recorder and run by run; none where no log can be read.
+    pub found: Option<Check>,
+    /// Logs that cannot be read.
+    pub failed: Vec<Failed>,
+    /// What a person may want to know about the order of the runs.
+    pub notes: Vec<String>,
+}
+
+/// Diagnoses run logs, or folders of run logs. `track`: one whose centre line gives the locations of logs that have coordinates only.
+///
+/// # Errors
+/// [`ReadError`] when the track, a folder or an index cannot be read.
+pub fn check(runs: &[PathBuf], track: Option<&Path>) -> Result<Checked, ReadError> {
+    let set = RunSet::find(runs)?;
+    let track = track.map(TrackFile::read).transpose()?;
+    let line = track.and_then(|(track, _)| CentreLine::new(&track.centre_line));
+    let read = |file: &RunFile| logs::read(file, BadRows::LeaveOut, line.as_ref(), DirectionChoice::Auto);
+    let read: Vec<Result<Recording, Failed>> = set.files.par_iter().map(read).collect();
+    let (mut recordings, mut failed) = (Vec::new(), Vec::new());
+    for result in read {
+        match result {
+            Ok(recording) => recordings.push(recording),
+            Err(failure) => failed.push(failure),
+        }
+    }
+    let found = (!recordings.is_empty()).then(|| rundown_check::check(&mut recordings));
+    Ok(Checked { found, failed, notes: set.notes })
+}
+
+/// A finding of a run, or of all runs of a recorder.
+#[derive(Clone, Debug)]
+pub struct Found {
+    run: Option<String>,
+    recorder: String,
+    finding: Finding,
+}
+
+/// The columns of the findings.
+pub fn columns() -> Vec<Column<Found>> {
+    let side = |at: usize| move |f: &Found| (f.finding.figure.sd > 0.0).then(|| f.finding.figure.interval()[at]);
+    vec![
+        Column::text("run", "name of the run", |f: &Found| f.run.as_deref().map(str::to_owned).unwrap_or_default())
+            .empty_when("it is found in all runs of a recorder"),
+        Column::text("recorder", "unit of the index `runs.csv`", |f: &Found| f.recorder.clone())
+            .empty_when("no index names one"),
+        Column::text("kind", "what is the matter", |f: &Found| word(&f.finding.kind)),
+        Column::number("value", "", "how much, in the unit beside it", |f: &Found| f.finding.figure.value),
+        Column::number("low", "", "lower end of its 95 % interval", side(0)).empty_when("it has none"),
+        Column::number("high", "", "upper end of its 95 % interval", side(1)).empty_when("it has none"),
+        Column::text("unit", "unit of the value", |f: &Found| f.finding.unit.to_owned()).empty_when("it has none"),
+        Column::count("count", "times that it was seen, or rows", |f: &Found| f.finding.count),
+        Column::count("line", "first line of the log where it is seen, 0: the whole log", |f: &Found| {
+            f.finding.line as usize
+        }),
+        Column::text("done", "`put_right`, `left_out`, `said` or `refused`", |f: &Found| word(&f.finding.done)),
+        Column::text("text", "the same as a sentence", |f: &Found| f.finding.to_string()),
+    ]
+}
+
+/// What `rundown check --json` prints: path, unit, meaning, when it is null.
+pub const FIELDS: &[[&str; 4]] = &[
+    ["recorders[].unit", "", "unit of the index `runs.csv`, empty without one", ""],
+    ["recorders[].compared", "", "runs that moved long enough to compare speed and location", ""],
+    ["recorders[].runs", "", "runs", ""],
+    ["recorders[].speed_step_kmh", "km/h", "step of the speeds", "they have none"],
+    ["recorders[].location_step_m", "m", "step of the locations", "they have none"],
+    ["recorders[].scale.*", "1", "measured over true speed: `value` and `sd`", "nothing was compared"],
+    ["recorders[].offset_kmh.*", "km/h", "true less read speed: `value` and `sd`", "nothing was compared"],
+    [
+        "recorders[].skew_s.*",
+        "s",
+        "age of the speed against the location, median over runs: `value` and `sd`",
+        "nothing was compared",
+    ],
+    ["recorders[].skew_spread_s", "s", "how much that differs from run to run", "nothing was compared"],
+    ["recorders[].correction.offset_mps", "m/s", "what is added to each speed above 0", ""],
+    ["recorders[].correction.scale", "1", "by what the sum is divided", ""],
+    ["recorders[].findings[].*", "", "what was found in all runs: as below", ""],
+    ["runs[].name", "", "name of the run", ""],
+    ["runs[].unit", "", "unit of the index `runs.csv`, empty without one", ""],
+    ["runs[].rows", "", "rows of the log", ""],
+    ["runs[].step_s", "s", "usual time between rows", ""],
+    ["runs[].skew_s.*", "s", "age of the speed against the location: `value` and `sd`", "too little moves"],
+    ["runs[].location_noise_m", "m", "standard deviation of the white noise of the locations", "nothing was compared"],
+    ["runs[].scale.*", "1", "measured over true speed of this run alone: `value` and `sd`", "nothing was compared"],
+    ["runs[].findings[].kind", "", "what is the matter", ""],
+    ["runs[].findings[].figure.value", "as `unit`", "how much", ""],
+    ["runs[].findings[].figure.sd", "as `unit`", "its standard deviation, 0 where there is none", ""],
+    ["runs[].findings[].unit", "", "unit of the figure, empty where it has none", ""],
+    ["runs[].findings[].count", "", "times that it was seen, or rows", ""],
+    ["runs[].findings[].line", "", "first line of the log where it is seen, 0: the whole log", ""],
+    ["runs[].findings[].done", "", "`put_right`, `left_out`, `said` or `refused`", ""],
+];
+
+/// The word of JSON.
+fn word(value: &impl Serialize) -> String {
+    serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+/// The findings as a table: those of recorders, then those of runs.
+pub fn findings(found: &Check) -> Filled {
+    let of_recorders = found.recorders.iter().flat_map(|recorder| {
+        let one = |finding: &Finding| Found { run: None, recorder: recorder.unit.clone(), finding: finding.clone() };
+        recorder.findings.iter().map(one)
+    });
+    let of_runs = found.runs.iter().flat_map(|run| {
+        let name = || Some(run.name.clone());
+        let one = move |f: &Finding| Found { run: name(), recorder: run.unit.clone(), finding: f.clone() };
+        run.findings.iter().map(one)
+    });
+    filled(columns(), of_recorders.chain(of_runs))
+}
+
+/// A few lines: each recorder, then its runs in which something else was found.
+pub fn words(found: &Check) -> String {
+    let mut text = String::new();
+    for recorder in &found.recorders {
+        text += &of_recorder(recorder);
+        for run in found.runs.iter().filter(|run| run.unit == recorder.unit) {
+            for finding in &run.findings {
+                text += &format!("  {}: {finding}\n", run.name);
+            }
+        }
+    }
+    let clean = found.runs.iter().filter(|run| run.findings.is_empty()).count();
+    let refused = found.refused().count();
+    text + &format!("{} runs, nothing found in {clean}, {refused} cannot be used\n", found.runs.len())
+}
+
+fn of_recorder(recorder: &RecorderCheck) -> String {
+    let name = if recorder.unit.is_empty() { "recorder" } else { &recorder.unit };
+    let mut text = format!("{name}: speed and location compared in {} of {} runs\n", recorder.compared, recorder.runs);
+    let mut line = |what: &str, figure: Option<Figure>, unit: &str, decimals: usize| {
+        if let Some(figure) = figure {
+            let [low, high] = figure.interval();
+            let value = figure.value;
+            text += &format!("  {what:<32} {value:.decimals$} [{low:.decimals$}, {high:.decimals$}] {unit}\n");
+        }
+    };
+    line("measured over true speed", recorder.scale, "", 4);
+    line("true less read speed", recorder.offset_kmh, "km/h", 3);
+    line("speed older than location", recorder.skew_s, "s, median over runs", 2);
+    if let Some(spread_s) = recorder.skew_spread_s {
+        text += &format!("  {:<32} {spread_s:.2} s\n", "... differs from run to run by");
+    }
+    let said = |finding: &Finding| format!("  {finding}\n");
+    text + &recorder.findings.iter().map(said).collect::<String>()
+}

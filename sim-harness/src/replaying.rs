@@ -1,0 +1,261 @@
+//! `replay`: recorded runs, a train and a track in; what the board would have learned out. The command and the Python module do this.
+//!
+//! ```text
+//! Request -> open -> Opened -> replay -> Replayed -> tables, replay.json, report.html
+//! ```
+
+use crate::logs::{self, Failed};
+use crate::output::json::{self, mode_word};
+use crate::report::page::HISTORY_KMH;
+use crate::report::{Report, RunView, figures, write_report};
+use crate::{advice::advice, output::write_tables};
+use rayon::prelude::*;
+use rundown::estimator::config::{Config, Mode};
+use rundown::tick::{bounds::ConfigError, sensor::Rounding};
+use rundown::{
+    estimator::Estimator,
+    model::effects::{Effect, EffectError},
+    model::train::Train,
+};
+use rundown_check::Known;
+use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::refusal::ReadError;
+use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
+use rundown_files::run_set::{RunFile, RunSet};
+use rundown_files::{WriteError, config_file, effect_file};
+use rundown_files::{map_matching::CentreLine, run_log::BadRows, track_file::TrackFile, train_file::TrainFile};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::{collections::HashMap, fmt};
+use thiserror::Error;
+
+/// What is expected of a [`Tick::Period`].
+pub const PERIOD: &str = "expected a number of seconds above 0, at most 600";
+
+/// After a longer pause the estimator restarts.
+pub fn is_period(seconds: f64) -> bool {
+    seconds > 0.0 && seconds <= 600.0
+}
+
+/// What is to be replayed.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Run logs, or folders of run logs.
+    pub runs: Vec<PathBuf>,
+    /// Description of the train.
+    pub train: PathBuf,
+    /// Description of the track.
+    pub track: PathBuf,
+    /// Configuration; none is every default.
+    pub config: Option<PathBuf>,
+    /// Replaces the mode of the configuration.
+    pub mode: Option<Mode>,
+    /// Which rows are steps.
+    pub tick: Tick,
+    /// Direction of the runs that no index names.
+    pub direction: DirectionChoice,
+    /// A unit's vehicle is carried from run to run.
+    pub carried: bool,
+    /// What a diagnosis of the logs would put right is left as it is.
+    pub as_recorded: bool,
+    /// What is done about rows that cannot be read.
+    pub bad_rows: BadRows,
+}
+
+/// Why nothing was replayed.
+#[derive(Debug, Error)]
+#[error(transparent)]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "said by the messages")]
+pub enum ReplayError {
+    Read(#[from] ReadError),
+    Config(#[from] ConfigError),
+    Effect(#[from] EffectError),
+}
+
+/// Descriptions that were read, and the logs to be read.
+pub struct Opened {
+    request: Request,
+    config: Config,
+    train: TrainFile,
+    core_train: Train,
+    track: TrackFile,
+    /// With the effects that act in all runs.
+    estimator: Estimator,
+    set: RunSet,
+}
+
+impl fmt::Debug for Opened {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Opened").field("request", &self.request).finish_non_exhaustive()
+    }
+}
+
+/// Runs as replayed, and what is to be said about them.
+#[derive(Clone, Debug)]
+pub struct Replayed {
+    /// The estimator's configuration.
+    pub config: Config,
+    /// The train as described.
+    pub train: TrainFile,
+    /// The same as the estimator takes it.
+    pub core_train: Train,
+    /// The track as described.
+    pub track: TrackFile,
+    /// The runs in their order.
+    pub runs: Vec<ReplayedRun>,
+    /// Logs that could not be used.
+    pub failed: Vec<Failed>,
+    /// What a person should know about all of them.
+    pub notes: Vec<String>,
+    carried: bool,
+    tick: Tick,
+}
+
+impl Request {
+    /// Reads the descriptions, and finds the logs.
+    ///
+    /// # Errors
+    /// [`ReplayError`] names the file and the place in it.
+    pub fn open(self) -> Result<Opened, ReplayError> {
+        let (train, core_train) = TrainFile::read(&self.train)?;
+        let (track, core_track) = TrackFile::read(&self.track)?;
+        let mut config = self.config.as_deref().map_or_else(|| Ok(Config::default()), config_file::read)?;
+        config.mode = self.mode.unwrap_or(config.mode);
+        let effects = effect_file::effects(&track.effect, &train.effect, None)?;
+        let config = track.doubted(config);
+        let estimator = Estimator::try_new(config, core_train, core_track)?.with_effects(effects);
+        let set = RunSet::find(&self.runs)?;
+        Ok(Opened { request: self, config, train, core_train, track, estimator, set })
+    }
+}
+
+impl Opened {
+    /// How many logs there are.
+    pub fn runs(&self) -> usize {
+        self.set.files.len()
+    }
+
+    /// Reads and replays the logs; `done` is called once for each that is replayed.
+    ///
+    /// # Errors
+    /// [`ReplayError`]: effects that act in some runs cannot act together.
+    pub fn replay(self, done: impl Fn() + Sync) -> Result<Replayed, ReplayError> {
+        let (recordings, failed, mut notes) = self.recordings();
+        let own = self.own_estimators(&recordings)?;
+        let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
+        let (carried, tick) = (self.request.carried, self.request.tick);
+        let runs = if carried {
+            replay_carried_by(&model, &recordings, tick, done)
+        } else {
+            replay_apart_by(&model, &recordings, tick, done)
+        };
+        notes.extend(advice(&self.estimator, &runs));
+        let Self { config, train, core_train, track, .. } = self;
+        Ok(Replayed { config, train, core_train, track, runs, failed, notes, carried, tick })
+    }
+
+    /// The logs that can be used, the others, and what is to be said.
+    fn recordings(&self) -> (Vec<Recording>, Vec<Failed>, Vec<String>) {
+        let line = CentreLine::new(&self.track.centre_line);
+        let read = |file: &RunFile| logs::read(file, self.request.bad_rows, line.as_ref(), self.request.direction);
+        let read: Vec<Result<Recording, Failed>> = self.set.files.par_iter().map(read).collect();
+        let (mut recordings, mut failed) = (Vec::new(), Vec::new());
+        for result in read {
+            match result {
+                Ok(recording) => recordings.push(recording),
+                Err(failure) => failed.push(failure),
+            }
+        }
+        let mut notes = self.set.notes.clone();
+        if self.request.as_recorded {
+            return (recordings, failed, notes);
+        }
+        // A wheel of some runs counts, too: it must not be put right twice.
+        let mut effects = self.train.effect.iter().chain(&self.track.effect);
+        let known = Known {
+            truncates: self.config.sensor.rounding == Rounding::Truncated,
+            scale: effects.any(|entry| matches!(entry.effect, Effect::SpeedScale(_))),
+        };
+        let (used, refused, found) = logs::diagnosed(recordings, known);
+        failed.extend(refused);
+        notes.extend(found.notes());
+        (used, failed, notes)
+    }
+
+    /// The estimators of the runs in which not the same effects act as in all.
+    fn own_estimators(&self, recordings: &[Recording]) -> Result<HashMap<String, Estimator>, EffectError> {
+        let mut own = HashMap::new();
+        for recording in recordings {
+            let effects = effect_file::effects(&self.track.effect, &self.train.effect, Some(&recording.name))?;
+            if effects != *self.estimator.effects() {
+                own.insert(recording.name.clone(), self.estimator.clone().with_effects(effects));
+            }
+        }
+        Ok(own)
+    }
+}
+
+impl Replayed {
+    /// Why there is nothing to be written: no run could be used.
+    pub fn nothing(&self) -> Option<String> {
+        self.runs.is_empty().then(|| match self.failed.len() {
+            0 => "expected at least one run log, found none; nothing was written".to_owned(),
+            failed => format!("none of {failed} run logs could be used; nothing was written"),
+        })
+    }
+
+    /// `replay.json`.
+    pub fn json(&self) -> Value {
+        json::value(&json::Replay {
+            config: &self.config,
+            train: &self.train.name,
+            track: &self.track.name,
+            carried: self.carried,
+            tick: self.tick,
+            runs: &self.runs,
+            failed: &self.failed,
+            notes: &self.notes,
+        })
+    }
+
+    /// Writes the tables and the report into a folder, which is made when it does not exist. Out: `replay.json`.
+    ///
+    /// # Errors
+    /// [`WriteError`] names the file.
+    pub fn write(&self, folder: &Path) -> Result<Value, WriteError> {
+        let json = self.json();
+        write_tables(folder, &self.runs, &self.config, &json)?;
+        write_report(&folder.join("report.html"), &self.report())?;
+        Ok(json)
+    }
+
+    /// Names of the pictures that [`Replayed::picture`] knows; all but the first two are of a run.
+    pub const PICTURES: [&str; 6] = ["resistance", "history", "motion", "terms", "regimes", "innovations"];
+
+    /// A picture of the report as SVG, of the run at `index` where it is of one; none where there is no such picture or run.
+    pub fn picture(&self, name: &str, index: usize) -> Option<String> {
+        let report = self.report();
+        let run = report.runs.get(index)?;
+        Some(match name {
+            "resistance" => report.resistance_curve(),
+            "history" => figures::vehicle_history(&report.vehicle, &self.core_train, HISTORY_KMH),
+            "motion" => figures::motion(run, &self.core_train),
+            "terms" => figures::resistance_terms(run),
+            "regimes" => figures::regimes(run),
+            "innovations" => figures::innovations(run),
+            _ => return None,
+        })
+    }
+
+    fn report(&self) -> Report<'_> {
+        Report {
+            title: format!("{} on {}", self.train.name, self.track.name),
+            train: &self.core_train,
+            runs: self.runs.iter().map(|run| RunView::of(run, None)).collect(),
+            mode: mode_word(self.config.mode),
+            features: self.config.features,
+            vehicle: self.runs.iter().map(|run| (run.name.clone(), run.vehicle_after)).collect(),
+        }
+    }
+}
