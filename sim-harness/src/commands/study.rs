@@ -7,6 +7,7 @@ use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, gather};
 use crate::study::page::{StudyPage, known, page};
+use crate::study::readings::{self, comparison, outcome, reading::Combination};
 use crate::study::slope::{Answer, Plan};
 use crate::study::{claims, description, slope as self_test, write};
 use crate::{
@@ -39,6 +40,9 @@ Examples:
 
   Does the estimate follow the true resistance, how closely, and how closely could it?
     rundown study --truth-slope --out slope
+
+  Which reading of the text, with which recorder, gives the paper's figures? (--seeds 20: about ten minutes)
+    rundown study --readings --out readings
 
 Files in the output folder:
   report.html           Table 1 and Figs. 2 to 9, each with the paper's statement, our value and the truth
@@ -81,6 +85,12 @@ pub struct Arguments {
     /// Only the self-test of learning: vehicles with 0.7 to 1.3 of the described resistance
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs"])]
     truth_slope: bool,
+    /// Only the comparison of readings of the text and of recorders, on simulated runs
+    #[arg(long, conflicts_with_all = ["runs", "count", "example", "keep_runs", "truth_slope", "config"])]
+    readings: bool,
+    /// Sets of runs of the comparison, each with a seed of its own
+    #[arg(long, value_name = "N", default_value_t = 5, requires = "readings", value_parser = clap::value_parser!(u16).range(1..))]
+    seeds: u16,
     /// Vehicles of the self-test
     #[arg(long, value_name = "N", default_value_t = 25, requires = "truth_slope", value_parser = clap::value_parser!(u16).range(3..))]
     vehicles: u16,
@@ -113,6 +123,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let config = super::config(arguments.config.as_deref())?;
     if arguments.truth_slope {
         return truth_slope(arguments, config);
+    }
+    if arguments.readings {
+        return readings(arguments);
     }
     let described = described(arguments, &config)?;
     let study = study(
@@ -322,6 +335,39 @@ fn truth_slope(arguments: &Arguments, config: Config) -> Result<ExitCode, Failur
         true => screen::print(&json),
         false => {
             screen::print(&self_test::table(&test.answers));
+            screen::print(&format!("\nresults: {}\n", out.display()));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn readings(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let simulation = match &arguments.scenario {
+        Some(path) => Simulation::read(path),
+        None => case_study(),
+    }?;
+    let plan = comparison::Plan {
+        runs: simulation.runs,
+        seed: arguments.seed.unwrap_or(SEED),
+        seeds: usize::from(arguments.seeds),
+        simulation,
+    };
+    let bar = screen::progress(plan.seeds * Combination::all().len());
+    let all = comparison::compare(&plan, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let pictures = [readings::picture::picture(&all, plan.seeds)];
+    let out = &arguments.out;
+    let rows: Vec<_> = outcome::records(&all).iter().map(rundown_files::table::to_json).collect();
+    let json = json!({ "runs": plan.runs, "seeds": plan.seeds, "seed": plan.seed, "combinations": rows });
+    let json = format!("{json:#}\n");
+    write::folder(out)?;
+    write::pictures(out, &pictures)?;
+    write::text(&out.join("readings.json"), &json)?;
+    write::text(&out.join("report.html"), &outcome::page(&plan, &all, &pictures))?;
+    match arguments.json {
+        true => screen::print(&json),
+        false => {
+            screen::print(&outcome::screen(&all));
             screen::print(&format!("\nresults: {}\n", out.display()));
         }
     }

@@ -14,6 +14,7 @@
 //! | what do the figures show? | `figures` |
 //! | what does the paper claim, and is it so here? | `claims`, `trials` |
 //! | where is it reported? | `page`, `write` |
+//! | which reading of the text gives the paper's figures? | `readings` |
 //! | does the estimate follow the truth, how closely could it? | `slope`, `bound` |
 
 pub(crate) mod bound;
@@ -24,6 +25,7 @@ pub(crate) mod figures;
 pub(crate) mod gather;
 pub(crate) mod moments;
 pub(crate) mod page;
+pub(crate) mod readings;
 pub(crate) mod slope;
 pub(crate) mod source;
 pub(crate) mod tallies;

@@ -3,7 +3,10 @@
 use super::{Claim, Columns, alone, claim, from_to, mean, near, percent, three};
 use crate::study::gather::{Example, Gathered};
 use crate::study::tallies::{R0_BAND, Tallies};
-use crate::{study::case::CaseTruth, study::moments::Moments, study::trials::Sensitivity, study::view::CLOUDS_KMH};
+use crate::{
+    study::case::CaseTruth, study::moments::Moments, study::moments::correlation, study::trials::Sensitivity,
+    study::view::CLOUDS_KMH,
+};
 use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
 use rundown_pages::numbers::number;
@@ -134,16 +137,6 @@ impl Path {
         };
         Some(of(0, 1)?.min(of(0, 2)?).min(of(1, 2)?))
     }
-}
-
-fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
-    let n = pairs.len() as f64;
-    let x = pairs.iter().map(|p| p.0).sum::<f64>() / n;
-    let y = pairs.iter().map(|p| p.1).sum::<f64>() / n;
-    let sum = |f: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>();
-    let xy = sum(&|p| (p.0 - x) * (p.1 - y));
-    let scale = (sum(&|p| (p.0 - x).powi(2)) * sum(&|p| (p.1 - y).powi(2))).sqrt();
-    (scale > 0.0).then(|| xy / scale)
 }
 
 pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> [Claim; 4] {
