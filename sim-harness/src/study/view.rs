@@ -31,8 +31,12 @@ const OVER_KMH: f64 = 50.0;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// Median.
+    /// Median of the speeds held at the fastest level.
     pub cruise_kmh: Option<f64>,
+    /// Plain median of the filtered speeds of all cruising, as section 3.3 takes it; as it was: the speed that was to be kept.
+    pub plain_cruise_kmh: Option<f64>,
+    /// Mean brake rate of each ATB-EG step, the statistic of section 3.3, m/s².
+    pub brake_steps_mps2: [Option<f64>; 5],
     pub coast_s: Option<f64>,
     pub brake_s: Option<f64>,
     /// Share of the running time in traction, cruise, coast and brake; standing time is no running time.
@@ -152,12 +156,16 @@ impl Seen {
             }
         }
         let moving = |regime: Regime| features.regime_time_s[regime as usize];
+        let regimes = run.estimates.iter().zip(&run.regimes);
+        let cruising = regimes.filter(|(_, regime)| **regime == Regime::Cruise).map(|(estimate, _)| estimate);
         let davis = &run.summary.run_davis.mean;
         let of = |phase: &Option<rundown::features::Phase>| phase.as_ref().map(|p| p.duration_s);
         let duration_s: f64 = run.estimates.iter().map(|estimate| estimate.dt_s).sum();
         let learned_s = run.estimates.iter().filter(|estimate| estimate.learning).map(|estimate| estimate.dt_s);
         let outcome = Outcome {
             cruise_kmh: features.cruise_speed_median_mps.map(|v| 3.6 * v),
+            plain_cruise_kmh: median(cruising.map(|estimate| 3.6 * speed_mps(estimate)).collect()),
+            brake_steps_mps2: features.brake_rate_mps2.each_ref().map(|step| (step.count > 0).then_some(step.mean)),
             coast_s: of(&features.final_coast),
             brake_s: of(&features.final_brake),
             shares: shares([Regime::Traction, Regime::Cruise, Regime::Coast, Regime::Brake].map(moving)),
@@ -201,6 +209,8 @@ impl Seen {
         let coast = facts.final_coast.as_ref();
         let outcome = Outcome {
             cruise_kmh: Some(3.6 * facts.cruise_mps),
+            plain_cruise_kmh: Some(3.6 * facts.cruise_mps),
+            brake_steps_mps2: step_means(&points.brake),
             coast_s: coast.map(|coast| facts.final_brake.time_s - coast.time_s),
             brake_s: Some(facts.stop.time_s - facts.final_brake.time_s),
             shares: shares([Regime::Traction, Regime::Cruise, Regime::Coast, Regime::Brake].map(moving)),
@@ -236,6 +246,19 @@ impl FirstAcceleration {
     }
 }
 
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    Some(0.5 * (values[last / 2] + values[last.div_ceil(2)]))
+}
+
+/// Mean of each ATB-EG step, of intervals of one length.
+fn step_means(brake: &[(f64, f64)]) -> [Option<f64>; 5] {
+    let mut steps: [Moments; 5] = Default::default();
+    brake.iter().for_each(|(speed_kmh, rate_mps2)| steps[atb_step(*speed_kmh)].add(*rate_mps2));
+    steps.each_ref().map(Moments::mean)
+}
+
 fn shares(times_s: [f64; 4]) -> Option<[f64; 4]> {
     let all_s: f64 = times_s.iter().sum();
     (all_s > 0.0).then(|| times_s.map(|time_s| time_s / all_s))
@@ -269,6 +292,7 @@ impl Outcome {
             record.push((format!("{prefix}_{name}"), Cell::from(value)));
         };
         push("cruise_kmh", self.cruise_kmh);
+        push("plain_cruise_kmh", self.plain_cruise_kmh);
         push("final_coast_s", self.coast_s);
         push("final_brake_s", self.brake_s);
         for (index, name) in ["traction", "cruise", "coast", "brake"].iter().enumerate() {
@@ -277,6 +301,9 @@ impl Outcome {
         push("power_kw", self.power_kw);
         push("max_power_50_90_kw", self.max_power_kw);
         push("coasting_mps2", self.coast_mps2);
+        for (name, rate_mps2) in ATB_NAMES.iter().zip(self.brake_steps_mps2) {
+            push(&format!("brake_{name}_mps2"), rate_mps2);
+        }
         for (name, value) in ["r0", "r1", "r2"].into_iter().zip(self.davis) {
             push(name, Some(value));
         }
@@ -295,6 +322,13 @@ mod tests {
     #[test]
     fn an_edge_belongs_to_the_slower_step() {
         assert_eq!([140.0, 130.0, 61.0, 40.0, 5.0].map(atb_step), [0, 1, 2, 4, 4]);
+    }
+
+    #[test]
+    fn a_median_is_between_the_halves() {
+        assert_eq!(median(vec![4.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), Some(2.5));
+        assert_eq!(median(Vec::new()), None);
     }
 
     #[test]

@@ -63,13 +63,18 @@ fn moments(values: impl Iterator<Item = f64>) -> Moments {
     moments
 }
 
+/// Seed of a set of runs, counted from 0.
+pub fn seed_of(first: u64, set: usize) -> u64 {
+    first.wrapping_add(SEED_STEP.wrapping_mul(set as u64))
+}
+
 /// Compares all combinations. `done` is called once a seed and combination.
 pub fn compare(plan: &Plan, done: impl Fn() + Sync) -> Result<Vec<Compared>, Refused> {
     let believed = description::of(&plan.simulation)?;
     let of = |combination| Compared { combination, judged: Vec::new(), gain: Vec::new() };
     let mut all: Vec<Compared> = Combination::all().into_iter().map(of).collect();
     for index in 0..plan.seeds {
-        let seed = plan.seed.wrapping_add(SEED_STEP * index as u64);
+        let seed = seed_of(plan.seed, index);
         let recorded = recorded(plan, seed)?;
         let one = |compared: &Compared| {
             let found = of_seed(compared.combination, &believed, &recorded);

@@ -13,6 +13,9 @@ use rundown::model::state::{LOCATION, R0, SIZE, SPEED};
 use rundown::tick::paper::{PaperConfig, PaperLoop};
 use rundown_files::recording::Recording;
 
+/// "Small noise in the running resistance parameters' equations": what r0 gains a step, N/kg. Over a run it adds up to 4 % of r0.
+pub const R0_NOISE: f64 = 3e-5;
+
 /// A filter: its settings, and a noise of the coefficients that the mode of the estimator does not have.
 #[derive(Clone, Copy, Debug)]
 pub struct Filter {
@@ -115,6 +118,11 @@ impl Pass {
     pub fn is_negative(&self) -> bool {
         self.davis.iter().flatten().any(|value| *value < 0.0)
     }
+}
+
+/// What r0 covers, up and down.
+pub fn way(passes: &[Pass]) -> f64 {
+    passes.iter().flat_map(|pass| pass.davis.windows(2)).map(|pair| (pair[1][0] - pair[0][0]).abs()).sum()
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! A remark that can be read in two ways stands here twice. A filter that does not move satisfies "r0 stays within 0.0072 to 0.00738" idly, so both
 //! ends of that interval are asked for.
 
-use super::pass::{Filter, Pass};
+use super::pass::{Filter, Pass, R0_NOISE, way};
 use crate::study::moments::{Moments, correlation};
 use crate::study::tallies::R0_BAND;
 
@@ -16,8 +16,6 @@ const THIRD: f64 = 3.0;
 /// Noise of the acceleration, m/s²: small, any of them, and strong.
 pub const SMALL_MPS2: [f64; 3] = [1e-4, 1e-3, 1e-2];
 pub const STRONG_MPS2: [f64; 2] = [0.1, 1.0];
-/// "Small noise in the running resistance parameters' equations": what r0 gains a step, N/kg. Over a run it adds up to 4 % of r0.
-const R0_NOISE: f64 = 3e-5;
 /// "At lower speeds": below, and "at higher": above, m/s.
 const SLOW_MPS: f64 = 80.0 / 3.6;
 const FAST_MPS: f64 = 100.0 / 3.6;
@@ -166,11 +164,6 @@ pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let last = values.len().saturating_sub(1);
     values.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
-}
-
-/// What r0 covers, up and down.
-fn way(passes: &[Pass]) -> f64 {
-    passes.iter().flat_map(|pass| pass.davis.windows(2)).map(|pair| (pair[1][0] - pair[0][0]).abs()).sum()
 }
 
 fn fastest(pass: &Pass) -> usize {
