@@ -5,6 +5,7 @@
 use host_tests::accuracy::{estimator, measurements, resistance};
 use host_tests::prelude::*;
 use host_tests::reference::{self, data, train_and_track};
+use rundown::tick::paper::Difference;
 use rundown::tick::regime::Regime;
 use std::fmt::Write as _;
 
@@ -55,6 +56,11 @@ fn rows() -> Vec<(String, Vec<f64>)> {
         let estimator = Estimator::try_new(Config::with_mode(mode), train, track.clone()).unwrap();
         rows.push(row(name, &estimator, &reference));
     }
+    // The other reading of the paper's effort: docs/paper.md compares them.
+    let mut forward = Config::with_mode(Mode::Paper);
+    forward.paper.difference = Difference::Forward;
+    let estimator_of = |config| Estimator::try_new(config, train, track.clone()).unwrap();
+    rows.push(row("reference paper forward", &estimator_of(forward), &reference));
     let fast = Sensors { sampling_s: 1.0, ..Sensors::default() };
     let dropouts = Sensors { dropout_probability: 0.1, ..Sensors::default() };
     for (name, mode, sensors) in [

@@ -129,17 +129,15 @@ fn the_numbers_are_those_of_the_runs() {
         assert_eq!(inside as f64, count);
     }
 
-    // Fig. 8: the mean of a step is that of its samples.
+    // Fig. 8: the mean of a step is that of the runs' means, which stand in their rows.
     let brake = csv_table(&folder, "out/fig8_brake_rates_paper.csv");
     let steps = brake.rows_of("kind", "step").rows_of("run", "60_to_40");
     let step = steps.numbers("brake_rate_mps2")[0];
-    let samples = brake.rows_of("kind", "sample");
-    let speeds = samples.numbers("speed_kmh");
-    let rates = samples.numbers("brake_rate_mps2");
-    let within = speeds.iter().zip(&rates).filter(|(v, _)| **v > 40.0 && **v <= 60.0);
-    let within: Vec<f64> = within.map(|(_, rate)| *rate).collect();
-    let mean = within.iter().sum::<f64>() / within.len() as f64;
+    let of_runs = runs.numbers("paper_brake_60_to_40_mps2");
+    let mean = of_runs.iter().sum::<f64>() / of_runs.len() as f64;
     assert!((mean - step).abs() < 1e-9, "{mean} {step}");
+    let drawn = brake.rows_of("kind", "run").rows_of("speed_kmh", "5.0000000000000000e1");
+    assert_eq!(drawn.numbers("brake_rate_mps2"), of_runs);
 
     let true_step = brake.rows_of("kind", "true_step").rows_of("run", "60_to_40");
     let true_rate = true_step.numbers("brake_rate_mps2")[0];
@@ -152,8 +150,14 @@ fn the_numbers_are_those_of_the_runs() {
         assert_eq!(cross.numbers("power_kw"), [largest], "{run}");
     }
 
-    // Figs. 3, 5 and 6 are the first run's, a row a sample.
-    let rows = runs.numbers("rows")[0] as usize;
+    // Figs. 3, 5 and 6 are those of the run nearest to the paper's, a row a sample.
+    let shares = ["traction", "cruise", "coast", "brake"].map(|name| runs.numbers(&format!("paper_share_{name}")));
+    let off = |run: usize| -> f64 {
+        let pairs = shares.iter().zip([0.164, 0.17, 0.57, 0.093]);
+        pairs.map(|(share, papers)| (share[run] - papers).powi(2)).sum()
+    };
+    let nearest = (0..COUNT).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap();
+    let rows = runs.numbers("rows")[nearest] as usize;
     let terms = csv_table(&folder, "out/fig5_resistance_gated.csv");
     let motion = csv_table(&folder, "out/fig3_run_gated.csv");
     assert_eq!((terms.rows.len(), motion.rows.len()), (rows, rows));
@@ -229,9 +233,10 @@ fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
         let table = csv_table(&folder, &format!("{out}/runs.csv"));
         let of_truth = table.header.iter().filter(|name| name.starts_with("true_"));
         for name in of_truth {
-            let pairs = table.numbers(name).into_iter().zip(direct.numbers(name));
-            let pairs: Vec<(f64, f64)> = pairs.collect();
-            assert_eq!(pairs.len(), 3, "{name}");
+            let (read, known) = (table.numbers(name), direct.numbers(name));
+            // Not every run brakes in every step.
+            assert!(read.len() == known.len() && (known.len() == 3 || name.starts_with("true_brake_")), "{name}");
+            let pairs: Vec<(f64, f64)> = read.into_iter().zip(known).collect();
             for (read, known) in pairs {
                 // Written with seven digits behind the point.
                 assert!((read - known).abs() <= 1e-5 * known.abs() + 1e-9, "{name}: {read} {known}");

@@ -1,6 +1,6 @@
 //! The paper's loop: effort calculated from the readings drives the filter that is to explain them.
 //!
-//! In: readings. Out: state, effort, acceleration, innovation. The order inside a step, found by running eight readings of the paper:
+//! In: readings. Out: state, effort, acceleration, innovation. The order inside a step, as the backward effort has it:
 //!
 //! 1. predict from `x[k-1]` with `u[k-1]`,
 //! 2. update,
@@ -29,10 +29,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Difference {
-    /// The difference up to a sample drives the step after it: the reading that gives the paper's figures.
+    /// The difference up to a sample drives the step after it. Tracks a sample late; docs/paper.md compares both.
     #[default]
     Backward,
-    /// The difference over a step drives that very step.
+    /// The difference over a step drives that very step. Tracks as the paper's Fig. 3 does.
     Forward,
 }
 

@@ -6,9 +6,10 @@ use crate::study::case::{calm, case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, gather};
-use crate::study::page::{StudyPage, known, page};
+use crate::study::page::{StudyPage, by_kind, known, page};
+use crate::study::readings::{self, comparison, outcome, reading::Combination};
 use crate::study::slope::{Answer, Plan};
-use crate::study::{claims, description, slope as self_test, write};
+use crate::study::{claims, description, slope as self_test, tunnel as tunnel_at_best, write};
 use crate::{
     simulation::scenario_file::Simulation, study::source::RunSource, study::trials::Trials, study::write::RunTable,
 };
@@ -24,6 +25,9 @@ use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
 Examples:
+  Every figure and table of the case study, over 20 sets of runs:
+    rundown study --all --seeds 20 --out paper
+
   The paper's 67 runs, simulated, with the truth beside every figure:
     rundown study --out study
 
@@ -40,6 +44,15 @@ Examples:
   Does the estimate follow the true resistance, how closely, and how closely could it?
     rundown study --truth-slope --out slope
 
+  The claims over 20 sets of runs, each with the share of seeds in which it holds:
+    rundown study --seeds 20 --out study
+
+  Which reading of the text, with which recorder, gives the paper's figures? (--seeds 20: about ten minutes)
+    rundown study --readings --out readings
+
+  Why did the paper see no tunnel?
+    rundown study --tunnel --out tunnel
+
 Files in the output folder:
   report.html           Table 1 and Figs. 2 to 9, each with the paper's statement, our value and the truth
   fig*.svg, fig*.csv    each picture, and the numbers it draws
@@ -51,6 +64,8 @@ Files in the output folder:
 /// Vehicles of the slope in the report.
 const FEW_VEHICLES: usize = 30;
 const SEED: u64 = 1;
+/// Sets of runs on which readings are compared.
+const SETS: u16 = 5;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
@@ -81,6 +96,18 @@ pub struct Arguments {
     /// Only the self-test of learning: vehicles with 0.7 to 1.3 of the described resistance
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs"])]
     truth_slope: bool,
+    /// Only the comparison of readings of the text and of recorders, on simulated runs
+    #[arg(long, conflicts_with_all = ["runs", "count", "example", "keep_runs", "truth_slope", "config"])]
+    readings: bool,
+    /// All of it: the case study, the readings, the self-test of learning and the tunnel, each in a folder of its own
+    #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "tunnel", "config", "json"])]
+    all: bool,
+    /// Only the tunnel at Best: what the paper's mode and rundown gap make of it
+    #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "config"])]
+    tunnel: bool,
+    /// Simulated sets of runs, each with a seed of its own: claims are judged on each (1), readings compared on all (5)
+    #[arg(long, value_name = "N", conflicts_with_all = ["runs", "truth_slope", "tunnel"], value_parser = clap::value_parser!(u16).range(1..))]
+    seeds: Option<u16>,
     /// Vehicles of the self-test
     #[arg(long, value_name = "N", default_value_t = 25, requires = "truth_slope", value_parser = clap::value_parser!(u16).range(3..))]
     vehicles: u16,
@@ -101,6 +128,8 @@ struct Described {
     words: String,
     /// Of simulated runs: what recorded ones bring with them.
     files: Option<(TrainFile, TrackFile)>,
+    /// Other sets on which the claims are judged, too.
+    others: Vec<RunSource>,
 }
 
 pub(super) struct Study {
@@ -111,9 +140,31 @@ pub(super) struct Study {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let config = super::config(arguments.config.as_deref())?;
-    if arguments.truth_slope {
-        return truth_slope(arguments, config);
+    if arguments.all {
+        return all(arguments, config);
     }
+    if arguments.truth_slope {
+        return truth_slope(arguments, config, &arguments.out);
+    }
+    if arguments.readings {
+        return readings(arguments, &arguments.out);
+    }
+    if arguments.tunnel {
+        return tunnel(arguments, &arguments.out);
+    }
+    case_study_or_runs(arguments, config, &arguments.out)
+}
+
+/// Every figure and table, each part in a folder of its own.
+fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
+    let part = |name: &str| arguments.out.join(name);
+    case_study_or_runs(arguments, config, &part("study"))?;
+    readings(arguments, &part("readings"))?;
+    truth_slope(arguments, config, &part("slope"))?;
+    tunnel(arguments, &part("tunnel"))
+}
+
+fn case_study_or_runs(arguments: &Arguments, config: Config, out: &Path) -> Result<ExitCode, Failure> {
     let described = described(arguments, &config)?;
     let study = study(
         described,
@@ -121,7 +172,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         arguments.seed.unwrap_or(SEED),
         arguments.example.as_deref(),
         arguments.keep_runs.as_deref(),
-        &arguments.out,
+        out,
     )?;
     study.gathered.checks.iter().flat_map(Check::notes).for_each(|text| screen::note(&text));
     for failed in study.gathered.failed.iter().take(5) {
@@ -143,7 +194,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         screen::print(&format!("{json:#}\n"));
     } else {
         screen::print(&table(&study));
-        let report = arguments.out.join("report.html");
+        let report = out.join("report.html");
         screen::print(&format!("\nreport: {}\n", report.display()));
     }
     Ok(match study.gathered.failed.len() {
@@ -160,7 +211,7 @@ fn described(arguments: &Arguments, config: &Config) -> Result<Described, Failur
         }?;
         let seed = arguments.seed.unwrap_or(simulation.seed);
         let count = arguments.count.unwrap_or(simulation.runs);
-        return simulated(simulation, seed, count);
+        return simulated(simulation, seed, count, usize::from(arguments.seeds.unwrap_or(1)));
     };
     let Opened { train_file, train, track_file, track, source } = opened;
     Ok(Described {
@@ -171,18 +222,25 @@ fn described(arguments: &Arguments, config: &Config) -> Result<Described, Failur
         source,
         words: "read from files".to_owned(),
         files: None,
+        others: Vec::new(),
     })
 }
 
-fn simulated(simulation: Simulation, seed: u64, count: usize) -> Result<Described, Failure> {
+fn simulated(simulation: Simulation, seed: u64, count: usize, seeds: usize) -> Result<Described, Failure> {
     let of_scenario = description::of(&simulation)?;
+    let other = |index| RunSource::simulated(simulation.clone(), comparison::seed_of(seed, index), count);
+    let words = match seeds {
+        1 => format!("simulated with seed {seed}"),
+        _ => format!("simulated with seed {seed}, claims also judged on {} other sets", seeds - 1),
+    };
     Ok(Described {
         train_name: format!("{} (simulated)", simulation.train.name),
         track_name: simulation.track.name.clone(),
         files: Some((simulation.train.clone(), simulation.track.clone())),
         train: of_scenario.train,
         track: of_scenario.track,
-        words: format!("simulated with seed {seed}"),
+        words,
+        others: (1..seeds).map(other).collect(),
         source: RunSource::simulated(simulation, seed, count),
     })
 }
@@ -191,7 +249,7 @@ fn simulated(simulation: Simulation, seed: u64, count: usize) -> Result<Describe
 pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
     let simulation = case_study()?;
     let runs = simulation.runs;
-    let described = simulated(simulation, seed, runs)?;
+    let described = simulated(simulation, seed, runs, 1)?;
     study(described, Config::default(), seed, None, None, out)
 }
 
@@ -213,7 +271,11 @@ fn study(
     }
     let gathered = gathered(&mut described.source, &estimators, example, keep_runs, out)?;
     let trials = Trials::of(&config, &estimators, &track, &gathered.drawn)?;
-    let claims = claims::claims(&gathered, &train, &trials);
+    let mut claims = claims::claims(&gathered, &train, &trials);
+    let others = of_others(&mut described.others, &config, &estimators, &track)?;
+    if !others.is_empty() {
+        claims::over_seeds(&mut claims, &others);
+    }
     // What the slope is does not depend on the runs of this study: it is measured on simulated vehicles on the paper's line.
     let plan = Plan { simulation: calm()?, vehicles: FEW_VEHICLES, runs: 1, seed };
     let test = self_test::self_test(&plan, config, || ())?;
@@ -236,6 +298,25 @@ fn study(
     write::records(&out.join("slope.csv"), &self_test::records(&test.answers))?;
     write::text(&out.join("report.html"), &text)?;
     Ok(Study { gathered, claims, answers: test.answers })
+}
+
+/// The claims on other sets of runs.
+fn of_others(
+    sources: &mut [RunSource],
+    config: &Config,
+    estimators: &Estimators,
+    track: &Track,
+) -> Result<Vec<Vec<Claim>>, Failure> {
+    let bar = screen::progress(sources.iter().map(RunSource::total).sum());
+    let one = |source: &mut RunSource| {
+        let gathered = gather(source, estimators, None, &mut |_, _| Ok(()), |count| bar.inc(count as u64));
+        let gathered = gathered.map_err(Failure::refused)?;
+        let trials = Trials::of(config, estimators, track, &gathered.drawn)?;
+        Ok(claims::claims(&gathered, estimators.paper.train(), &trials))
+    };
+    let found = sources.iter_mut().map(one).collect();
+    bar.finish_and_clear();
+    found
 }
 
 /// Replays all runs and writes their table, and the runs themselves where they are to be kept.
@@ -285,22 +366,26 @@ fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
 pub(super) fn table(study: &Study) -> String {
     let (runs, known) = (study.gathered.paper.runs, known(&study.gathered));
     let runs = counted(runs as usize, "run", "runs");
-    let mut text = format!("{runs}; {known}\n\n");
+    let mut text = format!("{runs}; {known}\nclaims that hold: {}\n\n", by_kind(&study.claims));
     for claim in &study.claims {
         let mark = match claim.verdict {
             Verdict::Reproduced => "yes",
             Verdict::Not => "NO",
             Verdict::NoData => "-",
         };
-        text += &format!("{:4} {:4} {}\n", claim.place, mark, claim.statement);
-        text += &format!("          paper's mode: {}; gated: {}; truth: {}\n", claim.paper, claim.gated, claim.truth);
+        let seeds = claim.seeds.map_or(String::new(), |s| format!(" ({} of {} seeds)", s.held, s.judged));
+        text += &format!("{:4} {:4} {:9} {}{seeds}\n", claim.place, mark, claim.kind.as_str(), claim.statement);
+        text += &format!(
+            "          paper's mode: {}; gated: {}; truth: {}; error: {}\n",
+            claim.paper, claim.gated, claim.truth, claim.error
+        );
     }
     text += "\nDoes the estimate follow the truth? Simulated vehicles with 0.7 to 1.3 of the described resistance:\n";
     text += &self_test::table(&study.answers);
     text
 }
 
-fn truth_slope(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
+fn truth_slope(arguments: &Arguments, config: Config, out: &Path) -> Result<ExitCode, Failure> {
     let plan = Plan {
         simulation: calm()?,
         vehicles: usize::from(arguments.vehicles),
@@ -310,7 +395,6 @@ fn truth_slope(arguments: &Arguments, config: Config) -> Result<ExitCode, Failur
     let bar = screen::progress(plan.vehicles * plan.runs);
     let test = self_test::self_test(&plan, config, || bar.inc(1))?;
     bar.finish_and_clear();
-    let out = &arguments.out;
     let pictures: Vec<Picture> = plan.stages().into_iter().map(|runs| slope::slope(&test, runs)).collect();
     let json = json!({ "vehicles": plan.vehicles, "runs": plan.runs, "seed": plan.seed, "answers": test.answers });
     let json = format!("{json:#}\n");
@@ -322,6 +406,63 @@ fn truth_slope(arguments: &Arguments, config: Config) -> Result<ExitCode, Failur
         true => screen::print(&json),
         false => {
             screen::print(&self_test::table(&test.answers));
+            screen::print(&format!("\nresults: {}\n", out.display()));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
+    let simulation = match &arguments.scenario {
+        Some(path) => Simulation::read(path),
+        None => case_study(),
+    }?;
+    let plan = comparison::Plan {
+        runs: simulation.runs,
+        seed: arguments.seed.unwrap_or(SEED),
+        seeds: usize::from(arguments.seeds.unwrap_or(SETS)),
+        simulation,
+    };
+    let bar = screen::progress(plan.seeds * Combination::all().len());
+    let all = comparison::compare(&plan, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let pictures = [readings::picture::picture(&all, plan.seeds)];
+    let rows: Vec<_> = outcome::records(&all).iter().map(rundown_files::table::to_json).collect();
+    let json = json!({ "runs": plan.runs, "seeds": plan.seeds, "seed": plan.seed, "combinations": rows });
+    let json = format!("{json:#}\n");
+    write::folder(out)?;
+    write::pictures(out, &pictures)?;
+    write::text(&out.join("readings.json"), &json)?;
+    write::text(&out.join("report.html"), &outcome::page(&plan, &all, &pictures))?;
+    match arguments.json {
+        true => screen::print(&json),
+        false => {
+            screen::print(&outcome::screen(&all));
+            screen::print(&format!("\nresults: {}\n", out.display()));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn tunnel(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
+    write::folder(out)?;
+    let answer = tunnel_at_best::answer(out, arguments.seed, screen::note)?;
+    write::pictures(out, &[answer.picture()])?;
+    let [backward, forward] = answer.largest();
+    let drag = |d: &tunnel_at_best::Drag| json!({ "from_m": d.from_m, "to_m": d.to_m, "k": d.k });
+    let json = json!({
+        "runs": answer.runs,
+        "truth": drag(&answer.truth),
+        "r0_differs_by": { "backward": backward, "forward": forward },
+        "found": answer.found.iter().map(|(d, _)| drag(d)).collect::<Vec<_>>(),
+        "named": answer.named,
+    });
+    let json = format!("{json:#}\n");
+    write::text(&out.join("tunnel.json"), &json)?;
+    match arguments.json {
+        true => screen::print(&json),
+        false => {
+            screen::print(&answer.words());
             screen::print(&format!("\nresults: {}\n", out.display()));
         }
     }

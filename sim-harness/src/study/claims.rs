@@ -2,6 +2,8 @@
 //!
 //! Each claim has the criterion by which it counts as reproduced, set before looking: a shape where the paper describes one, else a margin about
 //! the paper's number that 67 runs justify. The verdict is that on the paper's mode; the gated mode and the truth stand beside it.
+//!
+//! On simulated runs many claims could not fail, because the scenario was made so. Each claim says what it is worth: [`Kind`].
 
 mod driving;
 mod resistance;
@@ -12,16 +14,51 @@ use rundown::model::train::Train;
 use rundown_files::table::{Cell, Record};
 use rundown_pages::numbers::{NOTHING, number};
 
+/// What a claim that holds on simulated runs is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Put into the scenario or into the description: it says that they are the paper's.
+    Input,
+    /// Put into the scenario, and found again by the extractor with the error that is said.
+    Recovered,
+    /// Follows from the method on runs that were not made for it: it could have failed.
+    Predicted,
+}
+
+impl Kind {
+    pub const ALL: [Self; 3] = [Self::Input, Self::Recovered, Self::Predicted];
+
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Input => "input",
+            Self::Recovered => "recovered",
+            Self::Predicted => "predicted",
+        }
+    }
+}
+
+/// In how many sets of runs a claim held, of those that had data on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Seeds {
+    pub held: usize,
+    pub judged: usize,
+}
+
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
+    pub kind: Kind,
     /// Figure or section of the paper: `2` to `9`, or `3.2`, `4.1`, `4.2`.
     pub place: &'static str,
     pub statement: &'static str,
     pub paper: String,
     pub gated: String,
     pub truth: String,
+    /// Of the paper's mode against the truth, where the claim is one that is recovered.
+    pub error: String,
     pub verdict: Verdict,
     pub why: String,
+    /// Over several seeds; none where there is one.
+    pub seeds: Option<Seeds>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,26 +88,45 @@ pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim>
     claims.extend(resistance::terms(gathered, train));
     claims.push(resistance::initial(&trials.sensitivity));
     claims.extend(trials::trials(trials));
-    claims.extend(driving::regimes(gathered));
+    claims.extend(driving::regimes(gathered, train));
     claims.extend(driving::style(gathered));
     claims.extend(driving::brake(gathered));
     claims.extend(driving::power(gathered, train));
     claims
 }
 
+/// Adds what other sets of runs say: a list of the same claims for each.
+pub fn over_seeds(claims: &mut [Claim], others: &[Vec<Claim>]) {
+    for (index, claim) in claims.iter_mut().enumerate() {
+        let mut seeds = Seeds::default();
+        let verdicts = others.iter().filter_map(|other| other.get(index)).map(|other| other.verdict);
+        for verdict in verdicts.chain([claim.verdict]).filter(|verdict| *verdict != Verdict::NoData) {
+            seeds.judged += 1;
+            seeds.held += usize::from(verdict == Verdict::Reproduced);
+        }
+        claim.seeds = Some(seeds);
+    }
+}
+
 pub fn records(claims: &[Claim]) -> Vec<Record> {
     let row = |claim: &Claim| {
-        [
+        let count = |of: fn(&Seeds) -> usize| claim.seeds.as_ref().map(|seeds| of(seeds) as f64);
+        let mut record: Record = [
             ("place", claim.place),
+            ("kind", claim.kind.as_str()),
             ("statement", claim.statement),
             ("paper_mode", &claim.paper),
             ("gated_mode", &claim.gated),
             ("truth", &claim.truth),
+            ("error", &claim.error),
             ("verdict", claim.verdict.as_str()),
             ("why", &claim.why),
         ]
         .map(|(name, text)| (name.to_owned(), Cell::from(text)))
-        .to_vec()
+        .to_vec();
+        record.push(("seeds_reproduced".to_owned(), Cell::from(count(|seeds| seeds.held))));
+        record.push(("seeds_judged".to_owned(), Cell::from(count(|seeds| seeds.judged))));
+        record
     };
     claims.iter().map(row).collect()
 }
@@ -81,8 +137,9 @@ type Columns = [Option<String>; 3];
 /// A claim of which nothing is known yet.
 fn claim(place: &'static str, statement: &'static str) -> Claim {
     let nothing = || NOTHING.to_owned();
-    let [paper, gated, truth] = [nothing(), nothing(), nothing()];
-    Claim { place, statement, paper, gated, truth, verdict: Verdict::NoData, why: String::new() }
+    let [paper, gated, truth, error] = std::array::from_fn(|_| nothing());
+    let (verdict, why) = (Verdict::NoData, String::new());
+    Claim { kind: Kind::Predicted, place, statement, paper, gated, truth, error, verdict, why, seeds: None }
 }
 
 impl Claim {
@@ -105,6 +162,28 @@ impl Claim {
     fn by(self, why: impl Into<String>) -> Self {
         Self { why: why.into(), ..self }
     }
+
+    /// The scenario was made so.
+    fn input(self) -> Self {
+        Self { kind: Kind::Input, ..self }
+    }
+
+    /// The scenario was made so, and the extractor must find it: what the paper's mode found and what was true differ by no more than the margin.
+    /// Comes after the criterion; without a truth that alone decides.
+    fn recovered(self, found: Option<f64>, truth: Option<f64>, margin: f64, words: impl Fn(f64) -> String) -> Self {
+        let claim = Self { kind: Kind::Recovered, ..self };
+        let Some((found, truth)) = found.zip(truth) else {
+            return claim;
+        };
+        let error = found - truth;
+        let misses = claim.verdict == Verdict::Reproduced && error.abs() > margin;
+        Self {
+            verdict: if misses { Verdict::Not } else { claim.verdict },
+            error: words(error),
+            why: format!("{}; found within {} of the truth", claim.why, words(margin)),
+            ..claim
+        }
+    }
 }
 
 /// The columns of a claim on the description, or on the paper's mode alone.
@@ -120,6 +199,11 @@ fn three(gathered: &Gathered, of: impl Fn(&Tallies) -> Option<String>) -> Column
 
 fn near(found: Option<f64>, wanted: f64, margin: f64) -> Option<bool> {
     found.map(|found| (found - wanted).abs() <= margin)
+}
+
+/// A difference of shares.
+fn points(difference: f64) -> String {
+    format!("{} points", number(100.0 * difference, 1))
 }
 
 fn percent(share: Option<f64>) -> Option<String> {
@@ -227,6 +311,31 @@ mod tests {
         };
         assert_eq!(of(1, 8.0), [Verdict::Reproduced; 2]);
         assert_eq!(of(2_000, 4.0), [Verdict::Not; 2]);
+    }
+
+    #[test]
+    fn what_was_put_in_must_be_found_with_a_small_error() {
+        let of = |found_s: f64| {
+            let mut gathered = Gathered::default();
+            (gathered.paper.runs, gathered.truth.runs) = (3, 3);
+            for part in [0.7, 1.0, 1.3] {
+                gathered.paper.coast_s.add(part * found_s);
+                gathered.truth.coast_s.add(part * 300.0);
+            }
+            let claims = claims(&gathered, &train(), &Trials::default());
+            let claim = claims.into_iter().find(|c| c.statement.contains("2.5 to 10 min")).unwrap();
+            (claim.kind, claim.verdict, claim.error)
+        };
+        assert_eq!(of(310.0), (Kind::Recovered, Verdict::Reproduced, "10 s".to_owned()));
+        assert_eq!(of(380.0).1, Verdict::Not);
+    }
+
+    #[test]
+    fn seeds_are_counted_without_those_that_have_no_data() {
+        let of = |verdict| vec![Claim { verdict, ..claim("3", "a") }];
+        let mut first = of(Verdict::Reproduced);
+        over_seeds(&mut first, &[of(Verdict::Not), of(Verdict::NoData), of(Verdict::Reproduced)]);
+        assert_eq!(first[0].seeds, Some(Seeds { held: 2, judged: 3 }));
     }
 
     #[test]

@@ -14,6 +14,8 @@
 //! | what do the figures show? | `figures` |
 //! | what does the paper claim, and is it so here? | `claims`, `trials` |
 //! | where is it reported? | `page`, `write` |
+//! | why did the paper see no tunnel? | `tunnel` |
+//! | which reading of the text gives the paper's figures? | `readings` |
 //! | does the estimate follow the truth, how closely could it? | `slope`, `bound` |
 
 pub(crate) mod bound;
@@ -24,11 +26,13 @@ pub(crate) mod figures;
 pub(crate) mod gather;
 pub(crate) mod moments;
 pub(crate) mod page;
+pub(crate) mod readings;
 pub(crate) mod slope;
 pub(crate) mod source;
 pub(crate) mod tallies;
 pub(crate) mod trials;
 pub(crate) mod truth_folder;
+pub(crate) mod tunnel;
 pub(crate) mod view;
 pub(crate) mod write;
 

@@ -60,6 +60,17 @@ impl Moments {
     }
 }
 
+/// Of x and y; none without spread.
+pub fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
+    let n = pairs.len() as f64;
+    let x = pairs.iter().map(|p| p.0).sum::<f64>() / n;
+    let y = pairs.iter().map(|p| p.1).sum::<f64>() / n;
+    let sum = |f: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>();
+    let xy = sum(&|p| (p.0 - x) * (p.1 - y));
+    let scale = (sum(&|p| (p.0 - x).powi(2)) * sum(&|p| (p.1 - y).powi(2))).sqrt();
+    (scale > 0.0).then(|| xy / scale)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! `report.html` of a study: each figure of section 4 with the paper's statement, our value and the truth beside it.
 
-use super::claims::{Claim, Verdict};
+use super::claims::{Claim, Kind, Verdict};
 use super::{
     figures::Picture, gather::Gathered, moments::Moments, slope::Answer, tallies::Tallies, trials::Sensitivity,
 };
@@ -65,6 +65,10 @@ fn summary(page: &StudyPage) -> Markup {
                 strong { (count(Verdict::Not)) " are not" } ", and " (count(Verdict::NoData)) " cannot be assessed with these runs. "
                 a href="#claims" { "All of them, with the reason" } "."
             }
+            p {
+                "What that is worth: " (by_kind(page.claims)) ". An " em { "input" } " was put into the scenario and says that it is the paper's; what is "
+                em { "recovered" } " was put in and found again by the extractor, with the error that is said; what is " em { "predicted" } " could have failed."
+            }
             @if !gathered.failed.is_empty() {
                 p.note {
                     (counted(gathered.failed.len(), "log", "logs")) " could not be used; the first: "
@@ -83,6 +87,16 @@ fn summary(page: &StudyPage) -> Markup {
             }
         }
     }
+}
+
+/// Claims of each kind, and how many of them hold.
+pub fn by_kind(claims: &[Claim]) -> String {
+    let words = |kind: Kind| {
+        let of_kind = claims.iter().filter(|claim| claim.kind == kind);
+        let held = of_kind.clone().filter(|claim| claim.verdict == Verdict::Reproduced).count();
+        format!("{} {held} of {}", kind.as_str(), of_kind.count())
+    };
+    Kind::ALL.map(words).join(", ")
 }
 
 pub fn known(gathered: &Gathered) -> String {
@@ -165,14 +179,19 @@ fn verdict(verdict: Verdict) -> Markup {
 
 fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, with_place: bool) -> Markup {
     let place = with_place.then(|| text_column("figure, section"));
-    let others = ["the paper says", "paper's mode", "gated mode", "truth", "verdict, by which criterion"];
+    let others =
+        ["the paper says", "kind", "paper's mode", "gated mode", "truth", "error", "verdict, by which criterion"];
     let rows = html! { @for claim in claims { tr {
         @if with_place { td.text { (claim.place) } }
         td.text { (claim.statement) }
+        td.text { (claim.kind.as_str()) }
         td.text { (claim.paper) }
         td.text { (claim.gated) }
         td.text { (claim.truth) }
-        td.text { (verdict(claim.verdict)) br; span.small { (claim.why) } }
+        td.text { (claim.error) }
+        td.text { (verdict(claim.verdict))
+            @if let Some(seeds) = claim.seeds { " (" (seeds.held) " of " (seeds.judged) " seeds)" }
+            br; span.small { (claim.why) } }
     } } };
     table(place.into_iter().chain(others.map(text_column)), rows)
 }

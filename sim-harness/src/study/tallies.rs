@@ -1,7 +1,7 @@
 //! What all runs say together, through one pair of eyes: in as few numbers as one run.
 
 use super::moments::Moments;
-use super::view::{CLOUDS_KMH, POWER_KMH, PowerPoint, Seen, atb_step};
+use super::view::{CLOUDS_KMH, POWER_KMH, PowerPoint, Seen};
 
 /// Where the paper finds r0, N/kg (section 4.2).
 pub const R0_BAND: std::ops::RangeInclusive<f64> = 0.0072..=0.00738;
@@ -19,6 +19,8 @@ pub struct Tallies {
     /// Samples whose r0 lies in [`R0_BAND`].
     pub r0_in_band: u64,
     pub cruise_kmh: Moments,
+    /// Plain medians.
+    pub plain_cruise_kmh: Moments,
     /// Runs whose cruise speed is above the limit of 140 km/h.
     pub cruise_over_limit: u64,
     pub coast_s: Moments,
@@ -27,7 +29,7 @@ pub struct Tallies {
     pub power_kw: Moments,
     pub max_power_kw: Moments,
     pub coast_mps2: Moments,
-    /// Brake rate of the samples of each ATB-EG step, m/s².
+    /// Mean brake rate of each run in each ATB-EG step, m/s².
     pub brake_steps: [Moments; 5],
     /// Power of the samples below and above [`CLOUDS_KMH`], within [`POWER_KMH`], kW.
     pub clouds_kw: [Moments; 2],
@@ -54,7 +56,7 @@ impl Tallies {
         }
         let is_in_band = |davis: &&[f64; 3]| R0_BAND.contains(&davis[0]);
         self.r0_in_band += points.davis.iter().filter(is_in_band).count() as u64;
-        if outcome.cruise_kmh.is_some_and(|kmh| kmh > LIMIT_KMH) {
+        if outcome.plain_cruise_kmh.is_some_and(|kmh| kmh > LIMIT_KMH) {
             self.cruise_over_limit += 1;
         }
         let is_negative = |davis: &[f64; 3]| davis.iter().any(|value| *value < 0.0);
@@ -66,6 +68,7 @@ impl Tallies {
         }
         for (moments, value) in [
             (&mut self.cruise_kmh, outcome.cruise_kmh),
+            (&mut self.plain_cruise_kmh, outcome.plain_cruise_kmh),
             (&mut self.coast_s, outcome.coast_s),
             (&mut self.brake_s, outcome.brake_s),
             (&mut self.power_kw, outcome.power_kw),
@@ -84,8 +87,8 @@ impl Tallies {
             self.in_both_clouds[0] += u64::from(is_in_both);
             self.in_both_clouds[1] += 1;
         }
-        for (speed_kmh, rate_mps2) in &points.brake {
-            self.brake_steps[atb_step(*speed_kmh)].add(*rate_mps2);
+        for (moments, rate_mps2) in self.brake_steps.iter_mut().zip(outcome.brake_steps_mps2) {
+            rate_mps2.into_iter().for_each(|value| moments.add(value));
         }
         let within = |point: &&PowerPoint| POWER_KMH.contains(&point.speed_kmh);
         for point in points.power.iter().filter(within) {

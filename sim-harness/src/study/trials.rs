@@ -3,7 +3,8 @@
 //! | remark | here |
 //! |---|---|
 //! | larger initial covariances give negative coefficients | [`sensitivity`] |
-//! | so does a strong noise of the acceleration | [`noise`] |
+//! | so does a strong noise of the acceleration, a small one moves them more | [`noise`] |
+//! | so does a small noise of the coefficients | [`davis_noise`] |
 //! | fewer samples give worse regimes and features | [`thinned`] |
 //! | the computation is short enough for more samples | [`pace`] |
 //!
@@ -11,11 +12,13 @@
 //! that is a deviation ten times as large, read as the printed deviation a hundred times: both are tried.
 
 use super::gather::{Drawn, Estimators};
+use super::readings::pass::{Filter, Pass, R0_NOISE, way};
 use super::{moments::Moments, view::Seen};
 use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
 use rundown::{
-    estimator::Estimator, model::state, model::track::Track, model::train::Train, tick::bounds::ConfigError,
+    estimator::Estimator, model::line::Line, model::state, model::track::Track, model::train::Train,
+    tick::bounds::ConfigError,
 };
 use rundown_files::recording::Recording;
 use rundown_files::replay::{Tick, replay};
@@ -32,8 +35,9 @@ const WHICH: [(&str, [bool; 3]); 4] = [
     ("r0, r1, r2", [true; 3]),
 ];
 
-/// Standard deviations of the acceleration noise that are tried, m/s²; Table 1 has none.
-pub const NOISES_MPS2: [f64; 3] = [0.001, 0.01, 0.1];
+/// Standard deviations of the acceleration noise that are tried, m/s²; Table 1 has none. Up to the third they are small.
+pub const NOISES_MPS2: [f64; 5] = [1e-4, 0.001, 0.01, 0.1, 1.0];
+pub const SMALL_MPS2: f64 = 0.01;
 /// One sample in so many is kept.
 pub const KEPT: usize = 2;
 /// Passes whose shortest counts: other programs only make one longer.
@@ -45,17 +49,29 @@ const RUNS: usize = 67;
 pub struct Trials {
     pub sensitivity: Vec<Sensitivity>,
     pub noise: Vec<Noise>,
+    /// With noise of r0; none without runs.
+    pub davis_noise: Option<Shaken>,
     /// All samples, and every second one; none without truth.
     pub thinned: Option<[Misses; 2]>,
     /// Of the paper's and of the gated mode; none without runs.
     pub pace: Option<[Pace; 2]>,
 }
 
+/// Noise of the acceleration: as Q of the filter, and drawn and added.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     pub sd_mps2: f64,
+    pub q: Shaken,
+    pub drawn: Shaken,
+}
+
+/// What a noise did to the runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shaken {
     pub negative_runs: usize,
     pub runs: usize,
+    /// What r0 covers, as a multiple of what it covers without.
+    pub way: f64,
 }
 
 /// How far lengths are from the truth: final coast and final brake, s.
@@ -90,7 +106,8 @@ impl Trials {
         let few: Vec<Recording> = drawn.iter().take(RUNS).map(|run| run.recording.clone()).collect();
         Ok(Self {
             sensitivity: sensitivity(config, train, track, &few)?,
-            noise: noise(config, train, track, &few)?,
+            noise: noise(config, &train, track, &few),
+            davis_noise: davis_noise(config, &train, track, &few),
             thinned: thinned(estimators, drawn),
             pace: pace(estimators, &few),
         })
@@ -127,14 +144,34 @@ pub fn sensitivity(
     Ok(found)
 }
 
-fn noise(config: &Config, train: Train, track: &Track, runs: &[Recording]) -> Result<Vec<Noise>, ConfigError> {
+fn noise(config: &Config, train: &Train, track: &Track, runs: &[Recording]) -> Vec<Noise> {
+    let quiet = Filter::from(config.paper);
     let of = |sd_mps2: f64| {
-        let mut config = *config;
-        config.paper.acceleration_noise_mps2 = sd_mps2;
-        let least = least_shares(config, train, track, runs)?;
-        Ok(Noise { sd_mps2, negative_runs: negative(&least), runs: runs.len() })
+        let mut q = quiet;
+        q.config.acceleration_noise_mps2 = sd_mps2;
+        let drawn = Filter { drawn_mps2: sd_mps2, ..quiet };
+        let [q, drawn] = [q, drawn].map(|noisy| shaken([&quiet, &noisy], train, track, runs));
+        Noise { sd_mps2, q, drawn }
     };
     NOISES_MPS2.into_iter().map(of).collect()
+}
+
+fn davis_noise(config: &Config, train: &Train, track: &Track, runs: &[Recording]) -> Option<Shaken> {
+    let quiet = Filter::from(config.paper);
+    let noisy = Filter { davis_noise: [R0_NOISE, 0.0, 0.0], ..quiet };
+    (!runs.is_empty()).then(|| shaken([&quiet, &noisy], train, track, runs))
+}
+
+fn shaken(quiet_and_noisy: [&Filter; 2], train: &Train, track: &Track, runs: &[Recording]) -> Shaken {
+    let [quiet, noisy] = quiet_and_noisy.map(|filter| -> Vec<Pass> {
+        let one = |run: &Recording| filter.pass(&Line { train, track, direction: run.direction }, run);
+        runs.par_iter().map(one).collect()
+    });
+    Shaken {
+        negative_runs: noisy.iter().filter(|pass| pass.is_negative()).count(),
+        runs: runs.len(),
+        way: way(&noisy) / way(&quiet),
+    }
 }
 
 /// Least coefficients of each run in the paper's mode, as shares of the manufacturer's.

@@ -32,8 +32,12 @@ const OVER_KMH: f64 = 50.0;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// Median.
+    /// Median of the speeds held at the fastest level.
     pub cruise_kmh: Option<f64>,
+    /// Plain median of the filtered speeds of all cruising, as section 3.3 takes it; as it was: the speed that was to be kept.
+    pub plain_cruise_kmh: Option<f64>,
+    /// Mean brake rate of each ATB-EG step, the statistic of section 3.3, m/s².
+    pub brake_steps_mps2: [Option<f64>; 5],
     pub coast_s: Option<f64>,
     pub brake_s: Option<f64>,
     /// Share of the running time in traction, cruise, coast and brake; standing time is no running time.
@@ -153,12 +157,16 @@ impl Seen {
             }
         }
         let moving = |regime: Regime| features.regime_time_s[regime as usize];
+        let regimes = run.estimates.iter().zip(&run.regimes);
+        let cruising = regimes.filter(|(_, regime)| **regime == Regime::Cruise).map(|(estimate, _)| estimate);
         let davis = &run.summary.run_davis.mean;
         let of = |phase: &Option<rundown::features::Phase>| phase.as_ref().map(|p| p.duration_s);
         let duration_s: f64 = run.estimates.iter().map(|estimate| estimate.dt_s).sum();
         let learned_s = run.estimates.iter().filter(|estimate| estimate.learning).map(|estimate| estimate.dt_s);
         let outcome = Outcome {
             cruise_kmh: features.cruise_speed_median_mps.map(|v| 3.6 * v),
+            plain_cruise_kmh: median(cruising.map(|estimate| 3.6 * speed_mps(estimate)).collect()),
+            brake_steps_mps2: features.brake_rate_mps2.each_ref().map(|step| (step.count > 0).then_some(step.mean)),
             coast_s: of(&features.final_coast),
             brake_s: of(&features.final_brake),
             shares: shares([Regime::Traction, Regime::Cruise, Regime::Coast, Regime::Brake].map(moving)),
@@ -202,6 +210,8 @@ impl Seen {
         let coast = facts.final_coast.as_ref();
         let outcome = Outcome {
             cruise_kmh: Some(3.6 * facts.cruise_mps),
+            plain_cruise_kmh: Some(3.6 * facts.cruise_mps),
+            brake_steps_mps2: step_means(&points.brake),
             coast_s: coast.map(|coast| facts.final_brake.time_s - coast.time_s),
             brake_s: Some(facts.stop.time_s - facts.final_brake.time_s),
             shares: shares([Regime::Traction, Regime::Cruise, Regime::Coast, Regime::Brake].map(moving)),
@@ -235,6 +245,19 @@ impl FirstAcceleration {
         }
         self.without < OVER_SAMPLES
     }
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    Some(0.5 * (values[last / 2] + values[last.div_ceil(2)]))
+}
+
+/// Mean of each ATB-EG step, of intervals of one length.
+fn step_means(brake: &[(f64, f64)]) -> [Option<f64>; 5] {
+    let mut steps: [Moments; 5] = Default::default();
+    brake.iter().for_each(|(speed_kmh, rate_mps2)| steps[atb_step(*speed_kmh)].add(*rate_mps2));
+    steps.each_ref().map(Moments::mean)
 }
 
 fn shares(times_s: [f64; 4]) -> Option<[f64; 4]> {
@@ -273,8 +296,15 @@ impl Outcome {
             let meaning = format!("{meaning}, {by}");
             Column::number(&format!("{prefix}_{name}"), unit, &meaning, value).empty_when(unknown)
         };
+        let brake_step = |step: usize| {
+            let name = ATB_NAMES[step];
+            let meaning = format!("mean brake rate at {} km/h, {by}", name.replace('_', " "));
+            let rate = move |o: &Self| o.brake_steps_mps2[step];
+            Column::number(&format!("{prefix}_brake_{name}_mps2"), "m/s²", &meaning, rate).empty_when(unknown)
+        };
         let mut columns = vec![
             column("cruise_kmh", "km/h", "median cruise speed", |o| o.cruise_kmh),
+            column("plain_cruise_kmh", "km/h", "plain median of the speeds while cruising", |o| o.plain_cruise_kmh),
             column("final_coast_s", "s", "duration of the final coast", |o| o.coast_s),
             column("final_brake_s", "s", "duration of the final brake", |o| o.brake_s),
             column("share_traction", "1", "share of the running time in traction", |o| o.shares.map(|s| s[0])),
@@ -284,6 +314,11 @@ impl Outcome {
             column("power_kw", "kW", "mean tractive power from 50 to 130 km/h", |o| o.power_kw),
             column("max_power_50_90_kw", "kW", "largest tractive power of the first acceleration", |o| o.max_power_kw),
             column("coasting_mps2", "m/s²", "mean deceleration of coasts from 100 to 120 km/h", |o| o.coast_mps2),
+            brake_step(0),
+            brake_step(1),
+            brake_step(2),
+            brake_step(3),
+            brake_step(4),
             column("r0", "N/kg", "Davis coefficient of the run's train", |o| Some(o.davis[0])),
             column("r1", "N/kg per m/s", "Davis coefficient of the run's train", |o| Some(o.davis[1])),
             column("r2", "N/kg per (m/s)²", "Davis coefficient of the run's train", |o| Some(o.davis[2])),
@@ -307,6 +342,13 @@ mod tests {
     #[test]
     fn an_edge_belongs_to_the_slower_step() {
         assert_eq!([140.0, 130.0, 61.0, 40.0, 5.0].map(atb_step), [0, 1, 2, 4, 4]);
+    }
+
+    #[test]
+    fn a_median_is_between_the_halves() {
+        assert_eq!(median(vec![4.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), Some(2.5));
+        assert_eq!(median(Vec::new()), None);
     }
 
     #[test]

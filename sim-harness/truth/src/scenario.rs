@@ -80,16 +80,41 @@ pub fn simulate(scenario: &Scenario, seed: u64) -> Run {
 /// If the step does not divide 1 s or the sampling time.
 pub fn simulate_planned(scenario: &Scenario, plan: &RunPlan) -> Result<Run, DriveError> {
     let (trace, facts, world) = drive_planned(scenario, plan)?;
+    Ok(recorded(scenario, plan, &scenario.sensors, &trace, facts, &world))
+}
+
+/// Drives one run of a plan once and records it with each of these recorders. They sample as often as the scenario's.
+///
+/// # Errors
+/// [`DriveError`] if the train does not arrive.
+///
+/// # Panics
+/// As [`simulate_planned`].
+pub fn simulate_recorders(scenario: &Scenario, plan: &RunPlan, recorders: &[Sensors]) -> Result<Vec<Run>, DriveError> {
+    let (trace, facts, world) = drive_planned(scenario, plan)?;
+    let by = |sensors: &Sensors| recorded(scenario, plan, sensors, &trace, facts.clone(), &world);
+    Ok(recorders.iter().map(by).collect())
+}
+
+/// What a recorder makes of a trace.
+fn recorded(
+    scenario: &Scenario,
+    plan: &RunPlan,
+    sensors: &Sensors,
+    trace: &[TruthSample],
+    facts: Facts,
+    world: &World,
+) -> Run {
     let gain_unit = Normal::new(0.0, 1.0).expect("constant").sample(&mut stream(plan.seed, 8));
     let sensors = Sensors {
-        speed_gain: scenario.sensors.speed_gain * world.speed_scale,
-        location_lag_s: scenario.sensors.location_lag_s + world.location_lag_s,
-        effort_gain: scenario.sensors.effort_gain * (1.0 + scenario.sensors.effort_gain_sd * gain_unit),
-        ..scenario.sensors.clone()
+        speed_gain: sensors.speed_gain * world.speed_scale,
+        location_lag_s: sensors.location_lag_s + world.location_lag_s,
+        effort_gain: sensors.effort_gain * (1.0 + sensors.effort_gain_sd * gain_unit),
+        ..sensors.clone()
     };
     let [mut readings, mut effort, mut run] = [3, 6, 11].map(|number| stream(plan.seed, number));
-    let (samples, truth) = sensors.read(&trace, scenario.step_s, &mut readings, &mut effort, &mut run);
-    Ok(Run { samples, truth, facts })
+    let (samples, truth) = sensors.read(trace, scenario.step_s, &mut readings, &mut effort, &mut run);
+    Run { samples, truth, facts }
 }
 
 /// Many runs of the same train; run `i` has the seed [`run_seed`](crate::seeds::run_seed)`(seed, i)`. `davis_scale` takes the place of the scenario's.
@@ -280,6 +305,20 @@ mod tests {
         let a = simulate(&Scenario::default(), 11);
         let b = simulate(&Scenario { sensors: exact, ..Scenario::default() }, 11);
         assert_eq!(a.truth, b.truth);
+    }
+
+    #[test]
+    fn a_run_that_is_recorded_twice_is_the_run_recorded_once_by_each() {
+        let scenario = Scenario { wind_sd_mps: 2.0, ..Scenario::default() };
+        let late = Sensors { speed_lag_s: [8.0; 2], speed: SpeedReading::Truncated, ..Sensors::default() };
+        let early = Sensors { location_lag_s: 8.0, ..Sensors::default() };
+        let planned = RunPlan::alone(&scenario, 11);
+        let both = simulate_recorders(&scenario, &planned, &[late.clone(), early.clone()]).unwrap();
+        for (run, sensors) in both.iter().zip([late, early]) {
+            let alone = simulate_planned(&Scenario { sensors, ..scenario.clone() }, &planned).unwrap();
+            assert_eq!((&run.samples, &run.truth), (&alone.samples, &alone.truth));
+        }
+        assert!(both[0].samples != both[1].samples);
     }
 
     #[test]

@@ -1,9 +1,12 @@
 //! Claims on the filter and the resistance: section 4.2.
 
-use super::{Claim, Columns, alone, claim, from_to, mean, near, percent, three};
+use super::{Claim, Columns, alone, claim, from_to, mean, near, percent, points, three};
 use crate::study::gather::{Example, Gathered};
 use crate::study::tallies::{R0_BAND, Tallies};
-use crate::{study::case::CaseTruth, study::moments::Moments, study::trials::Sensitivity, study::view::CLOUDS_KMH};
+use crate::{
+    study::case::CaseTruth, study::moments::Moments, study::moments::correlation, study::trials::Sensitivity,
+    study::view::CLOUDS_KMH,
+};
 use rundown::{model::state, model::train::Train, tick::estimate::Estimate, tick::regime::Regime};
 use rundown_files::replay::ReplayedRun;
 use rundown_pages::numbers::number;
@@ -37,6 +40,7 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
         let fast = truth.samples.iter().filter(|s| 3.6 * s.speed_mps > CLOUDS_KMH);
         fast.map(|s| s.effort_n_per_kg / train.max_effort_n_per_kg(s.speed_mps)).reduce(f64::max)
     };
+    let of_truth = |of: &dyn Fn(&CaseTruth) -> Option<f64>| example.and_then(|example| of(example.truth.as_ref()?));
     let constant = || Some("constant within a run".to_owned());
     let path = paper.map(path);
     let falls = path.as_ref().and_then(Path::falls);
@@ -53,12 +57,14 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
             .by("root mean square of filtered less measured speed, mean over runs, and of filtered less true speed; the first below the 1 km/h of the reading. That the speed is tracked says nothing of the resistance"),
         claim("the deceleration of the final brake stays below 59 % of the largest")
             .columns(of_example(example, percent, brake, true_brake))
-            .holds(near(paper.and_then(brake), 0.59, 0.15))
-            .by("largest brake rate of this run; a driver's choice, within 15 points"),
+            .holds(paper.and_then(brake).map(|share| share < 0.59))
+            .by("largest brake rate of this run; below 59 %")
+            .recovered(paper.and_then(brake), of_truth(&true_brake), 0.05, points),
         claim("the effort exceeds the manufacturer's boundary at the end of the acceleration")
             .columns(of_example(example, percent, exceeds, truly_exceeds))
             .holds(paper.and_then(exceeds).map(|share| share > 1.0))
-            .by(format!("largest effort of this run above {CLOUDS_KMH} km/h, of the manufacturer's at that speed; above 100 %")),
+            .by(format!("largest effort of this run above {CLOUDS_KMH} km/h, of the manufacturer's at that speed; above 100 %"))
+            .recovered(paper.and_then(exceeds), of_truth(&truly_exceeds), 0.15, points),
         claim("the coefficients decrease at the beginning of the run")
             .columns([fine_percent(falls).map(|share| format!("r0 {share} after the acceleration")), None, constant()])
             .holds(falls.map(|share| share < 0.0))
@@ -136,16 +142,6 @@ impl Path {
     }
 }
 
-fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
-    let n = pairs.len() as f64;
-    let x = pairs.iter().map(|p| p.0).sum::<f64>() / n;
-    let y = pairs.iter().map(|p| p.1).sum::<f64>() / n;
-    let sum = |f: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>();
-    let xy = sum(&|p| (p.0 - x) * (p.1 - y));
-    let scale = (sum(&|p| (p.0 - x).powi(2)) * sum(&|p| (p.1 - y).powi(2))).sqrt();
-    (scale > 0.0).then(|| xy / scale)
-}
-
 pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> [Claim; 4] {
     let claim = |statement| claim("4", statement);
     let paper = &gathered.paper;
@@ -211,19 +207,21 @@ pub(super) fn terms(gathered: &Gathered, train: &Train) -> [Claim; 4] {
                 "share of the running resistance at the largest speed of the run, within 1.5 points; the manufacturer's coefficients give {} at 140 km/h",
                 percent(Some(of(stated))).unwrap_or_default()
             ))
+            .input()
     };
     let above = |terms| 100.0 * (share(terms, 0) - share(terms, 1));
-    let points = |value: Option<f64>| value.map(|v| format!("{} points", number(v, 1)));
+    let of_points = |value: Option<f64>| value.map(|v| format!("{} points", number(v, 1)));
     let [moves_paper, moves_gated, _] = of_example(example, fine_percent, constant_moves, |_| None);
     [
         up_to("the linear term accounts for up to 11 %", 1, 0.11),
         claim("the linear term is only 2 points below the constant one")
-            .columns(of_example(example, points, |run| of_run(run).map(above), |truth| of_truth(truth).map(above)))
+            .columns(of_example(example, of_points, |run| of_run(run).map(above), |truth| of_truth(truth).map(above)))
             .holds(near(paper.and_then(of_run).map(above), 2.0, 1.0))
             .by(format!(
                 "difference of their shares at the largest speed of the run, within 1 point; the manufacturer's coefficients give {} at 140 km/h",
-                points(Some(above(stated))).unwrap_or_default()
-            )),
+                of_points(Some(above(stated))).unwrap_or_default()
+            ))
+            .input(),
         up_to("the quadratic term accounts for up to 76 %", 2, 0.76),
         claim("variations of the constant term do not vary the whole significantly")
             .columns([moves_paper, moves_gated, Some("constant within a run".to_owned())])

@@ -1,4 +1,6 @@
-//! Fig. 8: brake rate over speed, with mean and standard deviation of each ATB-EG step.
+//! Fig. 8: the brake rate of each run in each ATB-EG step, the statistic of section 3.3, with mean and standard deviation over the runs.
+//!
+//! A rate between two samples would be too small where the train begins to brake or lets go between them; the intervals are in the table.
 
 use super::{Drawn, Eyes, Picture, number, text};
 use crate::study::view::{ATB_NAMES, ATB_STEPS_KMH};
@@ -13,8 +15,18 @@ const END_KMH: f64 = 150.0;
 
 /// The picture. Means and deviations are those of all runs, dots those of the drawn ones; true means where `truth` has runs.
 pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) -> Picture {
-    let dots: Vec<(f64, f64)> = drawn.iter().flat_map(|run| eyes.of(run).points.brake.iter().copied()).collect();
     let edges = [END_KMH, ATB_STEPS_KMH[0], ATB_STEPS_KMH[1], ATB_STEPS_KMH[2], ATB_STEPS_KMH[3], 0.0];
+    // Runs side by side within a step, so that dots do not hide each other.
+    let at_kmh = |step: usize, run: usize| {
+        let part = (run as f64 + 1.0) / (drawn.len() as f64 + 1.0);
+        edges[step + 1] + part * (edges[step] - edges[step + 1])
+    };
+    let of_run = |(number, run): (usize, &Drawn)| {
+        let steps = eyes.of(run).outcome.brake_steps_mps2.into_iter().enumerate();
+        let dots = steps.filter_map(|(step, rate)| Some((at_kmh(step, number), rate?)));
+        dots.collect::<Vec<(f64, f64)>>()
+    };
+    let dots: Vec<(f64, f64)> = drawn.iter().enumerate().flat_map(of_run).collect();
     let (mut means, mut bands, mut true_means) = (Vec::new(), Vec::new(), Vec::new());
     let mut records = Vec::new();
     for (index, moments) in tallies.brake_steps.iter().enumerate().rev() {
@@ -38,12 +50,16 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
         records.push(of_step("step", moments));
     }
     for run in drawn {
+        for (step, rate) in eyes.of(run).outcome.brake_steps_mps2.into_iter().enumerate() {
+            let middle_kmh = 0.5 * (edges[step] + edges[step + 1]);
+            records.extend(rate.map(|rate| record("run", run.name(), [Some(middle_kmh), Some(rate), None, None])));
+        }
         let samples = eyes.of(run).points.brake.iter();
         records.extend(samples.map(|(kmh, rate)| record("sample", run.name(), [Some(*kmh), Some(*rate), None, None])));
     }
     let mut layers = vec![
         Layer::band("standard deviation", colours::ESTIMATED, 0.18, bands),
-        Layer::dots("observed", colours::MEASURED, 0.5, dots),
+        Layer::dots("mean of a run in the step", colours::MEASURED, 0.5, dots),
         Layer::line("mean of the step", colours::ESTIMATED, Stroke::Solid, means),
     ];
     if !true_means.is_empty() {
@@ -52,7 +68,7 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
     layers.push(Layer::verticals("ATB-EG steps", BLACK, Stroke::Thin, ATB_STEPS_KMH.to_vec()));
     let figure = Figure::new(
         "Fig. 8: brake rates",
-        "Brake rate of each interval over its speed, mean and standard deviation of each ATB-EG step",
+        "Mean brake rate of each run in each ATB-EG step, mean and standard deviation over the runs",
         "speed, km/h",
         0.0..END_KMH,
         [Panel::new("brake rate, m/s\u{b2}", 620, layers, "no brake was seen")],
@@ -60,7 +76,7 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
     Picture {
         name: format!("fig8_brake_rates_{}", eyes.word()),
         caption: format!(
-            "Brake rate of each interval between two samples over its speed, {} mode; in red the mean of each ATB-EG step, shaded its standard deviation.",
+            "Mean brake rate of each run in each ATB-EG step, {} mode, runs side by side; in red the mean over the runs, shaded their standard deviation.",
             eyes.word()
         ),
         svg: figure.to_svg(),

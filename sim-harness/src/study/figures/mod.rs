@@ -53,10 +53,10 @@ impl Eyes {
     }
 }
 
-fn text(name: &str, value: &str) -> (String, Cell) {
+pub(super) fn text(name: &str, value: &str) -> (String, Cell) {
     (name.to_owned(), Cell::from(value))
 }
 
-fn number(name: &str, value: impl Into<Option<f64>>) -> (String, Cell) {
+pub(super) fn number(name: &str, value: impl Into<Option<f64>>) -> (String, Cell) {
     (name.to_owned(), Cell::from(value.into()))
 }

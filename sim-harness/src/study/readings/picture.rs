@@ -1,0 +1,93 @@
+//! The comparison as a picture: what each reading gives over the skew of speed and location.
+
+use super::comparison::Compared;
+use super::outcome::records;
+use super::reading::SKEWS_S;
+use super::remarks::COUNT;
+use crate::study::figures::Picture;
+use crate::study::tallies::R0_BAND;
+use rundown::tick::paper::Difference;
+use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
+use rundown_pages::colours;
+use rundown_truth::sensors::SpeedReading;
+
+type Value = dyn Fn(&Compared) -> Option<f64>;
+
+pub fn picture(all: &[Compared], seeds: usize) -> Picture {
+    let r0 = |end: usize| move |one: &Compared| one.moments(|j| j.r0_ends[end]).mean().map(|r0| 1e3 * r0);
+    let mut ends = lines(all, &r0(0));
+    ends.extend(unnamed(lines(all, &r0(1))));
+    let x = x();
+    ends.extend(
+        [*R0_BAND.start(), *R0_BAND.end()].map(|r0| Layer::level("", colours::LIMIT, Stroke::Dotted, &x, 1e3 * r0)),
+    );
+    let figures = vec![
+        panel(
+            &format!("remarks that hold, of {COUNT}"),
+            lines(all, &|one| Some(one.remarks())),
+            Some(0.0..COUNT as f64),
+        ),
+        panel(
+            "best initial deviations, nats a sample (log10)",
+            lines(all, &|one| Some(one.gains().mean()?.max(1e-3).log10())),
+            None,
+        ),
+        panel("filtered less read speed, km/h, rms", lines(all, &|one| one.moments(|j| j.rms_kmh).mean()), None),
+        panel("r0, 1 % and 99 % quantile, 10\u{207b}\u{b3} N/kg", ends, None),
+    ];
+    Picture {
+        name: "readings".to_owned(),
+        caption: format!(
+            "Readings of the paper over the skew of the recorder, mean of {seeds} seeds: backward and forward effort, rounded speeds solid and truncated ones dashed. A positive skew is a speed older than the location. Dotted: where the paper finds r0."
+        ),
+        svg: Grid::new("Readings of the paper compared", "Four panels over the skew of speed and location", 2, figures)
+            .to_svg(),
+        records: records(all),
+    }
+}
+
+fn x() -> std::ops::Range<f64> {
+    SKEWS_S[0] - 0.5..SKEWS_S[SKEWS_S.len() - 1] + 0.5
+}
+
+fn lines(all: &[Compared], value: &Value) -> Vec<Layer> {
+    let mut layers = Vec::new();
+    for (difference, colour) in [(Difference::Backward, colours::MEASURED), (Difference::Forward, colours::ESTIMATED)] {
+        for (speed, stroke) in [(SpeedReading::Rounded, Stroke::Solid), (SpeedReading::Truncated, Stroke::Dashed)] {
+            let of = |one: &&Compared| {
+                let combination = one.combination;
+                combination.is_printed()
+                    && combination.reading.difference == difference
+                    && combination.recorder.speed == speed
+            };
+            let mut points: Vec<(f64, f64)> =
+                all.iter().filter(of).filter_map(|one| Some((one.combination.recorder.skew_s, value(one)?))).collect();
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let effort = if difference == Difference::Backward { "backward" } else { "forward" };
+            let legend = if speed == SpeedReading::Rounded { effort } else { "" };
+            layers.push(Layer::line(legend, colour, stroke, points.into_iter().map(Some).collect()));
+        }
+    }
+    layers
+}
+
+/// The same lines without a second entry in the legend.
+fn unnamed(layers: Vec<Layer>) -> Vec<Layer> {
+    let without = |layer| match layer {
+        Layer::Line { colour, stroke, points, .. } => Layer::line("", colour, stroke, points),
+        other => other,
+    };
+    layers.into_iter().map(without).collect()
+}
+
+fn panel(label: &str, layers: Vec<Layer>, y: Option<std::ops::Range<f64>>) -> Figure {
+    let panel = Panel::new(label, 420, layers, "no seed");
+    Figure::in_grid(
+        "speed older than location by, s",
+        x(),
+        match y {
+            Some(y) => panel.within(y),
+            None => panel,
+        },
+    )
+}

@@ -1,0 +1,181 @@
+//! What is compared: readings of the text, and recorders that the text does not exclude.
+
+use rundown::model::train::{Train, TrainDescription};
+use rundown::tick::paper::{Difference, PaperConfig};
+use rundown_truth::sensors::{Sensors, SpeedReading};
+
+/// How much older than the location the speed is, s; below zero it is newer. Ten seconds are one row.
+pub const SKEWS_S: [f64; 7] = [-8.0, -4.0, 0.0, 3.0, 5.0, 8.0, 10.0];
+/// At these the readings of gradient and Table 1 are compared too.
+const CONTRASTED_S: [f64; 2] = [0.0, 8.0];
+/// A train so short has the gradient of a point, m.
+const POINT_M: f64 = 1.0;
+
+/// Where the gradient is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gradient {
+    /// The mean under the train, as section 4.1 says.
+    UnderTrain,
+    /// That of its front.
+    Point,
+}
+
+/// What the initial values of Table 1 are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Initial {
+    /// Standard deviations, as its caption says.
+    Deviations,
+    /// Variances in SI units, as the symbol of section 4.2's remark may mean.
+    Variances,
+}
+
+/// A reading of the text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reading {
+    pub difference: Difference,
+    pub gradient: Gradient,
+    pub initial: Initial,
+}
+
+/// How the runs were recorded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recorder {
+    /// Age of the speed less age of the location, s.
+    pub skew_s: f64,
+    pub speed: SpeedReading,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Combination {
+    pub reading: Reading,
+    pub recorder: Recorder,
+}
+
+impl Reading {
+    /// As the text says, but for the effort, of which it says less.
+    pub fn of(difference: Difference) -> Self {
+        Self { difference, gradient: Gradient::UnderTrain, initial: Initial::Deviations }
+    }
+
+    pub fn config(self) -> PaperConfig {
+        let printed = PaperConfig { difference: self.difference, ..PaperConfig::default() };
+        match self.initial {
+            Initial::Deviations => printed,
+            Initial::Variances => PaperConfig {
+                initial_location_sd_m: printed.initial_location_sd_m.sqrt(),
+                initial_speed_sd_kmh: 3.6 * (printed.initial_speed_sd_kmh / 3.6).sqrt(),
+                initial_davis_sd: printed.initial_davis_sd.map(f64::sqrt),
+                ..printed
+            },
+        }
+    }
+
+    /// The train whose gradient is taken so; `None` where the description is no train.
+    pub fn train(self, described: &Train) -> Option<Train> {
+        match self.gradient {
+            Gradient::UnderTrain => Some(*described),
+            Gradient::Point => Train::try_new(TrainDescription { length_m: POINT_M, ..*described.description() }).ok(),
+        }
+    }
+
+    pub fn effort(self) -> &'static str {
+        match self.difference {
+            Difference::Backward => "backward",
+            Difference::Forward => "forward",
+        }
+    }
+
+    pub fn gradient_word(self) -> &'static str {
+        match self.gradient {
+            Gradient::UnderTrain => "mean",
+            Gradient::Point => "point",
+        }
+    }
+
+    pub fn initial_word(self) -> &'static str {
+        match self.initial {
+            Initial::Deviations => "deviations",
+            Initial::Variances => "variances",
+        }
+    }
+}
+
+impl Recorder {
+    pub fn all() -> Vec<Self> {
+        let speeds = [SpeedReading::Rounded, SpeedReading::Truncated];
+        speeds.into_iter().flat_map(|speed| SKEWS_S.map(|skew_s| Self { skew_s, speed })).collect()
+    }
+
+    /// The sensors of the case study, skewed: the older of the two lags behind.
+    pub fn sensors(self, plain: &Sensors) -> Sensors {
+        Sensors {
+            speed: self.speed,
+            speed_lag_s: [self.skew_s.max(0.0); 2],
+            location_lag_s: (-self.skew_s).max(0.0),
+            ..plain.clone()
+        }
+    }
+
+    pub fn speed_word(self) -> &'static str {
+        match self.speed {
+            SpeedReading::Rounded => "rounded",
+            SpeedReading::Truncated => "truncated",
+            SpeedReading::Exact => "exact",
+        }
+    }
+}
+
+impl Combination {
+    /// Both efforts with every recorder; the gradient of a point and Table 1 as variances with truncated speeds, without and with skew.
+    pub fn all() -> Vec<Self> {
+        let mut all = Vec::new();
+        for difference in [Difference::Backward, Difference::Forward] {
+            let printed = Reading::of(difference);
+            all.extend(Recorder::all().into_iter().map(|recorder| Self { reading: printed, recorder }));
+            for reading in
+                [Reading { gradient: Gradient::Point, ..printed }, Reading { initial: Initial::Variances, ..printed }]
+            {
+                let recorders = CONTRASTED_S.map(|skew_s| Recorder { skew_s, speed: SpeedReading::Truncated });
+                all.extend(recorders.map(|recorder| Self { reading, recorder }));
+            }
+        }
+        all
+    }
+
+    /// Whether it is read as printed: what the picture shows.
+    pub fn is_printed(&self) -> bool {
+        self.reading == Reading::of(self.reading.difference)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_skew_ages_one_of_the_two() {
+        let of = |skew_s| Recorder { skew_s, speed: SpeedReading::Truncated }.sensors(&Sensors::default());
+        assert_eq!((of(8.0).speed_lag_s, of(8.0).location_lag_s), ([8.0; 2], 0.0));
+        assert_eq!((of(-4.0).speed_lag_s, of(-4.0).location_lag_s), ([0.0; 2], 4.0));
+    }
+
+    #[test]
+    fn every_combination_is_there_once_and_is_a_filter() {
+        let all = Combination::all();
+        assert_eq!(all.len(), 2 * (2 * SKEWS_S.len() + 4));
+        for (index, one) in all.iter().enumerate() {
+            assert!(all[..index].iter().all(|before| before != one));
+            let paper = one.reading.config();
+            rundown::estimator::config::Config { paper, ..Default::default() }.check().unwrap();
+        }
+    }
+
+    #[test]
+    fn variances_are_wider_where_the_deviation_is_below_one() {
+        let reading = Reading { initial: Initial::Variances, ..Reading::of(Difference::Forward) };
+        let config = reading.config();
+        assert!((config.initial_davis_sd[0] - 1e-3).abs() < 1e-15);
+        assert!((config.initial_speed_sd_kmh / 3.6 - 5e-4_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(config.initial_location_sd_m, 1.0);
+    }
+}
