@@ -47,7 +47,13 @@ struct ReplayJson {
 struct Run {
     unit: String,
     vehicle: Vehicle,
+    foresight: Foresight,
     features: Features,
+}
+
+#[derive(Debug, Deserialize)]
+struct Foresight {
+    published: String,
 }
 
 #[derive(Debug, Deserialize)]
@@ -104,6 +110,13 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
     let Some(last) = runs.last() else {
         return Err("runs: expected at least one, found none".to_owned());
     };
+    let published = &last.foresight.published;
+    if ["out_of_bounds", "predicts_worse"].contains(&published.as_str()) {
+        return Err(format!(
+            "runs: expected a resistance that would be published, found `{published}` after the last run of unit {chosen:?}; \
+             the notes of the replay say what to look at"
+        ));
+    }
     let Vehicle { r0, r1, r2, .. } = last.vehicle;
     let rotating_mass_kg = described.rotating_mass_factor * described.mass_kg;
     let seen = |value: fn(&Features) -> Option<f64>| {
@@ -143,7 +156,7 @@ mod tests {
     fn run(unit: &str, r0: f64, effort: &str, power: &str) -> String {
         format!(
             "{{\"unit\":\"{unit}\",\"vehicle\":{{\"r0\":{r0},\"r1\":1.5e-4,\"r2\":2.7e-5,\"sd_r0\":1e-4,\"sd_r1\":1e-5,\"sd_r2\":1e-7}},\
-            \"features\":{{\"max_effort_mean_n_per_kg\":{effort},\"power_max_w_per_kg\":{power}}}}}"
+            \"foresight\":{{\"published\":\"learned\"}},\"features\":{{\"max_effort_mean_n_per_kg\":{effort},\"power_max_w_per_kg\":{power}}}}}"
         )
     }
 
@@ -164,6 +177,13 @@ mod tests {
         // Two runs have shown a power.
         assert_eq!(found.train.max_power_w, 2_036_377.8);
         assert_eq!(found.power, Origin::Described);
+    }
+
+    #[test]
+    fn what_is_not_published_is_no_train() {
+        let worse = run("7", 0.0070, "null", "null").replace("\"learned\"", "\"predicts_worse\"");
+        assert!(learned(&[worse.clone()], None).unwrap_err().contains("found `predicts_worse`"));
+        assert!(learned(&[worse, run("7", 0.0070, "null", "null")], None).is_ok());
     }
 
     #[test]

@@ -217,7 +217,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     pub fn published(&self, vehicle: &Vehicle) -> (Davis, Learned) {
         let nominal = self.train.davis();
         let initial_sd = resistance_sd(&self.new_vehicle().davis(), KmPerHour(JUDGED_KMH).to_mps());
-        Published::default().judge(&nominal, initial_sd, &vehicle.davis(), vehicle.trust().is_worse())
+        Published::default().judge(&nominal, initial_sd, &vehicle.davis(), vehicle.trust().worse_by())
     }
 
     /// Begins a run with what is known of the vehicle.

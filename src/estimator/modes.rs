@@ -266,15 +266,14 @@ fn evidence(
     let interval_s = to.time_s - from.time_s;
     let midway_mps = 0.5 * (from.speed_mps + to.speed_mps);
     let (max_effort_n_per_kg, _) = acting.limits_n_per_kg(line.train, to.location_m, midway_mps);
-    let gravity_n_per_kg = line.train.gravity_n_per_kg();
-    let of_track = libm::sqrt(config.track_doubt.density(gravity_n_per_kg, midway_mps) / interval_s)
-        .min(config.track_doubt.sd_n_per_kg(gravity_n_per_kg));
+    let of_track = config.track_doubt.mean_sd_n_per_kg(line.train.gravity_n_per_kg(), midway_mps, interval_s);
+    let of_train = resistance_sd(belief, midway_mps);
     Evidence {
         interval_s,
         acceleration_mps2: effort.acceleration_mps2,
         acceleration_sd_mps2: core::f64::consts::SQRT_2 * config.sensor.speed_sd_mps() / interval_s,
         resistance_n_per_kg: effort.resistance_n_per_kg,
-        resistance_sd_n_per_kg: libm::hypot(resistance_sd(belief, midway_mps), of_track),
+        resistance_sd_n_per_kg: if of_track > 0.0 { libm::hypot(of_train, of_track) } else { of_train },
         max_effort_n_per_kg,
     }
 }

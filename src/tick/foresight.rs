@@ -22,8 +22,6 @@ use serde::{Deserialize, Serialize};
 
 /// Coasts that are taken to have been as expected before the first one: one that is not does not decide.
 const EXPECTED_COASTS: Real = 5.0;
-/// The learned resistance foresees worse than the described one by so many standard deviations: it is not published.
-const WORSE_BY: Real = 2.0;
 /// With fewer coasts nothing is said against the learned resistance.
 const FEWEST_COASTS: Real = 5.0;
 /// Weight of older coasts when a run is added: a fault that is mended is forgotten after some tens of runs.
@@ -36,7 +34,7 @@ pub struct Coast {
     pub duration_s: Real,
     /// Acceleration that the learned resistance did not foresee, m/s².
     pub error_mps2: Real,
-    /// How much more the described one did not.
+    /// Additional error of the described resistance, m/s².
     pub apart_mps2: Real,
     /// Variance of the error by readings and gusts, (m/s²)².
     pub noise_variance: Real,
@@ -44,10 +42,6 @@ pub struct Coast {
     pub track_variance: Real,
     /// Variance by that of the learned resistance.
     pub resistance_variance: Real,
-}
-
-plain! {
-    struct Coast { duration_s, error_mps2, apart_mps2, noise_variance, track_variance, resistance_variance }
 }
 
 /// How far what was learned may be trusted, by how it foresaw coasts. Kept with the vehicle.
@@ -73,7 +67,8 @@ impl Trust {
 
     /// Adds the coasts of a run to those of the runs before.
     pub fn add(&mut self, run: &Self) {
-        let sum = |before: Real, run: Real| REMEMBERED * before + run;
+        // In single precision, as it is stored: a board that was restarted goes on with the same bits.
+        let sum = |before: Real, run: Real| Real::from((REMEMBERED * before + run) as f32);
         *self = Self {
             coasts: sum(self.coasts, run.coasts),
             squares: sum(self.squares, run.squares),
@@ -91,13 +86,13 @@ impl Trust {
         ((EXPECTED_COASTS + squares) / (EXPECTED_COASTS + self.coasts)).max(1.0)
     }
 
-    /// The described resistance foresees the coasts better than the learned one.
+    /// By how many standard deviations the described resistance foresees the coasts better than the learned one; 0 with few coasts.
     ///
     /// Were both equally good, [`worse`](Self::worse) would be around zero with a standard deviation of 2 √[`apart`](Self::apart), if coasts scatter as expected around
     /// the better of the two; more if they scatter more.
-    pub fn is_worse(&self) -> bool {
-        let scatter = self.scatter(self.squares - self.worse);
-        self.coasts >= FEWEST_COASTS && self.worse > WORSE_BY * 2.0 * libm::sqrt(self.apart * scatter)
+    pub fn worse_by(&self) -> Real {
+        let square = 4.0 * self.apart * self.scatter(self.squares - self.worse);
+        if self.coasts >= FEWEST_COASTS && square > 0.0 { self.worse / libm::sqrt(square) } else { 0.0 }
     }
 
     /// Numbers that sums over coasts can be.
@@ -204,16 +199,11 @@ pub(crate) struct Leg {
     pub(crate) track: Real,
 }
 
-/// The straight lines through the speeds of a segment, as sums.
+/// The straight lines through the speeds of a segment, as sums over its readings up to some moment.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Course {
-    begin_s: Real,
-    /// What was believed when it began.
-    before: Gaussian<3>,
-    /// Change of the speed since, foreseen by that, m/s.
-    foreseen_mps: Real,
-    /// Less what the description foresees.
-    apart_mps: Real,
+pub(crate) struct Lines {
+    /// Time since the segment began, s.
+    duration_s: Real,
     readings: Real,
     /// Sums of t, t², y, t y, w, t w.
     t: Real,
@@ -227,7 +217,33 @@ pub(crate) struct Course {
 }
 
 plain! {
-    struct Course { begin_s, before, foreseen_mps, apart_mps, readings, t, tt, y, ty, w, tw, track }
+    struct Lines { duration_s, readings, t, tt, y, ty, w, tw, track }
+}
+
+/// What is followed of a segment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Course {
+    begin_s: Real,
+    /// What was believed when it began.
+    before: Gaussian<3>,
+    /// Change of the speed since, foreseen by that, m/s.
+    foreseen_mps: Real,
+    /// Change foreseen by the description less that foreseen by what was learned, m/s, with the sign of resistance.
+    apart_mps: Real,
+    lines: Lines,
+    /// Of the last tick.
+    midway_mps: Real,
+    speed_variance: Real,
+    gusts: Real,
+}
+
+plain! {
+    struct Course { begin_s, before, foreseen_mps, apart_mps, lines, midway_mps, speed_variance, gusts }
+}
+
+impl Lines {
+    pub(crate) const ZEROED: Self =
+        Self { duration_s: 0.0, readings: 0.0, t: 0.0, tt: 0.0, y: 0.0, ty: 0.0, w: 0.0, tw: 0.0, track: 0.0 };
 }
 
 impl Course {
@@ -236,53 +252,67 @@ impl Course {
         before: Gaussian::ZEROED,
         foreseen_mps: 0.0,
         apart_mps: 0.0,
-        readings: 0.0,
-        t: 0.0,
-        tt: 0.0,
-        y: 0.0,
-        ty: 0.0,
-        w: 0.0,
-        tw: 0.0,
-        track: 0.0,
+        lines: Lines { duration_s: 0.0, readings: 0.0, t: 0.0, tt: 0.0, y: 0.0, ty: 0.0, w: 0.0, tw: 0.0, track: 0.0 },
+        midway_mps: 0.0,
+        speed_variance: 0.0,
+        gusts: 0.0,
     };
 
-    pub(crate) fn begin(time_s: Real, before: &Gaussian<3>) -> Self {
-        Self { begin_s: time_s, before: *before, ..Self::ZEROED }
+    pub(crate) fn begin(&mut self, time_s: Real, before: &Gaussian<3>) {
+        *self = Self::ZEROED;
+        self.begin_s = time_s;
+        self.before = *before;
     }
 
-    /// Adds a tick. Out: the segment up to here, once a line can be drawn.
-    pub(crate) fn add(&mut self, leg: &Leg) -> Option<Coast> {
+    /// Up to here.
+    pub(crate) fn lines(&self) -> Lines {
+        self.lines
+    }
+
+    /// Adds a tick.
+    #[inline(never)]
+    pub(crate) fn add(&mut self, leg: &Leg) {
         let [r0, r1, r2] = self.before.mean.into();
         let r_before = Davis { r0, r1, r2 }.resistance_n_per_kg(leg.midway_mps);
         let more = leg.believed.resistance_n_per_kg(leg.midway_mps) - r_before;
         self.foreseen_mps += leg.foreseen_mps + more * leg.dt_s;
         self.apart_mps += (leg.described.resistance_n_per_kg(leg.midway_mps) - r_before) * leg.dt_s;
-        self.track += leg.track * leg.dt_s;
+        self.midway_mps = leg.midway_mps;
+        self.speed_variance = leg.speed_variance;
+        self.gusts = leg.gusts;
+        let lines = &mut self.lines;
         let t = leg.time_s - self.begin_s;
+        lines.duration_s = t;
+        lines.track += leg.track * leg.dt_s;
         if let Some(speed_mps) = leg.speed_mps {
             let (y, w) = (speed_mps - self.foreseen_mps, self.apart_mps);
-            self.readings += 1.0;
-            self.t += t;
-            self.tt += t * t;
-            self.y += y;
-            self.ty += t * y;
-            self.w += w;
-            self.tw += t * w;
+            lines.readings += 1.0;
+            lines.t += t;
+            lines.tt += t * t;
+            lines.y += y;
+            lines.ty += t * y;
+            lines.w += w;
+            lines.tw += t * w;
         }
-        let n = self.readings;
-        let spread = self.tt - self.t * self.t / n;
+    }
+
+    /// The segment up to a moment, if lines can be drawn.
+    #[inline(never)]
+    pub(crate) fn coast(&self, lines: &Lines) -> Option<Coast> {
+        let n = lines.readings;
+        let spread = lines.tt - lines.t * lines.t / n;
         let drawn = n >= 3.0 && spread > 0.0;
         drawn.then(|| {
-            let slope = |sum: Real, with_t: Real| (with_t - self.t * sum / n) / spread;
+            let slope = |sum: Real, with_t: Real| (with_t - lines.t * sum / n) / spread;
             // The slope of a line through a random walk has 6/5 of the variance of its mean step.
-            let walk = 1.2 / t;
-            let resistance_sd = resistance_sd(&self.before, leg.midway_mps);
+            let walk = 1.2 / lines.duration_s;
+            let resistance_sd = resistance_sd(&self.before, self.midway_mps);
             Coast {
-                duration_s: t,
-                error_mps2: slope(self.y, self.ty),
-                apart_mps2: slope(self.w, self.tw),
-                noise_variance: leg.speed_variance / spread + walk * leg.gusts,
-                track_variance: walk * self.track / t,
+                duration_s: lines.duration_s,
+                error_mps2: slope(lines.y, lines.ty),
+                apart_mps2: slope(lines.w, lines.tw),
+                noise_variance: self.speed_variance / spread + walk * self.gusts,
+                track_variance: walk * lines.track / lines.duration_s,
                 resistance_variance: resistance_sd * resistance_sd,
             }
         })
@@ -299,15 +329,16 @@ mod tests {
     fn coast(true_more: Real, believed_more: Real) -> Coast {
         let before =
             Gaussian::independent([DESCRIBED.r0 + believed_more, DESCRIBED.r1, DESCRIBED.r2], [1e-4, 0.0, 0.0]);
-        let mut course = Course::begin(0.0, &before);
-        let (mut speed_mps, mut coast) = (30.0, None);
+        let mut course = Course::ZEROED;
+        course.begin(0.0, &before);
+        let mut speed_mps = 30.0;
         for tick in 1..=100 {
             let began_mps = speed_mps;
             speed_mps -= DESCRIBED.resistance_n_per_kg(speed_mps) + true_more;
             let midway_mps = 0.5 * (began_mps + speed_mps);
             // The filter has learned something else meanwhile; what was believed before counts.
             let believed = Davis { r0: DESCRIBED.r0 + 0.5 * believed_more, ..DESCRIBED };
-            coast = course.add(&Leg {
+            course.add(&Leg {
                 time_s: Real::from(tick),
                 dt_s: 1.0,
                 midway_mps,
@@ -320,7 +351,7 @@ mod tests {
                 track: 0.0,
             });
         }
-        coast.unwrap()
+        course.coast(&course.lines()).unwrap()
     }
 
     #[test]
@@ -342,11 +373,11 @@ mod tests {
             }
             trust
         };
-        assert!(trust_of(0.0, 4e-3).is_worse());
-        assert!(!trust_of(4e-3, 4e-3).is_worse());
+        assert!(trust_of(0.0, 4e-3).worse_by() > 2.0);
+        assert!(trust_of(4e-3, 4e-3).worse_by() < 0.0);
         // Both are off by the same.
-        assert!(!trust_of(2e-3, 4e-3).is_worse());
-        assert!(!trust_of(0.0, 0.0).is_worse());
+        assert!(trust_of(2e-3, 4e-3).worse_by().abs() < 0.5);
+        assert_eq!(trust_of(0.0, 0.0).worse_by(), 0.0);
         assert!(trust_of(0.0, 4e-3).inflation() > 5.0);
         assert_eq!(trust_of(4e-3, 4e-3).inflation(), 1.0);
     }
@@ -356,7 +387,8 @@ mod tests {
         let mut stored = StoredTrust([1.0; 4]);
         assert!(crate::plain::read_all(&mut stored, &[]));
         assert_eq!(Trust::from(stored), Trust::NONE);
-        let trust = Trust { coasts: 3.0, squares: 2.5, worse: -1.0, apart: 0.5 };
+        let mut trust = Trust { coasts: 3.0, squares: 2.1, worse: -1.7, apart: 0.3 };
+        trust.add(&Trust { coasts: 1.0, squares: 0.1, worse: 0.7, apart: 0.9 });
         let mut buffer = [0; 16];
         let bytes = crate::plain::write(&mut StoredTrust::from(&trust), &mut buffer).unwrap();
         let mut stored = StoredTrust::START;

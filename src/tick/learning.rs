@@ -18,7 +18,7 @@ use crate::model::motion::{Evaluate, Motion};
 use crate::model::state::{LOCATION, R0, SIZE_WITH_GAIN, SPEED, davis};
 use crate::plain::plain;
 use crate::tick::bounds::settings;
-use crate::tick::foresight::{Coast, Course, Foresight, Leg};
+use crate::tick::foresight::{Course, Foresight, Leg, Lines};
 use crate::tick::sensor::SensorConfig;
 use crate::tick::snapshot::{InPlace, in_place};
 use heapless::Deque;
@@ -111,16 +111,15 @@ const BEGIN_SPEED_SD_MPS: Real = 1.0;
 /// Beliefs that wait for the end cut to pass.
 const WAITING: usize = 8;
 
-/// A belief of the constants with the time when it was reached, and how the segment had been foreseen up to there.
+/// A belief of the constants with the time when it was reached.
 #[derive(Clone, Copy, Debug)]
 struct Reached {
     time_s: Real,
     constants: Gaussian<4>,
-    coast: Option<Coast>,
 }
 
 plain! {
-    struct Reached { time_s, constants, coast }
+    struct Reached { time_s, constants }
 }
 
 in_place! {
@@ -138,10 +137,10 @@ in_place! {
         last_speed_s: Real = (0.0);
         last_location_s: Real = (0.0);
         course: Course = (Course::ZEROED);
-        /// How it was foreseen up to the last tick.
-        latest: Option<Coast> = (None);
-        /// How it was foreseen, as far as it counts.
-        coast: Option<Coast> = (None);
+        /// How it was foreseen up to one or two end cuts ago, to the last time that was marked, and when that was, s.
+        settled: Lines = (Lines::ZEROED);
+        marked: Lines = (Lines::ZEROED);
+        marked_s: Real = (0.0);
         waiting: Deque<Reached, WAITING> = (in place);
     }
 }
@@ -202,7 +201,8 @@ impl Learner {
 
     /// How the segments that counted were foreseen, the running one included.
     pub fn foresight(&self) -> Foresight {
-        let running = self.segment.as_ref().and_then(|segment| segment.coast);
+        let counted = self.segment.as_ref().filter(|segment| segment.settled_s > segment.begin_s);
+        let running = counted.and_then(|segment| segment.course.coast(&segment.settled));
         running.map_or(self.foresight, |coast| self.foresight.with(&coast))
     }
 
@@ -251,10 +251,11 @@ impl Learner {
         segment.unbroken = 1.0;
         segment.believed = believed;
         segment.settled_s = time_s;
+        segment.marked_s = time_s;
         segment.belief = belief;
         segment.last_speed_s = time_s;
         segment.last_location_s = time_s;
-        segment.course = Course::begin(time_s, &davis_of(&self.constants));
+        segment.course.begin(time_s, &davis_of(&self.constants));
     }
 
     /// Ends the segment: what waits for the end cut is forgotten.
@@ -318,16 +319,19 @@ impl Learner {
             segment.waiting.pop_front();
             if reached.time_s - segment.begin_s >= counts.min_segment_s {
                 self.constants = reached.constants;
-                segment.coast = reached.coast;
                 self.learned_s += reached.time_s - segment.settled_s;
                 segment.settled_s = reached.time_s;
             }
+        }
+        if time_s - segment.marked_s >= counts.end_cut_s {
+            segment.settled = core::mem::replace(&mut segment.marked, segment.course.lines());
+            segment.marked_s = time_s;
         }
         // Ticks of a fast log need not all wait: so few are enough that the ring is never full.
         let spacing_s = counts.end_cut_s / (WAITING - 2) as Real;
         let due = segment.waiting.back().is_none_or(|last| time_s - last.time_s >= spacing_s);
         if due {
-            let reached = Reached { time_s, constants: segment.constants(), coast: segment.latest };
+            let reached = Reached { time_s, constants: segment.constants() };
             // Cannot be full, see above; if it were, this belief would merely not wait.
             let _waits = segment.waiting.push_back(reached).is_ok();
         }
@@ -393,7 +397,9 @@ impl Segment {
             gusts,
             track: tick.track_density,
         };
-        self.latest = if coasts { self.course.add(&leg) } else { None };
+        if coasts {
+            self.course.add(&leg);
+        }
         let observation =
             LocationAndSpeed { location_variance: sensor.location_sd_m * sensor.location_sd_m, speed_variance };
         let innovation = ukf.update(&mut self.belief, &observation, &[tick.location_m, tick.speed_mps])?;

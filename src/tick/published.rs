@@ -1,7 +1,7 @@
 //! The running resistance as it is published: with hysteresis in its validity, and never a value that no train has.
 //!
 //! - *Not yet*, until the standard deviation of r(v) at [`JUDGED_KMH`] has fallen below [`LEARNED_SHARE`] of the description's; and again only above [`FORGOTTEN_SHARE`].
-//! - *Predicts worse*: the description foresaw the coasts better than what was learned ([`Foresight::is_worse`](crate::tick::foresight::Foresight::is_worse)); it is published.
+//! - *Predicts worse*: the description foresaw the coasts better than what was learned ([`Trust::worse_by`](crate::tick::foresight::Trust::worse_by) [`WORSE_BY`] standard deviations, until it is less than [`NO_LONGER_WORSE_BY`]); it is published.
 //! - *Out of bounds*, when r(v) at one of [`BOUND_KMH`] leaves 0.5 to 2 times the manufacturer's; until all are back within 0.55 to 1.9 times; or when it falls from one of them to the next. The curve is judged
 //!   and not each coefficient: a headwind alone may double r1 or make it negative. Out of bounds the published coefficients are cut off at 0.5 and 2 times; the filter goes on with its own.
 
@@ -22,30 +22,43 @@ pub const FORGOTTEN_SHARE: Real = 0.6;
 /// Speeds at which the bounds are checked, km/h.
 pub const BOUND_KMH: [Real; 3] = [20.0, 80.0, 140.0];
 
+/// The description foresees coasts better by so many standard deviations: it is published.
+pub const WORSE_BY: Real = 2.0;
+/// Below, what was learned is published again.
+pub const NO_LONGER_WORSE_BY: Real = 1.0;
+
 /// What is remembered from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Published {
     learned: bool,
     out_of_bounds: bool,
+    worse: bool,
 }
 
 plain! {
-    struct Published { learned, out_of_bounds }
+    struct Published { learned, out_of_bounds, worse }
 }
 
 impl Published {
-    /// The estimate lies outside what a train can have.
-    pub fn is_out_of_bounds(&self) -> bool {
-        self.out_of_bounds
+    /// What was learned is not published as it is: nothing is to be predicted with it.
+    pub fn is_withheld(&self) -> bool {
+        self.out_of_bounds || self.worse
     }
 
     /// The coefficients to publish and how far they may be trusted. `initial_sd` is that of r at [`JUDGED_KMH`] by the description alone;
-    /// `worse`: the description foresaw the coasts better.
-    pub fn judge(&mut self, nominal: &Davis, initial_sd: Real, found: &Gaussian<3>, worse: bool) -> (Davis, Learned) {
+    /// `worse_by`: the description foresaw the coasts better by so many standard deviations.
+    pub fn judge(
+        &mut self,
+        nominal: &Davis,
+        initial_sd: Real,
+        found: &Gaussian<3>,
+        worse_by: Real,
+    ) -> (Davis, Learned) {
         let sd = resistance_sd(found, KmPerHour(JUDGED_KMH).to_mps());
         let least = if self.learned { FORGOTTEN_SHARE } else { LEARNED_SHARE };
         self.learned = sd < least * initial_sd;
 
+        self.worse = worse_by > if self.worse { NO_LONGER_WORSE_BY } else { WORSE_BY };
         let [r0, r1, r2] = found.mean.into();
         let davis = Davis { r0, r1, r2 };
         let (low, high) = if self.out_of_bounds { (0.55, 1.9) } else { (0.5, 2.0) };
@@ -62,7 +75,7 @@ impl Published {
             let davis = Davis { r0: cut(r0, nominal.r0), r1: cut(r1, nominal.r1), r2: cut(r2, nominal.r2) };
             return (davis, Learned::OutOfBounds);
         }
-        if worse {
+        if self.worse {
             return (*nominal, Learned::PredictsWorse);
         }
         let learned = if self.learned { Learned::Learned } else { Learned::NotYet };
@@ -85,7 +98,7 @@ mod tests {
     #[test]
     fn validity_has_hysteresis() {
         let mut published = Published::default();
-        let mut say = |scale, sd| published.judge(&NOMINAL, 1e-3, &belief(scale, sd), false).1;
+        let mut say = |scale, sd| published.judge(&NOMINAL, 1e-3, &belief(scale, sd), 0.0).1;
         assert_eq!(say(1.0, 5.5e-4), Learned::NotYet);
         assert_eq!(say(1.0, 4.9e-4), Learned::Learned);
         assert_eq!(say(1.0, 5.5e-4), Learned::Learned);
@@ -102,30 +115,41 @@ mod tests {
         let mut published = Published::default();
         let mut wild = belief(1.0, 1e-4);
         wild.mean = Vector3::new(-1.0, 1.0, NOMINAL.r2);
-        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &wild, false);
+        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &wild, 0.0);
         assert_eq!(learned, Learned::OutOfBounds);
         assert_eq!((davis.r0, davis.r1, davis.r2), (0.5 * NOMINAL.r0, 2.0 * NOMINAL.r1, NOMINAL.r2));
         let none = Gaussian::independent([Real::NAN; 3], [1.0; 3]);
-        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &none, false);
+        let (davis, learned) = published.judge(&NOMINAL, 1e-3, &none, 0.0);
         assert_eq!(learned, Learned::OutOfBounds);
         assert!(davis.r0.is_finite() && davis.r1.is_finite() && davis.r2.is_finite());
     }
 
     #[test]
     fn where_the_description_foresees_better_it_is_published() {
-        let (davis, learned) = Published::default().judge(&NOMINAL, 1e-3, &belief(1.2, 1e-4), true);
-        assert_eq!((davis, learned), (NOMINAL, Learned::PredictsWorse));
-        let (_, learned) = Published::default().judge(&NOMINAL, 1e-3, &belief(3.0, 1e-4), true);
-        assert_eq!(learned, Learned::OutOfBounds);
+        let mut published = Published::default();
+        let mut say = |scale, worse_by| published.judge(&NOMINAL, 1e-3, &belief(scale, 1e-4), worse_by);
+        assert_eq!(say(1.2, 1.9).1, Learned::Learned);
+        assert_eq!(say(1.2, 2.1), (NOMINAL, Learned::PredictsWorse));
+        assert_eq!(say(1.2, 1.1), (NOMINAL, Learned::PredictsWorse));
+        assert_eq!(say(1.2, 0.9).1, Learned::Learned);
+        assert_eq!(say(3.0, 2.1).1, Learned::OutOfBounds);
     }
 
     #[test]
     fn a_resistance_that_falls_with_speed_is_out_of_bounds() {
-        // 1.9 times at 20 km/h, 0.6 times at 140 km/h.
-        let mut falling = belief(1.0, 1e-4);
-        falling.mean = Vector3::new(0.0325, 0.0, 0.0);
-        let (_, learned) = Published::default().judge(&NOMINAL, 1e-3, &falling, false);
-        assert_eq!(learned, Learned::OutOfBounds);
+        // Within 0.5 to 2 times everywhere, and between 20 and 80 km/h it falls or rises by a hair.
+        let of = |r0: Real, r1: Real, r2: Real| {
+            let mut belief = belief(1.0, 1e-4);
+            belief.mean = Vector3::new(r0, r1, r2);
+            let shares = BOUND_KMH.map(|kmh| {
+                let v = kmh / 3.6;
+                (r0 + v * (r1 + v * r2)) / NOMINAL.resistance_n_per_kg(v)
+            });
+            assert!(shares.iter().all(|share| (0.5..2.0).contains(share)), "{shares:?}");
+            Published::default().judge(&NOMINAL, 1e-3, &belief, 0.0).1
+        };
+        assert_eq!(of(0.02106, -6.8e-4, 2.34e-5), Learned::OutOfBounds);
+        assert_eq!(of(0.02059, -5.84e-4, 2.124e-5), Learned::Learned);
     }
 
     #[test]
@@ -135,7 +159,7 @@ mod tests {
         wind.mean[0] += NOMINAL.r2 * 9.0;
         wind.mean[1] += 2.0 * NOMINAL.r2 * 3.0;
         assert!(wind.mean[1] > 2.0 * NOMINAL.r1);
-        let (davis, learned) = Published::default().judge(&NOMINAL, 1e-3, &wind, false);
+        let (davis, learned) = Published::default().judge(&NOMINAL, 1e-3, &wind, 0.0);
         assert_eq!((davis.r1, learned), (wind.mean[1], Learned::Learned));
     }
 }

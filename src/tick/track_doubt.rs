@@ -30,9 +30,20 @@ settings! {
 
 impl TrackDoubtConfig {
     /// Spectral density of the acceleration by unknown gradients, m²/s³. `gravity_n_per_kg`: force along the line per gradient of 1, N/kg.
+    #[inline(never)]
     pub fn density(&self, gravity_n_per_kg: Real, speed_mps: Real) -> Real {
+        if self.gradient_sd_permille == 0.0 {
+            return 0.0;
+        }
         let sd = self.sd_n_per_kg(gravity_n_per_kg);
         2.0 * self.alike_m * sd * sd / speed_mps.max(SLOWEST_MPS)
+    }
+
+    /// Standard deviation of the mean force of the gradients over a time, N/kg.
+    #[inline(never)]
+    pub fn mean_sd_n_per_kg(&self, gravity_n_per_kg: Real, speed_mps: Real, time_s: Real) -> Real {
+        let density = self.density(gravity_n_per_kg, speed_mps);
+        if density > 0.0 { libm::sqrt(density / time_s).min(self.sd_n_per_kg(gravity_n_per_kg)) } else { 0.0 }
     }
 
     /// Standard deviation of the force of one gradient, N/kg.

@@ -20,7 +20,7 @@ struct Limit {
 }
 
 /// Code, constants and first values of variables.
-const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 144_000, goal: 96 << 10 };
+const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 152_000, goal: 96 << 10 };
 /// SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 96 << 10, goal: 96 << 10 };
 /// A quarter of SRAM2.
@@ -28,7 +28,7 @@ const STACK: Limit = Limit { what: "stack: most, from the code", unit: "B", most
 const PAINTED: Limit = Limit { what: "stack: deepest in a run, painted", ..STACK };
 /// One call of the application: 2.4 ms at 80 MHz and one instruction a cycle.
 const CALL: Limit =
-    Limit { what: "longest call of the application", unit: "instructions", most: 406_000, goal: 150_000 };
+    Limit { what: "longest call of the application", unit: "instructions", most: 418_000, goal: 150_000 };
 /// A step of the paper's model, f64 in software: 11 sigma points, two readings.
 const FILTER_CALL: Limit = Limit { what: "filter step alone", unit: "instructions", most: 32_000, goal: 32_000 };
 const FILTER_STACK: Limit = Limit { what: "filter step alone: stack", unit: "B", most: 1220, goal: 1 << 10 };

@@ -176,7 +176,7 @@ function strips() {
 
 // ---- resistance
 
-const LEARNED = { not_yet: "not learned yet", learned: "learned", out_of_bounds: "out of bounds" };
+const LEARNED = { not_yet: "not learned yet", learned: "learned", out_of_bounds: "out of bounds", predicts_worse: "predicts worse than the description" };
 
 function showResistance() {
   const { parameters } = state.now, davis = state.setup.train?.davis;

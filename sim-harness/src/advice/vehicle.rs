@@ -22,7 +22,10 @@ const FEW_COASTS: f64 = 8.0;
 /// By what described coefficients have to be multiplied if they were written in other units.
 const CONVERSIONS: [(&str, [f64; 3]); 6] = [
     ("r1 and r2 per km/h and (km/h)²: r1 x 3.6, r2 x 12.96", [1.0, 3.6, 12.96]),
-    ("r1 and r2 already divided by 3.6 and 12.96 twice: r1 / 3.6, r2 / 12.96", [1.0, 1.0 / 3.6, 1.0 / 12.96]),
+    (
+        "r1 and r2 multiplied by 3.6 and 12.96 although they were per m/s: r1 / 3.6, r2 / 12.96",
+        [1.0, 1.0 / 3.6, 1.0 / 12.96],
+    ),
     ("r2 a hundred times too large: r2 / 100", [1.0, 1.0, 0.01]),
     ("r2 a hundred times too small: r2 x 100", [1.0, 1.0, 100.0]),
     ("N/t in place of N/kg: all / 1000", [1e-3; 3]),
@@ -59,7 +62,7 @@ fn of_vehicle(estimator: &Estimator, run: &ReplayedRun) -> Vec<String> {
         }
         Learned::OutOfBounds => {
             say("the learned resistance is none of a train (less than half or more than twice the described one, or \
-             falling with speed) and is not published; are train, gradients and units right?"
+             falling with speed): a board publishes it cut off there; are train, gradients and units right?"
                 .to_owned())
         }
         _ => {}

@@ -29,6 +29,8 @@ pub(super) struct Opened {
     pub(super) track_file: TrackFile,
     pub(super) track: Track,
     pub(super) source: RunSource,
+    /// The estimator's, as far as the track is doubted.
+    pub(super) config: Config,
 }
 
 impl RecordedRuns {
@@ -44,6 +46,7 @@ impl RecordedRuns {
         let known = Known { truncates: config.sensor.rounding == Rounding::Truncated, ..Known::default() };
         let known = (!self.as_recorded).then_some(known);
         let source = RunSource::recorded(&self.runs, line, known, screen::note)?;
-        Ok(Some(Opened { train_file, train, track_file, track, source }))
+        let config = track_file.doubted(*config);
+        Ok(Some(Opened { train_file, train, track_file, track, source, config }))
     }
 }

@@ -93,10 +93,10 @@ pub(super) fn run_table(runs: &[ReplayedRun]) -> String {
     text
 }
 
-/// Why a learned resistance is none that is published.
+/// Why a learned resistance is not published as it is.
 fn doubt(learned: Learned) -> &'static str {
     match learned {
-        Learned::OutOfBounds => ", not published: out of bounds",
+        Learned::OutOfBounds => ", out of bounds",
         Learned::PredictsWorse => ", not published: predicts worse than the description",
         _ => "",
     }

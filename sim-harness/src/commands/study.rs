@@ -47,7 +47,7 @@ Examples:
   The claims over 20 sets of runs, each with the share of seeds in which it holds:
     rundown study --seeds 20 --out study
 
-  Which reading of the text, with which recorder, gives the paper's figures? (--seeds 20: about ten minutes)
+  Which reading of the text, with which recorder, gives the paper's figures? (--seeds 20: about four minutes)
     rundown study --readings --out readings
 
   Why did the paper see no tunnel?
@@ -158,10 +158,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 /// Every figure and table, each part in a folder of its own.
 fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
     let part = |name: &str| arguments.out.join(name);
-    case_study_or_runs(arguments, config, &part("study"))?;
-    readings(arguments, &part("readings"))?;
-    truth_slope(arguments, config, &part("slope"))?;
-    tunnel(arguments, &part("tunnel"))
+    let codes = [
+        case_study_or_runs(arguments, config, &part("study"))?,
+        readings(arguments, &part("readings"))?,
+        truth_slope(arguments, config, &part("slope"))?,
+        tunnel(arguments, &part("tunnel"))?,
+    ];
+    Ok(codes.into_iter().find(|code| *code != ExitCode::SUCCESS).unwrap_or(ExitCode::SUCCESS))
 }
 
 fn case_study_or_runs(arguments: &Arguments, config: Config, out: &Path) -> Result<ExitCode, Failure> {
@@ -213,7 +216,7 @@ fn described(arguments: &Arguments, config: &Config) -> Result<Described, Failur
         let count = arguments.count.unwrap_or(simulation.runs);
         return simulated(simulation, seed, count, usize::from(arguments.seeds.unwrap_or(1)));
     };
-    let Opened { train_file, train, track_file, track, source } = opened;
+    let Opened { train_file, train, track_file, track, source, config } = opened;
     Ok(Described {
         train_name: train_file.name,
         track_name: track_file.name,

@@ -26,6 +26,12 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["runs[].estimates", "", "file with the estimates", ""],
     ["runs[].coast_ahead", "", "file with what coasting leads to", "the track has no stops or speed limits"],
     ["runs[].vehicle.*", "", "the vehicle after the run: `r0` to `sd_r2` of `parameters.csv`", ""],
+    [
+        "runs[].foresight.*",
+        "",
+        "from `published` to `bits_140_kmh` as in `parameters.csv`",
+        "as the cell there is empty",
+    ],
     ["runs[].this_run.*", "", "the train of this run alone: `run_r0` to `run_sd_r2` there, without the `run_`", ""],
     ["runs[].features.*", "", "from `max_effort_count` on as in `features.csv`", "as the cell there is empty"],
     ["runs[].switching_points[].*", "", "as in `switching_points.csv`, without the run", ""],

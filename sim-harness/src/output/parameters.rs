@@ -46,10 +46,10 @@ pub(super) fn foresight() -> Vec<Column<ReplayedRun>> {
     let scatter = "errors of foreseen coasts over what is expected of them, rms over the last tens of runs, at least 1";
     let mut columns = vec![
         Column::text("published", published, |run: &ReplayedRun| run.learned.as_str()),
-        Column::count("coasts", "coasts that taught", |run: &ReplayedRun| run.summary.foresight.trust.coasts),
+        Column::count("coasts", "coasts that taught", |run: &ReplayedRun| run.summary.foresight.trust.coasts as usize),
         coast_error("coast_error_kmh", "by what had been learned", |foresight| foresight.learned_mps),
         coast_error("coast_error_described_kmh", "by the description", |foresight| foresight.described_mps),
-        Column::number("coast_scatter", "", scatter, |run: &ReplayedRun| run.trust.inflation().sqrt()),
+        Column::number("coast_scatter", "1", scatter, |run: &ReplayedRun| run.trust.inflation().sqrt()),
     ];
     columns.extend(TAUGHT_KMH.map(taught));
     columns

@@ -53,6 +53,8 @@ pub struct Answer {
 pub fn answer(out: &Path, seed: Option<u64>, tell: impl Fn(&str)) -> Result<Answer, Refused> {
     let mut with = Simulation::parse(Path::new("tunnel_best.toml"), WITH_TUNNEL)?;
     with.seed = seed.unwrap_or(with.seed);
+    // The description of the line has a tunnel nearby, which the workflow would take for granted.
+    with.track.tunnel.clear();
     let mut without = with.clone();
     without.scenario.effects.clear();
     let truth = tunnel(&with)?;
@@ -232,12 +234,15 @@ mod tests {
         let mut without = with.clone();
         without.scenario.effects.clear();
         let [inside, outside] = [&with, &without].map(|simulation| mean_r0(simulation).unwrap());
+        let mut compared = 0;
         for (a, b) in inside.iter().zip(&outside) {
             for index in [0, 1] {
                 if let (Some(a), Some(b)) = (a[index].mean(), b[index].mean()) {
-                    assert!((a / b - 1.0).abs() < 5e-3, "{a} {b}");
+                    assert!((a / b - 1.0).abs() < 5e-4, "{a} {b}");
+                    compared += 1;
                 }
             }
         }
+        assert!(compared > 100, "{compared}");
     }
 }

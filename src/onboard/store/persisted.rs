@@ -16,7 +16,7 @@ use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use rundown_wire::{EffectKind, errors};
 
-/// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order, or [`SCALES`](crate::tick::memory::SCALES).
+/// Version of [`Persisted`]'s layout. Raised by every change of its fields, their order (a last field that older records lack excepted), or [`SCALES`](crate::tick::memory::SCALES).
 pub const LAYOUT: u16 = 2;
 
 in_place! {
@@ -164,9 +164,8 @@ impl Persisted {
         manufacturer: &Davis,
         effects: &mut Effects,
     ) -> Result<Vehicle, NotRestored> {
-        let vehicle = Vehicle::from_record(&self.vehicle, manufacturer)
-            .and_then(|vehicle| vehicle.with_trust(self.trust.into()))
-            .map_err(NotRestored::Vehicle)?;
+        let mut vehicle = Vehicle::from_record(&self.vehicle, manufacturer).map_err(NotRestored::Vehicle)?;
+        vehicle.set_trust(self.trust.into());
         self.effects_in(effects)?;
         Ok(vehicle)
     }

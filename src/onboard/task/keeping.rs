@@ -136,8 +136,8 @@ impl<'a, F: NorFlash> Task<'a, F> {
     }
 
     pub(super) fn write(&mut self) {
-        let mut persisted =
-            Persisted { lifetime: self.lifetime, ..Persisted::new(&self.vehicle, self.estimator.effects()) };
+        let mut persisted = Persisted::new(&self.vehicle, self.estimator.effects());
+        persisted.lifetime = self.lifetime;
         let written = match (&mut self.store, self.verifier.train()) {
             (Some(store), Some(train)) => persisted.save(store, train).is_ok(),
             _ => false,

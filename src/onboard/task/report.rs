@@ -46,7 +46,7 @@ impl<F: NorFlash> Task<'_, F> {
         };
         let nominal = self.estimator.train().davis();
         let (published, learned) =
-            self.published.judge(&nominal, self.initial_sd, &davis, self.vehicle.trust().is_worse());
+            self.published.judge(&nominal, self.initial_sd, &davis, self.vehicle.trust().worse_by());
         let gain = match self.estimator.config().mode {
             Mode::Measured => Some(self.run.gain()),
             Mode::Gated | Mode::Paper => None,
@@ -68,7 +68,7 @@ impl<F: NorFlash> Task<'_, F> {
             return;
         }
         let mut ahead = self.estimator.coast_ahead(self.run, estimate);
-        if self.published.is_out_of_bounds() {
+        if self.published.is_withheld() {
             ahead.outcome = Outcome::Unknown;
         }
         let news = self.coast.is_news(&self.estimator.config().coast, &ahead);

@@ -117,12 +117,11 @@ impl Vehicle {
         Ok(vehicle)
     }
 
-    /// The same with what is known of how it foresaw coasts.
-    ///
-    /// # Errors
-    /// [`Implausible::NotFinite`].
-    pub fn with_trust(self, trust: Trust) -> Result<Self, Implausible> {
-        if trust.is_sound() { Ok(Self { trust, ..self }) } else { Err(Implausible::NotFinite) }
+    /// Takes up what is known of how it foresaw coasts. Numbers that are none are left: what was learned is worth more.
+    pub fn set_trust(&mut self, trust: Trust) {
+        if trust.is_sound() {
+            self.trust = trust;
+        }
     }
 
     fn check(&self, manufacturer: &Davis) -> Result<(), Implausible> {

@@ -34,11 +34,20 @@ fn moved(printed: &PaperConfig, decades: &[f64]) -> PaperConfig {
     }
 }
 
+/// Share of the runs with a negative coefficient or a restart.
+fn bad(passes: &[Pass]) -> f64 {
+    passes.iter().filter(|pass| pass.is_negative() || pass.restarts > 0).count() as f64 / passes.len() as f64
+}
+
+/// Logarithm of the likelihood a sample, nats.
+fn likelihood(passes: &[Pass]) -> f64 {
+    let logs = || passes.iter().flat_map(|pass| &pass.log_likelihood);
+    logs().sum::<f64>() / logs().count() as f64
+}
+
 /// Negative logarithm of the likelihood a sample, nats, with the cost of negative coefficients and restarts.
 fn cost(passes: &[Pass]) -> f64 {
-    let logs = || passes.iter().flat_map(|pass| &pass.log_likelihood);
-    let bad = passes.iter().filter(|pass| pass.is_negative() || pass.restarts > 0).count();
-    let cost = NEGATIVE * bad as f64 / passes.len() as f64 - logs().sum::<f64>() / logs().count() as f64;
+    let cost = NEGATIVE * bad(passes) - likelihood(passes);
     if cost.is_finite() { cost } else { NEGATIVE }
 }
 
@@ -54,9 +63,9 @@ impl<F: Fn(&Filter) -> Vec<Pass>> CostFunction for Problem<'_, F> {
 }
 
 /// What the best initial deviations add to the log-likelihood of a sample, nats; `passes` are the runs through a filter. Zero where the search
-/// finds none better; not a number where it fails.
+/// finds none better; not a number where it fails, or where it finds none without a negative coefficient.
 pub fn gain_per_sample(filter: &Filter, passes: impl Fn(&Filter) -> Vec<Pass>) -> f64 {
-    let printed = cost(&passes(filter));
+    let printed = likelihood(&passes(filter));
     let corner = |index: usize| {
         let mut place = vec![0.0; COUNT];
         if let Some(index) = index.checked_sub(1) {
@@ -67,7 +76,9 @@ pub fn gain_per_sample(filter: &Filter, passes: impl Fn(&Filter) -> Vec<Pass>) -
     let solver = NelderMead::new((0..=COUNT).map(corner).collect());
     let problem = Problem { filter, passes: &passes };
     let found = Executor::new(problem, solver).configure(|state| state.max_iters(STEPS)).timer(false).run();
-    found.map_or(f64::NAN, |found| printed - found.state().best_cost)
+    let best = found.ok().and_then(|found| found.state().best_param.clone());
+    let best = best.map(|decades| passes(&Filter { config: moved(&filter.config, &decades), ..*filter }));
+    best.filter(|passes| bad(passes) == 0.0).map_or(f64::NAN, |passes| likelihood(&passes) - printed)
 }
 
 #[cfg(test)]
