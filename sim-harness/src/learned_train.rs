@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn what_is_not_published_is_no_train() {
         let worse = run("7", 0.0070, "null", "null").replace("\"learned\"", "\"predicts_worse\"");
-        assert!(learned(&[worse.clone()], None).unwrap_err().contains("found `predicts_worse`"));
+        assert!(learned(std::slice::from_ref(&worse), None).unwrap_err().contains("found `predicts_worse`"));
         assert!(learned(&[worse, run("7", 0.0070, "null", "null")], None).is_ok());
     }
 

@@ -130,6 +130,8 @@ struct Described {
     files: Option<(TrainFile, TrackFile)>,
     /// Other sets on which the claims are judged, too.
     others: Vec<RunSource>,
+    /// Of the estimator, where the track has a doubt of its own.
+    config: Option<Config>,
 }
 
 pub(super) struct Study {
@@ -225,6 +227,7 @@ fn described(arguments: &Arguments, config: &Config) -> Result<Described, Failur
         source,
         words: "read from files".to_owned(),
         files: None,
+        config: Some(config),
         others: Vec::new(),
     })
 }
@@ -239,6 +242,7 @@ fn simulated(simulation: Simulation, seed: u64, count: usize, seeds: usize) -> R
     Ok(Described {
         train_name: format!("{} (simulated)", simulation.train.name),
         track_name: simulation.track.name.clone(),
+        config: None,
         files: Some((simulation.train.clone(), simulation.track.clone())),
         train: of_scenario.train,
         track: of_scenario.track,
@@ -264,6 +268,7 @@ fn study(
     keep_runs: Option<&Path>,
     out: &Path,
 ) -> Result<Study, Failure> {
+    let config = described.config.unwrap_or(config);
     let (train, track) = (described.train, described.track.clone());
     let estimators = Estimators::try_new(config, train, &track)?;
     write::folder(out)?;

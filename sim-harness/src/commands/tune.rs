@@ -96,13 +96,13 @@ fn write_results(out: &Path, tuned: &Config, tuning: &Tuning) -> Result<(), Fail
 
 fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure> {
     let count = usize::from(arguments.count);
-    let (train, track, mut source, words) = match arguments.recorded.open(&base)? {
-        Some(opened) => (opened.train, opened.track, opened.source, "recorded"),
+    let (train, track, mut source, words, base) = match arguments.recorded.open(&base)? {
+        Some(opened) => (opened.train, opened.track, opened.source, "recorded", opened.config),
         None => {
             let simulation = case_study()?;
             let described = description::of(&simulation)?;
             let source = RunSource::simulated(simulation, arguments.seed, count);
-            (described.train, described.track, source, "simulated")
+            (described.train, described.track, source, "simulated", base)
         }
     };
     let mut runs = Vec::new();
