@@ -137,7 +137,9 @@ fn a_row_back_in_time_is_warned_of_and_counted() {
 
 #[test]
 fn what_spoils_a_whole_replay_is_said_aloud() {
-    let folder = Folder::new().with("run.csv", RUN).with("short.toml", "name = \"km for m\"\nlength_m = 32\n");
+    let folder = Folder::new()
+        .with("run.csv", RUN)
+        .with("short.toml", "name = \"km for m\"\nlength_m = 32\ngradient_sd_permille = 0\n");
     let notes = |output: &Said| {
         assert_eq!(output.code, Some(0), "{}", output.err);
         let json = folder.json("out/replay.json");

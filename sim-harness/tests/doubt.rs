@@ -62,7 +62,7 @@ fn a_gap_on_unknown_gradients_is_refused() {
         "--runs",
         "set/runs",
     ]);
-    assert_eq!(said.code, Some(2), "{}", said.err);
+    assert_eq!(said.code, Some(3), "{}", said.err);
     assert!(said.err.contains("gradients may be off by 5 permille"), "{}", said.err);
     assert!(!folder.path("out").exists());
 }

@@ -136,7 +136,7 @@ fn the_numbers_are_those_of_the_runs() {
     let of_runs = runs.numbers("paper_brake_60_to_40_mps2");
     let mean = of_runs.iter().sum::<f64>() / of_runs.len() as f64;
     assert!((mean - step).abs() < 1e-9, "{mean} {step}");
-    let drawn = brake.rows_of("kind", "run").rows_of("speed_kmh", "5.0000000000000000e1");
+    let drawn = brake.rows_of("kind", "run").rows_of("speed_kmh", "50.0");
     assert_eq!(drawn.numbers("brake_rate_mps2"), of_runs);
 
     let true_step = brake.rows_of("kind", "true_step").rows_of("run", "60_to_40");
