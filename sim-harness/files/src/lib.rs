@@ -13,7 +13,7 @@
 //! | what does the estimator get? | [`recording`], [`map_matching`], [`units`] |
 //! | what does it say? | [`replay`] |
 //! | train, track, configuration, effects | [`train_file`], [`track_file`], [`config_file`], [`effect_file`], all by [`toml_file`] |
-//! | tables and runs for other tools | [`column`], [`table`], [`parquet`] |
+//! | tables and runs for other tools | [`mod@column`], [`table`], [`parquet`] |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 

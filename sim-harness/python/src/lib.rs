@@ -2,11 +2,11 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | how do the commands look from Python? | [`replay`], [`simulate`], [`check`], [`gap`] |
-//! | how does a table reach pandas, polars, pyarrow or DuckDB? | [`table`] |
-//! | how are pictures seen? | [`figure`] |
-//! | how is a refusal raised? | [`error`] |
-//! | how is progress said? | [`progress`] |
+//! | how do the commands look from Python? | `replay`, `simulate`, `check`, `gap` |
+//! | how does a table reach pandas, polars, pyarrow or DuckDB? | `table` |
+//! | how are pictures seen? | `figure` |
+//! | how is a refusal raised? | `error` |
+//! | how is progress said? | `progress` |
 //!
 //! Nothing is calculated here: every number is that of `sim-harness`, as the command `rundown` has it. What is documented for Python stands in
 //! `rundown/__init__.pyi`, and in the docstrings that Python shows.

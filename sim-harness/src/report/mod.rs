@@ -5,8 +5,8 @@
 //!        -> figures -> axis, chart -> SVG ->
 //! ```
 //!
-//! In: a [`Report`], which borrows what the replay has. Out: one HTML file that needs nothing else: no script, no style sheet, no font,
-//! no address. The figures are functions of their own ([`figures`]) for other reports.
+//! In: a `Report`, which borrows what the replay has. Out: one HTML file that needs nothing else: no script, no style sheet, no font,
+//! no address. The figures are functions of their own (`figures`) for other reports.
 //!
 //! A missing value is a gap in a figure and a dash in a table, with its reason beside it; a number that is not finite is never shown.
 
