@@ -216,8 +216,12 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
     /// What of a vehicle is published between runs, and how far it may be trusted.
     pub fn published(&self, vehicle: &Vehicle) -> (Davis, Learned) {
         let nominal = self.train.davis();
-        let initial_sd = resistance_sd(&self.new_vehicle().davis(), KmPerHour(JUDGED_KMH).to_mps());
-        Published::default().judge(&nominal, initial_sd, &vehicle.davis(), vehicle.trust().worse_by())
+        Published::default().judge(&nominal, self.initial_sd(), &vehicle.davis(), vehicle.trust().worse_by())
+    }
+
+    /// Standard deviation of r at [`JUDGED_KMH`] by the description alone, N/kg, by which it is judged what was learned.
+    pub(crate) fn initial_sd(&self) -> Real {
+        resistance_sd(&self.new_vehicle().davis(), KmPerHour(JUDGED_KMH).to_mps())
     }
 
     /// Begins a run with what is known of the vehicle.

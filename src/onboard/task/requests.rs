@@ -5,14 +5,12 @@ use crate::coast_ahead::Steady;
 use crate::estimator::config::Mode;
 use crate::model::direction::Direction;
 use crate::model::effects::{self, FrameError};
-use crate::model::state::{SPEED, resistance_sd};
+use crate::model::state::SPEED;
 use crate::model::table::Table;
 use crate::model::track::Track;
 use crate::model::train::Train;
-use crate::model::units::KmPerHour;
 use crate::plain::{self, Plain as _};
 use crate::tick::estimate::Estimate;
-use crate::tick::published::JUDGED_KMH;
 use crate::tick::regime::Regime;
 use crate::uplink::{Command, Pace, Request, Setting, TrackPart, TrainFrame};
 use embedded_storage::nor_flash::NorFlash;
@@ -106,8 +104,7 @@ impl<F: NorFlash> Task<'_, F> {
     /// How well r is known by the description alone; the same all through a run.
     #[inline(never)]
     pub(super) fn judge_by_description(&mut self) {
-        let described = self.estimator.new_vehicle().davis();
-        self.initial_sd = resistance_sd(&described, KmPerHour(JUDGED_KMH).to_mps());
+        self.initial_sd = self.estimator.initial_sd();
     }
 
     /// Ends the run: its summary goes out, what it taught into the vehicle and the flash.
