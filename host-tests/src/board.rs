@@ -6,6 +6,7 @@ use crate::flash::Flash;
 use crate::prelude::*;
 use rundown::estimator::run_state::RunState;
 use rundown::onboard::auth::{Key, Provisioning, ProvisioningError};
+use rundown::onboard::event::Event;
 use rundown::onboard::task::{Port, Room, Task};
 use rundown_wire::{Answer, Downlink, Estimate, Health, Refusal, SnapshotPart, Status};
 
@@ -74,12 +75,19 @@ pub struct Board {
     pub wire: Wire,
     /// The other end.
     pub desk: Desk,
+    /// What happened, for the log.
+    pub log: Vec<Event>,
 }
 
 impl Board {
     /// Starts with this flash.
     pub fn start(flash: Flash) -> Self {
-        Self { task: task(Ok(PROVISIONING), flash, false), wire: Wire::default(), desk: Desk::new(PROVISIONING) }
+        Self {
+            task: task(Ok(PROVISIONING), flash, false),
+            wire: Wire::default(),
+            desk: Desk::new(PROVISIONING),
+            log: Vec::new(),
+        }
     }
 
     /// With empty flash and a run of the description under way in lockstep.
@@ -98,13 +106,19 @@ impl Board {
     /// Hands over a message and reads the frames that it brings.
     pub fn say(&mut self, message: &[u8]) -> Vec<Downlink> {
         self.task.receive(message, &mut self.wire);
+        self.log_events();
         self.heard()
     }
 
     /// One tick of the clock.
     pub fn tick(&mut self) -> Vec<Downlink> {
         self.task.tick(&mut self.wire);
+        self.log_events();
         self.heard()
+    }
+
+    fn log_events(&mut self) {
+        self.log.extend(std::iter::from_fn(|| self.task.next_event()));
     }
 
     /// The frames that wait, each read and heard by the desk.

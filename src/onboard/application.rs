@@ -4,6 +4,7 @@ use crate::estimator::run_state::RunState;
 use crate::link::Counters;
 use crate::link::serial::{self, Decoder};
 use crate::onboard::auth::{Provisioning, ProvisioningError};
+use crate::onboard::event::Event;
 use crate::onboard::task::{Port, Room, Task};
 use embedded_storage::nor_flash::NorFlash;
 use rundown_wire::Health;
@@ -20,6 +21,8 @@ pub trait Hardware: Copy {
     fn other_links(&self) -> Counters {
         Counters::ZERO
     }
+    /// Something happened, for the log.
+    fn log(&self, _: &Event) {}
 }
 
 impl<F: Fn() -> Health + Copy> Hardware for F {
@@ -58,6 +61,7 @@ impl<'a, F: NorFlash> Application<'a, F> {
                 self.messages.received = self.messages.received.saturating_add(1);
                 let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
                 self.task.receive(message, &mut line);
+                self.log(hardware);
             }
             Ok(None) => {}
             Err(error) => error.count(&mut self.messages),
@@ -68,12 +72,20 @@ impl<'a, F: NorFlash> Application<'a, F> {
     pub fn take(&mut self, message: &[u8], hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
         let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
         self.task.receive(message, &mut line);
+        self.log(hardware);
     }
 
     /// A tick of the clock.
     pub fn tick(&mut self, hardware: impl Hardware, send: &mut impl FnMut(&[u8]) -> bool) {
         let mut line = AnswerPort { send, hardware, messages: &mut self.messages };
         self.task.tick(&mut line);
+        self.log(hardware);
+    }
+
+    fn log(&mut self, hardware: impl Hardware) {
+        while let Some(event) = self.task.next_event() {
+            hardware.log(&event);
+        }
     }
 }
 

@@ -320,6 +320,7 @@ pub struct Effects {
 
 /// How the memory that survives power is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Memory {

@@ -35,6 +35,7 @@ pub const FILE_TAIL: usize = 24;
 
 /// What the firmware wrote down before the reset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[serde(rename_all = "snake_case")]
 pub enum Failure {
     /// Nothing: power-on, button, or the end came without warning.
@@ -92,6 +93,7 @@ impl Failure {
 
 /// Which task has not advanced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Stalled {
     /// The tick task.
     pub tick: bool,

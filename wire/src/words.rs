@@ -8,6 +8,7 @@ macro_rules! words {
     ($(#[$of_all:meta])* $name:ident { $($(#[$of_one:meta])* $value:ident $word:literal,)* }) => {
         $(#[$of_all])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         #[serde(rename_all = "snake_case")]
         pub enum $name {
             $($(#[$of_one])* $value,)*

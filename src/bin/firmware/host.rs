@@ -5,8 +5,9 @@
 //! ```
 
 use rundown::estimator::run_state::RunState;
-use rundown::onboard::application::Application;
+use rundown::onboard::application::{Application, Hardware};
 use rundown::onboard::auth::provisioning::{Provisioning, SIZE};
+use rundown::onboard::event::Event;
 use rundown::onboard::flash::{Memory, MemoryFlash, RECORDS};
 use rundown::onboard::task::Room;
 use rundown_wire::Health;
@@ -41,10 +42,25 @@ pub fn run() -> io::Result<()> {
             return written;
         }
         for byte in bytes {
-            application.receive(*byte, Health::default, &mut send);
+            application.receive(*byte, Host, &mut send);
         }
         let taken = bytes.len();
         stdin.consume(taken);
+    }
+}
+
+/// No hardware: nothing is known of it, and what happens is written to stderr.
+#[derive(Clone, Copy)]
+struct Host;
+
+impl Hardware for Host {
+    fn health(&self) -> Health {
+        Health::default()
+    }
+
+    fn log(&self, event: &Event) {
+        let level = if event.is_trouble() { "warn" } else { "info" };
+        eprintln!("{level}: {event}");
     }
 }
 

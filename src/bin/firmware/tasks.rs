@@ -32,6 +32,7 @@ mod app {
     use rundown::onboard::board::{Board, FailurePoint, Started};
     use rundown::onboard::clock::Clock;
     use rundown::onboard::crash_loop::Operation;
+    use rundown::onboard::event::Event;
     use rundown::onboard::kept::{Boot, Kept};
     use rundown::onboard::outbox::Outbox;
     use rundown::onboard::serial::{self, LineErrors};
@@ -98,7 +99,7 @@ mod app {
         };
         let (kept, boot) = Kept::boot(kept_ram::load(), cause);
         kept_ram::store(&kept);
-        defmt::info!("boot, clock {=u32} Hz, resets {=u32}", clock.hz(), boot.resets);
+        log(&Event::boot(&boot, clock.hz()));
         let heartbeat_only = boot.operation == Operation::HeartbeatOnly;
         let application = place(cx.local.application, flash, heartbeat_only, cx.local.run, cx.local.room);
         let can = can::Line::start(clock.hz(), &LINE_ERRORS);
@@ -241,6 +242,16 @@ mod app {
         }
     }
 
+    /// To the debugger.
+    #[inline(never)]
+    fn log(event: &Event) {
+        if event.is_trouble() {
+            defmt::warn!("{}", event);
+        } else {
+            defmt::info!("{}", event);
+        }
+    }
+
     impl Hardware for Start {
         fn health(&self) -> Health {
             Health {
@@ -264,6 +275,10 @@ mod app {
 
         fn uptime_s(&self) -> u32 {
             PERIODS.load(Ordering::Relaxed) / TIMER_HZ
+        }
+
+        fn log(&self, event: &Event) {
+            log(event);
         }
     }
 }

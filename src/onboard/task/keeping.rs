@@ -6,6 +6,7 @@ use crate::coast_ahead::Steady;
 use crate::estimator::Estimator;
 use crate::estimator::run_state::RunState;
 use crate::onboard::auth::{Provisioning, ProvisioningError, Verifier};
+use crate::onboard::event::Event;
 use crate::onboard::store::persisted::{LAYOUT, Lifetime, NotRestored, Persisted};
 use crate::onboard::store::{EpochError, Identity, Refused, Store};
 use crate::onboard::train_id::TrainId;
@@ -14,7 +15,7 @@ use crate::tick::published::Published;
 use crate::tick::snapshot::InPlace;
 use crate::uplink::Pace;
 use embedded_storage::nor_flash::NorFlash;
-use heapless::Vec;
+use heapless::{Deque, Vec};
 use rundown_wire::{Memory, REFUSALS};
 
 impl<'a, F: NorFlash> Task<'a, F> {
@@ -80,6 +81,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
             effects_unsaved: false,
             records: [0; 2],
             snapshot: SnapshotBuffer::new(&mut room.snapshot),
+            events: Deque::new(),
         }
     }
 
@@ -121,6 +123,7 @@ impl<'a, F: NorFlash> Task<'a, F> {
         if self.memory != Memory::ReadOnly {
             self.memory = found;
         }
+        self.note(Event::Vehicle(self.memory));
     }
 
     /// Keeps the vehicle; once a run.
@@ -145,6 +148,8 @@ impl<'a, F: NorFlash> Task<'a, F> {
         let [written_count, failed_count] = &mut self.records;
         let count = if written { written_count } else { failed_count };
         *count = count.saturating_add(1);
+        let event = if written { Event::Kept(*count) } else { Event::NotKept };
+        self.note(event);
         self.effects_unsaved &= !written;
         if !written {
             self.memory = Memory::ReadOnly;

@@ -28,6 +28,7 @@ use crate::estimator::{Estimator, RunSummary};
 use crate::model::effects::Effects;
 use crate::model::track::Track;
 use crate::onboard::auth::Verifier;
+use crate::onboard::event::{self, Event};
 use crate::onboard::frames;
 use crate::onboard::store::Store;
 use crate::onboard::store::persisted::Lifetime;
@@ -39,6 +40,7 @@ use crate::tick::plausibility::{FAR_S, follows, is_time};
 use crate::tick::published::Published;
 use crate::uplink::{self, Command, Pace, Request, Uplink};
 use embedded_storage::nor_flash::NorFlash;
+use heapless::Deque;
 use rundown_wire::{Answer, Body, Health, Memory, REFUSALS, Refusal};
 use snapshots::SnapshotBuffer;
 
@@ -145,6 +147,7 @@ pub struct Task<'a, F> {
     effects_unsaved: bool,
     records: [u32; 2],
     snapshot: SnapshotBuffer<'a>,
+    events: Deque<Event, { event::WAITING }>,
 }
 
 impl<F: NorFlash> Task<'_, F> {
@@ -321,6 +324,7 @@ impl<F: NorFlash> Task<'_, F> {
     fn answer(&mut self, to: u16, result: Result<(), Refusal>, port: &mut impl Port) {
         if let Err(refusal) = result {
             self.count_refusal(refusal);
+            self.note(Event::Refused(refusal));
         }
         self.send(Body::Answer(Answer { to, result }), port);
     }
@@ -329,6 +333,17 @@ impl<F: NorFlash> Task<'_, F> {
         if let Some(count) = self.refusals.get_mut(refusal as usize) {
             *count = count.saturating_add(1);
         }
+    }
+
+    /// For whoever reads the board's log.
+    fn note(&mut self, event: Event) {
+        // A full ring drops it: the frames have it too.
+        let _noted = self.events.push_back(event).is_ok();
+    }
+
+    /// What has happened since this was asked last, oldest first; to be asked after each call, or later events are dropped.
+    pub fn next_event(&mut self) -> Option<Event> {
+        self.events.pop_front()
     }
 
     fn described(&self) -> bool {

@@ -9,6 +9,7 @@ use crate::model::state::SPEED;
 use crate::model::table::Table;
 use crate::model::track::Track;
 use crate::model::train::Train;
+use crate::onboard::event::Event;
 use crate::plain::{self, Plain as _};
 use crate::tick::estimate::Estimate;
 use crate::tick::regime::Regime;
@@ -91,6 +92,7 @@ impl<F: NorFlash> Task<'_, F> {
         self.judge_by_description();
         self.estimator.begin_run_in(self.run, &self.vehicle, direction);
         self.running = true;
+        self.note(Event::RunBegins);
         // So that a run gives the same frames whatever was before it.
         self.tick = 0;
         self.sequence = 0;
@@ -113,6 +115,7 @@ impl<F: NorFlash> Task<'_, F> {
         self.estimator.end_run_in(self.run, &mut self.vehicle, self.summary);
         self.running = false;
         self.newest = None;
+        self.note(Event::learned(self.summary.learned_s, &self.vehicle.davis()));
         self.keep();
         self.send_summary(port);
     }
