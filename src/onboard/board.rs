@@ -30,6 +30,9 @@ pub trait Board: Sized {
     /// Starts clock, system timer, serial line and watchdog.
     fn start(core: Self::Core) -> Option<Started<Self>>;
 
+    /// Keeps the clock right, where something has to be done for it after the start. Called some ten times a second.
+    fn trim_clock() {}
+
     /// Errors that the flash has reported since boot.
     fn flash_errors() -> u32 {
         0

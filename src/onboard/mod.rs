@@ -21,6 +21,7 @@ pub mod outbox;
 pub mod serial;
 pub mod stack;
 pub mod stm32l4_flash;
+pub mod stm32l4_serial;
 pub mod store;
 pub mod task;
 pub mod train_id;

@@ -14,6 +14,24 @@ errors! {
     pub struct TooLong { found: usize, capacity: usize } => "frame: expected at most {capacity} bytes, found {found}";
 }
 
+/// Bytes that come in one step, some 5 µs at 80 MHz: who locks the outbox against the line's interrupt need not do so for longer.
+const PIECE: usize = 64;
+
+/// A frame that comes in pieces.
+#[derive(Debug)]
+pub struct Arriving<'a> {
+    frame: &'a [u8],
+    /// Bytes of it that are in the outbox.
+    there: usize,
+}
+
+impl<'a> Arriving<'a> {
+    /// Nothing of it is there.
+    pub const fn new(frame: &'a [u8]) -> Self {
+        Self { frame, there: 0 }
+    }
+}
+
 /// A queue of frames in `N` bytes.
 ///
 /// ```
@@ -57,24 +75,39 @@ impl<const N: usize> Outbox<N> {
     /// # Errors
     /// [`TooLong`]: it would not fit into an empty outbox. Nothing changes.
     pub fn push(&mut self, frame: &[u8]) -> Result<(), TooLong> {
+        let mut arriving = Arriving::new(frame);
+        while !self.take(&mut arriving)? {}
+        Ok(())
+    }
+
+    /// One step of [`push`](Self::push): an old frame goes, or a piece comes. True when the frame is whole; only then it counts as one that waits.
+    /// Bytes may go meanwhile; a second frame must not come.
+    ///
+    /// # Errors
+    /// As for the whole.
+    pub fn take(&mut self, arriving: &mut Arriving<'_>) -> Result<bool, TooLong> {
+        let Arriving { frame, there } = arriving;
         if frame.len() > N {
             return Err(TooLong { found: frame.len(), capacity: N });
         }
-        while N - self.waiting < frame.len() {
+        if N - self.waiting < frame.len() {
             self.drop_oldest();
+            return Ok(false);
         }
-        let end = self.first + self.waiting;
+        let piece = frame.iter().skip(*there).take(PIECE);
+        let end = self.first + self.waiting + *there;
         let at = if end < N { end } else { end - N };
         // Up to the end of the room, the rest from its beginning. There is room: see above.
-        let (before, behind) = frame.split_at_checked(N - at).unwrap_or((frame, &[]));
-        for (to, byte) in self.bytes.iter_mut().skip(at).zip(before) {
+        let (front, back) = self.bytes.split_at_mut_checked(at).unwrap_or_default();
+        for (to, byte) in back.iter_mut().chain(front).zip(piece) {
             *to = *byte;
         }
-        for (to, byte) in self.bytes.iter_mut().zip(behind) {
-            *to = *byte;
+        *there = frame.len().min(*there + PIECE);
+        let whole = *there == frame.len();
+        if whole {
+            self.waiting += frame.len();
         }
-        self.waiting += frame.len();
-        Ok(())
+        Ok(whole)
     }
 
     /// The bytes that go next, as far as they lie together; none where nothing waits.
@@ -126,7 +159,15 @@ impl<const N: usize> Outbox<N> {
     fn drop_oldest(&mut self) {
         let owed = self.owed || self.inside;
         self.owed = false;
-        while self.pop().is_some_and(|byte| byte != DELIMITER) {}
+        loop {
+            let next = self.next();
+            let end = next.iter().position(|byte| *byte == DELIMITER);
+            let (count, last) = end.map_or((next.len(), next.is_empty()), |end| (end + 1, true));
+            self.gone(count);
+            if last {
+                break;
+            }
+        }
         (self.owed, self.inside) = (owed, false);
         self.dropped = self.dropped.saturating_add(1);
     }
@@ -240,6 +281,26 @@ mod tests {
             assert_eq!(outbox.dropped(), model.dropped, "step {step}");
         }
         assert!(outbox.dropped() > 1000);
+    }
+
+    #[test]
+    fn a_frame_in_pieces_waits_until_it_is_whole_whatever_goes_meanwhile() {
+        let mut outbox = Outbox::<300>::new();
+        let old: Vec<u8> = core::iter::repeat_n(7, 149).chain([0]).collect();
+        let new: Vec<u8> = core::iter::repeat_n(8, 199).chain([0]).collect();
+        outbox.push(&old).unwrap();
+        for _ in 0..100 {
+            outbox.pop();
+        }
+        let mut arriving = Arriving::new(&new);
+        let mut gone = Vec::new();
+        while !outbox.take(&mut arriving).unwrap() {
+            gone.extend(outbox.pop());
+        }
+        // 50 are left of the old frame: they and the new one fit.
+        assert_eq!(outbox.dropped(), 0);
+        gone.extend(drain(&mut outbox));
+        assert_eq!(gone, [&old[100..], &new].concat());
     }
 
     #[test]

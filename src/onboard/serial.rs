@@ -78,28 +78,40 @@ fn increment(counter: &AtomicU32) {
     counter.store(next, Ordering::Relaxed);
 }
 
-/// What the port's interrupt does. Returns whether bytes have come, for the link task to be woken.
+/// What a call of [`serve`] found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Served {
+    /// Bytes have come, for the link task to be woken.
+    pub came: bool,
+    /// There may be more: a port that collects bytes asks for no interrupt for these.
+    pub more: bool,
+}
+
+/// What the port's interrupt does.
 pub fn serve<const N: usize>(
     port: &mut impl LinePort,
     ring: &mut Producer<'_, u8>,
     outbox: &mut Outbox<N>,
     errors: &LineErrors,
-) -> bool {
-    let mut came = false;
+) -> Served {
+    let mut served = Served { came: false, more: true };
     for _ in 0..MOST_PER_CALL {
         match port.read() {
             Ok(byte) => {
-                came = true;
+                served.came = true;
                 if ring.enqueue(byte).is_err() {
                     errors.count_full();
                 }
             }
-            Err(nb::Error::WouldBlock) => break,
+            Err(nb::Error::WouldBlock) => {
+                served.more = false;
+                break;
+            }
             Err(nb::Error::Other(error)) => errors.count(error.kind()),
         }
     }
     send(port, outbox);
-    came
+    served
 }
 
 /// Starts sending what waits; the interrupt does the rest.
@@ -181,7 +193,7 @@ mod tests {
         };
         let (mut queue, mut outbox, errors) = (Queue::<u8, 8>::new(), Outbox::<8>::new(), LineErrors::new());
         let (mut ring, mut bytes) = queue.split();
-        assert!(serve(&mut port, &mut ring, &mut outbox, &errors));
+        assert_eq!(serve(&mut port, &mut ring, &mut outbox, &errors), Served { came: true, more: false });
         let arrived: Vec<u8> = core::iter::from_fn(|| bytes.dequeue()).collect();
         assert_eq!(arrived, [1, 2, 3]);
         let expected = LineCounts { overrun: 1, framing: 1, noise: 1, other: 1, ring_full: 0 };
@@ -193,7 +205,7 @@ mod tests {
         let mut port = Mock { line: std::iter::repeat_n(Err(ErrorKind::Overrun), 1000).collect(), ..Mock::default() };
         let (mut queue, mut outbox, errors) = (Queue::<u8, 8>::new(), Outbox::<8>::new(), LineErrors::new());
         let (mut ring, _) = queue.split();
-        assert!(!serve(&mut port, &mut ring, &mut outbox, &errors));
+        assert_eq!(serve(&mut port, &mut ring, &mut outbox, &errors), Served { came: false, more: true });
         assert_eq!(errors.counts().overrun as usize, MOST_PER_CALL);
     }
 

@@ -75,7 +75,6 @@ mod present {
         /// Sends what is due; the next message that came.
         pub fn exchange(&mut self, now_us: u64) -> Option<Message> {
             let line = self.0.as_mut()?;
-            can::trim();
             let message = line.exchange(now_us);
             can::wake();
             if message.is_some() || line.is_due() {

@@ -34,7 +34,7 @@ mod app {
     use rundown::onboard::crash_loop::Operation;
     use rundown::onboard::event::Event;
     use rundown::onboard::kept::{Boot, Kept};
-    use rundown::onboard::outbox::Outbox;
+    use rundown::onboard::outbox::{Arriving, Outbox};
     use rundown::onboard::serial::{self, LineErrors};
     use rundown::onboard::task::Room;
     use rundown::onboard::watchdog::{Beats, FeedRule, Watchdog};
@@ -128,10 +128,13 @@ mod app {
     #[task(binds = USART1, priority = 3, shared = [port, outbox], local = [ring_in])]
     fn line(cx: line::Context) {
         let ring = cx.local.ring_in;
-        let came =
+        let served =
             (cx.shared.port, cx.shared.outbox).lock(|port, outbox| serial::serve(port, ring, outbox, &LINE_ERRORS));
-        if came {
+        if served.came {
             rtic::pend(Interrupt::TSC);
+        }
+        if served.more {
+            rtic::pend(Interrupt::USART1);
         }
     }
 
@@ -185,6 +188,7 @@ mod app {
         if cx.shared.start.boot.operation == Operation::Normal {
             Metal::provoke(FailurePoint::Link);
         }
+        Metal::trim_clock();
         let now_us = stopwatch::now_us(&PERIODS);
         let message = cx.shared.can.exchange(now_us);
         cx.shared.start.can = cx.shared.can.counts();
@@ -233,12 +237,19 @@ mod app {
         let mut wires = (port, outbox);
         move |frame| {
             can.push(frame);
+            let mut arriving = Arriving::new(frame);
+            // A lock a piece: the line's interrupt waits for none of them for long.
+            let taken = loop {
+                match wires.lock(|_, outbox| outbox.take(&mut arriving)) {
+                    Ok(false) => {}
+                    taken => break taken.is_ok(),
+                }
+            };
             wires.lock(|port, outbox| {
-                let taken = outbox.push(frame).is_ok();
                 DROPPED.store(outbox.dropped(), Ordering::Relaxed);
                 serial::send(port, outbox);
-                taken
-            })
+            });
+            taken
         }
     }
 

@@ -1,10 +1,9 @@
 //! Registers, pins and interrupts of CAN1; the sequence is in `rundown::onboard::can::bxcan`.
 //!
-//! The MSI oscillator is good to 1 %, and at 87.5 % two nodes may differ by 1 % in all (0.48 % each): the board's 32 kHz crystal has to trim it (RM0351 6.2.3),
-//! which it does from when it runs, up to two seconds after power came. A board without the crystal may lose frames.
+//! At 87.5 % two nodes may differ by 1 % in all (0.48 % each): until the crystal trims the oscillator (`crystal`), and on a board without one, frames may be lost.
 
 use super::super::CAN_BIT_S;
-use super::device::{CAN1, Interrupt, NVIC_PRIO_BITS, Peripherals, RCC};
+use super::device::{CAN1, Interrupt, NVIC_PRIO_BITS, Peripherals};
 use core::cell::RefCell;
 use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::NVIC;
@@ -121,10 +120,9 @@ fn controller(clock_hz: u32) -> Option<Bxcan<Registers>> {
     let timing = BitTiming::new(clock_hz, CAN_BIT_S).ok()?;
     // SAFETY: the start is over, and with interrupts off nothing else touches clocks and pins; CAN1 is taken here only.
     let chip = unsafe { Peripherals::steal() };
-    chip.RCC.apb1enr1().modify(|_, w| w.can1en().set_bit().pwren().set_bit());
+    chip.RCC.apb1enr1().modify(|_, w| w.can1en().set_bit());
     // The reference manual wants a moment between the enable and the first access; a read makes it.
     let _ = chip.RCC.apb1enr1().read();
-    start_crystal(&chip);
     chip.RCC.ahb2enr().modify(|_, w| w.gpioben().set_bit());
     let _ = chip.RCC.ahb2enr().read();
     // SAFETY: alternate function 9 and mode 2 (alternate) exist for both pins.
@@ -132,19 +130,4 @@ fn controller(clock_hz: u32) -> Option<Bxcan<Registers>> {
     // SAFETY: as above.
     chip.GPIOB.moder().modify(|_, w| unsafe { w.moder8().bits(2).moder9().bits(2) });
     Bxcan::start(Registers(chip.CAN1), timing, accept).ok()
-}
-
-/// The crystal stands behind the backup domain's write protection.
-fn start_crystal(chip: &Peripherals) {
-    chip.PWR.cr1().modify(|_, w| w.dbp().set_bit());
-    chip.RCC.bdcr().modify(|_, w| w.lseon().set_bit());
-}
-
-/// Lets the crystal trim the oscillator once it runs. To be called now and then, from one task.
-pub fn trim() {
-    // SAFETY: after the start nothing else touches the clocks.
-    let rcc = unsafe { &*RCC::ptr() };
-    if rcc.bdcr().read().lserdy().bit() && rcc.cr().read().msipllen().bit_is_clear() {
-        rcc.cr().modify(|_, w| w.msipllen().set_bit());
-    }
 }

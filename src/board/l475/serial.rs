@@ -1,85 +1,15 @@
-//! USART1, 8N1, by interrupt.
+//! USART1, 8N1: its pins.
 
-use super::super::BAUD;
-use super::device::{GPIOB, RCC, USART1};
-use embedded_hal_nb::nb;
-use embedded_hal_nb::serial::{ErrorKind, ErrorType, Read, Write};
-use rundown::onboard::serial::LinePort;
+use super::device::{GPIOB, RCC};
 
-/// The debugger's virtual COM port.
-pub struct SerialPort(USART1);
-
-impl SerialPort {
-    pub fn start(rcc: &RCC, pins: &GPIOB, usart: USART1, bus_hz: u32) -> Self {
-        rcc.ahb2enr().modify(|_, w| w.gpioben().set_bit());
-        rcc.apb2enr().modify(|_, w| w.usart1en().set_bit());
-        // The reference manual wants a moment between the enable and the first access; a read makes it.
-        let _ = rcc.apb2enr().read();
-        // SAFETY: alternate function 7 and mode 2 (alternate) exist for both pins.
-        pins.afrl().modify(|_, w| unsafe { w.afrl6().bits(7).afrl7().bits(7) });
-        // SAFETY: as above.
-        pins.moder().modify(|_, w| unsafe { w.moder6().bits(2).moder7().bits(2) });
-        // SAFETY: 80 MHz gives 694, 4 MHz gives 35: both within the 16 bits, neither below 16.
-        usart.brr().write(|w| unsafe { w.bits((bus_hz + BAUD / 2) / BAUD) });
-        usart.cr1().write(|w| {
-            w.rxneie().set_bit();
-            w.re().set_bit();
-            w.te().set_bit();
-            w.ue().set_bit()
-        });
-        Self(usart)
-    }
-}
-
-impl ErrorType for SerialPort {
-    type Error = ErrorKind;
-}
-
-impl Read<u8> for SerialPort {
-    fn read(&mut self) -> nb::Result<u8, ErrorKind> {
-        let status = self.0.isr().read();
-        // The byte that is there when another overran it is good: read it first, the flag comes next time.
-        if status.rxne().bit() {
-            // 32-bit access, as the reference manual says; the low byte is the data. Reading takes the byte and its framing and noise flags.
-            let byte = (self.0.rdr().read().bits() & 0xFF) as u8;
-            if status.fe().bit() {
-                self.0.icr().write(|w| w.fecf().clear_bit_by_one());
-                return Err(nb::Error::Other(ErrorKind::FrameFormat));
-            }
-            if status.nf().bit() {
-                self.0.icr().write(|w| w.ncf().clear_bit_by_one());
-                return Err(nb::Error::Other(ErrorKind::Noise));
-            }
-            return Ok(byte);
-        }
-        if status.ore().bit() {
-            self.0.icr().write(|w| w.orecf().clear_bit_by_one());
-            return Err(nb::Error::Other(ErrorKind::Overrun));
-        }
-        Err(nb::Error::WouldBlock)
-    }
-}
-
-impl Write<u8> for SerialPort {
-    fn write(&mut self, byte: u8) -> nb::Result<(), ErrorKind> {
-        if self.0.isr().read().txe().bit_is_clear() {
-            return Err(nb::Error::WouldBlock);
-        }
-        // SAFETY: eight bits of the nine; a 32-bit access.
-        self.0.tdr().write(|w| unsafe { w.bits(byte.into()) });
-        Ok(())
-    }
-
-    fn flush(&mut self) -> nb::Result<(), ErrorKind> {
-        if self.0.isr().read().tc().bit_is_clear() {
-            return Err(nb::Error::WouldBlock);
-        }
-        Ok(())
-    }
-}
-
-impl LinePort for SerialPort {
-    fn interrupt_when_writable(&mut self, on: bool) {
-        self.0.cr1().modify(|_, w| w.txeie().bit(on));
-    }
+/// Gives USART1 its clock and its pins: the debugger's virtual COM port.
+pub fn pins(rcc: &RCC, pins: &GPIOB) {
+    rcc.ahb2enr().modify(|_, w| w.gpioben().set_bit());
+    rcc.apb2enr().modify(|_, w| w.usart1en().set_bit());
+    // The reference manual wants a moment between the enable and the first access; a read makes it.
+    let _ = rcc.apb2enr().read();
+    // SAFETY: alternate function 7 and mode 2 (alternate) exist for both pins.
+    pins.afrl().modify(|_, w| unsafe { w.afrl6().bits(7).afrl7().bits(7) });
+    // SAFETY: as above.
+    pins.moder().modify(|_, w| unsafe { w.moder6().bits(2).moder7().bits(2) });
 }

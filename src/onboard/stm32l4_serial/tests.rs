@@ -1,0 +1,340 @@
+//! A mock of the chip: a line that brings and takes bytes, both channels, and the flags that ask for interrupts.
+
+use super::*;
+use crate::onboard::outbox::Outbox;
+use crate::onboard::serial::{self, LineErrors};
+use heapless::spsc::Queue;
+use rundown_wire::LineCounts;
+extern crate std;
+use std::vec::Vec;
+
+const DATA: (u32, u32) = (0x4001_3828, 0x4001_3824);
+const BUFFERS: (u32, u32) = (0x2000_0100, 0x2000_0400);
+
+/// Channels by [`Channel::index`].
+#[derive(Clone, Copy, Debug, Default)]
+struct MockChannel {
+    control: u32,
+    left: u32,
+    /// What `left` was when it was enabled.
+    whole: u32,
+    device: u32,
+    memory: u32,
+}
+
+#[derive(Debug)]
+struct Mock {
+    control: u32,
+    by_dma: u32,
+    divider: u32,
+    status: u32,
+    flags: u32,
+    requests: u32,
+    channels: [MockChannel; 5],
+    receive: [u8; RECEIVE],
+    send: [u8; SEND],
+    line: Vec<u8>,
+    /// The buffer was written while the channel had it.
+    torn: bool,
+}
+
+impl Mock {
+    fn new() -> Self {
+        // After a reset flags and requests of others may be anything.
+        Self {
+            control: 0,
+            by_dma: 0,
+            divider: 0,
+            status: 0,
+            flags: u32::MAX,
+            requests: 0x0500_0777,
+            channels: Default::default(),
+            receive: [0; RECEIVE],
+            send: [0; SEND],
+            line: Vec::new(),
+            torn: false,
+        }
+    }
+
+    fn channel(&mut self, channel: Channel) -> &mut MockChannel {
+        &mut self.channels[channel.index() as usize]
+    }
+
+    /// The line brings a byte.
+    fn brings(&mut self, byte: u8) {
+        assert_eq!(self.control & usart::ENABLED, usart::ENABLED);
+        let channel = *self.channel(Channel::Receive);
+        if channel.control & dma::ENABLE == 0 {
+            self.status |= usart::OVERRUN;
+            return;
+        }
+        assert_eq!((channel.device, channel.memory), (DATA.1, BUFFERS.1));
+        self.receive[(channel.whole - channel.left) as usize] = byte;
+        let left = channel.left - 1;
+        if left == channel.whole / 2 {
+            self.flags |= Channel::Receive.flag(dma::HALF);
+        }
+        if left == 0 {
+            self.flags |= Channel::Receive.flag(dma::DONE);
+        }
+        self.channel(Channel::Receive).left = if left == 0 { channel.whole } else { left };
+    }
+
+    /// Bytes and then silence.
+    fn brings_all(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.brings(*byte));
+        self.status |= usart::IDLE;
+    }
+
+    /// The line takes what is being sent.
+    fn takes(&mut self, most: usize) {
+        for _ in 0..most {
+            let channel = *self.channel(Channel::Send);
+            if channel.control & dma::ENABLE == 0 || channel.left == 0 {
+                return;
+            }
+            assert_eq!((channel.device, channel.memory), (DATA.0, BUFFERS.0));
+            self.line.push(self.send[(channel.whole - channel.left) as usize]);
+            self.channel(Channel::Send).left -= 1;
+            if channel.left == 1 {
+                self.flags |= Channel::Send.flag(dma::DONE);
+            }
+        }
+    }
+
+    /// An interrupt is asked for.
+    fn asks(&self) -> bool {
+        let of_channel = |channel: Channel| {
+            let control = self.channels[channel.index() as usize].control;
+            // Done, half and error have the same place in the flags and in the control register.
+            self.flags >> (4 * channel.index()) & control & (dma::TELLS | dma::TELLS_HALF) != 0
+        };
+        let errors = usart::OVERRUN | usart::FRAMING | usart::NOISE;
+        self.status & (usart::IDLE | errors) != 0 || of_channel(Channel::Send) || of_channel(Channel::Receive)
+    }
+}
+
+impl SerialController for Mock {
+    fn register(&mut self, register: Register) -> u32 {
+        match register {
+            Register::Control => self.control,
+            Register::Dma => self.by_dma,
+            Register::Divider => self.divider,
+            Register::Status => self.status,
+            Register::Clear | Register::ClearFlags => 0,
+            Register::Flags => self.flags,
+            Register::Requests => self.requests,
+            Register::ChannelControl(channel) => self.channel(channel).control,
+            Register::Left(channel) => self.channel(channel).left,
+            Register::Device(channel) => self.channel(channel).device,
+            Register::Memory(channel) => self.channel(channel).memory,
+        }
+    }
+
+    fn set_register(&mut self, register: Register, bits: u32) {
+        let locked = |mock: &mut Self, channel: Channel| mock.channel(channel).control & dma::ENABLE != 0;
+        match register {
+            Register::Control => self.control = bits,
+            Register::Dma => self.by_dma = bits,
+            Register::Divider => self.divider = bits,
+            Register::Clear => self.status &= !bits,
+            Register::ClearFlags => self.flags &= !bits,
+            Register::Requests => self.requests = bits,
+            Register::Status | Register::Flags => panic!("read only"),
+            Register::ChannelControl(channel) => {
+                let channel = self.channel(channel);
+                channel.control = bits;
+                if bits & dma::ENABLE != 0 {
+                    channel.whole = channel.left;
+                }
+            }
+            Register::Left(channel) | Register::Device(channel) | Register::Memory(channel)
+                if locked(self, channel) =>
+            {
+                panic!("{register:?} is written while its channel runs")
+            }
+            Register::Left(channel) => self.channel(channel).left = bits,
+            Register::Device(channel) => self.channel(channel).device = bits,
+            Register::Memory(channel) => self.channel(channel).memory = bits,
+        }
+    }
+
+    fn addresses(&self, channel: Channel) -> (u32, u32) {
+        match channel {
+            Channel::Send => (DATA.0, BUFFERS.0),
+            Channel::Receive => (DATA.1, BUFFERS.1),
+        }
+    }
+
+    fn received(&mut self, at: usize) -> u8 {
+        self.receive[at]
+    }
+
+    fn collect(&mut self, at: usize, byte: u8) {
+        let channel = *self.channel(Channel::Send);
+        self.torn |= channel.control & dma::ENABLE != 0 && channel.left > 0;
+        self.send[at] = byte;
+    }
+}
+
+/// Port, ring and outbox as the firmware has them.
+struct Board {
+    port: Stm32l4Serial<Mock>,
+    ring: Queue<u8, 2048>,
+    outbox: Outbox<8192>,
+    errors: LineErrors,
+    got: Vec<u8>,
+    interrupts: u32,
+}
+
+impl Board {
+    fn start() -> Self {
+        let port = Stm32l4Serial::start(Mock::new(), 694);
+        let errors = LineErrors::new();
+        Self { port, ring: Queue::new(), outbox: Outbox::new(), errors, got: Vec::new(), interrupts: 0 }
+    }
+
+    fn chip(&mut self) -> &mut Mock {
+        &mut self.port.controller
+    }
+
+    /// Interrupts until none is asked for.
+    fn serve(&mut self) {
+        let mut again = false;
+        while self.chip().asks() || again {
+            self.interrupts += 1;
+            assert!(self.interrupts < 100_000, "an interrupt that never ends");
+            let (mut into, _) = self.ring.split();
+            again = serial::serve(&mut self.port, &mut into, &mut self.outbox, &self.errors).more;
+        }
+        self.got.extend(core::iter::from_fn(|| self.ring.dequeue()));
+    }
+
+    fn counts(&self) -> LineCounts {
+        self.errors.counts()
+    }
+}
+
+fn bytes(count: usize) -> Vec<u8> {
+    (0..count).map(|i| (i * 7 % 251) as u8).collect()
+}
+
+#[test]
+fn the_start_sets_up_both_channels_and_leaves_those_of_others() {
+    let mut board = Board::start();
+    let chip = board.chip();
+    assert_eq!(chip.requests, 0x0502_2777);
+    assert_eq!(chip.divider, 694);
+    assert_eq!(chip.by_dma & usart::BY_DMA, usart::BY_DMA);
+    assert_eq!(chip.flags & Channel::Receive.flag(dma::ALL), 0);
+    assert_eq!(chip.flags & Channel::Send.flag(dma::ALL), 0);
+    assert!(!chip.asks());
+}
+
+#[test]
+fn bytes_arrive_in_order_over_many_turns_of_the_buffer_and_after_any_silence() {
+    let mut board = Board::start();
+    let sent = bytes(20 * RECEIVE + 13);
+    let (mut at, mut piece) = (0, 1);
+    while at < sent.len() {
+        let end = (at + piece).min(sent.len());
+        board.chip().brings_all(&sent[at..end]);
+        board.serve();
+        (at, piece) = (end, piece * 5 % (RECEIVE / 2 - 1) + 1);
+    }
+    assert_eq!(board.got, sent);
+    assert_eq!(board.counts(), LineCounts::default());
+}
+
+#[test]
+fn a_line_that_never_falls_idle_is_served_at_halves_and_ends() {
+    let mut board = Board::start();
+    let sent = bytes(4 * RECEIVE);
+    for byte in &sent {
+        board.chip().brings(*byte);
+        board.serve();
+    }
+    assert_eq!(board.got, sent);
+    assert_eq!(board.counts(), LineCounts::default());
+    // 16 bytes at a time.
+    assert!(board.interrupts as usize <= 1 + sent.len() / serial::MOST_PER_CALL + 8, "{}", board.interrupts);
+}
+
+#[test]
+fn bytes_that_were_written_over_are_an_overrun_and_the_line_goes_on() {
+    let mut board = Board::start();
+    board.chip().brings_all(&bytes(RECEIVE + 100));
+    board.serve();
+    assert!(board.got.is_empty(), "what is left of them is not to be trusted");
+    assert_eq!(board.counts().overrun, 1);
+    board.chip().brings_all(&[1, 2, 3]);
+    board.serve();
+    assert_eq!(board.got, [1, 2, 3]);
+}
+
+#[test]
+fn errors_of_the_line_are_counted_once_each() {
+    let mut board = Board::start();
+    for (flag, count) in [(usart::OVERRUN, 1), (usart::FRAMING, 2), (usart::NOISE, 3)] {
+        for _ in 0..count {
+            board.chip().status |= flag;
+            board.chip().brings_all(&[9]);
+            board.serve();
+        }
+    }
+    assert_eq!(board.counts(), LineCounts { overrun: 1, framing: 2, noise: 3, ..LineCounts::default() });
+    assert_eq!(board.got, [9; 6]);
+}
+
+#[test]
+fn a_bus_error_starts_the_channel_again() {
+    let mut board = Board::start();
+    board.chip().brings_all(&[1, 2]);
+    board.serve();
+    board.chip().flags |= Channel::Receive.flag(dma::ERROR);
+    board.chip().channel(Channel::Receive).control &= !dma::ENABLE;
+    board.serve();
+    assert_eq!(board.counts().other, 1);
+    board.chip().brings_all(&[3, 4]);
+    board.serve();
+    assert_eq!(board.got, [1, 2, 3, 4]);
+}
+
+#[test]
+fn frames_go_in_order_and_a_buffer_that_is_being_sent_is_not_touched() {
+    let mut board = Board::start();
+    let mut expected = Vec::new();
+    for number in 1..=60_u8 {
+        let mut frame: Vec<u8> = (0..usize::from(number) * 3 % 200).map(|_| number).collect();
+        frame.push(0);
+        board.outbox.push(&frame).unwrap();
+        expected.extend(frame);
+        serial::send(&mut board.port, &mut board.outbox);
+        // The line is slower than the frames at first.
+        board.chip().takes(usize::from(number) * 5 % 190);
+        board.serve();
+    }
+    for _ in 0..200 {
+        board.chip().takes(SEND);
+        board.serve();
+    }
+    assert_eq!(board.outbox.dropped(), 0);
+    assert_eq!(board.chip().line, expected);
+    assert!(!board.chip().torn);
+    assert!(board.outbox.is_empty());
+    assert_eq!(board.port.flush(), Ok(()));
+}
+
+#[test]
+fn a_transfer_that_the_bus_refuses_is_given_up_and_the_next_one_goes() {
+    let mut board = Board::start();
+    board.outbox.push(&[1, 2, 0]).unwrap();
+    serial::send(&mut board.port, &mut board.outbox);
+    board.chip().flags |= Channel::Send.flag(dma::ERROR);
+    board.serve();
+    board.outbox.push(&[3, 0]).unwrap();
+    serial::send(&mut board.port, &mut board.outbox);
+    board.chip().takes(SEND);
+    board.serve();
+    assert_eq!(board.chip().line, [3, 0]);
+}
