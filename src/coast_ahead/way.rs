@@ -172,12 +172,14 @@ impl<'a> Way<'a> {
     }
 }
 
+#[inline]
 fn height_m2(line: &Line<'_>, location_m: Real) -> Real {
     let length_m = line.train.length_m();
     line.track.height_integral_m2(location_m, length_m, line.direction)
 }
 
 /// The speed of a v² that has fallen from `before` over `way_m`.
+#[inline]
 fn speed(before: f32, energy: f32, way_m: f32) -> Result<f32, Stands> {
     if energy > STANDS_M2_PER_S2 {
         return Ok(libm::sqrtf(energy));

@@ -59,26 +59,57 @@ impl fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
+/// Name and range of a setting.
+pub(crate) type Range = (&'static str, Real, Real);
+
+/// Settings that are compared with their ranges, one after the other: a call and a line of a table each, for there are a hundred of them.
+pub(crate) struct Check {
+    ranges: core::slice::Iter<'static, Range>,
+    refused: Option<OutOfRange>,
+}
+
+impl Check {
+    pub(crate) fn new(ranges: &'static [Range]) -> Self {
+        Self { ranges: ranges.iter(), refused: None }
+    }
+
+    /// The numbers of the next setting lie in its range; NaN does not.
+    #[inline(never)]
+    fn next(&mut self, found: &[Real]) {
+        // As many ranges as settings: see the macro.
+        let Some(&(field, least, most)) = self.ranges.next().filter(|_| self.refused.is_none()) else {
+            return;
+        };
+        let outside = found.iter().find(|found| !(least..=most).contains(found));
+        self.refused = outside.map(|found| OutOfRange { field, least, most, found: *found });
+    }
+
+    /// The first setting that is outside.
+    pub(crate) fn result(self) -> Result<(), OutOfRange> {
+        self.refused.map_or(Ok(()), Err)
+    }
+}
+
 /// A setting whose numbers have a range.
 pub(crate) trait Numbers {
-    fn numbers(&self) -> impl Iterator<Item = Real>;
+    fn check(&self, check: &mut Check);
 }
 
 impl Numbers for Real {
-    fn numbers(&self) -> impl Iterator<Item = Real> {
-        core::iter::once(*self)
+    fn check(&self, check: &mut Check) {
+        check.next(core::slice::from_ref(self));
     }
 }
 
 impl Numbers for u32 {
-    fn numbers(&self) -> impl Iterator<Item = Real> {
-        core::iter::once(Real::from(*self))
+    fn check(&self, check: &mut Check) {
+        check.next(&[Real::from(*self)]);
     }
 }
 
 impl<const N: usize> Numbers for [Real; N] {
-    fn numbers(&self) -> impl Iterator<Item = Real> {
-        self.iter().copied()
+    fn check(&self, check: &mut Check) {
+        check.next(self);
     }
 }
 
@@ -111,14 +142,16 @@ macro_rules! settings {
 
         impl $Name {
             pub(crate) fn check_ranges(&self) -> Result<(), crate::model::bounds::OutOfRange> {
+                const RANGES: &[crate::tick::bounds::Range] = &[
+                    $($((concat!($table, ".", stringify!($field)), $least as crate::Real, $most as crate::Real),)?)*
+                ];
+                #[allow(unused_mut, reason = "there are tables without a range")]
+                let mut check = crate::tick::bounds::Check::new(RANGES);
                 $($(
-                    for found in crate::tick::bounds::Numbers::numbers(&self.$field) {
-                        crate::model::bounds::between(
-                            concat!($table, ".", stringify!($field)), found, $least, $most,
-                        )?;
-                    }
+                    let _ = $least;
+                    crate::tick::bounds::Numbers::check(&self.$field, &mut check);
                 )?)*
-                Ok(())
+                check.result()
             }
         }
     };

@@ -268,8 +268,6 @@ impl Learner {
     ///
     /// # Errors
     /// [`NotPositiveDefinite`]: the segment is dropped, what was learned before stays.
-    // Called from two places, and 10 kB.
-    #[inline(never)]
     pub fn step(
         &mut self,
         config: &LearningConfig,
@@ -279,25 +277,37 @@ impl Learner {
         tick: &Tick,
         counts: &Counts,
     ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
+        let mut goes_on = true;
+        let stepped = self.advance(config, sensor, line, acting, (tick, counts), &mut goes_on);
+        if !goes_on {
+            self.end();
+        }
+        stepped
+    }
+
+    /// `goes_on`: the segment does, or there is none.
+    // Called from two places, and 10 kB; of its own, so that what it takes on the stack is given back before the segment ends.
+    #[inline(never)]
+    fn advance(
+        &mut self,
+        config: &LearningConfig,
+        sensor: &SensorConfig,
+        line: &Line<'_>,
+        acting: &Acting<'_>,
+        (tick, counts): (&Tick, &Counts),
+        goes_on: &mut bool,
+    ) -> Result<Option<Innovation<2>>, NotPositiveDefinite> {
         let Some(segment) = &mut self.segment else {
             return Ok(None);
         };
         segment.believed |= counts.believed;
-        let stepped = segment.step(config, sensor, line, acting, tick);
-        match stepped {
-            Ok((innovation, true)) => {
-                self.settle(counts, tick.time_s);
-                Ok(Some(innovation))
-            }
-            Ok((innovation, false)) => {
-                self.end();
-                Ok(Some(innovation))
-            }
-            Err(error) => {
-                self.end();
-                Err(error)
-            }
+        *goes_on = false;
+        let (innovation, believed) = segment.step(config, sensor, line, acting, tick)?;
+        if believed {
+            self.settle(counts, tick.time_s);
+            *goes_on = true;
         }
+        Ok(Some(innovation))
     }
 
     /// What was reached `end_cut_s` ago becomes valid, if the segment was long enough by then; what is reached now begins to wait.

@@ -2,6 +2,7 @@
 
 use super::{Failure, screen};
 use crate::gap_bench::draw::{Request, SIZES, Set, Size, kinds};
+use crate::gap_bench::folder;
 use crate::gap_bench::nuisance::Nuisance;
 use crate::gap_bench::score::Score;
 use crate::gap_bench::table::{Done, tables};
@@ -26,6 +27,9 @@ Examples:
 
   What recorders do wrong, hiding nothing:
     rundown gap-bench --sets 0 --pairs 0 --nuisance effort-gain --nuisance effort-late --nuisance location-off
+
+  Sets of others, each with its key in the folder `keys`:
+    rundown gap-bench --folder theirs --list
 
 Each set is written as `rundown simulate` does it, its truth is removed, and `rundown gap` investigates the rest.
 
@@ -73,6 +77,9 @@ pub struct Arguments {
     /// Keep the sets with their residuals, each under its seed, in the folder `sets` of the results: for `rundown gap` and other tools
     #[arg(long)]
     keep: bool,
+    /// Sets of others instead: a folder of sets as `rundown simulate` writes them, and of each its key, keys/NAME.json
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["kind", "size", "sets", "none", "pairs", "nuisance", "dirty", "runs", "seed", "only", "keep"])]
+    folder: Option<PathBuf>,
     /// Print each set with its key
     #[arg(long)]
     list: bool,
@@ -105,6 +112,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             message: format!("--dirty: expected a share of 0 to 1, found {}", arguments.dirty),
             code: super::WRONG_ARGUMENTS,
         });
+    }
+    if let Some(folder) = &arguments.folder {
+        return of_folder(folder, arguments);
     }
     let requests = requests(arguments);
     let sets = arguments.out.join("sets");
@@ -139,13 +149,48 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// All sets, each with its own seed.
-fn requests(arguments: &Arguments) -> Vec<Request> {
-    let efforts: &[bool] = match arguments.effort {
+/// Sets of others beside their keys.
+fn of_folder(folder: &Path, arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let keys = folder::keys(folder).map_err(Failure::refused)?;
+    let sets: Vec<_> =
+        keys.iter().flat_map(|key| efforts(arguments).iter().map(move |effort| (key, *effort))).collect();
+    let bar = screen::progress(sets.len());
+    let judged = sets
+        .into_par_iter()
+        .map(|((name, key), effort)| {
+            let judged = folder::judge(folder, name, key, effort)?;
+            if arguments.list {
+                bar.suspend(|| screen::print(&judged.line()));
+            }
+            bar.inc(1);
+            Ok(judged)
+        })
+        .collect::<Result<Vec<folder::Judged>, std::io::Error>>()
+        .map_err(Failure::refused)?;
+    bar.finish_and_clear();
+    let text = folder::tables(&judged);
+    let json = serde_json::to_string_pretty(&judged).map_err(Failure::not_written)?;
+    write::folder(&arguments.out)
+        .and_then(|()| write::text(&arguments.out.join("tables.md"), &text))
+        .and_then(|()| write::text(&arguments.out.join("sets.json"), &(json + "\n")))
+        .map_err(Failure::not_written)?;
+    screen::print(&text);
+    screen::print(&format!("{} sets; results: {}\n", judged.len(), arguments.out.display()));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// With an effort column, without, or both.
+fn efforts(arguments: &Arguments) -> &'static [bool] {
+    match arguments.effort {
         None => &[true, false],
         Some(Effort::With) => &[true],
         Some(Effort::Without) => &[false],
-    };
+    }
+}
+
+/// All sets, each with its own seed.
+fn requests(arguments: &Arguments) -> Vec<Request> {
+    let efforts = efforts(arguments);
     let sizes: Vec<Size> = match arguments.size.is_empty() {
         true => SIZES.to_vec(),
         false => arguments.size.iter().map(|size| SIZES[*size as usize]).collect(),

@@ -6,8 +6,10 @@
 //! | write it as `rundown simulate` does, take the key away, investigate | [`blind`] |
 //! | compare with the key: names, size, place, intervals, how much of the gap is gone | [`score`] |
 //! | many sets in a table | [`table`] |
+//! | sets of others, with their keys | [`folder`] |
 
 pub mod draw;
+pub mod folder;
 pub mod nuisance;
 pub mod score;
 pub mod table;

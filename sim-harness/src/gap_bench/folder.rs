@@ -1,0 +1,323 @@
+//! Sets of others: a folder that holds sets as `rundown simulate` writes them, and a key for each in its folder `keys`.
+
+use rundown_gap::answer::whole::Answer;
+use rundown_gap::config::GapConfig;
+use rundown_gap::input::Input;
+use rundown_gap::refusal::Refusal;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A name counts as shared with rivals if there are at most so many of them.
+const MOST_RIVALS: usize = 2;
+/// Column that a set without efforts lacks.
+const EFFORT: &str = "effort_n_per_kg";
+/// From these confidences on names are counted together.
+const BINS: [f64; 5] = [0.0, 0.5, 0.7, 0.9, 0.99];
+
+/// What a set hides: `keys/NAME.json` of the set in the folder `NAME`. Other fields are left alone.
+#[derive(Clone, Debug, Default, Deserialize)]
+pub struct Key {
+    /// The effects; none: nothing is hidden.
+    pub effects: Vec<Hidden>,
+    /// How large they are, in a word.
+    #[serde(default)]
+    pub magnitude_class: String,
+    /// Names that are as good, by the variant `effort` or `no-effort`.
+    #[serde(default)]
+    pub also_accepted: BTreeMap<String, Vec<String>>,
+}
+
+/// A hidden effect.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Hidden {
+    /// Its name in the catalogue, or `unknown`.
+    pub name: String,
+}
+
+/// A name that was given.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Name {
+    /// The name.
+    pub name: &'static str,
+    /// How sure.
+    pub confidence: f64,
+    /// Others that the data do not separate from it.
+    pub rivals: Vec<&'static str>,
+    /// The key has it, or one that is as good, or has one of at most two rivals.
+    pub right: bool,
+}
+
+/// A set beside its key.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Judged {
+    /// Folder of the set.
+    pub set: String,
+    /// With or without an effort column.
+    pub effort: bool,
+    /// In a word.
+    pub size: String,
+    /// Names of the key.
+    pub hidden: Vec<String>,
+    /// Names given.
+    pub found: Vec<Name>,
+    /// All of the key, one or one that is as good for each, and no other.
+    pub named: bool,
+    /// The same, where one may stand among at most two rivals.
+    pub shared: bool,
+    /// Probability of the residuals without a gap.
+    pub p_value: f64,
+    /// Share of the gap that is gone on held-out runs; none where there was nothing to remove.
+    pub removed: Option<f64>,
+    /// Why it was not investigated.
+    pub refused: Option<String>,
+}
+
+/// The sets of a folder: name and key.
+///
+/// # Errors
+/// The file that could not be read.
+pub fn keys(folder: &Path) -> io::Result<Vec<(String, Key)>> {
+    let of = |path: &Path, error: &dyn std::fmt::Display| io::Error::other(format!("{}: {error}", path.display()));
+    let keys = folder.join("keys");
+    let mut found = Vec::new();
+    for entry in fs::read_dir(&keys).map_err(|error| of(&keys, &error))? {
+        let path: PathBuf = entry?.path();
+        let (Some(name), Some("json")) =
+            (path.file_stem().and_then(|name| name.to_str()), path.extension().and_then(|end| end.to_str()))
+        else {
+            continue;
+        };
+        let text = fs::read_to_string(&path).map_err(|error| of(&path, &error))?;
+        found.push((name.to_owned(), serde_json::from_str(&text).map_err(|error| of(&path, &error))?));
+    }
+    if found.is_empty() {
+        return Err(of(&keys, &"expected a key NAME.json for each set, found none"));
+    }
+    found.sort_by(|a, b| a.0.cmp(&b.0));
+    Ok(found)
+}
+
+/// Investigates a set, with its efforts or without, and compares with the key.
+///
+/// # Errors
+/// A file that could not be read or written.
+pub fn judge(folder: &Path, name: &str, key: &Key, effort: bool) -> io::Result<Judged> {
+    let set = folder.join(name);
+    let answer = if effort {
+        investigate(&set)
+    } else {
+        let copy = tempfile::tempdir()?;
+        without_effort(&set, copy.path())?;
+        investigate(copy.path())
+    };
+    Ok(Judged::of(name, key, effort, answer))
+}
+
+/// `Ok(None)`: there is too little to compare, and so no name.
+fn investigate(set: &Path) -> Result<Option<Answer>, String> {
+    let input = Input::of_set(set).map_err(|refusal| refusal.to_string())?;
+    match rundown_gap::run(input, GapConfig::default(), None, |_| ()) {
+        Ok(answer) => Ok(Some(answer)),
+        Err(Refusal::TooLittle { .. }) => Ok(None),
+        Err(refusal) => Err(refusal.to_string()),
+    }
+}
+
+/// Copies a set and leaves the column of the efforts out.
+fn without_effort(set: &Path, to: &Path) -> io::Result<()> {
+    for file in ["train.toml", "track.toml"] {
+        fs::copy(set.join(file), to.join(file))?;
+    }
+    fs::create_dir_all(to.join("runs"))?;
+    for entry in fs::read_dir(set.join("runs"))? {
+        let path = entry?.path();
+        let Some(name) = path.file_name() else { continue };
+        let mut reader = csv::Reader::from_path(&path)?;
+        let mut writer = csv::Writer::from_path(to.join("runs").join(name))?;
+        let kept: Vec<bool> = reader.headers()?.iter().map(|column| column != EFFORT).collect();
+        let cells = |row: &csv::StringRecord| -> csv::StringRecord {
+            row.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(cell, _)| cell.to_owned()).collect()
+        };
+        writer.write_record(&cells(reader.headers()?))?;
+        for row in reader.records() {
+            writer.write_record(&cells(&row?))?;
+        }
+        writer.flush()?;
+    }
+    Ok(())
+}
+
+impl Judged {
+    fn of(set: &str, key: &Key, effort: bool, answer: Result<Option<Answer>, String>) -> Self {
+        let variant = if effort { "effort" } else { "no-effort" };
+        let accepted = key.also_accepted.get(variant).cloned().unwrap_or_default();
+        let hidden: Vec<String> = key.effects.iter().map(|effect| effect.name.clone()).collect();
+        let is_key = |name: &str| hidden.iter().chain(&accepted).any(|key| key == name);
+        let (investigation, refused) = match answer {
+            Ok(answer) => (answer.map(|answer| answer.found), None),
+            Err(reason) => (None, Some(reason)),
+        };
+        let named = investigation.iter().flat_map(|found| &found.named).map(|named| {
+            let rivals: Vec<&'static str> = named.ambiguous_with.iter().map(|kind| kind.name()).collect();
+            let right =
+                is_key(named.effect.name()) || rivals.len() <= MOST_RIVALS && rivals.iter().any(|rival| is_key(rival));
+            Name { name: named.effect.name(), confidence: named.confidence, rivals, right }
+        });
+        let found: Vec<Name> = named.collect();
+        // An effect that only a name which is as good can have: one of each.
+        let all = found.len() == hidden.len() && refused.is_none();
+        Self {
+            set: set.to_owned(),
+            effort,
+            size: key.magnitude_class.clone(),
+            named: all && found.iter().all(|name| is_key(name.name)),
+            shared: all && found.iter().all(|name| name.right),
+            hidden,
+            p_value: investigation.as_ref().map_or(1.0, |found| found.p_value),
+            removed: investigation.as_ref().and_then(|found| found.gap.removed),
+            found,
+            refused,
+        }
+    }
+
+    /// For people, one line.
+    pub fn line(&self) -> String {
+        let word = match (self.named, self.shared) {
+            (true, _) => "named",
+            (false, true) => "shared",
+            (false, false) => "missed",
+        };
+        let hidden = if self.hidden.is_empty() { "nothing".to_owned() } else { self.hidden.join(" + ") };
+        let name = |name: &Name| {
+            let rivals = if name.rivals.is_empty() { String::new() } else { format!(" or {}", name.rivals.join(", ")) };
+            format!("{}{rivals} ({:.2})", name.name, name.confidence)
+        };
+        let found: Vec<String> = self.found.iter().map(name).collect();
+        let found = if found.is_empty() { "nothing".to_owned() } else { found.join(" + ") };
+        let efforts = if self.effort { "effort" } else { "no effort" };
+        let refused = self.refused.as_ref().map_or(String::new(), |reason| format!("; refused: {reason}"));
+        format!(
+            "{word:<6} {:<8} {efforts:<9} {:<6} {hidden}: {found}, p {:.3}{refused}\n",
+            self.set, self.size, self.p_value
+        )
+    }
+}
+
+/// Shares that were named, false names, p-values, and how often a confidence is right.
+pub fn tables(judged: &[Judged]) -> String {
+    [shares(judged), reliability(judged)].concat()
+}
+
+fn shares(judged: &[Judged]) -> String {
+    let mut text = String::from(
+        "### Sets of others\n\nNamed: every effect, or one that the key takes for as good, and no other. Shared: the same, where it may stand among at most two \
+        rivals. Wrong: sets with a name that is not the key's.\n\n\
+        | effort column | hidden | size | sets | named | named or shared | wrong | p-value below 0.05 |\n|---|---|---|---|---|---|---|---|\n",
+    );
+    let mut groups: BTreeMap<(bool, usize, &str), Vec<&Judged>> = BTreeMap::new();
+    for one in judged {
+        let size = if one.hidden.is_empty() { "" } else { &one.size };
+        groups.entry((!one.effort, one.hidden.len(), size)).or_default().push(one);
+    }
+    for ((without, hidden, size), sets) in groups {
+        let count = |of: &dyn Fn(&Judged) -> bool| sets.iter().filter(|one| of(one)).count();
+        text.push_str(&format!(
+            "| {} | {hidden} | {} | {} | {} | {} | {} | {} |\n",
+            if without { "no" } else { "yes" },
+            if size.is_empty() { "-" } else { size },
+            sets.len(),
+            count(&|one| one.named),
+            count(&|one| one.named || one.shared),
+            count(&|one| one.found.iter().any(|name| !name.right)),
+            count(&|one| one.p_value < 0.05),
+        ));
+    }
+    text.push('\n');
+    text
+}
+
+/// A reliability diagram in words: of the names that were given with some confidence, how many are right.
+fn reliability(judged: &[Judged]) -> String {
+    let mut text =
+        String::from("### Confidence\n\n| confidence | names | mean of the confidence | right |\n|---|---|---|---|\n");
+    for (i, from) in BINS.into_iter().enumerate() {
+        let to = BINS.get(i + 1).copied().unwrap_or(1.0);
+        let inside = |name: &&Name| name.confidence >= from && (name.confidence < to || to == 1.0);
+        let names: Vec<&Name> = judged.iter().flat_map(|one| &one.found).filter(inside).collect();
+        let mean = names.iter().map(|name| name.confidence).sum::<f64>() / names.len().max(1) as f64;
+        let right = names.iter().filter(|name| name.right).count();
+        let share = if names.is_empty() {
+            "-".to_owned()
+        } else {
+            format!("{:.2} ({right}/{})", right as f64 / names.len() as f64, names.len())
+        };
+        let mean = if names.is_empty() { "-".to_owned() } else { format!("{mean:.2}") };
+        text.push_str(&format!("| {from} to {to} | {} | {mean} | {share} |\n", names.len()));
+    }
+    text.push('\n');
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn judged(hidden: &[&str], found: &[(&'static str, f64, bool)]) -> Judged {
+        Judged {
+            set: "a".to_owned(),
+            effort: true,
+            size: "faint".to_owned(),
+            hidden: hidden.iter().map(ToString::to_string).collect(),
+            found: found
+                .iter()
+                .map(|&(name, confidence, right)| Name { name, confidence, rivals: Vec::new(), right })
+                .collect(),
+            named: false,
+            shared: false,
+            p_value: 0.01,
+            removed: None,
+            refused: None,
+        }
+    }
+
+    #[test]
+    fn names_are_counted_by_confidence_and_sets_by_what_they_hide() {
+        let sets = [
+            judged(&[], &[("low_adhesion", 0.95, false)]),
+            judged(&["mass_error"], &[("mass_error", 0.96, true)]),
+            judged(&["mass_error"], &[]),
+        ];
+        let text = tables(&sets);
+        assert!(text.contains("| yes | 0 | - | 1 | 0 | 0 | 1 | 1 |"), "{text}");
+        assert!(text.contains("| yes | 1 | faint | 2 | 0 | 0 | 0 | 2 |"), "{text}");
+        assert!(text.contains("| 0.9 to 0.99 | 2 | 0.95 | 0.50 (1/2) |"), "{text}");
+    }
+
+    #[test]
+    fn a_refused_set_is_not_one_in_which_nothing_was_rightly_found() {
+        let refused = Judged::of("a", &Key::default(), true, Err("runs: nothing".to_owned()));
+        assert!(!refused.named && !refused.shared);
+        assert!(refused.line().contains("refused: runs: nothing"));
+        assert!(Judged::of("a", &Key::default(), true, Ok(None)).named, "nothing is hidden, and nothing was named");
+    }
+
+    #[test]
+    fn the_column_of_the_efforts_is_left_out_and_nothing_else() {
+        let (from, to) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        fs::create_dir(from.path().join("runs")).unwrap();
+        for file in ["train.toml", "track.toml"] {
+            fs::write(from.path().join(file), file).unwrap();
+        }
+        let log = "time_s,location_m,effort_n_per_kg,speed_kmh\n0,1.5,0.2,7\n10,,,8\n";
+        fs::write(from.path().join("runs/a.csv"), log).unwrap();
+        fs::write(from.path().join("runs/runs.csv"), "file,direction\na.csv,up\n").unwrap();
+        without_effort(from.path(), to.path()).unwrap();
+        let read = |file: &str| fs::read_to_string(to.path().join(file)).unwrap();
+        assert_eq!(read("runs/a.csv"), "time_s,location_m,speed_kmh\n0,1.5,7\n10,,8\n");
+        assert_eq!(read("runs/runs.csv"), "file,direction\na.csv,up\n");
+        assert_eq!(read("track.toml"), "track.toml");
+    }
+}
