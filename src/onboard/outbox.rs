@@ -94,15 +94,15 @@ impl<const N: usize> Outbox<N> {
             self.drop_oldest();
             return Ok(false);
         }
-        let piece = frame.iter().skip(*there).take(PIECE);
         let end = self.first + self.waiting + *there;
         let at = if end < N { end } else { end - N };
         // Up to the end of the room, the rest from its beginning. There is room: see above.
-        let (front, back) = self.bytes.split_at_mut_checked(at).unwrap_or_default();
-        for (to, byte) in back.iter_mut().chain(front).zip(piece) {
-            *to = *byte;
+        let next = frame.len().min(*there + PIECE).min(*there + N - at);
+        let piece = frame.get(*there..next).unwrap_or_default();
+        if let Some(to) = self.bytes.get_mut(at..at + piece.len()) {
+            to.copy_from_slice(piece);
         }
-        *there = frame.len().min(*there + PIECE);
+        *there = next;
         let whole = *there == frame.len();
         if whole {
             self.waiting += frame.len();

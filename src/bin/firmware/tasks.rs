@@ -247,7 +247,7 @@ mod app {
             };
             wires.lock(|port, outbox| {
                 DROPPED.store(outbox.dropped(), Ordering::Relaxed);
-                serial::send(port, outbox);
+                stopwatch::apart(|| serial::send(port, outbox));
             });
             taken
         }
