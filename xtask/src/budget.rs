@@ -20,19 +20,19 @@ struct Limit {
 }
 
 /// Code, constants and first values of variables.
-const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 152_000, goal: 96 << 10 };
+const FLASH: Limit = Limit { what: "flash: code, constants, first values", unit: "B", most: 150_000, goal: 96 << 10 };
 /// SRAM1 of the reference board.
 const RAM: Limit = Limit { what: "RAM: variables", unit: "B", most: 96 << 10, goal: 96 << 10 };
 /// A quarter of SRAM2.
 const STACK: Limit = Limit { what: "stack: most, from the code", unit: "B", most: 8 << 10, goal: 8 << 10 };
 const PAINTED: Limit = Limit { what: "stack: deepest in a run, painted", ..STACK };
-/// One call of the application: 2.4 ms at 80 MHz and one instruction a cycle.
+/// One call of the application, without the time of the line: 2.4 ms at 80 MHz and one instruction a cycle.
 const CALL: Limit =
-    Limit { what: "longest call of the application", unit: "instructions", most: 418_000, goal: 150_000 };
+    Limit { what: "longest call of the application", unit: "instructions", most: 405_000, goal: 150_000 };
 /// A step of the paper's model, f64 in software: 11 sigma points, two readings.
 const FILTER_CALL: Limit = Limit { what: "filter step alone", unit: "instructions", most: 32_000, goal: 32_000 };
 const FILTER_STACK: Limit = Limit { what: "filter step alone: stack", unit: "B", most: 1220, goal: 1 << 10 };
-const FILTER_CODE: Limit = Limit { what: "filter step alone: code", unit: "B", most: 10_500, goal: 10_000 };
+const FILTER_CODE: Limit = Limit { what: "filter step alone: code", unit: "B", most: 10_600, goal: 10_000 };
 const PANICS: Limit = Limit { what: "places that may panic", unit: "", most: 0, goal: 0 };
 const ALLOCATORS: Limit = Limit { what: "allocator symbols", unit: "", most: 0, goal: 0 };
 
