@@ -168,7 +168,12 @@ impl<'a> Serializer for &'a mut Fields {
         serialize_f64(f64): |walk, v| walk.put(format!("{v:?}"), v.to_le_bytes().to_vec());
     }
     unforeseen! { serialize_i8(i8) serialize_i16(i16) serialize_i32(i32) serialize_i64(i64) serialize_char(char) }
-    unforeseen! { serialize_str(&str) serialize_bytes(&[u8]) serialize_unit_struct(&'static str) }
+    unforeseen! { serialize_str(&str) serialize_unit_struct(&'static str) }
+
+    /// On the wire a list of bytes.
+    fn serialize_bytes(self, bytes: &[u8]) -> Kind {
+        bytes.serialize(self)
+    }
 
     fn serialize_none(self) -> Kind {
         self.could_grow.push(self.path.clone());
