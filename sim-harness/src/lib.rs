@@ -7,7 +7,7 @@
 //! | what did a recorder do to its logs? | [`checking`] |
 //! | how are recorded runs replayed? | [`replaying`], of logs [`logs`] can read |
 //! | what invalidates a whole replay? where are its results written? | `advice`, [`output`], `report` |
-//! | what does another tool get of what was learned? | `learned_train`, `sfera` |
+//! | what does another tool get of what was learned? | `learned_train`, `exchange` |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | `study` |
 //! | what would be the paper's best filter? | `tune` |
@@ -34,6 +34,7 @@ pub mod desk;
 pub mod display;
 pub mod gap_bench;
 mod import;
+mod exchange;
 mod learned_train;
 #[cfg(feature = "link")]
 pub mod link;
@@ -43,7 +44,7 @@ pub mod replaying;
 pub mod report;
 #[cfg(feature = "link")]
 pub mod session;
-mod sfera;
+
 pub mod simulation;
 mod study;
 mod tune;

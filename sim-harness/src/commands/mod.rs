@@ -5,6 +5,7 @@
 mod accuracy_bench;
 mod check;
 mod check_bench;
+mod convert;
 mod demo;
 #[cfg(feature = "link")]
 mod display;
@@ -90,6 +91,8 @@ enum Command {
     GapBench(Box<gap_bench::Arguments>),
     /// Write what was learned of a train for other tools
     Export(export::Arguments),
+    /// Turn a train or track of SUMO, OSRD, TrainRuns, ALTRIOS or SFERA into train.toml or track.toml
+    Convert(convert::Arguments),
     /// Make the record with a new key that a board is given
     #[cfg(feature = "link")]
     Provision(provision::Arguments),
@@ -174,6 +177,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Gap(arguments) => gap::run(&arguments),
         Command::GapBench(arguments) => gap_bench::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         #[cfg(feature = "link")]
         Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
