@@ -32,9 +32,9 @@ pub mod commands;
 pub mod desk;
 #[cfg(feature = "link")]
 pub mod display;
+mod exchange;
 pub mod gap_bench;
 mod import;
-mod exchange;
 mod learned_train;
 #[cfg(feature = "link")]
 pub mod link;
