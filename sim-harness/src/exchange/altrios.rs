@@ -12,7 +12,7 @@
 //!
 //! ALTRIOS computes the resistance as (`rolling_ratio` + `davis_b` v) times the weight, `cd_area` ρ v² with ρ = 1.225 kg/m³, and a force for each axle
 //! (`bearing_res_per_axle`, here 0). Effort and power belong to its locomotives: a rail vehicle has no place for them. Its weight includes
-//! that of the locomotives, so one that pulls this vehicle must have no mass of its own.
+//! that of the locomotives, so one that hauls this vehicle must have no mass of its own.
 
 use super::{draft::Draft, number::decimal};
 use rundown::model::units::{GRAVITY_MPS2, KmPerHour};

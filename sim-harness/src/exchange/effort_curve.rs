@@ -35,7 +35,7 @@ pub(super) struct Limits {
     pub note: Option<String>,
 }
 
-/// Of points in m/s and N. `None` without a point where the train both moves and pulls.
+/// Of points in m/s and N. `None` without a point with both speed and effort.
 pub(super) fn limits(points: &[(f64, f64)]) -> Option<Limits> {
     let largest = |value: fn(&(f64, f64)) -> f64| points.iter().map(value).fold(0.0, f64::max);
     let effort_n = largest(|(_, force_n)| *force_n);

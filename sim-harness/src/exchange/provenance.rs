@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn capability_and_habit_are_told_apart() {
+    fn capability_and_habit_are_distinguished() {
         let said = |median: f64| limit("power", "W", &Limit { described: 1e6, used: Some(Used { median, runs: 5 }) });
         assert_eq!(
             said(8.7e5),

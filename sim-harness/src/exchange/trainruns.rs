@@ -131,7 +131,7 @@ struct Vehicle {
 }
 
 impl Vehicle {
-    fn pulls(&self) -> bool {
+    fn has_traction(&self) -> bool {
         ["traction unit", "multiple unit"].contains(&self.vehicle_type.as_str())
     }
 
@@ -144,7 +144,7 @@ impl Vehicle {
     fn resistance_n(&self, passengers: bool) -> [f64; 3] {
         let Self { base_resistance: base, rolling_resistance: rolling, air_resistance: air, .. } = *self;
         let windy = [WIND * WIND * air, 2.0 * WIND * air, air];
-        let (weight_kg, [a, b, c]) = if self.pulls() {
+        let (weight_kg, [a, b, c]) = if self.has_traction() {
             // Its base resistance is that of the driven axles, its rolling resistance that of the others.
             let driven = self.mass_traction.unwrap_or(self.mass) / self.mass;
             (1000.0 * self.mass, [driven * base + (1.0 - driven) * rolling + windy[0], windy[1], windy[2]])
@@ -166,10 +166,10 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Draft, ReadError> {
         found.ok_or_else(|| refuse("vehicles", format!("expected `{id}` of the formation, found no such vehicle")))
     });
     let formation: Vec<&Vehicle> = formation.collect::<Result<_, _>>()?;
-    let pulling: Vec<&&Vehicle> = formation.iter().filter(|vehicle| vehicle.pulls()).collect();
-    let [unit] = pulling[..] else {
+    let powered: Vec<&&Vehicle> = formation.iter().filter(|vehicle| vehicle.has_traction()).collect();
+    let [unit] = powered[..] else {
         let message =
-            format!("expected one traction unit or multiple unit, as TrainRuns uses, found {}", pulling.len());
+            format!("expected one traction unit or multiple unit, as TrainRuns uses, found {}", powered.len());
         return Err(refuse("trains[0].formation", message));
     };
     let passengers =
