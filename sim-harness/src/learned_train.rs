@@ -96,6 +96,7 @@ pub fn read(folder: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTr
     let refused = |place: String, message: String| format!("{}{place}: {message}", path.display());
     let text = std::fs::read_to_string(&path);
     let text = text.map_err(|error| refused(String::new(), format!("cannot be read: {error}")))?;
+    log::info!("read {}", path.display());
     let results = serde_json::from_str(&text).map_err(|error| {
         let place = format!(":{}:{}", error.line(), error.column());
         refused(place, format!("expected the results of `rundown replay`, found {error}"))

@@ -40,6 +40,11 @@ fn verbose_says_what_is_read_and_written_and_when() {
         .map(|line| line.strip_prefix('[').and_then(|line| line.split_once(" s] ")).unwrap().0.trim().parse().unwrap())
         .collect();
     assert!(times.is_sorted(), "{said}");
+    // Other commands, the option before or behind their name.
+    let imported = folder.done(&["-v", "import", "run01.csv", "--out", "runs"]).err;
+    assert!(imported.contains("] read run01.csv\n") && imported.contains("] wrote "), "{imported}");
+    let checked = folder.rundown(&["check", "run01.csv", "-v"]).err;
+    assert!(checked.contains("] read run01.csv\n") && checked.ends_with("] done\n"), "{checked}");
     let both = replay(&folder, &["-q", "-v"]);
     assert_eq!(both.code, Some(2));
 }

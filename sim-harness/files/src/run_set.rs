@@ -174,7 +174,10 @@ fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
 /// The rows of an index by the name of their file; none when there is no index.
 fn read_index(path: &Path) -> Result<HashMap<String, IndexRow>, ReadError> {
     match std::fs::read(path) {
-        Ok(bytes) => parse_index(path, &bytes),
+        Ok(bytes) => {
+            log::info!("read {}", path.display());
+            parse_index(path, &bytes)
+        }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(HashMap::new()),
         Err(source) => Err(ReadError::io(path, source)),
     }

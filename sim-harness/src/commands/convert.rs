@@ -47,6 +47,7 @@ fn setting(text: &str) -> Result<(&'static str, f64), String> {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let path = &arguments.file;
     let text = std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.clone(), source })?;
+    log::info!("read {}", path.display());
     let set: BTreeMap<&'static str, f64> = arguments.set.iter().copied().collect();
     let (content, notes) = match exchange::read(path, &text)? {
         Found::Train(draft) => {
