@@ -5,26 +5,41 @@
 //! | value | from |
 //! |---|---|
 //! | r0, r1, r2 | the vehicle after the unit's last run |
-//! | largest tractive effort | median over the runs of their largest effort at low speed |
-//! | largest power | median over the runs of their largest power |
+//! | largest tractive effort, largest power | the described capability, or what drivers used where that is more: a [`Limit`] |
 //! | all else | the description: mass, rotating mass factor, length, brake |
 //!
-//! A limit that fewer than [`LEAST_RUNS`] runs have shown stays as described. A learned limit is what the runs have used: what drivers did not demand was not observed.
+//! What drivers used is their habit: the median over the runs of the largest effort at low speed, and of the largest power. It is no bound of the train:
+//! what they did not demand was not observed. Fewer than [`LEAST_RUNS`] runs show no habit.
 
 use rundown::model::resistance::Davis;
 use rundown_files::train_file::TrainFile;
 use serde::Deserialize;
 use std::path::Path;
 
-/// Runs that must have shown a limit before it takes the described one's place.
+/// Runs that must have shown a limit before it counts as a habit.
 pub const LEAST_RUNS: usize = 3;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
-    /// Learned in this many runs.
-    Learned { runs: usize },
-    /// As described: too few runs have shown it.
-    Described,
+/// A limit of the train, and how much of it drivers used; N or W.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// As the train file states it.
+    pub described: f64,
+    /// Median over the runs.
+    pub used: Option<Used>,
+}
+
+/// What drivers used of a limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Used {
+    pub median: f64,
+    pub runs: usize,
+}
+
+impl Limit {
+    /// What the train can do: as described, or more where drivers had more.
+    pub fn capability(&self) -> f64 {
+        self.used.map_or(self.described, |used| used.median.max(self.described))
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -32,8 +47,10 @@ pub struct LearnedTrain {
     pub train: TrainFile,
     pub davis_sd: [f64; 3],
     pub runs: usize,
-    pub effort: Origin,
-    pub power: Origin,
+    /// Largest tractive effort, N.
+    pub effort: Limit,
+    /// Largest power, W.
+    pub power: Limit,
 }
 
 #[derive(Debug, Deserialize)]
@@ -79,6 +96,7 @@ pub fn read(folder: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTr
     let refused = |place: String, message: String| format!("{}{place}: {message}", path.display());
     let text = std::fs::read_to_string(&path);
     let text = text.map_err(|error| refused(String::new(), format!("cannot be read: {error}")))?;
+    log::info!("read {}", path.display());
     let results = serde_json::from_str(&text).map_err(|error| {
         let place = format!(":{}:{}", error.line(), error.column());
         refused(place, format!("expected the results of `rundown replay`, found {error}"))
@@ -119,15 +137,15 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
     }
     let Vehicle { r0, r1, r2, .. } = last.vehicle;
     let rotating_mass_kg = described.rotating_mass_factor * described.mass_kg;
-    let seen = |value: fn(&Features) -> Option<f64>| {
+    let limit = |described: f64, value: fn(&Features) -> Option<f64>| {
         let values: Vec<f64> = runs.iter().filter_map(|run| value(&run.features)).collect();
         let runs = values.len();
-        (runs >= LEAST_RUNS).then(|| (rotating_mass_kg * median(values), Origin::Learned { runs }))
+        let used = (runs >= LEAST_RUNS).then(|| Used { median: rotating_mass_kg * median(values), runs });
+        Limit { described, used }
     };
-    let described_as = |value: f64| (value, Origin::Described);
-    let (max_tractive_effort_n, effort) =
-        seen(|f| f.max_effort_mean_n_per_kg).unwrap_or(described_as(described.max_tractive_effort_n));
-    let (max_power_w, power) = seen(|f| f.power_max_w_per_kg).unwrap_or(described_as(described.max_power_w));
+    let effort = limit(described.max_tractive_effort_n, |f| f.max_effort_mean_n_per_kg);
+    let power = limit(described.max_power_w, |f| f.power_max_w_per_kg);
+    let (max_tractive_effort_n, max_power_w) = (effort.capability(), power.capability());
     let train = TrainFile { davis: Davis { r0, r1, r2 }, max_tractive_effort_n, max_power_w, ..described };
     train.train().map_err(|error| format!("what was learned is no train: {error}"))?;
     Ok(LearnedTrain {
@@ -167,16 +185,25 @@ mod tests {
     }
 
     #[test]
-    fn the_last_run_has_the_resistance_and_the_median_run_the_limits() {
+    fn the_last_run_has_the_resistance() {
         let runs = [run("7", 0.0070, "0.4", "5.0"), run("7", 0.0071, "0.6", "null"), run("7", 0.0072, "0.5", "5.2")];
         let found = learned(&runs, None).unwrap();
         assert_eq!(found.train.davis.r0, 0.0072);
         assert_eq!((found.runs, found.davis_sd[0]), (3, 1e-4));
-        assert!((found.train.max_tractive_effort_n - 0.5 * 385_840.0).abs() < 1e-6);
-        assert_eq!(found.effort, Origin::Learned { runs: 3 });
         // Two runs have shown a power.
+        assert_eq!(found.power, Limit { described: 2_036_377.8, used: None });
         assert_eq!(found.train.max_power_w, 2_036_377.8);
-        assert_eq!(found.power, Origin::Described);
+    }
+
+    #[test]
+    fn drivers_who_use_a_part_of_the_lever_take_nothing_from_the_train() {
+        let used = |effort: &str| learned(&["0.1", effort, "9.0"].map(|effort| run("7", 0.0070, effort, "null")), None);
+        let part = used("0.4").unwrap();
+        assert_eq!(part.train.max_tractive_effort_n, 192_920.0);
+        assert_eq!(part.effort.used.map(|used| used.runs), Some(3));
+        assert!((part.effort.used.unwrap().median - 0.4 * 385_840.0).abs() < 1e-6);
+        let more = used("0.6").unwrap();
+        assert!((more.train.max_tractive_effort_n - 0.6 * 385_840.0).abs() < 1e-6);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! | what did a recorder do to its logs? | [`checking`] |
 //! | how are recorded runs replayed? | [`replaying`], of logs [`logs`] can read |
 //! | what invalidates a whole replay? where are its results written? | `advice`, [`output`], `report` |
-//! | what does another tool get of what was learned? | `learned_train`, `sfera` |
+//! | what does another tool get of what was learned? | `learned_train`, `exchange` |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | `study` |
 //! | what would be the paper's best filter? | `tune` |
@@ -32,6 +32,7 @@ pub mod commands;
 pub mod desk;
 #[cfg(feature = "link")]
 pub mod display;
+mod exchange;
 pub mod gap_bench;
 mod import;
 mod learned_train;
@@ -43,7 +44,7 @@ pub mod replaying;
 pub mod report;
 #[cfg(feature = "link")]
 pub mod session;
-mod sfera;
+
 pub mod simulation;
 mod study;
 mod tune;

@@ -56,7 +56,7 @@ fn what_was_learned_goes_out_and_comes_back() {
     let folder = replayed(&[]);
     let Said { code, out, err } = exported(&folder, "train.toml", &[]);
     assert_eq!(code, Some(0), "{err}");
-    assert!(out.contains("largest effort") && out.contains("3 runs"), "{out}");
+    assert!(out.contains("Largest tractive effort") && out.contains("from 3 runs"), "{out}");
 
     // The vehicle after the last run, in the results and in the train file.
     let parameters = folder.read("out/parameters.csv");
@@ -126,4 +126,70 @@ fn another_train_another_unit_and_no_replay_are_refused() {
     std::fs::remove_file(folder.path("out/replay.json")).unwrap();
     refused("train.toml", &[], "replay.json");
     assert!(!folder.path("learned").exists());
+}
+
+const SIMULATORS: [&str; 8] =
+    ["export", "--to", "sumo,osrd,trainruns,altrios", "out", "--train", "train.toml", "--max-speed", "140"];
+
+/// All numbers of a train file, by their names.
+fn numbers(toml: &str) -> HashMap<String, f64> {
+    let table: toml::Table = toml.parse().unwrap();
+    let davis = table["davis"].as_table().unwrap().iter();
+    let all = table.iter().chain(davis).filter_map(|(name, value)| Some((name.clone(), value.as_float()?)));
+    all.collect()
+}
+
+#[test]
+fn every_simulator_gets_the_train_and_gives_it_back() {
+    let folder = replayed(&[]);
+    folder.done(&[&SIMULATORS[..], &["--traction", "diesel"]].concat());
+    let expected = numbers(&folder.read("learned/train.toml"));
+    let effort = format!("max_tractive_effort_n={}", expected["max_tractive_effort_n"]);
+    let power = format!("max_power_w={}", expected["max_power_w"]);
+    let lacking = ["--set", &effort, "--set", &power];
+    for (file, more) in
+        [("sumo.add.xml", &[][..]), ("osrd.json", &[]), ("trainruns.yaml", &[]), ("altrios.yaml", &lacking)]
+    {
+        let file = format!("learned/{file}");
+        let back = folder.done(&[&["convert", file.as_str()], more].concat());
+        let found = numbers(&back.out);
+        assert_eq!(found.len(), expected.len(), "{file}");
+        for (name, value) in &expected {
+            assert!((found[name] - value).abs() <= 3e-6 * value.abs(), "{file}: {name}: {} {value}", found[name]);
+        }
+    }
+    assert!(folder.read("learned/osrd.json").contains("\"thermal\""));
+}
+
+#[test]
+fn what_a_format_needs_or_lacks_is_asked_for_by_name() {
+    let folder = replayed(&[]);
+    let said = folder.rundown(&SIMULATORS);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("--traction: expected"), "{}", said.err);
+    assert!(!folder.path("learned").exists());
+    folder.done(&["export", "--to", "altrios", "out", "--train", "train.toml", "--max-speed", "140"]);
+    let lacking = folder.rundown(&["convert", "learned/altrios.yaml", "--out", "back.toml"]);
+    assert_eq!(lacking.code, Some(3));
+    let expected = "learned/altrios.yaml: max_tractive_effort_n: expected a value, found none in this format";
+    assert!(lacking.err.contains(expected), "{}", lacking.err);
+    let wrong = folder.rundown(&["convert", "learned/altrios.yaml", "--set", "mass=3"]);
+    assert_eq!(wrong.code, Some(2));
+    // A file that is there stays as it is.
+    let before = folder.read("train.toml");
+    let set = ["--set", "max_tractive_effort_n=2e5", "--set", "max_power_w=2e6"];
+    let kept = folder.rundown(&[&["convert", "learned/altrios.yaml", "--out", "train.toml"], &set[..]].concat());
+    assert_eq!((kept.code, folder.read("train.toml")), (Some(4), before));
+}
+
+#[test]
+fn a_running_path_becomes_a_track() {
+    let path = "schema: https://railtoolkit.org/schema/running-path.json\npaths:\n  - id: hill\n    characteristic_sections:\n      \
+                - {position: 0, speed: 80, resistance: 5}\n      - {position: 2000, speed: 60, resistance: 0}\n";
+    let folder = Folder::new().with("path.yaml", path);
+    let said = folder.done(&["convert", "path.yaml", "--out", "track.toml"]);
+    assert!(said.err.contains("note: the resistance of the path is taken as gradient"), "{}", said.err);
+    let track: toml::Table = folder.read("track.toml").parse().unwrap();
+    assert_eq!(track["length_m"].as_float(), Some(2000.0));
+    assert_eq!(track["gradient"][0]["permille"].as_float(), Some(5.0));
 }

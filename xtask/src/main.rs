@@ -34,6 +34,8 @@ Tasks:
   browser                       the page of `rundown display` in Chromium, which is installed if it is missing; pictures in target/browser
   python                        the Python module: builds the wheel, installs it into a virtual environment in target/python, runs its tests;
                                 needs Python >= 3.9
+  tools                         SUMO and ALTRIOS read what `rundown export` writes; installs them into a virtual environment in
+                                target/tools (about 1.5 GB); needs Python >= 3.11
   fuzz [--seconds N] [--seed N] every fuzz target for so long (default: 60), two at a time; other inputs each time
                                 without a seed; needs a C++ compiler
   ci                            everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
@@ -73,6 +75,7 @@ fn main() -> ExitCode {
         ["test"] => test(),
         ["browser"] => browser(),
         ["python"] => python::python(),
+        ["tools"] => python::tools(),
         ["fuzz"] => fuzz::fuzz("60", None),
         ["fuzz", "--seconds", seconds] => fuzz::fuzz(seconds, None),
         ["fuzz", "--seconds", seconds, "--seed", seed] => fuzz::fuzz(seconds, Some(seed)),

@@ -11,9 +11,25 @@ const PACKAGE: &str = "sim-harness/python";
 /// Names of the interpreter, the first that is new enough is taken.
 const NAMES: [&str; 2] = ["python3", "python"];
 
+/// Tests of the tools that read exported trains, with requirements of their own.
+const TOOLS: &str = "sim-harness/python/tools";
+
+/// `cargo xtask tools`: SUMO and ALTRIOS read what `rundown export` writes. Apart from the module's tests, for what they install.
+pub fn tools() -> Result<(), String> {
+    let environment = Environment::at(target().join("tools").join("venv"), TOOLS)?;
+    run(cargo().args(["build", "-p", "sim-harness", "--bin", "rundown"]))?;
+    let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--durations=3", TOOLS];
+    run(environment.command("python").args(arguments).env("RUNDOWN_COMMAND", command()))
+}
+
+/// The command `rundown` that the tests run.
+fn command() -> PathBuf {
+    target().join("debug").join(format!("rundown{}", std::env::consts::EXE_SUFFIX))
+}
+
 pub fn python() -> Result<(), String> {
     let folder = target().join("python");
-    let environment = Environment::at(folder.join("venv"))?;
+    let environment = Environment::at(folder.join("venv"), PACKAGE)?;
     run(cargo().args(["build", "-p", "sim-harness", "--bin", "rundown"]))?;
     let wheels = folder.join("wheels");
     // Left behind, an older wheel would be tested.
@@ -29,9 +45,8 @@ pub fn python() -> Result<(), String> {
     let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--force-reinstall"];
     run(environment.command("python").args(install).arg(wheel))?;
     let tests = format!("{PACKAGE}/tests");
-    let rundown = target().join("debug").join(format!("rundown{}", std::env::consts::EXE_SUFFIX));
     let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--durations=3", &tests];
-    run(environment.command("python").args(arguments).env("RUNDOWN_COMMAND", rundown))
+    run(environment.command("python").args(arguments).env("RUNDOWN_COMMAND", command()))
 }
 
 fn target() -> PathBuf {
@@ -44,8 +59,8 @@ struct Environment(PathBuf);
 
 impl Environment {
     /// Makes it, unless it is there and has what is asked for.
-    fn at(folder: PathBuf) -> Result<Self, String> {
-        let wanted = root().join(PACKAGE).join("requirements.txt");
+    fn at(folder: PathBuf, package: &str) -> Result<Self, String> {
+        let wanted = root().join(package).join("requirements.txt");
         let text = std::fs::read_to_string(&wanted).map_err(|error| format!("{}: {error}", wanted.display()))?;
         let environment = Self(folder);
         // Written last: what was interrupted is made again.
@@ -55,7 +70,7 @@ impl Environment {
             return Ok(environment);
         }
         let interpreter = interpreter()?;
-        println!("environment  {} is made; its packages are about 250 MB", environment.0.display());
+        println!("environment  {} is made; its packages are 250 MB and more", environment.0.display());
         run(Command::new(interpreter).args(["-m", "venv", "--clear"]).arg(&environment.0))?;
         let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"];
         run(environment.command("python").args(install).arg(&wanted))?;

@@ -8,9 +8,11 @@
 //! taken for logs, so that `logs/*.csv` works.
 
 use crate::refusal::{Place, ReadError, Refusal};
+use crate::run_log::STDIN;
 use rundown::model::direction::Direction;
 use serde::Deserialize;
 use std::collections::{HashMap, HashSet};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Name of the index beside the logs.
@@ -114,7 +116,8 @@ impl RunSet {
 
 impl RunFile {
     fn new(path: PathBuf, row: Option<&IndexRow>) -> Self {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let stem = if path == Path::new(STDIN) { OsStr::new("stdin") } else { path.file_stem().unwrap_or_default() };
+        let name = stem.to_string_lossy().into_owned();
         let departure = row.map(|row| row.departure_utc.clone());
         Self {
             path,
@@ -171,7 +174,10 @@ fn logs_of(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
 /// The rows of an index by the name of their file; none when there is no index.
 fn read_index(path: &Path) -> Result<HashMap<String, IndexRow>, ReadError> {
     match std::fs::read(path) {
-        Ok(bytes) => parse_index(path, &bytes),
+        Ok(bytes) => {
+            log::info!("read {}", path.display());
+            parse_index(path, &bytes)
+        }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(HashMap::new()),
         Err(source) => Err(ReadError::io(path, source)),
     }

@@ -34,6 +34,7 @@ impl<T: DeserializeOwned> TomlFile<T> {
     /// [`ReadError`] when it cannot be read, is no TOML, or holds a field that is unknown, missing or of another type.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let text = std::fs::read_to_string(path).map_err(|source| ReadError::io(path, source))?;
+        log::info!("read {}", path.display());
         Self::parse(path, &text)
     }
 

@@ -98,6 +98,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 pub(super) fn read_key(path: &Path) -> Result<Provisioning, Failure> {
     let at = |error: String| Failure::refused(format!("{}: {error}", path.display()));
     let bytes = std::fs::read(path).map_err(|error| at(error.to_string()))?;
+    log::info!("read {}", path.display());
     let found = bytes.len();
     let record: [u8; SIZE] = bytes.try_into().map_err(|_| at(format!("expected {SIZE} bytes, found {found}")))?;
     Provisioning::from_bytes(&record).map_err(|error| at(error.to_string()))
@@ -106,6 +107,7 @@ pub(super) fn read_key(path: &Path) -> Result<Provisioning, Failure> {
 fn read_effects(path: &Path) -> Result<Effects, Failure> {
     let at = |error: String| Failure::refused(format!("{}: {error}", path.display()));
     let bytes = std::fs::read(path).map_err(|error| at(error.to_string()))?;
+    log::info!("read {}", path.display());
     effect_frame::read(&bytes).map_err(|error| at(error.to_string()))
 }
 

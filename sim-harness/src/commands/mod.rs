@@ -5,12 +5,15 @@
 mod accuracy_bench;
 mod check;
 mod check_bench;
+mod convert;
 mod demo;
 #[cfg(feature = "link")]
 mod display;
+mod doctor;
 mod export;
 mod gap;
 mod gap_bench;
+mod help;
 mod import;
 #[cfg(feature = "link")]
 mod link;
@@ -21,10 +24,11 @@ mod replay;
 mod screen;
 mod simulate;
 mod study;
+mod talk;
 mod tune;
 
 use crate::{replaying::ReplayError, simulation::folder::FolderError, study::Refused};
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use rundown::{estimator::config::Config, model::effects::EffectError, tick::bounds::ConfigError};
 use rundown_files::refusal::ReadError;
 use rundown_files::{WriteError, config_file};
@@ -56,6 +60,8 @@ const BOARD: u8 = 5;
 #[derive(Debug, Parser)]
 #[command(name = "rundown", version, after_help = AFTER_HELP, arg_required_else_help = true)]
 struct Arguments {
+    #[command(flatten)]
+    talk: talk::Talk,
     #[command(subcommand)]
     command: Command,
 }
@@ -90,11 +96,17 @@ enum Command {
     GapBench(Box<gap_bench::Arguments>),
     /// Write what was learned of a train for other tools
     Export(export::Arguments),
+    /// Turn a train or track of SUMO, OSRD, TrainRuns, ALTRIOS or SFERA into train.toml or track.toml
+    Convert(convert::Arguments),
     /// Make the record with a new key that a board is given
     #[cfg(feature = "link")]
     Provision(provision::Arguments),
     /// The case study in short: simulate its 67 runs, replay them, write the report; then find a hidden effect
     Demo(demo::Arguments),
+    /// Say what this machine lacks for a board, and which command mends it
+    ///
+    /// Exit code 0 when runs can be replayed, whatever else is missing.
+    Doctor,
     /// Print the completions of a shell
     ///
     /// Example: rundown completions bash > ~/.local/share/bash-completion/completions/rundown
@@ -158,7 +170,10 @@ pub fn main() -> ExitCode {
 
 /// Runs the command on these arguments, its name first. Ends the process where they are wrong, or help is asked for.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let done = match Arguments::parse_from(arguments).command {
+    let matches = help::wrapped_once(Arguments::command()).get_matches_from(arguments);
+    let Arguments { talk, command } = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    talk.apply();
+    let done = match command {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::AccuracyBench(arguments) => accuracy_bench::run(&arguments),
@@ -174,14 +189,17 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Gap(arguments) => gap::run(&arguments),
         Command::GapBench(arguments) => gap_bench::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         #[cfg(feature = "link")]
         Command::Provision(arguments) => provision::run(&arguments),
         Command::Demo(arguments) => demo::run(&arguments),
+        Command::Doctor => doctor::run(),
         Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Arguments::command(), "rundown", &mut std::io::stdout());
             Ok(ExitCode::SUCCESS)
         }
     };
+    log::info!("done");
     done.unwrap_or_else(|failure| {
         screen::error(&failure.message);
         ExitCode::from(failure.code)

@@ -17,6 +17,9 @@ Examples:
   A recorder with 1 s samples, replayed with the board's tick of 10 s:
     rundown replay --train train.toml --track track.toml --tick 10 --out out run1.csv run2.csv
 
+  One log from another program, which writes CSV with a header:
+    recorder --dump | rundown replay --train train.toml --track track.toml -
+
   The method of the paper, each run for itself, the summary for a program:
     rundown replay --train t.toml --track k.toml --mode paper --no-carry --json logs/ > all.json
 
@@ -36,7 +39,7 @@ logs (columns file, departure_utc, unit, direction) gives their order, unit and 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
-    /// Run logs, or folders of run logs
+    /// Run logs, or folders of run logs; - is one log from stdin
     #[arg(value_name = "RUN.csv", required = true)]
     runs: Vec<PathBuf>,
     /// Description of the train
@@ -122,6 +125,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let replayed = opened.replay(|| bar.inc(1));
     bar.finish_and_clear();
     let replayed = replayed?;
+    log::info!("replayed {} runs", replayed.runs.len());
     screen::warnings(&replayed.runs);
     replayed.notes.iter().for_each(|text| screen::note(text));
     replayed.failed.iter().for_each(|failed| screen::error(&failed.error));

@@ -1,5 +1,6 @@
 //! What a person sees in the terminal: tables on stdout, messages and progress on stderr.
 
+use super::talk::quiet;
 use crate::{report::regime_shares, report::resistance::Resistance};
 use indicatif::{ProgressBar, ProgressStyle};
 use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::regime::Regime};
@@ -31,10 +32,15 @@ pub(super) fn error(message: &str) {
 }
 
 pub(super) fn note(message: &str) {
-    eprintln!("note: {message}");
+    if !quiet() {
+        eprintln!("note: {message}");
+    }
 }
 
 pub(super) fn warnings(runs: &[ReplayedRun]) {
+    if quiet() {
+        return;
+    }
     for run in runs {
         for warning in run.warnings.iter().take(WARNINGS_PRINTED) {
             eprintln!("warning: {warning}");
@@ -48,7 +54,7 @@ pub(super) fn warnings(runs: &[ReplayedRun]) {
 
 /// A bar on stderr when that is a terminal and there is something to wait for.
 pub(super) fn progress(runs: usize) -> ProgressBar {
-    if runs <= FEW_RUNS || !io::stderr().is_terminal() {
+    if quiet() || runs <= FEW_RUNS || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(runs as u64);
@@ -60,7 +66,7 @@ pub(super) fn progress(runs: usize) -> ProgressBar {
 
 /// What is being done and for how long, on stderr when that is a terminal.
 pub(super) fn waiting() -> ProgressBar {
-    if !io::stderr().is_terminal() {
+    if quiet() || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new_spinner();

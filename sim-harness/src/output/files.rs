@@ -15,7 +15,9 @@ pub fn folder(path: &Path) -> Result<(), WriteError> {
 }
 
 pub fn text(path: &Path, text: &str) -> Result<(), WriteError> {
-    std::fs::write(path, text).map_err(|source| failed(path, source))
+    std::fs::write(path, text).map_err(|source| failed(path, source))?;
+    log::info!("wrote {}", path.display());
+    Ok(())
 }
 
 pub fn records(path: &Path, records: &[Record]) -> Result<(), WriteError> {
@@ -29,5 +31,7 @@ pub fn file(path: &Path, content: impl FnOnce(&mut BufWriter<File>) -> io::Resul
         content(&mut file)?;
         file.flush()
     });
-    written.map_err(|source| failed(path, source))
+    written.map_err(|source| failed(path, source))?;
+    log::info!("wrote {}", path.display());
+    Ok(())
 }

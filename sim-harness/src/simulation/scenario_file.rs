@@ -268,6 +268,7 @@ impl Simulation {
     /// As [`Simulation::read`].
     pub fn read_with(path: &Path, recorder: Option<Recorder>) -> Result<Self, ReadError> {
         let text = std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
+        log::info!("read {}", path.display());
         Self::parse_with(path, &text, recorder)
     }
 

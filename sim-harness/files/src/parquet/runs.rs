@@ -57,6 +57,7 @@ impl RunReader {
     /// [`ParquetError`] when it cannot be read, or lacks a column that runs need.
     pub fn open(path: &Path, line: Option<&CentreLine>) -> Result<Self, ParquetError> {
         let file = File::open(path).map_err(|source| ParquetError::io(path, source))?;
+        log::info!("read {}", path.display());
         let format = |source| ParquetError::format(path, source);
         let reader = SerializedFileReader::new(file).map_err(format)?;
         let schema = reader.metadata().file_metadata().schema_descr();

@@ -48,13 +48,23 @@ pub struct RunLog {
     pub warnings: Vec<Refusal>,
 }
 
+/// A path that stands for standard input; a file of this name is `./-`.
+pub const STDIN: &str = "-";
+
 impl RunLog {
-    /// Reads a log.
+    /// Reads a log; [`STDIN`] is that of standard input.
     ///
     /// # Errors
     /// [`ReadError`] names the file, and line and column where there are any.
     pub fn read(path: &Path, bad_rows: BadRows) -> Result<Self, ReadError> {
-        let bytes = std::fs::read(path).map_err(|source| ReadError::io(path, source))?;
+        let bytes = if path == Path::new(STDIN) {
+            let mut bytes = Vec::new();
+            std::io::Read::read_to_end(&mut std::io::stdin().lock(), &mut bytes).map(|_| bytes)
+        } else {
+            std::fs::read(path)
+        };
+        let bytes = bytes.map_err(|source| ReadError::io(path, source))?;
+        log::info!("read {}", path.display());
         Self::parse(path, &bytes, bad_rows)
     }
 

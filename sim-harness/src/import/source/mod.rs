@@ -57,6 +57,7 @@ impl Source {
     /// # Errors
     /// [`ReadError`] when the file cannot be read, or no header is found.
     pub fn open(path: &Path, wanted: &Layout, named: &[String]) -> Result<Self, ReadError> {
+        log::info!("read {}", path.display());
         let format = wanted.format.map_or_else(|| format_of(path), Ok)?;
         let plain = Layout { format: Some(format), ..wanted.clone() };
         let (layout, headers) = match format {

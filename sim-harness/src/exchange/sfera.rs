@@ -14,12 +14,14 @@
 //! decelerations back. Names, units, order and what is mandatory were read in the schema file itself; no message of a real system was at hand. The schema does not say whether `rotatingMassFactor` is γ (1.06), γ - 1
 //! (0.06) or percent: here it is γ, for the reasons in `docs/formats.md`, and the file says so in a comment.
 
+use super::number::decimal;
+use super::{draft::Draft, effort_curve, xml};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
+use rundown::model::units::KmPerHour;
+use rundown_files::refusal::{Place, ReadError};
 use rundown_files::train_file::TrainFile;
-use std::{io, str::FromStr};
-
-const CURVE_STEP_KMH: f64 = 5.0;
+use std::{io, path::Path, str::FromStr};
 
 /// What the schema demands and no run shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -95,33 +97,22 @@ pub fn rollout_coefficients(train: &TrainFile) -> [f64; 3] {
     [davis.r0, davis.r1, davis.r2].map(|r| rotating_mass_kg * r)
 }
 
-/// Points of the largest traction: speed in km/h, force in N with the stated mass. Constant up to the speed where the power bounds it.
-pub fn traction_curve(train: &TrainFile, max_speed_kmh: f64) -> Vec<(f64, f64)> {
+/// Points of the largest traction: speed in km/h, force in N with the stated mass.
+fn traction_curve(train: &TrainFile, max_speed_kmh: f64) -> Vec<(f64, f64)> {
     let share = stated_mass_kg(train) / train.mass_kg;
-    let knee_kmh = 3.6 * train.max_power_w / train.max_tractive_effort_n;
-    let force_n = |kmh: f64| {
-        let by_power_n = 3.6 * train.max_power_w / kmh;
-        share * train.max_tractive_effort_n.min(by_power_n)
-    };
-    let mut speeds_kmh = vec![0.0];
-    if knee_kmh + 0.1 < max_speed_kmh {
-        speeds_kmh.push(knee_kmh);
-        // Not so near that both would be written as one speed.
-        let first = ((knee_kmh + 0.1) / CURVE_STEP_KMH).floor() as u32 + 1;
-        let rounds = (first..).map(|i| CURVE_STEP_KMH * f64::from(i));
-        speeds_kmh.extend(rounds.take_while(|kmh| *kmh < max_speed_kmh));
-    }
-    speeds_kmh.push(max_speed_kmh);
-    speeds_kmh.into_iter().map(|kmh| (kmh, force_n(kmh))).collect()
+    let curve = effort_curve::points(share * train.max_tractive_effort_n, share * train.max_power_w, max_speed_kmh);
+    // The schema's speeds have tenths. Rounded down, the knee states no more power than there is.
+    curve.into_iter().map(|(kmh, force_n)| ((10.0 * kmh).floor() / 10.0, force_n)).collect()
 }
 
 /// What a reader of the file must know and the schema does not say.
-const MEANING: &str = " rotatingMassFactor: mass with its rotating part over trainWeight. Rollout coefficients and tractionForce: forces on a train of trainWeight. ";
+const MEANING: &str = "rotatingMassFactor: mass with its rotating part over trainWeight. Rollout coefficients and tractionForce: forces on a train of trainWeight.";
 
-pub fn write(writer: impl io::Write, train: &TrainFile, identity: &Identity) -> io::Result<()> {
+pub(super) fn write(writer: impl io::Write, train: &TrainFile, identity: &Identity, said: &[String]) -> io::Result<()> {
     let mut xml = Writer::new_with_indent(writer, b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-    xml.write_event(Event::Comment(BytesText::new(MEANING)))?;
+    let comment = xml::comment(&format!("\n  {MEANING}\n  {}\n", said.join("\n  ")));
+    xml.write_event(Event::Comment(BytesText::new(&comment)))?;
     let [a, b, c] = rollout_coefficients(train);
     let features = [
         ("trainLength", format!("{:.0}", train.length_m)),
@@ -176,15 +167,55 @@ fn write_curve(xml: &mut Writer<impl io::Write>, curve: &[(f64, f64)], traction:
     Ok(())
 }
 
-/// Seven significant digits, without an exponent: the schema's decimals have none.
-fn decimal(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
+pub(super) fn read(path: &Path, text: &str) -> Result<Draft, ReadError> {
+    let elements = xml::elements(path, text)?;
+    let mut features = elements.iter().filter(|element| element.name == "TC_Features");
+    let (Some(train), None) = (features.next(), features.next()) else {
+        let count = elements.iter().filter(|element| element.name == "TC_Features").count();
+        return Err(Place::of_file(path).refuse("TC_Features", format!("expected one, found {count}")).into());
+    };
+    let points = elements
+        .iter()
+        .filter(|element| element.name == "TractionForceCurveDataPoint")
+        .map(|point| Ok((KmPerHour(point.required("speed")?).to_mps(), point.required("tractionForce")?)));
+    let limits = effort_curve::limits(&points.collect::<Result<Vec<_>, ReadError>>()?);
+    let name = elements.iter().find_map(|element| element.attribute("TC_ID"));
+    let mut draft = Draft {
+        name: name.unwrap_or_default().to_owned(),
+        resistance_n: [
+            train.required("rolloutCoefficientA")?,
+            train.required("rolloutCoefficientB")?,
+            train.required("rolloutCoefficientC")?,
+        ],
+        ..Draft::default()
+    };
+    draft.put("mass_kg", train.number("trainWeight")?.map(|tonnes| 1000.0 * tonnes));
+    draft.put("rotating_mass_factor", train.number("rotatingMassFactor")?);
+    draft.put("length_m", train.number("trainLength")?);
+    draft.put("max_tractive_effort_n", limits.as_ref().map(|limits| limits.effort_n));
+    draft.put("max_power_w", limits.as_ref().map(|limits| limits.power_w));
+    draft.notes.push(
+        "rotatingMassFactor is read as mass with its rotating part over trainWeight; the schema does not say"
+            .to_owned(),
+    );
+    let lost: Vec<&str> =
+        train.attributes.iter().map(|(name, _)| name.as_str()).filter(|n| !KEPT.contains(n)).collect();
+    if !lost.is_empty() {
+        draft.notes.push(format!("not kept: {}", lost.join(", ")));
     }
-    let digits = 6 - value.abs().log10().floor() as i32;
-    let text = format!("{value:.*}", digits.max(0) as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    draft.notes.extend(limits.and_then(|limits| limits.note));
+    Ok(draft)
 }
+
+/// Attributes of `TC_Features` that a train file has.
+const KEPT: [&str; 6] = [
+    "trainLength",
+    "trainWeight",
+    "rolloutCoefficientA",
+    "rolloutCoefficientB",
+    "rolloutCoefficientC",
+    "rotatingMassFactor",
+];
 
 #[cfg(test)]
 mod tests {
@@ -207,7 +238,7 @@ mod tests {
             max_speed_kmh: 160,
         };
         let mut bytes = Vec::new();
-        write(&mut bytes, &train, &identity).unwrap();
+        write(&mut bytes, &train, &identity, &["Learned.".to_owned()]).unwrap();
         String::from_utf8(bytes).unwrap()
     }
 
@@ -215,7 +246,7 @@ mod tests {
     fn the_document_has_the_names_and_the_order_of_the_schema() {
         let text = document("1500V");
         let expected = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
-            <!-- rotatingMassFactor: mass with its rotating part over trainWeight. Rollout coefficients and tractionForce: forces on a train of trainWeight. -->\n\
+            <!--\n  rotatingMassFactor: mass with its rotating part over trainWeight. Rollout coefficients and tractionForce: forces on a train of trainWeight.\n  Learned.\n-->\n\
             <TrainCharacteristics TC_ID=\"six &amp; &quot;double&quot; &lt;decks&gt;\" TC_VersionMajor=\"3\">\n  \
               <TC_RU_ID>0084</TC_RU_ID>\n  \
               <TC_Features trainLength=\"162\" trainMaxSpeed=\"160\" trainWeight=\"364\" rolloutCoefficientA=\"2739.464\" rolloutCoefficientB=\"57.876\" \
@@ -259,27 +290,5 @@ mod tests {
         for wrong in ["steam", "0V", "V", "1500", "1500Vdc", "1500V-1Hz", "1500VNaNHz"] {
             assert!(wrong.parse::<Traction>().is_err(), "{wrong}");
         }
-    }
-
-    #[test]
-    fn no_speed_of_the_curve_is_written_twice() {
-        for knee_kmh in [39.96, 40.0, 40.04, 139.97, 150.0] {
-            let mut train = train();
-            train.max_power_w = train.max_tractive_effort_n * knee_kmh / 3.6;
-            let curve = traction_curve(&train, 140.0);
-            let written: Vec<String> = curve.iter().map(|(kmh, _)| format!("{kmh:.1}")).collect();
-            let mut once = written.clone();
-            once.dedup();
-            assert_eq!(written, once);
-            assert_eq!(written.last().map(String::as_str), Some("140.0"));
-        }
-    }
-
-    #[test]
-    fn decimals_have_no_exponent() {
-        assert_eq!(decimal(1e-5), "0.00001");
-        assert_eq!(decimal(12_345_678.9), "12345679");
-        assert_eq!(decimal(10.0), "10");
-        assert_eq!(decimal(1.06), "1.06");
     }
 }

@@ -1,0 +1,163 @@
+//! `rundown doctor`: what this machine has, and lacks, for a board, its emulator, the browser's tests and Python.
+
+use super::{Failure, screen};
+use crate::replaying::Request;
+use rundown_files::recording::DirectionChoice;
+use rundown_files::{replay::Tick, run_log::BadRows, train_file::TrainFile};
+use std::path::Path;
+use std::process::{Command, ExitCode};
+
+const TARGET: &str = "thumbv7em-none-eabihf";
+/// Older ones emulate the timer of the STM32L475 too little.
+const QEMU: (u32, u32) = (10, 0);
+/// The oldest Python that the module runs on.
+const PYTHON: (u32, u32) = (3, 9);
+
+/// What is looked for.
+struct Check {
+    name: &'static str,
+    /// What it is needed for.
+    purpose: &'static str,
+    /// The command that mends it.
+    mend: &'static str,
+    /// What was found, or what is wrong.
+    found: Result<String, String>,
+}
+
+pub(super) fn run() -> Result<ExitCode, Failure> {
+    for check in checks() {
+        let Check { name, purpose, mend, found } = check;
+        screen::print(&match found {
+            Ok(found) => format!("ok       {name:15} {found}\n"),
+            Err(wrong) => format!("missing  {name:15} {wrong}; {purpose} needs it\n         {:15} mend: {mend}\n", ""),
+        });
+    }
+    let replayed = replay_one();
+    let said = match &replayed {
+        Ok(()) => "ok       replay          a run was read, replayed and written\n".to_owned(),
+        Err(failure) => format!("broken   replay          {}\n", failure.message),
+    };
+    screen::print(&said);
+    replayed.map(|()| ExitCode::SUCCESS)
+}
+
+fn checks() -> Vec<Check> {
+    let check = |name, purpose, mend, found| Check { name, purpose, mend, found };
+    vec![
+        check("thumb target", "the firmware", "cargo xtask setup", thumb_target()),
+        check("probe-rs", "flashing a board", "cargo install --locked probe-rs-tools", ask("probe-rs", &["--version"])),
+        check(
+            "QEMU",
+            "the emulated board",
+            "cargo xtask setup",
+            ask("qemu-system-arm", &["--version"]).and_then(|text| at_least(&text, QEMU)),
+        ),
+        check(
+            "Chromium",
+            "the browser test (`cargo xtask browser`)",
+            "apt-get install chromium chromium-driver",
+            ask("chromium", &["--version"]).and_then(|found| ask("chromedriver", &["--version"]).map(|_| found)),
+        ),
+        check("Python", "the wheel (`pip install .`)", "apt-get install python3 python3-venv", python()),
+    ]
+}
+
+/// The compiled core library, of the toolchain that is active or of Debian's package.
+fn thumb_target() -> Result<String, String> {
+    let folder = ask("rustc", &["--print", "target-libdir", "--target", TARGET])?;
+    if Path::new(&folder).is_dir() {
+        return Ok(format!("{TARGET} of the active toolchain"));
+    }
+    let source =
+        ask("/usr/bin/rustc", &["--print", "sysroot"]).map(|root| format!("{root}/lib/rustlib/src/rust/library/core"));
+    match source {
+        Ok(source) if Path::new(&source).is_dir() => Ok(format!("{TARGET} is built from Debian's sources of Rust")),
+        _ => Err(format!("expected Rust for {TARGET}, found none")),
+    }
+}
+
+fn python() -> Result<String, String> {
+    let version = ask("python3", &["--version"]).and_then(|text| at_least(&text, PYTHON))?;
+    ask("python3", &["-m", "venv", "--help"]).map_err(|_| "expected the module venv, found none".to_owned())?;
+    Ok(version)
+}
+
+/// The first line that a program says.
+fn ask(program: &str, arguments: &[&str]) -> Result<String, String> {
+    let missing = || format!("expected `{program}` on the path, found none");
+    let output = Command::new(program).args(arguments).output().map_err(|_| missing())?;
+    if !output.status.success() {
+        return Err(format!("expected `{program} {}` to succeed, found {}", arguments.join(" "), output.status));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or_default().trim().to_owned())
+}
+
+/// The text, where the first version in it is new enough.
+fn at_least(text: &str, least: (u32, u32)) -> Result<String, String> {
+    let numbers = text.split(|c: char| !(c.is_ascii_digit() || c == '.')).find_map(|word| {
+        let mut parts = word.split('.').map(str::parse::<u32>);
+        Some((parts.next()?.ok()?, parts.next()?.ok()?))
+    });
+    match numbers {
+        Some(found) if found >= least => Ok(text.to_owned()),
+        _ => Err(format!("expected version {}.{} or newer, found `{text}`", least.0, least.1)),
+    }
+}
+
+/// The main job on a small scale: a run of a minute, from files to files.
+fn replay_one() -> Result<(), Failure> {
+    let folder = tempfile::tempdir().map_err(Failure::not_written)?;
+    let path = |name: &str| folder.path().join(name);
+    let train = TrainFile::of("doctor", &rundown::model::train::TrainDescription::CASE_STUDY);
+    let rows: String = (0..7).map(|i| format!("{},{},90\n", 10 * i, 250 * i)).collect();
+    let files = [
+        ("train.toml", toml::to_string(&train).map_err(Failure::not_written)?),
+        ("track.toml", "name = \"doctor\"\nlength_m = 5000\ngradient_sd_permille = 0\n".to_owned()),
+        ("run.csv", format!("time_s,location_m,speed_kmh\n{rows}")),
+    ];
+    files.iter().try_for_each(|(name, text)| crate::output::files::text(&path(name), text))?;
+    let request = Request {
+        runs: vec![path("run.csv")],
+        train: path("train.toml"),
+        track: path("track.toml"),
+        config: None,
+        mode: None,
+        tick: Tick::EverySample,
+        direction: DirectionChoice::default(),
+        carried: true,
+        as_recorded: false,
+        bad_rows: BadRows::Refuse,
+    };
+    let replayed = request.open()?.replay(|| ())?;
+    if let Some(message) = replayed.nothing() {
+        let why: Vec<&str> = replayed.failed.iter().map(|failed| failed.error.as_str()).collect();
+        return Err(Failure::no_runs(format!("{message}: {}", why.join("; "))));
+    }
+    replayed.write(&path("out"))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_old_version_is_missing() {
+        assert!(at_least("QEMU emulator version 10.0.2 (Debian 1:10.0)", QEMU).is_ok());
+        let old = at_least("QEMU emulator version 7.2.19", QEMU).unwrap_err();
+        assert_eq!(old, "expected version 10.0 or newer, found `QEMU emulator version 7.2.19`");
+        assert!(at_least("Python 3.11.2", PYTHON).is_ok() && at_least("Python 3.8.10", PYTHON).is_err());
+        assert!(at_least("no number", PYTHON).is_err());
+    }
+
+    #[test]
+    fn a_program_that_is_not_there_is_named() {
+        let missing = ask("no-such-program-of-rundown", &[]).unwrap_err();
+        assert_eq!(missing, "expected `no-such-program-of-rundown` on the path, found none");
+    }
+
+    #[test]
+    fn the_main_job_works() {
+        assert!(replay_one().is_ok());
+    }
+}
