@@ -18,6 +18,7 @@ use rundown::{
     model::train::Train,
 };
 use rundown_check::Known;
+use rundown_files::folder::{self, Provenance};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::ReadError;
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
@@ -83,6 +84,7 @@ pub struct Opened {
     /// With the effects that act in all runs.
     estimator: Estimator,
     set: RunSet,
+    provenance: Provenance,
 }
 
 impl fmt::Debug for Opened {
@@ -108,6 +110,7 @@ pub struct Replayed {
     pub failed: Vec<Failed>,
     /// What a person should know about all of them.
     pub notes: Vec<String>,
+    provenance: Provenance,
     carried: bool,
     tick: Tick,
 }
@@ -126,7 +129,10 @@ impl Request {
         let config = track.doubted(config);
         let estimator = Estimator::try_new(config, core_train, core_track)?.with_effects(effects);
         let set = RunSet::find(&self.runs)?;
-        Ok(Opened { request: self, config, train, core_train, track, estimator, set })
+        let described = [Some(&self.train), Some(&self.track), self.config.as_ref()];
+        let inputs = described.into_iter().flatten().cloned().chain(set.paths());
+        let provenance = Provenance::begin(&inputs.collect::<Vec<PathBuf>>());
+        Ok(Opened { request: self, config, train, core_train, track, estimator, set, provenance })
     }
 }
 
@@ -151,8 +157,8 @@ impl Opened {
             replay_apart_by(&model, &recordings, tick, done)
         };
         notes.extend(advice(&self.estimator, &runs));
-        let Self { config, train, core_train, track, .. } = self;
-        Ok(Replayed { config, train, core_train, track, runs, failed, notes, carried, tick })
+        let Self { config, train, core_train, track, provenance, .. } = self;
+        Ok(Replayed { config, train, core_train, track, runs, failed, notes, provenance, carried, tick })
     }
 
     /// The logs that can be used, the others, and what is to be said.
@@ -225,8 +231,10 @@ impl Replayed {
     /// [`WriteError`] names the file.
     pub fn write(&self, folder: &Path) -> Result<Value, WriteError> {
         let json = self.json();
-        write_tables(folder, &self.runs, &self.config, &json)?;
-        write_report(&folder.join("report.html"), &self.report())?;
+        folder::write("replay", folder, &self.provenance, |folder| {
+            write_tables(folder, &self.runs, &self.config, &json)?;
+            write_report(&folder.join("report.html"), &self.report())
+        })?;
         Ok(json)
     }
 

@@ -134,6 +134,8 @@ fn the_same_bytes_come_out_again() {
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
             .collect();
+        // The manifest has times.
+        names.retain(|name| name != "manifest.json");
         names.sort();
         assert!(names.contains(&"import.toml".to_owned()) && names.len() >= 4, "{names:?}");
         for name in names {

@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     };
     let json = serde_json::to_string_pretty(&found).map_err(Failure::not_written)?;
     if let Some(path) = &arguments.out {
-        files::text(path, &json)?;
+        files::whole(path, &json)?;
     }
     screen::print(&if arguments.json { format!("{json}\n") } else { words(&found) });
     let unusable = found.refused().count();

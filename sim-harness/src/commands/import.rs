@@ -64,12 +64,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let order = Order {
         files: arguments.files.clone(),
         mapping,
+        mapping_file: arguments.mapping.clone(),
         out: arguments.out.clone(),
         track_out: arguments.track_out.clone(),
     };
     let done = if let Some(path) = &arguments.preview {
         let (done, picture) = order.preview()?;
-        crate::output::files::text(path, &picture)?;
+        crate::output::files::whole(path, &picture)?;
         done
     } else {
         let waiting = screen::waiting();

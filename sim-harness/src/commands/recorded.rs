@@ -29,6 +29,8 @@ pub(super) struct Opened {
     pub(super) track_file: TrackFile,
     pub(super) track: Track,
     pub(super) source: RunSource,
+    /// The files that were read, and those that will be.
+    pub(super) inputs: Vec<PathBuf>,
     /// The estimator's, as far as the track is doubted.
     pub(super) config: Config,
 }
@@ -40,6 +42,7 @@ impl RecordedRuns {
         let (Some(train), Some(track)) = (&self.train, &self.track) else {
             return Ok(None);
         };
+        let described = [train.clone(), track.clone()];
         let (train_file, train) = TrainFile::read(train)?;
         let (track_file, track) = TrackFile::read(track)?;
         let line = CentreLine::new(&track_file.centre_line);
@@ -47,6 +50,7 @@ impl RecordedRuns {
         let known = (!self.as_recorded).then_some(known);
         let source = RunSource::recorded(&self.runs, line, known, screen::note)?;
         let config = track_file.doubted(*config);
-        Ok(Some(Opened { train_file, train, track_file, track, source, config }))
+        let inputs = [described.to_vec(), source.files()].concat();
+        Ok(Some(Opened { train_file, train, track_file, track, source, inputs, config }))
     }
 }

@@ -35,6 +35,7 @@ use cut::{Cutter, Odometer, Stretch};
 use mapping::{Chainage, Mapping};
 use rows::Converter;
 use rundown_files::WriteError;
+use rundown_files::folder::{self, Provenance};
 use rundown_files::track_file::{CentreLinePoint, TrackFile};
 use serde_json::{Value, json};
 use source::Source;
@@ -73,6 +74,8 @@ pub struct Imported {
 pub struct Order {
     pub files: Vec<PathBuf>,
     pub mapping: Mapping,
+    /// The file of the mapping, where there is one.
+    pub mapping_file: Option<PathBuf>,
     pub out: PathBuf,
     pub track_out: Option<PathBuf>,
 }
@@ -106,18 +109,43 @@ impl Order {
     /// Nothing usable came out, or it cannot be written.
     pub fn import(&self) -> Result<Imported, ImportError> {
         let given = self.given_line()?;
-        let (mut groups, mut errors) = self.groups()?;
+        let (mut groups, errors) = self.groups()?;
         groups.retain(|group| group.question.is_none());
         if groups.is_empty() {
             return Err(ImportError::Nothing(errors.join("\n")));
         }
-        let folder = write::Folder::new(&self.out)?;
+        write::may_write(&self.out)?;
+        let (track, done) = folder::write("import", &self.out, &self.provenance(&groups), |folder| {
+            self.into_folder(&groups, errors, given, folder)
+        })?;
+        if let Some(path) = &self.track_out {
+            crate::output::files::whole(path, &track)?;
+        }
+        Ok(done)
+    }
+
+    /// When the work begins, and what it reads.
+    fn provenance(&self, groups: &[Group]) -> Provenance {
+        let sources = groups.iter().flat_map(|group| &group.sources).map(|source| source.path.clone());
+        let said = self.mapping_file.iter().chain(&self.mapping.chainage.track).cloned();
+        let files: Vec<PathBuf> = said.chain(sources).collect();
+        Provenance::begin(&files)
+    }
+
+    /// Out: the track, and what is to be said.
+    fn into_folder(
+        &self,
+        groups: &[Group],
+        mut errors: Vec<String>,
+        given: Vec<CentreLinePoint>,
+        folder: &Path,
+    ) -> Result<(String, Imported), ImportError> {
         let mut account = Account::default();
         let mut staged = Vec::new();
         let mut names = HashSet::new();
-        for group in &groups {
+        for group in groups {
             for source in &group.sources {
-                let read = self.read(source, group, folder.path(), &mut names, &mut account);
+                let read = self.read(source, group, folder, &mut names, &mut account);
                 match read {
                     Ok(runs) => staged.extend(runs),
                     Err(ImportError::Write(error)) => return Err(error.into()),
@@ -132,8 +160,8 @@ impl Order {
             return Err(ImportError::Nothing(errors.join("\n")));
         }
         let placed = chainage::place(&staged, self.mapping.chainage.method, given);
-        let done = self.write(&groups, &staged, &placed, &account, folder)?;
-        Ok(Imported { errors, ..done })
+        let (track, done) = self.write(groups, &staged, &placed, &account, folder)?;
+        Ok((track, Imported { errors, ..done }))
     }
 
     fn given_line(&self) -> Result<Vec<CentreLinePoint>, ImportError> {
@@ -199,8 +227,8 @@ impl Order {
         staged: &[Staged],
         placed: &Placed,
         account: &Account,
-        folder: write::Folder,
-    ) -> Result<Imported, ImportError> {
+        folder: &Path,
+    ) -> Result<(String, Imported), ImportError> {
         let mut done =
             Imported { notes: groups.iter().flat_map(|group| group.notes.clone()).collect(), ..Imported::default() };
         done.lines.push(format!("chainage: {} ({})", placed.method.name(), placed.why));
@@ -211,11 +239,11 @@ impl Order {
             if let Place::Out(reason) = place {
                 left_out(run, reason, &mut account, &mut done);
                 runs.push(entry(run, place, "", (0.0, 0.0)));
-                run.forget().map_err(|error| crate::output::files::failed(folder.path(), error))?;
+                run.forget().map_err(|error| crate::output::files::failed(folder, error))?;
                 continue;
             }
-            let written = write::run(run, place, placed, folder.path())?;
-            run.forget().map_err(|error| crate::output::files::failed(folder.path(), error))?;
+            let written = write::run(run, place, placed, folder)?;
+            run.forget().map_err(|error| crate::output::files::failed(folder, error))?;
             account.count("rows whose positions are off the centre line, without a location", written.lost);
             moved(place, &mut account);
             let direction = if written.is_up { "up" } else { "down" };
@@ -243,7 +271,7 @@ impl Order {
             "places": account.places,
             "notes": done.notes,
         });
-        let text = |name: &str, text: &str| crate::output::files::text(&folder.path().join(name), text);
+        let text = |name: &str, text: &str| crate::output::files::text(&folder.join(name), text);
         text("runs.csv", &index)?;
         text("import.toml", &self.repeats(groups, placed)?)?;
         text(write::ACCOUNT, &pretty(&json))?;
@@ -251,12 +279,8 @@ impl Order {
         if made_line {
             text("track.toml", &track)?;
         }
-        folder.done()?;
-        if let Some(path) = &self.track_out {
-            write::text(path, &track)?;
-        }
         done.lines.extend(account.lines());
-        Ok(done)
+        Ok((track, done))
     }
 
     /// `import.toml` of this import.

@@ -24,14 +24,13 @@ use rundown_files::{WriteError, replay::ReplayedRun};
 use serde_json::Value;
 use std::{borrow::Borrow, io::Write, path::Path};
 
-/// Writes all tables of a replay into `folder`, which is made when it does not exist.
+/// Writes all tables of a replay into `folder`.
 pub(crate) fn write_tables(
     folder: &Path,
     runs: &[ReplayedRun],
     config: &Config,
     json: &Value,
 ) -> Result<(), WriteError> {
-    files::folder(folder)?;
     runs.par_iter().try_for_each(|run| {
         let name = estimates::file_name(run);
         files::file(&folder.join(name), |file| estimates::write(file, run))?;

@@ -24,6 +24,7 @@ pub enum RunSource {
 #[derive(Debug)]
 pub struct Recorded {
     of: Files,
+    files: Vec<PathBuf>,
     /// Nothing is diagnosed nor put right.
     as_recorded: bool,
     /// What an estimator puts right by itself.
@@ -79,9 +80,9 @@ impl RunSource {
         known: Option<Known>,
         note: impl Fn(&str),
     ) -> Result<Self, Refused> {
-        let of = Files::open(arguments, line, note)?;
+        let (of, files) = Files::open(arguments, line, note)?;
         let (as_recorded, known) = (known.is_none(), known.unwrap_or_default());
-        Ok(Self::Recorded(Box::new(Recorded { of, as_recorded, known, found: Vec::new() })))
+        Ok(Self::Recorded(Box::new(Recorded { of, files, as_recorded, known, found: Vec::new() })))
     }
 
     pub fn total(&self) -> usize {
@@ -91,6 +92,14 @@ impl RunSource {
                 Files::Logs(logs) => logs.files.len(),
                 Files::Parquet(files) => files.runs,
             },
+        }
+    }
+
+    /// The files that are read.
+    pub fn files(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Simulated(simulated) => simulated.simulation.file.iter().cloned().collect(),
+            Self::Recorded(recorded) => recorded.files.clone(),
         }
     }
 
@@ -113,7 +122,11 @@ impl RunSource {
 }
 
 impl Files {
-    fn open(arguments: &[PathBuf], line: Option<CentreLine>, note: impl Fn(&str)) -> Result<Self, Refused> {
+    fn open(
+        arguments: &[PathBuf],
+        line: Option<CentreLine>,
+        note: impl Fn(&str),
+    ) -> Result<(Self, Vec<PathBuf>), Refused> {
         let mut files = Vec::new();
         for argument in arguments {
             parquet_files(argument, &mut files)?;
@@ -122,7 +135,7 @@ impl Files {
             let readers = files.iter().map(|path| RunReader::open(path, line.as_ref()));
             let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
             let runs = readers.iter().map(RunReader::runs).sum();
-            return Ok(Self::Parquet(ParquetFiles { readers, runs }));
+            return Ok((Self::Parquet(ParquetFiles { readers, runs }), files));
         }
         let set = RunSet::find(arguments)?;
         set.notes.iter().for_each(|text| note(text));
@@ -135,7 +148,8 @@ impl Files {
                 truths.insert(folder.to_owned(), truth);
             }
         }
-        Ok(Self::Logs(Logs { files: set.files, line, truths, next: 0 }))
+        let files = set.paths();
+        Ok((Self::Logs(Logs { files: set.files, line, truths, next: 0 }), files))
     }
 
     fn next_chunk(&mut self) -> Result<Vec<Result<Case, Failed>>, Refused> {

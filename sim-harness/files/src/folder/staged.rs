@@ -87,7 +87,11 @@ impl Drop for Staged {
 
 /// The folder itself where a link leads to it, or its name is none.
 fn resolved(out: &Path) -> io::Result<PathBuf> {
-    if out.exists() && (out.is_symlink() || out.file_name().is_none()) { out.canonicalize() } else { Ok(out.to_owned()) }
+    if out.exists() && (out.is_symlink() || out.file_name().is_none()) {
+        out.canonicalize()
+    } else {
+        Ok(out.to_owned())
+    }
 }
 
 /// A new folder, beside the place if that is possible, else in it.

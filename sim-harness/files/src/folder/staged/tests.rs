@@ -41,10 +41,8 @@ const OLD: [(&str, &str); 3] = [("a.csv", "old a"), ("deep/b.csv", "old b"), ("s
 const NEW_FILES: [(&str, &str); 3] = [("a.csv", "new a"), ("deep/b.csv", "new b"), ("more.csv", "new")];
 
 fn names_beside(place: &TempDir) -> Vec<String> {
-    let mut names: Vec<String> = fs::read_dir(place.path())
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
+    let mut names: Vec<String> =
+        fs::read_dir(place.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     names
 }
