@@ -1,6 +1,6 @@
 //! Recorded runs as `study` and `tune` take them: with the descriptions of their train and track, or not at all.
 
-use super::{Failure, screen};
+use super::{Failure, Strict, screen};
 use crate::study::source::RunSource;
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train, tick::sensor::Rounding};
 use rundown_check::Known;
@@ -18,6 +18,8 @@ pub struct RecordedRuns {
     /// Take recorded runs as they are: what `rundown check` would put right is left as it is
     #[arg(long, requires = "runs")]
     as_recorded: bool,
+    #[command(flatten)]
+    pub(super) strict: Strict,
     /// Description of the track of recorded runs
     #[arg(long, value_name = "K.toml", requires = "runs")]
     track: Option<PathBuf>,

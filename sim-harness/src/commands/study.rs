@@ -143,6 +143,13 @@ pub(super) struct Study {
     pub(super) answers: Vec<Answer>,
 }
 
+impl Study {
+    /// What a person should know of the recorders.
+    fn notes(&self) -> Vec<String> {
+        self.gathered.checks.iter().flat_map(Check::notes).collect()
+    }
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let config = super::config(arguments.config.as_deref())?;
     if arguments.all {
@@ -176,19 +183,20 @@ fn case_study_or_runs(arguments: &Arguments, config: Config, out: &Path) -> Resu
     let described = described(arguments, &config)?;
     let inputs: Vec<PathBuf> = described.inputs.iter().chain(&arguments.config).cloned().collect();
     let study = folder::write("study", out, &Provenance::begin(&inputs), |folder| {
-        study(
+        let study = study(
             described,
             config,
             arguments.seed.unwrap_or(SEED),
             arguments.example.as_deref(),
             arguments.keep_runs.as_deref(),
             folder,
-        )
+        )?;
+        let (notes, failed) = (study.notes(), &study.gathered.failed);
+        notes.iter().for_each(|text| screen::note(text));
+        failed.iter().take(5).for_each(|failed| screen::error(&failed.error));
+        arguments.recorded.strict.check(notes.len() + failed.len())?;
+        Ok::<_, Failure>(study)
     })?;
-    study.gathered.checks.iter().flat_map(Check::notes).for_each(|text| screen::note(&text));
-    for failed in study.gathered.failed.iter().take(5) {
-        screen::error(&failed.error);
-    }
     if study.gathered.paper.runs == 0 {
         return Err(Failure::no_runs("no run could be used; the report says why"));
     }

@@ -111,19 +111,24 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String, Provenan
         }
     };
     let provenance = Provenance::begin(&inputs);
-    let mut runs = Vec::new();
+    let (mut runs, mut refused) = (Vec::new(), 0);
     while runs.len() < count
         && let Some(chunk) = source.next_chunk()?
     {
         for case in chunk {
             match case {
                 Ok(case) => runs.push(case.recording),
-                Err(failed) => screen::error(&failed.error),
+                Err(failed) => {
+                    refused += 1;
+                    screen::error(&failed.error);
+                }
             }
         }
     }
     runs.truncate(count);
-    source.found().iter().flat_map(Check::notes).for_each(|text| screen::note(&text));
+    let notes: Vec<String> = source.found().iter().flat_map(Check::notes).collect();
+    notes.iter().for_each(|text| screen::note(text));
+    arguments.recorded.strict.check(notes.len() + refused)?;
     if runs.is_empty() {
         return Err(Failure::no_runs("no run could be used; nothing was written"));
     }

@@ -28,7 +28,7 @@ mod staged;
 mod units;
 mod write;
 
-use account::{Account, ROWS};
+use account::{Account, INVERTED, ROWS, SHIFTED};
 use analysis::Group;
 use chainage::{Place, Placed};
 use cut::{Cutter, Odometer, Stretch};
@@ -56,6 +56,9 @@ pub enum ImportError {
     /// The mapping or the track is wrong.
     #[error("{0}")]
     Refused(String),
+    /// Something is to be warned of, and nothing may be.
+    #[error("{0}")]
+    Strict(String),
     #[error(transparent)]
     Write(#[from] WriteError),
 }
@@ -66,6 +69,8 @@ pub struct Imported {
     pub lines: Vec<String>,
     pub notes: Vec<String>,
     pub errors: Vec<String>,
+    /// What was left out or changed.
+    pub warnings: Vec<String>,
     pub runs: usize,
 }
 
@@ -78,6 +83,8 @@ pub struct Order {
     pub mapping_file: Option<PathBuf>,
     pub out: PathBuf,
     pub track_out: Option<PathBuf>,
+    /// Nothing is written where anything is to be warned of.
+    pub strict: bool,
 }
 
 impl Order {
@@ -100,7 +107,7 @@ impl Order {
         let (groups, errors) = self.groups()?;
         let lines = groups.iter().map(preview::words).collect();
         let notes = groups.iter().flat_map(|group| group.notes.clone()).collect();
-        Ok((Imported { lines, notes, errors, runs: 0 }, preview::picture(&groups)))
+        Ok((Imported { lines, notes, errors, ..Imported::default() }, preview::picture(&groups)))
     }
 
     /// Imports, and writes the folder.
@@ -161,6 +168,17 @@ impl Order {
         }
         let placed = chainage::place(&staged, self.mapping.chainage.method, given);
         let (track, done) = self.write(groups, &staged, &placed, &account, folder)?;
+        if self.strict {
+            // Notes are the evidence for units and clocks.
+            let said = [&errors[..], &done.warnings].concat();
+            if !said.is_empty() {
+                let text = said.join("\n");
+                return Err(ImportError::Strict(format!(
+                    "{text}\n--strict: expected nothing to be warned of, found {} warnings; nothing was written",
+                    said.len()
+                )));
+            }
+        }
         Ok((track, Imported { errors, ..done }))
     }
 
@@ -279,6 +297,7 @@ impl Order {
         if made_line {
             text("track.toml", &track)?;
         }
+        done.warnings = account.warnings().collect();
         done.lines.extend(account.lines());
         Ok((track, done))
     }
@@ -322,8 +341,8 @@ fn departure(seconds: f64) -> String {
 
 fn moved(place: &Place, account: &mut Account) {
     if let Place::Shift { sign, offset_m, .. } = place {
-        account.count("runs shifted onto the chainage", u64::from(*offset_m != 0.0));
-        account.count("runs inverted", u64::from(*sign < 0.0));
+        account.count(SHIFTED, u64::from(*offset_m != 0.0));
+        account.count(INVERTED, u64::from(*sign < 0.0));
     }
 }
 

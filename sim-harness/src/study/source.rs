@@ -3,16 +3,16 @@
 use super::case::{Case, FleetUnit};
 use super::{Refused, truth_folder::TruthFolder};
 use crate::logs::{self, Failed};
+use crate::parquet_runs::ParquetRuns;
 use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
 use rundown_check::{Check, Known};
 use rundown_files::run_set::{RunFile, RunSet};
-use rundown_files::{map_matching::CentreLine, parquet::RunReader, recording::DirectionChoice, run_log::BadRows};
-use std::collections::{HashMap, VecDeque};
+use rundown_files::{map_matching::CentreLine, recording::DirectionChoice, run_log::BadRows};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Runs that are in memory at a time.
-pub const CHUNK: usize = 256;
+use crate::replaying::CHUNK;
 
 #[derive(Debug)]
 pub enum RunSource {
@@ -36,7 +36,7 @@ pub struct Recorded {
 #[derive(Debug)]
 enum Files {
     Logs(Logs),
-    Parquet(ParquetFiles),
+    Parquet(ParquetRuns),
 }
 
 #[derive(Clone, Debug)]
@@ -54,13 +54,6 @@ struct Logs {
     /// By the folder of the logs.
     truths: HashMap<PathBuf, TruthFolder>,
     next: usize,
-}
-
-/// Parquet files, read one after the other. A unit's files must follow each other in time; a run does not go on in the next file.
-#[derive(Debug)]
-struct ParquetFiles {
-    readers: VecDeque<RunReader>,
-    runs: usize,
 }
 
 impl RunSource {
@@ -90,7 +83,7 @@ impl RunSource {
             Self::Simulated(simulated) => simulated.runs,
             Self::Recorded(recorded) => match &recorded.of {
                 Files::Logs(logs) => logs.files.len(),
-                Files::Parquet(files) => files.runs,
+                Files::Parquet(runs) => runs.runs(),
             },
         }
     }
@@ -127,15 +120,9 @@ impl Files {
         line: Option<CentreLine>,
         note: impl Fn(&str),
     ) -> Result<(Self, Vec<PathBuf>), Refused> {
-        let mut files = Vec::new();
-        for argument in arguments {
-            parquet_files(argument, &mut files)?;
-        }
-        if !files.is_empty() {
-            let readers = files.iter().map(|path| RunReader::open(path, line.as_ref()));
-            let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
-            let runs = readers.iter().map(RunReader::runs).sum();
-            return Ok((Self::Parquet(ParquetFiles { readers, runs }), files));
+        if let Some(runs) = ParquetRuns::open(arguments, line.as_ref())? {
+            let files = runs.files().to_vec();
+            return Ok((Self::Parquet(runs), files));
         }
         let set = RunSet::find(arguments)?;
         set.notes.iter().for_each(|text| note(text));
@@ -159,17 +146,9 @@ impl Files {
                 let logs = &*logs;
                 Ok(logs.files[range].par_iter().map(|file| logs.read(file)).collect())
             }
-            Self::Parquet(files) => {
-                let mut chunk = Vec::new();
-                while chunk.len() < CHUNK
-                    && let Some(reader) = files.readers.front_mut()
-                {
-                    match reader.next_run()? {
-                        Some(recording) => chunk.push(Ok(Case { recording, truth: None })),
-                        None => drop(files.readers.pop_front()),
-                    }
-                }
-                Ok(chunk)
+            Self::Parquet(runs) => {
+                let chunk = runs.next_chunk(CHUNK)?.into_iter();
+                Ok(chunk.map(|recording| Ok(Case { recording, truth: None })).collect())
             }
         }
     }
@@ -218,23 +197,6 @@ impl Recorded {
         self.found.push(found);
         Ok(chunk)
     }
-}
-
-/// Parquet files behind an argument, folders in the order of their paths.
-fn parquet_files(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Refused> {
-    if path.is_dir() {
-        let failed = |error| format!("{}: cannot be read: {error}", path.display());
-        let entries = std::fs::read_dir(path).map_err(failed)?;
-        let entries = entries.map(|entry| entry.map(|entry| entry.path()));
-        let mut paths = entries.collect::<Result<Vec<_>, _>>().map_err(failed)?;
-        paths.sort();
-        for path in paths {
-            parquet_files(&path, files)?;
-        }
-    } else if path.extension().is_some_and(|e| e == "parquet") {
-        files.push(path.to_owned());
-    }
-    Ok(())
 }
 
 fn advance(next: &mut usize, end: usize) -> std::ops::Range<usize> {
