@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// What a folder holds by its path in it, but for the manifest, which has times.
 fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {

@@ -84,7 +84,7 @@ const MOST_INVALID: f64 = 0.5;
 
 /// Replays one run; what it says about the train goes into `vehicle`, unless most of it is invalid.
 pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recording, tick: Tick) -> ReplayedRun {
-    let before = vehicle.clone();
+    let before = *vehicle;
     let vehicle_before = vehicle.davis();
     let mut run = estimator.begin_run(vehicle, recording.direction);
     let mut measurements = Vec::new();

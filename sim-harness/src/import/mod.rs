@@ -123,7 +123,7 @@ impl Order {
         }
         write::may_write(&self.out)?;
         let (track, done) = folder::write("import", &self.out, &self.provenance(&groups), |folder| {
-            self.into_folder(&groups, errors, given, folder)
+            self.fill(&groups, errors, given, folder)
         })?;
         if let Some(path) = &self.track_out {
             crate::output::files::whole(path, &track)?;
@@ -140,7 +140,7 @@ impl Order {
     }
 
     /// Out: the track, and what is to be said.
-    fn into_folder(
+    fn fill(
         &self,
         groups: &[Group],
         mut errors: Vec<String>,
