@@ -5,7 +5,7 @@
 //! | the command `rundown` | [`commands`] |
 //! | how do logs of any recorder become run logs? | `import` |
 //! | what did a recorder do to its logs? | [`checking`] |
-//! | how are recorded runs replayed? | [`replaying`], of logs [`logs`] can read |
+//! | how are recorded runs replayed? | [`replaying`], of logs [`logs`] can read, or of Parquet files (`parquet_runs`) |
 //! | what invalidates a whole replay? where are its results written? | `advice`, [`output`], `report` |
 //! | what does another tool get of what was learned? | `learned_train`, `exchange` |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
@@ -40,6 +40,7 @@ mod learned_train;
 pub mod link;
 pub mod logs;
 pub mod output;
+mod parquet_runs;
 pub mod replaying;
 pub mod report;
 #[cfg(feature = "link")]

@@ -108,6 +108,7 @@ fn json_files_have_the_fields_of_their_tables() {
     let at = |name: &str| folder.path().join(name);
     let read = |path: &str| serde_json::from_str(&std::fs::read_to_string(at(path)).unwrap()).unwrap();
     ran(&[&"replay", &"--train", &train, &"--track", &track, &"--out", &at("replay"), &runs]);
+    agree("manifest.json", rundown_files::folder::FIELDS, &read("replay/manifest.json"));
     agree("replay.json", sim_harness::output::json::FIELDS, &read("replay/replay.json"));
     ran(&[&"check", &"--out", &at("check.json"), &runs]);
     agree("check --json", sim_harness::checking::FIELDS, &read("check.json"));

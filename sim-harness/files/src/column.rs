@@ -124,13 +124,19 @@ impl<Row> Column<Row> {
 pub type Filled = Vec<(About, Vec<Cell>)>;
 
 /// All cells of some rows, column by column.
-pub fn filled<Row>(columns: Vec<Column<Row>>, rows: impl IntoIterator<Item: Borrow<Row>>) -> Filled {
+pub fn cells<Row>(columns: &[Column<Row>], rows: impl IntoIterator<Item: Borrow<Row>>) -> Vec<Vec<Cell>> {
     let mut cells: Vec<Vec<Cell>> = vec![Vec::new(); columns.len()];
     for row in rows {
         for (column, cells) in columns.iter().zip(&mut cells) {
             cells.push(column.cell(row.borrow()));
         }
     }
+    cells
+}
+
+/// The same with what the columns are.
+pub fn filled<Row>(columns: Vec<Column<Row>>, rows: impl IntoIterator<Item: Borrow<Row>>) -> Filled {
+    let cells = cells(&columns, rows);
     columns.into_iter().map(|column| column.about).zip(cells).collect()
 }
 

@@ -13,6 +13,7 @@
 //! | what does the estimator get? | [`recording`], [`map_matching`], [`units`] |
 //! | what does it say? | [`replay`] |
 //! | train, track, configuration, effects | [`train_file`], [`track_file`], [`config_file`], [`effect_file`], all by [`toml_file`] |
+//! | how do results get into their folder? | [`folder`] |
 //! | tables and runs for other tools | [`mod@column`], [`table`], [`parquet`] |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -21,6 +22,7 @@ pub mod column;
 pub mod config_file;
 pub mod effect_file;
 pub mod effect_frame;
+pub mod folder;
 pub mod map_matching;
 pub mod parquet;
 pub mod recording;

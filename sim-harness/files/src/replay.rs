@@ -7,6 +7,8 @@
 //! | [`Tick::EverySample`] | all |
 //! | [`Tick::Period`] | the newest row of each period, as the board does with a faster recorder: the first row, then the last row of (0, S], (S, 2S], ... after it |
 //!
+//! A run with more than half of its ticks invalid does not change the vehicle, and says so.
+//!
 //! Rows whose time does not increase are dropped and named by [`Dropped`]; nothing else is.
 
 use crate::{recording::Recording, sample::Sample};
@@ -17,7 +19,7 @@ use rundown::{
     coast_ahead::CoastAhead, filter::gaussian::Gaussian, model::direction::Direction, tick::estimate::Estimate,
     tick::measurement::Measurement, tick::memory::Vehicle, tick::regime::Regime,
 };
-use rundown_wire::Learned;
+use rundown_wire::{Learned, Validity};
 use std::collections::{BTreeMap, HashMap};
 use std::{borrow::Borrow, path::PathBuf};
 
@@ -72,11 +74,17 @@ pub struct ReplayedRun {
     pub learned: Learned,
     /// The same by how coasts were foreseen, those of earlier runs included.
     pub trust: Trust,
+    /// What it says went into the vehicle: not where most of it is invalid.
+    pub is_used: bool,
     pub warnings: Vec<String>,
 }
 
-/// Replays one run; what it says about the train goes into `vehicle`.
+/// More invalid ticks than this share, and a run does not change the vehicle.
+const MOST_INVALID: f64 = 0.5;
+
+/// Replays one run; what it says about the train goes into `vehicle`, unless most of it is invalid.
 pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recording, tick: Tick) -> ReplayedRun {
+    let before = *vehicle;
     let vehicle_before = vehicle.davis();
     let mut run = estimator.begin_run(vehicle, recording.direction);
     let mut measurements = Vec::new();
@@ -100,6 +108,13 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
         }
     }
     let summary = estimator.end_run(&mut run, vehicle);
+    let mut warnings = recording.warnings.clone();
+    let unusable = mostly_invalid(recording, &estimates);
+    let is_used = unusable.is_none();
+    if !is_used {
+        *vehicle = before;
+    }
+    warnings.extend(unusable);
     ReplayedRun {
         name: recording.name.clone(),
         path: recording.path.clone(),
@@ -116,8 +131,19 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
         vehicle_after: vehicle.davis(),
         learned: estimator.published(vehicle).1,
         trust: *vehicle.trust(),
-        warnings: recording.warnings.clone(),
+        is_used,
+        warnings,
     }
+}
+
+/// Why a run does not change the vehicle.
+fn mostly_invalid(recording: &Recording, estimates: &[Estimate]) -> Option<String> {
+    let invalid = estimates.iter().filter(|estimate| matches!(estimate.validity, Validity::Invalid(_))).count();
+    let all = estimates.len();
+    (invalid as f64 > MOST_INVALID * all as f64).then(|| {
+        let path = recording.path.display();
+        format!("{path}: {invalid} of {all} ticks are invalid: the vehicle stays as it was before this run")
+    })
 }
 
 fn confirmed(estimates: &[Estimate]) -> Vec<Regime> {

@@ -11,7 +11,7 @@ use crate::refusal::{Place, ReadError, Refusal};
 use crate::run_log::STDIN;
 use rundown::model::direction::Direction;
 use serde::Deserialize;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -87,6 +87,13 @@ impl RunSet {
         set.order();
         tell_apart(&mut set.files);
         Ok(set)
+    }
+
+    /// The files that are read: the logs, and the indexes beside them.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        let indexes: BTreeSet<PathBuf> = self.files.iter().map(|file| file.path.with_file_name(INDEX)).collect();
+        let logs = self.files.iter().map(|file| file.path.clone());
+        logs.chain(indexes.into_iter().filter(|index| index.is_file())).collect()
     }
 
     /// Logs that only the index of a folder knows.

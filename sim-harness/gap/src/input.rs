@@ -5,6 +5,7 @@ use crate::data::{believed::Surroundings, load, runs::Run};
 use crate::refusal::Refusal;
 use rundown::model::{track::Track, train::Train};
 use rundown_check::Check;
+use rundown_files::folder::Provenance;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::Place;
 use rundown_files::{run_set::RunSet, track_file::TrackFile, train_file::TrainFile};
@@ -31,6 +32,8 @@ pub struct Input {
     pub check: Option<Check>,
     /// Where the runs come from.
     pub dataset: String,
+    /// When the work began, and the files that are read.
+    pub provenance: Provenance,
     /// How many logs could not be used.
     pub left_out: usize,
     /// What was said while they were read.
@@ -50,6 +53,7 @@ impl Input {
         direction: DirectionChoice,
         as_recorded: bool,
     ) -> Result<Self, Refusal> {
+        let described = [train, track].map(Path::to_owned);
         let (train_file, train) = TrainFile::read(train).map_err(Refusal::unread)?;
         let (track_file, track) = TrackFile::read(track).map_err(Refusal::unread)?;
         if let Some(nowhere) = runs.iter().find(|path| !path.exists()) {
@@ -58,6 +62,7 @@ impl Input {
             return Err(Refusal::unread(place.refuse("", message).into()));
         }
         let set = RunSet::find(runs).map_err(Refusal::unread)?;
+        let provenance = Provenance::begin(&[described.to_vec(), set.paths()].concat());
         let Loaded { runs: read, recordings, check, notes } = load::runs(&set, &track_file, direction, as_recorded);
         let dataset: Vec<String> = runs.iter().map(|path| path.display().to_string()).collect();
         let left_out = set.files.len() - read.len();
@@ -71,6 +76,7 @@ impl Input {
             recordings,
             check,
             dataset: dataset.join(" "),
+            provenance,
             left_out,
             notes: set.notes.into_iter().chain(notes).collect(),
         })

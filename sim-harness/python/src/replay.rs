@@ -10,6 +10,7 @@ use rundown::{filter::gaussian::Gaussian, model::state};
 use rundown_files::column::{About, Column, Filled, Kind, filled};
 use rundown_files::table::Cell;
 use rundown_files::{replay::ReplayedRun, replay::Tick, run_log::BadRows};
+use sim_harness::output::tables::Tables;
 use sim_harness::output::{coast_ahead, estimates, features, parameters};
 use sim_harness::replaying::{PERIOD, Replayed, Request, is_period};
 use std::path::PathBuf;
@@ -212,6 +213,8 @@ pub fn replay(
         carried: carry,
         as_recorded,
         bad_rows: if skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse },
+        tables: Tables::default(),
+        strict: false,
     };
     let opened = py.detach(|| request.open()).map_err(not_replayed)?;
     let said = Progress::new(progress, opened.runs());

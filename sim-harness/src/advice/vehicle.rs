@@ -4,9 +4,12 @@
 
 use nalgebra::Vector3;
 use rundown::estimator::Estimator;
+use rundown::filter::gaussian::Gaussian;
 use rundown::model::resistance::Davis;
+use rundown::tick::foresight::Trust;
 use rundown_files::replay::ReplayedRun;
 use rundown_wire::Learned;
+use std::collections::BTreeMap;
 
 /// A description this many prior standard deviations away is no description of this train.
 const FAR: f64 = 4.0;
@@ -32,14 +35,23 @@ const CONVERSIONS: [(&str, [f64; 3]); 6] = [
     ("kN/kg in place of N/kg: all x 1000", [1e3; 3]),
 ];
 
-/// Notes on the vehicles, each after its last run.
-pub(super) fn notes(estimator: &Estimator, runs: &[ReplayedRun]) -> Vec<String> {
-    let mut units: Vec<&str> = runs.iter().map(|run| run.unit.as_str()).collect();
-    units.sort_unstable();
-    units.dedup();
-    let last = |unit: &str| runs.iter().rev().find(|run| run.unit == unit);
-    let mut notes: Vec<String> =
-        units.into_iter().filter_map(last).flat_map(|run| of_vehicle(estimator, run)).collect();
+/// A vehicle after a run.
+#[derive(Debug)]
+pub(super) struct After {
+    davis: Gaussian<3>,
+    learned: Learned,
+    trust: Trust,
+}
+
+impl After {
+    pub(super) fn of(run: &ReplayedRun) -> Self {
+        Self { davis: run.vehicle_after, learned: run.learned, trust: run.trust }
+    }
+}
+
+/// Notes on the vehicles, each after its last run, by their units.
+pub(super) fn notes(estimator: &Estimator, vehicles: &BTreeMap<String, After>) -> Vec<String> {
+    let mut notes: Vec<String> = vehicles.iter().flat_map(|(unit, after)| of_vehicle(estimator, unit, after)).collect();
     let sd = estimator.config().track_doubt.gradient_sd_permille;
     if sd > 0.0 {
         notes.push(format!(
@@ -50,11 +62,11 @@ pub(super) fn notes(estimator: &Estimator, runs: &[ReplayedRun]) -> Vec<String> 
     notes
 }
 
-fn of_vehicle(estimator: &Estimator, run: &ReplayedRun) -> Vec<String> {
+fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
     let mut notes = Vec::new();
-    let mut say = |text: String| notes.push(format!("unit {}: {text}", run.unit));
-    let trust = &run.trust;
-    match run.learned {
+    let mut say = |text: String| notes.push(format!("unit {unit}: {text}"));
+    let trust = &after.trust;
+    match after.learned {
         Learned::PredictsWorse => {
             say("the description foresees coasts better than what was learned, which is not published; \
              are the gradients those of this line?"
@@ -74,9 +86,9 @@ fn of_vehicle(estimator: &Estimator, run: &ReplayedRun) -> Vec<String> {
             trust.inflation().sqrt()
         ));
     }
-    let away = deviations(estimator, run);
+    let away = deviations(estimator, &after.davis);
     if away > FAR {
-        let conversion = conversion(&estimator.train().davis(), run);
+        let conversion = conversion(&estimator.train().davis(), &after.davis);
         let hint = conversion.map_or_else(String::new, |words| format!("; nearest to it would be {words}"));
         say(format!(
             "the described resistance looks wrong: what was learned is {away:.0} standard deviations of trains away from it{hint}"
@@ -86,19 +98,19 @@ fn of_vehicle(estimator: &Estimator, run: &ReplayedRun) -> Vec<String> {
 }
 
 /// How far the vehicle is from its description, in standard deviations of vehicles.
-fn deviations(estimator: &Estimator, run: &ReplayedRun) -> f64 {
+fn deviations(estimator: &Estimator, found: &Gaussian<3>) -> f64 {
     let described = estimator.new_vehicle().davis();
-    let apart = run.vehicle_after.mean - described.mean;
+    let apart = found.mean - described.mean;
     described.covariance.try_inverse().map_or(0.0, |weight| apart.dot(&(weight * apart)).max(0.0).sqrt())
 }
 
 /// The conversion of the description that is nearest to what was learned, if it is much nearer than the description itself.
-fn conversion(described: &Davis, run: &ReplayedRun) -> Option<&'static str> {
+fn conversion(described: &Davis, found: &Gaussian<3>) -> Option<&'static str> {
     let off = |factors: [f64; 3]| {
         let at = |kmh: f64| {
             let v = kmh / 3.6;
             let converted = described.r0 * factors[0] + v * (described.r1 * factors[1] + v * described.r2 * factors[2]);
-            let ratio = Vector3::new(1.0, v, v * v).dot(&run.vehicle_after.mean) / converted;
+            let ratio = Vector3::new(1.0, v, v * v).dot(&found.mean) / converted;
             ratio.max(f64::MIN_POSITIVE).ln().powi(2)
         };
         JUDGED_KMH.map(at).into_iter().sum::<f64>().sqrt()

@@ -1,6 +1,6 @@
 //! `rundown check`: run logs in; what their recorder did to them out.
 
-use super::{Failure, SOME_RUNS_FAILED, screen};
+use super::{Failure, SOME_RUNS_FAILED, Strict, screen};
 use crate::checking::{self, Checked, words};
 use crate::output::files;
 use std::path::PathBuf;
@@ -29,6 +29,8 @@ pub struct Arguments {
     /// Track whose centre line gives the locations of logs that have coordinates only
     #[arg(long, value_name = "K.toml")]
     track: Option<PathBuf>,
+    #[command(flatten)]
+    strict: Strict,
     /// Print the whole diagnosis as JSON to stdout, and nothing else
     #[arg(long)]
     json: bool,
@@ -44,13 +46,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     notes.iter().for_each(|text| screen::note(text));
     let Some(found) = found else {
         let message = format!("expected at least one run log that can be read, found none of {failed}");
-        return Err(Failure { message, code: SOME_RUNS_FAILED });
+        return Err(Failure::no_runs(message));
     };
     let json = serde_json::to_string_pretty(&found).map_err(Failure::not_written)?;
     if let Some(path) = &arguments.out {
-        files::text(path, &json)?;
+        files::whole(path, &json)?;
     }
     screen::print(&if arguments.json { format!("{json}\n") } else { words(&found) });
     let unusable = found.refused().count();
-    Ok(if failed + unusable == 0 { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
+    if unusable == found.runs.len() {
+        return Err(Failure::no_runs(format!("none of {} run logs can be used", failed + unusable)));
+    }
+    let of_recorders = found.recorders.iter().flat_map(|recorder| &recorder.findings);
+    let findings = of_recorders.chain(found.runs.iter().flat_map(|run| &run.findings)).count();
+    let is_strict = arguments.strict.strict && findings > 0;
+    Ok(if failed + unusable == 0 && !is_strict { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
 }

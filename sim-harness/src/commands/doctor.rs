@@ -1,6 +1,7 @@
 //! `rundown doctor`: what this machine has, and lacks, for a board, its emulator, the browser's tests and Python.
 
 use super::{Failure, screen};
+use crate::output::tables::Tables;
 use crate::replaying::Request;
 use rundown_files::recording::DirectionChoice;
 use rundown_files::{replay::Tick, run_log::BadRows, train_file::TrainFile};
@@ -127,6 +128,8 @@ fn replay_one() -> Result<(), Failure> {
         carried: true,
         as_recorded: false,
         bad_rows: BadRows::Refuse,
+        tables: Tables::default(),
+        strict: false,
     };
     let replayed = request.open()?.replay(|| ())?;
     if let Some(message) = replayed.nothing() {

@@ -1,6 +1,6 @@
 //! `rundown gap`: recorded runs and the believed model in; which effect is missing, and the model with it, out.
 
-use super::{Failure, screen};
+use super::{Failure, Strict, screen};
 use clap::builder::PossibleValuesParser;
 use rundown::model::effects::EffectKind;
 use rundown_files::recording::DirectionChoice;
@@ -75,6 +75,8 @@ pub struct Arguments {
     /// Take the logs as they are: what `rundown check` would put right is left as it is
     #[arg(long)]
     as_recorded: bool,
+    #[command(flatten)]
+    strict: Strict,
     /// Print gap.json to stdout, and nothing else
     #[arg(long)]
     json: bool,
@@ -94,6 +96,7 @@ impl Arguments {
             hold_out: None,
             direction: DirectionChoice::default(),
             as_recorded: false,
+            strict: Strict { strict: false },
             json: false,
         }
     }
@@ -124,6 +127,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         )));
     }
     input.notes.iter().for_each(|text| screen::note(text));
+    arguments.strict.check(input.notes.len())?;
     let bar = screen::waiting();
     let tell = |text: &str| {
         if !arguments.json {
@@ -157,7 +161,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 fn failed(refusal: Refusal) -> Failure {
     let code = match refusal {
         Refusal::HoldOut { .. } => super::WRONG_ARGUMENTS,
-        Refusal::TooLittle { .. } => super::SOME_RUNS_FAILED,
+        Refusal::TooLittle { .. } => super::NOTHING_USABLE,
         _ => super::DESCRIPTION_REFUSED,
     };
     Failure { message: refusal.to_string(), code }

@@ -1,6 +1,6 @@
 //! `rundown import`: logs of any recorder in; run logs, their index, and an account of what was done out.
 
-use super::{Failure, SOME_RUNS_FAILED, screen};
+use super::{Failure, SOME_RUNS_FAILED, Strict, screen};
 use crate::import::mapping::{Mapping, Method};
 use crate::import::{ImportError, Imported, Order};
 use std::path::PathBuf;
@@ -42,6 +42,8 @@ pub struct Arguments {
     /// Write a track to begin with: length, stations, centre line, gradients
     #[arg(long, value_name = "K.toml")]
     track_out: Option<PathBuf>,
+    #[command(flatten)]
+    strict: Strict,
     /// Show columns, units and first rows, draw the speeds into this file, and write nothing else
     #[arg(long, value_name = "FILE.svg", num_args = 0..=1, require_equals = true, default_missing_value = "preview.svg")]
     preview: Option<PathBuf>,
@@ -52,6 +54,7 @@ impl From<ImportError> for Failure {
         match error {
             ImportError::Nothing(message) => Self::no_runs(message),
             ImportError::Refused(message) => Self::refused(message),
+            ImportError::Strict(message) => Self { message, code: SOME_RUNS_FAILED },
             ImportError::Write(error) => error.into(),
         }
     }
@@ -64,12 +67,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let order = Order {
         files: arguments.files.clone(),
         mapping,
+        mapping_file: arguments.mapping.clone(),
         out: arguments.out.clone(),
         track_out: arguments.track_out.clone(),
+        strict: arguments.strict.strict,
     };
     let done = if let Some(path) = &arguments.preview {
         let (done, picture) = order.preview()?;
-        crate::output::files::text(path, &picture)?;
+        crate::output::files::whole(path, &picture)?;
         done
     } else {
         let waiting = screen::waiting();

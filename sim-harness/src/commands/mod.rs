@@ -38,14 +38,17 @@ use std::{ffi::OsString, path::Path, process::ExitCode};
 const AFTER_HELP: &str = "\
 Exit codes:
   0  everything was done
-  1  a run could not be used; the others were replayed and written
+  1  a run could not be used; the others were replayed and written. With --strict: something was to be warned of
   2  wrong arguments
   3  the train, the track, the configuration, a scenario, or a folder or index of runs was refused
   4  an output could not be written
-  5  the board did not answer, or refused";
+  5  the board did not answer, or refused
+  6  nothing usable came out: no run could be used, and nothing was written; or a replay learned nothing";
 
 /// Everything was done, but for runs that could not be used.
 const SOME_RUNS_FAILED: u8 = 1;
+/// No run could be used, or nothing was learned from any.
+const NOTHING_USABLE: u8 = 6;
 /// The arguments are wrong, or contradict each other in a way that clap does not check.
 const WRONG_ARGUMENTS: u8 = 2;
 /// A description or the configuration was refused.
@@ -129,7 +132,7 @@ impl Failure {
 
     /// Of all runs none could be used.
     fn no_runs(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: SOME_RUNS_FAILED }
+        Self { message: message.into(), code: NOTHING_USABLE }
     }
 
     #[cfg(feature = "link")]
@@ -139,6 +142,25 @@ impl Failure {
 
     fn not_written(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), code: NOT_WRITTEN }
+    }
+}
+
+#[derive(Clone, Copy, Debug, clap::Args)]
+struct Strict {
+    /// Fail with exit code 1, and write nothing, where anything is to be warned of: a run refused, a row left out, a reading put right
+    #[arg(long)]
+    strict: bool,
+}
+
+impl Strict {
+    /// `said`: how many warnings, notes and refused runs there are.
+    fn check(self, said: usize) -> Result<(), Failure> {
+        if self.strict && said > 0 {
+            let message =
+                format!("--strict: expected nothing to be warned of, found {said} warnings; nothing was written");
+            return Err(Failure { message, code: SOME_RUNS_FAILED });
+        }
+        Ok(())
     }
 }
 

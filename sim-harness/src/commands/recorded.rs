@@ -1,6 +1,6 @@
 //! Recorded runs as `study` and `tune` take them: with the descriptions of their train and track, or not at all.
 
-use super::{Failure, screen};
+use super::{Failure, Strict, screen};
 use crate::study::source::RunSource;
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train, tick::sensor::Rounding};
 use rundown_check::Known;
@@ -18,6 +18,8 @@ pub struct RecordedRuns {
     /// Take recorded runs as they are: what `rundown check` would put right is left as it is
     #[arg(long, requires = "runs")]
     as_recorded: bool,
+    #[command(flatten)]
+    pub(super) strict: Strict,
     /// Description of the track of recorded runs
     #[arg(long, value_name = "K.toml", requires = "runs")]
     track: Option<PathBuf>,
@@ -29,6 +31,8 @@ pub(super) struct Opened {
     pub(super) track_file: TrackFile,
     pub(super) track: Track,
     pub(super) source: RunSource,
+    /// The files that were read, and those that will be.
+    pub(super) inputs: Vec<PathBuf>,
     /// The estimator's, as far as the track is doubted.
     pub(super) config: Config,
 }
@@ -40,6 +44,7 @@ impl RecordedRuns {
         let (Some(train), Some(track)) = (&self.train, &self.track) else {
             return Ok(None);
         };
+        let described = [train.clone(), track.clone()];
         let (train_file, train) = TrainFile::read(train)?;
         let (track_file, track) = TrackFile::read(track)?;
         let line = CentreLine::new(&track_file.centre_line);
@@ -47,6 +52,7 @@ impl RecordedRuns {
         let known = (!self.as_recorded).then_some(known);
         let source = RunSource::recorded(&self.runs, line, known, screen::note)?;
         let config = track_file.doubted(*config);
-        Ok(Some(Opened { train_file, train, track_file, track, source, config }))
+        let inputs = [described.to_vec(), source.files()].concat();
+        Ok(Some(Opened { train_file, train, track_file, track, source, inputs, config }))
     }
 }

@@ -1,11 +1,16 @@
 //! `rundown replay`: recorded runs, a train and a track in; estimates, features, parameters and a report out.
 
-use super::{Failure, SOME_RUNS_FAILED, screen};
+use super::screen::{self, Foreseen};
+use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, Strict};
+use crate::logs::Failed;
 use crate::output::json::mode_word;
-use crate::replaying::{PERIOD, Request, is_period};
+use crate::output::tables::{Format, Tables};
+use crate::replaying::{Opened, PERIOD, Request, StreamError, is_period};
 use clap::ValueEnum;
+use indicatif::ProgressBar;
 use rundown::estimator::config::Mode;
-use rundown_files::{recording::DirectionChoice, replay::Tick, run_log::BadRows};
+use rundown_files::replay::{ReplayedRun, Tick};
+use rundown_files::{recording::DirectionChoice, run_log::BadRows};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -23,6 +28,9 @@ Examples:
   The method of the paper, each run for itself, the summary for a program:
     rundown replay --train t.toml --track k.toml --mode paper --no-carry --json logs/ > all.json
 
+  Ten thousand runs of a fleet, from Parquet to Parquet, a row for each run:
+    rundown replay --train t.toml --track k.toml --format parquet --no-estimates --out out runs.parquet
+
 Files in the output folder:
   <run>.estimates.csv   a row for each tick: state, covariance, effort, regime, innovation
   <run>.coast_ahead.csv a row for each tick, where the track has stops or speed limits: speed and time there if the
@@ -32,6 +40,9 @@ Files in the output folder:
   parameters.csv        a row for each run: resistance of vehicle and run, counters by cause
   replay.json           the same for machines, with every warning
   report.html           pictures, to be opened in any browser
+  manifest.json         what belongs together: files read and written, with their digests
+
+Tables are CSV, or Parquet with --format parquet. With --no-estimates the first two and the report are left out.
 
 A folder stands for all its *.csv in the order of their names. An index runs.csv beside the
 logs (columns file, departure_utc, unit, direction) gives their order, unit and direction.";
@@ -39,7 +50,7 @@ logs (columns file, departure_utc, unit, direction) gives their order, unit and 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
 pub struct Arguments {
-    /// Run logs, or folders of run logs; - is one log from stdin
+    /// Run logs or folders of them, or Parquet files of runs or folders of them; - is one log from stdin
     #[arg(value_name = "RUN.csv", required = true)]
     runs: Vec<PathBuf>,
     /// Description of the train
@@ -72,6 +83,14 @@ pub struct Arguments {
     /// Leave out rows that cannot be read, with a warning, instead of refusing their run
     #[arg(long)]
     skip_bad_rows: bool,
+    /// How tables are written
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+    /// No row for each tick, and no report: only parameters, features, switching points and replay.json, in constant memory
+    #[arg(long)]
+    no_estimates: bool,
+    #[command(flatten)]
+    strict: Strict,
     /// Print the summary of all runs as JSON to stdout, and nothing else
     #[arg(long)]
     json: bool,
@@ -115,6 +134,8 @@ impl Arguments {
             carried: !self.no_carry,
             as_recorded: self.as_recorded,
             bad_rows: if self.skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse },
+            strict: self.strict.strict,
+            tables: Tables { format: self.format, each_tick: !self.no_estimates },
         }
     }
 }
@@ -122,26 +143,81 @@ impl Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let opened = arguments.request().open()?;
     let bar = screen::progress(opened.runs());
+    if arguments.no_estimates {
+        return stream(arguments, opened, &bar);
+    }
     let replayed = opened.replay(|| bar.inc(1));
     bar.finish_and_clear();
     let replayed = replayed?;
     log::info!("replayed {} runs", replayed.runs.len());
     screen::warnings(&replayed.runs);
-    replayed.notes.iter().for_each(|text| screen::note(text));
-    replayed.failed.iter().for_each(|failed| screen::error(&failed.error));
+    said(&replayed.notes, &replayed.failed);
     if let Some(message) = replayed.nothing() {
         return Err(Failure::no_runs(message));
     }
+    let warnings: usize = replayed.runs.iter().map(|run| run.warnings.len()).sum();
+    arguments.strict.check(warnings + replayed.notes.len() + replayed.failed.len())?;
     let json = replayed.write(&arguments.out)?;
     if arguments.json {
         screen::print(&format!("{json:#}\n"));
     } else {
-        screen::print(&screen::run_table(&replayed.runs));
-        screen::print(&screen::foresight(&replayed.runs));
+        let mut foreseen = Foreseen::default();
+        foreseen.add(&replayed.runs);
+        screen::print(&screen::run_table(&replayed.runs, replayed.runs.len()));
+        screen::print(&foreseen.lines());
         let (runs, mode) = (replayed.runs.len(), mode_word(replayed.config.mode));
         let report = arguments.out.join("report.html");
         let report = report.display();
         screen::print(&format!("\nruns: {runs}, mode: {mode}, report: {report}\n"));
     }
-    Ok(if replayed.failed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
+    let unused = replayed.runs.iter().filter(|run| !run.is_used).count();
+    Ok(code(replayed.failed.len() + unused, replayed.learned()))
+}
+
+/// The same run by run, without estimates.
+fn stream(arguments: &Arguments, opened: Opened, bar: &ProgressBar) -> Result<ExitCode, Failure> {
+    let (mut first, mut foreseen) = (Vec::new(), Foreseen::default());
+    let mode = mode_word(opened.config().mode);
+    let seen = |runs: &[ReplayedRun]| {
+        bar.suspend(|| screen::warnings(runs));
+        screen::first(&mut first, runs);
+        foreseen.add(runs);
+    };
+    let streamed = opened.stream(&arguments.out, || bar.inc(1), seen);
+    bar.finish_and_clear();
+    let summary = match streamed {
+        Ok(summary) => summary,
+        Err(StreamError::Nothing(summary)) => {
+            said(&summary.notes, &summary.failed);
+            if summary.runs > 0 {
+                arguments.strict.check(summary.said())?;
+            }
+            return Err(Failure::no_runs(summary.nothing()));
+        }
+        Err(StreamError::Replay(error)) => return Err(error.into()),
+        Err(StreamError::Write(error)) => return Err(error.into()),
+    };
+    said(&summary.notes, &summary.failed);
+    if arguments.json {
+        screen::print_file(&arguments.out.join("replay.json")).map_err(Failure::not_written)?;
+    } else {
+        screen::print(&screen::run_table(&first, summary.runs));
+        screen::print(&foreseen.lines());
+        let results = arguments.out.display();
+        screen::print(&format!("\nruns: {}, mode: {mode}, results: {results}\n", summary.runs));
+    }
+    Ok(code(summary.failed.len() + summary.unused, summary.learned))
+}
+
+fn said(notes: &[String], failed: &[Failed]) {
+    notes.iter().for_each(|text| screen::note(text));
+    failed.iter().for_each(|failed| screen::error(&failed.error));
+}
+
+fn code(unused: usize, learned: bool) -> ExitCode {
+    match (unused, learned) {
+        (_, false) => ExitCode::from(NOTHING_USABLE),
+        (0, true) => ExitCode::SUCCESS,
+        (_, true) => ExitCode::from(SOME_RUNS_FAILED),
+    }
 }

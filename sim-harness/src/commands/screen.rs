@@ -7,7 +7,9 @@ use rundown::{filter::gaussian::Gaussian, model::units::KmPerHour, tick::regime:
 use rundown_files::replay::ReplayedRun;
 use rundown_wire::Learned;
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 use std::time::Duration;
 
 /// Fewer runs are done before a bar is read.
@@ -22,6 +24,14 @@ pub(super) fn print(text: &str) {
     let mut stdout = io::stdout().lock();
     // The only other failures are those of a full disk behind a redirection; what counts is in the files.
     let _ = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+}
+
+/// Prints a file to stdout, with [`print`]'s view of a reader that closed its end.
+pub(super) fn print_file(path: &Path) -> io::Result<()> {
+    let mut file = File::open(path)?;
+    let mut stdout = io::stdout().lock();
+    let _ = io::copy(&mut file, &mut stdout).and_then(|_| stdout.flush());
+    Ok(())
 }
 
 /// An error, on stderr; one that lists several rows has a line for each.
@@ -78,7 +88,8 @@ pub(super) fn waiting() -> ProgressBar {
 }
 
 /// One line a run: rows, steps, time in each regime, resistance at 100 km/h of the vehicle after it.
-pub(super) fn run_table(runs: &[ReplayedRun]) -> String {
+/// `all`: how many runs there are, of which these are the first.
+pub(super) fn run_table(runs: &[ReplayedRun], all: usize) -> String {
     let width = runs.iter().take(RUNS_PRINTED).map(|run| run.name.chars().count()).max().unwrap_or(0).max(3);
     let mut text = format!("{:width$}  {:>6} {:>6} {:>8}", "run", "rows", "steps", "dropped");
     for regime in Regime::ALL {
@@ -92,9 +103,9 @@ pub(super) fn run_table(runs: &[ReplayedRun]) -> String {
         }
         text += &format!("   {}{}\n", resistance(&run.vehicle_after, 100.0), doubt(run.learned));
     }
-    let more = runs.len().saturating_sub(RUNS_PRINTED);
+    let more = all.saturating_sub(RUNS_PRINTED);
     if more > 0 {
-        text += &format!("... and {more} more runs, see parameters.csv and features.csv\n");
+        text += &format!("... and {more} more runs, see the tables of parameters and features\n");
     }
     text
 }
@@ -108,26 +119,40 @@ fn doubt(learned: Learned) -> &'static str {
     }
 }
 
-/// How the coasts of each unit were foreseen, a line a unit; nothing where nobody coasted.
-pub(super) fn foresight(runs: &[ReplayedRun]) -> String {
-    let mut units: BTreeMap<&str, [f64; 3]> = BTreeMap::new();
-    for run in runs {
-        let foresight = &run.summary.foresight;
-        let of_run = [foresight.trust.coasts, foresight.learned_mps, foresight.described_mps];
-        let sums = units.entry(&run.unit).or_default();
-        sums.iter_mut().zip(of_run).for_each(|(sum, more)| *sum += more);
+/// How the coasts of each unit were foreseen: coasts, squares of the errors by what had been learned and by the description.
+#[derive(Debug, Default)]
+pub(super) struct Foreseen(BTreeMap<String, [f64; 3]>);
+
+impl Foreseen {
+    pub(super) fn add(&mut self, runs: &[ReplayedRun]) {
+        for run in runs {
+            let foresight = &run.summary.foresight;
+            let of_run = [foresight.trust.coasts, foresight.learned_mps, foresight.described_mps];
+            let sums = self.0.entry(run.unit.clone()).or_default();
+            sums.iter_mut().zip(of_run).for_each(|(sum, more)| *sum += more);
+        }
     }
-    let line = |(unit, [coasts, learned, described]): (&str, [f64; 3])| {
-        let rms_kmh = |squares_mps: f64| 3.6 * (squares_mps / coasts).sqrt();
-        (coasts > 0.0).then(|| {
-            format!(
-                "unit {unit}: {coasts} coasts, the speed at their end foreseen within {:.1} km/h (rms) by what had been learned, {:.1} by the description\n",
-                rms_kmh(learned),
-                rms_kmh(described)
-            )
-        })
-    };
-    units.into_iter().take(RUNS_PRINTED).filter_map(line).collect()
+
+    /// A line a unit; nothing where nobody coasted.
+    pub(super) fn lines(&self) -> String {
+        let line = |(unit, [coasts, learned, described]): (&String, &[f64; 3])| {
+            let rms_kmh = |squares_mps: &f64| 3.6 * (squares_mps / coasts).sqrt();
+            (*coasts > 0.0).then(|| {
+                format!(
+                    "unit {unit}: {coasts} coasts, the speed at their end foreseen within {:.1} km/h (rms) by what had been learned, {:.1} by the description\n",
+                    rms_kmh(learned),
+                    rms_kmh(described)
+                )
+            })
+        };
+        self.0.iter().take(RUNS_PRINTED).filter_map(line).collect()
+    }
+}
+
+/// The first runs, as many as are printed.
+pub(super) fn first(kept: &mut Vec<ReplayedRun>, runs: &[ReplayedRun]) {
+    let room = RUNS_PRINTED.saturating_sub(kept.len());
+    kept.extend(runs.iter().take(room).cloned());
 }
 
 /// `0.03125 ± 0.00042 N/kg (1.3 %)`

@@ -15,8 +15,9 @@ use crate::{
 };
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
 use rundown_check::Check;
+use rundown_files::folder::{self, Provenance};
 use rundown_files::{
-    parquet::RunWriter, recording::Recording, table::Record, track_file::TrackFile, train_file::TrainFile,
+    WriteError, parquet::RunWriter, recording::Recording, table::Record, track_file::TrackFile, train_file::TrainFile,
 };
 use rundown_pages::numbers::counted;
 use serde_json::json;
@@ -130,6 +131,8 @@ struct Described {
     files: Option<(TrainFile, TrackFile)>,
     /// Other sets on which the claims are judged, too.
     others: Vec<RunSource>,
+    /// The files that are read.
+    inputs: Vec<PathBuf>,
     /// Of the estimator, where the track has a doubt of its own.
     config: Option<Config>,
 }
@@ -138,6 +141,13 @@ pub(super) struct Study {
     pub(super) gathered: Gathered,
     pub(super) claims: Vec<Claim>,
     pub(super) answers: Vec<Answer>,
+}
+
+impl Study {
+    /// What a person should know of the recorders.
+    fn notes(&self) -> Vec<String> {
+        self.gathered.checks.iter().flat_map(Check::notes).collect()
+    }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -171,18 +181,22 @@ fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
 
 fn case_study_or_runs(arguments: &Arguments, config: Config, out: &Path) -> Result<ExitCode, Failure> {
     let described = described(arguments, &config)?;
-    let study = study(
-        described,
-        config,
-        arguments.seed.unwrap_or(SEED),
-        arguments.example.as_deref(),
-        arguments.keep_runs.as_deref(),
-        out,
-    )?;
-    study.gathered.checks.iter().flat_map(Check::notes).for_each(|text| screen::note(&text));
-    for failed in study.gathered.failed.iter().take(5) {
-        screen::error(&failed.error);
-    }
+    let inputs: Vec<PathBuf> = described.inputs.iter().chain(&arguments.config).cloned().collect();
+    let study = folder::write("study", out, &Provenance::begin(&inputs), |folder| {
+        let study = study(
+            described,
+            config,
+            arguments.seed.unwrap_or(SEED),
+            arguments.example.as_deref(),
+            arguments.keep_runs.as_deref(),
+            folder,
+        )?;
+        let (notes, failed) = (study.notes(), &study.gathered.failed);
+        notes.iter().for_each(|text| screen::note(text));
+        failed.iter().take(5).for_each(|failed| screen::error(&failed.error));
+        arguments.recorded.strict.check(notes.len() + failed.len())?;
+        Ok::<_, Failure>(study)
+    })?;
     if study.gathered.paper.runs == 0 {
         return Err(Failure::no_runs("no run could be used; the report says why"));
     }
@@ -218,7 +232,7 @@ fn described(arguments: &Arguments, config: &Config) -> Result<Described, Failur
         let count = arguments.count.unwrap_or(simulation.runs);
         return simulated(simulation, seed, count, usize::from(arguments.seeds.unwrap_or(1)));
     };
-    let Opened { train_file, train, track_file, track, source, config } = opened;
+    let Opened { train_file, train, track_file, track, source, inputs, config } = opened;
     Ok(Described {
         train_name: train_file.name,
         track_name: track_file.name,
@@ -227,6 +241,7 @@ fn described(arguments: &Arguments, config: &Config) -> Result<Described, Failur
         source,
         words: "read from files".to_owned(),
         files: None,
+        inputs,
         config: Some(config),
         others: Vec::new(),
     })
@@ -243,6 +258,7 @@ fn simulated(simulation: Simulation, seed: u64, count: usize, seeds: usize) -> R
         train_name: format!("{} (simulated)", simulation.train.name),
         track_name: simulation.track.name.clone(),
         config: None,
+        inputs: simulation.file.iter().cloned().collect(),
         files: Some((simulation.train.clone(), simulation.track.clone())),
         train: of_scenario.train,
         track: of_scenario.track,
@@ -257,7 +273,9 @@ pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
     let simulation = case_study()?;
     let runs = simulation.runs;
     let described = simulated(simulation, seed, runs, 1)?;
-    study(described, Config::default(), seed, None, None, out)
+    folder::write("study", out, &Provenance::begin(&[]), |folder| {
+        study(described, Config::default(), seed, None, None, folder)
+    })
 }
 
 fn study(
@@ -271,7 +289,6 @@ fn study(
     let config = described.config.unwrap_or(config);
     let (train, track) = (described.train, described.track.clone());
     let estimators = Estimators::try_new(config, train, &track)?;
-    write::folder(out)?;
     if let Some((train, track)) = &described.files {
         for (name, text) in [("train.toml", toml::to_string(train)), ("track.toml", toml::to_string(track))] {
             write::text(&out.join(name), &text.map_err(Failure::not_written)?)?;
@@ -394,6 +411,7 @@ pub(super) fn table(study: &Study) -> String {
 }
 
 fn truth_slope(arguments: &Arguments, config: Config, out: &Path) -> Result<ExitCode, Failure> {
+    let provenance = Provenance::begin(&arguments.config.iter().cloned().collect::<Vec<_>>());
     let plan = Plan {
         simulation: calm()?,
         vehicles: usize::from(arguments.vehicles),
@@ -406,10 +424,11 @@ fn truth_slope(arguments: &Arguments, config: Config, out: &Path) -> Result<Exit
     let pictures: Vec<Picture> = plan.stages().into_iter().map(|runs| slope::slope(&test, runs)).collect();
     let json = json!({ "vehicles": plan.vehicles, "runs": plan.runs, "seed": plan.seed, "answers": test.answers });
     let json = format!("{json:#}\n");
-    write::folder(out)?;
-    write::pictures(out, &pictures)?;
-    write::records(&out.join("slope.csv"), &self_test::records(&test.answers))?;
-    write::text(&out.join("slope.json"), &json)?;
+    folder::write("study", out, &provenance, |folder| -> Result<(), WriteError> {
+        write::pictures(folder, &pictures)?;
+        write::records(&folder.join("slope.csv"), &self_test::records(&test.answers))?;
+        write::text(&folder.join("slope.json"), &json)
+    })?;
     match arguments.json {
         true => screen::print(&json),
         false => {
@@ -421,6 +440,7 @@ fn truth_slope(arguments: &Arguments, config: Config, out: &Path) -> Result<Exit
 }
 
 fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
+    let provenance = Provenance::begin(&arguments.scenario.iter().cloned().collect::<Vec<_>>());
     let simulation = match &arguments.scenario {
         Some(path) => Simulation::read(path),
         None => case_study(),
@@ -438,10 +458,12 @@ fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
     let rows: Vec<_> = outcome::records(&all).iter().map(rundown_files::table::to_json).collect();
     let json = json!({ "runs": plan.runs, "seeds": plan.seeds, "seed": plan.seed, "combinations": rows });
     let json = format!("{json:#}\n");
-    write::folder(out)?;
-    write::pictures(out, &pictures)?;
-    write::text(&out.join("readings.json"), &json)?;
-    write::text(&out.join("report.html"), &outcome::page(&plan, &all, &pictures))?;
+    let page = outcome::page(&plan, &all, &pictures);
+    folder::write("study", out, &provenance, |folder| -> Result<(), WriteError> {
+        write::pictures(folder, &pictures)?;
+        write::text(&folder.join("readings.json"), &json)?;
+        write::text(&folder.join("report.html"), &page)
+    })?;
     match arguments.json {
         true => screen::print(&json),
         false => {
@@ -453,9 +475,24 @@ fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
 }
 
 fn tunnel(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
-    write::folder(out)?;
-    let answer = tunnel_at_best::answer(out, arguments.seed, screen::note)?;
-    write::pictures(out, &[answer.picture()])?;
+    let (answer, json) = folder::write("study", out, &Provenance::begin(&[]), |folder| {
+        let answer = tunnel_at_best::answer(folder, arguments.seed, screen::note)?;
+        let json = tunnel_json(&answer);
+        write::pictures(folder, &[answer.picture()])?;
+        write::text(&folder.join("tunnel.json"), &json)?;
+        Ok::<_, Failure>((answer, json))
+    })?;
+    match arguments.json {
+        true => screen::print(&json),
+        false => {
+            screen::print(&answer.words());
+            screen::print(&format!("\nresults: {}\n", out.display()));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn tunnel_json(answer: &tunnel_at_best::Answer) -> String {
     let [backward, forward] = answer.largest();
     let drag = |d: &tunnel_at_best::Drag| json!({ "from_m": d.from_m, "to_m": d.to_m, "k": d.k });
     let json = json!({
@@ -465,14 +502,5 @@ fn tunnel(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
         "found": answer.found.iter().map(|(d, _)| drag(d)).collect::<Vec<_>>(),
         "named": answer.named,
     });
-    let json = format!("{json:#}\n");
-    write::text(&out.join("tunnel.json"), &json)?;
-    match arguments.json {
-        true => screen::print(&json),
-        false => {
-            screen::print(&answer.words());
-            screen::print(&format!("\nresults: {}\n", out.display()));
-        }
-    }
-    Ok(ExitCode::SUCCESS)
+    format!("{json:#}\n")
 }

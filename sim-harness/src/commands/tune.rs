@@ -12,6 +12,7 @@ use crate::{study::source::RunSource, study::trials::sensitivity, tune::score::B
 use rundown::estimator::config::{Config, Mode};
 use rundown::tick::paper::PaperConfig;
 use rundown_check::Check;
+use rundown_files::folder::{self, Provenance};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -58,7 +59,7 @@ pub struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let base = super::config(arguments.config.as_deref())?;
-    let (bench, source) = bench(arguments, base)?;
+    let (bench, source, provenance) = bench(arguments, base)?;
     let table1 = place(&PaperConfig::default());
     let bar = screen::progress(arguments.evaluations as usize + EVALUATIONS);
     let step = || bar.inc(1);
@@ -72,7 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     tuned.check()?;
     let slopes = [paper_slope(Config::default(), arguments.seed)?, paper_slope(tuned, arguments.seed)?];
     let tuning = Tuning { source, table1, found, scores, pictures, sensitivity, slopes };
-    write_results(&arguments.out, &tuned, &tuning)?;
+    folder::write("tune", &arguments.out, &provenance, |folder| write_results(folder, &tuned, &tuning))?;
     screen::print(&words(&tuning, &arguments.out));
     Ok(ExitCode::SUCCESS)
 }
@@ -86,7 +87,6 @@ fn write_results(out: &Path, tuned: &Config, tuning: &Tuning) -> Result<(), Fail
         "sensitivity": sensitivity,
         "slope": { "table1": slopes[0], "optimum": slopes[1] },
     });
-    write::folder(out)?;
     write::text(&out.join("config.toml"), &toml::to_string(tuned).map_err(Failure::refused)?)?;
     write::pictures(out, &tuning.pictures)?;
     write::text(&out.join("tune.json"), &format!("{json:#}\n"))?;
@@ -94,10 +94,15 @@ fn write_results(out: &Path, tuned: &Config, tuning: &Tuning) -> Result<(), Fail
     Ok(())
 }
 
-fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure> {
+/// The runs, words about them, and the files that were read.
+fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String, Provenance), Failure> {
     let count = usize::from(arguments.count);
+    let mut inputs: Vec<PathBuf> = arguments.config.iter().cloned().collect();
     let (train, track, mut source, words, base) = match arguments.recorded.open(&base)? {
-        Some(opened) => (opened.train, opened.track, opened.source, "recorded", opened.config),
+        Some(opened) => {
+            inputs.extend(opened.inputs);
+            (opened.train, opened.track, opened.source, "recorded", opened.config)
+        }
         None => {
             let simulation = case_study()?;
             let described = description::of(&simulation)?;
@@ -105,25 +110,31 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String), Failure
             (described.train, described.track, source, "simulated", base)
         }
     };
-    let mut runs = Vec::new();
+    let provenance = Provenance::begin(&inputs);
+    let (mut runs, mut refused) = (Vec::new(), 0);
     while runs.len() < count
         && let Some(chunk) = source.next_chunk()?
     {
         for case in chunk {
             match case {
                 Ok(case) => runs.push(case.recording),
-                Err(failed) => screen::error(&failed.error),
+                Err(failed) => {
+                    refused += 1;
+                    screen::error(&failed.error);
+                }
             }
         }
     }
     runs.truncate(count);
-    source.found().iter().flat_map(Check::notes).for_each(|text| screen::note(&text));
+    let notes: Vec<String> = source.found().iter().flat_map(Check::notes).collect();
+    notes.iter().for_each(|text| screen::note(text));
+    arguments.recorded.strict.check(notes.len() + refused)?;
     if runs.is_empty() {
         return Err(Failure::no_runs("no run could be used; nothing was written"));
     }
     let words = format!("{} {words} runs", runs.len());
     let bench = Bench { base, train, track, runs };
-    Ok((bench, words))
+    Ok((bench, words, provenance))
 }
 
 /// Slope of the paper's mode with a configuration, after one run.

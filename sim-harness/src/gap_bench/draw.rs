@@ -114,6 +114,7 @@ impl Set {
             effort_column: self.request.effort,
             temperature_column: true,
             text: String::new(),
+            file: None,
         };
         simulation::folder::write(&simulation, folder, true, || ()).map(drop)
     }

@@ -35,10 +35,22 @@ impl Account {
         self.counts.get(what).copied().unwrap_or(0)
     }
 
+    /// What was left out or changed; to bring runs onto one chainage is what an import is for.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        self.but(&[ROWS, SHIFTED, INVERTED])
+    }
+
     /// Rows are no loss.
     pub fn lines(&self) -> impl Iterator<Item = String> {
-        self.counts.iter().filter(|(what, _)| **what != ROWS).map(|(what, times)| format!("{what}: {times}"))
+        self.but(&[ROWS])
+    }
+
+    fn but(&self, usual: &'static [&str]) -> impl Iterator<Item = String> {
+        let counts = self.counts.iter().filter(|(what, _)| !usual.contains(what));
+        counts.map(|(what, times)| format!("{what}: {times}"))
     }
 }
 
 pub const ROWS: &str = "rows";
+pub const SHIFTED: &str = "runs shifted onto the chainage";
+pub const INVERTED: &str = "runs inverted";

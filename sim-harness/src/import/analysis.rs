@@ -7,6 +7,7 @@ use super::meaning::Meaning;
 use super::source::Source;
 use super::source::row::refused;
 use super::units;
+use rundown_files::folder::MANIFEST;
 use std::path::{Path, PathBuf};
 
 /// Files that are read in the same way.
@@ -161,7 +162,7 @@ pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
     let is_log = |path: &Path| {
         let end = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        path.is_file() && ENDS.contains(&&*end) && !["runs.csv", "index.csv", "import.json"].contains(&&*name)
+        path.is_file() && ENDS.contains(&&*end) && !["runs.csv", "index.csv", "import.json", MANIFEST].contains(&&*name)
     };
     let mut files = Vec::new();
     for argument in arguments {

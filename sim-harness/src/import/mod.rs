@@ -28,13 +28,14 @@ mod staged;
 mod units;
 mod write;
 
-use account::{Account, ROWS};
+use account::{Account, INVERTED, ROWS, SHIFTED};
 use analysis::Group;
 use chainage::{Place, Placed};
 use cut::{Cutter, Odometer, Stretch};
 use mapping::{Chainage, Mapping};
 use rows::Converter;
 use rundown_files::WriteError;
+use rundown_files::folder::{self, Provenance};
 use rundown_files::track_file::{CentreLinePoint, TrackFile};
 use serde_json::{Value, json};
 use source::Source;
@@ -55,6 +56,9 @@ pub enum ImportError {
     /// The mapping or the track is wrong.
     #[error("{0}")]
     Refused(String),
+    /// Something is to be warned of, and nothing may be.
+    #[error("{0}")]
+    Strict(String),
     #[error(transparent)]
     Write(#[from] WriteError),
 }
@@ -65,6 +69,8 @@ pub struct Imported {
     pub lines: Vec<String>,
     pub notes: Vec<String>,
     pub errors: Vec<String>,
+    /// What was left out or changed.
+    pub warnings: Vec<String>,
     pub runs: usize,
 }
 
@@ -73,8 +79,12 @@ pub struct Imported {
 pub struct Order {
     pub files: Vec<PathBuf>,
     pub mapping: Mapping,
+    /// The file of the mapping, where there is one.
+    pub mapping_file: Option<PathBuf>,
     pub out: PathBuf,
     pub track_out: Option<PathBuf>,
+    /// Nothing is written where anything is to be warned of.
+    pub strict: bool,
 }
 
 impl Order {
@@ -97,7 +107,7 @@ impl Order {
         let (groups, errors) = self.groups()?;
         let lines = groups.iter().map(preview::words).collect();
         let notes = groups.iter().flat_map(|group| group.notes.clone()).collect();
-        Ok((Imported { lines, notes, errors, runs: 0 }, preview::picture(&groups)))
+        Ok((Imported { lines, notes, errors, ..Imported::default() }, preview::picture(&groups)))
     }
 
     /// Imports, and writes the folder.
@@ -106,18 +116,43 @@ impl Order {
     /// Nothing usable came out, or it cannot be written.
     pub fn import(&self) -> Result<Imported, ImportError> {
         let given = self.given_line()?;
-        let (mut groups, mut errors) = self.groups()?;
+        let (mut groups, errors) = self.groups()?;
         groups.retain(|group| group.question.is_none());
         if groups.is_empty() {
             return Err(ImportError::Nothing(errors.join("\n")));
         }
-        let folder = write::Folder::new(&self.out)?;
+        write::may_write(&self.out)?;
+        let (track, done) = folder::write("import", &self.out, &self.provenance(&groups), |folder| {
+            self.fill(&groups, errors, given, folder)
+        })?;
+        if let Some(path) = &self.track_out {
+            crate::output::files::whole(path, &track)?;
+        }
+        Ok(done)
+    }
+
+    /// When the work begins, and what it reads.
+    fn provenance(&self, groups: &[Group]) -> Provenance {
+        let sources = groups.iter().flat_map(|group| &group.sources).map(|source| source.path.clone());
+        let said = self.mapping_file.iter().chain(&self.mapping.chainage.track).cloned();
+        let files: Vec<PathBuf> = said.chain(sources).collect();
+        Provenance::begin(&files)
+    }
+
+    /// Out: the track, and what is to be said.
+    fn fill(
+        &self,
+        groups: &[Group],
+        mut errors: Vec<String>,
+        given: Vec<CentreLinePoint>,
+        folder: &Path,
+    ) -> Result<(String, Imported), ImportError> {
         let mut account = Account::default();
         let mut staged = Vec::new();
         let mut names = HashSet::new();
-        for group in &groups {
+        for group in groups {
             for source in &group.sources {
-                let read = self.read(source, group, folder.path(), &mut names, &mut account);
+                let read = self.read(source, group, folder, &mut names, &mut account);
                 match read {
                     Ok(runs) => staged.extend(runs),
                     Err(ImportError::Write(error)) => return Err(error.into()),
@@ -132,8 +167,19 @@ impl Order {
             return Err(ImportError::Nothing(errors.join("\n")));
         }
         let placed = chainage::place(&staged, self.mapping.chainage.method, given);
-        let done = self.write(&groups, &staged, &placed, &account, folder)?;
-        Ok(Imported { errors, ..done })
+        let (track, done) = self.write(groups, &staged, &placed, &account, folder)?;
+        if self.strict {
+            // Notes are the evidence for units and clocks.
+            let said = [&errors[..], &done.warnings].concat();
+            if !said.is_empty() {
+                let text = said.join("\n");
+                return Err(ImportError::Strict(format!(
+                    "{text}\n--strict: expected nothing to be warned of, found {} warnings; nothing was written",
+                    said.len()
+                )));
+            }
+        }
+        Ok((track, Imported { errors, ..done }))
     }
 
     fn given_line(&self) -> Result<Vec<CentreLinePoint>, ImportError> {
@@ -199,8 +245,8 @@ impl Order {
         staged: &[Staged],
         placed: &Placed,
         account: &Account,
-        folder: write::Folder,
-    ) -> Result<Imported, ImportError> {
+        folder: &Path,
+    ) -> Result<(String, Imported), ImportError> {
         let mut done =
             Imported { notes: groups.iter().flat_map(|group| group.notes.clone()).collect(), ..Imported::default() };
         done.lines.push(format!("chainage: {} ({})", placed.method.name(), placed.why));
@@ -211,11 +257,11 @@ impl Order {
             if let Place::Out(reason) = place {
                 left_out(run, reason, &mut account, &mut done);
                 runs.push(entry(run, place, "", (0.0, 0.0)));
-                run.forget().map_err(|error| crate::output::files::failed(folder.path(), error))?;
+                run.forget().map_err(|error| crate::output::files::failed(folder, error))?;
                 continue;
             }
-            let written = write::run(run, place, placed, folder.path())?;
-            run.forget().map_err(|error| crate::output::files::failed(folder.path(), error))?;
+            let written = write::run(run, place, placed, folder)?;
+            run.forget().map_err(|error| crate::output::files::failed(folder, error))?;
             account.count("rows whose positions are off the centre line, without a location", written.lost);
             moved(place, &mut account);
             let direction = if written.is_up { "up" } else { "down" };
@@ -243,7 +289,7 @@ impl Order {
             "places": account.places,
             "notes": done.notes,
         });
-        let text = |name: &str, text: &str| crate::output::files::text(&folder.path().join(name), text);
+        let text = |name: &str, text: &str| crate::output::files::text(&folder.join(name), text);
         text("runs.csv", &index)?;
         text("import.toml", &self.repeats(groups, placed)?)?;
         text(write::ACCOUNT, &pretty(&json))?;
@@ -251,12 +297,9 @@ impl Order {
         if made_line {
             text("track.toml", &track)?;
         }
-        folder.done()?;
-        if let Some(path) = &self.track_out {
-            write::text(path, &track)?;
-        }
+        done.warnings = account.warnings().collect();
         done.lines.extend(account.lines());
-        Ok(done)
+        Ok((track, done))
     }
 
     /// `import.toml` of this import.
@@ -298,8 +341,8 @@ fn departure(seconds: f64) -> String {
 
 fn moved(place: &Place, account: &mut Account) {
     if let Place::Shift { sign, offset_m, .. } = place {
-        account.count("runs shifted onto the chainage", u64::from(*offset_m != 0.0));
-        account.count("runs inverted", u64::from(*sign < 0.0));
+        account.count(SHIFTED, u64::from(*offset_m != 0.0));
+        account.count(INVERTED, u64::from(*sign < 0.0));
     }
 }
 

@@ -1,4 +1,4 @@
-//! The folder of an import: written beside its place, then renamed, so that there is the old one or the new one.
+//! The runs of an import, and where they may be written.
 
 use super::chainage::{Place, Placed};
 use super::cut::STOP_S;
@@ -6,94 +6,28 @@ use super::skeleton::Passed;
 use super::staged::Staged;
 use crate::output::files::failed;
 use rundown_files::WriteError;
+use rundown_files::folder::MANIFEST;
 use rundown_files::map_matching::{CentreLine, MatchState};
 use rundown_files::sample::COLUMNS;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
-use tempfile::TempDir;
+use std::path::Path;
 
 /// What stands in every folder that an import wrote.
 pub const ACCOUNT: &str = "import.json";
 
-/// A folder that is not there yet.
-#[derive(Debug)]
-pub struct Folder {
-    beside: TempDir,
-    to: PathBuf,
-}
-
-impl Folder {
-    /// # Errors
-    /// The place holds something that no import wrote, or nothing can be written there.
-    pub fn new(to: &Path) -> Result<Self, WriteError> {
-        let foreign = to.exists()
-            && !to.join(ACCOUNT).is_file()
-            && fs::read_dir(to).map_or(true, |mut inside| inside.next().is_some());
-        if foreign {
-            let error = io::Error::new(
-                io::ErrorKind::AlreadyExists,
-                format!("expected no folder, an empty one or one of `rundown import`, found one without {ACCOUNT}"),
-            );
-            return Err(failed(to, error));
-        }
-        let parent = to.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        fs::create_dir_all(parent).map_err(|error| failed(parent, error))?;
-        let beside =
-            tempfile::Builder::new().prefix(".import-").tempdir_in(parent).map_err(|error| failed(parent, error))?;
-        Ok(Self { beside, to: to.to_owned() })
-    }
-
-    pub fn path(&self) -> &Path {
-        self.beside.path()
-    }
-
-    /// # Errors
-    /// The folder cannot be renamed.
-    pub fn done(self) -> Result<(), WriteError> {
-        let to = &self.to;
-        let made = self.beside.keep();
-        let old = made.with_extension("old");
-        let renamed = (|| {
-            permit(&made)?;
-            if to.exists() {
-                fs::rename(to, &old)?;
-            }
-            fs::rename(&made, to)?;
-            if old.exists() { fs::remove_dir_all(&old) } else { Ok(()) }
-        })();
-        renamed.map_err(|error| failed(to, error))
-    }
-}
-
-/// A folder for temporary files is its owner's only.
-#[cfg(unix)]
-fn permit(folder: &Path) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    fs::set_permissions(folder, fs::Permissions::from_mode(0o755))
-}
-
-#[cfg(not(unix))]
-fn permit(_: &Path) -> io::Result<()> {
-    Ok(())
-}
-
-/// A file, beside its place and renamed.
+/// Whether an import may write there.
 ///
 /// # Errors
-/// It cannot be written.
-pub fn text(to: &Path, text: &str) -> Result<(), WriteError> {
-    let parent = to.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let written = tempfile::NamedTempFile::new_in(parent).and_then(|mut file| {
-        file.write_all(text.as_bytes())?;
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            file.as_file().set_permissions(fs::Permissions::from_mode(0o644))?;
-        }
-        file.persist(to).map_err(|error| error.error)
-    });
-    written.map(|_| ()).map_err(|error| failed(to, error))
+/// The folder holds something that no import wrote.
+pub fn may_write(to: &Path) -> Result<(), WriteError> {
+    let is_empty = !to.exists() || fs::read_dir(to).is_ok_and(|mut inside| inside.next().is_none());
+    let Some(lacks) = [ACCOUNT, MANIFEST].into_iter().find(|name| !to.join(name).is_file()).filter(|_| !is_empty)
+    else {
+        return Ok(());
+    };
+    let message = format!("expected no folder, an empty one or one of `rundown import`, found one without {lacks}");
+    Err(failed(to, io::Error::new(io::ErrorKind::AlreadyExists, message)))
 }
 
 /// A run as it was written.

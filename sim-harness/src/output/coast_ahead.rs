@@ -4,13 +4,12 @@
 //! the rows with `published` 1.
 
 use rundown::coast_ahead::{Arrival, CoastAhead, CoastConfig, Outcome, Steady};
-use rundown_files::column::{self, Column};
+use rundown_files::column::Column;
 use rundown_files::replay::ReplayedRun;
-use std::io::{self, Write};
 
-/// Name of the file of a run.
-pub fn file_name(run: &ReplayedRun) -> String {
-    format!("{}.coast_ahead.csv", run.name)
+/// Name of the file of a run, without its end.
+pub fn stem(run: &ReplayedRun) -> String {
+    format!("{}.coast_ahead", run.name)
 }
 
 pub(crate) const fn outcome_word(outcome: &Outcome) -> &'static str {
@@ -100,8 +99,4 @@ impl Row {
 pub fn rows<'a>(run: &'a ReplayedRun, config: &'a CoastConfig) -> impl Iterator<Item = Row> + 'a {
     let mut steady = Steady::NONE;
     run.coast_ahead.iter().map(move |ahead| Row { ahead: *ahead, published: steady.is_news(config, ahead) })
-}
-
-pub(super) fn write(writer: impl Write, run: &ReplayedRun, config: &CoastConfig) -> io::Result<()> {
-    column::write_csv(writer, &columns(), rows(run, config))
 }

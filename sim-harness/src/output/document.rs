@@ -5,6 +5,7 @@ use crate::simulation::folder::{index_columns, truth_columns};
 use crate::{checking, study};
 use rundown::features::FeatureConfig;
 use rundown_files::column::{About, about};
+use rundown_files::folder;
 use rundown_files::parquet::run_columns;
 use rundown_files::sample::COLUMNS;
 use rundown_gap::answer::{json as gap_json, tables};
@@ -20,6 +21,13 @@ In CSV an empty field is a missing value, in JSON `null`, in Parquet a null. Num
 bits back. A count of 0 or 1 may answer yes or no. Parquet has the same in its metadata: `rundown.columns` is JSON with
 `unit`, `meaning` and `null_when` by column, `rundown.version` the version of the writer.
 
+`replay`, `study`, `gap`, `tune`, `simulate` and `import` write their results beside the folder that `--out` names,
+which then takes the place of the old one: a command that is stopped leaves the old results or the new ones. Where the
+folder also holds other files, or two folders cannot be exchanged at once (Windows, some network file systems), results
+are moved into it one by one; a command that is killed while it does that is brought to its end by the next one. Files
+that no manifest of the same command lists are never removed. The manifest alone has times: all other files have the
+same bytes each time.
+
 Not on this page: the numbers behind single pictures of `study` and `tune` (a CSV beside each SVG, with the units in
 its names), `claims.csv`, `slope.csv`, `tune.json`, `truth.json`, the record of `rundown link` and the account of
 `rundown import`.
@@ -28,6 +36,7 @@ its names), `claims.csv`, `slope.csv`, `tune.json`, `truth.json`, the record of 
 /// The page.
 pub fn page() -> String {
     let mut text = BEGIN.to_owned();
+    json_file(&mut text, "manifest.json", "", folder::FIELDS);
     replay(&mut text);
     json_file(&mut text, "rundown check: --json", "", checking::FIELDS);
     gap(&mut text);

@@ -2,13 +2,12 @@
 
 use rundown::model::state::{LOCATION, R0, R1, R2, SIZE, SPEED};
 use rundown::{filter::ukf::Reading, tick::estimate::Estimate, tick::regime::Regime};
-use rundown_files::column::{self, Column};
+use rundown_files::column::Column;
 use rundown_files::replay::ReplayedRun;
-use std::io::{self, Write};
 
-/// Name of the file of a run.
-pub fn file_name(run: &ReplayedRun) -> String {
-    format!("{}.estimates.csv", run.name)
+/// Name of the file of a run, without its end.
+pub fn stem(run: &ReplayedRun) -> String {
+    format!("{}.estimates", run.name)
 }
 
 /// A tick.
@@ -117,10 +116,6 @@ impl Row {
 pub fn rows(run: &ReplayedRun) -> impl Iterator<Item = Row> + '_ {
     let pairs = run.estimates.iter().zip(&run.regimes);
     pairs.map(|(estimate, confirmed)| Row { estimate: *estimate, confirmed: *confirmed })
-}
-
-pub(super) fn write(writer: impl Write, run: &ReplayedRun) -> io::Result<()> {
-    column::write_csv(writer, &columns(), rows(run))
 }
 
 #[cfg(test)]

@@ -20,6 +20,24 @@ pub fn text(path: &Path, text: &str) -> Result<(), WriteError> {
     Ok(())
 }
 
+/// A file of its own, outside of a folder of results: written beside its place and renamed. What is no file, as a pipe, is written into.
+pub fn whole(path: &Path, content: &str) -> Result<(), WriteError> {
+    if path.exists() && !path.is_file() {
+        return text(path, content);
+    }
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let written = tempfile::NamedTempFile::new_in(parent).and_then(|mut file| {
+        file.write_all(content.as_bytes())?;
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644))?;
+        }
+        file.persist(path).map_err(|error| error.error)
+    });
+    written.map(|_| ()).map_err(|source| failed(path, source))
+}
+
 pub fn records(path: &Path, records: &[Record]) -> Result<(), WriteError> {
     file(path, |file| table::write_csv(file, records))
 }

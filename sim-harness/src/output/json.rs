@@ -1,13 +1,15 @@
 //! `replay.json`, also what `--json` prints: all but the estimates, for machines. [`FIELDS`] says what stands in it.
 
 use crate::logs::Failed;
+use crate::output::tables::Tables;
 use crate::output::{coast_ahead, estimates, features, parameters};
 use rundown::estimator::StepError;
 use rundown::estimator::config::{Config, Mode};
 use rundown_files::column::{Column, record};
 use rundown_files::replay::{Dropped, ReplayedRun, Tick};
 use rundown_files::table::to_json;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
+use std::io::{self, Write};
 
 /// What stands in `replay.json`: path, unit, meaning, when it is null.
 pub const FIELDS: &[[&str; 4]] = &[
@@ -23,8 +25,13 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["runs[].direction", "", "`up` or `down`", ""],
     ["runs[].rows", "", "rows of the log", ""],
     ["runs[].steps", "", "ticks with an estimate", ""],
-    ["runs[].estimates", "", "file with the estimates", ""],
-    ["runs[].coast_ahead", "", "file with what coasting leads to", "the track has no stops or speed limits"],
+    ["runs[].estimates", "", "file with the estimates", "`--no-estimates`"],
+    [
+        "runs[].coast_ahead",
+        "",
+        "file with what coasting leads to",
+        "the track has no stops or speed limits, or `--no-estimates`",
+    ],
     ["runs[].vehicle.*", "", "the vehicle after the run: `r0` to `sd_r2` of `parameters.csv`", ""],
     [
         "runs[].foresight.*",
@@ -45,17 +52,15 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["notes[]", "", "what a person should know about all runs", ""],
 ];
 
-#[derive(Clone, Debug)]
-pub(crate) struct Replay<'a> {
+/// What stands before the runs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Head<'a> {
     pub config: &'a Config,
     pub train: &'a str,
     pub track: &'a str,
     pub carried: bool,
     pub tick: Tick,
-    pub runs: &'a [ReplayedRun],
-    pub failed: &'a [Failed],
-    /// What a person should know about all of them: [`crate::advice`], and their order.
-    pub notes: &'a [String],
+    pub tables: Tables,
 }
 
 pub(crate) const fn mode_word(mode: Mode) -> &'static str {
@@ -66,30 +71,80 @@ pub(crate) const fn mode_word(mode: Mode) -> &'static str {
     }
 }
 
-pub(crate) fn value(replay: &Replay<'_>) -> Value {
-    let tick_s = match replay.tick {
-        Tick::EverySample => None,
-        Tick::Period { seconds } => Some(seconds),
-    };
-    let one = |run: &ReplayedRun| of_run(run, replay.config);
-    json!({
-        "rundown": env!("CARGO_PKG_VERSION"),
-        "mode": mode_word(replay.config.mode),
-        "train": replay.train,
-        "track": replay.track,
-        "carried": replay.carried,
-        "tick_s": tick_s,
-        "runs": replay.runs.iter().map(one).collect::<Vec<Value>>(),
-        "failed": replay.failed.iter().map(failed).collect::<Vec<Value>>(),
-        "notes": replay.notes,
-    })
+/// All of it. `notes`: what a person should know about all runs.
+pub(crate) fn value(head: &Head<'_>, runs: &[ReplayedRun], failures: &[Failed], notes: &[String]) -> Value {
+    let mut all = head.fields();
+    let runs = runs.iter().map(|run| of_run(run, head.config, head.tables)).collect();
+    all.insert("runs".to_owned(), Value::Array(runs));
+    all.insert("failed".to_owned(), failures.iter().map(failed).collect());
+    all.insert("notes".to_owned(), json!(notes));
+    Value::Object(all)
+}
+
+impl Head<'_> {
+    fn fields(&self) -> Map<String, Value> {
+        let tick_s = match self.tick {
+            Tick::EverySample => None,
+            Tick::Period { seconds } => Some(seconds),
+        };
+        let fields = [
+            ("rundown", json!(env!("CARGO_PKG_VERSION"))),
+            ("mode", json!(mode_word(self.config.mode))),
+            ("train", json!(self.train)),
+            ("track", json!(self.track)),
+            ("carried", json!(self.carried)),
+            ("tick_s", json!(tick_s)),
+        ];
+        fields.map(|(name, value)| (name.to_owned(), value)).into_iter().collect()
+    }
+}
+
+/// The same bytes, written run by run.
+pub(crate) struct Stream<W> {
+    writer: W,
+    config: Config,
+    tables: Tables,
+    is_first: bool,
+}
+
+impl<W: Write> Stream<W> {
+    pub(crate) fn begin(mut writer: W, head: &Head<'_>) -> io::Result<Self> {
+        let fields = serde_json::to_string_pretty(&head.fields())?;
+        write!(writer, "{},\n  \"runs\": [", fields.trim_end_matches("\n}"))?;
+        Ok(Self { writer, config: *head.config, tables: head.tables, is_first: true })
+    }
+
+    pub(crate) fn runs(&mut self, runs: &[ReplayedRun]) -> io::Result<()> {
+        for run in runs {
+            let text = indented(&of_run(run, &self.config, self.tables), "    ")?;
+            let comma = if self.is_first { "" } else { "," };
+            write!(self.writer, "{comma}\n    {text}")?;
+            self.is_first = false;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn end(mut self, failures: &[Failed], notes: &[String]) -> io::Result<()> {
+        let failures = indented(&failures.iter().map(failed).collect(), "  ")?;
+        let notes = indented(&json!(notes), "  ")?;
+        let end = if self.is_first { "]" } else { "\n  ]" };
+        write!(self.writer, "{end},\n  \"failed\": {failures},\n  \"notes\": {notes}\n}}\n")?;
+        self.writer.flush()
+    }
+}
+
+/// Lines behind the first are moved to the right; within texts there are no ends of lines.
+fn indented(value: &Value, by: &str) -> serde_json::Result<String> {
+    Ok(serde_json::to_string_pretty(value)?.replace('\n', &format!("\n{by}")))
 }
 
 fn object<Row>(columns: &[Column<Row>], row: &Row) -> Value {
     to_json(&record(columns, row))
 }
 
-fn of_run(run: &ReplayedRun, config: &Config) -> Value {
+fn of_run(run: &ReplayedRun, config: &Config, tables: Tables) -> Value {
+    let end = tables.format.extension();
+    let file = |stem: String, is_there: bool| (tables.each_tick && is_there).then(|| format!("{stem}.{end}"));
     let of_switch = features::switch_columns();
     let points: Vec<Value> = features::switches(run).map(|switch| object(&of_switch[1..], &switch)).collect();
     let davis = parameters::coefficients("", "");
@@ -100,8 +155,8 @@ fn of_run(run: &ReplayedRun, config: &Config) -> Value {
         "direction": parameters::direction_word(run.direction),
         "rows": run.rows,
         "steps": run.estimates.len(),
-        "estimates": estimates::file_name(run),
-        "coast_ahead": (!run.coast_ahead.is_empty()).then(|| coast_ahead::file_name(run)),
+        "estimates": file(estimates::stem(run), true),
+        "coast_ahead": file(coast_ahead::stem(run), !run.coast_ahead.is_empty()),
         "vehicle": object(&davis, &run.vehicle_after),
         "foresight": object(&parameters::foresight(), run),
         "this_run": object(&davis, &run.summary.run_davis),

@@ -16,45 +16,37 @@ pub mod features;
 pub(crate) mod files;
 pub mod json;
 pub mod parameters;
+pub mod tables;
 
 use rayon::prelude::*;
 use rundown::estimator::config::Config;
-use rundown_files::column::{self, Column};
 use rundown_files::{WriteError, replay::ReplayedRun};
 use serde_json::Value;
-use std::{borrow::Borrow, io::Write, path::Path};
+use std::{io::Write, path::Path};
+use tables::{Format, whole};
 
-/// Writes all tables of a replay into `folder`, which is made when it does not exist.
+/// Writes all tables of a replay into `folder`.
 pub(crate) fn write_tables(
     folder: &Path,
     runs: &[ReplayedRun],
     config: &Config,
+    format: Format,
     json: &Value,
 ) -> Result<(), WriteError> {
-    files::folder(folder)?;
     runs.par_iter().try_for_each(|run| {
-        let name = estimates::file_name(run);
-        files::file(&folder.join(name), |file| estimates::write(file, run))?;
+        whole(folder, &estimates::stem(run), estimates::columns(), format, estimates::rows(run))?;
         if run.coast_ahead.is_empty() {
             return Ok(());
         }
-        let name = coast_ahead::file_name(run);
-        files::file(&folder.join(name), |file| coast_ahead::write(file, run, &config.coast))
+        let rows = coast_ahead::rows(run, &config.coast);
+        whole(folder, &coast_ahead::stem(run), coast_ahead::columns(), format, rows)
     })?;
-    table(folder, "features.csv", &features::columns(&config.features), runs)?;
-    table(folder, "parameters.csv", &parameters::columns(), runs)?;
-    table(folder, "switching_points.csv", &features::switch_columns(), runs.iter().flat_map(features::switches))?;
+    whole(folder, "features", features::columns(&config.features), format, runs)?;
+    whole(folder, "parameters", parameters::columns(), format, runs)?;
+    let switches = runs.iter().flat_map(features::switches);
+    whole(folder, "switching_points", features::switch_columns(), format, switches)?;
     files::file(&folder.join("replay.json"), |file| {
         serde_json::to_writer_pretty(&mut *file, json)?;
         writeln!(file)
     })
-}
-
-fn table<Row>(
-    folder: &Path,
-    name: &str,
-    columns: &[Column<Row>],
-    rows: impl IntoIterator<Item: Borrow<Row>>,
-) -> Result<(), WriteError> {
-    files::file(&folder.join(name), |file| column::write_csv(file, columns, rows))
 }

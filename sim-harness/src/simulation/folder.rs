@@ -8,13 +8,16 @@
 //! | `truth/truth.json` | what was true: effects, train, facts of each run (`key`) |
 //! | `truth/runNNN.csv` | what was true at each sample |
 //! | `truth/scenario.toml` | the scenario file |
+//! | `manifest.json` | what belongs together ([`folder`]); it alone has times |
 //!
 //! Whoever looks for effects gets all but `truth/`.
 
 use super::key::{self, departure_utc, file_name};
 use super::scenario_file::Simulation;
 use rayon::prelude::*;
+use rundown_files::WriteError;
 use rundown_files::column::{self, Column};
+use rundown_files::folder::{self, MANIFEST, Provenance};
 use rundown_files::run_set::INDEX;
 use rundown_files::table::Cell;
 use rundown_truth::facts::Facts;
@@ -35,10 +38,14 @@ use thiserror::Error;
 pub enum FolderError {
     #[error("{}: expected an empty or new folder, found files in it; choose another folder or overwrite with --force", path.display())]
     NotEmpty { path: PathBuf },
+    #[error("{}: expected {MANIFEST} beside the folder `runs`, found none: choose another folder or remove this one", path.display())]
+    NoManifest { path: PathBuf },
     #[error("{}: cannot be written: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
     #[error(transparent)]
     Drive(#[from] DriveError),
+    #[error(transparent)]
+    Write(#[from] WriteError),
 }
 
 fn io_at(path: &Path) -> impl FnOnce(io::Error) -> FolderError {
@@ -47,14 +54,23 @@ fn io_at(path: &Path) -> impl FnOnce(io::Error) -> FolderError {
 }
 
 /// Drives all runs side by side and writes the data set. What is written depends on scenario and seed alone, not on the number of threads.
-/// With `force` the files of an earlier data set are removed first.
+/// With `force` the data set takes the place of an earlier one.
 pub fn write(
     simulation: &Simulation,
     folder: &Path,
     force: bool,
     done: impl Fn() + Sync,
 ) -> Result<Vec<Facts>, FolderError> {
-    prepare(folder, force)?;
+    may_write(folder, force)?;
+    folder::write("simulate", folder, &provenance(simulation), |folder| write_set(simulation, folder, done))
+}
+
+/// When the work begins, and what it reads.
+fn provenance(simulation: &Simulation) -> Provenance {
+    Provenance::begin(&simulation.file.iter().cloned().collect::<Vec<PathBuf>>())
+}
+
+fn write_set(simulation: &Simulation, folder: &Path, done: impl Fn() + Sync) -> Result<Vec<Facts>, FolderError> {
     let (runs, truth) = (folder.join("runs"), folder.join("truth"));
     for path in [&runs, &truth] {
         std::fs::create_dir_all(path).map_err(io_at(path))?;
@@ -83,22 +99,15 @@ pub fn write(
     Ok(facts)
 }
 
-/// Makes the folder; refuses one with files unless forced, and then removes those of a data set.
-fn prepare(folder: &Path, force: bool) -> Result<(), FolderError> {
-    std::fs::create_dir_all(folder).map_err(io_at(folder))?;
-    let mut entries = std::fs::read_dir(folder).map_err(io_at(folder))?;
-    if entries.next().is_none() {
-        return Ok(());
+/// Refuses a folder with files unless forced, and logs that a manifest does not list, beside which shorter data sets would lie.
+fn may_write(folder: &Path, force: bool) -> Result<(), FolderError> {
+    let path = folder.to_owned();
+    let is_empty = |path: &Path| std::fs::read_dir(path).map_or(true, |mut entries| entries.next().is_none());
+    if !force && !is_empty(folder) {
+        return Err(FolderError::NotEmpty { path });
     }
-    if !force {
-        return Err(FolderError::NotEmpty { path: folder.to_owned() });
-    }
-    // Logs of a longer data set must not stay beside those of a shorter one.
-    for part in ["runs", "truth"] {
-        let path = folder.join(part);
-        if path.exists() {
-            std::fs::remove_dir_all(&path).map_err(io_at(&path))?;
-        }
+    if folder.join("runs").is_dir() && !folder.join(MANIFEST).is_file() {
+        return Err(FolderError::NoManifest { path });
     }
     Ok(())
 }
@@ -247,7 +256,7 @@ mod tests {
             for part in ["", "runs", "truth"] {
                 for entry in std::fs::read_dir(folder.path().join(part)).unwrap() {
                     let path = entry.unwrap().path();
-                    if path.is_file() {
+                    if path.is_file() && !path.ends_with(MANIFEST) {
                         let name = path.file_name().unwrap().to_owned();
                         files.push((part, name, std::fs::read(&path).unwrap()));
                     }

@@ -14,7 +14,7 @@ use rundown_truth::sensors::{Bursts, LocationWalk, Sensors, SpeedReading};
 use rundown_truth::train::{DavisTruth, TrainTruth};
 use rundown_truth::{effects::Effect, habits::DriverKind, line::Line, weather::Climate};
 use serde::Deserialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A commented example with every field: the case study with the loads, winds and powers of everyday.
 pub const EXAMPLE: &str = include_str!("../../../data/scenarios/case_study.toml");
@@ -45,6 +45,8 @@ pub struct Simulation {
     pub temperature_column: bool,
     /// The text it was read from.
     pub text: String,
+    /// The file of this text, where there is one.
+    pub file: Option<PathBuf>,
 }
 
 /// The tables of a scenario file, each field with its type, what it is where it is left out, and for a number its range. Every field is explained in
@@ -269,7 +271,8 @@ impl Simulation {
     pub fn read_with(path: &Path, recorder: Option<Recorder>) -> Result<Self, ReadError> {
         let text = std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
         log::info!("read {}", path.display());
-        Self::parse_with(path, &text, recorder)
+        let parsed = Self::parse_with(path, &text, recorder)?;
+        Ok(Self { file: Some(path.to_owned()), ..parsed })
     }
 
     /// Reads and checks a text; `path` is for the messages and for a track file beside it.
@@ -325,6 +328,7 @@ impl Simulation {
                 Some(recorder) => format!("# rundown simulate --recorder {}\n{text}", recorder.name()),
                 None => text.to_owned(),
             },
+            file: None,
         })
     }
 }

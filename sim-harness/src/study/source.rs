@@ -3,16 +3,16 @@
 use super::case::{Case, FleetUnit};
 use super::{Refused, truth_folder::TruthFolder};
 use crate::logs::{self, Failed};
+use crate::parquet_runs::ParquetRuns;
 use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
 use rundown_check::{Check, Known};
 use rundown_files::run_set::{RunFile, RunSet};
-use rundown_files::{map_matching::CentreLine, parquet::RunReader, recording::DirectionChoice, run_log::BadRows};
-use std::collections::{HashMap, VecDeque};
+use rundown_files::{map_matching::CentreLine, recording::DirectionChoice, run_log::BadRows};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Runs that are in memory at a time.
-pub const CHUNK: usize = 256;
+use crate::replaying::CHUNK;
 
 #[derive(Debug)]
 pub enum RunSource {
@@ -24,6 +24,7 @@ pub enum RunSource {
 #[derive(Debug)]
 pub struct Recorded {
     of: Files,
+    files: Vec<PathBuf>,
     /// Nothing is diagnosed nor put right.
     as_recorded: bool,
     /// What an estimator puts right by itself.
@@ -35,7 +36,7 @@ pub struct Recorded {
 #[derive(Debug)]
 enum Files {
     Logs(Logs),
-    Parquet(ParquetFiles),
+    Parquet(ParquetRuns),
 }
 
 #[derive(Clone, Debug)]
@@ -55,13 +56,6 @@ struct Logs {
     next: usize,
 }
 
-/// Parquet files, read one after the other. A unit's files must follow each other in time; a run does not go on in the next file.
-#[derive(Debug)]
-struct ParquetFiles {
-    readers: VecDeque<RunReader>,
-    runs: usize,
-}
-
 impl RunSource {
     /// So many runs; a unit for each as many as the simulation says.
     pub fn simulated(simulation: Simulation, seed: u64, runs: usize) -> Self {
@@ -79,9 +73,9 @@ impl RunSource {
         known: Option<Known>,
         note: impl Fn(&str),
     ) -> Result<Self, Refused> {
-        let of = Files::open(arguments, line, note)?;
+        let (of, files) = Files::open(arguments, line, note)?;
         let (as_recorded, known) = (known.is_none(), known.unwrap_or_default());
-        Ok(Self::Recorded(Box::new(Recorded { of, as_recorded, known, found: Vec::new() })))
+        Ok(Self::Recorded(Box::new(Recorded { of, files, as_recorded, known, found: Vec::new() })))
     }
 
     pub fn total(&self) -> usize {
@@ -89,8 +83,16 @@ impl RunSource {
             Self::Simulated(simulated) => simulated.runs,
             Self::Recorded(recorded) => match &recorded.of {
                 Files::Logs(logs) => logs.files.len(),
-                Files::Parquet(files) => files.runs,
+                Files::Parquet(runs) => runs.runs(),
             },
+        }
+    }
+
+    /// The files that are read.
+    pub fn files(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Simulated(simulated) => simulated.simulation.file.iter().cloned().collect(),
+            Self::Recorded(recorded) => recorded.files.clone(),
         }
     }
 
@@ -113,16 +115,14 @@ impl RunSource {
 }
 
 impl Files {
-    fn open(arguments: &[PathBuf], line: Option<CentreLine>, note: impl Fn(&str)) -> Result<Self, Refused> {
-        let mut files = Vec::new();
-        for argument in arguments {
-            parquet_files(argument, &mut files)?;
-        }
-        if !files.is_empty() {
-            let readers = files.iter().map(|path| RunReader::open(path, line.as_ref()));
-            let readers = readers.collect::<Result<VecDeque<_>, _>>()?;
-            let runs = readers.iter().map(RunReader::runs).sum();
-            return Ok(Self::Parquet(ParquetFiles { readers, runs }));
+    fn open(
+        arguments: &[PathBuf],
+        line: Option<CentreLine>,
+        note: impl Fn(&str),
+    ) -> Result<(Self, Vec<PathBuf>), Refused> {
+        if let Some(runs) = ParquetRuns::open(arguments, line.as_ref())? {
+            let files = runs.files().to_vec();
+            return Ok((Self::Parquet(runs), files));
         }
         let set = RunSet::find(arguments)?;
         set.notes.iter().for_each(|text| note(text));
@@ -135,7 +135,8 @@ impl Files {
                 truths.insert(folder.to_owned(), truth);
             }
         }
-        Ok(Self::Logs(Logs { files: set.files, line, truths, next: 0 }))
+        let files = set.paths();
+        Ok((Self::Logs(Logs { files: set.files, line, truths, next: 0 }), files))
     }
 
     fn next_chunk(&mut self) -> Result<Vec<Result<Case, Failed>>, Refused> {
@@ -145,17 +146,9 @@ impl Files {
                 let logs = &*logs;
                 Ok(logs.files[range].par_iter().map(|file| logs.read(file)).collect())
             }
-            Self::Parquet(files) => {
-                let mut chunk = Vec::new();
-                while chunk.len() < CHUNK
-                    && let Some(reader) = files.readers.front_mut()
-                {
-                    match reader.next_run()? {
-                        Some(recording) => chunk.push(Ok(Case { recording, truth: None })),
-                        None => drop(files.readers.pop_front()),
-                    }
-                }
-                Ok(chunk)
+            Self::Parquet(runs) => {
+                let chunk = runs.next_chunk(CHUNK)?.into_iter();
+                Ok(chunk.map(|recording| Ok(Case { recording, truth: None })).collect())
             }
         }
     }
@@ -204,23 +197,6 @@ impl Recorded {
         self.found.push(found);
         Ok(chunk)
     }
-}
-
-/// Parquet files behind an argument, folders in the order of their paths.
-fn parquet_files(path: &Path, files: &mut Vec<PathBuf>) -> Result<(), Refused> {
-    if path.is_dir() {
-        let failed = |error| format!("{}: cannot be read: {error}", path.display());
-        let entries = std::fs::read_dir(path).map_err(failed)?;
-        let entries = entries.map(|entry| entry.map(|entry| entry.path()));
-        let mut paths = entries.collect::<Result<Vec<_>, _>>().map_err(failed)?;
-        paths.sort();
-        for path in paths {
-            parquet_files(&path, files)?;
-        }
-    } else if path.extension().is_some_and(|e| e == "parquet") {
-        files.push(path.to_owned());
-    }
-    Ok(())
 }
 
 fn advance(next: &mut usize, end: usize) -> std::ops::Range<usize> {

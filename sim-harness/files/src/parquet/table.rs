@@ -27,36 +27,49 @@ impl TableWriter {
     /// # Errors
     /// [`ParquetError`] when the file cannot be written.
     pub fn write(&mut self, records: &[Record]) -> Result<(), ParquetError> {
-        if records.is_empty() {
-            return Ok(());
-        }
-        let values = |(index, about): (usize, &About)| column(records, index, about.kind);
-        let columns: Vec<Values> = self.columns.iter().enumerate().map(values).collect();
-        self.write_columns(&columns)
+        let of_column = |index: usize| -> Vec<Cell> {
+            let cell = |record: &Record| record.get(index).map_or(Cell::Missing, |(_, cell)| cell.clone());
+            records.iter().map(cell).collect()
+        };
+        self.add((0..self.columns.len()).map(of_column).collect())
     }
 
-    fn write_columns(&mut self, columns: &[Values]) -> Result<(), ParquetError> {
-        let path = &self.path;
-        let format = |source| ParquetError::format(path, source);
-        let writer = match &mut self.writer {
-            Some(writer) => writer,
-            None => {
-                let file = File::create(path).map_err(|source| ParquetError::io(path, source))?;
-                let schema = columns::schema(&self.columns).map_err(format)?;
-                let properties = columns::properties(&self.columns);
-                let writer = SerializedFileWriter::new(file, schema, properties).map_err(format)?;
-                self.writer.insert(writer)
-            }
-        };
+    /// Adds rows, given column by column; the same.
+    ///
+    /// # Errors
+    /// As [`TableWriter::write`].
+    pub fn add(&mut self, cells: Vec<Vec<Cell>>) -> Result<(), ParquetError> {
+        if cells.first().is_none_or(Vec::is_empty) {
+            return Ok(());
+        }
+        self.begin()?;
+        let format = |source| ParquetError::format(&self.path, source);
+        let Some(writer) = &mut self.writer else { return Ok(()) };
         let mut group = writer.next_row_group().map_err(format)?;
-        for values in columns {
-            columns::write(&mut group, values).map_err(format)?;
+        for (about, cells) in self.columns.iter().zip(cells) {
+            columns::write(&mut group, &values(about.kind, cells)).map_err(format)?;
         }
         group.close().map_err(format)?;
         Ok(())
     }
 
-    /// Ends the file. Without a record there is none.
+    /// Makes the file, which else is made with the first record.
+    ///
+    /// # Errors
+    /// As [`TableWriter::write`].
+    pub fn begin(&mut self) -> Result<(), ParquetError> {
+        if self.writer.is_some() {
+            return Ok(());
+        }
+        let format = |source| ParquetError::format(&self.path, source);
+        let file = File::create(&self.path).map_err(|source| ParquetError::io(&self.path, source))?;
+        let schema = columns::schema(&self.columns).map_err(format)?;
+        let writer = SerializedFileWriter::new(file, schema, columns::properties(&self.columns)).map_err(format)?;
+        self.writer = Some(writer);
+        Ok(())
+    }
+
+    /// Ends the file. Without a record, and not begun, there is none.
     ///
     /// # Errors
     /// As [`TableWriter::write`].
@@ -69,17 +82,15 @@ impl TableWriter {
     }
 }
 
-fn column(records: &[Record], index: usize, kind: Kind) -> Values {
-    let cells = records.iter().map(|record| record.get(index).map(|(_, cell)| cell));
+fn values(kind: Kind, cells: Vec<Cell>) -> Values {
+    let cells = cells.into_iter();
     match kind {
-        Kind::Text => Values::Texts(
-            cells.map(|cell| if let Some(Cell::Text(t)) = cell { Some(t.clone()) } else { None }).collect(),
-        ),
+        Kind::Text => Values::Texts(cells.map(|cell| if let Cell::Text(t) = cell { Some(t) } else { None }).collect()),
         Kind::Count => {
-            Values::Counts(cells.map(|cell| if let Some(Cell::Count(c)) = cell { Some(*c) } else { None }).collect())
+            Values::Counts(cells.map(|cell| if let Cell::Count(c) = cell { Some(c) } else { None }).collect())
         }
         Kind::Number => {
-            Values::Numbers(cells.map(|cell| if let Some(Cell::Number(n)) = cell { Some(*n) } else { None }).collect())
+            Values::Numbers(cells.map(|cell| if let Cell::Number(n) = cell { Some(n) } else { None }).collect())
         }
     }
 }

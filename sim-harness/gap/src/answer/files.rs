@@ -1,9 +1,9 @@
 //! All files of `rundown gap`: rendered first, then written, so that nothing is written where something cannot be rendered.
 
 use crate::answer::{report::page, tables, whole::Answer};
+use rundown_files::folder::{self, Provenance};
 use rundown_files::{WriteError, effect_file, effect_frame};
-use std::path::Path;
-use std::{fs, io};
+use std::{fs, path::Path};
 use thiserror::Error;
 
 /// A file that cannot be rendered.
@@ -41,7 +41,7 @@ impl Answer {
     /// # Errors
     /// [`AnswerError`] names the first file that cannot be rendered, and then nothing was written, or cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), AnswerError> {
-        Ok(Files::render(self)?.write(folder)?)
+        Ok(Files::render(self)?.write(folder, &self.input.provenance)?)
     }
 }
 
@@ -75,30 +75,19 @@ impl Files {
         Ok(())
     }
 
-    /// Writes them into a folder, which is made when it does not exist.
+    /// Writes them into a folder, all or none.
     ///
     /// # Errors
     /// [`WriteError`] names the first that could not be written.
-    pub fn write(&self, out: &Path) -> Result<(), WriteError> {
-        let at = |path: &Path| {
-            let path = path.to_owned();
-            move |source| WriteError { path, source }
-        };
-        // All folders first: where one cannot be made, or one lies in the way, nothing is written.
-        for (name, _) in &self.0 {
-            let path = out.join(name);
-            let folder = path.parent().unwrap_or(out);
-            fs::create_dir_all(folder).map_err(at(folder))?;
-        }
-        if let Some(path) = self.0.iter().map(|(name, _)| out.join(name)).find(|path| path.is_dir()) {
-            let source = io::Error::from(io::ErrorKind::IsADirectory);
-            return Err(WriteError { path, source });
-        }
-        for (name, bytes) in &self.0 {
-            let path = out.join(name);
-            fs::write(&path, bytes).map_err(at(&path))?;
-        }
-        Ok(())
+    pub fn write(&self, out: &Path, provenance: &Provenance) -> Result<(), WriteError> {
+        folder::write("gap", out, provenance, |folder| {
+            for (name, bytes) in &self.0 {
+                let path = folder.join(name);
+                let made = path.parent().map_or(Ok(()), fs::create_dir_all);
+                made.and_then(|()| fs::write(&path, bytes)).map_err(|source| WriteError { path, source })?;
+            }
+            Ok(())
+        })
     }
 }
 

@@ -2,29 +2,37 @@
 //!
 //! ```text
 //! Request -> open -> Opened -> replay -> Replayed -> tables, replay.json, report.html
+//!                           -> stream -> tables of a row a run, replay.json
 //! ```
+
+mod source;
+mod stream;
+
+pub use stream::{CHUNK, StreamError};
 
 use crate::logs::{self, Failed};
 use crate::output::json::{self, mode_word};
 use crate::report::page::HISTORY_KMH;
 use crate::report::{Report, RunView, figures, write_report};
-use crate::{advice::advice, output::write_tables};
-use rayon::prelude::*;
+use crate::{advice::Advice, output::tables::Tables, output::write_tables};
 use rundown::estimator::config::{Config, Mode};
 use rundown::tick::{bounds::ConfigError, sensor::Rounding};
 use rundown::{
     estimator::Estimator,
     model::effects::{Effect, EffectError},
+    model::track::TrackError,
     model::train::Train,
 };
 use rundown_check::Known;
+use rundown_files::folder::{self, Provenance};
+use rundown_files::parquet::ParquetError;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::ReadError;
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
-use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::{WriteError, config_file, effect_file};
 use rundown_files::{map_matching::CentreLine, run_log::BadRows, track_file::TrackFile, train_file::TrainFile};
 use serde_json::Value;
+use source::Source;
 use std::path::{Path, PathBuf};
 use std::{collections::HashMap, fmt};
 use thiserror::Error;
@@ -60,6 +68,10 @@ pub struct Request {
     pub as_recorded: bool,
     /// What is done about rows that cannot be read.
     pub bad_rows: BadRows,
+    /// Which tables are written.
+    pub tables: Tables,
+    /// Nothing is written by [`Opened::stream`] where anything is to be warned of.
+    pub strict: bool,
 }
 
 /// Why nothing was replayed.
@@ -71,6 +83,8 @@ pub enum ReplayError {
     Read(#[from] ReadError),
     Config(#[from] ConfigError),
     Effect(#[from] EffectError),
+    Track(#[from] TrackError),
+    Parquet(#[from] ParquetError),
 }
 
 /// Descriptions that were read, and the logs to be read.
@@ -82,7 +96,10 @@ pub struct Opened {
     track: TrackFile,
     /// With the effects that act in all runs.
     estimator: Estimator,
-    set: RunSet,
+    source: Source,
+    /// Onto which positions are matched.
+    line: Option<CentreLine>,
+    provenance: Provenance,
 }
 
 impl fmt::Debug for Opened {
@@ -108,8 +125,27 @@ pub struct Replayed {
     pub failed: Vec<Failed>,
     /// What a person should know about all of them.
     pub notes: Vec<String>,
+    provenance: Provenance,
     carried: bool,
     tick: Tick,
+    tables: Tables,
+}
+
+/// What came of runs that are not kept.
+#[derive(Clone, Debug, Default)]
+pub struct Summary {
+    /// How many were replayed.
+    pub runs: usize,
+    /// Of these, those from which nothing went into the vehicle.
+    pub unused: usize,
+    /// Anything was learned from any of them.
+    pub learned: bool,
+    /// How many warnings they have.
+    pub warnings: usize,
+    /// Logs that could not be used.
+    pub failed: Vec<Failed>,
+    /// What a person should know about all of them.
+    pub notes: Vec<String>,
 }
 
 impl Request {
@@ -119,29 +155,48 @@ impl Request {
     /// [`ReplayError`] names the file and the place in it.
     pub fn open(self) -> Result<Opened, ReplayError> {
         let (train, core_train) = TrainFile::read(&self.train)?;
-        let (track, core_track) = TrackFile::read(&self.track)?;
+        let (track, mut core_track) = TrackFile::read(&self.track)?;
+        if !self.tables.each_tick {
+            // What coasting leads to is not written: it need not be foreseen.
+            core_track = core_track.with_targets([])?;
+        }
         let mut config = self.config.as_deref().map_or_else(|| Ok(Config::default()), config_file::read)?;
         config.mode = self.mode.unwrap_or(config.mode);
         let effects = effect_file::effects(&track.effect, &train.effect, None)?;
         let config = track.doubted(config);
         let estimator = Estimator::try_new(config, core_train, core_track)?.with_effects(effects);
-        let set = RunSet::find(&self.runs)?;
-        Ok(Opened { request: self, config, train, core_train, track, estimator, set })
+        let line = CentreLine::new(&track.centre_line);
+        let source = Source::open(&self.runs, line.as_ref())?;
+        let described = [Some(&self.train), Some(&self.track), self.config.as_ref()];
+        let inputs = described.into_iter().flatten().cloned().chain(source.paths());
+        let provenance = Provenance::begin(&inputs.collect::<Vec<PathBuf>>());
+        Ok(Opened { request: self, config, train, core_train, track, estimator, source, line, provenance })
     }
 }
 
 impl Opened {
+    /// The estimator's configuration.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
     /// How many logs there are.
     pub fn runs(&self) -> usize {
-        self.set.files.len()
+        self.source.runs()
     }
 
     /// Reads and replays the logs; `done` is called once for each that is replayed.
     ///
     /// # Errors
     /// [`ReplayError`]: effects that act in some runs cannot act together.
-    pub fn replay(self, done: impl Fn() + Sync) -> Result<Replayed, ReplayError> {
-        let (recordings, failed, mut notes) = self.recordings();
+    pub fn replay(mut self, done: impl Fn() + Sync) -> Result<Replayed, ReplayError> {
+        let mut summary = Summary { notes: self.source.notes().to_vec(), ..Summary::default() };
+        let mut read = Vec::new();
+        while let Some(chunk) = self.next_chunk(usize::MAX)? {
+            read.extend(chunk);
+        }
+        let mut recordings = self.diagnosed(read, &mut summary);
+        source::tell_apart(&mut recordings);
         let own = self.own_estimators(&recordings)?;
         let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
         let (carried, tick) = (self.request.carried, self.request.tick);
@@ -150,26 +205,30 @@ impl Opened {
         } else {
             replay_apart_by(&model, &recordings, tick, done)
         };
-        notes.extend(advice(&self.estimator, &runs));
-        let Self { config, train, core_train, track, .. } = self;
-        Ok(Replayed { config, train, core_train, track, runs, failed, notes, carried, tick })
+        let mut advice = Advice::default();
+        advice.add(&runs);
+        let Summary { failed, mut notes, .. } = summary;
+        notes.extend(advice.notes(&self.estimator));
+        let tables = self.request.tables;
+        let Self { config, train, core_train, track, provenance, .. } = self;
+        Ok(Replayed { config, train, core_train, track, runs, failed, notes, provenance, carried, tick, tables })
     }
 
-    /// The logs that can be used, the others, and what is to be said.
-    fn recordings(&self) -> (Vec<Recording>, Vec<Failed>, Vec<String>) {
-        let line = CentreLine::new(&self.track.centre_line);
-        let read = |file: &RunFile| logs::read(file, self.request.bad_rows, line.as_ref(), self.request.direction);
-        let read: Vec<Result<Recording, Failed>> = self.set.files.par_iter().map(read).collect();
-        let (mut recordings, mut failed) = (Vec::new(), Vec::new());
+    fn next_chunk(&mut self, most: usize) -> Result<Option<Vec<Result<Recording, Failed>>>, ReplayError> {
+        self.source.next_chunk(most, self.request.bad_rows, self.line.as_ref(), self.request.direction)
+    }
+
+    /// The recordings that can be used; why others cannot, and what is to be said, goes into `summary`.
+    fn diagnosed(&self, read: Vec<Result<Recording, Failed>>, summary: &mut Summary) -> Vec<Recording> {
+        let mut recordings = Vec::new();
         for result in read {
             match result {
                 Ok(recording) => recordings.push(recording),
-                Err(failure) => failed.push(failure),
+                Err(failure) => summary.failed.push(failure),
             }
         }
-        let mut notes = self.set.notes.clone();
         if self.request.as_recorded {
-            return (recordings, failed, notes);
+            return recordings;
         }
         // A wheel of some runs counts, too: it must not be put right twice.
         let mut effects = self.train.effect.iter().chain(&self.track.effect);
@@ -178,9 +237,20 @@ impl Opened {
             scale: effects.any(|entry| matches!(entry.effect, Effect::SpeedScale(_))),
         };
         let (used, refused, found) = logs::diagnosed(recordings, known);
-        failed.extend(refused);
-        notes.extend(found.notes());
-        (used, failed, notes)
+        summary.failed.extend(refused);
+        summary.notes.extend(found.notes());
+        used
+    }
+
+    fn head(&self) -> json::Head<'_> {
+        json::Head {
+            config: &self.config,
+            train: &self.train.name,
+            track: &self.track.name,
+            carried: self.request.carried,
+            tick: self.request.tick,
+            tables: self.request.tables,
+        }
     }
 
     /// The estimators of the runs in which not the same effects act as in all.
@@ -196,27 +266,51 @@ impl Opened {
     }
 }
 
+impl Summary {
+    /// How many warnings, notes and refused logs there are.
+    pub fn said(&self) -> usize {
+        self.warnings + self.notes.len() + self.failed.len()
+    }
+
+    /// Why there is nothing to be written, where no run could be used.
+    pub fn nothing(&self) -> String {
+        nothing(&self.failed)
+    }
+}
+
+fn learned(run: &ReplayedRun, mode: Mode) -> bool {
+    run.is_used && (mode == Mode::Paper || run.summary.learned_s > 0.0)
+}
+
+fn nothing(failed: &[Failed]) -> String {
+    match failed.len() {
+        0 => "expected at least one run log, found none; nothing was written".to_owned(),
+        failed => format!("none of {failed} run logs could be used; nothing was written"),
+    }
+}
+
 impl Replayed {
+    /// Anything was learned. The paper's mode learns from each step.
+    pub fn learned(&self) -> bool {
+        self.runs.iter().any(|run| learned(run, self.config.mode))
+    }
+
     /// Why there is nothing to be written: no run could be used.
     pub fn nothing(&self) -> Option<String> {
-        self.runs.is_empty().then(|| match self.failed.len() {
-            0 => "expected at least one run log, found none; nothing was written".to_owned(),
-            failed => format!("none of {failed} run logs could be used; nothing was written"),
-        })
+        self.runs.is_empty().then(|| nothing(&self.failed))
     }
 
     /// `replay.json`.
     pub fn json(&self) -> Value {
-        json::value(&json::Replay {
+        let head = json::Head {
             config: &self.config,
             train: &self.train.name,
             track: &self.track.name,
             carried: self.carried,
             tick: self.tick,
-            runs: &self.runs,
-            failed: &self.failed,
-            notes: &self.notes,
-        })
+            tables: self.tables,
+        };
+        json::value(&head, &self.runs, &self.failed, &self.notes)
     }
 
     /// Writes the tables and the report into a folder, which is made when it does not exist. Out: `replay.json`.
@@ -225,8 +319,10 @@ impl Replayed {
     /// [`WriteError`] names the file.
     pub fn write(&self, folder: &Path) -> Result<Value, WriteError> {
         let json = self.json();
-        write_tables(folder, &self.runs, &self.config, &json)?;
-        write_report(&folder.join("report.html"), &self.report())?;
+        folder::write("replay", folder, &self.provenance, |folder| {
+            write_tables(folder, &self.runs, &self.config, self.tables.format, &json)?;
+            write_report(&folder.join("report.html"), &self.report())
+        })?;
         Ok(json)
     }
 

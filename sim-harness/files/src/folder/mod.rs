@@ -1,0 +1,35 @@
+//! A folder of results: the old one or the new one, whenever the command that writes it is stopped, with a manifest of what belongs together.
+//!
+//! ```text
+//! .NAME.rundown-new     beside the folder: what is being written; a later command removes what a stopped one left
+//! NAME                  the new folder takes the place of the old one in one step of the file system
+//! NAME/.rundown-ready   where the folder also holds files of others: complete results on their way, file by file, into it;
+//!                       a later command brings that to its end
+//! ```
+//!
+//! Files that no manifest lists are never removed. What is promised holds for a command that is stopped, not for a loss of power: nothing is
+//! forced onto the disk.
+
+mod manifest;
+mod staged;
+
+pub use manifest::{FIELDS, MANIFEST, Provenance};
+
+use crate::WriteError;
+use std::path::Path;
+
+/// Writes the folder `out` by `write`, which gets the folder to write into. Where `write` fails, `out` stays as it is.
+///
+/// # Errors
+/// Those of `write`, and [`WriteError`] where the folder cannot take its place.
+pub fn write<T, E: From<WriteError>>(
+    command: &str,
+    out: &Path,
+    provenance: &Provenance,
+    write: impl FnOnce(&Path) -> Result<T, E>,
+) -> Result<T, E> {
+    let staged = staged::Staged::begin(command, out)?;
+    let written = write(staged.path())?;
+    staged.done(provenance)?;
+    Ok(written)
+}

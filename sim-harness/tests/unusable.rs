@@ -1,0 +1,103 @@
+//! Logs that are mostly unusable or in wrong units: are they named, is the exit code theirs, and does the vehicle stay as it was?
+
+mod common;
+
+use common::{Folder, RUN};
+
+/// The rows of the run, each by its time, location in m and speed in km/h.
+fn run(row: impl Fn(usize, [f64; 3]) -> Option<String>) -> String {
+    let mut text = "time_s,location_m,speed_kmh\n".to_owned();
+    for (index, line) in RUN.lines().skip(1).enumerate() {
+        let fields: Vec<f64> = line.split(',').take(3).map(|field| field.parse().unwrap()).collect();
+        text.extend(row(index, [fields[0], fields[1], fields[2]]).map(|row| row + "\n"));
+    }
+    text
+}
+
+fn scaled(location: f64, speed: f64) -> String {
+    run(|_, [t, s, v]| Some(format!("{t},{},{}", location * s, speed * v)))
+}
+
+/// Name and log of each injected defect.
+fn defects() -> Vec<(&'static str, String)> {
+    let rows = RUN.lines().skip(1).count();
+    let there_and_back = run(|_, [t, s, v]| Some(format!("{t},{s},{v}")))
+        + run(|i, [t, ..]| {
+            let mirrored: Vec<f64> =
+                RUN.lines().nth(rows - i)?.split(',').take(3).map(|field| field.parse().unwrap()).collect();
+            Some(format!("{},{},{}", 1300.0 + t, mirrored[1], mirrored[2]))
+        })
+        .split_once('\n')
+        .unwrap()
+        .1;
+    vec![
+        ("speeds in m/s", scaled(1.0, 1.0 / 3.6)),
+        ("speeds in mph", scaled(1.0, 1.0 / 1.609_344)),
+        ("speeds in knots", scaled(1.0, 1.0 / 1.852)),
+        ("locations in km", scaled(1e-3, 1.0)),
+        ("locations in feet", scaled(1.0 / 0.3048, 1.0)),
+        ("times in minutes", run(|_, [t, s, v]| Some(format!("{},{s},{v}", t / 60.0)))),
+        ("there and back", there_and_back),
+        ("no speeds", run(|_, [t, s, _]| Some(format!("{t},{s},")))),
+        ("no readings", run(|_, [t, ..]| Some(format!("{t},,")))),
+        (
+            "neither in two of three parts",
+            run(|i, [t, s, v]| Some(if 3 * i < rows { format!("{t},{s},{v}") } else { format!("{t},,") })),
+        ),
+        (
+            "speeds of 400 km/h and more",
+            run(|i, [t, s, v]| Some(format!("{t},{s},{}", if i % 7 < 4 { v + 400.0 } else { v }))),
+        ),
+        ("letters", run(|i, [t, s, v]| Some(if i == 5 { format!("{t},x,{v}") } else { format!("{t},{s},{v}") }))),
+    ]
+}
+
+/// r0, r1, r2 and their deviations after the last run.
+fn vehicle(folder: &Folder) -> Vec<String> {
+    let table = folder.read("out/parameters.csv");
+    table.lines().last().unwrap().split(',').skip(1).take(6).map(str::to_owned).collect()
+}
+
+#[test]
+fn no_unusable_log_changes_the_vehicle_and_each_is_named() {
+    let folder = Folder::new().with("a.csv", RUN).with("c.csv", RUN);
+    assert_eq!(folder.replay(&["a.csv", "c.csv"]).code, Some(0));
+    let without = vehicle(&folder);
+    for (name, log) in defects() {
+        folder.write("b.csv", &log);
+        for options in [&[][..], &["--no-estimates"]] {
+            let said = folder.replay(&[options, &["a.csv", "b.csv", "c.csv"]].concat());
+            assert_eq!(said.code, Some(1), "{name}: {}", said.err);
+            assert!(said.err.contains("b.csv"), "{name}: {}", said.err);
+            assert_eq!(vehicle(&folder), without, "{name}: {}", said.err);
+        }
+        let said = folder.replay(&["b.csv"]);
+        assert_eq!(said.code, Some(6), "{name} alone: {}", said.err);
+    }
+}
+
+#[test]
+fn strict_fails_where_anything_is_to_be_warned_of_and_leaves_what_is_there() {
+    let back = format!("{RUN}5.0,20,10\n");
+    let folder = Folder::new().with("a.csv", RUN).with("back.csv", &back).with("bad.csv", &defects()[0].1);
+    for options in [&[][..], &["--no-estimates"]] {
+        let strict = |logs: &[&str]| folder.replay(&[&["--strict"], options, logs].concat());
+        assert_eq!(strict(&["a.csv"]).code, Some(0));
+        let before = folder.read("out/replay.json");
+        for logs in [&["a.csv", "back.csv"], &["a.csv", "bad.csv"]] {
+            let said = strict(logs);
+            assert_eq!(said.code, Some(1), "{}", said.err);
+            assert!(said.err.contains("--strict: expected nothing to be warned of, found 1 warnings"), "{}", said.err);
+            assert_eq!(folder.read("out/replay.json"), before);
+        }
+    }
+    let check = folder.rundown(&["check", "--strict", "a.csv", "bad.csv"]);
+    assert_eq!(check.code, Some(1), "{}", check.out);
+    assert_eq!(folder.rundown(&["check", "bad.csv"]).code, Some(6));
+    // An import counts what it left out.
+    folder.done(&["import", "--strict", "a.csv", "--out", "clean"]);
+    folder.write("a.csv", &format!("{RUN}not a row\n"));
+    let said = folder.rundown(&["import", "--strict", "a.csv", "--out", "clean"]);
+    assert_eq!(said.code, Some(1), "{}{}", said.out, said.err);
+    assert!(said.err.contains("--strict") && folder.path("clean/a_01.csv").exists(), "{}", said.err);
+}
