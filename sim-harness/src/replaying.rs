@@ -226,7 +226,7 @@ impl Replayed {
     pub fn write(&self, folder: &Path) -> Result<Value, WriteError> {
         let json = self.json();
         write_tables(folder, &self.runs, &self.config, &json)?;
-        write_report(&folder.join("report.html"), &self.report())?;
+        write_report(folder, &self.report())?;
         Ok(json)
     }
 
@@ -237,7 +237,7 @@ impl Replayed {
     pub fn picture(&self, name: &str, index: usize) -> Option<String> {
         let report = self.report();
         let run = report.runs.get(index)?;
-        Some(match name {
+        let drawing = match name {
             "resistance" => report.resistance_curve(),
             "history" => figures::vehicle_history(&report.vehicle, &self.core_train, HISTORY_KMH),
             "motion" => figures::motion(run, &self.core_train),
@@ -245,7 +245,8 @@ impl Replayed {
             "regimes" => figures::regimes(run),
             "innovations" => figures::innovations(run),
             _ => return None,
-        })
+        };
+        Some(drawing.to_svg())
     }
 
     fn report(&self) -> Report<'_> {

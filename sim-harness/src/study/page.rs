@@ -7,7 +7,7 @@ use super::{
 use maud::{Markup, html};
 use rundown_check::Check;
 use rundown_pages::numbers::{NOTHING, counted, number};
-use rundown_pages::shell::{column, document, figure, table, text_column};
+use rundown_pages::shell::{Section, choice_column, column, document, figure, sortable, table, text_column};
 
 #[derive(Clone, Debug)]
 pub struct StudyPage<'a> {
@@ -34,23 +34,21 @@ const FIGURES: [(&str, &str); 8] = [
 ];
 
 pub fn page(page: &StudyPage) -> String {
-    let body = html! {
-        (summary(page))
-        (truth(page))
-        @for (number, heading) in FIGURES {
-            section id=(format!("fig-{number}")) {
-                h2 { (heading) }
-                @for picture in page.pictures.iter().filter(|p| p.name.starts_with(&format!("fig{number}_"))) {
-                    (figure(picture.svg.clone(), &picture.caption))
-                }
-                (claims_table(page.claims.iter().filter(|claim| claim.place == number), false))
-            }
-        }
-        (table1(page.sensitivity))
-        (all_claims(page.claims))
-        (fleet(page.gathered))
-    };
-    document(&format!("Case study: {} on {}", page.train, page.track), &body)
+    let mut sections = vec![Section::new("truth", "Does the estimate follow the truth?", truth(page))];
+    sections.extend(FIGURES.map(|(number, heading)| {
+        let pictures = page.pictures.iter().filter(|p| p.name.starts_with(&format!("fig{number}_")));
+        let body = html! {
+            @for picture in pictures { (figure(&picture.drawing, &picture.caption)) }
+            (claims_table(page.claims.iter().filter(|claim| claim.place == number), None))
+        };
+        Section::new(format!("fig-{number}"), heading, body)
+    }));
+    sections.extend([
+        Section::new("table-1", "Table 1: the paper's filter", table1(page.sensitivity)),
+        Section::new("claims", "All claims of section 4", claims_table(page.claims.iter(), Some("figure, section"))),
+        Section::new("fleet", "All runs in numbers", fleet(page.gathered)),
+    ]);
+    document(&format!("Case study: {} on {}", page.train, page.track), &summary(page), &sections)
 }
 
 fn summary(page: &StudyPage) -> Markup {
@@ -58,7 +56,6 @@ fn summary(page: &StudyPage) -> Markup {
     let gathered = page.gathered;
     let runs = gathered.paper.runs as usize;
     html! {
-        section id="summary" {
             p.lead {
                 (counted(runs, "run", "runs")) ", " (page.source) "; " (known(gathered)) ". Of " (page.claims.len())
                 " claims of section 4 of the paper, " strong { (count(Verdict::Reproduced)) " are reproduced" } ", "
@@ -85,7 +82,6 @@ fn summary(page: &StudyPage) -> Markup {
                 "Transportation Research Part C 143 (2022) 103794. Its recorded runs are not public. Figures have its numbers; where two pictures stand below each other, "
                 "the first is the paper's mode and the second the gated mode on the same runs. Every picture lies beside this page as SVG with its numbers as CSV."
             }
-        }
     }
 }
 
@@ -117,8 +113,6 @@ fn truth(page: &StudyPage) -> Markup {
         answer.map_or_else(|| NOTHING.to_owned(), |answer| answer.slope.map(|slope| number(slope, 2)).join(" / "))
     };
     html! {
-        section id="truth" {
-            h2 { "Does the estimate follow the truth?" }
             p.note {
                 strong { "The paper's loop does not follow the true resistance. " }
                 "It calculates the effort from the change of speed and its own resistance, and lets that effort drive the filter that is to find the resistance: "
@@ -131,10 +125,9 @@ fn truth(page: &StudyPage) -> Markup {
                     strong { (slopes("paper", 1)) } ", gated " strong { (slopes("gated", 1)) }
                     ", with measured effort " strong { (slopes("measured", 1)) } "."
                 }
-                @for picture in page.slopes { (figure(picture.svg.clone(), &picture.caption)) }
+                @for picture in page.slopes { (figure(&picture.drawing, &picture.caption)) }
                 (answers(page.answers))
             }
-        }
     }
 }
 
@@ -169,31 +162,40 @@ fn answers(answers: &[Answer]) -> Markup {
 }
 
 fn verdict(verdict: Verdict) -> Markup {
-    let colour = match verdict {
-        Verdict::Reproduced => "#0f7d37",
-        Verdict::Not => "#c8102e",
-        Verdict::NoData => "#4a4a4a",
+    let class = match verdict {
+        Verdict::Reproduced => "good",
+        Verdict::Not => "bad",
+        Verdict::NoData => "dim",
     };
-    html! { strong style=(format!("color:{colour}")) { (verdict.as_str()) } }
+    html! { strong class=(class) { (verdict.as_str()) } }
 }
 
-fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, with_place: bool) -> Markup {
-    let place = with_place.then(|| text_column("figure, section"));
-    let others =
-        ["the paper says", "kind", "paper's mode", "gated mode", "truth", "error", "verdict, by which criterion"];
+/// With a column of that name for the place in the paper, where there is one: then the reader may sort and filter.
+fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, place: Option<&str>) -> Markup {
+    let table = if place.is_some() { sortable } else { table };
+    let words = text_column;
+    let head = [
+        words("the paper says"),
+        choice_column("kind"),
+        words("paper's mode"),
+        words("gated mode"),
+        words("truth"),
+        words("error"),
+        choice_column("verdict"),
+        words("by which criterion"),
+    ];
     let rows = html! { @for claim in claims { tr {
-        @if with_place { td.text { (claim.place) } }
+        @if place.is_some() { td.text { (claim.place) } }
         td.text { (claim.statement) }
         td.text { (claim.kind.as_str()) }
         td.text { (claim.paper) }
         td.text { (claim.gated) }
         td.text { (claim.truth) }
         td.text { (claim.error) }
-        td.text { (verdict(claim.verdict))
-            @if let Some(seeds) = claim.seeds { " (" (seeds.held) " of " (seeds.judged) " seeds)" }
-            br; span.small { (claim.why) } }
+        td.text { (verdict(claim.verdict)) }
+        td.text.small { @if let Some(seeds) = claim.seeds { (seeds.held) " of " (seeds.judged) " seeds. " } (claim.why) }
     } } };
-    table(place.into_iter().chain(others.map(text_column)), rows)
+    table(place.map(choice_column).into_iter().chain(head).collect::<Vec<_>>(), rows)
 }
 
 fn table1(sensitivity: &[Sensitivity]) -> Markup {
@@ -214,12 +216,9 @@ fn table1(sensitivity: &[Sensitivity]) -> Markup {
     ];
     let rows = html! { @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } } };
     html! {
-        section id="table-1" {
-            h2 { "Table 1: the paper's filter" }
             (table([text_column("parameter"), column("value", "")], rows))
             p.small { "The paper's mode runs with these values, as printed: standard deviations. " code { "rundown tune" } " looks for better ones by the paper's two criteria." }
             @if !sensitivity.is_empty() { (initial(sensitivity)) }
-        }
     }
 }
 
@@ -240,15 +239,6 @@ pub fn initial(sensitivity: &[Sensitivity]) -> Markup {
     html! {
         h3 { "Larger initial deviations" }
         (table(of_changes.into_iter().chain(least), rows))
-    }
-}
-
-fn all_claims(claims: &[Claim]) -> Markup {
-    html! {
-        section id="claims" {
-            h2 { "All claims of section 4" }
-            (claims_table(claims.iter(), true))
-        }
     }
 }
 
@@ -288,11 +278,8 @@ fn fleet(gathered: &Gathered) -> Markup {
         td { @if gathered.truth.runs > 0 { (cells(&gathered.truth, of, unit, digits)) } @else { (NOTHING) } }
     } } };
     html! {
-        section id="fleet" {
-            h2 { "All runs in numbers" }
             p { (gathered.paper.runs) " runs, " (gathered.rows) " samples; mean \u{b1} standard deviation (least to largest), a value for each run. Figures draw "
                 (gathered.drawn.len()) " of them, evenly spread; this table, Fig. 8's steps and the claims have all." }
             (table(head, rows))
-        }
     }
 }

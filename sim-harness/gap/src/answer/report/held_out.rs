@@ -6,7 +6,7 @@ use crate::answer::whole::Answer;
 use crate::fit::HALF_95;
 use crate::holdout::forward::Compared;
 use plotters::style::RGBColor;
-use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::{colours, numbers::number};
 
 const BEFORE: RGBColor = colours::HELD;
@@ -14,7 +14,7 @@ const AFTER: RGBColor = colours::TRUTH;
 const NOTHING_COMPARED: &str = "nothing was compared";
 
 /// Pictures and captions; none where nothing was compared.
-pub(super) fn held_out(answer: &Answer) -> Vec<(String, String)> {
+pub(super) fn held_out(answer: &Answer) -> Vec<(Drawing, String)> {
     if answer.found.compared.is_empty() {
         return Vec::new();
     }
@@ -24,7 +24,7 @@ pub(super) fn held_out(answer: &Answer) -> Vec<(String, String)> {
 }
 
 /// Root mean square errors over location and speed.
-fn errors(answer: &Answer) -> (String, String) {
+fn errors(answer: &Answer) -> (Drawing, String) {
     let km = |c: &Compared| c.location_m / 1000.0;
     let kmh = |c: &Compared| 3.6 * c.measured_mps;
     let compared = &answer.found.compared;
@@ -53,7 +53,7 @@ fn errors(answer: &Answer) -> (String, String) {
         vec![figure("location, km", &km, vec![sections(answer)]), figure("speed, km/h", &kmh, Vec::new())],
     );
     (
-        grid.to_svg(),
+        grid.into(),
         "Root mean square of simulated less measured speed on the held-out runs: with the believed model, with the effects, and what noise alone would leave.".to_owned(),
     )
 }
@@ -72,7 +72,7 @@ fn typical(compared: &[&Compared]) -> Option<usize> {
     errors.get(errors.len() / 2).map(|(_, run)| *run)
 }
 
-fn one_run(answer: &Answer) -> Option<(String, String)> {
+fn one_run(answer: &Answer) -> Option<(Drawing, String)> {
     let windows = answer.found.compared.iter().filter(|c| c.since_s > 0.0);
     let windows: Vec<&Compared> = windows.collect();
     let run = typical(&windows)?;
@@ -116,5 +116,5 @@ fn one_run(answer: &Answer) -> Option<(String, String)> {
         "Held-out run {name}, a typical one: half of the held-out runs had a larger error before. Windows of up to {} s begin at the measured speed and are driven by the recorded effort, or by none while coasting.",
         number(answer.holdout().window_s, 0)
     );
-    Some((figure.to_svg(), caption))
+    Some((figure.into(), caption))
 }
