@@ -12,7 +12,8 @@ const zoomed = new Map();
 const short = (value) => String(+value.toPrecision(5)).replace("-", "\u2212");
 
 const ticks = (u, values, axis, space, step) => {
-  const decimals = Math.min(12, Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
+  let decimals = 0;
+  while (decimals < 12 && Math.abs(step * 10 ** decimals - Math.round(step * 10 ** decimals)) > 1e-6) decimals++;
   return values.map((value) => (+value.toFixed(decimals)).toFixed(decimals).replace("-", "\u2212"));
 };
 
@@ -63,7 +64,8 @@ function nearest(named) {
     while (right < xs.length && values[right] === null) right++;
     const distance = (at) => (xs[at] === undefined ? Infinity : Math.abs(xs[at] - x));
     const found = distance(left) <= distance(right) ? left : right;
-    const reach = layer.x.length > 2 ? Math.abs(u.posToVal(CURSOR_REACH_PX, "x") - u.posToVal(0, "x")) : Infinity;
+    // A level line has a value everywhere.
+    const reach = layer.kind === "line" && layer.x.length === 2 ? Infinity : Math.abs(u.posToVal(CURSOR_REACH_PX, "x") - u.posToVal(0, "x"));
     return distance(found) <= reach ? found : null;
   };
 }
@@ -131,7 +133,7 @@ function optionsOf(picture, figure, panel, named, isLast) {
     legend: { markers: { width: 2 } },
     cursor: {
       drag: { x: true, y: !isStrip, uni: 40, dist: 5 }, dataIdx: nearest(named),
-      points: { size: (u, series) => (named[series - 1].kind === "line" ? 7 : 0), fill: (u, series) => shade(named[series - 1].colour) },
+      points: { size: (u, series) => (named[series - 1].kind === "line" && named[series - 1].x.length > 2 ? 7 : 0), fill: (u, series) => shade(named[series - 1].colour) },
       bind: { dblclick: () => () => reset(figure.x_label) },
       sync: { key: figure.x_label, scales: ["x", null], filters: { pub: (type) => type === "mousemove" || type === "mouseleave" } },
     },

@@ -11,6 +11,9 @@ Examples:
   What the recorder of these runs does to speed, location and clock:
     rundown check logs/
 
+  The same as pages to explore, one for each run, and as JSON:
+    rundown check --out check logs/
+
   The same for a program:
     rundown check --json logs/ > check.json
 
@@ -32,25 +35,34 @@ pub struct Arguments {
     /// Print the whole diagnosis as JSON to stdout, and nothing else
     #[arg(long)]
     json: bool,
-    /// Write the whole diagnosis as JSON to this file
-    #[arg(long, value_name = "FILE")]
+    /// Write the diagnosis into this folder, as a page to explore and as JSON; as JSON alone where the name ends in .json
+    #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let Checked { found, failed, notes } = checking::check(&arguments.runs, arguments.track.as_deref())?;
+    let (runs, track) = (&arguments.runs, arguments.track.as_deref());
+    let folder = arguments.out.as_deref().filter(|out| out.extension().is_none_or(|extension| extension != "json"));
+    let (Checked { found, failed, notes }, logs) = match folder {
+        Some(_) => checking::check_with_logs(runs, track).map(|(checked, logs)| (checked, Some(logs)))?,
+        None => (checking::check(runs, track)?, None),
+    };
     failed.iter().for_each(|failed| screen::error(&failed.error));
-    let failed = failed.len();
     notes.iter().for_each(|text| screen::note(text));
     let Some(found) = found else {
-        let message = format!("expected at least one run log that can be read, found none of {failed}");
+        let message = format!("expected at least one run log that can be read, found none of {}", failed.len());
         return Err(Failure { message, code: SOME_RUNS_FAILED });
     };
     let json = serde_json::to_string_pretty(&found).map_err(Failure::not_written)?;
-    if let Some(path) = &arguments.out {
-        files::text(path, &json)?;
+    match (&arguments.out, logs) {
+        (Some(folder), Some(logs)) => {
+            checking::write(folder, &found, &logs, &failed)?;
+            files::text(&folder.join("check.json"), &json)?;
+        }
+        (Some(file), None) => files::text(file, &json)?,
+        (None, _) => (),
     }
     screen::print(&if arguments.json { format!("{json}\n") } else { words(&found) });
     let unusable = found.refused().count();
-    Ok(if failed + unusable == 0 { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
+    Ok(if failed.len() + unusable == 0 { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
 }

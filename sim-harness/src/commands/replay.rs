@@ -28,7 +28,8 @@ Files in the output folder:
   switching_points.csv  a row for each change of regime
   parameters.csv        a row for each run: resistance of vehicle and run, counters by cause
   replay.json           the same for machines, with every warning
-  report.html           pictures, to be opened in any browser
+  report.html           what concerns all runs, to be opened in any browser
+  report/run0001.html   pictures of a run, linked by report.html
 
 A folder stands for all its *.csv in the order of their names. An index runs.csv beside the
 logs (columns file, departure_utc, unit, direction) gives their order, unit and direction.";
