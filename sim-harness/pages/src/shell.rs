@@ -50,7 +50,6 @@ pub fn document_with(script: Script, title: &str, lead: &Markup, sections: &[Sec
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="generator" content="rundown";
                 title { (title) }
-                link rel="icon" href="data:,";
                 style { (PreEscaped(STYLE)) }
                 @match script {
                     Script::Within => script { (PreEscaped(SCRIPT)) },

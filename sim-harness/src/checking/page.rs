@@ -197,8 +197,8 @@ fn runs(found: &Check) -> Markup {
     ];
     let rows = html! { @for (at, run) in found.runs.iter().enumerate() { tr {
         th scope="row" { a href=(format!("{RUN_PAGES}/{}", file_name(at))) { (run.name) } }
-        td.text { (called(&run.unit)) }
-        td.text { (verdict(run)) }
+        td.word { (called(&run.unit)) }
+        td.word { (verdict(run)) }
         td { (run.rows) }
         td { (number(run.step_s, 1)) }
         td { (interval(run.scale, 4)) }

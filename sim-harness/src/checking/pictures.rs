@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn whole_kilometres_an_hour_have_one_fraction() {
         let rows =
-            |kmh: f64| (1..50).map(|i| Sample { speed_mps: Some(f64::from(i) * kmh / 3.6), ..Sample::default() });
+            |kmh: f64| (1..50).map(move |i| Sample { speed_mps: Some(f64::from(i) * kmh / 3.6), ..Sample::default() });
         let shares = |kmh: f64| {
             let rows: Vec<Sample> = rows(kmh).collect();
             let figure = fractions(&[&rows]);

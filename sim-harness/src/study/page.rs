@@ -47,6 +47,7 @@ pub fn page(page: &StudyPage) -> String {
         Section::new("table-1", "Table 1: the paper's filter", table1(page.sensitivity)),
         Section::new("claims", "All claims of section 4", claims_table(page.claims.iter(), Some("figure, section"))),
         Section::new("fleet", "All runs in numbers", fleet(page.gathered)),
+        Section::new("runs", "Runs", runs(page.gathered)),
     ]);
     document(&format!("Case study: {} on {}", page.train, page.track), &summary(page), &sections)
 }
@@ -185,14 +186,14 @@ fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, place: Option<&str>
         words("by which criterion"),
     ];
     let rows = html! { @for claim in claims { tr {
-        @if place.is_some() { td.text { (claim.place) } }
+        @if place.is_some() { td.word { (claim.place) } }
         td.text { (claim.statement) }
-        td.text { (claim.kind.as_str()) }
+        td.word { (claim.kind.as_str()) }
         td.text { (claim.paper) }
         td.text { (claim.gated) }
         td.text { (claim.truth) }
         td.text { (claim.error) }
-        td.text { (verdict(claim.verdict)) }
+        td.word { (verdict(claim.verdict)) }
         td.text.small { @if let Some(seeds) = claim.seeds { (seeds.held) " of " (seeds.judged) " seeds. " } (claim.why) }
     } } };
     table(place.map(choice_column).into_iter().chain(head).collect::<Vec<_>>(), rows)
@@ -281,5 +282,46 @@ fn fleet(gathered: &Gathered) -> Markup {
             p { (gathered.paper.runs) " runs, " (gathered.rows) " samples; mean \u{b1} standard deviation (least to largest), a value for each run. Figures draw "
                 (gathered.drawn.len()) " of them, evenly spread; this table, Fig. 8's steps and the claims have all." }
             (table(head, rows))
+    }
+}
+
+/// A row for each run, as the gated mode saw it.
+fn runs(gathered: &Gathered) -> Markup {
+    let head = [
+        text_column("run"),
+        choice_column("unit"),
+        column("top speed", "km/h"),
+        column("cruise speed", "km/h"),
+        column("final coast", "s"),
+        column("final brake", "s"),
+        column("traction", "% of the time"),
+        column("cruise", "%"),
+        column("coast", "%"),
+        column("brake", "%"),
+        column("power", "kW"),
+        column("r(100 km/h)", "10\u{207b}\u{b3} N/kg"),
+        column("learned", "% of the time"),
+    ];
+    let r100 = |[r0, r1, r2]: [f64; 3]| 1e3 * (r0 + (r1 + r2 * 100.0 / 3.6) * 100.0 / 3.6);
+    let rows = html! { @for run in &gathered.listed { @let seen = &run.gated; tr {
+        th scope="row" { (run.name) }
+        td.word { (run.unit) }
+        td { (number(run.top_kmh, 1)) }
+        td { (number(seen.cruise_kmh, 1)) }
+        td { (number(seen.coast_s, 0)) }
+        td { (number(seen.brake_s, 0)) }
+        @for regime in 0..4 { td { (number(seen.shares.map(|shares| 100.0 * shares[regime]), 1)) } }
+        td { (number(seen.power_kw, 0)) }
+        td { (number(r100(seen.davis), 2)) }
+        td { (number(seen.learned_share.map(|share| 100.0 * share), 1)) }
+    } } };
+    let all = gathered.gated.runs as usize;
+    html! {
+        p {
+            "As the gated mode saw them. " code { "runs.csv" } " beside this page has the paper's mode and the truth, too"
+            @if gathered.listed.len() < all { "; listed are the first " (gathered.listed.len()) " of " (all) }
+            "."
+        }
+        (sortable(head, rows))
     }
 }

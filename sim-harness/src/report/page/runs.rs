@@ -24,7 +24,7 @@ pub(super) fn run_table(report: &Report) -> Markup {
                             th colspan="2" scope="colgroup" { "final brake" }
                             th rowspan="2" scope="col" { "power" br; span.unit { "kW" } }
                             th colspan="5" scope="colgroup" { "share of the time, %" }
-                            th rowspan="2" scope="col" data-choices="resistance" { "resistance" }
+                            th.text rowspan="2" scope="col" data-choices="resistance" { "resistance" }
                             th rowspan="2" scope="col" { "learned" br; span.unit { "km" } }
                             th rowspan="2" scope="col" { "not used" br; span.unit { "readings" } }
                         }
@@ -78,7 +78,7 @@ fn run_row(index: usize, run: &RunView, force_kn: Real) -> Markup {
                     td { (number(shares.map(|shares| 100.0 * shares[regime as usize]), 1)) }
                 }
                 @let learned = run.learned();
-                td { (if learned.samples > 0 { "learned" } else { "not learned" }) }
+                td.word { (if learned.samples > 0 { "learned" } else { "not learned" }) }
                 td { (number(learned.distance_m / 1000.0, 1)) }
                 td { (not_used(run)) }
             }

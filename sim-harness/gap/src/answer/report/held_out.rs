@@ -5,9 +5,12 @@ use super::maps::{joined, sections};
 use crate::answer::whole::Answer;
 use crate::fit::HALF_95;
 use crate::holdout::forward::Compared;
+use maud::{Markup, html};
 use plotters::style::RGBColor;
 use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::shell::{choice_column, column, sortable, text_column};
 use rundown_pages::{colours, numbers::number};
+use std::collections::BTreeMap;
 
 const BEFORE: RGBColor = colours::HELD;
 const AFTER: RGBColor = colours::TRUTH;
@@ -56,6 +59,39 @@ fn errors(answer: &Answer) -> (Drawing, String) {
         grid.into(),
         "Root mean square of simulated less measured speed on the held-out runs: with the believed model, with the effects, and what noise alone would leave.".to_owned(),
     )
+}
+
+/// A row for each hold-out run: the reader may look for those that gain and those that lose.
+pub(super) fn by_run(answer: &Answer) -> Markup {
+    let mut runs: BTreeMap<usize, Vec<&Compared>> = BTreeMap::new();
+    for c in &answer.found.compared {
+        runs.entry(c.run).or_default().push(c);
+    }
+    let name = |run: usize| {
+        let index = answer.found.held_out.get(run);
+        index.and_then(|index| answer.input.runs.get(*index)).map_or("", |run| run.name.as_str())
+    };
+    let head = [
+        text_column("hold-out run"),
+        column("speeds compared", ""),
+        column("before", "m/s, rms"),
+        column("after", "m/s, rms"),
+        column("noise floor", "m/s, rms"),
+        choice_column("with the effects"),
+    ];
+    let rows = html! { @for (run, compared) in &runs {
+        @let rms = |square: &dyn Fn(&Compared) -> f64| (compared.iter().map(|c| square(c)).sum::<f64>() / compared.len() as f64).sqrt();
+        @let (before, after) = (rms(&|c| c.before_mps.powi(2)), rms(&|c| c.after_mps.powi(2)));
+        tr {
+            th scope="row" { (name(*run)) }
+            td { (compared.len()) }
+            td { (number(before, 3)) }
+            td { (number(after, 3)) }
+            td { (number(rms(&|c| c.floor), 3)) }
+            td.word { (if after < before { "nearer" } else if after > before { "further off" } else { "the same" }) }
+        }
+    } };
+    html! { @if !runs.is_empty() { h3 { "Run by run" } (sortable(head, rows)) } }
 }
 
 /// The run whose error before is the middle one of all held-out runs: a typical one.

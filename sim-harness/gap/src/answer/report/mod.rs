@@ -76,6 +76,7 @@ pub fn page(answer: &Answer) -> String {
     let compared = html! {
             (tables::gap(answer))
             @for (drawing, caption) in held_out::held_out(answer) { (figure(&drawing, &caption)) }
+            (held_out::by_run(answer))
             (journeys::journeys(answer))
     };
     let sections = [
