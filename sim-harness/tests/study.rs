@@ -6,6 +6,7 @@ use common::{Folder, Said};
 use parquet::file::reader::FileReader;
 use parquet::record::{Field, Row};
 use rundown_files::parquet::RunReader;
+use rundown_pages::assets::SCRIPT;
 use serde_json::Value;
 use std::{collections::BTreeSet, path::Path};
 
