@@ -1,6 +1,7 @@
 //! `check`: run logs in, what their recorder did to them out. The command and the Python module do this.
 
 mod page;
+mod parts;
 mod pictures;
 mod run_page;
 mod run_pictures;

@@ -2,14 +2,14 @@
 //!
 //! In: a [`Check`] and its [`Logs`]. Out: a folder that opens from the disk.
 
+use super::parts::{SCRIPT_FILE, called, file_name, findings, interval};
 use super::pictures::{Compared, MOST_DOTS, compared, digits_and_runs, speed_against_location};
 use super::{Logs, run_page};
 use crate::logs::Failed;
 use crate::output::files;
 use maud::{Markup, html};
 use rayon::prelude::*;
-use rundown_check::agreement::Figure;
-use rundown_check::finding::{Done, Finding};
+use rundown_check::finding::Done;
 use rundown_check::{Check, Correction, RecorderCheck, RunCheck};
 use rundown_files::WriteError;
 use rundown_files::sample::Sample;
@@ -20,8 +20,6 @@ use std::path::Path;
 
 /// Folder of the pages of the runs.
 const RUN_PAGES: &str = "runs";
-/// The script that these pages share.
-pub(super) const SCRIPT_FILE: &str = "pages.js";
 
 /// Writes `index.html` and a page for each run into a folder, which is made when it does not exist.
 ///
@@ -34,16 +32,6 @@ pub fn write(folder: &Path, found: &Check, logs: &Logs, failed: &[Failed]) -> Re
     files::text(&pages.join(SCRIPT_FILE), SCRIPT)?;
     let write = |at| files::text(&pages.join(file_name(at)), &run_page::page(found, logs, at));
     (0..found.runs.len()).into_par_iter().try_for_each(write)
-}
-
-/// Name of a run's page: names of runs may hold what links cannot.
-pub(super) fn file_name(run: usize) -> String {
-    format!("run{:04}.html", run + 1)
-}
-
-/// How a recorder is called: without an index there is one, without a name.
-pub(super) fn called(unit: &str) -> &str {
-    if unit.is_empty() { "the recorder" } else { unit }
 }
 
 fn index(found: &Check, logs: &Logs, failed: &[Failed]) -> String {
@@ -129,46 +117,6 @@ fn figures(recorder: &RecorderCheck) -> Markup {
         } }
     };
     table([text_column("quantity"), column("value", ""), column("95 % interval", ""), text_column("unit")], rows)
-}
-
-/// `0.99 to 1.01`.
-pub(super) fn interval(value: Option<Figure>, decimals: usize) -> String {
-    match value.map(|value| value.interval()) {
-        Some([low, high]) => format!("{} to {}", number(low, decimals), number(high, decimals)),
-        None => NOTHING.to_owned(),
-    }
-}
-
-/// What was found, a row each; nothing says so.
-pub(super) fn findings<'a>(findings: impl Iterator<Item = &'a Finding> + Clone) -> Markup {
-    if findings.clone().next().is_none() {
-        return html! { p { "Nothing was found." } };
-    }
-    let head = [
-        text_column("found"),
-        column("how much", "95 % interval"),
-        column("times", ""),
-        column("from line", ""),
-        text_column("done"),
-        text_column("what helps"),
-    ];
-    let rows = html! { @for finding in findings { tr {
-        th scope="row" { (finding.kind.words()) }
-        td { (finding.how_much().replace('-', "\u{2212}")) }
-        td { (finding.count) }
-        td { @if finding.line > 0 { (finding.line) } @else { "all" } }
-        td.text { strong class=(class(finding.done)) { (finding.done.words()) } }
-        td.text { (finding.kind.remedy().unwrap_or(NOTHING)) }
-    } } };
-    table(head, rows)
-}
-
-const fn class(done: Done) -> &'static str {
-    match done {
-        Done::PutRight => "good",
-        Done::LeftOut | Done::Refused => "bad",
-        Done::Said => "dim",
-    }
 }
 
 /// The worst that was done with a run, in a word to choose by.

@@ -1,7 +1,7 @@
 //! The page of one log of a check.
 
 use super::Logs;
-use super::page::{SCRIPT_FILE, called, file_name, findings, interval};
+use super::parts::{SCRIPT_FILE, called, file_name, findings, interval};
 use super::run_pictures::{clock, readings};
 use maud::{Markup, html};
 use rundown_check::{Check, RunCheck};

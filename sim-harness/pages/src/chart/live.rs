@@ -5,8 +5,9 @@
 //! A value that is not there or not finite is `null`, where the line is broken.
 
 use super::scale::widened;
-use super::{Axes, Drawing, Figure, Layer, Panel, Stroke};
+use super::{Axes, Drawing, Figure, Layer, Panel, Point, Stroke};
 use crate::colours::css;
+use plotters::style::RGBColor;
 use rundown::Real;
 use serde::Serialize;
 use std::collections::HashMap;
@@ -198,6 +199,38 @@ fn bars<'a>(legend: &'a str, colour: String, spans: &[Range<Real>], arrays: &mut
     LiveLayer { kind: "bars", legend, colour, x, to, ..LiveLayer::default() }
 }
 
+fn pieces<'a>((legend, colour): &'a (String, RGBColor), all: &[(RGBColor, Vec<Point>)], arrays: &mut Arrays) -> LiveLayer<'a> {
+    let same = all.iter().filter(|piece| piece.0 == *colour);
+    let lines: Vec<Vec<_>> = same.map(|(_, points)| points.iter().copied().map(Some).collect()).collect();
+    line(legend, css(*colour), Stroke::Solid, &joined(lines.iter().map(Vec::as_slice)), arrays)
+}
+
+fn band<'a>(legend: &'a str, points: &[Option<(Real, Real, Real)>], arrays: &mut Arrays) -> LiveLayer<'a> {
+    let mut place =
+        |of: fn((Real, Real, Real)) -> Real| arrays.place(points.iter().map(|point| point.filter(is_whole).map(of)));
+    let (x, y, high) = (place(|p| p.0), place(|p| p.1), place(|p| p.2));
+    LiveLayer { kind: "band", legend, x, y, high, ..LiveLayer::default() }
+}
+
+fn columns<'a>(legend: &'a str, bins: &[(Range<Real>, Real)], arrays: &mut Arrays) -> LiveLayer<'a> {
+    let x = arrays.place(bins.iter().map(|(bin, _)| Some(bin.start)));
+    let to = arrays.place(bins.iter().map(|(bin, _)| Some(bin.end)));
+    let y = arrays.place(bins.iter().map(|(_, count)| Some(*count)));
+    LiveLayer { kind: "columns", legend, x, to, y, ..LiveLayer::default() }
+}
+
+fn cells<'a>(cells: &[(Range<Real>, Range<Real>, RGBColor)], arrays: &mut Arrays) -> LiveLayer<'a> {
+    LiveLayer {
+        kind: "cells",
+        x: arrays.place(cells.iter().map(|(x, ..)| Some(x.start))),
+        to: arrays.place(cells.iter().map(|(x, ..)| Some(x.end))),
+        y: arrays.place(cells.iter().map(|(_, y, _)| Some(y.start))),
+        high: arrays.place(cells.iter().map(|(_, y, _)| Some(y.end))),
+        colours: cells.iter().map(|(.., colour)| css(*colour)).collect(),
+        ..LiveLayer::default()
+    }
+}
+
 fn live_layers<'a>(layer: &'a Layer, arrays: &mut Arrays) -> Vec<LiveLayer<'a>> {
     let one = match layer {
         Layer::Line { legend, colour, stroke, points } => line(legend, css(*colour), *stroke, points, arrays),
@@ -206,24 +239,12 @@ fn live_layers<'a>(layer: &'a Layer, arrays: &mut Arrays) -> Vec<LiveLayer<'a>> 
             let opacity = single(*opacity);
             LiveLayer { many: true, opacity, ..line(legend, css(*colour), Stroke::Thin, &points, arrays) }
         }
-        Layer::Pieces { legends, pieces } => {
-            let of_colour = |(legend, colour): &'a (String, _)| {
-                let same = pieces.iter().filter(|piece| piece.0 == *colour);
-                let lines: Vec<Vec<_>> = same.map(|(_, points)| points.iter().copied().map(Some).collect()).collect();
-                line(legend, css(*colour), Stroke::Solid, &joined(lines.iter().map(Vec::as_slice)), arrays)
-            };
-            return legends.iter().map(of_colour).collect();
+        Layer::Pieces { legends, pieces: all } => {
+            return legends.iter().map(|named| pieces(named, all, arrays)).collect();
         }
-        Layer::Band { legend, colour, opacity, points } => LiveLayer {
-            kind: "band",
-            legend,
-            colour: css(*colour),
-            opacity: single(*opacity),
-            x: arrays.place(points.iter().map(|point| point.filter(is_whole).map(|p| p.0))),
-            y: arrays.place(points.iter().map(|point| point.filter(is_whole).map(|p| p.1))),
-            high: arrays.place(points.iter().map(|point| point.filter(is_whole).map(|p| p.2))),
-            ..LiveLayer::default()
-        },
+        Layer::Band { legend, colour, opacity, points } => {
+            LiveLayer { colour: css(*colour), opacity: single(*opacity), ..band(legend, points, arrays) }
+        }
         Layer::Spans { legend, colour, opacity, spans } => {
             LiveLayer { opacity: single(*opacity), ..bars(legend, css(*colour), spans, arrays) }
         }
@@ -236,33 +257,15 @@ fn live_layers<'a>(layer: &'a Layer, arrays: &mut Arrays) -> Vec<LiveLayer<'a>> 
         Layer::Dots { legend, colour, opacity, points: all } => {
             LiveLayer { colour: css(*colour), opacity: single(*opacity), ..points("dots", legend, all, arrays) }
         }
-        Layer::Verticals { legend, colour, stroke, at } => LiveLayer {
-            kind: "verticals",
-            legend,
-            colour: css(*colour),
-            stroke: word(*stroke),
-            x: arrays.place(at.iter().map(|at| Some(*at))),
-            ..LiveLayer::default()
-        },
-        Layer::Histogram { legend, colour, opacity, bins } => LiveLayer {
-            kind: "columns",
-            legend,
-            colour: css(*colour),
-            opacity: single(*opacity),
-            x: arrays.place(bins.iter().map(|(bin, _)| Some(bin.start))),
-            to: arrays.place(bins.iter().map(|(bin, _)| Some(bin.end))),
-            y: arrays.place(bins.iter().map(|(_, count)| Some(*count))),
-            ..LiveLayer::default()
-        },
-        Layer::Cells { cells } => LiveLayer {
-            kind: "cells",
-            x: arrays.place(cells.iter().map(|(x, ..)| Some(x.start))),
-            to: arrays.place(cells.iter().map(|(x, ..)| Some(x.end))),
-            y: arrays.place(cells.iter().map(|(_, y, _)| Some(y.start))),
-            high: arrays.place(cells.iter().map(|(_, y, _)| Some(y.end))),
-            colours: cells.iter().map(|(.., colour)| css(*colour)).collect(),
-            ..LiveLayer::default()
-        },
+        Layer::Verticals { legend, colour, stroke, at } => {
+            let x = arrays.place(at.iter().map(|at| Some(*at)));
+            let (colour, stroke) = (css(*colour), word(*stroke));
+            LiveLayer { kind: "verticals", legend, colour, stroke, x, ..LiveLayer::default() }
+        }
+        Layer::Histogram { legend, colour, opacity, bins } => {
+            LiveLayer { colour: css(*colour), opacity: single(*opacity), ..columns(legend, bins, arrays) }
+        }
+        Layer::Cells { cells: all } => cells(all, arrays),
         Layer::Word { text, y } => {
             LiveLayer { kind: "word", word: single(*y).map(|y| (text.as_str(), y)), ..LiveLayer::default() }
         }
@@ -277,7 +280,6 @@ fn is_whole(point: &(Real, Real, Real)) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plotters::style::RGBColor;
     use serde_json::Value;
 
     const BLUE: RGBColor = RGBColor(0, 84, 190);
