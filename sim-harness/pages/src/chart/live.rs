@@ -199,7 +199,11 @@ fn bars<'a>(legend: &'a str, colour: String, spans: &[Range<Real>], arrays: &mut
     LiveLayer { kind: "bars", legend, colour, x, to, ..LiveLayer::default() }
 }
 
-fn pieces<'a>((legend, colour): &'a (String, RGBColor), all: &[(RGBColor, Vec<Point>)], arrays: &mut Arrays) -> LiveLayer<'a> {
+fn pieces<'a>(
+    (legend, colour): &'a (String, RGBColor),
+    all: &[(RGBColor, Vec<Point>)],
+    arrays: &mut Arrays,
+) -> LiveLayer<'a> {
     let same = all.iter().filter(|piece| piece.0 == *colour);
     let lines: Vec<Vec<_>> = same.map(|(_, points)| points.iter().copied().map(Some).collect()).collect();
     line(legend, css(*colour), Stroke::Solid, &joined(lines.iter().map(Vec::as_slice)), arrays)
