@@ -35,7 +35,6 @@ function schemeSwitch() {
 }
 
 document.addEventListener("DOMContentLoaded", () => {
-  document.documentElement.classList.add("has-script");
   schemeSwitch();
   watchTables();
   watchFigures();
