@@ -1,5 +1,13 @@
 //! `check`: run logs in, what their recorder did to them out. The command and the Python module do this.
 
+mod page;
+mod parts;
+mod pictures;
+mod run_page;
+mod run_pictures;
+
+pub use page::write;
+
 use crate::logs::{self, Failed};
 use rayon::prelude::*;
 use rundown_check::agreement::Figure;
@@ -9,6 +17,7 @@ use rundown_files::column::{Column, Filled, filled};
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::run_set::{RunFile, RunSet};
+use rundown_files::sample::Sample;
 use rundown_files::{refusal::ReadError, run_log::BadRows, track_file::TrackFile};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -24,11 +33,38 @@ pub struct Checked {
     pub notes: Vec<String>,
 }
 
+/// The logs of a [`Check`], each in the place of its run.
+#[derive(Debug)]
+pub struct Logs {
+    /// Rows as they were recorded.
+    pub recorded: Vec<Vec<Sample>>,
+    /// What was put right.
+    pub right: Vec<Recording>,
+    /// Files that were read.
+    pub inputs: Vec<PathBuf>,
+}
+
 /// Diagnoses run logs, or folders of run logs. `track`: one whose centre line gives the locations of logs that have coordinates only.
 ///
 /// # Errors
 /// [`ReadError`] when the track, a folder or an index cannot be read.
 pub fn check(runs: &[PathBuf], track: Option<&Path>) -> Result<Checked, ReadError> {
+    examined(runs, track, |_| Vec::new()).map(|(checked, _)| checked)
+}
+
+/// The same with the logs, before and after.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_with_logs(runs: &[PathBuf], track: Option<&Path>) -> Result<(Checked, Logs), ReadError> {
+    examined(runs, track, |recordings| recordings.iter().map(|recording| recording.rows.clone()).collect())
+}
+
+fn examined(
+    runs: &[PathBuf],
+    track: Option<&Path>,
+    kept: impl FnOnce(&[Recording]) -> Vec<Vec<Sample>>,
+) -> Result<(Checked, Logs), ReadError> {
     let set = RunSet::find(runs)?;
     let track = track.map(TrackFile::read).transpose()?;
     let line = track.and_then(|(track, _)| CentreLine::new(&track.centre_line));
@@ -41,8 +77,10 @@ pub fn check(runs: &[PathBuf], track: Option<&Path>) -> Result<Checked, ReadErro
             Err(failure) => failed.push(failure),
         }
     }
+    let recorded = kept(&recordings);
+    let inputs = set.paths();
     let found = (!recordings.is_empty()).then(|| rundown_check::check(&mut recordings));
-    Ok(Checked { found, failed, notes: set.notes })
+    Ok((Checked { found, failed, notes: set.notes }, Logs { recorded, right: recordings, inputs }))
 }
 
 /// A finding of a run, or of all runs of a recorder.

@@ -31,7 +31,7 @@ Tasks:
   budget                        flash, RAM, stack and instructions of the firmware against their limits
   stack                         the most stack that the firmware can take, path by path, and the largest frames
   test                          the whole test run: set-up, firmware, unit, integration and documentation tests of every package
-  browser                       the page of `rundown display` in Chromium, which is installed if it is missing; pictures in target/browser
+  browser                       the pages of `rundown` in Chromium, which is installed if it is missing; pictures in target/browser
   python                        the Python module: builds the wheel, installs it into a virtual environment in target/python, runs its tests;
                                 needs Python >= 3.9
   tools                         SUMO and ALTRIOS read what `rundown export` writes; installs them into a virtual environment in

@@ -97,6 +97,41 @@ impl Browser {
         tools.send_raw("Emulation.setEmulatedMedia", media).await.expect("a scheme");
     }
 
+    /// A script that runs on each page before its own.
+    pub async fn before_each_page(&self, script: &str) {
+        let source = serde_json::json!({ "source": script });
+        let sent = self.driver.cdp().send_raw("Page.addScriptToEvaluateOnNewDocument", source).await;
+        sent.expect("a script");
+    }
+
+    /// Moves the mouse, or presses or releases it, at this place of the screen, in px; `clicks` in a row.
+    pub async fn mouse(&self, kind: &str, [x, y]: [f64; 2], clicks: u32) {
+        let button = if kind == "mouseMoved" { "none" } else { "left" };
+        let event = serde_json::json!({"type": kind, "x": x, "y": y, "button": button, "clickCount": clicks});
+        self.driver.cdp().send_raw("Input.dispatchMouseEvent", event).await.expect("a mouse");
+    }
+
+    /// Drags the mouse from one place to another.
+    pub async fn drag(&self, from: [f64; 2], to: [f64; 2]) {
+        self.mouse("mouseMoved", from, 0).await;
+        self.mouse("mousePressed", from, 1).await;
+        for step in 1..=8 {
+            let share = f64::from(step) / 8.0;
+            let between = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
+            self.mouse("mouseMoved", between, 0).await;
+        }
+        self.mouse("mouseReleased", to, 1).await;
+    }
+
+    /// Waits until a script on the page says true.
+    pub async fn wait_for(&self, script: &str) {
+        let begin = Instant::now();
+        while !self.ask::<bool>(script).await {
+            assert!(begin.elapsed() < PATIENCE, "{script}: still not true");
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    }
+
     /// What a script on the page says.
     pub async fn ask<T: serde::de::DeserializeOwned>(&self, script: &str) -> T {
         let answer = self.driver.execute(script, Vec::new()).await;

@@ -37,7 +37,7 @@ impl Drop for Display {
 }
 
 /// `rundown` beside this test's folder.
-fn binary() -> PathBuf {
+pub(crate) fn binary() -> PathBuf {
     let test = std::env::current_exe().expect("a test has a file");
     let profile = test.parent().and_then(|deps| deps.parent()).expect("target/PROFILE/deps");
     profile.join(format!("rundown{}", std::env::consts::EXE_SUFFIX))

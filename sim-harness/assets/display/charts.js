@@ -4,21 +4,8 @@
 const REGIMES = ["standstill", "traction", "cruise", "coast", "brake"];
 const KMH = 3.6;
 
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
-
 /** Font size of a chart's axes: that of the part it stands in. */
 const fontSize = (box) => Math.max(13, Math.min(24, Math.round(box.clientHeight / 22)));
-
-function axis(size, px, extra) {
-  return {
-    stroke: () => colour("dim"), font: px + "px system-ui, sans-serif", size,
-    grid: { stroke: () => colour("faint"), width: 1 }, ticks: { stroke: () => colour("line"), width: 1, size: 4 }, gap: 2,
-    ...extra,
-  };
-}
-
-/** As it is set, also without data. */
-const exact = (u, min, max) => [min, max];
 
 /** Makes a chart anew when its box has another size. */
 class Chart {

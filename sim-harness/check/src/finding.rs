@@ -130,19 +130,30 @@ impl Done {
     }
 }
 
+impl Finding {
+    /// The figure with its 95 % interval, where it has one, and its unit.
+    pub fn how_much(&self) -> String {
+        let Self { figure, unit, .. } = self;
+        let decimals = decimals(figure);
+        let mut text = format!("{:.decimals$}", figure.value);
+        if figure.sd > 0.0 {
+            let [low, high] = figure.interval();
+            text += &format!(" [{low:.decimals$}, {high:.decimals$}]");
+        }
+        if !unit.is_empty() {
+            text += &format!(" {unit}");
+        }
+        text
+    }
+}
+
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { kind, figure, unit, count, line, done } = self;
+        let Self { kind, count, line, done, .. } = self;
         if *line > 0 {
             write!(f, "line {line}: ")?;
         }
-        let decimals = decimals(figure);
-        write!(f, "{}: {:.decimals$}", kind.words(), figure.value)?;
-        if figure.sd > 0.0 {
-            let [low, high] = figure.interval();
-            write!(f, " [{low:.decimals$}, {high:.decimals$}]")?;
-        }
-        write!(f, "{}{unit}", if unit.is_empty() { "" } else { " " })?;
+        write!(f, "{}: {}", kind.words(), self.how_much())?;
         if *count > 1 {
             write!(f, ", {count} times")?;
         }

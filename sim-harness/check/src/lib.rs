@@ -273,8 +273,10 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
     (run, agreement)
 }
 
-/// Rows with time, location and speed, cut where one is missing or the time does not go on as usual.
-fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
+/// Rows with time, location and speed, the location growing, cut where the time or the location does not go on as usual.
+///
+/// `step_s`: usual time between rows, s.
+pub fn parts(rows: &[Sample], step_s: f64) -> Vec<Vec<Row>> {
     let sign = places::heading(rows);
     let longest_s = (3.5 * step_s).max(10.0);
     let mut parts: Vec<Vec<Row>> = vec![Vec::new()];
@@ -385,6 +387,16 @@ fn put_right(here: bool) -> Done {
 }
 
 impl RecorderCheck {
+    /// True less read speed as the step decides it: half of it where the recorder truncates, 0 where it rounds; else as measured. In km/h.
+    pub fn decided_offset_kmh(&self) -> Option<f64> {
+        let has = |kind| self.findings.iter().any(|finding| finding.kind == kind);
+        match (has(Kind::RoundedSpeed), has(Kind::TruncatedSpeed)) {
+            (true, _) => Some(0.0),
+            (_, true) => self.speed_step_kmh.map(|step_kmh| 0.5 * step_kmh),
+            _ => self.offset_kmh.map(|offset| offset.value),
+        }
+    }
+
     /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, as the skews are judged with.
     fn decide(&mut self, all: &Pooled, known: Known) -> Vector2<f64> {
         let offset_kmh = all.offset_kmh();

@@ -1,13 +1,47 @@
-//! The shell of a page and the words around its pictures: no script, no style sheet, no font, no address.
+//! The shell of a page and the words around its pictures: one HTML file that asks for no address.
+//!
+//! A page has its script within, but for pages of a folder that share one file. Without scripts it shows the same, standing still.
 
+use crate::assets::{SCRIPT, STYLE};
+use crate::chart::Drawing;
 use crate::{colours, numbers::percent};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use rundown::{Real, tick::regime::Regime};
 
-const STYLE: &str = include_str!("style.css");
+/// A part of a page with its place in the contents.
+#[derive(Clone, Debug)]
+pub struct Section {
+    /// What links name.
+    pub id: String,
+    /// Its heading.
+    pub heading: String,
+    /// What stands below.
+    pub body: Markup,
+}
 
-/// A whole page.
-pub fn document(title: &str, body: &Markup) -> String {
+impl Section {
+    /// A part of a page.
+    pub fn new(id: impl Into<String>, heading: impl Into<String>, body: Markup) -> Self {
+        Self { id: id.into(), heading: heading.into(), body }
+    }
+}
+
+/// Where a page has its script.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Script {
+    /// Within: the file needs nothing else.
+    Within,
+    /// In a file of this name beside it, which holds [`SCRIPT`].
+    Beside(&'static str),
+}
+
+/// A whole page in one file: its title, what stands before the contents' first section, its sections.
+pub fn document(title: &str, lead: &Markup, sections: &[Section]) -> String {
+    document_with(Script::Within, title, lead, sections)
+}
+
+/// The same with its script elsewhere.
+pub fn document_with(script: Script, title: &str, lead: &Markup, sections: &[Section]) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -17,21 +51,36 @@ pub fn document(title: &str, body: &Markup) -> String {
                 meta name="generator" content="rundown";
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
+                @match script {
+                    Script::Within => script { (PreEscaped(SCRIPT)) },
+                    Script::Beside(name) => script src=(name) {},
+                }
             }
-            body { main {
-                h1 { (title) }
-                (body)
-            } }
+            body {
+                header { h1 { (title) } }
+                @if sections.len() > 1 {
+                    nav.contents aria-label="Contents" { ol {
+                        @for Section { id, heading, .. } in sections { li { a href=(format!("#{id}")) { (heading) } } }
+                    } }
+                }
+                main {
+                    (lead)
+                    @for Section { id, heading, body } in sections {
+                        section id=(id) { h2 { (heading) } (body) }
+                    }
+                }
+            }
         }
     };
     page.into_string()
 }
 
-/// A picture with its words below; it scrolls where the screen is too narrow to read it.
-pub fn figure(svg: String, caption: &str) -> Markup {
+/// A picture with its words below, as SVG and with the data of its live form.
+pub fn figure(drawing: &Drawing, caption: &str) -> Markup {
     html! {
-        figure {
-            div.wide { (PreEscaped(svg)) }
+        figure.picture {
+            div.wide.static { (PreEscaped(drawing.to_svg())) }
+            script type="application/json" { (PreEscaped(drawing.live())) }
             figcaption { (caption) }
         }
     }
@@ -42,6 +91,11 @@ pub fn table(head: impl IntoIterator<Item = Markup>, rows: Markup) -> Markup {
     html! { div.wide { table { thead { tr { @for cell in head { (cell) } } } tbody { (rows) } } } }
 }
 
+/// A [`table`] whose rows the reader may sort and filter.
+pub fn sortable(head: impl IntoIterator<Item = Markup>, rows: Markup) -> Markup {
+    html! { div.wide { table.sortable { thead { tr { @for cell in head { (cell) } } } tbody { (rows) } } } }
+}
+
 /// Head of a column of numbers, with its unit unless that is empty.
 pub fn column(name: &str, unit: &str) -> Markup {
     html! { th scope="col" { (name) @if !unit.is_empty() { br; span.unit { (unit) } } } }
@@ -50,6 +104,11 @@ pub fn column(name: &str, unit: &str) -> Markup {
 /// Head of a column of words.
 pub fn text_column(name: &str) -> Markup {
     html! { th.text scope="col" { (name) } }
+}
+
+/// Head of a column of a few words, one of which the reader may choose in a [`sortable`] table.
+pub fn choice_column(name: &str) -> Markup {
+    html! { th.text scope="col" data-choices=(name) { (name) } }
 }
 
 /// A square of the regime's colour, with its name.

@@ -3,6 +3,7 @@
 use super::{Failure, SOME_RUNS_FAILED, Strict, screen};
 use crate::checking::{self, Checked, words};
 use crate::output::files;
+use rundown_files::folder::{self, Provenance};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -10,6 +11,9 @@ const EXAMPLES: &str = "\
 Examples:
   What the recorder of these runs does to speed, location and clock:
     rundown check logs/
+
+  The same as pages to explore, one for each run, and as JSON:
+    rundown check --out check logs/
 
   The same for a program:
     rundown check --json logs/ > check.json
@@ -34,31 +38,41 @@ pub struct Arguments {
     /// Print the whole diagnosis as JSON to stdout, and nothing else
     #[arg(long)]
     json: bool,
-    /// Write the whole diagnosis as JSON to this file
-    #[arg(long, value_name = "FILE")]
+    /// Write the diagnosis into this folder, as a page to explore and as JSON; as JSON alone where the name ends in .json
+    #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let Checked { found, failed, notes } = checking::check(&arguments.runs, arguments.track.as_deref())?;
+    let (runs, track) = (&arguments.runs, arguments.track.as_deref());
+    let out = arguments.out.as_deref().filter(|out| out.extension().is_none_or(|extension| extension != "json"));
+    let (Checked { found, failed, notes }, logs) = match out {
+        Some(_) => checking::check_with_logs(runs, track).map(|(checked, logs)| (checked, Some(logs)))?,
+        None => (checking::check(runs, track)?, None),
+    };
     failed.iter().for_each(|failed| screen::error(&failed.error));
-    let failed = failed.len();
     notes.iter().for_each(|text| screen::note(text));
     let Some(found) = found else {
-        let message = format!("expected at least one run log that can be read, found none of {failed}");
+        let message = format!("expected at least one run log that can be read, found none of {}", failed.len());
         return Err(Failure::no_runs(message));
     };
     let json = serde_json::to_string_pretty(&found).map_err(Failure::not_written)?;
-    if let Some(path) = &arguments.out {
-        files::whole(path, &json)?;
+    match (&arguments.out, logs) {
+        (Some(out), Some(logs)) => folder::write("check", out, &Provenance::begin(&logs.inputs), |folder| {
+            checking::write(folder, &found, &logs, &failed)?;
+            files::text(&folder.join("check.json"), &json)
+        })?,
+        (Some(file), None) => files::whole(file, &json)?,
+        (None, _) => (),
     }
     screen::print(&if arguments.json { format!("{json}\n") } else { words(&found) });
     let unusable = found.refused().count();
     if unusable == found.runs.len() {
-        return Err(Failure::no_runs(format!("none of {} run logs can be used", failed + unusable)));
+        return Err(Failure::no_runs(format!("none of {} run logs can be used", failed.len() + unusable)));
     }
     let of_recorders = found.recorders.iter().flat_map(|recorder| &recorder.findings);
     let findings = of_recorders.chain(found.runs.iter().flat_map(|run| &run.findings)).count();
     let is_strict = arguments.strict.strict && findings > 0;
-    Ok(if failed + unusable == 0 && !is_strict { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
+    let is_clean = failed.is_empty() && unusable == 0 && !is_strict;
+    Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
 }

@@ -39,7 +39,8 @@ Files in the output folder:
   switching_points.csv  a row for each change of regime
   parameters.csv        a row for each run: resistance of vehicle and run, counters by cause
   replay.json           the same for machines, with every warning
-  report.html           pictures, to be opened in any browser
+  report.html           what concerns all runs, to be opened in any browser
+  report/run0001.html   pictures of a run, linked by report.html
   manifest.json         what belongs together: files read and written, with their digests
 
 Tables are CSV, or Parquet with --format parquet. With --no-estimates the first two and the report are left out.

@@ -43,10 +43,11 @@ macro_rules! asset {
     };
 }
 
-const ASSETS: [Asset; 7] = [
+const ASSETS: [Asset; 8] = [
     asset!("/", "text/html", "display/index.html"),
     asset!("/display.css", "text/css", "display/display.css"),
     asset!("/display.js", "text/javascript", "display/display.js"),
+    asset!("/axes.js", "text/javascript", "pages/axes.js"),
     asset!("/charts.js", "text/javascript", "display/charts.js"),
     asset!("/uplot.js", "text/javascript", "uplot/uPlot.iife.min.js"),
     asset!("/uplot.css", "text/css", "uplot/uPlot.min.css"),

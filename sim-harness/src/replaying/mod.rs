@@ -321,7 +321,7 @@ impl Replayed {
         let json = self.json();
         folder::write("replay", folder, &self.provenance, |folder| {
             write_tables(folder, &self.runs, &self.config, self.tables.format, &json)?;
-            write_report(&folder.join("report.html"), &self.report())
+            write_report(folder, &self.report())
         })?;
         Ok(json)
     }
@@ -333,7 +333,7 @@ impl Replayed {
     pub fn picture(&self, name: &str, index: usize) -> Option<String> {
         let report = self.report();
         let run = report.runs.get(index)?;
-        Some(match name {
+        let drawing = match name {
             "resistance" => report.resistance_curve(),
             "history" => figures::vehicle_history(&report.vehicle, &self.core_train, HISTORY_KMH),
             "motion" => figures::motion(run, &self.core_train),
@@ -341,7 +341,8 @@ impl Replayed {
             "regimes" => figures::regimes(run),
             "innovations" => figures::innovations(run),
             _ => return None,
-        })
+        };
+        Some(drawing.to_svg())
     }
 
     fn report(&self) -> Report<'_> {

@@ -22,7 +22,8 @@ pub struct Axis {
     /// Place of each estimate; none where it is unknown.
     pub x: Vec<Option<Real>>,
     pub range: Range<Real>,
-    pub is_location: bool,
+    /// Zero and unit of the time, s; none where the axis is the location.
+    clock_s: Option<[Real; 2]>,
     pauses: Vec<bool>,
 }
 
@@ -35,7 +36,7 @@ impl Axis {
             return Self::of_time(run);
         }
         let x = locations_m.into_iter().map(|m| finite(m / 1000.0));
-        Self::new(run, "location along the track, km", x.collect(), true)
+        Self::new(run, "location along the track, km", x.collect(), None)
     }
 
     /// Over the time since the first estimate.
@@ -49,18 +50,32 @@ impl Axis {
             false => ("time since the first sample, s", 1.0),
         };
         let x = time_s().map(|time_s| finite((time_s - first_s) / unit_s));
-        Self::new(run, label, x.collect(), false)
+        Self::new(run, label, x.collect(), Some([first_s, unit_s]))
     }
 
-    fn new(run: &RunView, label: &'static str, x: Vec<Option<Real>>, is_location: bool) -> Self {
-        Self { label, range: range_of(x.iter().flatten().copied()), x, is_location, pauses: pauses(&run.estimates) }
+    fn new(run: &RunView, label: &'static str, x: Vec<Option<Real>>, clock_s: Option<[Real; 2]>) -> Self {
+        let range = range_of(x.iter().flatten().copied());
+        Self { label, range, x, clock_s, pauses: pauses(&run.estimates) }
+    }
+
+    /// The axis is the location.
+    pub const fn is_location(&self) -> bool {
+        self.clock_s.is_none()
+    }
+
+    /// Place on the axis of what happened at this location in m and time in s.
+    pub fn at(&self, location_m: Real, time_s: Real) -> Real {
+        match self.clock_s {
+            None => location_m / 1000.0,
+            Some([zero_s, unit_s]) => (time_s - zero_s) / unit_s,
+        }
     }
 
     /// The train ran towards smaller locations.
     pub fn runs_backward(&self) -> bool {
         let mut ends = self.x.iter().flatten();
         let ends = (ends.next(), ends.next_back());
-        matches!(ends, (Some(first), Some(last)) if self.is_location && last < first)
+        matches!(ends, (Some(first), Some(last)) if self.is_location() && last < first)
     }
 
     /// A value for each estimate, with a gap where there is none and where there was a pause.
@@ -162,9 +177,9 @@ mod tests {
     #[test]
     fn a_train_that_hardly_moved_is_shown_over_time() {
         let example = example::standing();
-        assert!(!Axis::of_motion(&RunView::of(&example, None)).is_location);
+        assert!(!Axis::of_motion(&RunView::of(&example, None)).is_location());
         let example = example::run();
         let axis = Axis::of_motion(&RunView::of(&example, None));
-        assert!(axis.is_location && !axis.runs_backward());
+        assert!(axis.is_location() && !axis.runs_backward());
     }
 }

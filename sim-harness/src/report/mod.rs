@@ -1,12 +1,13 @@
-//! `report.html`: what the estimator said of some runs, for a railway engineer who reads from top to bottom.
+//! `report.html`: what the estimator said of some runs, for a railway engineer who reads from top to bottom; and a page for each run.
 //!
 //! ```text
-//! Report -> page (words, tables) ------------> report.html
+//! Report -> page (words, tables) ------------> report.html, report/run0001.html ...
 //!        -> figures -> axis, chart -> SVG ->
 //! ```
 //!
-//! In: a `Report`, which borrows what the replay has. Out: one HTML file that needs nothing else: no script, no style sheet, no font,
-//! no address. The figures are functions of their own (`figures`) for other reports.
+//! In: a `Report`, which borrows what the replay has. Out: HTML files that ask for nothing outside their folder. The first has what
+//! concerns all runs, so that a thousand of them open at once; a run's page is read when the reader goes there.
+//! The figures are functions of their own (`figures`) for other reports.
 //!
 //! A missing value is a gap in a figure and a dash in a table, with its reason beside it; a number that is not finite is never shown.
 
@@ -19,16 +20,21 @@ pub mod resistance;
 pub(crate) mod example;
 
 use crate::output::files;
+use rayon::prelude::*;
 use rundown::{
     Real, features::FeatureConfig, filter::gaussian::Gaussian, model::resistance::Davis, model::state,
     model::train::Train, tick::estimate::Estimate, tick::measurement::Measurement, tick::regime::Regime,
 };
 use rundown_files::{WriteError, replay::ReplayedRun};
+use rundown_pages::assets::SCRIPT;
+use rundown_pages::chart::Drawing;
 use std::ops::{Deref, Range};
 use std::path::Path;
 
-/// Runs that have figures; all are in the tables.
-pub(crate) const RUNS_IN_FULL: usize = 12;
+/// Folder of the pages of the runs, beside `report.html`.
+const RUN_PAGES: &str = "report";
+/// The script that the pages of the runs share.
+const SCRIPT_FILE: &str = "pages.js";
 
 #[derive(Clone, Debug)]
 pub(crate) struct Report<'a> {
@@ -74,8 +80,14 @@ pub(crate) struct TruthView {
     pub starts: Vec<(Real, Real)>,
 }
 
-pub(crate) fn write_report(path: &Path, report: &Report) -> Result<(), WriteError> {
-    files::text(path, &page::html(report))
+/// Writes `report.html` and the pages of the runs into a folder.
+pub(crate) fn write_report(folder: &Path, report: &Report) -> Result<(), WriteError> {
+    files::text(&folder.join("report.html"), &page::html(report))?;
+    let pages = folder.join(RUN_PAGES);
+    files::folder(&pages)?;
+    files::text(&pages.join(SCRIPT_FILE), SCRIPT)?;
+    let write = |index| files::text(&folder.join(page::run_file(index)), &page::run_html(index, report));
+    (0..report.runs.len()).into_par_iter().try_for_each(write)
 }
 
 impl Report<'_> {
@@ -84,7 +96,7 @@ impl Report<'_> {
     }
 
     /// r(v) of the vehicle after the last run, as the page has it.
-    pub(crate) fn resistance_curve(&self) -> String {
+    pub(crate) fn resistance_curve(&self) -> Drawing {
         let vehicle = self.vehicle.last().map(|(_, belief)| belief);
         figures::resistance_curve(vehicle, self.train, self.learned().speeds_mps)
     }
@@ -177,12 +189,16 @@ mod tests {
 
     #[test]
     fn the_page_is_written() {
-        let path = std::env::temp_dir().join(format!("rundown-report-{}.html", std::process::id()));
-        write_report(&path, &report(&[example::run()], &train())).unwrap();
-        let written = std::fs::read_to_string(&path);
-        std::fs::remove_file(&path).unwrap();
-        assert!(written.unwrap().starts_with("<!DOCTYPE html>"));
-        assert!(write_report(Path::new("/no/such/folder/report.html"), &report(&[], &train())).is_err());
+        let folder = std::env::temp_dir().join(format!("rundown-report-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        write_report(&folder, &report(&[example::run()], &train())).unwrap();
+        let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+        let (first, of_run, script) = (read("report.html"), read("report/run0001.html"), read("report/pages.js"));
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert!(first.starts_with("<!DOCTYPE html>") && first.contains("href=\"report/run0001.html\""));
+        assert!(of_run.contains("<script src=\"pages.js\">") && of_run.contains("href=\"../report.html#runs\""));
+        assert_eq!(script, SCRIPT);
+        assert!(write_report(Path::new("/no/such/folder"), &report(&[], &train())).is_err());
     }
 
     #[test]

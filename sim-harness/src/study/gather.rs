@@ -28,6 +28,8 @@ use std::collections::HashMap;
 
 /// Traction, cruise, coast and brake of the run of Figs. 3, 5 and 6, shares of its time (section 4.3).
 pub const PAPERS_RUN: [f64; 4] = [0.164, 0.17, 0.57, 0.093];
+/// Runs that the page lists: more would be slow to open, and `runs.csv` has all.
+const LISTED: usize = 2000;
 /// Runs whose points are drawn.
 pub const DRAWN: usize = 200;
 
@@ -89,6 +91,8 @@ pub struct Gathered {
     pub interval_s: Moments,
     pub rows: u64,
     pub drawn: Vec<Drawn>,
+    /// The first [`LISTED`] runs.
+    pub listed: Vec<Listed>,
     pub example: Option<Example>,
     /// How far its regimes are from [`PAPERS_RUN`]: root of the sum of squares of the shares.
     pub example_off: f64,
@@ -97,6 +101,17 @@ pub struct Gathered {
     pub failed: Vec<Failed>,
     /// What the recorders did to recorded runs, a diagnosis for each chunk.
     pub checks: Vec<Check>,
+}
+
+/// A run in the page's table.
+#[derive(Clone, Debug)]
+pub struct Listed {
+    pub name: String,
+    pub unit: String,
+    /// Largest measured speed, km/h.
+    pub top_kmh: f64,
+    /// As the gated mode saw it.
+    pub gated: Outcome,
 }
 
 /// What happens with the runs of a chunk and their rows of results.
@@ -235,6 +250,10 @@ impl Gathered {
             self.example_off = off;
             let [paper, gated] = runs;
             self.example = Some(Example { paper, gated, truth: case_truth });
+        }
+        if self.listed.len() < LISTED {
+            let (name, unit) = (recording.name.clone(), recording.unit.clone());
+            self.listed.push(Listed { name, unit, top_kmh, gated: gated.outcome.clone() });
         }
         if is_drawn {
             self.drawn.push(Drawn { recording, paper, gated, truth });

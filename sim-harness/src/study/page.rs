@@ -7,7 +7,7 @@ use super::{
 use maud::{Markup, html};
 use rundown_check::Check;
 use rundown_pages::numbers::{NOTHING, counted, number};
-use rundown_pages::shell::{column, document, figure, table, text_column};
+use rundown_pages::shell::{Section, choice_column, column, document, figure, sortable, table, text_column};
 
 #[derive(Clone, Debug)]
 pub struct StudyPage<'a> {
@@ -34,23 +34,22 @@ const FIGURES: [(&str, &str); 8] = [
 ];
 
 pub fn page(page: &StudyPage) -> String {
-    let body = html! {
-        (summary(page))
-        (truth(page))
-        @for (number, heading) in FIGURES {
-            section id=(format!("fig-{number}")) {
-                h2 { (heading) }
-                @for picture in page.pictures.iter().filter(|p| p.name.starts_with(&format!("fig{number}_"))) {
-                    (figure(picture.svg.clone(), &picture.caption))
-                }
-                (claims_table(page.claims.iter().filter(|claim| claim.place == number), false))
-            }
-        }
-        (table1(page.sensitivity))
-        (all_claims(page.claims))
-        (fleet(page.gathered))
-    };
-    document(&format!("Case study: {} on {}", page.train, page.track), &body)
+    let mut sections = vec![Section::new("truth", "Does the estimate follow the truth?", truth(page))];
+    sections.extend(FIGURES.map(|(number, heading)| {
+        let pictures = page.pictures.iter().filter(|p| p.name.starts_with(&format!("fig{number}_")));
+        let body = html! {
+            @for picture in pictures { (figure(&picture.drawing, &picture.caption)) }
+            (claims_table(page.claims.iter().filter(|claim| claim.place == number), None))
+        };
+        Section::new(format!("fig-{number}"), heading, body)
+    }));
+    sections.extend([
+        Section::new("table-1", "Table 1: the paper's filter", table1(page.sensitivity)),
+        Section::new("claims", "All claims of section 4", claims_table(page.claims.iter(), Some("figure, section"))),
+        Section::new("fleet", "All runs in numbers", fleet(page.gathered)),
+        Section::new("runs", "Runs", runs(page.gathered)),
+    ]);
+    document(&format!("Case study: {} on {}", page.train, page.track), &summary(page), &sections)
 }
 
 fn summary(page: &StudyPage) -> Markup {
@@ -58,7 +57,6 @@ fn summary(page: &StudyPage) -> Markup {
     let gathered = page.gathered;
     let runs = gathered.paper.runs as usize;
     html! {
-        section id="summary" {
             p.lead {
                 (counted(runs, "run", "runs")) ", " (page.source) "; " (known(gathered)) ". Of " (page.claims.len())
                 " claims of section 4 of the paper, " strong { (count(Verdict::Reproduced)) " are reproduced" } ", "
@@ -85,7 +83,6 @@ fn summary(page: &StudyPage) -> Markup {
                 "Transportation Research Part C 143 (2022) 103794. Its recorded runs are not public. Figures have its numbers; where two pictures stand below each other, "
                 "the first is the paper's mode and the second the gated mode on the same runs. Every picture lies beside this page as SVG with its numbers as CSV."
             }
-        }
     }
 }
 
@@ -117,8 +114,6 @@ fn truth(page: &StudyPage) -> Markup {
         answer.map_or_else(|| NOTHING.to_owned(), |answer| answer.slope.map(|slope| number(slope, 2)).join(" / "))
     };
     html! {
-        section id="truth" {
-            h2 { "Does the estimate follow the truth?" }
             p.note {
                 strong { "The paper's loop does not follow the true resistance. " }
                 "It calculates the effort from the change of speed and its own resistance, and lets that effort drive the filter that is to find the resistance: "
@@ -131,10 +126,9 @@ fn truth(page: &StudyPage) -> Markup {
                     strong { (slopes("paper", 1)) } ", gated " strong { (slopes("gated", 1)) }
                     ", with measured effort " strong { (slopes("measured", 1)) } "."
                 }
-                @for picture in page.slopes { (figure(picture.svg.clone(), &picture.caption)) }
+                @for picture in page.slopes { (figure(&picture.drawing, &picture.caption)) }
                 (answers(page.answers))
             }
-        }
     }
 }
 
@@ -169,31 +163,40 @@ fn answers(answers: &[Answer]) -> Markup {
 }
 
 fn verdict(verdict: Verdict) -> Markup {
-    let colour = match verdict {
-        Verdict::Reproduced => "#0f7d37",
-        Verdict::Not => "#c8102e",
-        Verdict::NoData => "#4a4a4a",
+    let class = match verdict {
+        Verdict::Reproduced => "good",
+        Verdict::Not => "bad",
+        Verdict::NoData => "dim",
     };
-    html! { strong style=(format!("color:{colour}")) { (verdict.as_str()) } }
+    html! { strong class=(class) { (verdict.as_str()) } }
 }
 
-fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, with_place: bool) -> Markup {
-    let place = with_place.then(|| text_column("figure, section"));
-    let others =
-        ["the paper says", "kind", "paper's mode", "gated mode", "truth", "error", "verdict, by which criterion"];
+/// With a column of that name for the place in the paper, where there is one: then the reader may sort and filter.
+fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, place: Option<&str>) -> Markup {
+    let table = if place.is_some() { sortable } else { table };
+    let words = text_column;
+    let head = [
+        words("the paper says"),
+        choice_column("kind"),
+        words("paper's mode"),
+        words("gated mode"),
+        words("truth"),
+        words("error"),
+        choice_column("verdict"),
+        words("by which criterion"),
+    ];
     let rows = html! { @for claim in claims { tr {
-        @if with_place { td.text { (claim.place) } }
+        @if place.is_some() { td.word { (claim.place) } }
         td.text { (claim.statement) }
-        td.text { (claim.kind.as_str()) }
+        td.word { (claim.kind.as_str()) }
         td.text { (claim.paper) }
         td.text { (claim.gated) }
         td.text { (claim.truth) }
         td.text { (claim.error) }
-        td.text { (verdict(claim.verdict))
-            @if let Some(seeds) = claim.seeds { " (" (seeds.held) " of " (seeds.judged) " seeds)" }
-            br; span.small { (claim.why) } }
+        td.word { (verdict(claim.verdict)) }
+        td.text.small { @if let Some(seeds) = claim.seeds { (seeds.held) " of " (seeds.judged) " seeds. " } (claim.why) }
     } } };
-    table(place.into_iter().chain(others.map(text_column)), rows)
+    table(place.map(choice_column).into_iter().chain(head).collect::<Vec<_>>(), rows)
 }
 
 fn table1(sensitivity: &[Sensitivity]) -> Markup {
@@ -214,12 +217,9 @@ fn table1(sensitivity: &[Sensitivity]) -> Markup {
     ];
     let rows = html! { @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } } };
     html! {
-        section id="table-1" {
-            h2 { "Table 1: the paper's filter" }
             (table([text_column("parameter"), column("value", "")], rows))
             p.small { "The paper's mode runs with these values, as printed: standard deviations. " code { "rundown tune" } " looks for better ones by the paper's two criteria." }
             @if !sensitivity.is_empty() { (initial(sensitivity)) }
-        }
     }
 }
 
@@ -240,15 +240,6 @@ pub fn initial(sensitivity: &[Sensitivity]) -> Markup {
     html! {
         h3 { "Larger initial deviations" }
         (table(of_changes.into_iter().chain(least), rows))
-    }
-}
-
-fn all_claims(claims: &[Claim]) -> Markup {
-    html! {
-        section id="claims" {
-            h2 { "All claims of section 4" }
-            (claims_table(claims.iter(), true))
-        }
     }
 }
 
@@ -288,11 +279,49 @@ fn fleet(gathered: &Gathered) -> Markup {
         td { @if gathered.truth.runs > 0 { (cells(&gathered.truth, of, unit, digits)) } @else { (NOTHING) } }
     } } };
     html! {
-        section id="fleet" {
-            h2 { "All runs in numbers" }
             p { (gathered.paper.runs) " runs, " (gathered.rows) " samples; mean \u{b1} standard deviation (least to largest), a value for each run. Figures draw "
                 (gathered.drawn.len()) " of them, evenly spread; this table, Fig. 8's steps and the claims have all." }
             (table(head, rows))
+    }
+}
+
+/// A row for each run, as the gated mode saw it.
+fn runs(gathered: &Gathered) -> Markup {
+    let head = [
+        text_column("run"),
+        choice_column("unit"),
+        column("top speed", "km/h"),
+        column("cruise speed", "km/h"),
+        column("final coast", "s"),
+        column("final brake", "s"),
+        column("traction", "% of the time"),
+        column("cruise", "%"),
+        column("coast", "%"),
+        column("brake", "%"),
+        column("power", "kW"),
+        column("r(100 km/h)", "10\u{207b}\u{b3} N/kg"),
+        column("learned", "% of the time"),
+    ];
+    let r100 = |[r0, r1, r2]: [f64; 3]| 1e3 * (r0 + (r1 + r2 * 100.0 / 3.6) * 100.0 / 3.6);
+    let rows = html! { @for run in &gathered.listed { @let seen = &run.gated; tr {
+        th scope="row" { (run.name) }
+        td.word { (run.unit) }
+        td { (number(run.top_kmh, 1)) }
+        td { (number(seen.cruise_kmh, 1)) }
+        td { (number(seen.coast_s, 0)) }
+        td { (number(seen.brake_s, 0)) }
+        @for regime in 0..4 { td { (number(seen.shares.map(|shares| 100.0 * shares[regime]), 1)) } }
+        td { (number(seen.power_kw, 0)) }
+        td { (number(r100(seen.davis), 2)) }
+        td { (number(seen.learned_share.map(|share| 100.0 * share), 1)) }
+    } } };
+    let all = gathered.gated.runs as usize;
+    html! {
+        p {
+            "As the gated mode saw them. " code { "runs.csv" } " beside this page has the paper's mode and the truth, too"
+            @if gathered.listed.len() < all { "; listed are the first " (gathered.listed.len()) " of " (all) }
+            "."
         }
+        (sortable(head, rows))
     }
 }

@@ -181,13 +181,13 @@ impl Answer {
                 "A tunnel that the description does not have, {} runs: what it does to r0 of the paper's mode (mean by {STRETCH_M} m), and what rundown gap finds on the same runs with an effort column.",
                 self.runs
             ),
-            svg: Grid::new(
+            drawing: Grid::new(
                 "A tunnel in the paper's mode and in the gap workflow",
                 "Two panels over location",
                 2,
                 panels.to_vec(),
             )
-            .to_svg(),
+            .into(),
             records: self.records(),
         }
     }

@@ -13,7 +13,7 @@ pub const RUNS: &str = "runs";
 
 pub fn pictures(folder: &Path, pictures: &[Picture]) -> Result<(), WriteError> {
     for picture in pictures {
-        text(&folder.join(format!("{}.svg", picture.name)), &standalone(&picture.svg))?;
+        text(&folder.join(format!("{}.svg", picture.name)), &standalone(&picture.drawing.to_svg()))?;
         records(&folder.join(format!("{}.csv", picture.name)), &picture.records)?;
     }
     Ok(())

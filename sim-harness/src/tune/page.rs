@@ -5,7 +5,7 @@ use super::{score::FilterScore, search::Found};
 use crate::{study::figures::Picture, study::page::initial, study::slope::Answer, study::trials::Sensitivity};
 use maud::{Markup, html};
 use rundown_pages::numbers::number;
-use rundown_pages::shell::{column, document, figure, table, text_column};
+use rundown_pages::shell::{Section, column, document, figure, table, text_column};
 
 /// What came of a tuning; of two, Table 1 is the first and the optimum the second.
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ pub struct Tuning {
 }
 
 pub fn page(page: &Tuning) -> String {
-    let body = html! {
+    let lead = html! {
         p.lead {
             "The paper's filter, tuned on " (page.source) " by its two criteria: the summed logarithm of the conditional likelihood of location and speed, and coefficients that are not negative. "
             (page.found.evaluations) " configurations were tried by the simplex of Nelder and Mead."
@@ -38,15 +38,17 @@ pub fn page(page: &Tuning) -> String {
                 ". The effort of the paper's loop is calculated from the resistance that it is to find; no choice of these parameters changes that. Error of r(v): "
                 (number(table1.rmse_percent, 1)) "\u{a0}% and " (number(optimum.rmse_percent, 1)) "\u{a0}%."
             }
-        section { h2 { "The surface around the optimum" }
-            @for picture in &page.pictures { (figure(picture.svg.clone(), &picture.caption)) }
-        }
-        section { h2 { "Sensitivity to the initial covariances" }
+    };
+    let surface = html! { @for picture in &page.pictures { (figure(&picture.drawing, &picture.caption)) } };
+    let sensitivity = html! {
             p { "Section 4.2: two orders of magnitude more in one initial covariance give negative coefficients. Table 1 with larger initial deviations, on the same runs:" }
             (initial(&page.sensitivity))
-        }
     };
-    document("Tuning of the paper's filter", &body)
+    let sections = [
+        Section::new("surface", "The surface around the optimum", surface),
+        Section::new("sensitivity", "Sensitivity to the initial covariances", sensitivity),
+    ];
+    document("Tuning of the paper's filter", &lead, &sections)
 }
 
 fn scores(page: &Tuning) -> Markup {

@@ -66,8 +66,8 @@ pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn())
     Picture {
         name: "tune_profiles".to_owned(),
         caption: "Loss of likelihood a sample along each parameter, the others as at the optimum, each in a scale of its own, from 0.01 to 2; crosses: a coefficient is negative somewhere. Solid green: the optimum, dashed: Table 1 where it is in reach.".to_owned(),
-        svg: Grid::new("Likelihood along each parameter", "A panel for each parameter, lowest at the optimum", 3, figures)
-        .to_svg(),
+        drawing: Grid::new("Likelihood along each parameter", "A panel for each parameter, lowest at the optimum", 3, figures)
+        .into(),
         records,
     }
 }
@@ -153,7 +153,7 @@ pub fn plane(bench: &Bench, optimum: &Place, done: impl Fn()) -> Picture {
         caption: format!(
             "Loss of likelihood a sample over the noise of both readings, the other parameters as at the optimum: dark none, white {DEEPEST} and more."
         ),
-        svg: figure.to_svg(),
+        drawing: figure.into(),
         records,
     }
 }

@@ -7,10 +7,13 @@
 //! as the screen; more points than it has columns are thinned to first, least, largest and last of each column.
 
 mod build;
+mod drawing;
 mod header;
 mod layers;
+mod live;
 mod scale;
 
+pub use drawing::Drawing;
 pub use scale::range_of;
 
 use header::draw_header;

@@ -3,25 +3,39 @@
 //! While a train coasts its prediction should stay where it is; under power or brake each place has another one.
 
 use super::super::RunView;
-use super::{BACKGROUND, BAND, KMH, figure};
+use super::{BACKGROUND, BAND, KMH, over_location};
 use crate::report::axis::Axis;
 use rundown::coast_ahead::{Arrival, CoastAhead, NINETY_PERCENT, Outcome};
 use rundown::{Real, model::state, model::track::Target, tick::regime::Regime};
-use rundown_pages::chart::{Layer, Panel, Point, Stroke};
+use rundown_pages::chart::{Drawing, Layer, Panel, Point, Stroke};
 use rundown_pages::colours;
 
 const MINUTE_S: Real = 60.0;
 
 /// Speed and time at the target with their 90 % bands; none where the train is nowhere said to arrive.
-pub fn coast_ahead(run: &RunView) -> Option<String> {
-    let axis = Axis::of_motion(run);
-    if !axis.is_location || !(0..run.coast_ahead.len()).any(|i| arrival(run, i).is_some()) {
+pub fn coast_ahead(run: &RunView) -> Option<Drawing> {
+    if !Axis::of_motion(run).is_location() || !(0..run.coast_ahead.len()).any(|i| arrival(run, i).is_some()) {
         return None;
     }
     let first_s = run.estimates.first()?.time_s;
-    let (speeds, times) =
-        came(run).into_iter().map(|(km, kmh, time_s)| ((km, kmh), (km, (time_s - first_s) / MINUTE_S))).unzip();
-    let mut speed = panel(run, &axis, "speed at the target, km/h", speeds, |arrival| {
+    Some(over_location(
+        run,
+        &format!("Coasting ahead in {}", run.name),
+        "Speed and time at the next stop or lower limit if the train coasts from each place on, \
+         with their 90 % bands, and what came",
+        |axis| panels(run, axis, first_s),
+    ))
+}
+
+fn panels(run: &RunView, axis: &Axis, first_s: Real) -> Vec<Panel> {
+    let (speeds, times) = came(run)
+        .into_iter()
+        .map(|(km, kmh, time_s)| {
+            let x = axis.at(1000.0 * km, time_s);
+            ((x, kmh), (x, (time_s - first_s) / MINUTE_S))
+        })
+        .unzip();
+    let mut speed = panel(run, axis, "speed at the target, km/h", speeds, |arrival| {
         (KMH * arrival.speed_mps, KMH * arrival.speed_sd_mps)
     });
     let permitted = axis.series(&run.estimates, |index, _, x| {
@@ -30,17 +44,11 @@ pub fn coast_ahead(run: &RunView) -> Option<String> {
     });
     speed.layers.push(Layer::line("permitted there", colours::LIMIT, Stroke::Dashed, permitted));
     let label = "there, min since the first sample";
-    let time = panel(run, &axis, label, times, |arrival| {
+    let time = panel(run, axis, label, times, |arrival| {
         let after_s = arrival.time_s - first_s;
         (after_s / MINUTE_S, arrival.time_sd_s / MINUTE_S)
     });
-    Some(figure(
-        format!("Coasting ahead in {}", run.name),
-        "Speed and time at the next stop or lower limit if the train coasts from each place on, \
-         with their 90 % bands, and what came",
-        &axis,
-        vec![speed, time],
-    ))
+    vec![speed, time]
 }
 
 /// The prediction of an estimate that arrives. Not the first one of a target: there the line is broken.
@@ -156,12 +164,12 @@ mod tests {
         let bands: Vec<(Real, Real, Real)> = bands.unwrap();
         assert_eq!(bands.len(), 20, "all but the first of the target");
         assert!(bands.iter().all(|(_, low, high)| (*low, *high) == (18.355, 21.645)));
-        assert!(coast_ahead(&view).unwrap().contains("as it came"));
+        assert!(coast_ahead(&view).unwrap().to_svg().contains("as it came"));
     }
 
     #[test]
     fn without_a_prediction_there_is_no_figure() {
         let example = example::run();
-        assert_eq!(coast_ahead(&RunView::of(&example, None)), None);
+        assert!(coast_ahead(&RunView::of(&example, None)).is_none());
     }
 }

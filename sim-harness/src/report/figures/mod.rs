@@ -1,4 +1,4 @@
-//! The figures: each a function from what the estimator said to a picture, inline SVG.
+//! The figures: each a function from what the estimator said to a picture.
 //!
 //! | function | figure of the paper |
 //! |---|---|
@@ -26,7 +26,7 @@ use super::RunView;
 use crate::report::axis::Axis;
 use rundown::Real;
 use rundown::tick::estimate::{Estimate, Validity};
-use rundown_pages::chart::{Figure, Panel};
+use rundown_pages::chart::{Drawing, Figure, Panel};
 
 const KMH: Real = 3.6;
 
@@ -37,8 +37,26 @@ const BAND: Real = 0.18;
 
 const BACKGROUND: Real = 0.16;
 
-fn figure(title: String, description: &str, axis: &Axis, panels: Vec<Panel>) -> String {
-    Figure::new(title, description, axis.label, axis.range.clone(), panels).to_svg()
+/// Names of the two x axes of a run.
+const LOCATION: &str = "location";
+const TIME: &str = "time";
+
+/// Over the location, as the paper's figures, and over the time; over the time alone where the train hardly moved.
+fn over_location(run: &RunView, title: &str, description: &str, panels: impl Fn(&Axis) -> Vec<Panel>) -> Drawing {
+    let (motion, time) = (Axis::of_motion(run), Axis::of_time(run));
+    let figure = |axis: &Axis| Figure::new(title, description, axis.label, axis.range.clone(), panels(axis));
+    match motion.is_location() {
+        true => Drawing::Switched { first: (LOCATION, figure(&motion)), second: (TIME, figure(&time)) },
+        false => figure(&time).into(),
+    }
+}
+
+/// Over the time first: a standing train has many samples at one place.
+fn over_time(run: &RunView, title: &str, description: &str, panels: impl Fn(&Axis) -> Vec<Panel>) -> Drawing {
+    match over_location(run, title, description, panels) {
+        Drawing::Switched { first, second } => Drawing::Switched { first: second, second: first },
+        other => other,
+    }
 }
 
 fn nothing_estimated(run: &RunView) -> String {

@@ -1,10 +1,10 @@
 //! Fig. 3: speed, acceleration, effort, r0, r1, r2 of a run.
 
 use super::{super::RunView, super::resistance::NINETY_FIVE};
-use super::{BACKGROUND, BAND, KMH, figure, nothing_estimated, trusted};
+use super::{BACKGROUND, BAND, KMH, nothing_estimated, over_location, trusted};
 use crate::report::axis::Axis;
 use rundown::{Real, model::state, model::train::Train};
-use rundown_pages::chart::{Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Drawing, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;
 
@@ -15,10 +15,18 @@ const SPEED_HEADROOM: Real = 1.3;
 const TRUTH_REACH: Real = 1.0;
 
 /// Fig. 3: speed, acceleration, effort and the three coefficients with their 95 % bands.
-pub fn motion(run: &RunView, train: &Train) -> String {
-    let axis = Axis::of_motion(run);
-    let mut panels =
-        vec![speed_panel(run, &axis), acceleration_panel(run, &axis, train), effort_panel(run, &axis, train)];
+pub fn motion(run: &RunView, train: &Train) -> Drawing {
+    over_location(
+        run,
+        &format!("Motion and resistance parameters of {}", run.name),
+        "Measured and estimated speed, acceleration, applied effort and the three resistance \
+         parameters with their 95 % bands, the manufacturer's values dashed",
+        |axis| motion_panels(run, axis, train),
+    )
+}
+
+fn motion_panels(run: &RunView, axis: &Axis, train: &Train) -> Vec<Panel> {
+    let mut panels = vec![speed_panel(run, axis), acceleration_panel(run, axis, train), effort_panel(run, axis, train)];
     let davis = train.davis();
     let coefficients = [
         (state::R0, "r0, 10\u{207b}\u{b3} N/kg", 1e3, davis.r0),
@@ -26,15 +34,9 @@ pub fn motion(run: &RunView, train: &Train) -> String {
         (state::R2, "r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})", 1e5, davis.r2),
     ];
     for (component, label, per_unit, stated) in coefficients {
-        panels.push(coefficient_panel(run, &axis, component, label, per_unit, stated));
+        panels.push(coefficient_panel(run, axis, component, label, per_unit, stated));
     }
-    figure(
-        format!("Motion and resistance parameters of {}", run.name),
-        "Measured and estimated speed, acceleration, applied effort and the three resistance \
-         parameters with their 95 % bands, the manufacturer's values dashed",
-        &axis,
-        panels,
-    )
+    panels
 }
 
 fn speed_panel(run: &RunView, axis: &Axis) -> Panel {

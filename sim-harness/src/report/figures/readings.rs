@@ -1,18 +1,26 @@
 //! How the readings were used: innovations, and strips of causes.
 
 use super::super::RunView;
-use super::{BAND, KMH, figure, nothing_estimated};
+use super::{BAND, KMH, nothing_estimated, over_time};
 use crate::report::axis::Axis;
 use plotters::style::RGBColor;
 use rundown::tick::estimate::{Cause, Estimate, Validity};
 use rundown::{Real, filter::ukf::Reading, model::state, tick::regime::Regime};
-use rundown_pages::chart::{Axes, Layer, Panel, Point, Stroke};
+use rundown_pages::chart::{Axes, Drawing, Layer, Panel, Point, Stroke};
 use rundown_pages::colours;
 use std::ops::Range;
 
 /// Innovations of location and speed with their ±2 sd bands, over time.
-pub fn innovations(run: &RunView) -> String {
-    let axis = Axis::of_time(run);
+pub fn innovations(run: &RunView) -> Drawing {
+    over_time(
+        run,
+        &format!("Innovations of {}", run.name),
+        "Measured less expected location and speed with the band of two standard deviations",
+        |axis| innovation_panels(run, axis),
+    )
+}
+
+fn innovation_panels(run: &RunView, axis: &Axis) -> Vec<Panel> {
     let panel = |reading: usize, label: &str, per_unit: Real| {
         let of = |estimate: &Estimate, wanted: fn(Reading) -> bool| {
             estimate.innovation.filter(|innovation| wanted(innovation.readings[reading]))
@@ -47,24 +55,26 @@ pub fn innovations(run: &RunView) -> String {
             },
         )
     };
-    let panels = vec![
+    vec![
         panel(state::LOCATION, "innovation of the location, m", 1.0),
         panel(state::SPEED, "innovation of the speed, km/h", KMH),
-    ];
-    figure(
-        format!("Innovations of {}", run.name),
-        "Measured less expected location and speed with the band of two standard deviations",
-        &axis,
-        panels,
-    )
+    ]
 }
 
 /// Which samples were used, held or not to be trusted, why, and where was learned; over time.
-pub fn readings(run: &RunView) -> String {
+pub fn readings(run: &RunView) -> Drawing {
+    over_time(
+        run,
+        &format!("Use of the readings of {}", run.name),
+        "Strips over time: whether the estimate is valid, where the resistance was learned, the regime, and each cause for which a reading was not used",
+        |axis| vec![readings_panel(run, axis)],
+    )
+}
+
+fn readings_panel(run: &RunView, axis: &Axis) -> Panel {
     const VALIDITIES: [(&str, RGBColor); 3] =
         [("valid", colours::VALID), ("held", colours::HELD), ("invalid", colours::INVALID)];
     const NO_GAP: Range<Real> = 0.12..0.5;
-    let axis = Axis::of_time(run);
     let mut rows: Vec<(String, Vec<Layer>)> = Vec::new();
     let bars = |legend: &str, colour: RGBColor, spans: Vec<Range<Real>>| Layer::Bars {
         legend: legend.to_owned(),
@@ -109,15 +119,9 @@ pub fn readings(run: &RunView) -> String {
         }
         layers.push(Layer::Word { text: name, y: foot + 0.52 });
     }
-    let panel = Panel::new("readings", 76 * count as u32, layers, nothing_estimated(run))
+    Panel::new("readings", 76 * count as u32, layers, nothing_estimated(run))
         .within(0.0..count as Real)
-        .labelled(Axes::Strip);
-    figure(
-        format!("Use of the readings of {}", run.name),
-        "Strips over time: whether the estimate is valid, where the resistance was learned, the regime, and each cause for which a reading was not used",
-        &axis,
-        vec![panel],
-    )
+        .labelled(Axes::Strip)
 }
 
 #[cfg(test)]
@@ -131,15 +135,15 @@ mod tests {
         for estimate in &mut example.estimates {
             estimate.innovation = None;
         }
-        assert!(innovations(&RunView::of(&example, None)).contains("no innovation: nothing was expected"));
+        assert!(innovations(&RunView::of(&example, None)).to_svg().contains("no innovation: nothing was expected"));
     }
 
     #[test]
     fn the_strip_names_each_cause() {
         let mut example = example::run();
-        assert!(!readings(&RunView::of(&example, None)).contains("location jump"));
+        assert!(!readings(&RunView::of(&example, None)).to_svg().contains("location jump"));
         example.estimates[50].validity = Validity::Invalid(Cause::LocationJump);
-        let svg = readings(&RunView::of(&example, None));
+        let svg = readings(&RunView::of(&example, None)).to_svg();
         assert!(svg.contains("location jump") && svg.contains("no speed"));
     }
 }

@@ -2,16 +2,24 @@
 
 use super::super::{RunView, regime_shares};
 use super::motion::speed_range;
-use super::{KMH, figure, nothing_estimated, trusted};
+use super::{KMH, nothing_estimated, over_location, trusted};
 use crate::report::axis::Axis;
 use plotters::style::RGBColor;
-use rundown::{model::state, tick::regime::Regime};
-use rundown_pages::chart::{Layer, Panel, Point};
+use rundown::{features::Phase, model::state, tick::regime::Regime};
+use rundown_pages::chart::{Drawing, Layer, Panel, Point};
 use rundown_pages::{colours, numbers::percent};
 
 /// Fig. 6: the speed profile in the colours of the regimes, their shares in the legend.
-pub fn regimes(run: &RunView) -> String {
-    let axis = Axis::of_motion(run);
+pub fn regimes(run: &RunView) -> Drawing {
+    over_location(
+        run,
+        &format!("Driving regimes of {}", run.name),
+        "The estimated speed, each stretch in the colour of its driving regime",
+        |axis| vec![panel(run, axis)],
+    )
+}
+
+fn panel(run: &RunView, axis: &Axis) -> Panel {
     let shares = regime_shares(run);
     let present = |regime: &Regime| (0..run.estimates.len()).any(|i| run.regime(i) == *regime);
     let legends = Regime::ALL.into_iter().filter(present).map(|regime| {
@@ -19,35 +27,17 @@ pub fn regimes(run: &RunView) -> String {
         let legend = format!("{regime} {}", percent(share));
         (legend, colours::of_regime(regime))
     });
-    let mut layers = vec![Layer::Pieces { legends: legends.collect(), pieces: regime_pieces(run, &axis) }];
-    if axis.is_location {
-        let starts = [&run.summary.features.final_coast, &run.summary.features.final_brake];
-        layers.push(Layer::marks(
-            "start of final coast, brake",
-            RGBColor(255, 140, 0),
-            starts
-                .into_iter()
-                .flatten()
-                .map(|phase| (phase.start_location_m / 1000.0, KMH * phase.start_speed_mps))
-                .collect(),
-        ));
-        if let Some(truth) = run.truth() {
-            let starts = truth.starts.iter();
-            layers.push(Layer::marks(
-                "true start",
-                colours::TRUTH,
-                starts.map(|(s, v)| (s / 1000.0, KMH * v)).collect(),
-            ));
-        }
-        layers.retain(|layer| !matches!(layer, Layer::Marks { points, .. } if points.is_empty()));
+    let mut layers = vec![Layer::Pieces { legends: legends.collect(), pieces: regime_pieces(run, axis) }];
+    let phases = [&run.summary.features.final_coast, &run.summary.features.final_brake];
+    let start = |phase: &Phase| (axis.at(phase.start_location_m, phase.start_time_s), KMH * phase.start_speed_mps);
+    let starts = phases.into_iter().flatten().map(start).collect();
+    layers.push(Layer::marks("start of final coast, brake", RGBColor(255, 140, 0), starts));
+    if let Some(truth) = run.truth().filter(|_| axis.is_location()) {
+        let starts = truth.starts.iter().map(|(s, v)| (s / 1000.0, KMH * v)).collect();
+        layers.push(Layer::marks("true start", colours::TRUTH, starts));
     }
-    let panel = Panel::new("speed, km/h", 420, layers, nothing_estimated(run)).within(speed_range(run));
-    figure(
-        format!("Driving regimes of {}", run.name),
-        "The estimated speed, each stretch in the colour of its driving regime",
-        &axis,
-        vec![panel],
-    )
+    layers.retain(|layer| !matches!(layer, Layer::Marks { points, .. } if points.is_empty()));
+    Panel::new("speed, km/h", 420, layers, nothing_estimated(run)).within(speed_range(run))
 }
 
 /// A piece for each stretch of one regime; it begins where the one before it ended.
@@ -84,14 +74,14 @@ mod tests {
     #[test]
     fn each_regime_has_its_colour_and_share() {
         let example = example::run();
-        let svg = regimes(&RunView::of(&example, None));
+        let svg = regimes(&RunView::of(&example, None)).to_svg();
         for regime in Regime::ALL {
             let RGBColor(r, g, b) = colours::of_regime(regime);
             assert!(svg.contains(&format!("stroke=\"#{r:02X}{g:02X}{b:02X}\"")), "{regime}");
         }
         let share = regime_shares(&example).unwrap()[Regime::Coast as usize];
         assert!(share > 0.4 && svg.contains(&format!("coast {}", percent(share))));
-        assert!(!regimes(&RunView::of(&example::first(5), None)).contains("coast"));
+        assert!(!regimes(&RunView::of(&example::first(5), None)).to_svg().contains("coast"));
     }
 
     #[test]

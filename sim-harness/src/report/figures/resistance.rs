@@ -1,16 +1,24 @@
 //! Running resistance: its terms along a run (Fig. 5), over speed, and of the vehicle from run to run.
 
 use super::{super::RunView, super::resistance::Resistance};
-use super::{BACKGROUND, BAND, KMH, MILLI, figure, nothing_estimated};
+use super::{BACKGROUND, BAND, KMH, MILLI, nothing_estimated, over_location};
 use crate::report::axis::Axis;
 use rundown::{Real, filter::gaussian::Gaussian, model::state, model::train::Train, model::units::KmPerHour};
-use rundown_pages::chart::{Axes, Figure, Layer, Panel, Stroke};
+use rundown_pages::chart::{Axes, Drawing, Figure, Layer, Panel, Stroke};
 use rundown_pages::colours;
 use std::ops::Range;
 
 /// Fig. 5: r0, r1 v, r2 v² stacked, and the resistance of the gradient in the same scale.
-pub fn resistance_terms(run: &RunView) -> String {
-    let axis = Axis::of_motion(run);
+pub fn resistance_terms(run: &RunView) -> Drawing {
+    over_location(
+        run,
+        &format!("Terms of the running resistance of {}", run.name),
+        "Stacked areas of the constant, linear and quadratic term, and a line of the resistance of the gradient",
+        |axis| vec![terms_panel(run, axis)],
+    )
+}
+
+fn terms_panel(run: &RunView, axis: &Axis) -> Panel {
     let names = [
         ("constant r0", colours::CONSTANT_TERM),
         ("linear r1 v", colours::LINEAR_TERM),
@@ -40,18 +48,11 @@ pub fn resistance_terms(run: &RunView) -> String {
             axis.series(&run.estimates, |index, _, x| Some((x, MILLI * truth.resistance_n_per_kg[index]))),
         ));
     }
-    let panel =
-        Panel::new("resistance, 10\u{207b}\u{b3} N/kg", 480, layers, nothing_estimated(run)).labelled(Axes::Both);
-    figure(
-        format!("Terms of the running resistance of {}", run.name),
-        "Stacked areas of the constant, linear and quadratic term, and a line of the resistance of the gradient",
-        &axis,
-        vec![panel],
-    )
+    Panel::new("resistance, 10\u{207b}\u{b3} N/kg", 480, layers, nothing_estimated(run)).labelled(Axes::Both)
 }
 
 /// r(v) of the vehicle with its 95 % band, the manufacturer's dashed; `learned_mps` are the speeds it was learned at.
-pub fn resistance_curve(vehicle: Option<&Gaussian<3>>, train: &Train, learned_mps: Option<Range<Real>>) -> String {
+pub fn resistance_curve(vehicle: Option<&Gaussian<3>>, train: &Train, learned_mps: Option<Range<Real>>) -> Drawing {
     let fastest_kmh = learned_mps.as_ref().map_or(0.0, |speeds| KMH * speeds.end);
     let end_kmh = (20.0 * (fastest_kmh / 20.0).ceil() + 20.0).clamp(160.0, 400.0);
     let speeds_kmh: Vec<Real> = (0..=40).map(|i| end_kmh * Real::from(i) / 40.0).collect();
@@ -86,11 +87,11 @@ pub fn resistance_curve(vehicle: Option<&Gaussian<3>>, train: &Train, learned_mp
         0.0..end_kmh,
         [Panel::new("r(v), 10\u{207b}\u{b3} N/kg", 520, layers, "no estimate: no run has ended")],
     );
-    figure.to_svg()
+    figure.into()
 }
 
 /// Running resistance of the vehicle at one speed after each run, with its 95 % band.
-pub fn vehicle_history(vehicle: &[(String, Gaussian<3>)], train: &Train, speed_kmh: Real) -> String {
+pub fn vehicle_history(vehicle: &[(String, Gaussian<3>)], train: &Train, speed_kmh: Real) -> Drawing {
     let speed_mps = KmPerHour(speed_kmh).to_mps();
     let runs: Vec<(Real, Option<Resistance>)> = vehicle
         .iter()
@@ -118,7 +119,7 @@ pub fn vehicle_history(vehicle: &[(String, Gaussian<3>)], train: &Train, speed_k
             "no estimate: no run has ended",
         )],
     );
-    figure.to_svg()
+    figure.into()
 }
 
 #[cfg(test)]
@@ -128,7 +129,7 @@ mod tests {
 
     #[test]
     fn the_curve_shows_the_manufacturer_even_without_an_estimate() {
-        let svg = resistance_curve(None, &train(), None);
+        let svg = resistance_curve(None, &train(), None).to_svg();
         assert!(svg.contains("no estimate") && svg.contains("manufacturer"));
     }
 }

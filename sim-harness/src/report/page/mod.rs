@@ -7,13 +7,13 @@ mod runs;
 mod tests;
 
 use super::resistance::Resistance;
-use super::{RUNS_IN_FULL, Report, RunView, figures};
+use super::{RUN_PAGES, Report, RunView, SCRIPT_FILE, figures};
 use maud::{Markup, html};
-use run::{learning_words, run_section};
+use run::{lead, learning_words, run_sections};
 use rundown::{Real, filter::gaussian::Gaussian, model::train::Train, model::units::KmPerHour};
 use rundown_pages::numbers::{counted, duration, number, percent};
-use rundown_pages::shell::{self, column, figure, signed_percent, table};
-use runs::{others, run_table};
+use rundown_pages::shell::{self, Script, Section, column, figure, signed_percent, table};
+use runs::run_table;
 
 const SPEEDS_KMH: [Real; 3] = [60.0, 100.0, 140.0];
 
@@ -22,17 +22,42 @@ pub(crate) const HISTORY_KMH: Real = 100.0;
 const KMH: Real = 3.6;
 
 pub fn html(report: &Report) -> String {
-    let body = html! {
-        (summary(report))
-        (resistance(report))
-        (run_table(report))
-        @for (index, run) in report.runs.iter().take(RUNS_IN_FULL).enumerate() {
-            (run_section(index, run, report))
-        }
-        (others(report))
-        (reading_aids())
+    let sections = [
+        Section::new("resistance", "Running resistance of the vehicle", resistance(report)),
+        Section::new("runs", "Runs", run_table(report)),
+        Section::new("reading-aids", "How to read this", reading_aids()),
+    ];
+    shell::document(&report.title, &summary(report), &sections)
+}
+
+/// Place of a run's page, from the folder of `report.html`.
+pub fn run_file(index: usize) -> String {
+    format!("{RUN_PAGES}/{}", run_name(index))
+}
+
+/// Name of a run's page: names of runs may hold what links cannot.
+fn run_name(index: usize) -> String {
+    format!("run{:04}.html", index + 1)
+}
+
+/// The page of one run; a page without content where there is no such run.
+pub fn run_html(index: usize, report: &Report) -> String {
+    let Some(run) = report.runs.get(index) else {
+        return String::new();
     };
-    shell::document(&report.title, &body)
+    let link = |index: usize, word: &str| {
+        let name = report.runs.get(index).map(|run| &run.name);
+        html! { @if let Some(name) = name { " \u{b7} " a href=(run_name(index)) { (word) ": " (name) } } }
+    };
+    let lead = html! {
+        p {
+            a href="../report.html#runs" { "All runs of " (report.title) }
+            (index.checked_sub(1).map_or_else(|| html! {}, |before| link(before, "before")))
+            (link(index + 1, "next"))
+        }
+        (lead(run, report))
+    };
+    shell::document_with(Script::Beside(SCRIPT_FILE), &run.name, &lead, &run_sections(run, report))
 }
 
 fn summary(report: &Report) -> Markup {
@@ -41,7 +66,7 @@ fn summary(report: &Report) -> Markup {
     let learned = report.learned();
     let share = percent((duration_s > 0.0).then_some(learned.time_s / duration_s));
     html! {
-        section id="summary" aria-label="Summary" {
+        div id="summary" {
             p.lead {
                 @if report.runs.is_empty() {
                     "No run was replayed: there is nothing to report. "
@@ -125,21 +150,18 @@ fn verdict(report: &Report) -> Markup {
 fn resistance(report: &Report) -> Markup {
     let vehicle = report.vehicle.last().map(|(_, vehicle)| vehicle);
     html! {
-        section id="resistance" {
-            h2 { "Running resistance of the vehicle" }
-            @if let Some(vehicle) = vehicle {
-                (resistance_table(vehicle, report.train))
-            }
+        @if let Some(vehicle) = vehicle {
+            (resistance_table(vehicle, report.train))
+        }
+        (figure(
+            &report.resistance_curve(),
+            "Running resistance per rotating mass over speed, after the last run. Beyond the speeds at which it was learned the curve is the Davis equation's."
+        ))
+        @if report.vehicle.len() > 1 {
             (figure(
-                report.resistance_curve(),
-                "Running resistance per rotating mass over speed, after the last run. Beyond the speeds at which it was learned the curve is the Davis equation's."
+                &figures::vehicle_history(&report.vehicle, report.train, HISTORY_KMH),
+                "Running resistance of the vehicle at 100 km/h as it stood after each run."
             ))
-            @if report.vehicle.len() > 1 {
-                (figure(
-                    figures::vehicle_history(&report.vehicle, report.train, HISTORY_KMH),
-                    "Running resistance of the vehicle at 100 km/h as it stood after each run."
-                ))
-            }
         }
     }
 }
@@ -175,8 +197,6 @@ fn resistance_table(vehicle: &Gaussian<3>, train: &Train) -> Markup {
 
 fn reading_aids() -> Markup {
     html! {
-        section id="reading-aids" {
-            h2 { "How to read this" }
             dl {
                 dt { "Resistance, effort" }
                 dd { "In N per kg of rotating mass (mass times rotating mass factor). Traction is positive, brake negative, uphill positive, resistance positive against travel." }
@@ -188,7 +208,8 @@ fn reading_aids() -> Markup {
                 dd { "A line is broken where a reading is missing, an estimate is invalid, or the recorder paused. Nothing is drawn in its place." }
                 dt { "valid, held, invalid" }
                 dd { "Held: a reading is missing or was not believed, its value is carried on from before. Invalid: too long without a believable reading." }
+                dt { "Pictures" }
+                dd { "Drag to zoom, double-click to see all again; values under the cursor stand above each plot; a click on a name there switches it off. Plots with the same axis share cursor and zoom." }
             }
-        }
     }
 }

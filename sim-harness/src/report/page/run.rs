@@ -6,41 +6,46 @@ use super::runs::{gated, no_samples};
 use maud::{Markup, html};
 use rundown::{filter::ukf::Reading, tick::estimate::Cause};
 use rundown_pages::numbers::{counted, duration, meaning, number, percent};
-use rundown_pages::shell::{column, figure, table, text_column};
+use rundown_pages::shell::{Section, column, figure, table, text_column};
 
-pub(super) fn run_section(index: usize, run: &RunView, report: &Report) -> Markup {
+/// What a run's page begins with.
+pub(super) fn lead(run: &RunView, report: &Report) -> Markup {
     html! {
-        section.run id=(format!("run-{}", index + 1)) {
-            h2 { (run.name) }
-            p { (run_words(run, report)) " " a href="#runs" { "Back to the table" } }
-            @if !run.warnings.is_empty() {
-                details open[run.warnings.len() <= 5] {
-                    summary { (counted(run.warnings.len(), "warning", "warnings")) " about the log" }
-                    ul { @for warning in &run.warnings { li { (warning) } } }
-                }
+        p.lead { (run_words(run, report)) }
+        @if !run.warnings.is_empty() {
+            details open[run.warnings.len() <= 5] {
+                summary { (counted(run.warnings.len(), "warning", "warnings")) " about the log" }
+                ul { @for warning in &run.warnings { li { (warning) } } }
             }
-            @if !run.estimates.is_empty() {
-                h3 { "Driving regimes" }
-                (figure(figures::regimes(run), "Speed profile in the colours of the confirmed regimes, with their share of the time (Fig. 6 of the paper)."))
-                h3 { "Motion and resistance parameters" }
-                (figure(figures::motion(run, report.train), "Speed, acceleration, applied effort and the resistance parameters of this run's train (Fig. 3 of the paper). \
-                    Effort and acceleration are means since the sample before."))
-                h3 { "Terms of the running resistance" }
-                (figure(figures::resistance_terms(run), "The three terms of the running resistance, stacked, and the resistance of the track's gradient in the same scale (Fig. 5 of the paper)."))
-                @if let Some(ahead) = figures::coast_ahead(run) {
-                    h3 { "Coasting ahead" }
-                    (figure(ahead, "Speed and time at the next stop or lower limit if the train coasts from each place on. While it does coast, both should stay within their earlier bands. \
-                        The crosses are how fast and when the train was there, mostly by its brake."))
-                }
-                h3 { "Innovations" }
-                (figure(figures::innovations(run), "Measured less expected. A consistent filter has about 95 % of them inside the band."))
-                (missing_innovations(run))
-                (readings(run))
-            }
-            h3 { "Features" }
-            (feature_table(&run.summary.features, report.train, &report.features))
         }
     }
+}
+
+/// The parts of a run's page.
+pub(super) fn run_sections(run: &RunView, report: &Report) -> Vec<Section> {
+    let mut sections = Vec::new();
+    if !run.estimates.is_empty() {
+        let mut add = |id: &str, heading: &str, body: Markup| sections.push(Section::new(id, heading, body));
+        let regimes = "Speed profile in the colours of the confirmed regimes, with their share of the time (Fig. 6 of the paper).";
+        add("regimes", "Driving regimes", figure(&figures::regimes(run), regimes));
+        let motion = "Speed, acceleration, applied effort and the resistance parameters of this run's train (Fig. 3 of the paper). \
+            Effort and acceleration are means since the sample before.";
+        add("motion", "Motion and resistance parameters", figure(&figures::motion(run, report.train), motion));
+        let terms = "The three terms of the running resistance, stacked, and the resistance of the track's gradient in the same scale (Fig. 5 of the paper).";
+        add("terms", "Terms of the running resistance", figure(&figures::resistance_terms(run), terms));
+        if let Some(ahead) = figures::coast_ahead(run) {
+            let words = "Speed and time at the next stop or lower limit if the train coasts from each place on. While it does coast, both should stay within their earlier bands. \
+                The crosses are how fast and when the train was there, mostly by its brake.";
+            add("coast-ahead", "Coasting ahead", figure(&ahead, words));
+        }
+        let words = "Measured less expected. A consistent filter has about 95 % of them inside the band.";
+        let innovations = html! { (figure(&figures::innovations(run), words)) (missing_innovations(run)) };
+        add("innovations", "Innovations", innovations);
+        add("readings", "Use of the readings", readings(run));
+    }
+    let features = feature_table(&run.summary.features, report.train, &report.features);
+    sections.push(Section::new("features", "Features", features));
+    sections
 }
 
 /// What happened to the resistance where `learning` is set. The paper's filter corrects it all along and learns nothing of the truth.
@@ -130,11 +135,10 @@ fn readings(run: &RunView) -> Markup {
         }
     };
     html! {
-        h3 { "Use of the readings" }
         @if causes.is_empty() && dropped == 0 && gated == 0 && !has_doubts {
             p { "Every reading was there and was used." }
         }
-        (figure(figures::readings(run), "Over time: validity of the estimate, where the resistance was learned, the regime, and each cause for which a reading was not used."))
+        (figure(&figures::readings(run), "Over time: validity of the estimate, where the resistance was learned, the regime, and each cause for which a reading was not used."))
         @if !causes.is_empty() || dropped > 0 || gated > 0 {
             (table([column("cause", ""), column("samples", ""), text_column("meaning")], rows))
         }

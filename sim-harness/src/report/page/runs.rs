@@ -1,21 +1,19 @@
-//! The table of all runs, and which of them have figures.
+//! The table of all runs.
 
-use super::super::{RUNS_IN_FULL, Report, RunView, regime_shares};
-use super::KMH;
+use super::super::{RUN_PAGES, Report, RunView, regime_shares};
+use super::{KMH, run_file};
 use maud::{Markup, html};
 use rundown::{Real, filter::ukf::Reading, tick::regime::Regime};
-use rundown_pages::numbers::{counted, number};
+use rundown_pages::numbers::number;
 use rundown_pages::shell::swatch;
 
 pub(super) fn run_table(report: &Report) -> Markup {
     let force_kn = report.train.rotating_mass_kg() / 1000.0;
     html! {
-        section id="runs" {
-            h2 { "Runs" }
             @if report.runs.is_empty() {
                 p { "No run." }
             } @else {
-                div.wide { table.runs {
+                div.wide { table.runs.sortable {
                     thead {
                         tr {
                             th rowspan="2" scope="col" { "run" }
@@ -26,6 +24,7 @@ pub(super) fn run_table(report: &Report) -> Markup {
                             th colspan="2" scope="colgroup" { "final brake" }
                             th rowspan="2" scope="col" { "power" br; span.unit { "kW" } }
                             th colspan="5" scope="colgroup" { "share of the time, %" }
+                            th.text rowspan="2" scope="col" data-choices="resistance" { "resistance" }
                             th rowspan="2" scope="col" { "learned" br; span.unit { "km" } }
                             th rowspan="2" scope="col" { "not used" br; span.unit { "readings" } }
                         }
@@ -47,10 +46,9 @@ pub(super) fn run_table(report: &Report) -> Markup {
                 } }
                 p.small {
                     "Power is the mean while accelerating, at the wheel, with the rotating mass of the train file. "
-                    "A dash stands where a run did not show the feature."
+                    "A dash stands where a run did not show the feature. Each run has a page in the folder " code { (RUN_PAGES) } "."
                 }
             }
-        }
     }
 }
 
@@ -63,11 +61,10 @@ fn run_row(index: usize, run: &RunView, force_kn: Real) -> Markup {
     html! {
         tr {
             th scope="row" {
-                @if index < RUNS_IN_FULL { a href=(format!("#run-{}", index + 1)) { (run.name) } }
-                @else { (run.name) }
+                a href=(run_file(index)) { (run.name) }
             }
             @if run.estimates.is_empty() {
-                td colspan="14" { (no_samples(run)) }
+                td colspan="15" { (no_samples(run)) }
             } @else {
                 td { (number(run.duration_s() / 60.0, 1)) }
                 td { (number(run.distance_m() / 1000.0, 2)) }
@@ -80,7 +77,9 @@ fn run_row(index: usize, run: &RunView, force_kn: Real) -> Markup {
                 @for regime in Regime::ALL {
                     td { (number(shares.map(|shares| 100.0 * shares[regime as usize]), 1)) }
                 }
-                td { (number(run.learned().distance_m / 1000.0, 1)) }
+                @let learned = run.learned();
+                td.word { (if learned.samples > 0 { "learned" } else { "not learned" }) }
+                td { (number(learned.distance_m / 1000.0, 1)) }
                 td { (not_used(run)) }
             }
         }
@@ -109,21 +108,4 @@ pub(super) fn gated(run: &RunView) -> usize {
         innovation.readings.iter().filter(is_gated).count()
     });
     gated.sum()
-}
-
-pub(super) fn others(report: &Report) -> Markup {
-    let others = report.runs.get(RUNS_IN_FULL..).unwrap_or_default();
-    html! {
-        @if let Some(first) = others.first() {
-            section id="others" {
-                h2 { "The other runs" }
-                p {
-                    "The first " (RUNS_IN_FULL) " of " (report.runs.len()) " runs are shown in full. The " (counted(others.len(), "other", "others")) ", from "
-                    (first.name) " on, are in the table of runs, in " code { "features.csv" } ", " code { "parameters.csv" } " and one "
-                    code { ".estimates.csv" } " each. For their figures replay them on their own, " code { "rundown replay ... " (first.name) ".csv" }
-                    ". Replayed on its own a run begins with the manufacturer's values and not with what the runs before it taught."
-                }
-            }
-        }
-    }
 }

@@ -4,55 +4,70 @@ use super::super::example::{self, report, train};
 use super::*;
 use rundown::{Real, features::FeatureConfig, filter::gaussian::Gaussian, model::state};
 use rundown_files::replay::ReplayedRun;
+use rundown_pages::assets::SCRIPT;
 
 /// What no page may hold, whatever the runs were.
 fn check(page: &str) {
-    for word in ["NaN", "inf ", ">inf<", "http", "<script", "url(", "@import"] {
+    let page = page.replace(SCRIPT, "");
+    for word in ["NaN", "inf ", ">inf<", "http", "url(", "@import"] {
         assert!(!page.contains(word), "{word}");
     }
-    for tag in ["section", "figure", "table", "svg", "tr", "td", "div", "details"] {
+    for tag in ["section", "figure", "table", "svg", "tr", "td", "div", "details", "script"] {
         let (open, close) = (format!("<{tag}"), format!("</{tag}>"));
         let begins = |at: usize| !page[at + open.len()..].starts_with(char::is_alphanumeric);
         let opened = page.match_indices(&open).filter(|(at, _)| begins(*at)).count();
         assert_eq!(opened, page.matches(&close).count(), "{tag}");
     }
+    for data in page.split("<script type=\"application/json\">").skip(1) {
+        let (json, _) = data.split_once("</script>").unwrap();
+        assert!(serde_json::from_str::<serde_json::Value>(json).is_ok(), "{json}");
+    }
 }
 
-fn of(runs: &[ReplayedRun]) -> String {
-    let page = html(&report(runs, &train()));
-    check(&page);
-    page
+/// The page of all runs, and the page of each.
+fn pages(report: &Report) -> (String, Vec<String>) {
+    let first = html(report);
+    let of_runs: Vec<String> = (0..report.runs.len()).map(|index| run_html(index, report)).collect();
+    of_runs.iter().chain([&first]).for_each(|page| check(page));
+    (first, of_runs)
+}
+
+fn of(runs: &[ReplayedRun]) -> (String, Vec<String>) {
+    pages(&report(runs, &train()))
 }
 
 #[test]
 fn every_section_is_there_and_linked() {
     let mut second = example::run();
     second.name = "run02".to_owned();
-    let page = of(&[example::run(), second]);
-    for id in ["summary", "resistance", "runs", "run-1", "run-2", "reading-aids"] {
-        assert!(page.contains(&format!("id=\"{id}\"")), "{id}");
+    let (first, of_runs) = of(&[example::run(), second]);
+    let linked = |page: &str, id: &str| {
+        assert!(page.contains(&format!("id=\"{id}\"")) && page.contains(&format!("href=\"#{id}\"")), "{id}");
+    };
+    ["resistance", "runs", "reading-aids"].iter().for_each(|id| linked(&first, id));
+    assert!(first.contains("id=\"summary\"") && first.contains("href=\"report/run0002.html\">run02<"));
+    assert_eq!(first.matches("<svg").count(), 2);
+    for page in &of_runs {
+        ["regimes", "motion", "terms", "innovations", "readings", "features"].iter().for_each(|id| linked(page, id));
+        assert_eq!(page.matches("<svg").count(), 5);
+        assert!(page.contains("lack a reading that could be used") && page.contains("the speed was not sent"));
     }
-    assert!(page.contains("href=\"#run-2\""));
-    assert!(!page.contains("id=\"others\""));
-    for heading in [
-        "Driving regimes",
-        "Motion and resistance parameters",
-        "Terms of the running resistance",
-        "Innovations",
-        "Use of the readings",
-        "Features",
-    ] {
-        assert_eq!(page.matches(&format!("<h3>{heading}</h3>")).count(), 2, "{heading}");
-    }
-    assert_eq!(page.matches("<svg").count(), 2 + 2 * 5);
-    assert!(page.contains("lack a reading that could be used"));
-    assert!(page.contains("the speed was not sent"));
+    assert!(of_runs[0].contains("href=\"run0002.html\">next: run02<") && !of_runs[0].contains(">before: "));
+    assert!(of_runs[1].contains("href=\"run0001.html\">before: run01<") && !of_runs[1].contains(">next: "));
+}
+
+#[test]
+fn a_figure_of_a_run_goes_over_location_and_time() {
+    let (_, of_runs) = of(&[example::run(), example::standing()]);
+    let both = "\"views\":[{\"name\":\"location\"";
+    assert_eq!(of_runs[0].matches(both).count(), 3);
+    assert!(!of_runs[1].contains(both));
 }
 
 #[test]
 fn the_headline_says_what_was_learned() {
     let run = example::run();
-    let page = of(std::slice::from_ref(&run));
+    let (page, _) = of(std::slice::from_ref(&run));
     assert!(page.contains("1 run was replayed"));
     // r(100 km/h) = 7.1e-3 + 1.5e-4 * 27.78 + 2.7e-5 * 27.78² = 0.03210, stated 0.03343.
     assert!(page.contains("at 100\u{a0}km/h 0.03210\u{a0}N/kg"));
@@ -64,7 +79,7 @@ fn the_headline_says_what_was_learned() {
 
 #[test]
 fn without_a_run_there_is_no_estimate() {
-    let page = of(&[]);
+    let (page, _) = of(&[]);
     assert!(page.contains("No run was replayed"));
     assert!(page.contains("no estimate"));
 }
@@ -73,7 +88,7 @@ fn without_a_run_there_is_no_estimate() {
 fn an_empty_run_says_why() {
     let mut dropped = example::empty();
     dropped.summary.counters.time_not_increasing = 7;
-    let page = of(&[example::empty(), dropped]);
+    let (page, _) = of(&[example::empty(), dropped]);
     assert!(page.contains("no estimate: the run has no usable sample"));
     assert!(page.contains("all 7 samples were dropped"));
 }
@@ -81,11 +96,11 @@ fn an_empty_run_says_why() {
 #[test]
 fn one_or_two_samples_are_a_page_too() {
     for count in [1, 2] {
-        let page = of(&[example::first(count)]);
+        let (_, page) = of(&[example::first(count)]);
         let word = if count == 1 { "1 sample over" } else { "2 samples over" };
-        assert!(page.contains(word));
+        assert!(page[0].contains(word));
     }
-    assert!(of(&[example::first(1)]).contains("no value: it takes two samples"));
+    assert!(of(&[example::first(1)]).1[0].contains("no value: it takes two samples"));
     of(&[example::standing()]);
 }
 
@@ -112,8 +127,8 @@ fn numbers_that_are_not_finite_leave_gaps() {
         estimate.belief.covariance.fill(nan);
         estimate.time_s = nan;
     }
-    let page = of(&[run]);
-    assert!(page.contains("no estimate: no value is finite"));
+    let (_, page) = of(&[run]);
+    assert!(page[0].contains("no estimate: no value is finite"));
     let mut report_of_nan = report(&[], &train()).vehicle;
     report_of_nan.push(("run01".to_owned(), Gaussian::independent([nan; 3], [1.0; 3])));
     let page = html(&Report {
@@ -141,10 +156,10 @@ fn windows_are_those_of_the_configuration() {
     let mut report = report(&runs, &train);
     let paper = ["10 to 30 km/h", "50 to 130 km/h", "50 to 90 km/h", "above 130 km/h", "80 to 60 km/h"];
     let own = ["5 to 35 km/h", "45 to 100 km/h", "60.5 to 95 km/h", "above 160 km/h", "120 to 90 km/h"];
-    let page = html(&report);
+    let page = run_html(0, &report);
     assert!(paper.iter().all(|label| page.contains(&format!(", {label}<"))));
     report.features = config;
-    let page = html(&report);
+    let page = run_html(0, &report);
     assert!(own.iter().all(|label| page.contains(&format!(", {label}<"))));
     assert!(!paper.iter().any(|label| page.contains(&format!(", {label}<"))));
 }
@@ -154,21 +169,11 @@ fn names_and_warnings_are_escaped() {
     let mut run = example::run();
     run.name = "<script>alert('x')</script> & \"co\"".to_owned();
     run.warnings.push("line 3: <b>bold</b>".to_owned());
-    let page = of(&[run]);
-    assert!(page.contains("&lt;script&gt;"));
-    assert!(!page.contains("<b>bold"));
-}
-
-#[test]
-fn beyond_the_first_runs_it_says_where_the_others_are() {
-    let runs: Vec<ReplayedRun> = (1..=RUNS_IN_FULL + 2)
-        .map(|index| ReplayedRun { name: format!("run{index:02}"), ..example::first(3) })
-        .collect();
-    let page = of(&runs);
-    assert!(page.contains("id=\"others\"") && page.contains("rundown replay ... run13.csv"));
-    assert!(page.contains("id=\"run-12\"") && !page.contains("id=\"run-13\""));
-    assert!(!page.contains("href=\"#run-13\""));
-    assert_eq!(page.matches(">run14<").count(), 1, "the table has it");
+    let (first, of_run) = of(&[run]);
+    for page in [&first, &of_run[0]] {
+        assert!(page.contains("&lt;script&gt;"));
+        assert!(!page.contains("<b>bold") && !page.contains("<script>alert"));
+    }
 }
 
 #[test]

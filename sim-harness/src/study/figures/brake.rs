@@ -79,7 +79,7 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
             "Mean brake rate of each run in each ATB-EG step, {} mode, runs side by side; in red the mean over the runs, shaded their standard deviation.",
             eyes.word()
         ),
-        svg: figure.to_svg(),
+        drawing: figure.into(),
         records,
     }
 }

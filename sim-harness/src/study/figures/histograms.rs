@@ -4,7 +4,7 @@ use super::{Drawn, Eyes, Picture, number, text};
 use crate::study::view::{Outcome, Seen};
 use rundown::model::resistance::Davis;
 use rundown_files::table::{Cell, Record};
-use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;
 
@@ -71,7 +71,7 @@ pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
     Picture {
         name: format!("fig4_davis_{}", eyes.word()),
         caption,
-        svg: grid("Fig. 4: histograms of r0, r1, r2", figures),
+        drawing: grid("Fig. 4: histograms of r0, r1, r2", figures),
         records,
     }
 }
@@ -109,7 +109,7 @@ pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
             drawn.len(),
             eyes.word()
         ),
-        svg: grid("Fig. 7: cruise speed, final coast, final brake", figures),
+        drawing: grid("Fig. 7: cruise speed, final coast, final brake", figures),
         records,
     }
 }
@@ -118,8 +118,8 @@ fn panel(x_label: &str, x: Range<f64>, layers: Vec<Layer>, of: &str) -> Figure {
     Figure::in_grid(x_label, x, Panel::new(of, 420, layers, "no value"))
 }
 
-fn grid(title: &str, figures: Vec<Figure>) -> String {
-    Grid::new(title, "Histograms side by side", 3, figures).to_svg()
+fn grid(title: &str, figures: Vec<Figure>) -> Drawing {
+    Grid::new(title, "Histograms side by side", 3, figures).into()
 }
 
 fn counts(name: &str, of: &str, bins: &[(Range<f64>, f64)], unit: f64) -> impl Iterator<Item = Record> {

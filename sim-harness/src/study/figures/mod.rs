@@ -18,12 +18,13 @@ pub(crate) mod slope;
 
 use super::{gather::Drawn, view::Seen};
 use rundown_files::table::{Cell, Record};
+use rundown_pages::chart::Drawing;
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Picture {
     pub name: String,
     pub caption: String,
-    pub svg: String,
+    pub drawing: Drawing,
     pub records: Vec<Record>,
 }
 

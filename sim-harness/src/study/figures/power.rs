@@ -64,7 +64,7 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
             drawn.len(),
             eyes.word()
         ),
-        svg: figure.to_svg(),
+        drawing: figure.into(),
         records,
     }
 }

@@ -34,7 +34,7 @@ pub fn profiles(drawn: &[Drawn], all: u64) -> Picture {
     Picture {
         name: "fig2_speed_profiles".to_owned(),
         caption: format!("Measured speed over location, {} of {all} runs.", drawn.len()),
-        svg: figure.to_svg(),
+        drawing: figure.into(),
         records: records.collect(),
     }
 }

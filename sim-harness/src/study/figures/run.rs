@@ -5,16 +5,17 @@ use crate::report::{RunView, TruthView, figures};
 use crate::{study::case::CaseTruth, study::gather::Example};
 use rundown::{model::resistance::Davis, model::state, model::train::Train};
 use rundown_files::{replay::ReplayedRun, table::Record};
+use rundown_pages::chart::Drawing;
 
 pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
     let run = eyes.pick(&example.paper, &example.gated);
     let truth = example.truth.as_ref().map(truth_view);
     let view = RunView::of(run, truth.as_ref());
     let word = eyes.word();
-    let picture = |name: &str, caption: String, svg: String, columns: &str| Picture {
+    let picture = |name: &str, caption: String, drawing: Drawing, columns: &str| Picture {
         name: format!("{name}_{word}"),
         caption,
-        svg,
+        drawing,
         records: records(run, example.truth.as_ref(), train, columns),
     };
     let of = format!("{}, {word} mode", run.name);

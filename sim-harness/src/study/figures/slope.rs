@@ -42,13 +42,13 @@ pub fn slope(test: &SelfTest, runs: usize) -> Picture {
         caption: format!(
             "Estimated over true deviation of the running resistance at {KMH} km/h from its description, after {runs} {plural}, with the reported 95 % interval; each dot is a simulated vehicle. On the dashed line the estimate is the truth; on a level line it does not see it."
         ),
-        svg: Grid::new(
+        drawing: Grid::new(
             format!("Estimated over true deviation of the resistance after {runs} {plural}"),
             "A panel for each mode: paper, gated, measured",
             MODES.len(),
             figures,
         )
-        .to_svg(),
+        .into(),
         records,
     }
 }

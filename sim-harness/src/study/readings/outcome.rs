@@ -7,7 +7,7 @@ use crate::study::moments::Moments;
 use maud::{Markup, html};
 use rundown_files::table::{Cell, Record};
 use rundown_pages::numbers::number;
-use rundown_pages::shell::{column, document, figure, table, text_column};
+use rundown_pages::shell::{Section, column, document, figure, sortable, text_column};
 
 pub fn records(all: &[Compared]) -> Vec<Record> {
     all.iter().map(record).collect()
@@ -114,19 +114,23 @@ pub fn screen(all: &[Compared]) -> String {
 }
 
 pub fn page(plan: &Plan, all: &[Compared], pictures: &[Picture]) -> String {
-    let body = html! {
+    let lead = html! {
         p.lead {
             "Readings of section 4.2 of the paper and recorders it does not exclude, compared on " (plan.seeds) " sets of " (plan.runs)
             " simulated runs: which of its " (REMARKS.len()) " remarks on the filter hold, and how far Table 1 is from the initial deviations that the paper's criterion prefers."
         }
-        @for picture in pictures { (figure(picture.svg.clone(), &picture.caption)) }
-        (comparison(all))
-        section { h2 { "The remarks" }
+    };
+    let remarks = html! {
             p { "A remark that can be read in two ways stands here twice. The last six try other settings on the first " (TRIED) " runs of each set." }
             ul { @for (name, statement) in REMARKS { li { strong { (name) } ": " (statement) } } }
-        }
     };
-    document("Readings of the paper compared", &body)
+    let pictures = html! { @for picture in pictures { (figure(&picture.drawing, &picture.caption)) } };
+    let sections = [
+        Section::new("pictures", "Over the skew", pictures),
+        Section::new("comparison", "All combinations", comparison(all)),
+        Section::new("remarks", "The remarks", remarks),
+    ];
+    document("Readings of the paper compared", &lead, &sections)
 }
 
 fn comparison(all: &[Compared]) -> Markup {
@@ -163,10 +167,7 @@ fn comparison(all: &[Compared]) -> Markup {
         }
     } };
     html! {
-        section id="comparison" {
-            h2 { "All combinations" }
-            (table(words.into_iter().chain(numbers).chain(remarks), rows))
+            (sortable(words.into_iter().chain(numbers).chain(remarks), rows))
             p.small { "Mean \u{b1} standard deviation over the seeds. Likelihoods compare readings of the same recorder; between recorders the data differ." }
-        }
     }
 }

@@ -40,8 +40,13 @@ pub fn picture(all: &[Compared], seeds: usize) -> Picture {
         caption: format!(
             "Readings of the paper over the skew of the recorder, mean of {seeds} seeds: backward and forward effort, rounded speeds solid and truncated ones dashed. A positive skew is a speed older than the location. Dotted: where the paper finds r0."
         ),
-        svg: Grid::new("Readings of the paper compared", "Four panels over the skew of speed and location", 2, figures)
-            .to_svg(),
+        drawing: Grid::new(
+            "Readings of the paper compared",
+            "Four panels over the skew of speed and location",
+            2,
+            figures,
+        )
+        .into(),
         records: records(all),
     }
 }

@@ -5,16 +5,19 @@ use super::maps::{joined, sections};
 use crate::answer::whole::Answer;
 use crate::fit::HALF_95;
 use crate::holdout::forward::Compared;
+use maud::{Markup, html};
 use plotters::style::RGBColor;
-use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::shell::{choice_column, column, sortable, text_column};
 use rundown_pages::{colours, numbers::number};
+use std::collections::BTreeMap;
 
 const BEFORE: RGBColor = colours::HELD;
 const AFTER: RGBColor = colours::TRUTH;
 const NOTHING_COMPARED: &str = "nothing was compared";
 
 /// Pictures and captions; none where nothing was compared.
-pub(super) fn held_out(answer: &Answer) -> Vec<(String, String)> {
+pub(super) fn held_out(answer: &Answer) -> Vec<(Drawing, String)> {
     if answer.found.compared.is_empty() {
         return Vec::new();
     }
@@ -24,7 +27,7 @@ pub(super) fn held_out(answer: &Answer) -> Vec<(String, String)> {
 }
 
 /// Root mean square errors over location and speed.
-fn errors(answer: &Answer) -> (String, String) {
+fn errors(answer: &Answer) -> (Drawing, String) {
     let km = |c: &Compared| c.location_m / 1000.0;
     let kmh = |c: &Compared| 3.6 * c.measured_mps;
     let compared = &answer.found.compared;
@@ -53,9 +56,42 @@ fn errors(answer: &Answer) -> (String, String) {
         vec![figure("location, km", &km, vec![sections(answer)]), figure("speed, km/h", &kmh, Vec::new())],
     );
     (
-        grid.to_svg(),
+        grid.into(),
         "Root mean square of simulated less measured speed on the held-out runs: with the believed model, with the effects, and what noise alone would leave.".to_owned(),
     )
+}
+
+/// A row for each hold-out run: the reader may look for those that gain and those that lose.
+pub(super) fn by_run(answer: &Answer) -> Markup {
+    let mut runs: BTreeMap<usize, Vec<&Compared>> = BTreeMap::new();
+    for c in &answer.found.compared {
+        runs.entry(c.run).or_default().push(c);
+    }
+    let name = |run: usize| {
+        let index = answer.found.held_out.get(run);
+        index.and_then(|index| answer.input.runs.get(*index)).map_or("", |run| run.name.as_str())
+    };
+    let head = [
+        text_column("hold-out run"),
+        column("speeds compared", ""),
+        column("before", "m/s, rms"),
+        column("after", "m/s, rms"),
+        column("noise floor", "m/s, rms"),
+        choice_column("with the effects"),
+    ];
+    let rows = html! { @for (run, compared) in &runs {
+        @let rms = |square: &dyn Fn(&Compared) -> f64| (compared.iter().map(|c| square(c)).sum::<f64>() / compared.len() as f64).sqrt();
+        @let (before, after) = (rms(&|c| c.before_mps.powi(2)), rms(&|c| c.after_mps.powi(2)));
+        tr {
+            th scope="row" { (name(*run)) }
+            td { (compared.len()) }
+            td { (number(before, 3)) }
+            td { (number(after, 3)) }
+            td { (number(rms(&|c| c.floor), 3)) }
+            td.word { (if after < before { "nearer" } else if after > before { "further off" } else { "the same" }) }
+        }
+    } };
+    html! { @if !runs.is_empty() { h3 { "Run by run" } (sortable(head, rows)) } }
 }
 
 /// The run whose error before is the middle one of all held-out runs: a typical one.
@@ -72,7 +108,7 @@ fn typical(compared: &[&Compared]) -> Option<usize> {
     errors.get(errors.len() / 2).map(|(_, run)| *run)
 }
 
-fn one_run(answer: &Answer) -> Option<(String, String)> {
+fn one_run(answer: &Answer) -> Option<(Drawing, String)> {
     let windows = answer.found.compared.iter().filter(|c| c.since_s > 0.0);
     let windows: Vec<&Compared> = windows.collect();
     let run = typical(&windows)?;
@@ -116,5 +152,5 @@ fn one_run(answer: &Answer) -> Option<(String, String)> {
         "Held-out run {name}, a typical one: half of the held-out runs had a larger error before. Windows of up to {} s begin at the measured speed and are driven by the recorded effort, or by none while coasting.",
         number(answer.holdout().window_s, 0)
     );
-    Some((figure.to_svg(), caption))
+    Some((figure.into(), caption))
 }

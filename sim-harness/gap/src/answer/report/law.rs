@@ -11,13 +11,13 @@ use crate::fit::HALF_95;
 use crate::named::Named;
 use crate::wording::plain;
 use rundown::model::direction::Direction;
-use rundown_pages::chart::{Figure, Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Drawing, Figure, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 
 const MOST_BINS: usize = 24;
 
 /// Picture and caption of each effect that has a law over the residuals.
-pub(super) fn laws(answer: &Answer, explained: &[f64]) -> Vec<(String, String)> {
+pub(super) fn laws(answer: &Answer, explained: &[f64]) -> Vec<(Drawing, String)> {
     let each = answer.found.named.iter();
     each.filter_map(|one| match one.per_run.is_empty() {
         false => winds(one),
@@ -61,7 +61,7 @@ fn rows(answer: &Answer, one: &Named, axis: &Axis<'_>, explained: &[f64]) -> Vec
     findings.rows.iter().zip(explained).zip(&findings.calibrated.spread).filter_map(of_row).collect()
 }
 
-fn law(answer: &Answer, one: &Named, explained: &[f64]) -> Option<(String, String)> {
+fn law(answer: &Answer, one: &Named, explained: &[f64]) -> Option<(Drawing, String)> {
     let context = answer.context();
     let axis = candidates::of_effect(&one.effect).axis(one, &context)?;
     let rows = rows(answer, one, &axis, explained);
@@ -113,7 +113,7 @@ fn law(answer: &Answer, one: &Named, explained: &[f64]) -> Option<(String, Strin
         false => "bars: 95 % intervals of the means from the spread between runs",
     };
     Some((
-        figure.to_svg(),
+        figure.into(),
         format!(
             "The law of the {name} through the data: mean residuals less what the other effects explain ({bars}), and the law as fitted, on the very same intervals."
         ),
@@ -155,7 +155,7 @@ fn layers_of(rows: &[&At], group: Option<Direction>, (width, least): (f64, usize
     ]
 }
 
-fn winds(one: &Named) -> Option<(String, String)> {
+fn winds(one: &Named) -> Option<(Drawing, String)> {
     let at = |i: usize| i as f64 + 1.0;
     let each = || one.per_run.iter().enumerate();
     let bar = |(i, (_, wind, sd)): (usize, &(String, f64, f64))| {
@@ -175,5 +175,5 @@ fn winds(one: &Named) -> Option<(String, String)> {
         [Panel::new("headwind up the line, m/s", 340, layers, "no runs")],
     );
     let caption = "The wind of each run from its own residuals, against travel up the line; bars: 95 % intervals.";
-    Some((figure.to_svg(), caption.to_owned()))
+    Some((figure.into(), caption.to_owned()))
 }

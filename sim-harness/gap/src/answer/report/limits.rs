@@ -4,14 +4,14 @@ use super::maps::sections;
 use crate::answer::whole::Answer;
 use crate::traction::powering::SteadyPower;
 use rundown::model::effects::Effect;
-use rundown_pages::chart::{Figure, Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Drawing, Figure, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 
 /// Dots that a reader can still separate.
 const MOST_DOTS: usize = 4000;
 
 /// Picture and caption; none where the limits are as believed.
-pub(super) fn limits(answer: &Answer) -> Option<(String, String)> {
+pub(super) fn limits(answer: &Answer) -> Option<(Drawing, String)> {
     let findings = &answer.found.findings;
     let limit = findings.limit(&answer.config.search)?;
     let (section, factor) = (limit.effect.section_m(), limit.factor);
@@ -45,7 +45,7 @@ pub(super) fn limits(answer: &Answer) -> Option<(String, String)> {
         [Panel::new("effort over believed limit", 380, layers, "no interval of full power").within(0.0..1.3)],
     );
     Some((
-        figure.to_svg(),
+        figure.into(),
         "Effort over the believed limit while the train powers with steady power. A driver may demand less than the train gives, so only what is never exceeded counts.".to_owned(),
     ))
 }

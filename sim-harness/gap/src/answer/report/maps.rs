@@ -7,7 +7,7 @@ use crate::data::rows::Row;
 use crate::fit::HALF_95;
 use plotters::style::RGBColor;
 use rundown::model::direction::Direction;
-use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 
 /// A mean of fewer runs is not drawn.
@@ -21,7 +21,7 @@ fn others(answer: &Answer) -> [(Axis<'static>, usize); 4] {
     [(Axis::speed(), 30), (Axis::time(), 30), (Axis::temperature(), 15), (Axis::day(first_day), 15)]
 }
 
-pub(super) fn maps(answer: &Answer, explained: &[f64]) -> Vec<(String, String)> {
+pub(super) fn maps(answer: &Answer, explained: &[f64]) -> Vec<(Drawing, String)> {
     let directions = directions(answer);
     let location = (Axis::location(), MOST_PLACES);
     let by_location = Grid::new(
@@ -50,13 +50,13 @@ pub(super) fn maps(answer: &Answer, explained: &[f64]) -> Vec<(String, String)> 
     let grey = if sections { " Grey background: the section found." } else { "" };
     vec![
         (
-            by_location.to_svg(),
+            by_location.into(),
             format!(
                 "Mean residual over location, band: 95 % interval of the mean from the spread between runs; places with fewer than {LEAST_RUNS} runs are left out.{found}{grey}"
             ),
         ),
         (
-            by_others.to_svg(),
+            by_others.into(),
             "The same over other coordinates. One cause shows in several of them, because speed, place and time go together in a timetable.".to_owned(),
         ),
     ]

@@ -28,7 +28,7 @@ mod words;
 use crate::answer::{notes::no_rows, whole::Answer};
 use crate::explained::explained;
 use maud::html;
-use rundown_pages::shell::{document, figure};
+use rundown_pages::shell::{Section, document, figure};
 
 /// Names of the pictures that [`picture`] knows.
 pub const PICTURES: [&str; 4] = ["residual", "coordinates", "law", "before_after"];
@@ -46,7 +46,7 @@ pub fn picture(answer: &Answer, name: &str) -> Option<String> {
         _ => Vec::new(),
     };
     let at = usize::from(name == "coordinates");
-    (at < pictures.len()).then(|| pictures.swap_remove(at).0)
+    (at < pictures.len()).then(|| pictures.swap_remove(at).0.to_svg())
 }
 
 /// The whole page.
@@ -54,36 +54,36 @@ pub fn page(answer: &Answer) -> String {
     let found = &answer.found;
     let context = answer.context();
     let explained = explained(&context.believed, &found.named, &answer.input.runs, &found.findings.rows);
-    let body = html! {
+    let lead = html! {
         @for sentence in words::verdict(answer) { p.lead { (sentence) } }
         p.small { (answer.input.runs.len()) " runs of " (answer.input.dataset) ". Verdict in one word: " code { (found.verdict.name()) } "." }
-        section {
-            h2 { "Where simulation and measurement disagree" }
+    };
+    let disagreement = html! {
             p { "The residual is the resistance that the believed model lacks: effort less acceleration less believed resistance and gradient, mean over about 10 s. Where the model is right it is zero but for noise." }
             @if found.findings.rows.is_empty() {
                 p { (no_rows(&found.findings)) }
             } @else {
-                @for (svg, caption) in maps::maps(answer, &explained) { (figure(svg, &caption)) }
+                @for (drawing, caption) in maps::maps(answer, &explained) { (figure(&drawing, &caption)) }
                 (tables::evidence(found))
             }
-        }
-        section {
-            h2 { "What is missing in the model" }
-            (tables::effects(found))
-            @for (svg, caption) in law::laws(answer, &explained) { (figure(svg, &caption)) }
-            @if let Some((svg, caption)) = limits::limits(answer) { (figure(svg, &caption)) }
-            (rivals::rivals(answer))
-        }
-        section {
-            h2 { "Before and after, on held-out runs" }
-            (tables::gap(answer))
-            @for (svg, caption) in held_out::held_out(answer) { (figure(svg, &caption)) }
-            (journeys::journeys(answer))
-        }
-        section {
-            h2 { "What this rests on" }
-            (caveats::caveats(answer))
-        }
     };
-    document("Where the model and the train disagree", &body)
+    let missing = html! {
+            (tables::effects(found))
+            @for (drawing, caption) in law::laws(answer, &explained) { (figure(&drawing, &caption)) }
+            @if let Some((drawing, caption)) = limits::limits(answer) { (figure(&drawing, &caption)) }
+            (rivals::rivals(answer))
+    };
+    let compared = html! {
+            (tables::gap(answer))
+            @for (drawing, caption) in held_out::held_out(answer) { (figure(&drawing, &caption)) }
+            (held_out::by_run(answer))
+            (journeys::journeys(answer))
+    };
+    let sections = [
+        Section::new("disagreement", "Where simulation and measurement disagree", disagreement),
+        Section::new("missing", "What is missing in the model", missing),
+        Section::new("before-and-after", "Before and after, on held-out runs", compared),
+        Section::new("caveats", "What this rests on", caveats::caveats(answer)),
+    ];
+    document("Where the model and the train disagree", &lead, &sections)
 }

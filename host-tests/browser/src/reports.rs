@@ -1,0 +1,50 @@
+//! Reports in a folder, made by the command, and what a test does with their pages.
+
+use crate::browser::Browser;
+use crate::display::binary;
+use std::process::Command;
+use tempfile::TempDir;
+
+/// Simulated runs, and what the command made of them.
+pub struct Reports {
+    folder: TempDir,
+}
+
+/// Counts what goes wrong on a page, from before its first script.
+const WATCH: &str = "window.wrong = [];
+    addEventListener('error', (event) => wrong.push(event.message || 'not loaded: ' + (event.target.src || event.target.href)), true);
+    addEventListener('unhandledrejection', (event) => wrong.push(String(event.reason)));
+    console.error = (...words) => wrong.push(words.join(' '));";
+
+impl Reports {
+    /// `runs` simulated runs, in the folder `set`.
+    pub fn of(runs: usize) -> Self {
+        let reports = Self { folder: tempfile::tempdir().expect("a folder") };
+        reports.rundown(&["simulate", "--out", "set", "--runs", &runs.to_string()]);
+        reports
+    }
+
+    /// The command, in the folder.
+    pub fn rundown(&self, arguments: &[&str]) {
+        let said = Command::new(binary()).current_dir(self.folder.path()).args(arguments).output().expect("rundown");
+        assert!(said.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&said.stderr));
+    }
+
+    /// `rundown replay` into `out`.
+    pub fn replay(&self) {
+        let described = ["--train", "set/train.toml", "--track", "set/track.toml"];
+        self.rundown(&[&["replay", "--out", "out", "set/runs"][..], &described].concat());
+    }
+
+    /// Size of a file, bytes.
+    pub fn size(&self, name: &str) -> u64 {
+        std::fs::metadata(self.folder.path().join(name)).expect("a file").len()
+    }
+
+    /// Opens a page from the disk and watches for what goes wrong.
+    pub async fn open(&self, browser: &Browser, name: &str) {
+        browser.before_each_page(WATCH).await;
+        let path = self.folder.path().join(name);
+        browser.driver().goto(format!("file://{}", path.display())).await.expect("the page");
+    }
+}

@@ -1,0 +1,183 @@
+//! Can a report be explored? In Chromium, from the disk: zoom, linked cursors, legend, axis, tables, day and night, narrow screens.
+
+use browser_tests::browser::{Browser, Scheme};
+use browser_tests::reports::Reports;
+
+/// Least and largest x of each plot.
+const ENDS: &str = "return [...plots].map((u) => [u.scales.x.min, u.scales.x.max])";
+/// Where the first plot is on the screen: left, top, width, height.
+const PLACE: &str = "const r = [...plots][0].over.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]";
+const ALIVE: &str = "return document.querySelectorAll('figure.is-live').length > 1 && plots.size > 1";
+const WRONG: &str = "return wrong";
+
+async fn browser() -> Browser {
+    let browser = Browser::start().await;
+    browser.screen(1400, 900, Scheme::Light).await;
+    browser
+}
+
+/// Nothing went wrong, and nothing was asked for but files beside the page.
+async fn check_quiet(browser: &Browser) {
+    assert_eq!(browser.ask::<Vec<String>>(WRONG).await, Vec::<String>::new());
+    let asked: Vec<String> = browser.ask("return performance.getEntriesByType('resource').map((r) => r.name)").await;
+    assert!(asked.iter().all(|name| name.starts_with("file://") || name.starts_with("data:")), "{asked:?}");
+}
+
+#[tokio::test]
+async fn the_plots_of_a_run_zoom_together_and_share_their_cursor() {
+    let reports = Reports::of(2);
+    reports.replay();
+    let browser = browser().await;
+    reports.open(&browser, "out/report.html").await;
+    // The page of a run is one link away, read only now.
+    browser.ask::<()>("document.querySelectorAll('#runs tbody a')[1].click()").await;
+    browser.wait_for("return document.querySelector('h1').textContent === 'run002'").await;
+    browser.wait_for(ALIVE).await;
+    let whole: Vec<[f64; 2]> = browser.ask(ENDS).await;
+    let [left, top, width, height]: [f64; 4] = browser.ask(PLACE).await;
+    let at = |x: f64| [left + x * width, top + 0.5 * height];
+
+    browser.mouse("mouseMoved", at(0.25), 0).await;
+    let cursors: Vec<f64> = browser.ask("return [...plots].map((u) => u.cursor.left)").await;
+    assert!(cursors.iter().all(|x| (x - 0.25 * width).abs() < 3.0), "{cursors:?} of {width}");
+    let values: String = browser.ask("return [...plots][1].root.querySelector('.u-legend').textContent").await;
+    assert!(values.contains("at") && values.contains("km") && values.contains("estimated1"), "{values}");
+
+    browser.drag(at(0.25), at(0.5)).await;
+    let part: Vec<[f64; 2]> = browser.ask(ENDS).await;
+    for ([least, most], [from, to]) in part.iter().zip(&whole) {
+        let share = (most - least) / (to - from);
+        assert!((0.24..0.26).contains(&share), "{part:?} of {whole:?}");
+    }
+    for clicks in [1, 2] {
+        browser.mouse("mousePressed", at(0.5), clicks).await;
+        browser.mouse("mouseReleased", at(0.5), clicks).await;
+    }
+    assert_eq!(browser.ask::<Vec<[f64; 2]>>(ENDS).await, whole, "a double click shows all again");
+    check_quiet(&browser).await;
+}
+
+#[tokio::test]
+async fn a_series_is_switched_off_and_the_axis_is_location_or_time() {
+    let reports = Reports::of(1);
+    reports.replay();
+    let browser = browser().await;
+    reports.open(&browser, "out/report/run0001.html").await;
+    browser.wait_for(ALIVE).await;
+    let ink = "const c = [...plots][1].ctx.canvas, d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; \
+               let n = 0; for (let i = 0; i < d.length; i += 4) n += d[i] > 180 && d[i + 1] < 80 && d[i + 3] > 200; return n";
+    let before: u32 = browser.ask(ink).await;
+    browser.ask::<()>("[...plots][1].root.querySelectorAll('.u-series th')[1].click()").await;
+    browser.wait_for("return ![...plots][1].series[1].show").await;
+    tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+    let after: u32 = browser.ask(ink).await;
+    assert!(before > 200 && after < before / 10, "red dots of the estimate: {before} before, {after} after");
+
+    let minutes =
+        "[...document.querySelectorAll('.toolbar button')].find((b) => b.textContent === 'over time').click()";
+    browser.ask::<()>(minutes).await;
+    browser.wait_for("return [...plots].every((u) => u.rundown.figure.x_label.startsWith('time'))").await;
+    assert!(browser.ask::<bool>("return ![...plots][1].series[1].show").await, "it stays off");
+    let ends: Vec<[f64; 2]> = browser.ask(ENDS).await;
+    assert!(ends.iter().all(|[from, to]| *from == 0.0 && (5.0..60.0).contains(to)), "{ends:?}");
+
+    let svg = "let made; URL.createObjectURL = (blob) => { made = blob; return 'data:,'; }; \
+               [...document.querySelectorAll('.toolbar button')].find((b) => b.textContent === 'SVG').click(); return made.text()";
+    let svg: String = browser.ask(svg).await;
+    assert!(svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\"") && svg.contains("coast "), "{svg:.200}");
+    check_quiet(&browser).await;
+}
+
+#[tokio::test]
+async fn a_table_sorts_by_any_column_and_filters() {
+    let reports = Reports::of(12);
+    reports.replay();
+    let browser = browser().await;
+    reports.open(&browser, "out/report.html").await;
+    let names = "return [...document.querySelectorAll('#runs tbody tr')].filter((r) => !r.hidden).map((r) => r.cells[0].textContent)";
+    let minutes =
+        "return [...document.querySelectorAll('#runs tbody tr')].map((r) => parseFloat(r.cells[1].textContent))";
+    let written: Vec<String> = browser.ask(names).await;
+    assert_eq!(written.len(), 12);
+    let click = "document.querySelectorAll('#runs thead th')[1].click()";
+    browser.ask::<()>(click).await;
+    let rising: Vec<f64> = browser.ask(minutes).await;
+    assert!(rising.is_sorted(), "{rising:?}");
+    browser.ask::<()>(click).await;
+    let falling: Vec<f64> = browser.ask(minutes).await;
+    assert!(falling.iter().rev().is_sorted() && falling != rising, "{falling:?}");
+    // The second row of the head: a column below a group.
+    browser
+        .ask::<()>("[...document.querySelectorAll('#runs thead th')].find((h) => h.textContent === 'coast').click()")
+        .await;
+    let shares: Vec<f64> = browser
+        .ask("return [...document.querySelectorAll('#runs tbody tr')].map((r) => parseFloat(r.cells[12].textContent))")
+        .await;
+    assert!(shares.is_sorted(), "{shares:?}");
+
+    let search = browser.driver().find(thirtyfour::By::Css("input[type=search]")).await.expect("a field");
+    search.send_keys("run01").await.expect("keys");
+    let mut found: Vec<String> = browser.ask(names).await;
+    found.sort();
+    assert_eq!(found, ["run010", "run011", "run012"]);
+    browser.wait_for("return document.querySelector('.filter output').textContent === '3 of 12'").await;
+    check_quiet(&browser).await;
+}
+
+#[tokio::test]
+async fn every_page_fits_by_day_and_by_night() {
+    let reports = Reports::of(3);
+    reports.replay();
+    reports.rundown(&["check", "--out", "check", "set/runs"]);
+    reports.rundown(&["study", "--count", "3", "--out", "study"]);
+    let browser = browser().await;
+    let pages = [
+        "out/report.html",
+        "out/report/run0002.html",
+        "check/index.html",
+        "check/runs/run0002.html",
+        "study/report.html",
+    ];
+    for page in pages {
+        for (width, scheme) in [(400, Scheme::Light), (400, Scheme::Dark), (900, Scheme::Light), (1400, Scheme::Dark)] {
+            browser.screen(width, 1000, scheme).await;
+            reports.open(&browser, page).await;
+            browser.wait_for("return plots.size > 0").await;
+            tokio::time::sleep(std::time::Duration::from_millis(200)).await;
+            let wide: u32 = browser.ask("return document.documentElement.scrollWidth").await;
+            assert!(wide <= width, "{page} is {wide} px wide on a screen of {width}");
+            let ground: String = browser.ask("return getComputedStyle(document.documentElement).backgroundColor").await;
+            let expected = if scheme == Scheme::Dark { "rgb(20, 23, 27)" } else { "rgb(255, 255, 255)" };
+            assert_eq!(ground, expected, "{page}");
+            check_quiet(&browser).await;
+            let name = page.replace('/', "_").replace(".html", "");
+            browser.picture(&format!("{name}_{width}_{}", scheme.word())).await;
+        }
+    }
+    // What the reader chooses is stronger than what the system prefers.
+    browser.ask::<()>("document.getElementById('scheme').click()").await;
+    let ground: String = browser.ask("return getComputedStyle(document.documentElement).backgroundColor").await;
+    assert_eq!(ground, "rgb(255, 255, 255)");
+}
+
+#[tokio::test]
+async fn a_thousand_runs_open_in_a_second() {
+    let reports = Reports::of(1000);
+    reports.replay();
+    let browser = browser().await;
+    reports.open(&browser, "out/report.html").await;
+    browser.wait_for("return document.querySelector('.filter output') !== null").await;
+    let shown: f64 = browser.ask("return performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd").await;
+    let rows: u32 = browser.ask("return document.querySelectorAll('#runs tbody tr').length").await;
+    assert_eq!(rows, 1000);
+    reports.open(&browser, "out/report/run1000.html").await;
+    browser.wait_for(ALIVE).await;
+    let run: f64 = browser.ask("return performance.getEntriesByType('navigation')[0].domContentLoadedEventEnd").await;
+    println!(
+        "1000 runs: table after {shown:.0} ms, {} kB; page of a run after {run:.0} ms, {} kB",
+        reports.size("out/report.html") / 1000,
+        reports.size("out/report/run1000.html") / 1000
+    );
+    // A busy machine may be slow; a page that draws every run at once takes far longer.
+    assert!(shown < 3000.0 && run < 3000.0, "table after {shown} ms, run after {run} ms");
+}

@@ -1,0 +1,174 @@
+//! `index.html` of a check: recorder by recorder what was found, with pictures; the table of runs; and a page for each run.
+//!
+//! In: a [`Check`] and its [`Logs`]. Out: a folder that opens from the disk.
+
+use super::parts::{SCRIPT_FILE, called, file_name, findings, interval};
+use super::pictures::{Compared, MOST_DOTS, compared, digits_and_runs, speed_against_location};
+use super::{Logs, run_page};
+use crate::logs::Failed;
+use crate::output::files;
+use maud::{Markup, html};
+use rayon::prelude::*;
+use rundown_check::finding::Done;
+use rundown_check::{Check, Correction, RecorderCheck, RunCheck};
+use rundown_files::WriteError;
+use rundown_files::sample::Sample;
+use rundown_pages::assets::SCRIPT;
+use rundown_pages::numbers::{NOTHING, counted, number};
+use rundown_pages::shell::{self, Section, choice_column, column, figure, sortable, table, text_column};
+use std::path::Path;
+
+/// Folder of the pages of the runs.
+const RUN_PAGES: &str = "runs";
+
+/// Writes `index.html` and a page for each run into a folder, which is made when it does not exist.
+///
+/// # Errors
+/// [`WriteError`] names the file.
+pub fn write(folder: &Path, found: &Check, logs: &Logs, failed: &[Failed]) -> Result<(), WriteError> {
+    let pages = folder.join(RUN_PAGES);
+    files::folder(&pages)?;
+    files::text(&folder.join("index.html"), &index(found, logs, failed))?;
+    files::text(&pages.join(SCRIPT_FILE), SCRIPT)?;
+    let write = |at| files::text(&pages.join(file_name(at)), &run_page::page(found, logs, at));
+    (0..found.runs.len()).into_par_iter().try_for_each(write)
+}
+
+fn index(found: &Check, logs: &Logs, failed: &[Failed]) -> String {
+    let of_recorder = |(at, recorder): (usize, &RecorderCheck)| {
+        let heading = if recorder.unit.is_empty() { "The recorder".to_owned() } else { recorder.unit.clone() };
+        Section::new(format!("recorder-{}", at + 1), heading, recorder_section(recorder, found, logs))
+    };
+    let mut sections: Vec<Section> = found.recorders.iter().enumerate().map(of_recorder).collect();
+    sections.push(Section::new("runs", "Runs", runs(found)));
+    sections.push(Section::new("reading-aids", "How to read this", reading_aids()));
+    shell::document("What the recorders did to their logs", &lead(found, failed), &sections)
+}
+
+fn lead(found: &Check, failed: &[Failed]) -> Markup {
+    let clean = found.runs.iter().filter(|run| run.findings.is_empty()).count();
+    let refused = found.refused().count();
+    html! {
+        p.lead {
+            (counted(found.runs.len(), "run", "runs")) " of " (counted(found.recorders.len(), "recorder", "recorders"))
+            ": in " (clean) " nothing of their own was found, " (refused) " cannot be used."
+        }
+        @if !failed.is_empty() {
+            p.note { (counted(failed.len(), "log", "logs")) " cannot be read:" }
+            ul { @for failed in failed { li { (failed.error) } } }
+        }
+    }
+}
+
+fn recorder_section(recorder: &RecorderCheck, found: &Check, logs: &Logs) -> Markup {
+    let of_unit: Vec<usize> = (0..found.runs.len()).filter(|i| found.runs[*i].unit == recorder.unit).collect();
+    let usable = || of_unit.iter().filter(|i| found.runs[**i].refusal().is_none());
+    let windows: Vec<Compared> = usable().flat_map(|i| compared(&found.runs[*i], recorder, &logs.right[*i])).collect();
+    let runs: Vec<&RunCheck> = of_unit.iter().map(|i| &found.runs[*i]).collect();
+    let recorded: Vec<&[Sample]> = of_unit.iter().map(|i| logs.recorded[*i].as_slice()).collect();
+    let drawn = if windows.len() > MOST_DOTS { ", of which some are drawn" } else { "" };
+    let against = format!(
+        "Mean speed by the location less mean speed as read, in {} stretches{drawn}; the skew is taken out. A wheel that is not as believed is a slope, \
+         a recorder that truncates lies above zero by half a step.",
+        windows.len()
+    );
+    html! {
+        p { "Speed and location were compared in " (recorder.compared) " of " (counted(recorder.runs, "run", "runs")) ". " (done(recorder)) }
+        (figures(recorder))
+        (findings(recorder.findings.iter()))
+        (figure(&speed_against_location(recorder, &windows), &against))
+        (figure(
+            &digits_and_runs(&runs, &recorded),
+            "The fractions that the speeds have say in which step they are shown. Scale and skew of each run alone, with 95 % intervals; dashed where both agree."
+        ))
+    }
+}
+
+/// What was done to the speeds.
+fn done(recorder: &RecorderCheck) -> String {
+    let Correction { offset_mps, scale } = recorder.correction;
+    match recorder.correction == Correction::NONE {
+        true => "Its speeds are left as they are.".to_owned(),
+        false => format!(
+            "Its speeds were put right: true speed = (speed as read + {} km/h) / {}, a standing train stays at 0.",
+            number(3.6 * offset_mps, 3),
+            number(scale, 4)
+        ),
+    }
+}
+
+fn figures(recorder: &RecorderCheck) -> Markup {
+    let with_interval = [
+        ("measured over true speed", recorder.scale, 4, ""),
+        ("true less read speed", recorder.offset_kmh, 3, "km/h"),
+        ("speed older than location, median over runs", recorder.skew_s, 2, "s"),
+    ];
+    let alone = [
+        ("difference of that from run to run", recorder.skew_spread_s, 2, "s"),
+        ("step of the speeds", recorder.speed_step_kmh, 3, "km/h"),
+        ("step of the locations", recorder.location_step_m, 3, "m"),
+    ];
+    let rows = html! {
+        @for (name, value, decimals, unit) in with_interval { tr {
+            th scope="row" { (name) } td { (number(value.map(|v| v.value), decimals)) } td { (interval(value, decimals)) } td.text { (unit) }
+        } }
+        @for (name, value, decimals, unit) in alone { tr {
+            th scope="row" { (name) } td { (number(value, decimals)) } td { (NOTHING) } td.text { (unit) }
+        } }
+    };
+    table([text_column("quantity"), column("value", ""), column("95 % interval", ""), text_column("unit")], rows)
+}
+
+/// The worst that was done with a run, in a word to choose by.
+fn verdict(run: &RunCheck) -> &'static str {
+    let has = |done| run.findings.iter().any(|finding| finding.done == done);
+    match () {
+        () if has(Done::Refused) => "not used",
+        () if has(Done::LeftOut) => "readings left out",
+        () if has(Done::PutRight) => "put right",
+        () if has(Done::Said) => "noted",
+        () => "clean",
+    }
+}
+
+fn runs(found: &Check) -> Markup {
+    let head = [
+        text_column("run"),
+        choice_column("recorder"),
+        choice_column("verdict"),
+        column("rows", ""),
+        column("step", "s"),
+        column("speed over location", "95 % interval"),
+        column("speed older", "s, 95 % interval"),
+        column("location noise", "m"),
+        text_column("found"),
+    ];
+    let rows = html! { @for (at, run) in found.runs.iter().enumerate() { tr {
+        th scope="row" { a href=(format!("{RUN_PAGES}/{}", file_name(at))) { (run.name) } }
+        td.word { (called(&run.unit)) }
+        td.word { (verdict(run)) }
+        td { (run.rows) }
+        td { (number(run.step_s, 1)) }
+        td { (interval(run.scale, 4)) }
+        td { (interval(run.skew_s, 2)) }
+        td { (number(run.location_noise_m, 1)) }
+        td.text { @for (i, finding) in run.findings.iter().enumerate() { @if i > 0 { "; " } (finding.kind.words()) } }
+    } } };
+    html! {
+        (sortable(head, rows))
+        p.small { "What is found in all runs of a recorder stands above. Each run has a page in the folder " code { (RUN_PAGES) } "." }
+    }
+}
+
+fn reading_aids() -> Markup {
+    html! { dl {
+        dt { "Put right, left out, not changed, not used" }
+        dd { "What a replay, a gap or a study does before anything else looks at the log: corrects the readings, leaves the readings concerned out, says it only, or refuses the run." }
+        dt { "95 % interval" }
+        dd { "The wider one of what the noise and what the scatter between runs says. Scale and offset are one fit: a slow run cannot tell them apart, and does not decide." }
+        dt { "Speed older than location" }
+        dd { "The recorder writes the speed of some time ago beside the location of now. It is said, not changed." }
+        dt { "Pictures" }
+        dd { "Drag to zoom, double-click to see all again; values under the cursor stand above each plot; a click on a name there switches it off." }
+    } }
+}
