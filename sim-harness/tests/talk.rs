@@ -79,7 +79,7 @@ fn a_log_from_stdin_is_replayed_as_one_from_a_file() {
     assert_eq!(replayed(RUN), (Some(0), String::new()));
     assert_eq!(folder.read("piped/stdin.estimates.csv"), expected);
     let (code, said) = replayed("time_s,location_m,speed_kmh\n0,0,fast\n");
-    assert_eq!(code, Some(1));
+    assert_eq!(code, Some(6));
     assert!(said.contains("error: -:2:3: speed_kmh: expected a number, found \"fast\""), "{said}");
 }
 

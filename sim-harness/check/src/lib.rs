@@ -203,6 +203,8 @@ const SURE: f64 = 4.0;
 const LEAST_SKEW_S: f64 = 0.3;
 /// Share of the step by which the offset of a truncating recorder may miss the half of it.
 const NEAR_HALF: f64 = 0.12;
+/// One of two offsets is decided where it is nearer than this share of the distance to the other.
+const CLEARLY: f64 = 0.5;
 
 /// What is known of the recorder already, and put right elsewhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -324,10 +326,12 @@ fn shown(step_kmh: Option<f64>, offset_kmh: Figure) -> Shown {
     let Some(step_kmh) = step_kmh else {
         return Shown::Exact;
     };
-    let near = |value: f64| (offset_kmh.value - value).abs() < 2.0 * offset_kmh.sd + NEAR_HALF * step_kmh;
-    match (near(0.0), near(0.5 * step_kmh)) {
-        (true, false) => Shown::Rounded,
-        (false, true) => Shown::Truncated,
+    let off = |value: f64| (offset_kmh.value - value).abs();
+    let near = |value: f64| off(value) < 2.0 * offset_kmh.sd + NEAR_HALF * step_kmh;
+    let (rounded, truncated) = (0.0, 0.5 * step_kmh);
+    match (near(rounded), near(truncated)) {
+        (true, false) if off(rounded) < CLEARLY * off(truncated) => Shown::Rounded,
+        (false, true) if off(truncated) < CLEARLY * off(rounded) => Shown::Truncated,
         _ => Shown::NotKnown,
     }
 }

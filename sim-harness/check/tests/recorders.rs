@@ -211,6 +211,46 @@ fn clean_logs_are_accused_of_nothing() {
     assert!(accused.len() <= 2, "of 100 sets: {accused:?}");
 }
 
+/// One run alone: there is no scatter between runs that would say how far its driver's style goes.
+#[test]
+fn a_clean_log_that_is_judged_alone_is_accused_of_nothing() {
+    let recorders = [
+        Recorder::default(),
+        Recorder { step_s: 10.0, ..Recorder::default() },
+        Recorder { noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() },
+        Recorder { noise_m: 1.0, drift_m: 6.0, quantum_kmh: 0.1, ..Recorder::default() },
+    ];
+    let mut accused = Vec::new();
+    for (which, recorder) in recorders.iter().enumerate() {
+        for seed in 0..100 {
+            let (found, _) = recorder.check(11_000 + seed, 1, 1 + seed as usize % 4);
+            let of = kinds(&found).into_iter();
+            let wrong: Vec<Kind> = of.filter(|kind| !matches!(kind, Kind::RoundedSpeed | Kind::SteppedSpeed)).collect();
+            if !wrong.is_empty() {
+                accused.push((which, seed, wrong));
+            }
+        }
+    }
+    assert!(accused.len() <= 8, "{} of 400 logs: {accused:?}", accused.len());
+}
+
+#[test]
+fn truncation_of_a_log_that_is_judged_alone_is_found_more_often_than_not_and_never_taken_for_a_wheel() {
+    let (mut truncated, mut wheels) = (0, Vec::new());
+    for step_s in [1.0, 10.0] {
+        let recorder = Recorder { truncates: true, step_s, ..Recorder::default() };
+        for seed in 0..50 {
+            let (found, _) = recorder.check(12_000 + seed, 1, 4);
+            let found = kinds(&found);
+            truncated += u32::from(found.contains(&Kind::TruncatedSpeed));
+            if found.contains(&Kind::SpeedScale) {
+                wheels.push((step_s, seed));
+            }
+        }
+    }
+    assert!(truncated > 50 && wheels.len() <= 2, "{truncated} of 100 found, wheels {wheels:?}");
+}
+
 #[test]
 fn truncation_is_found_put_right_and_is_no_wheel() {
     for step_s in [1.0, 10.0] {
