@@ -117,12 +117,16 @@ pub mod usart {
     pub const OVERRUN: u32 = 1 << 3;
     /// The line fell idle.
     pub const IDLE: u32 = 1 << 4;
+    /// The last byte is on the line.
+    pub const GONE: u32 = 1 << 6;
 }
 
 /// Bits of the DMA controller: flags of a channel, and its control register.
 pub mod dma {
     /// All flags of a channel.
     pub const ALL: u32 = 0xF;
+    /// Any of them; written to the clearing register it clears all, those too that were set meanwhile.
+    pub const ANY: u32 = 1 << 0;
     /// The whole transfer is done.
     pub const DONE: u32 = 1 << 1;
     /// Half of it.
@@ -221,7 +225,7 @@ impl<C: SerialController> Stm32l4Serial<C> {
     /// What the receiving channel says of itself, cleared.
     fn channel_error(&mut self) -> Option<ErrorKind> {
         let channel = Channel::Receive;
-        let flags = self.get(Register::Flags) & channel.flag(dma::ALL);
+        let flags = self.get(Register::Flags) & channel.flag(dma::ALL & !dma::ANY);
         if flags & channel.flag(dma::ERROR) != 0 {
             self.receive();
             return Some(ErrorKind::Other);
@@ -295,7 +299,8 @@ impl<C: SerialController> Write<u8> for Stm32l4Serial<C> {
     }
 
     fn flush(&mut self) -> nb::Result<(), ErrorKind> {
-        if self.sent() && self.collected == 0 { Ok(()) } else { Err(nb::Error::WouldBlock) }
+        let gone = self.get(Register::Status) & usart::GONE != 0;
+        if self.sent() && self.collected == 0 && gone { Ok(()) } else { Err(nb::Error::WouldBlock) }
     }
 }
 

@@ -103,15 +103,15 @@ pub fn keys(folder: &Path) -> io::Result<Vec<(String, Key)>> {
 /// Investigates a set, with its efforts or without, and compares with the key.
 ///
 /// # Errors
-/// A file that could not be read or written.
+/// No folder for a copy could be made.
 pub fn judge(folder: &Path, name: &str, key: &Key, effort: bool) -> io::Result<Judged> {
     let set = folder.join(name);
     let answer = if effort {
         investigate(&set)
     } else {
         let copy = tempfile::tempdir()?;
-        without_effort(&set, copy.path())?;
-        investigate(copy.path())
+        let copied = without_effort(&set, copy.path()).map_err(|error| format!("{}: {error}", set.display()));
+        copied.and_then(|()| investigate(copy.path()))
     };
     Ok(Judged::of(name, key, effort, answer))
 }
@@ -134,7 +134,9 @@ fn without_effort(set: &Path, to: &Path) -> io::Result<()> {
     fs::create_dir_all(to.join("runs"))?;
     for entry in fs::read_dir(set.join("runs"))? {
         let path = entry?.path();
-        let Some(name) = path.file_name() else { continue };
+        let Some(name) = path.file_name().filter(|_| path.extension().is_some_and(|end| end == "csv")) else {
+            continue;
+        };
         let mut reader = csv::Reader::from_path(&path)?;
         let mut writer = csv::Writer::from_path(to.join("runs").join(name))?;
         let kept: Vec<bool> = reader.headers()?.iter().map(|column| column != EFFORT).collect();
@@ -167,14 +169,22 @@ impl Judged {
             Name { name: named.effect.name(), confidence: named.confidence, rivals, right }
         });
         let found: Vec<Name> = named.collect();
-        // An effect that only a name which is as good can have: one of each.
-        let all = found.len() == hidden.len() && refused.is_none();
+        let of = |with_rivals: bool| {
+            let fits = |key: &str, name: &Name| {
+                // What is as good is so for the whole set, and so for any effect that is not named itself.
+                let as_good = |given: &str| given == key || accepted.iter().any(|name| name == given);
+                let few = with_rivals && name.rivals.len() <= MOST_RIVALS;
+                as_good(name.name) || few && name.rivals.iter().any(|rival| as_good(rival))
+            };
+            refused.is_none() && found.len() == hidden.len() && one_to_one(&hidden, &found, fits)
+        };
+        let (named, shared) = (of(false), of(true));
         Self {
             set: set.to_owned(),
             effort,
             size: key.magnitude_class.clone(),
-            named: all && found.iter().all(|name| is_key(name.name)),
-            shared: all && found.iter().all(|name| name.right),
+            named,
+            shared,
             hidden,
             p_value: investigation.as_ref().map_or(1.0, |found| found.p_value),
             removed: investigation.as_ref().and_then(|found| found.gap.removed),
@@ -204,6 +214,22 @@ impl Judged {
             self.set, self.size, self.p_value
         )
     }
+}
+
+/// Each effect of the key has a name of its own: effects that are named themselves first, the others what is left.
+fn one_to_one(hidden: &[String], found: &[Name], fits: impl Fn(&str, &Name) -> bool) -> bool {
+    let mut left: Vec<&Name> = found.iter().collect();
+    let mut missing = Vec::new();
+    for key in hidden {
+        match left.iter().position(|name| name.name == key) {
+            Some(at) => drop(left.swap_remove(at)),
+            None => missing.push(key),
+        }
+    }
+    missing.iter().all(|key| {
+        let at = left.iter().position(|name| fits(key, name));
+        at.map(|at| left.swap_remove(at)).is_some()
+    })
 }
 
 /// Shares that were named, false names, p-values, and how often a confidence is right.
@@ -294,6 +320,17 @@ mod tests {
         assert!(text.contains("| yes | 0 | - | 1 | 0 | 0 | 1 | 1 |"), "{text}");
         assert!(text.contains("| yes | 1 | faint | 2 | 0 | 0 | 0 | 2 |"), "{text}");
         assert!(text.contains("| 0.9 to 0.99 | 2 | 0.95 | 0.50 (1/2) |"), "{text}");
+    }
+
+    #[test]
+    fn of_two_effects_each_needs_a_name_of_its_own() {
+        let is = |key: &str, name: &Name| name.name == key || name.name == "alias";
+        let of = |names: &[&'static str]| judged(&[], &names.iter().map(|n| (*n, 1.0, true)).collect::<Vec<_>>()).found;
+        let hidden = ["a".to_owned(), "b".to_owned()];
+        assert!(one_to_one(&hidden, &of(&["b", "a"]), is));
+        assert!(one_to_one(&hidden, &of(&["alias", "a"]), is), "the alias stands for b");
+        assert!(!one_to_one(&hidden, &of(&["a", "c"]), is));
+        assert!(!one_to_one(&hidden, &of(&["a", "a"]), is));
     }
 
     #[test]

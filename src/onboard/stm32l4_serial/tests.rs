@@ -36,6 +36,8 @@ struct Mock {
     line: Vec<u8>,
     /// The buffer was written while the channel had it.
     torn: bool,
+    /// Flags that come up right after the next look.
+    meanwhile: Option<u32>,
 }
 
 impl Mock {
@@ -53,6 +55,7 @@ impl Mock {
             send: [0; SEND],
             line: Vec::new(),
             torn: false,
+            meanwhile: None,
         }
     }
 
@@ -102,6 +105,15 @@ impl Mock {
         }
     }
 
+    /// The flag of any is up where one of its channel is.
+    fn any(&mut self) {
+        for channel in [Channel::Send, Channel::Receive] {
+            let any = channel.flag(dma::ANY);
+            let up = self.flags & channel.flag(dma::ALL) & !any != 0;
+            self.flags = if up { self.flags | any } else { self.flags & !any };
+        }
+    }
+
     /// An interrupt is asked for.
     fn asks(&self) -> bool {
         let of_channel = |channel: Channel| {
@@ -120,9 +132,18 @@ impl SerialController for Mock {
             Register::Control => self.control,
             Register::Dma => self.by_dma,
             Register::Divider => self.divider,
-            Register::Status => self.status,
+            Register::Status => {
+                let sends = self.channel(Channel::Send).left > 0;
+                self.status | if sends { 0 } else { usart::GONE }
+            }
             Register::Clear | Register::ClearFlags => 0,
-            Register::Flags => self.flags,
+            Register::Flags => {
+                self.any();
+                let seen = self.flags;
+                // Between this look and the clearing of what it saw.
+                self.flags |= self.meanwhile.take().unwrap_or_default();
+                seen
+            }
             Register::Requests => self.requests,
             Register::ChannelControl(channel) => self.channel(channel).control,
             Register::Left(channel) => self.channel(channel).left,
@@ -138,7 +159,13 @@ impl SerialController for Mock {
             Register::Dma => self.by_dma = bits,
             Register::Divider => self.divider = bits,
             Register::Clear => self.status &= !bits,
-            Register::ClearFlags => self.flags &= !bits,
+            Register::ClearFlags => {
+                for channel in [Channel::Send, Channel::Receive] {
+                    let all = bits & channel.flag(dma::ANY) != 0;
+                    self.flags &= !if all { channel.flag(dma::ALL) } else { bits & channel.flag(dma::ALL) };
+                }
+                self.any();
+            }
             Register::Requests => self.requests = bits,
             Register::Status | Register::Flags => panic!("read only"),
             Register::ChannelControl(channel) => {
@@ -284,6 +311,18 @@ fn errors_of_the_line_are_counted_once_each() {
     }
     assert_eq!(board.counts(), LineCounts { overrun: 1, framing: 2, noise: 3, ..LineCounts::default() });
     assert_eq!(board.got, [9; 6]);
+}
+
+#[test]
+fn a_flag_that_comes_up_between_a_look_and_its_clearing_is_not_lost() {
+    let mut board = Board::start();
+    board.chip().brings_all(&bytes(RECEIVE / 2 + 1));
+    board.chip().meanwhile = Some(Channel::Receive.flag(dma::ERROR));
+    board.serve();
+    assert_eq!(board.counts().other, 1);
+    board.chip().brings_all(&[1, 2]);
+    board.serve();
+    assert_eq!(board.got[board.got.len() - 2..], [1, 2]);
 }
 
 #[test]
