@@ -125,3 +125,50 @@ fn a_replay_without_a_usable_run_leaves_the_old_results() {
     assert_eq!(content(&folder.path("out")), before);
     assert_listed(&folder.path("out"));
 }
+
+/// Another command that wrote into the folder since does not make its runs those of others.
+#[test]
+fn a_smaller_data_set_takes_the_place_of_a_larger_one_after_a_replay_into_the_same_folder() {
+    let folder = Folder::new().with("logs/a.csv", RUN);
+    let simulate = ["simulate", "--out", "out", "--force", "--runs"];
+    folder.done(&[&simulate[..], &["4"]].concat());
+    assert_eq!(folder.replay(&["logs"]).code, Some(0));
+    folder.done(&[&simulate[..], &["2", "--seed", "9"]].concat());
+    let names = |path: &str| std::fs::read_dir(folder.path(path)).unwrap().count();
+    assert_eq!((names("out/runs"), names("out/truth")), (2 + 1, 2 + 2), "two runs and what belongs to them");
+    assert!(folder.path("out/a.estimates.csv").exists(), "the replay stays");
+}
+
+#[test]
+fn runs_beside_a_manifest_of_another_command_are_not_mixed_with_simulated_or_imported_ones() {
+    let folder = Folder::new().with("logs/a.csv", RUN).with("out/runs/run009.csv", RUN).with("out/import.json", "{}");
+    assert_eq!(folder.replay(&["logs"]).code, Some(0));
+    for command in [&["simulate", "--out", "out", "--force"][..], &["import", "logs/a.csv", "--out", "out"]] {
+        let said = folder.rundown(command);
+        assert_eq!(said.code, Some(4), "{}", said.err);
+        assert!(said.err.contains(&format!("a manifest.json of `rundown {}`", command[0])), "{}", said.err);
+    }
+}
+
+#[test]
+fn of_two_commands_into_one_folder_each_succeeds_or_names_the_other() {
+    let folder = Folder::new();
+    folder.done(&["simulate", "--out", "out", "--runs", "3"]);
+    for round in 0..20 {
+        let ended = std::thread::scope(|scope| {
+            let one = |runs: &'static str| {
+                let folder = &folder;
+                scope.spawn(move || folder.rundown(&["simulate", "--out", "out", "--force", "--runs", runs]))
+            };
+            let both = [one("2"), one("3")];
+            both.map(|thread| thread.join().unwrap())
+        });
+        for said in &ended {
+            let is_named = said.code == Some(4) && said.err.contains("another rundown command is writing there");
+            assert!(said.code == Some(0) || is_named, "round {round}: {:?} {}", said.code, said.err);
+        }
+        assert!(ended.iter().any(|said| said.code == Some(0)), "round {round}");
+        assert_listed(&folder.path("out"));
+        assert_eq!(std::fs::read_dir(folder.path("")).unwrap().count(), 1, "round {round}");
+    }
+}

@@ -189,13 +189,19 @@ fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
 #[test]
 fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
     let folder = Folder::new();
-    quiet(&folder, &["study", "--count", "3", "--out", "simulated", "--keep-runs", "runs.parquet"]);
+    let keep = |file: &str| folder.rundown(&["study", "--count", "3", "--out", "simulated", "--keep-runs", file]);
+    let refused = keep("simulated/kept.parquet");
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    assert!(refused.err.contains("--keep-runs: expected a file outside of --out simulated"), "{}", refused.err);
+    assert!(!folder.path("simulated").exists());
+    let kept = keep("kept/runs.parquet");
+    assert_eq!(kept.code, Some(0), "{}", kept.err);
     let recorded = |runs: &str, out: &str| {
         let files = ["--train", "simulated/train.toml", "--track", "simulated/track.toml"];
         quiet(&folder, &[&["study", "--runs", runs, "--out", out][..], &files].concat());
         csv_table(&folder, &format!("{out}/runs.csv"))
     };
-    let mut runs = RunReader::open(&folder.path("runs.parquet"), None).unwrap();
+    let mut runs = RunReader::open(&folder.path("kept/runs.parquet"), None).unwrap();
     while let Some(run) = runs.next_run().unwrap() {
         let mut log = "time_s,location_m,speed_kmh\n".to_owned();
         for row in &run.rows {
@@ -205,7 +211,7 @@ fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
         folder.write(&format!("logs/{}.csv", run.name), &log);
     }
     let simulated = csv_table(&folder, "simulated/runs.csv");
-    for table in [recorded("runs.parquet", "parquet"), recorded("logs", "csv")] {
+    for table in [recorded("kept/runs.parquet", "parquet"), recorded("logs", "csv")] {
         assert_eq!(table.column("run"), simulated.column("run"));
         for name in ["paper_r0", "gated_r2", "gated_final_coast_s", "paper_power_kw"] {
             assert_eq!(table.column(name), simulated.column(name), "{name}");

@@ -32,8 +32,13 @@ fn verbose_says_what_is_read_and_written_and_when() {
     let said = replay(&folder, &["--verbose"]).err;
     let stage =
         |words: &str| said.lines().position(|line| line.ends_with(words)).unwrap_or_else(|| panic!("{words}: {said}"));
-    let order =
-        [stage("train.toml"), stage("read run01.csv"), stage("replayed 1 runs"), stage("report.html"), stage("done")];
+    let order = [
+        stage("train.toml"),
+        stage("read run01.csv"),
+        stage("replayed 1 runs"),
+        stage("wrote out/report.html"),
+        stage("done"),
+    ];
     assert!(order.is_sorted(), "{said}");
     let times: Vec<f64> = said
         .lines()

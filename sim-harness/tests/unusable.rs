@@ -93,6 +93,11 @@ fn strict_fails_where_anything_is_to_be_warned_of_and_leaves_what_is_there() {
     }
     let check = folder.rundown(&["check", "--strict", "a.csv", "bad.csv"]);
     assert_eq!(check.code, Some(1), "{}", check.out);
+    for out in ["found", "found.json"] {
+        let check = folder.rundown(&["check", "--strict", "--out", out, "a.csv", "bad.csv"]);
+        assert_eq!(check.code, Some(1), "{}", check.out);
+        assert!(check.err.contains("nothing was written") && !folder.path(out).exists(), "{}", check.err);
+    }
     assert_eq!(folder.rundown(&["check", "bad.csv"]).code, Some(6));
     // An import counts what it left out.
     folder.done(&["import", "--strict", "a.csv", "--out", "clean"]);

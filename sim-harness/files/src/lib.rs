@@ -42,7 +42,7 @@ use thiserror::Error;
 
 /// A file that could not be written.
 #[derive(Debug, Error)]
-#[error("{}: cannot be written: {source}; choose another folder with --out", path.display())]
+#[error("{}: cannot be written: {source}; choose another folder with --out", folder::shown(path).display())]
 #[expect(missing_docs, reason = "said by the messages")]
 pub struct WriteError {
     pub path: PathBuf,

@@ -30,7 +30,7 @@ impl Advice {
     pub fn add(&mut self, runs: &[ReplayedRun]) {
         for run in runs {
             self.runs += 1;
-            self.learned |= run.summary.learned_s > 0.0;
+            self.learned |= run.is_used && run.summary.learned_s > 0.0;
             let off = run.summary.counters.of(Cause::LocationOutOfRange) as usize;
             self.off_track.add(run, off * SHARE_OFF_TRACK > run.estimates.len());
             let rows = || run.measurements.iter();
@@ -101,6 +101,50 @@ impl Named {
             None | Some(0) => Some(format!("{names}: {text}")),
             Some(1) => Some(format!("{names} and 1 more run: {text}")),
             Some(more) => Some(format!("{names} and {more} more runs: {text}")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::tables::Tables;
+    use crate::replaying::Request;
+    use rundown_files::{recording::DirectionChoice, replay::Tick};
+    use rundown_files::{run_log::BadRows, track_file::TrackFile, train_file::TrainFile};
+    use std::path::{Path, PathBuf};
+
+    fn reference(name: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/reference").join(name)
+    }
+
+    /// The vehicle does not have what a run taught that was set aside.
+    #[test]
+    fn what_a_run_taught_that_is_not_used_was_not_learned() {
+        let request = Request {
+            runs: vec![reference("run01.csv")],
+            train: reference("train.toml"),
+            track: reference("track.toml"),
+            config: None,
+            mode: None,
+            tick: Tick::EverySample,
+            direction: DirectionChoice::Auto,
+            carried: true,
+            as_recorded: false,
+            bad_rows: BadRows::Refuse,
+            tables: Tables::default(),
+            strict: false,
+        };
+        let mut replayed = request.open().unwrap().replay(|| ()).unwrap();
+        let (_, train) = TrainFile::read(&reference("train.toml")).unwrap();
+        let (_, track) = TrackFile::read(&reference("track.toml")).unwrap();
+        let estimator = Estimator::try_new(replayed.config, train, track).unwrap();
+        for is_used in [true, false] {
+            replayed.runs[0].is_used = is_used;
+            let mut advice = Advice::default();
+            advice.add(&replayed.runs);
+            let is_said = advice.notes(&estimator).iter().any(|note| note.starts_with("nothing was learned"));
+            assert_eq!(is_said, !is_used);
         }
     }
 }

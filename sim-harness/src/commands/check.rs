@@ -57,6 +57,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         return Err(Failure::no_runs(message));
     };
     let json = serde_json::to_string_pretty(&found).map_err(Failure::not_written)?;
+    screen::print(&if arguments.json { format!("{json}\n") } else { words(&found) });
+    let of_recorders = found.recorders.iter().flat_map(|recorder| &recorder.findings);
+    let findings = of_recorders.chain(found.runs.iter().flat_map(|run| &run.findings)).count();
+    arguments.strict.check(findings + failed.len())?;
     match (&arguments.out, logs) {
         (Some(out), Some(logs)) => folder::write("check", out, &Provenance::begin(&logs.inputs), |folder| {
             checking::write(folder, &found, &logs, &failed)?;
@@ -65,14 +69,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         (Some(file), None) => files::whole(file, &json)?,
         (None, _) => (),
     }
-    screen::print(&if arguments.json { format!("{json}\n") } else { words(&found) });
     let unusable = found.refused().count();
     if unusable == found.runs.len() {
         return Err(Failure::no_runs(format!("none of {} run logs can be used", failed.len() + unusable)));
     }
-    let of_recorders = found.recorders.iter().flat_map(|recorder| &recorder.findings);
-    let findings = of_recorders.chain(found.runs.iter().flat_map(|run| &run.findings)).count();
-    let is_strict = arguments.strict.strict && findings > 0;
-    let is_clean = failed.is_empty() && unusable == 0 && !is_strict;
+    let is_clean = failed.is_empty() && unusable == 0;
     Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) })
 }

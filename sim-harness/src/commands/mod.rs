@@ -43,7 +43,8 @@ Exit codes:
   3  the train, the track, the configuration, a scenario, or a folder or index of runs was refused
   4  an output could not be written
   5  the board did not answer, or refused
-  6  nothing usable came out: no run could be used, and nothing was written; or a replay learned nothing";
+  6  nothing usable came out: no run could be used, and nothing was written, but for the pages of check and study, which
+     say why; or a replay learned nothing";
 
 /// Everything was done, but for runs that could not be used.
 const SOME_RUNS_FAILED: u8 = 1;

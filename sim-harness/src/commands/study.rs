@@ -1,7 +1,8 @@
 //! `rundown study`: the paper's case study on simulated or recorded runs, and the self-test of learning.
 
 use super::recorded::{Opened, RecordedRuns};
-use super::{Failure, SOME_RUNS_FAILED, screen};
+use super::{Failure, SOME_RUNS_FAILED, WRONG_ARGUMENTS, screen};
+use crate::output::files;
 use crate::study::case::{calm, case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
@@ -91,7 +92,7 @@ pub struct Arguments {
     /// Folder for the results; made when it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/study")]
     out: PathBuf,
-    /// Also write the runs themselves, as one Parquet file that --runs takes
+    /// Also write the runs themselves, as one Parquet file outside of --out that --runs takes
     #[arg(long, value_name = "FILE.parquet")]
     keep_runs: Option<PathBuf>,
     /// Only the self-test of learning: vehicles with 0.7 to 1.3 of the described resistance
@@ -180,6 +181,7 @@ fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
 }
 
 fn case_study_or_runs(arguments: &Arguments, config: Config, out: &Path) -> Result<ExitCode, Failure> {
+    arguments.keep_runs.as_deref().map_or(Ok(()), |file| place_of_runs(file, out))?;
     let described = described(arguments, &config)?;
     let inputs: Vec<PathBuf> = described.inputs.iter().chain(&arguments.config).cloned().collect();
     let study = folder::write("study", out, &Provenance::begin(&inputs), |folder| {
@@ -220,6 +222,18 @@ fn case_study_or_runs(arguments: &Arguments, config: Config, out: &Path) -> Resu
         0 => ExitCode::SUCCESS,
         _ => ExitCode::from(SOME_RUNS_FAILED),
     })
+}
+
+/// Before the work: the folder of the file is made. Not within the results, which are replaced as a whole and have a `runs.parquet` of their own.
+fn place_of_runs(file: &Path, out: &Path) -> Result<(), Failure> {
+    let [whole, results] = [file, out].map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
+    if whole.starts_with(results) {
+        let message =
+            format!("--keep-runs: expected a file outside of --out {}, found {}", out.display(), file.display());
+        return Err(Failure { message, code: WRONG_ARGUMENTS });
+    }
+    let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty());
+    Ok(parent.map_or(Ok(()), files::folder)?)
 }
 
 fn described(arguments: &Arguments, config: &Config) -> Result<Described, Failure> {

@@ -6,7 +6,7 @@ use super::skeleton::Passed;
 use super::staged::Staged;
 use crate::output::files::failed;
 use rundown_files::WriteError;
-use rundown_files::folder::MANIFEST;
+use rundown_files::folder::{self, MANIFEST};
 use rundown_files::map_matching::{CentreLine, MatchState};
 use rundown_files::sample::COLUMNS;
 use std::fs::{self, File};
@@ -22,9 +22,13 @@ pub const ACCOUNT: &str = "import.json";
 /// The folder holds something that no import wrote.
 pub fn may_write(to: &Path) -> Result<(), WriteError> {
     let is_empty = !to.exists() || fs::read_dir(to).is_ok_and(|mut inside| inside.next().is_none());
-    let Some(lacks) = [ACCOUNT, MANIFEST].into_iter().find(|name| !to.join(name).is_file()).filter(|_| !is_empty)
-    else {
+    if is_empty {
         return Ok(());
+    }
+    let lacks = match folder::files_of("import", to)? {
+        _ if !to.join(ACCOUNT).is_file() => ACCOUNT.to_owned(),
+        None => format!("a {MANIFEST} of `rundown import`"),
+        Some(_) => return Ok(()),
     };
     let message = format!("expected no folder, an empty one or one of `rundown import`, found one without {lacks}");
     Err(failed(to, io::Error::new(io::ErrorKind::AlreadyExists, message)))

@@ -1,6 +1,7 @@
 //! Files of results; what cannot be written is named.
 
 use rundown_files::WriteError;
+use rundown_files::folder::shown;
 use rundown_files::table::{self, Record};
 use std::io::{self, BufWriter, Write};
 use std::{fs::File, path::Path};
@@ -16,7 +17,7 @@ pub fn folder(path: &Path) -> Result<(), WriteError> {
 
 pub fn text(path: &Path, text: &str) -> Result<(), WriteError> {
     std::fs::write(path, text).map_err(|source| failed(path, source))?;
-    log::info!("wrote {}", path.display());
+    log::info!("wrote {}", shown(path).display());
     Ok(())
 }
 
@@ -50,6 +51,6 @@ pub fn file(path: &Path, content: impl FnOnce(&mut BufWriter<File>) -> io::Resul
         file.flush()
     });
     written.map_err(|source| failed(path, source))?;
-    log::info!("wrote {}", path.display());
+    log::info!("wrote {}", shown(path).display());
     Ok(())
 }

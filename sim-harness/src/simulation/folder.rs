@@ -38,9 +38,9 @@ use thiserror::Error;
 pub enum FolderError {
     #[error("{}: expected an empty or new folder, found files in it; choose another folder or overwrite with --force", path.display())]
     NotEmpty { path: PathBuf },
-    #[error("{}: expected {MANIFEST} beside the folder `runs`, found none: choose another folder or remove this one", path.display())]
+    #[error("{}: expected a {MANIFEST} of `rundown simulate` beside the folder `runs`, found none: choose another folder or remove this one", path.display())]
     NoManifest { path: PathBuf },
-    #[error("{}: cannot be written: {source}", path.display())]
+    #[error("{}: cannot be written: {source}", folder::shown(path).display())]
     Io { path: PathBuf, source: io::Error },
     #[error(transparent)]
     Drive(#[from] DriveError),
@@ -99,14 +99,14 @@ fn write_set(simulation: &Simulation, folder: &Path, done: impl Fn() + Sync) -> 
     Ok(facts)
 }
 
-/// Refuses a folder with files unless forced, and logs that a manifest does not list, beside which shorter data sets would lie.
+/// Refuses a folder with files unless forced, and logs that no manifest of a simulation lists, beside which shorter data sets would lie.
 fn may_write(folder: &Path, force: bool) -> Result<(), FolderError> {
     let path = folder.to_owned();
     let is_empty = |path: &Path| std::fs::read_dir(path).map_or(true, |mut entries| entries.next().is_none());
     if !force && !is_empty(folder) {
         return Err(FolderError::NotEmpty { path });
     }
-    if folder.join("runs").is_dir() && !folder.join(MANIFEST).is_file() {
+    if folder.join("runs").is_dir() && folder::files_of("simulate", folder)?.is_none() {
         return Err(FolderError::NoManifest { path });
     }
     Ok(())

@@ -4,7 +4,7 @@ use jiff::Timestamp;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -26,6 +26,12 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["outputs[].file", "", "a file of this folder, all but the manifest", ""],
     ["outputs[].bytes", "B", "its size", ""],
     ["outputs[].sha256", "", "its digest", ""],
+    [
+        "earlier[].*",
+        "",
+        "the manifest of another command that wrote into this folder before, with the files that are still its own",
+        "",
+    ],
 ];
 
 /// When a command began, and what it read.
@@ -47,8 +53,14 @@ impl Provenance {
         Self { started, inputs: inputs.par_iter().map(listed).collect() }
     }
 
-    /// The manifest of the files of a folder.
-    pub(super) fn manifest(&self, command: &str, folder: &Path, files: &BTreeSet<PathBuf>) -> io::Result<String> {
+    /// The manifest of the files of a folder. `earlier` are the manifests of other commands whose files stay.
+    pub(super) fn manifest(
+        &self,
+        command: &str,
+        folder: &Path,
+        files: &BTreeSet<PathBuf>,
+        earlier: Vec<Value>,
+    ) -> io::Result<String> {
         let files: Vec<&PathBuf> = files.iter().collect();
         let listed = |path: &&PathBuf| {
             let (bytes, sha256) = digest(&folder.join(path))?;
@@ -65,39 +77,81 @@ impl Provenance {
             "ended": format!("{:.3}", Timestamp::now()),
             "inputs": self.inputs,
             "outputs": outputs,
+            "earlier": earlier,
         });
         Ok(format!("{value:#}\n"))
     }
 }
 
-/// What the manifest of a folder says that belongs to it.
+/// What the manifest of a folder says that belongs to it, by command.
 #[derive(Debug, Default)]
 pub(super) struct Listed {
-    pub command: String,
-    pub files: BTreeSet<PathBuf>,
+    last: String,
+    /// The manifest of each command that has files there, without those of the others.
+    manifests: BTreeMap<String, Value>,
 }
 
 impl Listed {
     /// Of the manifest in a folder; none where there is no manifest.
     pub(super) fn read(folder: &Path) -> io::Result<Option<Self>> {
-        let path = folder.join(MANIFEST);
-        let text = match fs::read_to_string(&path) {
+        let text = match fs::read_to_string(folder.join(MANIFEST)) {
             Ok(text) => text,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(error),
         };
+        let listed = serde_json::from_str(&text).ok().and_then(Self::of);
         let foreign = || {
             let message = format!("expected no {MANIFEST} there, or one of rundown; found another one");
             io::Error::new(io::ErrorKind::AlreadyExists, message)
         };
-        let value: Value = serde_json::from_str(&text).map_err(|_| foreign())?;
-        let (Some(command), Some(outputs)) = (value["command"].as_str(), value["outputs"].as_array()) else {
-            return Err(foreign());
-        };
-        let file = |output: &Value| output["file"].as_str().map(PathBuf::from).filter(|path| is_below(path));
-        let files = outputs.iter().map(file).collect::<Option<_>>().ok_or_else(foreign)?;
-        Ok(Some(Self { command: command.to_owned(), files }))
+        listed.map(Some).ok_or_else(foreign)
     }
+
+    fn of(mut value: Value) -> Option<Self> {
+        // One by which no other command had files there may have none.
+        let earlier = value.as_object_mut()?.remove("earlier").unwrap_or_else(|| json!([]));
+        let last = value["command"].as_str()?.to_owned();
+        let mut manifests = BTreeMap::new();
+        for manifest in earlier.as_array()?.iter().chain([&value]) {
+            outputs(manifest)?;
+            manifests.insert(manifest["command"].as_str()?.to_owned(), manifest.clone());
+        }
+        Some(Self { last, manifests })
+    }
+
+    /// The command that wrote last.
+    pub(super) fn command(&self) -> &str {
+        &self.last
+    }
+
+    /// The files of a command; none where it has none there.
+    pub(super) fn files(&self, command: &str) -> Option<BTreeSet<PathBuf>> {
+        self.manifests.get(command).and_then(outputs)
+    }
+
+    /// The manifests of other commands, each with the files that are its own when these have been written by `command`.
+    pub(super) fn others(mut self, command: &str, written: &BTreeSet<PathBuf>) -> Vec<Value> {
+        self.manifests.remove(command);
+        for manifest in self.manifests.values_mut() {
+            let outputs = manifest.get_mut("outputs").and_then(Value::as_array_mut);
+            outputs
+                .into_iter()
+                .for_each(|outputs| outputs.retain(|output| file(output).is_some_and(|file| !written.contains(&file))));
+        }
+        self.manifests
+            .into_values()
+            .filter(|manifest| outputs(manifest).is_some_and(|files| !files.is_empty()))
+            .collect()
+    }
+}
+
+/// Files that a manifest lists; none where it is no manifest of rundown.
+fn outputs(manifest: &Value) -> Option<BTreeSet<PathBuf>> {
+    manifest["outputs"].as_array()?.iter().map(file).collect()
+}
+
+fn file(output: &Value) -> Option<PathBuf> {
+    output["file"].as_str().map(PathBuf::from).filter(|path| is_below(path))
 }
 
 /// It leads to no place outside its folder.

@@ -7,16 +7,18 @@
 //!                       a later command brings that to its end
 //! ```
 //!
-//! Files that no manifest lists are never removed. What is promised holds for a command that is stopped, not for a loss of power: nothing is
+//! The manifest keeps the lists of other commands that wrote there before. Files that no manifest lists are never removed. What is promised holds for a command that is stopped, not for a loss of power: nothing is
 //! forced onto the disk.
 
 mod manifest;
 mod staged;
 
 pub use manifest::{FIELDS, MANIFEST, Provenance};
+pub use staged::shown;
 
 use crate::WriteError;
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 /// Writes the folder `out` by `write`, which gets the folder to write into. Where `write` fails, `out` stays as it is.
 ///
@@ -32,4 +34,13 @@ pub fn write<T, E: From<WriteError>>(
     let written = write(staged.path())?;
     staged.done(provenance)?;
     Ok(written)
+}
+
+/// The files, relative to the folder, that its manifest lists as results of a command; none where that command wrote nothing there.
+///
+/// # Errors
+/// [`WriteError`] where the manifest cannot be read or is another program's.
+pub fn files_of(command: &str, folder: &Path) -> Result<Option<BTreeSet<PathBuf>>, WriteError> {
+    let listed = manifest::Listed::read(folder).map_err(|source| WriteError { path: folder.to_owned(), source })?;
+    Ok(listed.and_then(|listed| listed.files(command)))
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Complete results within the folder that gets them.
 const READY: &str = ".rundown-ready";
@@ -19,6 +19,8 @@ pub struct Staged {
     command: String,
     out: PathBuf,
     folder: PathBuf,
+    /// Its name is not used up yet: as soon as it is, another command may take it.
+    is_there: bool,
     /// As long as it is held no other command writes into the same place.
     _lock: Option<File>,
 }
@@ -39,8 +41,8 @@ impl Staged {
                 fs::create_dir_all(parent)?;
             }
             let (folder, lock) = stage(&place)?;
-            let staged = Self { command: command.to_owned(), out: place.clone(), folder, _lock: lock };
-            forward(&place)?;
+            let staged = Self { command: command.to_owned(), out: place.clone(), folder, is_there: true, _lock: lock };
+            finish(&place)?;
             // Of a manifest that is not ours it is said now, not after the work.
             Listed::read(&place)?;
             Ok(staged)
@@ -56,33 +58,57 @@ impl Staged {
     ///
     /// # Errors
     /// It cannot be put there; where a folder lies in the way of a file, nothing is.
-    pub fn done(self, provenance: &Provenance) -> Result<(), WriteError> {
+    pub fn done(mut self, provenance: &Provenance) -> Result<(), WriteError> {
         self.put(provenance).map_err(|source| WriteError { path: self.out.clone(), source })
     }
 
-    fn put(&self, provenance: &Provenance) -> io::Result<()> {
-        let Self { command, out, folder, .. } = self;
+    fn put(&mut self, provenance: &Provenance) -> io::Result<()> {
+        let Self { command, out, folder, is_there, .. } = self;
         let files = entries(folder)?;
-        fs::write(folder.join(MANIFEST), provenance.manifest(command, folder, &files)?)?;
+        let old = Listed::read(out)?.unwrap_or_default();
+        let own = old.files(command).unwrap_or_default();
+        let manifest = provenance.manifest(command, folder, &files, old.others(command, &files))?;
+        fs::write(folder.join(MANIFEST), manifest)?;
         if !out.exists() {
-            return fs::rename(folder, out);
+            fs::rename(&*folder, out)?;
+            *is_there = false;
+            return Ok(());
         }
         in_the_way(out, &files)?;
-        let old = Listed::read(out)?.filter(|listed| listed.command == *command).unwrap_or_default();
-        fs::set_permissions(folder, fs::metadata(out)?.permissions())?;
-        if is_all_of_it(out, &old)? && exchange(folder, out).is_ok() {
-            return fs::remove_dir_all(folder);
+        fs::set_permissions(&*folder, fs::metadata(&*out)?.permissions())?;
+        // The old folder gets the name of the new one, and is locked under it until it is gone.
+        if is_all_of_it(out, &own)?
+            && let Ok(_old) = locked(out)
+            && exchange(folder, out).is_ok()
+        {
+            // The results are in place: what cannot be removed is left to the next command.
+            let _ = fs::remove_dir_all(&*folder);
+            *is_there = false;
+            return Ok(());
         }
-        fs::rename(folder, out.join(READY))?;
+        fs::rename(&*folder, out.join(READY))?;
+        *is_there = false;
         forward(out)
     }
 }
 
 impl Drop for Staged {
     fn drop(&mut self) {
-        // After `done` it is gone. One that cannot be removed is removed by the next command.
-        let _ = fs::remove_dir_all(&self.folder);
+        if self.is_there {
+            // One that cannot be removed is removed by the next command.
+            let _ = fs::remove_dir_all(&self.folder);
+        }
     }
+}
+
+/// A path as it will be when the results are in place: people are shown no other.
+pub fn shown(path: &Path) -> PathBuf {
+    let part = |part: Component| match part.as_os_str().to_str() {
+        Some(NEW | READY) => None,
+        Some(name) => Some(name.strip_prefix('.').and_then(|name| name.strip_suffix(NEW)).unwrap_or(name).into()),
+        None => Some(part.as_os_str().to_owned()),
+    };
+    path.components().filter_map(part).collect::<PathBuf>()
 }
 
 /// The folder itself where a link leads to it, or its name is none.
@@ -109,13 +135,24 @@ fn stage(out: &Path) -> io::Result<(PathBuf, Option<File>)> {
 
 /// Makes a folder, in place of what a stopped command left.
 fn empty(folder: PathBuf) -> io::Result<(PathBuf, Option<File>)> {
-    if folder.is_dir() {
-        drop(locked(&folder)?);
+    loop {
+        let is_new = match fs::create_dir(&folder) {
+            Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
+            made => made.is_ok(),
+        };
+        let lock = match locked(&folder) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+            lock => lock?,
+        };
+        // In between another command may have removed it, and made one of the same name.
+        if !is_still(&folder, lock.as_ref()) {
+            continue;
+        }
+        if is_new {
+            return Ok((folder, lock));
+        }
         fs::remove_dir_all(&folder)?;
     }
-    fs::create_dir(&folder)?;
-    let lock = locked(&folder)?;
-    Ok((folder, lock))
 }
 
 #[cfg(unix)]
@@ -135,6 +172,19 @@ fn locked(folder: &Path) -> io::Result<Option<File>> {
 #[cfg(not(unix))]
 fn locked(_: &Path) -> io::Result<Option<File>> {
     Ok(None)
+}
+
+/// The path leads to the folder that is locked.
+#[cfg(unix)]
+fn is_still(folder: &Path, lock: Option<&File>) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let id = |found: fs::Metadata| (found.dev(), found.ino());
+    lock.is_none_or(|lock| lock.metadata().map(id).ok() == fs::metadata(folder).map(id).ok())
+}
+
+#[cfg(not(unix))]
+fn is_still(_: &Path, _: Option<&File>) -> bool {
+    true
 }
 
 /// It lies on another file system than its name.
@@ -164,9 +214,9 @@ fn exchange(_: &Path, _: &Path) -> io::Result<()> {
 }
 
 /// The folder holds nothing but what its manifest lists, and nobody stands in it: it may be exchanged as a whole.
-fn is_all_of_it(out: &Path, listed: &Listed) -> io::Result<bool> {
+fn is_all_of_it(out: &Path, own: &BTreeSet<PathBuf>) -> io::Result<bool> {
     let stands_in = std::env::current_dir()?.starts_with(out.canonicalize()?);
-    Ok(!stands_in && entries(out)?.iter().all(|path| path == Path::new(MANIFEST) || listed.files.contains(path)))
+    Ok(!stands_in && entries(out)?.iter().all(|path| path == Path::new(MANIFEST) || own.contains(path)))
 }
 
 /// A file of the new results cannot replace a folder, nor lie in a file.
@@ -182,18 +232,28 @@ fn in_the_way(out: &Path, files: &BTreeSet<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
+/// Brings to its end what a stopped command left; one that is still at it is let be.
+fn finish(out: &Path) -> io::Result<()> {
+    match locked(&out.join(READY)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(error),
+        Ok(_lock) => forward(out),
+    }
+}
+
 /// Brings complete results to their places, file by file, the manifest last. Can be repeated wherever it was stopped.
 fn forward(out: &Path) -> io::Result<()> {
     let ready = out.join(READY);
     if !ready.is_dir() {
         return Ok(());
     }
-    if let Some(new) = Listed::read(&ready)? {
-        let old = Listed::read(out)?.filter(|old| old.command == new.command).unwrap_or_default();
-        for stale in old.files.difference(&new.files) {
+    if let Some(listed) = Listed::read(&ready)? {
+        let new = listed.files(listed.command()).unwrap_or_default();
+        let old = Listed::read(out)?.and_then(|old| old.files(listed.command())).unwrap_or_default();
+        for stale in old.difference(&new) {
             remove(out, stale)?;
         }
-        for file in &new.files {
+        for file in &new {
             let (from, to) = (ready.join(file), out.join(file));
             if from.exists() {
                 fs::create_dir_all(to.parent().unwrap_or(out))?;
@@ -202,7 +262,9 @@ fn forward(out: &Path) -> io::Result<()> {
         }
         fs::rename(ready.join(MANIFEST), out.join(MANIFEST))?;
     }
-    fs::remove_dir_all(&ready)
+    // The results are in place: what cannot be removed is left to the next command.
+    let _ = fs::remove_dir_all(&ready);
+    Ok(())
 }
 
 /// Removes a file of earlier results, and the folders above it that are empty then.

@@ -116,7 +116,7 @@ fn one_that_is_killed_among_files_of_others_is_brought_to_its_end() {
         fill(&out, &[("notes.txt", "mine")]);
         let staged = begun(&out, &NEW_FILES);
         let files = entries(staged.path()).unwrap();
-        let manifest = Provenance::begin(&[]).manifest("replay", staged.path(), &files).unwrap();
+        let manifest = Provenance::begin(&[]).manifest("replay", staged.path(), &files, Vec::new()).unwrap();
         fs::write(staged.path().join(MANIFEST), manifest).unwrap();
         let left = killed(staged);
         fs::rename(left, out.join(READY)).unwrap();
@@ -200,4 +200,112 @@ fn the_manifest_lists_every_file_with_its_digest() {
     assert!(manifest["inputs"][1]["sha256"].is_null());
     let time = |name: &str| manifest[name].as_str().unwrap().parse::<jiff::Timestamp>().unwrap();
     assert!(time("started") <= time("ended"));
+}
+
+fn written_by(command: &str, out: &Path, files: &[(&str, &str)]) {
+    let staged = Staged::begin(command, out).unwrap();
+    fill(staged.path(), files);
+    staged.done(&Provenance::begin(&[])).unwrap();
+}
+
+/// Whichever command wrote last, each knows which files are its own.
+#[test]
+fn stale_files_go_after_another_command_wrote_there_and_files_that_it_replaced_are_its_own() {
+    let place = TempDir::new().unwrap();
+    let out = place.path().join("out");
+    written_by("replay", &out, &[("a.csv", "old a"), ("b.csv", "old b"), ("report.html", "replay")]);
+    written_by("check", &out, &[("check.json", "check"), ("report.html", "check")]);
+    written_by("gap", &out, &[("gap.json", "gap")]);
+    written_by("replay", &out, &[("a.csv", "new a")]);
+    let all = expected(&[("a.csv", "new a"), ("check.json", "check"), ("gap.json", "gap"), ("report.html", "check")]);
+    assert_eq!(content(&out), all);
+    written_by("check", &out, &[("check.json", "new")]);
+    assert_eq!(content(&out), expected(&[("a.csv", "new a"), ("check.json", "new"), ("gap.json", "gap")]));
+    let manifest: serde_json::Value = serde_json::from_str(&fs::read_to_string(out.join(MANIFEST)).unwrap()).unwrap();
+    let earlier = manifest["earlier"].as_array().unwrap().iter();
+    let mut earlier: Vec<(&str, &str)> =
+        earlier.map(|of| (of["command"].as_str().unwrap(), of["outputs"][0]["file"].as_str().unwrap())).collect();
+    earlier.sort_unstable();
+    assert_eq!(earlier, [("gap", "gap.json"), ("replay", "a.csv")]);
+    assert!(manifest["earlier"][0]["earlier"].is_null(), "{manifest:#}");
+}
+
+/// A command whose results are in place has no claim to the name that it used before.
+#[test]
+fn the_end_of_a_command_leaves_the_work_of_the_next_one_alone() {
+    let place = TempDir::new().unwrap();
+    let out = place.path().join("out");
+    for others in [None, None, Some(("notes.txt", "mine"))] {
+        fill(&out, others.as_slice());
+        let mut first = begun(&out, &OLD);
+        first.put(&Provenance::begin(&[])).unwrap();
+        let second = begun(&out, &NEW_FILES);
+        drop(first);
+        assert!(second.path().join("more.csv").exists());
+        second.done(&Provenance::begin(&[])).unwrap();
+        let mut found = content(&out);
+        found.retain(|(name, _)| name != "notes.txt");
+        assert_eq!(found, expected(&NEW_FILES));
+    }
+}
+
+/// Each ends with its results or the refusal that names the other; what is in place belongs together.
+#[test]
+fn commands_that_overlap_do_not_remove_the_work_of_one_another() {
+    for others in [false, true] {
+        let place = TempDir::new().unwrap();
+        let out = place.path().join("out");
+        if others {
+            fill(&out, &[("notes.txt", "mine")]);
+        }
+        let one = |writer: usize| {
+            let mut done = 0;
+            for round in 0..100 {
+                let text = format!("{writer} {round}");
+                let ended = Staged::begin("replay", &out).and_then(|staged| {
+                    for name in ["a.csv", "b.csv", "c/d.csv"] {
+                        let path = staged.path().join(name);
+                        fs::create_dir_all(path.parent().unwrap()).unwrap();
+                        fs::write(&path, &text).unwrap();
+                    }
+                    staged.done(&Provenance::begin(&[]))
+                });
+                match ended {
+                    Ok(()) => done += 1,
+                    Err(error) => assert!(error.to_string().contains("another rundown command is writing"), "{error}"),
+                }
+            }
+            done
+        };
+        let done: usize = std::thread::scope(|scope| {
+            let writers: Vec<_> = (0..3)
+                .map(|writer| {
+                    scope.spawn({
+                        let one = &one;
+                        move || one(writer)
+                    })
+                })
+                .collect();
+            writers.into_iter().map(|writer| writer.join().unwrap()).sum()
+        });
+        assert!(done > 0);
+        let mut found = content(&out);
+        found.retain(|(name, _)| name != "notes.txt");
+        assert_eq!(found.len(), 3, "{found:?}");
+        assert!(found.iter().all(|(_, text)| *text == found[0].1), "{found:?}");
+        assert_eq!(names_beside(&place), ["out"]);
+    }
+}
+
+#[test]
+fn people_are_shown_the_place_of_the_results() {
+    for (path, place) in [
+        ("out/.v.rundown-new/report.html", "out/v/report.html"),
+        ("v/.rundown-new/a.csv", "v/a.csv"),
+        ("v/.rundown-ready/a.csv", "v/a.csv"),
+        ("/v/.hidden/a.csv", "/v/.hidden/a.csv"),
+        ("..v.rundown-new/a", ".v/a"),
+    ] {
+        assert_eq!(shown(Path::new(path)), Path::new(place));
+    }
 }
