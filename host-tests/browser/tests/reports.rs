@@ -96,8 +96,11 @@ async fn every_area_has_its_colour_in_the_legend() {
     let reports = Reports::of(1);
     reports.replay();
     let browser = browser().await;
+    // Figures far below the screen are not live.
+    browser.screen(1400, 9000, Scheme::Light).await;
     reports.open(&browser, "out/report/run0001.html").await;
-    browser.wait_for(ALIVE).await;
+    let bars = "return [...plots].some((u) => u.rundown.panel.layers.some((l) => l.kind === 'bars' && l.legend))";
+    browser.wait_for(bars).await;
     let areas = "return [...document.querySelectorAll('.u-series.area .u-marker')].map((m) => getComputedStyle(m).backgroundColor)";
     let areas: Vec<String> = browser.ask(areas).await;
     assert!(!areas.is_empty() && areas.iter().all(|colour| colour != "rgba(0, 0, 0, 0)"), "{areas:?}");
