@@ -4,15 +4,16 @@
 //!
 //! | value | from |
 //! |---|---|
-//! | r0, r1, r2 | the vehicle after the unit's last run |
+//! | r0, r1, r2 | the vehicle after the unit's last run, where the board would publish it as learned |
 //! | largest tractive effort, largest power | the described capability, or what drivers used where that is more: a [`Limit`] |
 //! | all else | the description: mass, rotating mass factor, length, brake |
 //!
 //! What drivers used is their habit: the median over the runs of the largest effort at low speed, and of the largest power. It is no bound of the train:
-//! what they did not demand was not observed. Fewer than [`LEAST_RUNS`] runs show no habit.
+//! what they did not demand was not observed. Fewer than [`LEAST_RUNS`] runs show no habit. Runs that the replay set aside count nowhere.
 
 use rundown::model::resistance::Davis;
 use rundown_files::train_file::TrainFile;
+use rundown_wire::Learned;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -46,6 +47,7 @@ impl Limit {
 pub struct LearnedTrain {
     pub train: TrainFile,
     pub davis_sd: [f64; 3],
+    /// Runs from which the resistance was learned.
     pub runs: usize,
     /// Largest tractive effort, N.
     pub effort: Limit,
@@ -63,6 +65,8 @@ struct ReplayJson {
 #[derive(Debug, Deserialize)]
 struct Run {
     unit: String,
+    used: bool,
+    learning_steps: usize,
     vehicle: Vehicle,
     foresight: Foresight,
     features: Features,
@@ -124,17 +128,13 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
             return Err(format!("unit: expected one of {units:?}, found {found}"));
         }
     };
-    let runs: Vec<&Run> = results.runs.iter().filter(|run| run.unit == chosen).collect();
+    let all = results.runs.iter().filter(|run| run.unit == chosen);
+    let runs: Vec<&Run> = all.clone().filter(|run| run.used).collect();
     let Some(last) = runs.last() else {
-        return Err("runs: expected at least one, found none".to_owned());
+        let set_aside = all.count();
+        return Err(format!("runs: expected at least one that was used, found none; {set_aside} were set aside"));
     };
-    let published = &last.foresight.published;
-    if ["out_of_bounds", "predicts_worse"].contains(&published.as_str()) {
-        return Err(format!(
-            "runs: expected a resistance that would be published, found `{published}` after the last run of unit {chosen:?}; \
-             the notes of the replay say what to look at"
-        ));
-    }
+    check_published(last)?;
     let Vehicle { r0, r1, r2, .. } = last.vehicle;
     let rotating_mass_kg = described.rotating_mass_factor * described.mass_kg;
     let limit = |described: f64, value: fn(&Features) -> Option<f64>| {
@@ -151,10 +151,27 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
     Ok(LearnedTrain {
         train,
         davis_sd: [last.vehicle.sd_r0, last.vehicle.sd_r1, last.vehicle.sd_r2],
-        runs: runs.len(),
+        runs: runs.iter().filter(|run| run.learning_steps > 0).count(),
         effort,
         power,
     })
+}
+
+/// Only what the board would publish as learned is learned.
+fn check_published(last: &Run) -> Result<(), String> {
+    let Run { unit, foresight: Foresight { published }, .. } = last;
+    if published == Learned::Learned.as_str() {
+        return Ok(());
+    }
+    let advice = if published == Learned::NotYet.as_str() {
+        "replay more runs with coasting"
+    } else {
+        "the notes of the replay say what to look at"
+    };
+    Err(format!(
+        "runs: expected a resistance that would be published as learned, \
+         found `{published}` after the last run of unit {unit:?}; {advice}"
+    ))
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -173,7 +190,7 @@ mod tests {
 
     fn run(unit: &str, r0: f64, effort: &str, power: &str) -> String {
         format!(
-            "{{\"unit\":\"{unit}\",\"vehicle\":{{\"r0\":{r0},\"r1\":1.5e-4,\"r2\":2.7e-5,\"sd_r0\":1e-4,\"sd_r1\":1e-5,\"sd_r2\":1e-7}},\
+            "{{\"unit\":\"{unit}\",\"used\":true,\"learning_steps\":9,\"vehicle\":{{\"r0\":{r0},\"r1\":1.5e-4,\"r2\":2.7e-5,\"sd_r0\":1e-4,\"sd_r1\":1e-5,\"sd_r2\":1e-7}},\
             \"foresight\":{{\"published\":\"learned\"}},\"features\":{{\"max_effort_mean_n_per_kg\":{effort},\"power_max_w_per_kg\":{power}}}}}"
         )
     }
@@ -211,6 +228,25 @@ mod tests {
         let worse = run("7", 0.0070, "null", "null").replace("\"learned\"", "\"predicts_worse\"");
         assert!(learned(std::slice::from_ref(&worse), None).unwrap_err().contains("found `predicts_worse`"));
         assert!(learned(&[worse, run("7", 0.0070, "null", "null")], None).is_ok());
+    }
+
+    #[test]
+    fn what_is_not_yet_learned_is_no_learned_train() {
+        let not_yet = run("7", 0.0070, "null", "null").replace("\"learned\"", "\"not_yet\"");
+        let error = learned(&[not_yet], None).unwrap_err();
+        assert!(error.contains("found `not_yet`") && error.ends_with("replay more runs with coasting"), "{error}");
+    }
+
+    #[test]
+    fn runs_that_were_set_aside_or_taught_nothing_do_not_count() {
+        let good = |effort: &str| run("7", 0.0070, effort, "null");
+        let aside = good("9.0").replace("\"used\":true", "\"used\":false");
+        let idle = good("0.6").replace("\"learning_steps\":9", "\"learning_steps\":0");
+        let found = learned(&[good("0.5"), idle, good("0.7"), aside.clone(), aside.clone()], None).unwrap();
+        assert_eq!((found.runs, found.effort.used.map(|used| used.runs)), (2, Some(3)));
+        assert!((found.effort.used.unwrap().median - 0.6 * 385_840.0).abs() < 1e-6);
+        let error = learned(&[aside], None).unwrap_err();
+        assert_eq!(error, "runs: expected at least one that was used, found none; 1 were set aside");
     }
 
     #[test]

@@ -6,14 +6,22 @@ use common::{Folder, RUN, Said, reference};
 use quick_xml::events::Event;
 use std::collections::HashMap;
 
+const REPLAY: [&str; 6] = ["replay", "--train", "train.toml", "--track", "track.toml", "logs"];
+
 /// A folder with three runs and their replay in `out`.
 fn replayed(more: &[&str]) -> Folder {
+    let folder = recorded();
+    folder.done(&[&REPLAY[..], more].concat());
+    folder
+}
+
+/// The runs alone.
+fn recorded() -> Folder {
     let logs = ["logs/a.csv", "logs/b.csv", "logs/c.csv"];
     let folder = logs.into_iter().fold(Folder::new(), |folder, name| folder.with(name, RUN));
     for name in ["train.toml", "track.toml"] {
         std::fs::copy(reference(name), folder.path(name)).unwrap();
     }
-    folder.done(&[&["replay", "--train", "train.toml", "--track", "track.toml"], more, &["logs"]].concat());
     folder
 }
 
@@ -110,6 +118,50 @@ fn what_has_learned_nothing_together_is_refused() {
     let Said { code, err, .. } = exported(&replayed(&["--no-carry"]), "train.toml", &[]);
     assert_eq!(code, Some(3));
     assert!(err.contains("--no-carry"), "{err}");
+}
+
+#[test]
+fn a_resistance_that_is_not_yet_learned_is_refused() {
+    let folder = recorded();
+    // Gradients that nobody knows hide the resistance.
+    let mut track: toml::Table = folder.read("track.toml").parse().unwrap();
+    track.remove("gradient").unwrap();
+    folder.write("track.toml", &track.to_string());
+    folder.done(&REPLAY);
+    let Said { code, err, .. } = exported(&folder, "train.toml", &[]);
+    assert_eq!(code, Some(3), "{err}");
+    assert!(err.contains("expected a resistance that would be published as learned, found `not_yet`"), "{err}");
+    assert!(!folder.path("learned").exists());
+}
+
+#[test]
+fn runs_that_were_set_aside_do_not_count() {
+    let rows = RUN.lines().count();
+    // Without readings for two of three parts.
+    let aside: String = RUN
+        .lines()
+        .enumerate()
+        .map(|(index, line)| if 3 * index < rows { format!("{line}\n") } else { emptied(line) })
+        .collect();
+    let folder = recorded().with("logs/d.csv", &aside);
+    let Said { code, err, .. } = folder.rundown(&REPLAY);
+    assert_eq!(code, Some(1), "{err}");
+    let used: Vec<bool> = folder.json("out/replay.json")["runs"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|run| run["used"].as_bool().unwrap())
+        .collect();
+    assert_eq!(used, [true, true, true, false]);
+    let Said { code, out, err } = exported(&folder, "train.toml", &[]);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(out.contains("from 3 runs"), "{out}");
+}
+
+/// A row with its time alone.
+fn emptied(line: &str) -> String {
+    let (time, rest) = line.split_once(',').unwrap();
+    format!("{time}{}\n", ",".repeat(1 + rest.matches(',').count()))
 }
 
 #[test]

@@ -78,6 +78,9 @@ async fn a_series_is_switched_off_and_the_axis_is_location_or_time() {
     browser.ask::<()>(minutes).await;
     browser.wait_for("return [...plots].every((u) => u.rundown.figure.x_label.startsWith('time'))").await;
     assert!(browser.ask::<bool>("return ![...plots][1].series[1].show").await, "it stays off");
+    let off = "return [...plots].flatMap((u) => u.series.filter((s) => !s.show).map((s) => [u.rundown.panel.label, s.label]))";
+    let off: Vec<[String; 2]> = browser.ask(off).await;
+    assert_eq!(off.len(), 1, "in its panel alone: {off:?}");
     let ends: Vec<[f64; 2]> = browser.ask(ENDS).await;
     assert!(ends.iter().all(|[from, to]| *from == 0.0 && (5.0..60.0).contains(to)), "{ends:?}");
 
@@ -86,6 +89,21 @@ async fn a_series_is_switched_off_and_the_axis_is_location_or_time() {
     let svg: String = browser.ask(svg).await;
     assert!(svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\"") && svg.contains("coast "), "{svg:.200}");
     check_quiet(&browser).await;
+}
+
+#[tokio::test]
+async fn every_area_has_its_colour_in_the_legend() {
+    let reports = Reports::of(1);
+    reports.replay();
+    let browser = browser().await;
+    // Figures far below the screen are not live.
+    browser.screen(1400, 9000, Scheme::Light).await;
+    reports.open(&browser, "out/report/run0001.html").await;
+    let bars = "return [...plots].some((u) => u.rundown.panel.layers.some((l) => l.kind === 'bars' && l.legend))";
+    browser.wait_for(bars).await;
+    let areas = "return [...document.querySelectorAll('.u-series.area .u-marker')].map((m) => getComputedStyle(m).backgroundColor)";
+    let areas: Vec<String> = browser.ask(areas).await;
+    assert!(!areas.is_empty() && areas.iter().all(|colour| colour != "rgba(0, 0, 0, 0)"), "{areas:?}");
 }
 
 #[tokio::test]
@@ -161,7 +179,7 @@ async fn every_page_fits_by_day_and_by_night() {
 }
 
 #[tokio::test]
-async fn a_thousand_runs_open_in_a_second() {
+async fn a_thousand_runs_open_in_three_seconds() {
     let reports = Reports::of(1000);
     reports.replay();
     let browser = browser().await;

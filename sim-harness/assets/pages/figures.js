@@ -82,7 +82,7 @@ function seriesOf(layer) {
   const isArea = !["line", "verticals", "marks", "dots"].includes(layer.kind);
   return {
     label: layer.legend, class: layer.kind === "dots" || layer.kind === "marks" ? "dot" : isArea ? "area" : `line-${layer.stroke}`,
-    stroke: () => shade(layer.colour), fill: () => (isArea ? shade(layer.colour, Math.max(layer.opacity, 0.25)) : "transparent"),
+    stroke: () => shade(layer.colour), fill: () => (isArea ? shade(layer.colour, Math.max(layer.opacity ?? 1, 0.25)) : "transparent"),
     paths: () => null, points: { show: false }, value: valueOf(layer),
   };
 }
@@ -148,6 +148,9 @@ function optionsOf(picture, figure, panel, named, isLast) {
   };
 }
 
+/** A series by its panel: panels share names of series. */
+const inPanel = (panel, series) => `${panel.label}\n${series.label}`;
+
 /** A figure of the page, live. */
 class Picture {
   constructor(element) {
@@ -188,7 +191,8 @@ class Picture {
   }
 
   draw() {
-    const off = new Set(this.plots.flatMap((u) => u.series.filter((series) => !series.show).map((series) => series.label)));
+    const hidden = (u) => u.series.filter((series) => !series.show).map((series) => inPanel(u.rundown.panel, series));
+    const off = new Set(this.plots.flatMap(hidden));
     this.remove();
     const { figures } = this.drawing.views.find((view) => view.name === this.view);
     this.box.style.setProperty("--columns", figures.length > 1 ? this.drawing.columns : 1);
@@ -210,7 +214,7 @@ class Picture {
     u.batch(() => {
       u.setScale("x", { min, max });
       u.setScale("y", { min: panel.y[0], max: panel.y[1] });
-      u.series.forEach((series, i) => off.has(series.label) && u.setSeries(i, { show: false }));
+      u.series.forEach((series, i) => off.has(inPanel(panel, series)) && u.setSeries(i, { show: false }));
     });
     plots.add(u);
     this.plots.push(u);

@@ -168,10 +168,35 @@ fn notes(stock: &Stock, chosen: &str, mode: &Mode) -> Vec<String> {
             others.join(", ")
         ));
     }
-    notes.push(format!("not kept: {}", stock.lost.keys().map(String::as_str).collect::<Vec<_>>().join(", ")));
+    if !stock.lost.is_empty() {
+        notes.push(format!("not kept: {}", stock.lost.keys().map(String::as_str).collect::<Vec<_>>().join(", ")));
+    }
     if let Some(comfort) = stock.comfort_acceleration {
         notes
             .push(format!("comfort_acceleration {comfort} m/s2 is not kept: the effort alone bounds the acceleration"));
     }
     notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_kept_is_named_and_nothing_else() {
+        let stock = |more: &str| {
+            format!(
+                "{{\"name\":\"t\",\"mass\":364000,\"inertia_coefficient\":1.06,\"length\":162,\"const_gamma\":0.66,\
+                 \"rolling_resistance\":{{\"type\":\"davis\",\"A\":2800,\"B\":60,\"C\":10}},\
+                 \"effort_curves\":{{\"default_mode\":\"thermal\",\"modes\":{{\"thermal\":\
+                 {{\"default_curve\":{{\"speeds\":[0,10,40],\"max_efforts\":[200000,200000,50000]}}}}}}}}{more}}}"
+            )
+        };
+        let lost = |more: &str| -> Vec<String> {
+            let draft = read("s.json".as_ref(), &stock(more)).unwrap();
+            draft.notes.into_iter().filter(|note| note.starts_with("not kept")).collect()
+        };
+        assert_eq!(lost(""), Vec::<String>::new());
+        assert_eq!(lost(",\"loading_gauge\":\"G1\""), ["not kept: loading_gauge"]);
+    }
 }

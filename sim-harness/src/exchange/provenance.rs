@@ -19,8 +19,9 @@ pub(crate) fn sentences(learned: &LearnedTrain, mass_kg: f64) -> Vec<String> {
             format!("{name} = {mean} +/- {half} {unit}")
         })
         .collect();
+    let runs = if *runs == 1 { "1 run".to_owned() } else { format!("{runs} runs") };
     let mut said = vec![
-        format!("Running resistance: learned by Rundown from {runs} runs, with 95 % intervals."),
+        format!("Running resistance: learned by Rundown from {runs}, with 95 % intervals."),
         format!("{}.", coefficients.join(", ")),
         limit("tractive effort", "N", &learned.effort),
         limit("power", "W", &learned.power),

@@ -25,6 +25,8 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["runs[].direction", "", "`up` or `down`", ""],
     ["runs[].rows", "", "rows of the log", ""],
     ["runs[].steps", "", "ticks with an estimate", ""],
+    ["runs[].learning_steps", "", "ticks from which the resistance was learned", ""],
+    ["runs[].used", "", "whether the vehicle was changed: it is not where more than half of the ticks are invalid", ""],
     ["runs[].estimates", "", "file with the estimates", "`--no-estimates`"],
     [
         "runs[].coast_ahead",
@@ -155,6 +157,8 @@ fn of_run(run: &ReplayedRun, config: &Config, tables: Tables) -> Value {
         "direction": parameters::direction_word(run.direction),
         "rows": run.rows,
         "steps": run.estimates.len(),
+        "learning_steps": parameters::learning_steps(run),
+        "used": run.is_used,
         "estimates": file(estimates::stem(run), true),
         "coast_ahead": file(coast_ahead::stem(run), !run.coast_ahead.is_empty()),
         "vehicle": object(&davis, &run.vehicle_after),

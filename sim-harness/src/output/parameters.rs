@@ -22,7 +22,6 @@ pub(crate) const fn direction_word(direction: Direction) -> &'static str {
 
 /// The columns of the file: run, the vehicle after it, the run's own train (`run_*`: wind and load of the day included), rows and counters.
 pub fn columns() -> Vec<Column<ReplayedRun>> {
-    let learned = |run: &ReplayedRun| run.estimates.iter().filter(|estimate| estimate.learning).count();
     let mut columns = vec![run_name()];
     let vehicle = coefficients("", "the vehicle after the run");
     columns.extend(vehicle.into_iter().map(|column| column.of_part(|run: &ReplayedRun| &run.vehicle_after)));
@@ -33,11 +32,16 @@ pub fn columns() -> Vec<Column<ReplayedRun>> {
         direction(),
         Column::count("rows", "rows of the log", |run: &ReplayedRun| run.rows),
         Column::count("steps", "ticks with an estimate", |run: &ReplayedRun| run.estimates.len()),
-        Column::count("learning_steps", "ticks from which the resistance was learned", learned),
+        Column::count("learning_steps", "ticks from which the resistance was learned", learning_steps),
     ]);
     columns.extend(foresight());
     columns.extend(counters().into_iter().map(|column| column.of_part(|run: &ReplayedRun| &run.summary.counters)));
     columns
+}
+
+/// Ticks from which the resistance was learned.
+pub(super) fn learning_steps(run: &ReplayedRun) -> usize {
+    run.estimates.iter().filter(|estimate| estimate.learning).count()
 }
 
 /// Whether the vehicle's resistance would be published, how the run's coasts were foreseen, and what it taught about r at some speeds.
