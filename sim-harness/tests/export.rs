@@ -244,4 +244,6 @@ fn a_running_path_becomes_a_track() {
     let track: toml::Table = folder.read("track.toml").parse().unwrap();
     assert_eq!(track["length_m"].as_float(), Some(2000.0));
     assert_eq!(track["gradient"][0]["permille"].as_float(), Some(5.0));
+    let said = folder.rundown(&["convert", "path.yaml", "--set", "mass_kg=1000"]);
+    assert!(said.code != Some(0) && said.err.contains("--set mass_kg: expected a train, found a running path"));
 }

@@ -55,6 +55,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             (toml::to_string(&train).map_err(Failure::not_written)?, draft.notes)
         }
         Found::Track(track, notes) => {
+            if let Some((field, _)) = arguments.set.first() {
+                return Err(Failure::refused(format!("--set {field}: expected a train, found a running path")));
+            }
             let content = toml::to_string(&track).map_err(Failure::not_written)?;
             TrackFile::parse(path, &content)?;
             (content, notes)
