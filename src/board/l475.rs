@@ -2,19 +2,17 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | serial line | USART1, TX PB6, RX PB7, both AF7: the ST-LINK's virtual COM port; DMA1 channels 4 and 5, in the emulator byte by byte |
+//! | serial line | USART1, TX PB6, RX PB7, both AF7: the ST-LINK's virtual COM port; DMA1 channels 4 and 5, byte by byte where there is no DMA, as in the emulator |
 //! | clock | MSI 4 MHz, trimmed by the 32 kHz crystal -> PLL 80 MHz; MSI alone if anything is late |
 //! | CAN, feature `can` | CAN1, RX PB8, TX PB9, both AF9; a transceiver is not on the board |
 //! | watchdog | IWDG on the LSI, 2 s, stands still while a debugger halts the core |
 
-#[cfg(feature = "emulator")]
 mod byte_serial;
 #[cfg(feature = "can")]
 pub mod can;
 mod clock_tree;
 mod crystal;
 pub mod device;
-#[cfg(not(feature = "emulator"))]
 mod dma_serial;
 #[cfg(not(feature = "emulator"))]
 mod flash;
@@ -23,19 +21,16 @@ mod serial;
 #[cfg(feature = "emulator")]
 use super::ram_flash::{self, Flash};
 use super::stopwatch;
-#[cfg(feature = "emulator")]
-use byte_serial::SerialPort;
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m_rt::exception;
 use device::{IWDG, Peripherals};
-#[cfg(not(feature = "emulator"))]
-use dma_serial::SerialPort;
 #[cfg(not(feature = "emulator"))]
 use flash::Flash;
 use rundown::onboard::board::{Board, Started};
 use rundown::onboard::clock::{self, bounded};
 use rundown::onboard::watchdog::Watchdog;
 use rundown_wire::ResetCause;
+use serial::SerialPort;
 
 /// Time until the watchdog bites, in its counts of 2 ms (LSI 32 kHz / 64). The LSI is good to 10 %.
 const BITE_COUNTS: u16 = 1000;
@@ -55,11 +50,7 @@ impl Board for L475 {
         let clock = clock::start(&mut clock_tree::Tree { rcc: &chip.RCC, flash: &chip.FLASH });
         stopwatch::start(&mut core.SYST, clock.hz());
         crystal::start(&chip.RCC, &chip.PWR);
-        serial::pins(&chip.RCC, &chip.GPIOB);
-        #[cfg(not(feature = "emulator"))]
-        let port = dma_serial::start(&chip.RCC, chip.USART1, chip.DMA1, &mut core.NVIC, clock.hz());
-        #[cfg(feature = "emulator")]
-        let port = SerialPort::start(chip.USART1, clock.hz());
+        let port = SerialPort::start(&chip.RCC, &chip.GPIOB, chip.USART1, chip.DMA1, &mut core.NVIC, clock.hz());
         // Stop the watchdog while the debugger has halted the core.
         chip.DBGMCU.apb1fzr1().modify(|_, w| w.dbg_iwdg_stop().set_bit());
         let watchdog = DogTimer::start(chip.IWDG);

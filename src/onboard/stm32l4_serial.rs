@@ -176,7 +176,10 @@ pub struct Stm32l4Serial<C> {
 
 impl<C: SerialController> Stm32l4Serial<C> {
     /// Starts both ways. `divider`: of the clock, for the speed of the line.
-    pub fn start(controller: C, divider: u32) -> Self {
+    ///
+    /// # Errors
+    /// The controller comes back where a channel does not keep what is written into it: there is none, as in the emulator.
+    pub fn start(controller: C, divider: u32) -> Result<Self, C> {
         let mut serial = Self { controller, next: 0, collected: 0, sending: false };
         let requests = serial.get(Register::Requests);
         let of = |channel: Channel, value: u32| value << (4 * channel.index());
@@ -189,12 +192,15 @@ impl<C: SerialController> Stm32l4Serial<C> {
             serial.set(Register::ClearFlags, channel.flag(dma::ALL));
             serial.set(Register::Device(channel), device);
             serial.set(Register::Memory(channel), memory);
+            if serial.get(Register::Memory(channel)) != memory {
+                return Err(serial.controller);
+            }
         }
         serial.receive();
         serial.set(Register::Divider, divider);
         serial.set(Register::Dma, usart::BY_DMA);
         serial.set(Register::Control, usart::ENABLED);
-        serial
+        Ok(serial)
     }
 
     /// The receiving channel begins at the front.

@@ -198,7 +198,7 @@ mod tests {
     fn each_task_has_help_of_its_own() {
         let tasks = HELP.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
         let tasks: Vec<&str> = tasks.map(|line| line.split_whitespace().next().unwrap()).collect();
-        assert_eq!(tasks.len(), 12, "{tasks:?}");
+        assert_eq!(tasks.len(), 13, "{tasks:?}");
         for task in tasks {
             assert!(help_of(task).unwrap().trim_start().starts_with(task));
         }

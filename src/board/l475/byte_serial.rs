@@ -1,4 +1,4 @@
-//! USART1 by interrupt, a byte at a time: for the emulator, which has no DMA.
+//! USART1 by interrupt, a byte at a time: where there is no DMA controller, as in the emulator.
 
 use super::super::BAUD;
 use super::device::USART1;
@@ -7,9 +7,9 @@ use embedded_hal_nb::serial::{ErrorKind, ErrorType, Read, Write};
 use rundown::onboard::serial::LinePort;
 
 /// USART1 byte by byte.
-pub struct SerialPort(USART1);
+pub struct BytePort(USART1);
 
-impl SerialPort {
+impl BytePort {
     pub fn start(usart: USART1, bus_hz: u32) -> Self {
         // SAFETY: 80 MHz gives 694, 4 MHz gives 35: both within the 16 bits, neither below 16.
         usart.brr().write(|w| unsafe { w.bits((bus_hz + BAUD / 2) / BAUD) });
@@ -23,11 +23,11 @@ impl SerialPort {
     }
 }
 
-impl ErrorType for SerialPort {
+impl ErrorType for BytePort {
     type Error = ErrorKind;
 }
 
-impl Read<u8> for SerialPort {
+impl Read<u8> for BytePort {
     fn read(&mut self) -> nb::Result<u8, ErrorKind> {
         let status = self.0.isr().read();
         // The byte that is there when another overran it is good: read it first, the flag comes next time.
@@ -52,7 +52,7 @@ impl Read<u8> for SerialPort {
     }
 }
 
-impl Write<u8> for SerialPort {
+impl Write<u8> for BytePort {
     fn write(&mut self, byte: u8) -> nb::Result<(), ErrorKind> {
         if self.0.isr().read().txe().bit_is_clear() {
             return Err(nb::Error::WouldBlock);
@@ -70,7 +70,7 @@ impl Write<u8> for SerialPort {
     }
 }
 
-impl LinePort for SerialPort {
+impl LinePort for BytePort {
     fn interrupt_when_writable(&mut self, on: bool) {
         self.0.cr1().modify(|_, w| w.txeie().bit(on));
     }

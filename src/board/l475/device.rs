@@ -11,17 +11,12 @@ pub const NVIC_PRIO_BITS: u8 = 4;
 
 /// Names of the manual.
 #[derive(Clone, Copy)]
-#[cfg_attr(
-    any(feature = "can", not(feature = "emulator")),
-    expect(non_camel_case_types, reason = "as the peripheral access crates do")
-)]
+#[expect(non_camel_case_types, reason = "as the peripheral access crates do")]
 #[expect(clippy::upper_case_acronyms, reason = "as the peripheral access crates do")]
 pub enum Interrupt {
     /// What waited on the serial line has gone.
-    #[cfg(not(feature = "emulator"))]
     DMA1_CH4 = 14,
     /// Half of what may come over the serial line is there, or all.
-    #[cfg(not(feature = "emulator"))]
     DMA1_CH5 = 15,
     /// A transmit mailbox became free.
     #[cfg(feature = "can")]
@@ -75,11 +70,8 @@ static __INTERRUPTS: [unsafe extern "C" fn(); VECTORS] = {
     }
     vectors[Interrupt::USART1 as usize] = USART1;
     // One task serves the line, whoever calls it: the port looks at all flags.
-    #[cfg(not(feature = "emulator"))]
-    {
-        vectors[Interrupt::DMA1_CH4 as usize] = USART1;
-        vectors[Interrupt::DMA1_CH5 as usize] = USART1;
-    }
+    vectors[Interrupt::DMA1_CH4 as usize] = USART1;
+    vectors[Interrupt::DMA1_CH5 as usize] = USART1;
     vectors[Interrupt::COMP as usize] = COMP;
     vectors[Interrupt::TSC as usize] = TSC;
     vectors

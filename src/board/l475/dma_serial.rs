@@ -6,7 +6,7 @@ use core::cell::UnsafeCell;
 use cortex_m::peripheral::NVIC;
 use rundown::onboard::stm32l4_serial::{Block, Channel, RECEIVE, Register, SEND, SerialController, Stm32l4Serial};
 
-pub type SerialPort = Stm32l4Serial<Controller>;
+pub type DmaPort = Stm32l4Serial<Controller>;
 
 /// Memory that a channel reads or writes.
 #[repr(align(4))]
@@ -20,19 +20,20 @@ static SENT: Buffer<SEND> = Buffer(UnsafeCell::new([0; SEND]));
 
 /// USART1, channels 4 and 5 of DMA1, and their buffers.
 pub struct Controller {
-    _usart: USART1,
+    usart: USART1,
     _dma: DMA1,
 }
 
 /// As RTIC's priority 3 of the line's task, whose handler all three interrupts share.
 const PRIORITY: u8 = ((1 << NVIC_PRIO_BITS) - 3) << (8 - NVIC_PRIO_BITS);
 
-/// Starts the line and the interrupts of its channels. Pins and USART1's clock are there, interrupts are off.
-pub fn start(rcc: &RCC, usart: USART1, dma: DMA1, nvic: &mut NVIC, bus_hz: u32) -> SerialPort {
+/// Starts the line and the interrupts of its channels; USART1 comes back where there is no DMA controller. Pins and USART1's clock are there, interrupts are off.
+pub fn start(rcc: &RCC, usart: USART1, dma: DMA1, nvic: &mut NVIC, bus_hz: u32) -> Result<DmaPort, USART1> {
     rcc.ahb1enr().modify(|_, w| w.dma1en().set_bit());
     // The reference manual wants a moment between the enable and the first access; a read makes it.
     let _ = rcc.ahb1enr().read();
-    let port = Stm32l4Serial::start(Controller { _usart: usart, _dma: dma }, (bus_hz + BAUD / 2) / BAUD);
+    let controller = Controller { usart, _dma: dma };
+    let port = Stm32l4Serial::start(controller, (bus_hz + BAUD / 2) / BAUD).map_err(|controller| controller.usart)?;
     for interrupt in [Interrupt::DMA1_CH4, Interrupt::DMA1_CH5] {
         // SAFETY: their handler is the line's task, and this is its priority.
         unsafe {
@@ -40,7 +41,7 @@ pub fn start(rcc: &RCC, usart: USART1, dma: DMA1, nvic: &mut NVIC, bus_hz: u32) 
             NVIC::unmask(interrupt);
         }
     }
-    port
+    Ok(port)
 }
 
 impl Controller {

@@ -36,6 +36,8 @@ struct Mock {
     line: Vec<u8>,
     /// The buffer was written while the channel had it.
     torn: bool,
+    /// There is no DMA controller: its registers read zero.
+    absent: bool,
     /// Flags that come up right after the next look.
     meanwhile: Option<u32>,
 }
@@ -55,6 +57,7 @@ impl Mock {
             send: [0; SEND],
             line: Vec::new(),
             torn: false,
+            absent: false,
             meanwhile: None,
         }
     }
@@ -182,6 +185,7 @@ impl SerialController for Mock {
             }
             Register::Left(channel) => self.channel(channel).left = bits,
             Register::Device(channel) => self.channel(channel).device = bits,
+            Register::Memory(_) if self.absent => {}
             Register::Memory(channel) => self.channel(channel).memory = bits,
         }
     }
@@ -216,7 +220,7 @@ struct Board {
 
 impl Board {
     fn start() -> Self {
-        let port = Stm32l4Serial::start(Mock::new(), 694);
+        let port = Stm32l4Serial::start(Mock::new(), 694).unwrap();
         let errors = LineErrors::new();
         Self { port, ring: Queue::new(), outbox: Outbox::new(), errors, got: Vec::new(), interrupts: 0 }
     }
@@ -256,6 +260,12 @@ fn the_start_sets_up_both_channels_and_leaves_those_of_others() {
     assert_eq!(chip.flags & Channel::Receive.flag(dma::ALL), 0);
     assert_eq!(chip.flags & Channel::Send.flag(dma::ALL), 0);
     assert!(!chip.asks());
+}
+
+#[test]
+fn without_a_dma_controller_the_registers_come_back() {
+    let chip = Stm32l4Serial::start(Mock { absent: true, ..Mock::new() }, 694).unwrap_err();
+    assert_eq!(chip.control, 0, "the line was not started");
 }
 
 #[test]
