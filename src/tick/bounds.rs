@@ -2,6 +2,7 @@
 
 use crate::Real;
 pub use crate::model::bounds::OutOfRange;
+use crate::model::bounds::between;
 use core::fmt;
 
 /// Why a configuration was refused. The old one stays in force.
@@ -80,8 +81,7 @@ impl Check {
         let Some(&(field, least, most)) = self.ranges.next().filter(|_| self.refused.is_none()) else {
             return;
         };
-        let outside = found.iter().find(|found| !(least..=most).contains(found));
-        self.refused = outside.map(|found| OutOfRange { field, least, most, found: *found });
+        self.refused = found.iter().find_map(|found| between(field, *found, least, most).err());
     }
 
     /// The first setting that is outside.

@@ -3,7 +3,7 @@
 //! At 87.5 % two nodes may differ by 1 % in all (0.48 % each): until the crystal trims the oscillator (`crystal`), and on a board without one, frames may be lost.
 
 use super::super::CAN_BIT_S;
-use super::device::{CAN1, Interrupt, NVIC_PRIO_BITS, Peripherals};
+use super::device::{CAN1, Interrupt, Peripherals, unmask_as_line};
 use core::cell::RefCell;
 use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::NVIC;
@@ -47,9 +47,6 @@ struct Bus {
 /// Of the interrupts alone once it is there. They have one priority, so the lock, some 5 µs long, is never waited for.
 static BUS: Mutex<RefCell<Option<Bus>>> = Mutex::new(RefCell::new(None));
 
-/// As the serial line's, priority 3 of RTIC: what both count is not interrupted by the other.
-const PRIORITY: u8 = ((1 << NVIC_PRIO_BITS) - 3) << (8 - NVIC_PRIO_BITS);
-
 /// Brings CAN1 up and its interrupts; false where the clock does not give the rate, and where no controller answers.
 ///
 /// To be called once, after the board's start and before interrupts are on.
@@ -68,13 +65,9 @@ pub fn start(
     interrupt::free(|section| BUS.borrow(section).replace(Some(bus)));
     // SAFETY: interrupts are off, and the start is done with it.
     let mut core = unsafe { cortex_m::Peripherals::steal() };
-    for interrupt in [Interrupt::CAN1_TX, Interrupt::CAN1_RX0, Interrupt::CAN1_SCE] {
-        // SAFETY: their priority is no higher than that of RTIC's tasks, and they share nothing with them but atomics and the queues.
-        unsafe {
-            core.NVIC.set_priority(interrupt, PRIORITY);
-            NVIC::unmask(interrupt);
-        }
-    }
+    let interrupts = [Interrupt::CAN1_TX, Interrupt::CAN1_RX0, Interrupt::CAN1_SCE];
+    // SAFETY: they share nothing with the tasks but atomics and the queues.
+    unsafe { unmask_as_line(&mut core.NVIC, interrupts) };
     true
 }
 

@@ -1,7 +1,7 @@
 //! Registers and buffers of USART1 and its channels of DMA1; the sequence is in `rundown::onboard::stm32l4_serial`.
 
 use super::super::BAUD;
-use super::device::{DMA1, Interrupt, NVIC_PRIO_BITS, RCC, USART1};
+use super::device::{DMA1, Interrupt, RCC, USART1, unmask_as_line};
 use core::cell::UnsafeCell;
 use cortex_m::peripheral::NVIC;
 use rundown::onboard::stm32l4_serial::{Block, Channel, RECEIVE, Register, SEND, SerialController, Stm32l4Serial};
@@ -24,9 +24,6 @@ pub struct Controller {
     _dma: DMA1,
 }
 
-/// As RTIC's priority 3 of the line's task, whose handler all three interrupts share.
-const PRIORITY: u8 = ((1 << NVIC_PRIO_BITS) - 3) << (8 - NVIC_PRIO_BITS);
-
 /// Starts the line and the interrupts of its channels; USART1 comes back where there is no DMA controller. Pins and USART1's clock are there, interrupts are off.
 pub fn start(rcc: &RCC, usart: USART1, dma: DMA1, nvic: &mut NVIC, bus_hz: u32) -> Result<DmaPort, USART1> {
     rcc.ahb1enr().modify(|_, w| w.dma1en().set_bit());
@@ -34,13 +31,8 @@ pub fn start(rcc: &RCC, usart: USART1, dma: DMA1, nvic: &mut NVIC, bus_hz: u32) 
     let _ = rcc.ahb1enr().read();
     let controller = Controller { usart, _dma: dma };
     let port = Stm32l4Serial::start(controller, (bus_hz + BAUD / 2) / BAUD).map_err(|controller| controller.usart)?;
-    for interrupt in [Interrupt::DMA1_CH4, Interrupt::DMA1_CH5] {
-        // SAFETY: their handler is the line's task, and this is its priority.
-        unsafe {
-            nvic.set_priority(interrupt, PRIORITY);
-            NVIC::unmask(interrupt);
-        }
-    }
+    // SAFETY: their handler is the line's task itself.
+    unsafe { unmask_as_line(nvic, [Interrupt::DMA1_CH4, Interrupt::DMA1_CH5]) };
     Ok(port)
 }
 
