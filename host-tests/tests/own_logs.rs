@@ -6,9 +6,8 @@
 use host_tests::prelude::*;
 use host_tests::reference::data;
 use rundown::model::state::resistance_sd;
-use rundown_files::replay::{ReplayedRun, Tick};
+use rundown_files::replay::ReplayedRun;
 use rundown_wire::{Learned, Validity};
-use sim_harness::output::tables::Tables;
 use sim_harness::replaying::{Replayed, Request};
 use std::ffi::OsString;
 use std::fmt::Write as _;
@@ -50,20 +49,9 @@ impl Logs {
             mapping => import(&runs, mapping, &imported.path().join("runs")),
         };
         let track = own("track.toml").or_else(|| only_track(folder));
-        let request = Request {
-            runs: vec![runs],
-            train: own("train.toml").unwrap_or_else(|| data("reference/train.toml")),
-            track: track.unwrap_or_else(|| panic!("{}: expected a track.toml, found none", folder.display())),
-            config: own("config.toml"),
-            mode: None,
-            tick: Tick::EverySample,
-            direction: DirectionChoice::Auto,
-            carried: true,
-            as_recorded: false,
-            bad_rows: BadRows::Refuse,
-            tables: Tables::default(),
-            strict: false,
-        };
+        let train = own("train.toml").unwrap_or_else(|| data("reference/train.toml"));
+        let track = track.unwrap_or_else(|| panic!("{}: expected a track.toml, found none", folder.display()));
+        let request = Request { config: own("config.toml"), ..Request::new(vec![runs], train, track) };
         let replayed = request.open().and_then(|opened| opened.replay(|| ()));
         let replayed = replayed.unwrap_or_else(|error| panic!("{error}"));
         assert!(!replayed.runs.is_empty(), "{}: {:?}", folder.display(), replayed.failed);

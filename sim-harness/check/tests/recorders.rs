@@ -191,21 +191,28 @@ fn only(check: &Check, kind: Kind) -> Finding {
     left.pop().unwrap_or_else(|| panic!("{kind:?} is not found")).clone()
 }
 
-#[test]
-fn clean_logs_are_accused_of_nothing() {
-    let recorders = [
+/// Recorders that do nothing but round.
+fn clean_recorders() -> [Recorder; 4] {
+    [
         Recorder::default(),
         Recorder { step_s: 10.0, ..Recorder::default() },
         Recorder { noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() },
         Recorder { noise_m: 1.0, drift_m: 6.0, quantum_kmh: 0.1, ..Recorder::default() },
-    ];
+    ]
+}
+
+/// What was found, but that speeds are rounded.
+fn accusations(check: &Check) -> Vec<Kind> {
+    kinds(check).into_iter().filter(|kind| !matches!(kind, Kind::RoundedSpeed | Kind::SteppedSpeed)).collect()
+}
+
+#[test]
+fn clean_logs_are_accused_of_nothing() {
     let mut accused = Vec::new();
-    for (which, recorder) in recorders.iter().enumerate() {
+    for (which, recorder) in clean_recorders().iter().enumerate() {
         for seed in 0..25 {
             let (found, _) = recorder.check(1000 + seed, 4, 5);
-            let wrong =
-                kinds(&found).into_iter().filter(|kind| !matches!(kind, Kind::RoundedSpeed | Kind::SteppedSpeed));
-            accused.extend(wrong.map(|kind| (which, seed, kind)));
+            accused.extend(accusations(&found).into_iter().map(|kind| (which, seed, kind)));
         }
     }
     assert!(accused.len() <= 2, "of 100 sets: {accused:?}");
@@ -214,18 +221,11 @@ fn clean_logs_are_accused_of_nothing() {
 /// One run alone: there is no scatter between runs that would say how far its driver's style goes.
 #[test]
 fn a_clean_log_that_is_judged_alone_is_accused_of_nothing() {
-    let recorders = [
-        Recorder::default(),
-        Recorder { step_s: 10.0, ..Recorder::default() },
-        Recorder { noise_m: 0.3, odometer_m: 1.0, ..Recorder::default() },
-        Recorder { noise_m: 1.0, drift_m: 6.0, quantum_kmh: 0.1, ..Recorder::default() },
-    ];
     let mut accused = Vec::new();
-    for (which, recorder) in recorders.iter().enumerate() {
+    for (which, recorder) in clean_recorders().iter().enumerate() {
         for seed in 0..100 {
             let (found, _) = recorder.check(11_000 + seed, 1, 1 + seed as usize % 4);
-            let of = kinds(&found).into_iter();
-            let wrong: Vec<Kind> = of.filter(|kind| !matches!(kind, Kind::RoundedSpeed | Kind::SteppedSpeed)).collect();
+            let wrong = accusations(&found);
             if !wrong.is_empty() {
                 accused.push((which, seed, wrong));
             }

@@ -108,10 +108,8 @@ impl Named {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::tables::Tables;
     use crate::replaying::Request;
-    use rundown_files::{recording::DirectionChoice, replay::Tick};
-    use rundown_files::{run_log::BadRows, track_file::TrackFile, train_file::TrainFile};
+    use rundown_files::{track_file::TrackFile, train_file::TrainFile};
     use std::path::{Path, PathBuf};
 
     fn reference(name: &str) -> PathBuf {
@@ -121,20 +119,7 @@ mod tests {
     /// The vehicle does not have what a run taught that was set aside.
     #[test]
     fn what_a_run_taught_that_is_not_used_was_not_learned() {
-        let request = Request {
-            runs: vec![reference("run01.csv")],
-            train: reference("train.toml"),
-            track: reference("track.toml"),
-            config: None,
-            mode: None,
-            tick: Tick::EverySample,
-            direction: DirectionChoice::Auto,
-            carried: true,
-            as_recorded: false,
-            bad_rows: BadRows::Refuse,
-            tables: Tables::default(),
-            strict: false,
-        };
+        let request = Request::new(vec![reference("run01.csv")], reference("train.toml"), reference("track.toml"));
         let mut replayed = request.open().unwrap().replay(|| ()).unwrap();
         let (_, train) = TrainFile::read(&reference("train.toml")).unwrap();
         let (_, track) = TrackFile::read(&reference("track.toml")).unwrap();

@@ -1,10 +1,8 @@
 //! `rundown doctor`: what this machine has, and lacks, for a board, its emulator, the browser's tests and Python.
 
 use super::{Failure, screen};
-use crate::output::tables::Tables;
 use crate::replaying::Request;
-use rundown_files::recording::DirectionChoice;
-use rundown_files::{replay::Tick, run_log::BadRows, train_file::TrainFile};
+use rundown_files::train_file::TrainFile;
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
@@ -117,20 +115,7 @@ fn replay_one() -> Result<(), Failure> {
         ("run.csv", format!("time_s,location_m,speed_kmh\n{rows}")),
     ];
     files.iter().try_for_each(|(name, text)| crate::output::files::text(&path(name), text))?;
-    let request = Request {
-        runs: vec![path("run.csv")],
-        train: path("train.toml"),
-        track: path("track.toml"),
-        config: None,
-        mode: None,
-        tick: Tick::EverySample,
-        direction: DirectionChoice::default(),
-        carried: true,
-        as_recorded: false,
-        bad_rows: BadRows::Refuse,
-        tables: Tables::default(),
-        strict: false,
-    };
+    let request = Request::new(vec![path("run.csv")], path("train.toml"), path("track.toml"));
     let replayed = request.open()?.replay(|| ())?;
     if let Some(message) = replayed.nothing() {
         let why: Vec<&str> = replayed.failed.iter().map(|failed| failed.error.as_str()).collect();

@@ -134,12 +134,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         .map_err(Failure::refused)?;
     bar.finish_and_clear();
     let text = tables(&done);
-    let json = serde_json::to_string_pretty(&done).map_err(Failure::not_written)?;
-    write::folder(&arguments.out)
-        .and_then(|()| write::text(&arguments.out.join("tables.md"), &text))
-        .and_then(|()| write::text(&arguments.out.join("sets.json"), &(json + "\n")))
-        .map_err(Failure::not_written)?;
-    screen::print(&text);
+    write_results(&arguments.out, &text, &done)?;
     let longest = done.iter().map(|d| d.seconds).fold(0.0, f64::max);
     screen::print(&format!(
         "{} sets, the longest investigation {longest:.1} s; results: {}\n",
@@ -169,14 +164,20 @@ fn of_folder(folder: &Path, arguments: &Arguments) -> Result<ExitCode, Failure> 
         .map_err(Failure::refused)?;
     bar.finish_and_clear();
     let text = folder::tables(&judged);
-    let json = serde_json::to_string_pretty(&judged).map_err(Failure::not_written)?;
-    write::folder(&arguments.out)
-        .and_then(|()| write::text(&arguments.out.join("tables.md"), &text))
-        .and_then(|()| write::text(&arguments.out.join("sets.json"), &(json + "\n")))
-        .map_err(Failure::not_written)?;
-    screen::print(&text);
+    write_results(&arguments.out, &text, &judged)?;
     screen::print(&format!("{} sets; results: {}\n", judged.len(), arguments.out.display()));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Tables, on screen too, and the sets that they are made of.
+fn write_results(out: &Path, text: &str, sets: &impl serde::Serialize) -> Result<(), Failure> {
+    let json = serde_json::to_string_pretty(sets).map_err(Failure::not_written)?;
+    write::folder(out)
+        .and_then(|()| write::text(&out.join("tables.md"), text))
+        .and_then(|()| write::text(&out.join("sets.json"), &(json + "\n")))
+        .map_err(Failure::not_written)?;
+    screen::print(text);
+    Ok(())
 }
 
 /// With an effort column, without, or both.

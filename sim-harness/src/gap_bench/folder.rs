@@ -1,17 +1,16 @@
 //! Sets of others: a folder that holds sets as `rundown simulate` writes them, and a key for each in its folder `keys`.
 
+use super::answer;
+use super::score::{MOST_RIVALS, one_to_one};
+use super::table::{share, yes};
 use rundown_gap::answer::whole::Answer;
-use rundown_gap::config::GapConfig;
 use rundown_gap::input::Input;
-use rundown_gap::refusal::Refusal;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A name counts as shared with rivals if there are at most so many of them.
-const MOST_RIVALS: usize = 2;
 /// Column that a set without efforts lacks.
 const EFFORT: &str = "effort_n_per_kg";
 /// From these confidences on names are counted together.
@@ -119,11 +118,7 @@ pub fn judge(folder: &Path, name: &str, key: &Key, effort: bool) -> io::Result<J
 /// `Ok(None)`: there is too little to compare, and so no name.
 fn investigate(set: &Path) -> Result<Option<Answer>, String> {
     let input = Input::of_set(set).map_err(|refusal| refusal.to_string())?;
-    match rundown_gap::run(input, GapConfig::default(), None, |_| ()) {
-        Ok(answer) => Ok(Some(answer)),
-        Err(Refusal::TooLittle { .. }) => Ok(None),
-        Err(refusal) => Err(refusal.to_string()),
-    }
+    answer(input).map_err(|refusal| refusal.to_string())
 }
 
 /// Copies a set and leaves the column of the efforts out.
@@ -169,14 +164,15 @@ impl Judged {
             Name { name: named.effect.name(), confidence: named.confidence, rivals, right }
         });
         let found: Vec<Name> = named.collect();
+        let keys: Vec<&str> = hidden.iter().map(String::as_str).collect();
         let of = |with_rivals: bool| {
-            let fits = |key: &str, name: &Name| {
+            let fits = |key: &str, name: &&Name| {
                 // What is as good is so for the whole set, and so for any effect that is not named itself.
                 let as_good = |given: &str| given == key || accepted.iter().any(|name| name == given);
                 let few = with_rivals && name.rivals.len() <= MOST_RIVALS;
                 as_good(name.name) || few && name.rivals.iter().any(|rival| as_good(rival))
             };
-            refused.is_none() && found.len() == hidden.len() && one_to_one(&hidden, &found, fits)
+            refused.is_none() && found.len() == hidden.len() && one_to_one(&keys, &found, |name| name.name, fits)
         };
         let (named, shared) = (of(false), of(true));
         Self {
@@ -216,22 +212,6 @@ impl Judged {
     }
 }
 
-/// Each effect of the key has a name of its own: effects that are named themselves first, the others what is left.
-fn one_to_one(hidden: &[String], found: &[Name], fits: impl Fn(&str, &Name) -> bool) -> bool {
-    let mut left: Vec<&Name> = found.iter().collect();
-    let mut missing = Vec::new();
-    for key in hidden {
-        match left.iter().position(|name| name.name == key) {
-            Some(at) => drop(left.swap_remove(at)),
-            None => missing.push(key),
-        }
-    }
-    missing.iter().all(|key| {
-        let at = left.iter().position(|name| fits(key, name));
-        at.map(|at| left.swap_remove(at)).is_some()
-    })
-}
-
 /// Shares that were named, false names, p-values, and how often a confidence is right.
 pub fn tables(judged: &[Judged]) -> String {
     [shares(judged), reliability(judged)].concat()
@@ -252,7 +232,7 @@ fn shares(judged: &[Judged]) -> String {
         let count = |of: &dyn Fn(&Judged) -> bool| sets.iter().filter(|one| of(one)).count();
         text.push_str(&format!(
             "| {} | {hidden} | {} | {} | {} | {} | {} | {} |\n",
-            if without { "no" } else { "yes" },
+            yes(!without),
             if size.is_empty() { "-" } else { size },
             sets.len(),
             count(&|one| one.named),
@@ -275,13 +255,8 @@ fn reliability(judged: &[Judged]) -> String {
         let names: Vec<&Name> = judged.iter().flat_map(|one| &one.found).filter(inside).collect();
         let mean = names.iter().map(|name| name.confidence).sum::<f64>() / names.len().max(1) as f64;
         let right = names.iter().filter(|name| name.right).count();
-        let share = if names.is_empty() {
-            "-".to_owned()
-        } else {
-            format!("{:.2} ({right}/{})", right as f64 / names.len() as f64, names.len())
-        };
         let mean = if names.is_empty() { "-".to_owned() } else { format!("{mean:.2}") };
-        text.push_str(&format!("| {from} to {to} | {} | {mean} | {share} |\n", names.len()));
+        text.push_str(&format!("| {from} to {to} | {} | {mean} | {} |\n", names.len(), share(right, names.len())));
     }
     text.push('\n');
     text
@@ -324,13 +299,13 @@ mod tests {
 
     #[test]
     fn of_two_effects_each_needs_a_name_of_its_own() {
-        let is = |key: &str, name: &Name| name.name == key || name.name == "alias";
+        let is = |key: &str, name: &&Name| name.name == key || name.name == "alias";
         let of = |names: &[&'static str]| judged(&[], &names.iter().map(|n| (*n, 1.0, true)).collect::<Vec<_>>()).found;
-        let hidden = ["a".to_owned(), "b".to_owned()];
-        assert!(one_to_one(&hidden, &of(&["b", "a"]), is));
-        assert!(one_to_one(&hidden, &of(&["alias", "a"]), is), "the alias stands for b");
-        assert!(!one_to_one(&hidden, &of(&["a", "c"]), is));
-        assert!(!one_to_one(&hidden, &of(&["a", "a"]), is));
+        let matched = |names: &[&'static str]| one_to_one(&["a", "b"], &of(names), |name| name.name, is);
+        assert!(matched(&["b", "a"]));
+        assert!(matched(&["alias", "a"]), "the alias stands for b");
+        assert!(!matched(&["a", "c"]));
+        assert!(!matched(&["a", "a"]));
     }
 
     #[test]

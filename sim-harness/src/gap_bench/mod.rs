@@ -53,9 +53,14 @@ pub fn blind(set: &Set, folder: &Path) -> Result<Option<Answer>, BenchError> {
         let (read, notes) = (input.runs.len(), input.notes.join("; "));
         return Err(BenchError::new(set, format!("{read} of {} runs could be read: {notes}", set.request.runs)));
     }
+    answer(input).map_err(|refusal| BenchError::new(set, refusal))
+}
+
+/// `None`: the runs have too little to compare.
+fn answer(input: Input) -> Result<Option<Answer>, Refusal> {
     match rundown_gap::run(input, GapConfig::default(), None, |_| ()) {
         Ok(answer) => Ok(Some(answer)),
         Err(Refusal::TooLittle { .. }) => Ok(None),
-        Err(refusal) => Err(BenchError::new(set, refusal)),
+        Err(refusal) => Err(refusal),
     }
 }

@@ -12,7 +12,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 /// A name counts as shared with rivals if there are at most so many of them.
-const MOST_RIVALS: usize = 2;
+pub(super) const MOST_RIVALS: usize = 2;
 
 /// What an investigation is worth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -60,7 +60,7 @@ impl Score {
         names.sort_unstable();
         let mut score = Self {
             exact: names == key,
-            shared: names.len() == key.len() && one_to_one(&key, named),
+            shared: names.len() == key.len() && one_to_one(&key, named, |n| n.effect.name(), is_rival),
             coordinate: None,
             size_errors: Vec::new(),
             places: Vec::new(),
@@ -128,23 +128,26 @@ fn key_name(effect: &Hidden) -> &'static str {
     }
 }
 
-/// Each name of the key is found, or stands among the few rivals of a found one that is no other of the key.
-fn one_to_one(key: &[&'static str], named: &[Named]) -> bool {
-    let mut left: Vec<&Named> = named.iter().collect();
-    let (found, missing): (Vec<&str>, Vec<&str>) =
-        key.iter().partition(|name| named.iter().any(|n| n.effect.name() == **name));
-    left.retain(|n| !found.contains(&n.effect.name()));
-    missing.iter().all(|name| {
-        let rival = |n: &&Named| {
-            n.ambiguous_with.len() <= MOST_RIVALS && n.ambiguous_with.iter().any(|kind| kind.name() == *name)
-        };
-        match left.iter().position(rival) {
-            Some(i) => {
-                left.remove(i);
-                true
-            }
-            None => false,
+/// A name of the key stands among the few rivals of a found one.
+fn is_rival(key: &str, named: &&Named) -> bool {
+    named.ambiguous_with.len() <= MOST_RIVALS && named.ambiguous_with.iter().any(|kind| kind.name() == key)
+}
+
+/// Each name of the key is found, or `fits` a found one that is no other of the key; each found one serves once.
+pub(super) fn one_to_one<T>(
+    key: &[&str],
+    found: &[T],
+    name: impl Fn(&T) -> &str,
+    fits: impl Fn(&str, &&T) -> bool,
+) -> bool {
+    let mut left: Vec<&T> = found.iter().filter(|one| !key.contains(&name(one))).collect();
+    let mut missing = key.iter().filter(|key| !found.iter().any(|one| name(one) == **key));
+    missing.all(|key| match left.iter().position(|one| fits(key, one)) {
+        Some(i) => {
+            left.remove(i);
+            true
         }
+        None => false,
     })
 }
 

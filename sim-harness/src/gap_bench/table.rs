@@ -191,7 +191,7 @@ fn percent(value: Option<f64>) -> String {
     value.map_or_else(nothing, |x| format!("{:.1} %", 100.0 * x))
 }
 
-fn share(count: usize, of: usize) -> String {
+pub(super) fn share(count: usize, of: usize) -> String {
     if of == 0 { nothing() } else { format!("{:.2} ({count}/{of})", count as f64 / of as f64) }
 }
 
@@ -199,6 +199,6 @@ fn nothing() -> String {
     "-".to_owned()
 }
 
-fn yes(effort: bool) -> &'static str {
+pub(super) fn yes(effort: bool) -> &'static str {
     if effort { "yes" } else { "no" }
 }

@@ -149,6 +149,24 @@ pub struct Summary {
 }
 
 impl Request {
+    /// Runs with a train and a track, everything else as `rundown replay` has it by default; where rows cannot be read, the log is refused.
+    pub fn new(runs: Vec<PathBuf>, train: PathBuf, track: PathBuf) -> Self {
+        Self {
+            runs,
+            train,
+            track,
+            config: None,
+            mode: None,
+            tick: Tick::EverySample,
+            direction: DirectionChoice::default(),
+            carried: true,
+            as_recorded: false,
+            bad_rows: BadRows::Refuse,
+            tables: Tables::default(),
+            strict: false,
+        }
+    }
+
     /// Reads the descriptions, and finds the logs.
     ///
     /// # Errors

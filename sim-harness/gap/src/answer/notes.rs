@@ -154,16 +154,16 @@ fn contradiction(found: &Investigation, significant: f64) -> Option<String> {
         });
     }
     if before >= significant {
-        let shows_in = shows_in(&found.named);
-        let judged = match shows_in.contains(LAW) {
+        let judged = match found.named.iter().any(|one| shown_by(one) == ShowsIn::Law) {
             true => {
                 "That is weak evidence: take what rests on its law alone for a candidate, until runs that were not among these show it too"
             }
             false => "That is no contradiction",
         };
         return Some(format!(
-            "The mean residuals show no gap ({}), what was found shows in {shows_in}. {judged}.",
-            p(before)
+            "The mean residuals show no gap ({}), what was found shows in {}. {judged}.",
+            p(before),
+            shows_in(&found.named)
         ));
     }
     (after < significant).then(|| {
@@ -174,15 +174,17 @@ fn contradiction(found: &Investigation, significant: f64) -> Option<String> {
     })
 }
 
-const LAW: &str = "the fit of its own law";
+fn shown_by(one: &Named) -> ShowsIn {
+    candidates::of_effect(&one.effect).facts().nature.shows_in
+}
 
 /// In what effects show that leave no mean residual.
 fn shows_in(named: &[Named]) -> String {
-    let of = |one: &Named| match candidates::of_effect(&one.effect).facts().nature.shows_in {
+    let of = |one: &Named| match shown_by(one) {
         ShowsIn::FullPower => "the effort at full power",
         ShowsIn::Runs => "the differences between runs",
         ShowsIn::Readings => "the distance by location against the distance by speed",
-        ShowsIn::Law => LAW,
+        ShowsIn::Law => "the fit of its own law",
     };
     let mut all: Vec<&str> = named.iter().map(of).collect();
     all.sort_unstable();
