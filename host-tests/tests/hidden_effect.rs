@@ -28,7 +28,9 @@ fn of_size(
     dirty: bool,
     seed: u64,
 ) -> (Set, Score, Answer) {
-    let set = Set::draw(Request { kinds: kinds.to_vec(), size, effort, dirty, nuisance: None, runs, seed }).unwrap();
+    let set =
+        Set::draw(Request { kinds: kinds.to_vec(), size, effort, dirty, rough: false, nuisance: None, runs, seed })
+            .unwrap();
     let folder = tempfile::tempdir().unwrap();
     let answer = blind(&set, folder.path()).unwrap().unwrap();
     assert!(!folder.path().join("truth").exists());
@@ -192,6 +194,7 @@ fn a_worn_wheel_of_one_run_is_found_by_the_distances_of_the_others() {
         size: Size::Clear,
         effort: true,
         dirty: false,
+        rough: false,
         nuisance: None,
         runs: RUNS,
         seed: 1,

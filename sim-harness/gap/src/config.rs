@@ -118,6 +118,7 @@ settings! {
     /// What is wrong with the readings of all runs alike, and no effect: always in, with a normal prior around none.
     nuisance: NuisanceConfig {
         effort_gain_sd: f64 = 0.05, /// Gain of the effort column less 1, standard deviation. Judgement: efforts are calculated from currents and voltages, and masses from tables.
+        brake_gain_sd: f64 = 0.05, /// The same of braking efforts beside the others, standard deviation. Judgement: brake forces are calculated from pressures, with a friction that is from tables.
         effort_delay_sd_s: f64 = 3.0, /// Age of an effort at its time stamp, standard deviation, s. Judgement: buses and loggers; a sample of 10 s is then possible, and a minute is not.
         location_offset_sd_m: f64 = 50.0, /// Shown less true location along the line in all runs, standard deviation, m. Judgement: another zero of the chainage, an antenna at the other end of a train.
         most_sd: f64 = 5.0, /// A nuisance is not further off, in standard deviations of its prior. Judgement.
@@ -241,6 +242,9 @@ settings! {
     }
     /// How sure a name and its values are.
     certainty: CertaintyConfig {
+        chance: f64 = 0.05, /// A term of which chance makes as much more often has no name, and is told as a candidate. Judgement: convention.
+        halves: f64 = 3.0, /// Halves of the runs that differ by more standard deviations do not show the same. Judgement.
+        telling_half: f64 = 0.5, /// A half whose standard deviation is a smaller share of the effect could show it. Judgement.
         law: f64 = 0.01, /// A law is as good as this share of its coefficient, whatever the noise. Measured: means over 10 s, the path between readings.
         described: f64 = 0.1, /// How well a Davis coefficient is described that is left as it is, as a share of it. Judgement.
         nothing_n_per_kg: f64 = 1e-4, /// A dependence up to this is none: what rounding and the reading of the sensors leave, N/kg. Measured.
@@ -329,10 +333,13 @@ settings! {
         stalled_mps: f64 = 0.5, /// A simulated train slower than this does not arrive, m/s. Judgement.
         most_time: f64 = 3.0, /// Nor one that takes so many times as long as was measured. Judgement.
         piece_s: f64 = 9.5, /// Pieces from which the noise of the locations is taken, s. Judgement.
+        touches: f64 = 0.1, /// An effect touches a speed that it moves by more than this share of what a perfect model would leave. Judgement.
+        least_touched: usize = 30, /// Fewer speeds show nothing. Judgement.
         least_removable: f64 = 0.02, /// A gap above the noise floor by a smaller share of it is none, in mean squares. Judgement.
         least_resampled: usize = 5, /// With fewer runs a bootstrap says nothing. Judgement.
         resamples: usize = 999, /// Bootstrap samples. Derived: 25 beyond each end of the interval.
         most_without: f64 = 0.05, /// Where more than this share of them has nothing to remove, there is no interval. Derived: 5 % lie outside.
+        foreseen: f64 = 1.4, /// What is there between this many times as much as the effects foresee, and as many times less, is what they foresee. Judgement.
         explained: f64 = 0.7, /// A gap of which less was removed is explained only in part. Judgement.
         worse: f64 = 1.001, /// The repaired model is worse if it is off by so many times as much. Judgement.
         free_share: f64 = 0.01, /// A limit within this share of the described one holds nobody back: what a driver gives there is what he demands. Judgement.

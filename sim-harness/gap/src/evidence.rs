@@ -6,16 +6,11 @@
 //! runs are the unit.) What all drivers do alike between two readings of the effort is no gap: it is drawn with the signs, as large as the scatter of driven rows
 //! says, and these rows count as much less. Nor is what sensors leave in all runs alike: the observed scores are less by what 1e-4 N/kg would make.
 
+use crate::chance::{Ground, Probe, probability};
 use crate::columns::{coordinate_name, hats, in_the_middle, knots};
 use crate::config::EvidenceConfig;
 use crate::data::{believed::Context, rows::Row};
-use crate::fit::Base;
-use crate::noise::calibrate::Calibrated;
-use crate::search::fits::sensors;
-use nalgebra::DVector;
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use crate::noise::{calibrate::Calibrated, habits::regime};
 use rundown::model::{direction::Direction, effects::Coordinate};
 
 /// Along what residuals may vary.
@@ -81,170 +76,58 @@ fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(Along, Columns)> {
     ]
 }
 
-/// A probe regressor: along what, where, the score of each run, and the score that what does not count would make.
-struct Probe {
-    axis: usize,
-    at: f64,
-    scores: Vec<f64>,
-    small: f64,
-    /// The score by one standard deviation of each habit.
-    habits: Vec<f64>,
-}
-
-impl Probe {
-    /// In standard deviations of chance.
-    fn size(&self, sum: f64) -> f64 {
-        sum / self.scores.iter().chain(&self.habits).map(|s| s * s).sum::<f64>().sqrt()
-    }
-
-    /// As chance would have it: the runs with these signs, the habits with these sizes.
-    fn by_chance(&self, signs: &[f64], habits: &[f64]) -> f64 {
-        let sum = |of: &[f64], by: &[f64]| of.iter().zip(by).map(|(of, by)| of * by).sum::<f64>();
-        self.size((sum(&self.scores, signs) + sum(&self.habits, habits)).abs())
-    }
-
-    fn observed(&self) -> f64 {
-        self.size((self.scores.iter().sum::<f64>().abs() - self.small).max(0.0))
-    }
-}
-
-/// Power 1, coast 0, brake -1.
-fn regime(row: &Row, config: &EvidenceConfig) -> i8 {
-    let effort = row.effort_n_per_kg;
-    i8::from(effort > config.coast_n_per_kg) - i8::from(effort < -config.coast_n_per_kg)
-}
-
-/// Rows that power, or that brake: between two readings of the effort their drivers do what nobody sees.
-struct Driven {
-    /// As [`regime`] has it.
-    regime: i8,
-    /// Mean square of their residuals, and of those of coasting, (N/kg)².
-    scatter: [f64; 2],
-    /// What all drivers do alike, anywhere and at a place: standard deviation, N/kg.
-    habit_n_per_kg: f64,
-}
-
-impl Driven {
-    /// Powering and braking.
-    fn both(rows: &[Row], config: &EvidenceConfig) -> [Self; 2] {
-        // `None`: too few rows to tell.
-        let scatter = |which: i8| {
-            let those = rows.iter().filter(|row| regime(row, config) == which);
-            let squares = those.map(|row| row.residual_n_per_kg.powi(2));
-            let count = squares.clone().count();
-            (count >= config.least_rows).then(|| squares.sum::<f64>() / count as f64)
-        };
-        // Where hardly anybody coasts, powering is the calmest that there is.
-        let calm = scatter(0).or_else(|| scatter(1)).unwrap_or(f64::INFINITY);
-        [(1, config.powering_habit), (-1, config.braking_habit)].map(|(regime, share)| {
-            let scatter = [scatter(regime).unwrap_or(calm), calm];
-            let habit_n_per_kg = share * (scatter[0] - calm).max(0.0).sqrt();
-            Self { regime, scatter, habit_n_per_kg }
-        })
-    }
-
-    /// So many times wider than coasting.
-    fn wider(&self) -> f64 {
-        let [driven, calm] = self.scatter;
-        if calm > 0.0 && driven > calm { (driven / calm).sqrt() } else { 1.0 }
-    }
-
-    /// One standard deviation of each habit: of all of them, and along the line.
-    fn habits(&self, rows: &[Row], config: &EvidenceConfig) -> Vec<Vec<f64>> {
-        let acts = |row: &Row| regime(row, config) == self.regime;
-        let place = |row: &Row| in_the_middle(Coordinate::Location, row);
-        let edges = knots(rows.iter().filter(|row| acts(row)).filter_map(place), config.location_knots);
-        let column = |here: &dyn Fn(&Row) -> bool| -> Vec<f64> {
-            rows.iter().map(|row| if acts(row) && here(row) { self.habit_n_per_kg } else { 0.0 }).collect()
-        };
-        let within = |row: &Row, pair: &[f64]| place(row).is_some_and(|at| (pair[0]..=pair[1]).contains(&at));
-        let along = edges.windows(2).map(|pair| column(&|row| within(row, pair)));
-        std::iter::once(column(&|_| true)).chain(along).collect()
-    }
-}
-
-/// The probes that stand in enough runs.
-fn probes(
-    context: &Context<'_>,
-    rows: &[Row],
-    calibrated: &Calibrated,
-    axes: &[(Along, Columns)],
-) -> Option<Vec<Probe>> {
-    let config = &context.config.evidence;
-    let driven = Driven::both(rows, config);
-    let mut calibrated = calibrated.clone();
-    for (row, spread) in rows.iter().zip(&mut calibrated.spread) {
-        if let Some(driven) = driven.iter().find(|driven| driven.regime == regime(row, config)) {
-            *spread *= driven.wider();
-        }
-    }
-    let whitening = calibrated.whitening(context, rows);
-    let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
-    let sensors = sensors(context, rows, &whitening);
-    let base = Base::new(&whitening.whiten(&y), &sensors, whitening.runs())?;
-    let habits = driven.iter().flat_map(|driven| driven.habits(rows, config));
-    let habits: Vec<DVector<f64>> = habits.map(|habit| whitening.whiten(&habit)).collect();
-    let probe = |axis: usize, at: f64, column: &[f64]| {
-        // Where the effort changes within an interval its mean is a guess, and the guess is wrong in the same way in all runs.
-        let steady = |row: &Row| row.interval.effort_change_n_per_kg <= config.steady_n_per_kg;
-        let column = column.iter().zip(rows).map(|(value, row)| if steady(row) { *value } else { 0.0 });
-        let column: DVector<f64> = base.beside(&whitening.whiten(&column.collect::<Vec<f64>>()));
-        let score =
-            |r: &core::ops::Range<usize>| column.rows(r.start, r.len()).dot(&base.residual.rows(r.start, r.len()));
-        let scores: Vec<f64> = whitening.runs().iter().map(score).collect();
-        let enough = scores.iter().filter(|s| **s != 0.0).count() >= config.least_runs;
-        let small = context.config.certainty.nothing_n_per_kg * column.norm_squared();
-        let habits = habits.iter().map(|habit| habit.dot(&column)).collect();
-        enough.then_some(Probe { axis, at, scores, small, habits })
-    };
-    let all = axes.iter().enumerate().flat_map(|(axis, (_, columns))| columns.iter().map(move |column| (axis, column)));
-    Some(all.filter_map(|(axis, (at, column))| probe(axis, *at, column)).collect())
-}
-
 /// Evidence along each of them, strongest first, and the probability of the strongest of all without a gap.
 pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> (Vec<Evidence>, f64) {
     let config = &context.config.evidence;
     if rows.is_empty() {
         return (Vec::new(), 1.0);
     }
-    let axes = axes(rows, config);
-    let Some(probes) = probes(context, rows, calibrated, &axes) else {
+    let ground = Ground::new(context, rows, calibrated);
+    let Some((axes, probes)) = probes(&ground, config) else {
         return (Vec::new(), 1.0);
     };
-    let observed: Vec<f64> = probes.iter().map(Probe::observed).collect();
+    let observed: Vec<f64> = probes.iter().map(|(_, _, probe)| probe.observed()).collect();
     let most = |of: &[f64], axis: usize| {
-        probes.iter().zip(of).filter(|(probe, _)| probe.axis == axis).map(|(_, v)| *v).fold(0.0, f64::max)
+        probes.iter().zip(of).filter(|((on, _, _), _)| *on == axis).map(|(_, v)| *v).fold(0.0, f64::max)
     };
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let runs = rows.chunk_by(|a, b| a.interval.run == b.interval.run).count();
     let (mut exceeded, mut any) = (vec![0_usize; axes.len()], 0);
     let largest = observed.iter().copied().fold(0.0, f64::max);
-    for _ in 0..config.flips {
-        let signs: Vec<f64> = (0..runs).map(|_| if rng.next_u32() & 1 == 0 { 1.0 } else { -1.0 }).collect();
-        let habits: Vec<f64> = (0..probes.first().map_or(0, |probe| probe.habits.len()))
-            .map(|_| StandardNormal.sample(&mut rng))
-            .collect();
-        let flipped: Vec<f64> = probes.iter().map(|probe| probe.by_chance(&signs, &habits)).collect();
+    for chance in ground.draws(config.flips) {
+        let flipped: Vec<f64> = probes.iter().map(|(_, _, probe)| probe.by_chance(&chance)).collect();
         any += usize::from(flipped.iter().copied().fold(0.0, f64::max) >= largest);
         for (axis, count) in exceeded.iter_mut().enumerate() {
             *count += usize::from(most(&flipped, axis) >= most(&observed, axis));
         }
     }
-    let p = |count: usize| (count + 1) as f64 / (config.flips + 1) as f64;
-    let of_axis = |(axis, (along, _)): (usize, &(Along, Columns))| {
-        let of = (0..probes.len()).filter(|i| probes[*i].axis == axis);
+    let p = |count: usize| probability(count, config.flips);
+    let of_axis = |(axis, along): (usize, &Along)| {
+        let of = (0..probes.len()).filter(|i| probes[*i].0 == axis);
         let best = of.max_by(|a, b| observed[*a].total_cmp(&observed[*b]))?;
-        Some(Evidence { along: *along, score: observed[best], at: probes[best].at, p_value: p(exceeded[axis]) })
+        Some(Evidence { along: *along, score: observed[best], at: probes[best].1, p_value: p(exceeded[axis]) })
     };
     let mut all: Vec<Evidence> = axes.iter().enumerate().filter_map(of_axis).collect();
     all.sort_by(|a, b| b.score.total_cmp(&a.score));
     (all, p(any))
 }
 
+/// Along what, and the probes that stand in enough runs: of which axis, where. `None`: the columns of the sensors are not independent.
+#[expect(clippy::type_complexity)]
+pub fn probes(ground: &Ground<'_>, config: &EvidenceConfig) -> Option<(Vec<Along>, Vec<(usize, f64, Probe)>)> {
+    let base = ground.beside(&[])?;
+    let axes = axes(ground.rows, config);
+    let all = axes.iter().enumerate().flat_map(|(axis, (_, columns))| columns.iter().map(move |column| (axis, column)));
+    let probes = all.filter_map(|(axis, (at, column))| Some((axis, *at, ground.probe(&base, column)?))).collect();
+    Some((axes.into_iter().map(|(along, _)| along).collect(), probes))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::data::believed::tests::on_a_level_line;
+    use crate::noise::habits::Scatter;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
 
     const RUNS: usize = 30;
     const ROWS: usize = 60;
@@ -261,14 +144,20 @@ mod tests {
                 let mut row = Row::coasting(direction, 1000.0 * i as f64, 25.0);
                 row.interval.run = run;
                 row.effort_n_per_kg = if brakes { -0.3 } else { 0.0 };
+                row.interval.effort_n_per_kg = Some(row.effort_n_per_kg);
                 let noise: f64 = StandardNormal.sample(&mut rng);
                 row.residual_n_per_kg = noise * if brakes { 0.05 } else { 0.01 } + residual(i, brakes);
                 rows.push(row);
             }
         }
         let noise = crate::noise::whitening::Noise { acceleration_mps2: 0.01, ..Default::default() };
-        let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
-        on_a_level_line(RUNS, |context| evidence(context, &rows, &calibrated).1)
+        on_a_level_line(RUNS, |context| {
+            let left: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
+            let driven_n_per_kg = Scatter::of(&rows, &left, &context.config.evidence).beyond_n_per_kg();
+            let calibrated =
+                Calibrated { noise, spread: vec![1.0; rows.len()], driven_n_per_kg, ..Calibrated::default() };
+            evidence(context, &rows, &calibrated).1
+        })
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::evidence::{Evidence, evidence};
 use crate::explained::repaired;
 use crate::findings::Findings;
 use crate::holdout::evaluation::{Evaluation, evaluate};
-use crate::holdout::forward::{Compared, effects, gap};
+use crate::holdout::forward::{Compared, Touched, effects, gap, touched};
 use crate::holdout::{journey::Journey, share::Share};
 use crate::named::Named;
 use crate::naming::{names::named, on_line::on_line};
@@ -19,6 +19,7 @@ use crate::noise::own_wind::own_wind;
 use crate::readings::kinematics::scaled_recorders;
 use crate::readings::nuisances::{Nuisance, nuisances, righted};
 use crate::readings::wheels::{put_right, wheels};
+use crate::trial::trials;
 use rundown::model::effects::{Effect, EffectError, Effects};
 
 /// What came of it.
@@ -28,6 +29,8 @@ pub struct Investigation {
     pub findings: Findings,
     /// What was found, by name, largest first.
     pub named: Vec<Named>,
+    /// What fits as well as a named effect, but may be chance, or does not repeat in halves of the runs: no effect of the repaired model.
+    pub candidates: Vec<Named>,
     /// What is wrong with the readings of all runs alike, told or not.
     pub nuisances: Vec<Nuisance>,
     /// What the same analysis of the training runs alone found.
@@ -46,6 +49,8 @@ pub struct Investigation {
     pub compared: Vec<Compared>,
     /// The same in numbers, m/s.
     pub gap: Share,
+    /// The same where the effects act; none where they touch hardly anything.
+    pub touched: Option<Touched>,
     /// Indices of the hold-out runs.
     pub held_out: Vec<usize>,
     /// What it comes to.
@@ -118,7 +123,7 @@ pub fn investigate(
     let nuisances = nuisances(&readings, findings.gain, config);
     nuisances.iter().filter(|one| one.told).for_each(|one| progress(&one.sentence()));
     let context = &Context { conditions: findings.conditions, ..*given };
-    let mut named = all_named(&findings, context, runs);
+    let (mut named, candidates) = all_named(&findings, context, runs);
     named.extend(wheels.iter().map(|wheel| wheel.named(runs, config.certainty.most_gain)));
     named.extend(scaled_recorders(runs).into_iter().map(|(scale, of)| Named {
         runs: of.into_iter().map(|i| runs[i].name.clone()).collect(),
@@ -142,11 +147,19 @@ pub fn investigate(
         (evaluation, trained) = out_of_sample(given, runs, effort, &held_out)?;
     }
     let gap = gap(&evaluation.compared, &config.holdout);
+    let touched = touched(&evaluation.compared, &config.holdout);
     Ok(Some(Investigation {
-        verdict: verdict(context, &named, p_value, (!evaluation.compared.is_empty()).then_some(&gap)),
+        verdict: verdict(
+            context,
+            &named,
+            [p_value, p_value_after],
+            (!evaluation.compared.is_empty()).then_some((&gap, touched.as_ref())),
+        ),
         gap,
+        touched,
         findings,
         named,
+        candidates,
         nuisances,
         trained,
         evidence,
@@ -175,12 +188,12 @@ fn out_of_sample(
         return Ok((Evaluation::default(), Vec::new()));
     };
     let context = &Context { conditions: found.conditions, ..*given };
-    let trained = all_named(&found, context, &training);
+    let (trained, _) = all_named(&found, context, &training);
     Ok((evaluate(context, &found, &trained, &of(true))?, trained))
 }
 
-/// What was found, by name; nothing of it lies beyond the ends of the line.
-fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> Vec<Named> {
+/// What was found, by name, and what is but a candidate; nothing of it lies beyond the ends of the line.
+fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> (Vec<Named>, Vec<Named>) {
     let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
     let limit = findings.limit(&context.config.search);
     let mut all = named(&findings.terms, limit, &findings.naming(context, &names));
@@ -189,7 +202,12 @@ fn all_named(findings: &Findings, context: &Context<'_>, runs: &[Run]) -> Vec<Na
     for one in &mut all {
         on_line(one, context.surroundings.length_m);
     }
-    all
+    let trials = trials(context, &findings.rows, &findings.calibrated, &findings.terms, runs);
+    for one in &mut all {
+        one.tried(one.term.and_then(|term| trials.get(term)).cloned().flatten());
+    }
+    let stood = |one: &Named| one.trial.as_ref().is_none_or(|trial| trial.is_stood(context.config));
+    all.into_iter().partition(stood)
 }
 
 /// Each run's wind in the `up` direction, with its standard deviation.
@@ -210,7 +228,12 @@ fn winds(
 }
 
 /// `gap`: none where nothing could be compared.
-fn verdict(context: &Context<'_>, named: &[Named], p_value: f64, gap: Option<&Share>) -> Verdict {
+fn verdict(
+    context: &Context<'_>,
+    named: &[Named],
+    [p_value, p_value_after]: [f64; 2],
+    gap: Option<(&Share, Option<&Touched>)>,
+) -> Verdict {
     let config = &context.config.holdout;
     // The wheel of one run is put right before the gap is measured.
     let of_one_run = |n: &Named| matches!(n.effect, Effect::SpeedScale(_)) && !n.runs.is_empty();
@@ -224,6 +247,15 @@ fn verdict(context: &Context<'_>, named: &[Named], p_value: f64, gap: Option<&Sh
     if named.iter().all(unknown) {
         return Verdict::Unknown;
     }
-    let removed = |gap: &Share| gap.removed.is_some_and(|share| share >= config.explained) && !gap.is_worse(config);
+    let removed = |(gap, touched): (&Share, Option<&Touched>)| {
+        let share = touched.map_or(gap, |touched| &touched.share);
+        let most = share.removed.is_some_and(|share| share >= config.explained);
+        // The noise floor may be too low; where nothing is left in the residuals and the hold-out runs have what was foreseen, that is all.
+        let foreseen =
+            |multiple: f64, low: f64| low > 0.0 && multiple < config.foreseen && multiple * config.foreseen > 1.0;
+        let nothing_left = p_value_after >= context.config.evidence.significant;
+        let all = touched.and_then(|touched| touched.multiple).is_some_and(|(one, (low, _))| foreseen(one, low));
+        (most || nothing_left && all) && !gap.is_worse(config)
+    };
     if gap.is_some_and(removed) && !named.iter().any(unknown) { Verdict::Explained } else { Verdict::PartlyExplained }
 }

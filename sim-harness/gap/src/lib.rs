@@ -44,6 +44,7 @@ pub mod answer;
 mod axis;
 mod candidate;
 pub mod candidates;
+mod chance;
 mod coasting;
 mod columns;
 pub mod config;
@@ -63,6 +64,7 @@ pub mod readings;
 pub mod refusal;
 mod search;
 mod traction;
+pub mod trial;
 mod wording;
 
 pub use candidate::{HiddenSize, Hide};

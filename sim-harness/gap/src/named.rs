@@ -3,6 +3,7 @@
 use crate::columns::coordinate_name;
 use crate::config::GapConfig;
 use crate::fit::HALF_95;
+use crate::trial::Trial;
 use rundown::model::effects::{Effect, EffectKind, SpeedScale};
 use rundown_check::agreement::Figure;
 use serde_json::{Map, Value, json};
@@ -31,6 +32,8 @@ pub struct Named {
     pub gain: f64,
     /// Which term of the model it is, if it is one.
     pub term: Option<usize>,
+    /// Whether it is more than chance and repeats; none: it was not tried, since it shows in something else than the mean of the residuals.
+    pub trial: Option<Trial>,
 }
 
 /// Probability that a gain of log-likelihood is not chance; more than `most` of it counts no more.
@@ -56,6 +59,7 @@ impl Named {
             per_run: Vec::new(),
             gain,
             term: None,
+            trial: None,
         }
     }
 
@@ -72,6 +76,12 @@ impl Named {
         self.confidence = 1.0 / (1.0 / self.confidence + odds);
         self.would_separate.push(separated_by);
         self.ambiguous_with.push(kind);
+    }
+
+    /// Adds how it fared.
+    pub(crate) fn tried(&mut self, trial: Option<Trial>) {
+        self.confidence *= trial.as_ref().map_or(1.0, |trial| 1.0 - trial.p_value);
+        self.trial = trial;
     }
 
     /// What an unknown effect depends on.
@@ -114,6 +124,7 @@ impl Named {
             "runs": self.runs,
             "coordinate": self.coordinate(),
             "gain": self.gain,
+            "trial": self.trial.as_ref().map(Trial::json),
         });
         if let Some(table) = table {
             value["table"] = table;

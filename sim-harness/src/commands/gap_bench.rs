@@ -65,6 +65,9 @@ pub struct Arguments {
     /// Share of the sets with an effect that have dirty sensors
     #[arg(long, value_name = "SHARE", default_value_t = 0.25)]
     dirty: f64,
+    /// Services beyond the case study: all kinds of drivers, signals at danger, a little wind, momentary efforts that differ from run to run
+    #[arg(long)]
+    rough: bool,
     /// Runs of a set
     #[arg(long, value_name = "N", default_value_t = 67, value_parser = clap::value_parser!(u16).range(4..=1000))]
     runs: u16,
@@ -78,7 +81,7 @@ pub struct Arguments {
     #[arg(long)]
     keep: bool,
     /// Sets of others instead: a folder of sets as `rundown simulate` writes them, and of each its key, keys/NAME.json
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["kind", "size", "sets", "none", "pairs", "nuisance", "dirty", "runs", "seed", "only", "keep"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["kind", "size", "sets", "none", "pairs", "nuisance", "dirty", "rough", "runs", "seed", "only", "keep"])]
     folder: Option<PathBuf>,
     /// Print each set with its key
     #[arg(long)]
@@ -211,6 +214,7 @@ fn requests(arguments: &Arguments) -> Vec<Request> {
                 size,
                 effort,
                 dirty,
+                rough: arguments.rough,
                 nuisance,
                 runs: usize::from(arguments.runs),
                 seed: rng.random_range(0..u64::from(u32::MAX)),
@@ -305,6 +309,9 @@ fn line(done: &Done) -> String {
     );
     if !score.rivals.is_empty() {
         text.push_str(&format!(" or {}", score.rivals.join(", ")));
+    }
+    if !score.candidates.is_empty() {
+        text.push_str(&format!("; candidates {}", score.candidates.join(", ")));
     }
     for (name, value, sd) in &score.told {
         text.push_str(&format!("; told {name} {value:.3} ± {sd:.3}"));

@@ -12,7 +12,13 @@ pub use rundown_gap::HiddenSize as Size;
 use rundown_gap::{Hide, candidates};
 use rundown_truth::line::{Curve, Line as TrueLine};
 use rundown_truth::train::{DavisTruth, TrainTruth};
-use rundown_truth::{effects::Effect, habits::DriverKind, plan::Headings, scenario::Scenario, sensors::LocationWalk};
+use rundown_truth::{
+    effects::Effect,
+    habits::DriverKind,
+    plan::Headings,
+    scenario::{Scenario, UnscheduledStop},
+    sensors::LocationWalk,
+};
 use serde::Serialize;
 use std::path::Path;
 
@@ -35,6 +41,8 @@ pub struct Request {
     pub effort: bool,
     /// Correlated location noise, dropouts, a late location, small load changes.
     pub dirty: bool,
+    /// Drivers of all kinds, signals, a little wind, and momentary efforts of sensors that differ from run to run.
+    pub rough: bool,
     /// What else is wrong with the recorder or the description, and no effect.
     pub nuisance: Option<Nuisance>,
     /// How many runs.
@@ -88,6 +96,9 @@ impl Set {
             scenario.sensors.location_lag_s = 0.7;
             scenario.load_sd = 0.02;
         }
+        if request.rough {
+            rough(request.seed, &mut scenario);
+        }
         let one = |kind: &&str| effect(kind, request.size, &scenario.train, &mut rng);
         scenario.effects = request.kinds.iter().map(one).collect::<Result<_, String>>()?;
         let drawn = request.nuisance.map(|nuisance| nuisance.draw(request.seed, &mut scenario));
@@ -118,6 +129,25 @@ impl Set {
         };
         simulation::folder::write(&simulation, folder, true, || ()).map(drop)
     }
+}
+
+/// What a service has that the case study has not, and no effect. From a stream of its own: the rest of the set stays what it is.
+fn rough(seed: u64, scenario: &mut Scenario) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x40_06);
+    scenario.driver =
+        [DriverKind::CaseStudy, DriverKind::ShortHop, DriverKind::HopAndCoast][rng.random_range(0..3_usize)];
+    scenario.cycle_share = rng.random_range(0.2..0.9);
+    scenario.brake_test_share = rng.random_range(0.0..0.5);
+    let at_m = rng.random_range(3_000.0..25_000.0);
+    scenario.unscheduled_stop =
+        Some(UnscheduledStop { at_m, dwell_s: rng.random_range(20.0..120.0), share: rng.random_range(0.1..0.3) });
+    scenario.wind_sd_mps = rng.random_range(0.2..0.8);
+    scenario.load_sd = rng.random_range(0.005..0.02);
+    let sensors = &mut scenario.sensors;
+    sensors.speed_noise_kmh = rng.random_range(0.1..0.3);
+    sensors.effort_momentary = rng.random_bool(0.8);
+    sensors.effort_gain_sd = rng.random_range(0.004..0.015);
+    sensors.effort_noise_n_per_kg = rng.random_range(0.002..0.005);
 }
 
 /// A train between a short regional unit and a long train behind a locomotive.

@@ -2,7 +2,7 @@
 
 use super::answer;
 use super::score::{MOST_RIVALS, one_to_one};
-use super::table::{share, yes};
+use super::table::{reliability, yes};
 use rundown_gap::answer::whole::Answer;
 use rundown_gap::input::Input;
 use serde::{Deserialize, Serialize};
@@ -13,8 +13,6 @@ use std::path::{Path, PathBuf};
 
 /// Column that a set without efforts lacks.
 const EFFORT: &str = "effort_n_per_kg";
-/// From these confidences on names are counted together.
-const BINS: [f64; 5] = [0.0, 0.5, 0.7, 0.9, 0.99];
 
 /// What a set hides: `keys/NAME.json` of the set in the folder `NAME`. Other fields are left alone.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -62,6 +60,8 @@ pub struct Judged {
     pub hidden: Vec<String>,
     /// Names given.
     pub found: Vec<Name>,
+    /// What is but a candidate.
+    pub candidates: Vec<&'static str>,
     /// All of the key, one or one that is as good for each, and no other.
     pub named: bool,
     /// The same, where one may stand among at most two rivals.
@@ -157,6 +157,8 @@ impl Judged {
             Ok(answer) => (answer.map(|answer| answer.found), None),
             Err(reason) => (None, Some(reason)),
         };
+        let candidates =
+            investigation.iter().flat_map(|found| &found.candidates).map(|one| one.effect.name()).collect();
         let named = investigation.iter().flat_map(|found| &found.named).map(|named| {
             let rivals: Vec<&'static str> = named.ambiguous_with.iter().map(|kind| kind.name()).collect();
             let right =
@@ -185,6 +187,7 @@ impl Judged {
             p_value: investigation.as_ref().map_or(1.0, |found| found.p_value),
             removed: investigation.as_ref().and_then(|found| found.gap.removed),
             found,
+            candidates,
             refused,
         }
     }
@@ -203,10 +206,14 @@ impl Judged {
         };
         let found: Vec<String> = self.found.iter().map(name).collect();
         let found = if found.is_empty() { "nothing".to_owned() } else { found.join(" + ") };
+        let candidates = match &self.candidates[..] {
+            [] => String::new(),
+            names => format!("; candidates {}", names.join(", ")),
+        };
         let efforts = if self.effort { "effort" } else { "no effort" };
         let refused = self.refused.as_ref().map_or(String::new(), |reason| format!("; refused: {reason}"));
         format!(
-            "{word:<6} {:<8} {efforts:<9} {:<6} {hidden}: {found}, p {:.3}{refused}\n",
+            "{word:<6} {:<8} {efforts:<9} {:<6} {hidden}: {found}{candidates}, p {:.3}{refused}\n",
             self.set, self.size, self.p_value
         )
     }
@@ -214,7 +221,9 @@ impl Judged {
 
 /// Shares that were named, false names, p-values, and how often a confidence is right.
 pub fn tables(judged: &[Judged]) -> String {
-    [shares(judged), reliability(judged)].concat()
+    let names: Vec<(f64, bool)> =
+        judged.iter().flat_map(|one| &one.found).map(|name| (name.confidence, name.right)).collect();
+    [shares(judged), reliability(&names)].concat()
 }
 
 fn shares(judged: &[Judged]) -> String {
@@ -245,23 +254,6 @@ fn shares(judged: &[Judged]) -> String {
     text
 }
 
-/// A reliability diagram in words: of the names that were given with some confidence, how many are right.
-fn reliability(judged: &[Judged]) -> String {
-    let mut text =
-        String::from("### Confidence\n\n| confidence | names | mean of the confidence | right |\n|---|---|---|---|\n");
-    for (i, from) in BINS.into_iter().enumerate() {
-        let to = BINS.get(i + 1).copied().unwrap_or(1.0);
-        let inside = |name: &&Name| name.confidence >= from && (name.confidence < to || to == 1.0);
-        let names: Vec<&Name> = judged.iter().flat_map(|one| &one.found).filter(inside).collect();
-        let mean = names.iter().map(|name| name.confidence).sum::<f64>() / names.len().max(1) as f64;
-        let right = names.iter().filter(|name| name.right).count();
-        let mean = if names.is_empty() { "-".to_owned() } else { format!("{mean:.2}") };
-        text.push_str(&format!("| {from} to {to} | {} | {mean} | {} |\n", names.len(), share(right, names.len())));
-    }
-    text.push('\n');
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -276,6 +268,7 @@ mod tests {
                 .iter()
                 .map(|&(name, confidence, right)| Name { name, confidence, rivals: Vec::new(), right })
                 .collect(),
+            candidates: Vec::new(),
             named: false,
             shared: false,
             p_value: 0.01,

@@ -21,6 +21,10 @@ pub struct Score {
     pub key: Vec<&'static str>,
     /// Names found, sorted.
     pub found: Vec<&'static str>,
+    /// With what confidence each name was given, and whether it is right: the key has it, or one of its few rivals.
+    pub sure: Vec<(f64, bool)>,
+    /// What is but a candidate.
+    pub candidates: Vec<&'static str>,
     /// With all rivals that were named beside them.
     pub rivals: Vec<&'static str>,
     /// All names of the key, and no other.
@@ -74,6 +78,8 @@ impl Score {
                 .request
                 .nuisance
                 .and_then(|nuisance| nuisance.told_as().zip(set.drawn.as_ref().and_then(Drawn::told))),
+            sure: named.iter().map(|n| (n.confidence, is_right(&key, n))).collect(),
+            candidates: found.map_or_else(Vec::new, |f| f.candidates.iter().map(|n| n.effect.name()).collect()),
             rivals: named.iter().flat_map(|n| n.ambiguous_with.iter().map(|kind| kind.name())).collect(),
             found: names,
             key,
@@ -126,6 +132,10 @@ fn key_name(effect: &Hidden) -> &'static str {
         Some(_) => "unknown",
         None => effect.name(),
     }
+}
+
+fn is_right(key: &[&str], named: &Named) -> bool {
+    key.contains(&named.effect.name()) || key.iter().any(|key| is_rival(key, &named))
 }
 
 /// A name of the key stands among the few rivals of a found one.

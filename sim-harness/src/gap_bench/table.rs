@@ -25,7 +25,29 @@ pub struct Done {
 
 /// All tables.
 pub fn tables(done: &[Done]) -> String {
-    [false_alarms(done), nuisances(done), sizes(done), confusion(done, true), confusion(done, false)].concat()
+    let names: Vec<(f64, bool)> = done.iter().flat_map(|done| done.score.sure.clone()).collect();
+    let confusion = [true, false].map(|effort| confusion(done, effort)).concat();
+    [false_alarms(done), nuisances(done), sizes(done), confusion, reliability(&names)].concat()
+}
+
+/// From these confidences on names are counted together.
+const BINS: [f64; 5] = [0.0, 0.5, 0.7, 0.9, 0.99];
+
+/// A reliability diagram in words: of the names that were given with some confidence, how many are right.
+pub fn reliability(names: &[(f64, bool)]) -> String {
+    let mut text =
+        String::from("### Confidence\n\n| confidence | names | mean of the confidence | right |\n|---|---|---|---|\n");
+    for (i, from) in BINS.into_iter().enumerate() {
+        let to = BINS.get(i + 1).copied().unwrap_or(1.0);
+        let inside = |(confidence, _): &&(f64, bool)| *confidence >= from && (*confidence < to || to == 1.0);
+        let those: Vec<&(f64, bool)> = names.iter().filter(inside).collect();
+        let mean = those.iter().map(|(confidence, _)| confidence).sum::<f64>() / those.len().max(1) as f64;
+        let right = those.iter().filter(|(_, right)| *right).count();
+        let mean = if those.is_empty() { "-".to_owned() } else { format!("{mean:.2}") };
+        text.push_str(&format!("| {from} to {to} | {} | {mean} | {} |\n", those.len(), share(right, those.len())));
+    }
+    text.push('\n');
+    text
 }
 
 fn false_alarms(done: &[Done]) -> String {

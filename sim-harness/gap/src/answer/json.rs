@@ -10,6 +10,8 @@ use serde_json::{Value, json};
 pub const NO_ENERGY: &str = "cannot be measured: the logs have no effort column, or no held-out run that powers";
 
 const NOTHING_COMPARED: &str = "nothing was compared";
+const NOT_TOUCHED: &str = "absent: the effects move hardly a speed";
+const NOT_TRIED: &str = "it shows in limits, readings or differences between runs";
 const NO_ROWS: &str = "no interval has a residual";
 
 /// What stands in `gap.json`: path, unit, meaning, when it is null; `absent: ..` says when the key is not there.
@@ -46,13 +48,37 @@ pub const FIELDS: &[[&str; 4]] = &[
         "`run`, `value` and `sd` of an effect that differs from run to run",
         "absent: it does not",
     ],
+    ["effects[].trial.p_value", "1", "how often chance alone makes as much of it", NOT_TRIED],
+    ["effects[].trial.halves[].by", "", "how the runs are halved: `turn`, `date`, `direction`, `unit`", NOT_TRIED],
+    ["effects[].trial.halves[].halves[]", "", "what the halves are", NOT_TRIED],
+    ["effects[].trial.halves[].multiples[].multiple", "1", "how large it is in each half, over all runs", NOT_TRIED],
+    ["effects[].trial.halves[].multiples[].sd", "1", "its standard deviation", NOT_TRIED],
+    [
+        "candidates[].*",
+        "",
+        "as an effect: what fits, but may be chance or does not repeat; not in the model",
+        "there is none",
+    ],
     ["gap.what", "", "what is compared", ""],
     ["gap.unit", "", "unit of the next three", ""],
-    ["gap.before", "m/s", "root mean square with the believed model", NOTHING_COMPARED],
+    [
+        "gap.before",
+        "m/s",
+        "root mean square with the believed model, each speed weighed by how well a perfect model foresees it",
+        NOTHING_COMPARED,
+    ],
     ["gap.after", "m/s", "the same with the effects", NOTHING_COMPARED],
     ["gap.noise_floor", "m/s", "what noise alone leaves", NOTHING_COMPARED],
     ["gap.removed_share", "1", "share of the gap above the floor that is gone", NOTHING_COMPARED],
     ["gap.removed_share_95[]", "1", "its 95 % interval", NOTHING_COMPARED],
+    ["gap.touched.speeds", "", "speeds that the effects move", NOT_TOUCHED],
+    ["gap.touched.before", "m/s", "as `gap.before`, of these alone", NOT_TOUCHED],
+    ["gap.touched.after", "m/s", "as `gap.after`, of these alone", NOT_TOUCHED],
+    ["gap.touched.noise_floor", "m/s", "as `gap.noise_floor`, of these alone", NOT_TOUCHED],
+    ["gap.touched.removed_share", "1", "as `gap.removed_share`, of these alone", "there was nothing to remove"],
+    ["gap.touched.removed_share_95[]", "1", "its 95 % interval", "too few runs"],
+    ["gap.touched.multiple", "1", "how many times as much as the effects foresee is there", "too few runs"],
+    ["gap.touched.multiple_95[]", "1", "its 95 % interval", "too few runs"],
     ["gap.worse_than_before", "", "whether the effects make it worse", ""],
     ["gap.held_out_runs", "", "hold-out runs", ""],
     ["gap.p_value_before", "1", "of the residuals without a gap", NO_ROWS],
@@ -106,6 +132,7 @@ impl Answer {
             "verdict": found.verdict.name(),
             "nuisances": found.nuisances.iter().map(Nuisance::json).collect::<Vec<_>>(),
             "effects": self.effects(),
+            "candidates": found.candidates.iter().map(|one| one.json()).collect::<Vec<_>>(),
             "gap": {
                 "what": "simulated against measured speed, held-out runs",
                 "unit": "m/s",
@@ -114,6 +141,16 @@ impl Answer {
                 "noise_floor": compared(gap.floor),
                 "removed_share": gap.removed,
                 "removed_share_95": gap.removed_95,
+                "touched": found.touched.as_ref().map(|touched| json!({
+                    "speeds": touched.count,
+                    "before": touched.share.before,
+                    "after": touched.share.after,
+                    "noise_floor": touched.share.floor,
+                    "removed_share": touched.share.removed,
+                    "removed_share_95": touched.share.removed_95,
+                    "multiple": touched.multiple.map(|(value, _)| value),
+                    "multiple_95": touched.multiple.map(|(_, ends)| ends),
+                })),
                 "worse_than_before": gap.is_worse(self.holdout()),
                 "held_out_runs": found.held_out.len(),
                 "p_value_before": has_rows.then_some(found.p_value),

@@ -44,6 +44,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
         ));
     }
     notes.extend(other_names(found));
+    notes.extend(found.candidates.iter().map(|one| candidate(answer, one)));
     notes.extend(contradiction(found, answer.config.evidence.significant));
     notes.extend(about_track(&input.track_file, &input.runs, answer.config.interval.beyond_m));
     if input.left_out > 0 {
@@ -138,6 +139,15 @@ fn other_names(found: &Investigation) -> Option<String> {
     })
 }
 
+/// What fits, and why it has no name.
+fn candidate(answer: &Answer, one: &Named) -> String {
+    let what = candidates::of_effect(&one.effect).sentence(one, &answer.context());
+    let why = one.trial.as_ref().map_or_else(String::new, |trial| trial.sentence(&answer.config));
+    format!(
+        "A candidate, not a name: {what}. It is not in the repaired model, because {why}. More runs would settle it."
+    )
+}
+
 /// Where p-value and verdict seem to say different things.
 fn contradiction(found: &Investigation, significant: f64) -> Option<String> {
     if found.findings.rows.is_empty() {
@@ -154,14 +164,8 @@ fn contradiction(found: &Investigation, significant: f64) -> Option<String> {
         });
     }
     if before >= significant {
-        let judged = match found.named.iter().any(|one| shown_by(one) == ShowsIn::Law) {
-            true => {
-                "That is weak evidence: take what rests on its law alone for a candidate, until runs that were not among these show it too"
-            }
-            false => "That is no contradiction",
-        };
         return Some(format!(
-            "The mean residuals show no gap ({}), what was found shows in {}. {judged}.",
+            "The mean residuals as a whole show no gap ({}), what was found shows in {}. That is no contradiction.",
             p(before),
             shows_in(&found.named)
         ));
@@ -184,7 +188,7 @@ fn shows_in(named: &[Named]) -> String {
         ShowsIn::FullPower => "the effort at full power",
         ShowsIn::Runs => "the differences between runs",
         ShowsIn::Readings => "the distance by location against the distance by speed",
-        ShowsIn::Law => "the fit of its own law",
+        ShowsIn::Law => "the trial of its own law",
     };
     let mut all: Vec<&str> = named.iter().map(of).collect();
     all.sort_unstable();

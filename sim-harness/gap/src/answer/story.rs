@@ -2,7 +2,7 @@
 
 use crate::answer::{json::NO_ENERGY, notes::notes, whole::Answer};
 use crate::candidates;
-use crate::holdout::journey::Summary;
+use crate::holdout::{forward::Touched, journey::Summary, share::Share};
 use crate::named::Named;
 use rundown::model::effects::EffectKind;
 
@@ -62,18 +62,28 @@ fn held_out(answer: &Answer) -> String {
     if found.compared.is_empty() {
         return "no held-out run could be compared: too few runs, or too little to simulate in them\n".to_owned();
     }
-    let gone = match gap.removed {
-        _ if gap.is_worse(answer.holdout()) => "worse than before".to_owned(),
-        Some(share) => format!("{:.0} % of the removable gap is gone{}", 100.0 * share, interval(gap.removed_95)),
-        None => "there was nothing to remove".to_owned(),
-    };
+    let all = if gap.is_worse(answer.holdout()) { "worse than before".to_owned() } else { gone(gap) };
     let mut text = format!(
-        "simulated against measured speed, {} held-out runs: {:.3} m/s before, {:.3} after, noise floor {:.3}: {gone}\n",
+        "simulated against measured speed, {} held-out runs: {:.3} m/s before, {:.3} after, noise floor {:.3}: {all}\n",
         found.held_out.len(),
         gap.before,
         gap.after,
         gap.floor,
     );
+    if let Some(touched) = &found.touched {
+        let Touched { count, share, multiple } = touched;
+        let multiple = multiple.map_or_else(String::new, |(value, (low, high))| {
+            format!("; {value:.2} times what the effects foresee is there (95 % interval {low:.2} to {high:.2})")
+        });
+        text.push_str(&format!(
+            "where the effects act, {count} of {} speeds: {:.3} m/s before, {:.3} after, noise floor {:.3}: {}{multiple}\n",
+            found.compared.len(),
+            share.before,
+            share.after,
+            share.floor,
+            gone(share),
+        ));
+    }
     if let Some(times) = answer.times() {
         text.push_str(&of_runs("running time", "s", 2, &times));
     }
@@ -84,12 +94,16 @@ fn held_out(answer: &Answer) -> String {
     text
 }
 
-fn of_runs(what: &str, unit: &str, decimals: usize, summary: &Summary) -> String {
-    let share = &summary.share;
-    let gone = match share.removed {
+fn gone(share: &Share) -> String {
+    match share.removed {
         Some(removed) => format!("{:.0} % of the removable gap is gone{}", 100.0 * removed, interval(share.removed_95)),
         None => "there was nothing to remove".to_owned(),
-    };
+    }
+}
+
+fn of_runs(what: &str, unit: &str, decimals: usize, summary: &Summary) -> String {
+    let share = &summary.share;
+    let gone = gone(share);
     format!(
         "{what} of a run, {} runs, root mean square error: {:.decimals$} {unit} before, {:.decimals$} after, noise floor {:.decimals$}; in sum {:+.1} % before, {:+.1} % after: {gone}\n",
         share.runs,

@@ -107,6 +107,6 @@ fn p_values(
     }
     let calibrated = Calibrated { spread: vec![1.0; rows.len()], ..found.calibrated.clone() };
     let p_value = |rows: &[Row]| evidence(context, rows, &calibrated).1;
-    let left = repaired(&context.believed, named, tested, rows);
-    Some([p_value(rows), p_value(&left)])
+    let after = repaired(&context.believed, named, tested, rows);
+    Some([p_value(rows), p_value(&after)])
 }

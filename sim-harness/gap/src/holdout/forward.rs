@@ -12,7 +12,7 @@ use crate::config::HoldoutConfig;
 use crate::data::believed::{Believed, Context, wind_n_per_kg};
 use crate::data::interval::{Interval, Point};
 use crate::data::rows::Row;
-use crate::holdout::share::{Share, Squares};
+use crate::holdout::share::{Share, Squares, multiple};
 use crate::named::Named;
 use crate::noise::calibrate::{Calibrated, Own};
 use crate::noise::own_wind::own_wind;
@@ -39,19 +39,42 @@ pub struct Compared {
     pub after_mps: f64,
     /// Variance of the difference with a perfect model, (m/s)².
     pub floor: f64,
+    /// The same with all that drivers may have done between two readings: by its inverse the speed weighs.
+    pub variance: f64,
 }
 
-/// Root mean squares over speeds compared, and the share of the gap that is gone.
+/// Root mean squares over speeds compared, and the share of the gap that is gone: each counts by how well a perfect model would foresee it.
 pub fn gap(compared: &[Compared], config: &HoldoutConfig) -> Share {
-    Share::of(&of_runs(compared), config)
+    Share::of(&of_runs(compared.iter()), config)
+}
+
+/// The same of the speeds that the effects touch: where both models differ by a share of what a perfect one would leave. `None`: hardly any.
+pub fn touched(compared: &[Compared], config: &HoldoutConfig) -> Option<Touched> {
+    let touches = |c: &&Compared| (c.after_mps - c.before_mps).powi(2) > config.touches.powi(2) * c.floor;
+    let count = compared.iter().filter(touches).count();
+    (count >= config.least_touched).then(|| {
+        let runs = of_runs(compared.iter().filter(touches));
+        Touched { count, share: Share::of(&runs, config), multiple: multiple(&runs, config) }
+    })
+}
+
+/// What the effects touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touched {
+    /// How many speeds.
+    pub count: usize,
+    /// The gap in them.
+    pub share: Share,
+    /// How many times as much as the effects foresee the measured speeds differ from the believed model, with the ends of its 95 % interval. It needs no floor.
+    pub multiple: Option<(f64, (f64, f64))>,
 }
 
 /// Sums of squares, run by run.
-fn of_runs(compared: &[Compared]) -> Vec<Squares> {
+fn of_runs<'a>(compared: impl Iterator<Item = &'a Compared>) -> Vec<Squares> {
     let mut runs: BTreeMap<usize, Squares> = BTreeMap::new();
     for c in compared {
         let of_run = runs.entry(c.run).or_default();
-        *of_run = of_run.and(&Squares::of(c.before_mps, c.after_mps, c.floor));
+        *of_run = of_run.and(&Squares::weighed(c.before_mps, c.after_mps, c.floor, 1.0 / c.variance));
     }
     runs.into_values().collect()
 }
@@ -121,9 +144,26 @@ impl Repaired<'_> {
         ]
     }
 
+    /// Variances that a perfect model would leave of the speed at the end of each row of a window, (m/s)²: without what drivers may have done between two
+    /// readings, and with all of it. The second is too much where a reading makes good what the one before missed.
+    fn floors(&self, model: &Model, window: &[Row]) -> Vec<[f64; 2]> {
+        let reading = 2.0 * self.calibrated.noise.reading_mps.powi(2);
+        let (mut walks, mut own) = ([0.0; 2], [0.0; 3]);
+        let floors = |row: &Row| {
+            let dt_s = row.interval.dt_s;
+            let disturbances =
+                [self.calibrated.noise.disturbance(&row.interval), self.calibrated.disturbance(self.context, row)];
+            walks.iter_mut().zip(disturbances).for_each(|(walk, disturbance)| *walk += disturbance * dt_s * dt_s);
+            for (sum, force) in own.iter_mut().zip(self.own_n_per_kg(model, row)) {
+                *sum += force * dt_s;
+            }
+            walks.map(|walk| reading + walk + own.iter().map(|sum| sum * sum).sum::<f64>())
+        };
+        window.iter().map(floors).collect()
+    }
+
     /// Simulates each window of adjacent rows with and without the effects.
     pub fn resisted(&self, effects: &Effects, rows: &[Row]) -> Result<Vec<Compared>, EffectError> {
-        let noise = &self.calibrated.noise;
         let believed = &self.context.believed;
         let mut compared = Vec::new();
         for range in windows(rows, &self.context.config.holdout) {
@@ -131,14 +171,8 @@ impl Repaired<'_> {
             let model = self.model(effects, rows, range)?;
             let before = simulate(believed, &Effects::NONE, window);
             let after = simulate(believed, &model.effects, window);
-            let (mut walk, mut own) = (0.0, [0.0; 3]);
-            for (i, row) in window.iter().enumerate() {
+            for (i, (row, [floor, variance])) in window.iter().zip(self.floors(&model, window)).enumerate() {
                 let interval = &row.interval;
-                walk += noise.disturbance(interval) * interval.dt_s * interval.dt_s;
-                for (sum, force) in own.iter_mut().zip(self.own_n_per_kg(&model, row)) {
-                    *sum += force * interval.dt_s;
-                }
-                let own = own.iter().map(|sum| sum * sum).sum::<f64>();
                 compared.push(Compared {
                     run: interval.run,
                     time_s: interval.begin_s + interval.dt_s,
@@ -147,7 +181,8 @@ impl Repaired<'_> {
                     measured_mps: interval.speed_mps[1],
                     before_mps: before[i] - interval.speed_mps[1],
                     after_mps: after[i] - interval.speed_mps[1],
-                    floor: 2.0 * noise.reading_mps * noise.reading_mps + walk + own,
+                    floor,
+                    variance,
                 });
             }
         }

@@ -57,6 +57,7 @@ pub fn powered(
                     before_mps: error(&none),
                     after_mps: error(effects),
                     floor: (power.sd * most * dt_s).powi(2),
+                    variance: (power.sd * most * dt_s).powi(2),
                 }
             }));
         }

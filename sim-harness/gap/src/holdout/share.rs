@@ -13,29 +13,48 @@ use rand_chacha::ChaCha8Rng;
 /// Sums of squares of one run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Squares {
-    /// How many values.
-    pub count: f64,
+    /// The sum of their weights.
+    pub weight: f64,
     /// Errors with the believed model.
     pub before: f64,
     /// Errors with the repaired one.
     pub after: f64,
     /// What a perfect model would leave.
     pub floor: f64,
+    /// Products of the error with the believed model and what the repaired one takes off it.
+    pub product: f64,
+    /// Squares of what the repaired model takes off.
+    pub taken: f64,
 }
 
 impl Squares {
     /// Of one value: its errors, and the variance that a perfect model would leave.
     pub fn of(before: f64, after: f64, floor: f64) -> Self {
-        Self { count: 1.0, before: before * before, after: after * after, floor }
+        Self::weighed(before, after, floor, 1.0)
+    }
+
+    /// The same with a weight.
+    pub fn weighed(before: f64, after: f64, floor: f64, weight: f64) -> Self {
+        let taken = before - after;
+        Self {
+            weight,
+            before: weight * before * before,
+            after: weight * after * after,
+            floor: weight * floor,
+            product: weight * before * taken,
+            taken: weight * taken * taken,
+        }
     }
 
     /// Both together.
     pub fn and(self, other: &Self) -> Self {
         Self {
-            count: self.count + other.count,
+            weight: self.weight + other.weight,
             before: self.before + other.before,
             after: self.after + other.after,
             floor: self.floor + other.floor,
+            product: self.product + other.product,
+            taken: self.taken + other.taken,
         }
     }
 
@@ -77,9 +96,9 @@ impl Share {
     /// assert_eq!((share.removed, share.removed_95), (Some(1.0), Some((1.0, 1.0))));
     /// ```
     pub fn of(runs: &[Squares], config: &HoldoutConfig) -> Self {
-        let runs: Vec<&Squares> = runs.iter().filter(|r| r.count > 0.0).collect();
+        let runs: Vec<&Squares> = runs.iter().filter(|r| r.weight > 0.0).collect();
         let all = runs.iter().fold(Squares::default(), |sum, r| sum.and(r));
-        let root = |sum: f64| (sum / all.count.max(1.0)).sqrt();
+        let root = |sum: f64| if all.weight > 0.0 { (sum / all.weight).sqrt() } else { 0.0 };
         let within = |share: f64| share.clamp(0.0, 1.0);
         Self {
             runs: runs.len(),
@@ -89,7 +108,7 @@ impl Share {
             removed: all.removed(config).map(within),
             removed_95: all
                 .removed(config)
-                .and_then(|_| bootstrap(&runs, config))
+                .and_then(|_| bootstrap(&runs, config, |sum| sum.removed(config)))
                 .map(|(low, high)| (within(low), within(high))),
         }
     }
@@ -100,14 +119,31 @@ impl Share {
     }
 }
 
-fn bootstrap(runs: &[&Squares], config: &HoldoutConfig) -> Option<(f64, f64)> {
+/// How many times as much as the repaired model takes off the errors have, by least squares, and its 95 % interval.
+///
+/// ```
+/// use rundown_gap::config::HoldoutConfig;
+/// use rundown_gap::holdout::share::{Squares, multiple};
+///
+/// // The model takes off 1 where the error is 2, so half of it.
+/// let (multiple, _) = multiple(&[Squares::of(2.0, 1.0, 1.0); 6], &HoldoutConfig::default()).unwrap();
+/// assert_eq!(multiple, 2.0);
+/// ```
+pub fn multiple(runs: &[Squares], config: &HoldoutConfig) -> Option<(f64, (f64, f64))> {
+    let of = |sum: &Squares| (sum.taken > 0.0).then(|| sum.product / sum.taken);
+    let runs: Vec<&Squares> = runs.iter().collect();
+    let all = runs.iter().fold(Squares::default(), |sum, r| sum.and(r));
+    Some((of(&all)?, bootstrap(&runs, config, of)?))
+}
+
+fn bootstrap(runs: &[&Squares], config: &HoldoutConfig, of: impl Fn(&Squares) -> Option<f64>) -> Option<(f64, f64)> {
     if runs.len() < config.least_resampled {
         return None;
     }
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let draw = |_| {
         let drawn = (0..runs.len()).map(|_| runs[rng.random_range(0..runs.len())]);
-        drawn.fold(Squares::default(), |sum, r| sum.and(r)).removed(config)
+        of(&drawn.fold(Squares::default(), |sum, r| sum.and(r)))
     };
     let mut shares: Vec<f64> = (0..config.resamples).filter_map(draw).collect();
     if (config.resamples - shares.len()) as f64 > config.most_without * config.resamples as f64 {

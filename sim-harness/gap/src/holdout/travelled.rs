@@ -75,6 +75,7 @@ pub fn travelled(index: usize, run: &Run, config: &HoldoutConfig) -> Vec<Compare
                 before_mps: before_m / lasts_s,
                 after_mps: after_m / lasts_s,
                 floor: variance_m2 / (lasts_s * lasts_s),
+                variance: variance_m2 / (lasts_s * lasts_s),
             }
         })
         .collect()

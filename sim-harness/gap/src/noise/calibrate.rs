@@ -9,6 +9,7 @@ use crate::columns::{self, both_directions, hats, in_the_middle, knots};
 use crate::config::NoiseConfig;
 use crate::data::{believed::Context, interval::Interval, rows::Row};
 use crate::fit::Base;
+use crate::noise::habits::{self, DRIVEN, Scatter, regime};
 use crate::noise::whitening::{Noise, Whitening};
 use nalgebra::{DMatrix, DVector};
 use rundown::model::effects::Coordinate;
@@ -32,17 +33,25 @@ pub struct Calibrated {
     pub own: Own,
     /// Factor on the standard deviation of each row.
     pub spread: Vec<f64>,
+    /// What rows of powering and of braking scatter beyond those of coasting, standard deviations, N/kg.
+    pub driven_n_per_kg: [f64; 2],
 }
 
 impl Calibrated {
+    /// With all nuisances.
     pub fn whitening(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
-        let whitening = self.without_nuisances(context, rows);
-        if rows.iter().all(|row| row.interval.effort_n_per_kg.is_none()) {
-            return whitening;
+        let mut common = common(context, rows);
+        if !common.is_empty() {
+            common.extend(habits::columns(rows, &self.driven_n_per_kg, context.config));
         }
-        let config = &context.config.nuisance;
-        let offset = LOCATION_OFFSET.columns(&Shape::Law, context, rows).remove(0);
-        whitening.with_common(&[(effort(rows), config.effort_gain_sd), (offset, config.location_offset_sd_m)])
+        self.without_nuisances(context, rows).with_common(&common)
+    }
+
+    /// Variance of the acceleration over the interval of a row, without the error of its readings, (m/s²)².
+    pub fn disturbance(&self, context: &Context<'_>, row: &Row) -> f64 {
+        let regime = regime(row, &context.config.evidence);
+        let driven = DRIVEN.iter().zip(self.driven_n_per_kg).find(|(which, _)| **which == regime);
+        self.noise.disturbance(&row.interval) + driven.map_or(0.0, |(_, sd)| sd * sd)
     }
 
     /// The same where a flexible model has gain and offset as well.
@@ -50,6 +59,17 @@ impl Calibrated {
         let deviations = Deviations { noise: self.noise, own: self.own };
         whitening(&deviations, &self.spread, rows, &own_columns(context, rows))
     }
+}
+
+/// Gains of the effort column, that of braking beside that of all, and offset of the locations with the standard deviations of their priors; none without the column.
+fn common(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
+    if rows.iter().all(|row| row.interval.effort_n_per_kg.is_none()) {
+        return Vec::new();
+    }
+    let config = &context.config.nuisance;
+    let offset = LOCATION_OFFSET.columns(&Shape::Law, context, rows).remove(0);
+    let braking = rows.iter().map(|row| row.effort_n_per_kg.min(0.0)).collect();
+    vec![(effort(rows), config.effort_gain_sd), (braking, config.brake_gain_sd), (offset, config.location_offset_sd_m)]
 }
 
 /// What the gain of the effort column is a factor of: none without the column.
@@ -207,7 +227,11 @@ pub fn calibrate(context: &Context<'_>, rows: &[Row], measured: bool, wind: bool
             }
         }
     }
-    (Calibrated { noise: at.noise, own: at.own, spread }, reached)
+    let driven_n_per_kg = match left_of(&y, &flexible, &whitening(&at, &spread, rows, &columns)) {
+        Some((left, _)) if measured => Scatter::of(rows, &left, &context.config.evidence).beyond_n_per_kg(),
+        _ => [0.0; 2],
+    };
+    (Calibrated { noise: at.noise, own: at.own, spread, driven_n_per_kg }, reached)
 }
 
 /// Restricted log-likelihood: of what is beyond the flexible model, whichever its coefficients are.

@@ -2,5 +2,6 @@
 
 pub mod calibrate;
 pub mod dragging;
+pub mod habits;
 pub mod own_wind;
 pub mod whitening;

@@ -155,7 +155,20 @@ pub(super) fn gap(answer: &Answer) -> Markup {
             ". With that, the held-out runs were simulated:"
         }
         (table([text_column("error of the simulated speed"), column("root mean square", "m/s")], rows))
-        p.small { (compared) " speeds compared. The removable gap is what lies between before and the noise floor, in mean squares." }
+        @if let Some(touched) = &found.touched {
+            p {
+                "Where the effects act, in " (touched.count) " of these speeds: " (number(touched.share.before, 3)) " m/s before, "
+                (number(touched.share.after, 3)) " after, and a perfect model would leave " (number(touched.share.floor, 3))
+                @if let Some(removed) = touched.share.removed { ": " (percent(removed)) " of the gap there is gone" }
+                @if let Some((low, high)) = touched.share.removed_95 { " (95\u{a0}% interval " (percent(low)) " to " (percent(high)) ")" }
+                @if let Some((multiple, (low, high))) = touched.multiple {
+                    ". The measured speeds differ from the believed model by " (number(multiple, 2)) " times what the effects foresee (95\u{a0}% interval "
+                    (number(low, 2)) " to " (number(high, 2)) "), whatever the noise floor is"
+                }
+                "."
+            }
+        }
+        p.small { (compared) " speeds compared, each weighed by how well a perfect model would foresee it. The removable gap is what lies between before and the noise floor, in mean squares." }
         @if let Some(innovations) = answer.innovations {
             p {
                 "Innovations of the on-board estimator's speed on the same runs, root mean square: "

@@ -1,0 +1,103 @@
+//! What chance alone would make of a column: signs of whole runs flipped.
+
+use crate::data::{believed::Context, rows::Row};
+use crate::fit::Base;
+use crate::noise::calibrate::Calibrated;
+use crate::noise::habits::{DRIVEN, Scatter, regime};
+use crate::noise::whitening::Whitening;
+use crate::search::fits::sensors;
+use nalgebra::DVector;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// One draw: the signs of the runs.
+pub type Draw = Vec<f64>;
+
+/// Probability of what so many of the draws reach.
+pub fn probability(reached: usize, draws: usize) -> f64 {
+    (reached + 1) as f64 / (draws + 1) as f64
+}
+
+/// Residuals on which columns are tried: driven rows count as much less as they scatter more.
+pub struct Ground<'a> {
+    context: &'a Context<'a>,
+    pub rows: &'a [Row],
+    whitening: Whitening,
+    y: DVector<f64>,
+    sensors: Vec<DVector<f64>>,
+}
+
+/// A column that was tried: what it makes of each run.
+pub struct Probe {
+    /// Score of each run, and how much it would be by one unit of the column.
+    pub scores: Vec<f64>,
+    pub information: Vec<f64>,
+    /// The score that what does not count would make.
+    small: f64,
+}
+
+impl<'a> Ground<'a> {
+    pub fn new(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
+        let config = &context.config.evidence;
+        let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
+        let scatter = Scatter::of(rows, &y, config);
+        let mut calibrated = calibrated.clone();
+        for (row, spread) in rows.iter().zip(&mut calibrated.spread) {
+            let driven = DRIVEN.iter().zip(scatter.wider()).find(|(which, _)| **which == regime(row, config));
+            *spread *= driven.map_or(1.0, |(_, wider)| wider);
+        }
+        let whitening = calibrated.whitening(context, rows);
+        Self { y: whitening.whiten(&y), sensors: sensors(context, rows, &whitening), context, rows, whitening }
+    }
+
+    /// What these columns and those of the sensors leave. `None`: they are not independent.
+    pub fn beside(&self, columns: &[Vec<f64>]) -> Option<Base> {
+        let white = columns.iter().map(|column| self.whitening.whiten(column));
+        let all: Vec<DVector<f64>> = white.chain(self.sensors.iter().cloned()).collect();
+        Base::new(&self.y, &all, self.whitening.runs())
+    }
+
+    /// A column by what the base leaves of the residuals. `None`: it acts in too few runs.
+    pub fn probe(&self, base: &Base, column: &[f64]) -> Option<Probe> {
+        let config = &self.context.config;
+        // Where the effort changes within an interval its mean is a guess, and the guess is wrong in the same way in all runs.
+        let steady = |row: &Row| row.interval.effort_change_n_per_kg <= config.evidence.steady_n_per_kg;
+        let column = column.iter().zip(self.rows).map(|(value, row)| if steady(row) { *value } else { 0.0 });
+        let column: DVector<f64> = base.beside(&self.whitening.whiten(&column.collect::<Vec<f64>>()));
+        let of_run = |other: &DVector<f64>, r: &core::ops::Range<usize>| {
+            column.rows(r.start, r.len()).dot(&other.rows(r.start, r.len()))
+        };
+        let of_runs = |other: &DVector<f64>| self.whitening.runs().iter().map(|r| of_run(other, r)).collect();
+        let scores: Vec<f64> = of_runs(&base.residual);
+        let enough = scores.iter().filter(|s| **s != 0.0).count() >= config.evidence.least_runs;
+        enough.then(|| Probe {
+            scores,
+            information: of_runs(&column),
+            small: config.certainty.nothing_n_per_kg * column.norm_squared(),
+        })
+    }
+
+    /// So many draws of chance, always the same ones.
+    pub fn draws(&self, count: usize) -> impl Iterator<Item = Draw> {
+        let runs = self.whitening.runs().len();
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        (0..count).map(move |_| (0..runs).map(|_| if rng.next_u32() & 1 == 0 { 1.0 } else { -1.0 }).collect())
+    }
+}
+
+impl Probe {
+    /// In standard deviations of chance.
+    fn size(&self, sum: f64) -> f64 {
+        sum / self.scores.iter().map(|s| s * s).sum::<f64>().sqrt()
+    }
+
+    /// As chance would have it.
+    pub fn by_chance(&self, draw: &Draw) -> f64 {
+        self.size(self.scores.iter().zip(draw).map(|(score, sign)| score * sign).sum::<f64>().abs())
+    }
+
+    /// As it is.
+    pub fn observed(&self) -> f64 {
+        self.size((self.scores.iter().sum::<f64>().abs() - self.small).max(0.0))
+    }
+}
