@@ -24,7 +24,7 @@ use std::fmt;
 use stretch::Stretch;
 
 /// Runs that are looked at; further ones say the same.
-const MOST_RUNS: usize = 200;
+const MOST_RUNS: usize = 60;
 /// A version must be better by this log-likelihood in each half of the runs: stretches at one place share errors of the gradients, so much more than chance asks.
 const LEAST_GAIN: f64 = 12.0;
 /// And its scatter less than this share of the described one's.
@@ -108,7 +108,7 @@ pub struct Coasts {
 }
 
 impl Coasts {
-    /// Takes runs; those behind the first two hundred say the same.
+    /// Takes runs; those behind the first sixty say the same.
     pub fn add(&mut self, recordings: &[Recording], train: &Train) {
         for recording in recordings {
             if self.runs == MOST_RUNS {
