@@ -1,11 +1,13 @@
 //! Logs as they come from trains, through import, diagnosis and replay: does what always holds hold, and did the answer change?
 //!
 //! The folders of `data/logs`, and the folder `RUNDOWN_LOGS` where that is set (docs/replay.md). Logs that are no run logs, or lie beside an
-//! `import.toml`, are imported first. The answer is compared with `golden/runs.csv` in the folder, which `BLESS=1` (or `RUNDOWN_BLESS=1`) writes.
+//! `import.toml`, are imported first. With the emulator a run of each folder is played to the firmware too. The answer is compared with `golden/runs.csv` in the folder, which `BLESS=1` (or `RUNDOWN_BLESS=1`) writes.
 
 use host_tests::prelude::*;
 use host_tests::reference::data;
+use host_tests::target::{compare, firmware};
 use rundown::model::state::resistance_sd;
+use rundown_files::effect_file;
 use rundown_files::replay::ReplayedRun;
 use rundown_wire::{Learned, Validity};
 use sim_harness::replaying::{Replayed, Request};
@@ -246,5 +248,25 @@ fn the_answer_is_the_last_accepted_one() {
             });
             assert!(near, "{}:\nexpected {expected}\n   found {found}\nBLESS=1 accepts it", path.display());
         }
+    }
+}
+
+/// Ticks of a run that are played to the firmware: it takes a second for some tens of them.
+const PLAYED: usize = 600;
+
+#[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
+fn the_board_says_the_bytes_of_the_host() {
+    let firmware = firmware().unwrap();
+    for Logs { folder, replayed, .. } in all() {
+        let run = replayed.runs.iter().min_by_key(|run| run.measurements.len().abs_diff(PLAYED)).unwrap();
+        let effects = effect_file::effects(&replayed.track.effect, &replayed.train.effect, Some(&run.name)).unwrap();
+        let described = Description::new(&replayed.core_train, &replayed.track, replayed.config);
+        let description = Description { effects, ..described };
+        let played = &run.measurements[..run.measurements.len().min(PLAYED)];
+        let same = compare(&firmware, &description, run.direction, played);
+        let same = same.unwrap_or_else(|error| panic!("{}: {error}", run.path.display()));
+        println!("{}: {} ticks, {} frames the same", run.path.display(), same.ticks, same.frames);
+        assert!(same.ticks == played.len() && same.frames > 3 * same.ticks, "{}", folder.display());
     }
 }

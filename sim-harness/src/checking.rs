@@ -12,7 +12,7 @@ use crate::logs::{self, Failed};
 use rayon::prelude::*;
 use rundown_check::agreement::Figure;
 use rundown_check::finding::Finding;
-use rundown_check::{Check, RecorderCheck};
+use rundown_check::{Check, Known, RecorderCheck, RunCheck, check_beside};
 use rundown_files::column::{Column, Filled, filled};
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
@@ -66,8 +66,10 @@ fn examined(
     kept: impl FnOnce(&[Recording]) -> Vec<Vec<Sample>>,
 ) -> Result<(Checked, Logs), ReadError> {
     let set = RunSet::find(runs)?;
-    let track = track.map(TrackFile::read).transpose()?;
-    let line = track.and_then(|(track, _)| CentreLine::new(&track.centre_line));
+    let track = track.map(TrackFile::read).transpose()?.map(|(track, _)| track);
+    let line = track.as_ref().and_then(|track| CentreLine::new(&track.centre_line));
+    let stops_m = track.iter().flat_map(|track| &track.stop).map(|stop| stop.at_m).collect();
+    let known = Known { stops_m, ..Known::default() };
     let read = |file: &RunFile| logs::read(file, BadRows::LeaveOut, line.as_ref(), DirectionChoice::Auto);
     let read: Vec<Result<Recording, Failed>> = set.files.par_iter().map(read).collect();
     let (mut recordings, mut failed) = (Vec::new(), Vec::new());
@@ -79,7 +81,7 @@ fn examined(
     }
     let recorded = kept(&recordings);
     let inputs = set.paths();
-    let found = (!recordings.is_empty()).then(|| rundown_check::check(&mut recordings));
+    let found = (!recordings.is_empty()).then(|| check_beside(&mut recordings, &known));
     Ok((Checked { found, failed, notes: set.notes }, Logs { recorded, right: recordings, inputs }))
 }
 
@@ -139,6 +141,19 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["runs[].skew_s.*", "s", "age of the speed against the location: `value` and `sd`", "too little moves"],
     ["runs[].location_noise_m", "m", "standard deviation of the white noise of the locations", "nothing was compared"],
     ["runs[].scale.*", "1", "measured over true speed of this run alone: `value` and `sd`", "nothing was compared"],
+    ["runs[].perturbations[].cause", "", "`unscheduled_stop` or `held_back`", ""],
+    ["runs[].perturbations[].from_m", "m", "lowest location of the place", ""],
+    ["runs[].perturbations[].to_m", "m", "highest location of the place", ""],
+    ["runs[].perturbations[].duration_s", "s", "time at a stand, or lost against the other runs", ""],
+    ["runs[].perturbations[].speed_kmh", "km/h", "lowest speed there", ""],
+    [
+        "runs[].perturbations[].others_kmh",
+        "km/h",
+        "what three quarters of the other runs exceed there",
+        "the run stopped",
+    ],
+    ["runs[].perturbations[].others_stopping", "", "other runs that stop there, too", ""],
+    ["runs[].perturbations[].others", "", "other runs that pass", ""],
     ["runs[].findings[].kind", "", "what is the matter", ""],
     ["runs[].findings[].figure.value", "as `unit`", "how much", ""],
     ["runs[].findings[].figure.sd", "as `unit`", "its standard deviation, 0 where there is none", ""],
@@ -146,6 +161,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["runs[].findings[].count", "", "times that it was seen, or rows", ""],
     ["runs[].findings[].line", "", "first line of the log where it is seen, 0: the whole log", ""],
     ["runs[].findings[].done", "", "`put_right`, `left_out`, `said` or `refused`", ""],
+    ["not_compared", "", "runs among which perturbed ones cannot be recognised", ""],
 ];
 
 /// The word of JSON.
@@ -176,9 +192,19 @@ pub fn words(found: &Check) -> String {
             for finding in &run.findings {
                 text += &format!("  {}: {finding}\n", run.name);
             }
+            for perturbation in &run.perturbations {
+                text += &format!("  {}: {perturbation}\n", run.name);
+            }
         }
     }
-    let clean = found.runs.iter().filter(|run| run.findings.is_empty()).count();
+    if found.not_compared > 0 {
+        let (count, all) = (found.not_compared, found.runs.len());
+        text += &format!(
+            "{count} of {all} runs: perturbed ones not recognised, as fewer than 5 others pass or most differ\n"
+        );
+    }
+    let is_clean = |run: &&RunCheck| run.findings.is_empty() && run.perturbations.is_empty();
+    let clean = found.runs.iter().filter(is_clean).count();
     let refused = found.refused().count();
     text + &format!("{} runs, nothing found in {clean}, {refused} cannot be used\n", found.runs.len())
 }

@@ -13,6 +13,7 @@
 //! | what would be the paper's best filter? | `tune` |
 //! | how near does the estimator come to the truth? | [`accuracy_bench`] |
 //! | how often does the diagnosis of logs find an injected defect? | [`check_bench`] |
+//! | how often are perturbed runs recognised, and wrong gradients? | [`perturbed_bench`], [`gradient_bench`] |
 //! | how often does the gap workflow find a hidden effect? | [`gap_bench`] |
 //! | what does a DAS computer say to the board? | `desk` |
 //! | how does the host reach a board, and talk to it? | `link`, `session` |
@@ -34,6 +35,7 @@ pub mod desk;
 pub mod display;
 mod exchange;
 pub mod gap_bench;
+pub mod gradient_bench;
 mod import;
 mod learned_train;
 #[cfg(feature = "link")]
@@ -41,6 +43,7 @@ pub mod link;
 pub mod logs;
 pub mod output;
 mod parquet_runs;
+pub mod perturbed_bench;
 pub mod replaying;
 pub mod report;
 #[cfg(feature = "link")]

@@ -42,7 +42,7 @@ pub fn read(
 }
 
 /// Diagnoses recordings, puts right what is beyond doubt, and refuses those that cannot be used. Out: each in its place, and what was found.
-pub fn diagnosed_each(mut recordings: Vec<Recording>, known: Known) -> (Vec<Result<Recording, Failed>>, Check) {
+pub fn diagnosed_each(mut recordings: Vec<Recording>, known: &Known) -> (Vec<Result<Recording, Failed>>, Check) {
     let found = check_beside(&mut recordings, known);
     let each = recordings.into_iter().zip(&found.runs).map(|(recording, run)| match run.refusal() {
         None => Ok(recording),
@@ -55,7 +55,7 @@ pub fn diagnosed_each(mut recordings: Vec<Recording>, known: Known) -> (Vec<Resu
 }
 
 /// The same, those that can be used apart from the others.
-pub fn diagnosed(recordings: Vec<Recording>, known: Known) -> (Vec<Recording>, Vec<Failed>, Check) {
+pub fn diagnosed(recordings: Vec<Recording>, known: &Known) -> (Vec<Recording>, Vec<Failed>, Check) {
     let (each, found) = diagnosed_each(recordings, known);
     let (mut used, mut failed) = (Vec::new(), Vec::new());
     for one in each {

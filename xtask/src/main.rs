@@ -143,7 +143,7 @@ fn with_board(name: &str, task: fn(Board) -> Result<(), String>) -> Result<(), S
 }
 
 /// Tests of what plain `cargo test` does not bring. They are ignored there, by attributes that say what they need, and must pass here.
-const WITH_EMULATOR: [&str; 4] = ["falls", "soak", "on_target", "on_target_power"];
+const WITH_EMULATOR: [&str; 5] = ["falls", "own_logs", "soak", "on_target", "on_target_power"];
 const WITH_PEERS: &str = "peers";
 
 /// Data of others, which are no part of the project: the variable that names their folder, where they are looked for without it, what must be in it,

@@ -11,6 +11,8 @@
 //! | which step do the readings have? | [`steps`] |
 //! | do speed and location agree: scale, offset, skew? | [`mod@agreement`] |
 //! | what was found, and what was done? | [`finding`] |
+//! | do the described gradients explain how trains coast? | [`gradients`] |
+//! | was the run held up by something outside the train? | [`perturbed`] |
 //!
 //! Offset and scale are one fit, and never decided by a run that cannot tell them apart. A step is called truncated or rounded only where the offset says so.
 //!
@@ -28,7 +30,7 @@
 //! };
 //! let mut recordings = [Recording {
 //!     name: "run".into(), path: "run.csv".into(), unit: String::new(), direction: Direction::Up, day: None,
-//!     rows: (0..3000).map(row).collect(), warnings: vec![],
+//!     rows: (0..3000).map(row).collect(), perturbed: None, warnings: vec![],
 //! }];
 //! let found = check(&mut recordings);
 //! assert!(found.recorders[0].findings.iter().any(|finding| finding.kind == Kind::TruncatedSpeed));
@@ -40,12 +42,15 @@
 pub mod agreement;
 pub mod clock;
 pub mod finding;
+pub mod gradients;
+pub mod perturbed;
 pub mod places;
 pub mod steps;
 
 use agreement::{Agreement, Figure, Pooled, Row, agreement, pooled, spread};
 use finding::{Done, Finding, Kind};
 use nalgebra::Vector2;
+use perturbed::Perturbation;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::units;
@@ -70,6 +75,8 @@ pub struct RunCheck {
     pub scale: Option<Figure>,
     /// What was found.
     pub findings: Vec<Finding>,
+    /// What outside the train held the run up, beside the other runs in its direction.
+    pub perturbations: Vec<Perturbation>,
 }
 
 /// What is the matter with all runs of one recorder.
@@ -147,6 +154,8 @@ pub struct Check {
     pub recorders: Vec<RecorderCheck>,
     /// By run.
     pub runs: Vec<RunCheck>,
+    /// Runs among which perturbed ones cannot be recognised: too few others pass where they do, or they have no timetable in common.
+    pub not_compared: usize,
 }
 
 /// Findings of single runs that [`Check::notes`] has.
@@ -156,6 +165,18 @@ impl Check {
     /// Runs that are not to be used.
     pub fn refused(&self) -> impl Iterator<Item = &RunCheck> {
         self.runs.iter().filter(|run| run.refusal().is_some())
+    }
+
+    /// The perturbed runs with their reasons, as one line; none where there are none.
+    pub fn perturbed_note(&self) -> Option<String> {
+        let perturbed: Vec<&RunCheck> = self.runs.iter().filter(|run| !run.perturbations.is_empty()).collect();
+        let first =
+            perturbed.iter().take(NOTED).map(|run| format!("{}: {}", run.name, run.perturbed().unwrap_or_default()));
+        let named: Vec<String> = first.collect();
+        let more = perturbed.len() - named.len();
+        let rest = if more > 0 { format!("; {more} more, all by `rundown check`") } else { String::new() };
+        let (count, all) = (perturbed.len(), self.runs.len());
+        (count > 0).then(|| format!("perturbed runs: {count} of {all}: {}{rest}", named.join("; ")))
     }
 
     /// The recorder of a unit.
@@ -193,6 +214,12 @@ impl RunCheck {
     pub fn refusal(&self) -> Option<&Finding> {
         self.findings.iter().find(|finding| finding.done == Done::Refused)
     }
+
+    /// What held the run up, in words; none where nothing did.
+    pub fn perturbed(&self) -> Option<String> {
+        let words: Vec<String> = self.perturbations.iter().map(ToString::to_string).collect();
+        (!words.is_empty()).then(|| words.join("; "))
+    }
 }
 
 /// A scale that matters: a wheel wears by 10 % over its life, and 0.3 % is less than what platforms and lines are off by.
@@ -206,22 +233,24 @@ const NEAR_HALF: f64 = 0.12;
 /// One of two offsets is decided where it is nearer than this share of the distance to the other.
 const CLEARLY: f64 = 0.5;
 
-/// What is known of the recorder already, and put right elsewhere.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What is known already: of the recorder, where it is put right elsewhere, and of the line.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
     /// It truncates: the configuration says so.
     pub truncates: bool,
     /// Its scale: an effect of the model says so.
     pub scale: bool,
+    /// Where the track describes stops, m.
+    pub stops_m: Vec<f64>,
 }
 
 /// Diagnoses runs and puts right what is beyond doubt.
 pub fn check(recordings: &mut [Recording]) -> Check {
-    check_beside(recordings, Known::default())
+    check_beside(recordings, &Known::default())
 }
 
 /// The same, but for what is put right elsewhere.
-pub fn check_beside(recordings: &mut [Recording], known: Known) -> Check {
+pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
     let mut runs: Vec<RunCheck> = Vec::new();
     let mut agreements: Vec<Option<Agreement>> = Vec::new();
     for recording in recordings.iter_mut() {
@@ -237,7 +266,13 @@ pub fn check_beside(recordings: &mut [Recording], known: Known) -> Check {
     }
     let recorders =
         units.into_iter().map(|unit| of_recorder(unit, recordings, &mut runs, &agreements, known)).collect();
-    Check { recorders, runs }
+    let is_usable: Vec<bool> = runs.iter().map(|run| run.refusal().is_none()).collect();
+    let compared = perturbed::find(recordings, &is_usable, &known.stops_m);
+    for ((run, recording), perturbations) in runs.iter_mut().zip(recordings).zip(compared.runs) {
+        run.perturbations = perturbations;
+        recording.perturbed = run.perturbed();
+    }
+    Check { recorders, runs, not_compared: compared.not_compared }
 }
 
 fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
@@ -271,6 +306,7 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
         location_noise_m: agreement.map(|agreement| agreement.location_noise_m),
         scale: None,
         findings,
+        perturbations: Vec::new(),
     };
     (run, agreement)
 }
@@ -341,7 +377,7 @@ fn of_recorder(
     recordings: &mut [Recording],
     runs: &mut [RunCheck],
     agreements: &[Option<Agreement>],
-    known: Known,
+    known: &Known,
 ) -> RecorderCheck {
     let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
     let rows = || of_unit.iter().flat_map(|i| &recordings[*i].rows);
@@ -402,7 +438,7 @@ impl RecorderCheck {
     }
 
     /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, as the skews are judged with.
-    fn decide(&mut self, all: &Pooled, known: Known) -> Vector2<f64> {
+    fn decide(&mut self, all: &Pooled, known: &Known) -> Vector2<f64> {
         let offset_kmh = all.offset_kmh();
         self.offset_kmh = Some(offset_kmh);
         let step_kmh = self.speed_step_kmh.unwrap_or(0.0);

@@ -154,6 +154,7 @@ fn recording(name: &str, rows: Vec<Sample>) -> Recording {
         direction: Direction::Up,
         day: None,
         rows,
+        perturbed: None,
         warnings: vec![],
     }
 }

@@ -45,6 +45,8 @@ pub struct Recording {
     pub day: Option<f64>,
     /// All rows of the log, whatever their times.
     pub rows: Vec<Sample>,
+    /// What outside the train held the run up, where a diagnosis of all runs found it.
+    pub perturbed: Option<String>,
     /// What looked wrong, one line each, with file and line.
     pub warnings: Vec<String>,
 }
@@ -90,6 +92,7 @@ impl Recording {
             direction,
             day: file.departure_utc.as_deref().and_then(day_of),
             rows,
+            perturbed: None,
             warnings,
         })
     }

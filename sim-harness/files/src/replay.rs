@@ -76,6 +76,8 @@ pub struct ReplayedRun {
     pub trust: Trust,
     /// What it says went into the vehicle: not where most of it is invalid.
     pub is_used: bool,
+    /// What outside the train held the run up, in words.
+    pub perturbed: Option<String>,
     pub warnings: Vec<String>,
 }
 
@@ -132,6 +134,7 @@ pub fn replay(estimator: &Estimator, vehicle: &mut Vehicle, recording: &Recordin
         learned: estimator.published(vehicle).1,
         trust: *vehicle.trust(),
         is_used,
+        perturbed: recording.perturbed.clone(),
         warnings,
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::effect_file::{self, EffectEntry};
 use crate::refusal::ReadError;
+use crate::sample::MOST_SPEED_KMH;
 use crate::toml_file::{Step, TomlFile};
 use rundown::estimator::config::Config;
 use rundown::model::track::{Curve, Gradient, MAX_CURVES, MAX_GRADIENTS, MAX_TARGETS, Target, Track, TrackError};
@@ -183,7 +184,9 @@ fn checked(file: TomlFile<TrackFile>) -> Result<(TrackFile, Track), ReadError> {
         entry("tunnel", index).ends(tunnel.from_m, tunnel.to_m)?;
     }
     for (index, limit) in values.speed_limit.iter().enumerate() {
-        entry("speed_limit", index).above_zero("kmh", limit.kmh)?;
+        let is_speed = limit.kmh > 0.0 && limit.kmh <= MOST_SPEED_KMH;
+        let expected = || format!("above 0, at most {MOST_SPEED_KMH}");
+        entry("speed_limit", index).need(is_speed, "kmh", expected, limit.kmh)?;
     }
     for (index, section) in values.feeding_section.iter().enumerate() {
         entry("feeding_section", index).ends(section.from_m, section.to_m)?;
@@ -365,8 +368,12 @@ mod tests {
             "track.toml:5:8: tunnel[0].to_m: expected beyond from_m = 9, found 9"
         );
         assert_eq!(
+            message("[[speed_limit]]\nfrom_m = 9\nkmh = 1001\n"),
+            "track.toml:5:7: speed_limit[0].kmh: expected above 0, at most 1000, found 1001"
+        );
+        assert_eq!(
             message("[[speed_limit]]\nfrom_m = 9\nkmh = 0\n"),
-            "track.toml:5:7: speed_limit[0].kmh: expected above 0, found 0"
+            "track.toml:5:7: speed_limit[0].kmh: expected above 0, at most 1000, found 0"
         );
         assert!(
             message("[[centre_line]]\nat_m = 0\nlatitude_deg = 95\nlongitude_deg = 0\n")

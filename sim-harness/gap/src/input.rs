@@ -4,7 +4,7 @@ use crate::data::load::Loaded;
 use crate::data::{believed::Surroundings, load, runs::Run};
 use crate::refusal::Refusal;
 use rundown::model::{track::Track, train::Train};
-use rundown_check::Check;
+use rundown_check::{Check, gradients::Coasts};
 use rundown_files::folder::Provenance;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::Place;
@@ -64,6 +64,9 @@ impl Input {
         let set = RunSet::find(runs).map_err(Refusal::unread)?;
         let provenance = Provenance::begin(&[described.to_vec(), set.paths()].concat());
         let Loaded { runs: read, recordings, check, notes } = load::runs(&set, &track_file, direction, as_recorded);
+        let mut coasts = Coasts::default();
+        coasts.add(&recordings, &train);
+        let doubt = coasts.doubt(&train, &track).map(|doubt| format!("{doubt}; the gap is then theirs"));
         let dataset: Vec<String> = runs.iter().map(|path| path.display().to_string()).collect();
         let left_out = set.files.len() - read.len();
         Ok(Self {
@@ -78,7 +81,7 @@ impl Input {
             dataset: dataset.join(" "),
             provenance,
             left_out,
-            notes: set.notes.into_iter().chain(notes).collect(),
+            notes: set.notes.into_iter().chain(notes).chain(doubt).collect(),
         })
     }
 

@@ -126,9 +126,16 @@ fn verdict(run: &RunCheck) -> &'static str {
         () if has(Done::Refused) => "not used",
         () if has(Done::LeftOut) => "readings left out",
         () if has(Done::PutRight) => "put right",
+        () if !run.perturbations.is_empty() => "perturbed",
         () if has(Done::Said) => "noted",
         () => "clean",
     }
+}
+
+/// What was found in a run, and what held it up.
+fn said(run: &RunCheck) -> String {
+    let found = run.findings.iter().map(|finding| finding.kind.words().to_owned());
+    found.chain(run.perturbed()).collect::<Vec<String>>().join("; ")
 }
 
 fn runs(found: &Check) -> Markup {
@@ -152,7 +159,7 @@ fn runs(found: &Check) -> Markup {
         td { (interval(run.scale, 4)) }
         td { (interval(run.skew_s, 2)) }
         td { (number(run.location_noise_m, 1)) }
-        td.text { @for (i, finding) in run.findings.iter().enumerate() { @if i > 0 { "; " } (finding.kind.words()) } }
+        td.text { (said(run)) }
     } } };
     html! {
         (sortable(head, rows))

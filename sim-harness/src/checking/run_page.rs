@@ -47,6 +47,7 @@ fn lead(run: &RunCheck) -> Markup {
         p.lead {
             (run.rows) " rows of " (called(&run.unit)) ", usually each " (number(run.step_s, 1)) " s. "
             @if let Some(refusal) = run.refusal() { "The run is not used: " (refusal.kind.words()) ". " }
+            @if let Some(perturbed) = run.perturbed() { "Perturbed: " (perturbed) ". " }
         }
         @if run.scale.is_some() || run.skew_s.is_some() {
             p {

@@ -134,6 +134,7 @@ mod tests {
             location_noise_m: None,
             scale: None,
             findings: vec![],
+            perturbations: vec![],
         };
         let Drawing::One(figure) = clock(&run, &rows) else { panic!("one figure") };
         let marks = figure.panels[0].layers.iter().find_map(|layer| match layer {

@@ -22,7 +22,8 @@ It needs neither train nor track (a track with a centre line, where the logs hav
 of the speed, rounded or truncated; offset and scale of the speed against the location, jointly; by how much the speed is
 older than the location, run by run; clocks that jump or lose seconds; rows that are missing, standing and moving;
 odometers that wrap or begin again; sensors that stand still; wrong units; there and back in one log. Each with a figure,
-its 95 % interval where it has one, and what a replay does about it.";
+its 95 % interval where it has one, and what a replay does about it. Beside at least five others, runs that a red signal
+or a restriction held up are named, too.";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]
@@ -30,7 +31,7 @@ pub struct Arguments {
     /// Run logs, or folders of run logs
     #[arg(value_name = "RUN.csv", required = true)]
     runs: Vec<PathBuf>,
-    /// Track whose centre line gives the locations of logs that have coordinates only
+    /// Track whose centre line gives the locations of logs that have coordinates only, and whose stops are stations
     #[arg(long, value_name = "K.toml")]
     track: Option<PathBuf>,
     #[command(flatten)]
@@ -60,7 +61,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     screen::print(&if arguments.json { format!("{json}\n") } else { words(&found) });
     let of_recorders = found.recorders.iter().flat_map(|recorder| &recorder.findings);
     let findings = of_recorders.chain(found.runs.iter().flat_map(|run| &run.findings)).count();
-    arguments.strict.check(findings + failed.len())?;
+    let perturbed = found.runs.iter().filter(|run| !run.perturbations.is_empty()).count();
+    arguments.strict.check(findings + perturbed + failed.len())?;
     match (&arguments.out, logs) {
         (Some(out), Some(logs)) => folder::write("check", out, &Provenance::begin(&logs.inputs), |folder| {
             checking::write(folder, &found, &logs, &failed)?;

@@ -2,7 +2,7 @@
 
 use super::{Failure, screen};
 use crate::check_bench::{Clean, Defect, bench};
-use crate::study::write;
+use crate::{gradient_bench, perturbed_bench, study::write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -15,10 +15,14 @@ Examples:
     rundown check-bench --seed 7
 
 Each defect is injected into sets of four simulated runs; as many sets of each of four clean recorders are diagnosed.
+On each of six lines as many sets of 40 runs are compared, of which a seventh is perturbed, and as many sets of 20 runs
+are diagnosed with gradients that are described in nine ways, three of them right.
 
 Files in the output folder:
-  table.md      how often each defect was found, error of its figure, intervals that hold the truth
-  bench.json    the same for machines, with every clean set that was accused";
+  table.md         how often each defect was found, error of its figure, intervals that hold the truth; perturbed runs; wrong gradients
+  bench.json       the same for machines, with every clean set that was accused
+  perturbed.json   perturbed runs, with every calm one that was accused
+  gradients.json   wrong gradients, with what was said of each set";
 
 /// Arguments of `rundown check-bench`.
 #[derive(Debug, clap::Args)]
@@ -38,17 +42,28 @@ pub struct Arguments {
 /// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let count = (Defect::ALL.len() + Clean::ALL.len()) as u64 * arguments.sets;
-    let bar = screen::progress(count as usize);
-    let found = bench(&Defect::ALL, arguments.sets, arguments.seed, || bar.inc(1)).map_err(Failure::refused)?;
+    let bar = screen::progress(
+        (count + perturbed_bench::steps(arguments.sets) + gradient_bench::steps(arguments.sets)) as usize,
+    );
+    let step = || bar.inc(1);
+    let found = bench(&Defect::ALL, arguments.sets, arguments.seed, step).map_err(Failure::refused)?;
+    let perturbed = perturbed_bench::bench(arguments.sets, arguments.seed, step).map_err(Failure::refused)?;
+    let gradients = gradient_bench::bench(arguments.sets, arguments.seed, step).map_err(Failure::refused)?;
     bar.finish_and_clear();
-    let text = found.table();
+    let text = format!("{}\n{}\n{}", found.table(), perturbed.table(), gradient_bench::table(&gradients));
     let json = serde_json::to_string_pretty(&found).map_err(Failure::not_written)?;
+    let perturbed_json = serde_json::to_string_pretty(&perturbed).map_err(Failure::not_written)?;
+    let gradients_json = serde_json::to_string_pretty(&gradients).map_err(Failure::not_written)?;
     write::folder(&arguments.out)
         .and_then(|()| write::text(&arguments.out.join("table.md"), &text))
         .and_then(|()| write::text(&arguments.out.join("bench.json"), &(json + "\n")))
+        .and_then(|()| write::text(&arguments.out.join("perturbed.json"), &(perturbed_json + "\n")))
+        .and_then(|()| write::text(&arguments.out.join("gradients.json"), &(gradients_json + "\n")))
         .map_err(Failure::not_written)?;
     screen::print(&text);
-    for accused in &found.accused {
+    let calm = perturbed.lines.iter().flat_map(|line| line.accused.iter());
+    let right = gradients.iter().filter(|row| row.is_right).flat_map(|row| row.said.iter());
+    for accused in found.accused.iter().chain(calm).chain(right) {
         screen::print(&format!("accused: {accused}\n"));
     }
     screen::print(&format!("results: {}\n", arguments.out.display()));

@@ -18,6 +18,9 @@ pub struct RecordedRuns {
     /// Take recorded runs as they are: what `rundown check` would put right is left as it is
     #[arg(long, requires = "runs")]
     as_recorded: bool,
+    /// Count runs with red signals, restrictions or other disturbances, too; without it they are set aside, with a note
+    #[arg(long, requires = "runs")]
+    keep_perturbed: bool,
     #[command(flatten)]
     pub(super) strict: Strict,
     /// Description of the track of recorded runs
@@ -48,9 +51,13 @@ impl RecordedRuns {
         let (train_file, train) = TrainFile::read(train)?;
         let (track_file, track) = TrackFile::read(track)?;
         let line = CentreLine::new(&track_file.centre_line);
-        let known = Known { truncates: config.sensor.rounding == Rounding::Truncated, ..Known::default() };
+        let known = Known {
+            truncates: config.sensor.rounding == Rounding::Truncated,
+            scale: false,
+            stops_m: track_file.stop.iter().map(|stop| stop.at_m).collect(),
+        };
         let known = (!self.as_recorded).then_some(known);
-        let source = RunSource::recorded(&self.runs, line, known, screen::note)?;
+        let source = RunSource::recorded(&self.runs, line, known, self.keep_perturbed, screen::note)?;
         let config = track_file.doubted(*config);
         let inputs = [described.to_vec(), source.files()].concat();
         Ok(Some(Opened { train_file, train, track_file, track, source, inputs, config }))

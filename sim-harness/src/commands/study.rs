@@ -15,7 +15,6 @@ use crate::{
     simulation::scenario_file::Simulation, study::source::RunSource, study::trials::Trials, study::write::RunTable,
 };
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
-use rundown_check::Check;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::{
     WriteError, parquet::RunWriter, recording::Recording, table::Record, track_file::TrackFile, train_file::TrainFile,
@@ -144,13 +143,6 @@ pub(super) struct Study {
     pub(super) answers: Vec<Answer>,
 }
 
-impl Study {
-    /// What a person should know of the recorders.
-    fn notes(&self) -> Vec<String> {
-        self.gathered.checks.iter().flat_map(Check::notes).collect()
-    }
-}
-
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let config = super::config(arguments.config.as_deref())?;
     if arguments.all {
@@ -193,7 +185,7 @@ fn case_study_or_runs(arguments: &Arguments, config: Config, out: &Path) -> Resu
             arguments.keep_runs.as_deref(),
             folder,
         )?;
-        let (notes, failed) = (study.notes(), &study.gathered.failed);
+        let (notes, failed) = (&study.gathered.notes, &study.gathered.failed);
         notes.iter().for_each(|text| screen::note(text));
         failed.iter().take(5).for_each(|failed| screen::error(&failed.error));
         arguments.recorded.strict.check(notes.len() + failed.len())?;
@@ -208,6 +200,7 @@ fn case_study_or_runs(arguments: &Arguments, config: Config, out: &Path) -> Resu
             "runs": study.gathered.paper.runs,
             "runs_with_truth": study.gathered.truth.runs,
             "failed": study.gathered.failed.len(),
+            "set_aside": study.gathered.set_aside,
             "diagnosis": study.gathered.checks,
             "claims": claims,
             "truth_slope": study.answers,

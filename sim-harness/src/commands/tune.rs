@@ -11,7 +11,6 @@ use crate::tune::surface::{EVALUATIONS, plane, profiles};
 use crate::{study::source::RunSource, study::trials::sensitivity, tune::score::Bench, tune::search::search};
 use rundown::estimator::config::{Config, Mode};
 use rundown::tick::paper::PaperConfig;
-use rundown_check::Check;
 use rundown_files::folder::{self, Provenance};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -117,6 +116,7 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String, Provenan
     {
         for case in chunk {
             match case {
+                Ok(case) if source.sets_aside(&case) => (),
                 Ok(case) => runs.push(case.recording),
                 Err(failed) => {
                     refused += 1;
@@ -126,7 +126,7 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String, Provenan
         }
     }
     runs.truncate(count);
-    let notes: Vec<String> = source.found().iter().flat_map(Check::notes).collect();
+    let notes = source.notes();
     notes.iter().for_each(|text| screen::note(text));
     arguments.recorded.strict.check(notes.len() + refused)?;
     if runs.is_empty() {

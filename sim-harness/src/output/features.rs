@@ -26,6 +26,10 @@ pub fn columns(config: &FeatureConfig) -> Vec<Column<ReplayedRun>> {
         parameters::direction(),
         Column::number("duration_s", "s", "from the first to the last estimate", duration_s)
             .empty_when("there is no estimate"),
+        Column::text("perturbed", "what outside the train held the run up", |run: &ReplayedRun| {
+            run.perturbed.clone().unwrap_or_default()
+        })
+        .empty_when("nothing did, or nobody looked"),
     ];
     let of_run = of_run(config).into_iter();
     columns.extend(of_run.map(|column| column.of_part(|run: &ReplayedRun| &run.summary.features)));

@@ -27,6 +27,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["runs[].steps", "", "ticks with an estimate", ""],
     ["runs[].learning_steps", "", "ticks from which the resistance was learned", ""],
     ["runs[].used", "", "whether the vehicle was changed: it is not where more than half of the ticks are invalid", ""],
+    ["runs[].perturbed", "", "what outside the train held the run up", "nothing did, or nobody looked"],
     ["runs[].estimates", "", "file with the estimates", "`--no-estimates`"],
     [
         "runs[].coast_ahead",
@@ -159,6 +160,7 @@ fn of_run(run: &ReplayedRun, config: &Config, tables: Tables) -> Value {
         "steps": run.estimates.len(),
         "learning_steps": parameters::learning_steps(run),
         "used": run.is_used,
+        "perturbed": run.perturbed,
         "estimates": file(estimates::stem(run), true),
         "coast_ahead": file(coast_ahead::stem(run), !run.coast_ahead.is_empty()),
         "vehicle": object(&davis, &run.vehicle_after),

@@ -23,7 +23,7 @@ use rundown::{
     model::track::TrackError,
     model::train::Train,
 };
-use rundown_check::Known;
+use rundown_check::{Known, gradients::Coasts};
 use rundown_files::folder::{self, Provenance};
 use rundown_files::parquet::ParquetError;
 use rundown_files::recording::{DirectionChoice, Recording};
@@ -215,6 +215,8 @@ impl Opened {
         }
         let mut recordings = self.diagnosed(read, &mut summary);
         source::tell_apart(&mut recordings);
+        let mut coasts = Coasts::default();
+        coasts.add(&recordings, &self.core_train);
         let own = self.own_estimators(&recordings)?;
         let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
         let (carried, tick) = (self.request.carried, self.request.tick);
@@ -227,6 +229,7 @@ impl Opened {
         advice.add(&runs);
         let Summary { failed, mut notes, .. } = summary;
         notes.extend(advice.notes(&self.estimator));
+        notes.extend(self.gradient_doubt(&coasts));
         let tables = self.request.tables;
         let Self { config, train, core_train, track, provenance, .. } = self;
         Ok(Replayed { config, train, core_train, track, runs, failed, notes, provenance, carried, tick, tables })
@@ -253,11 +256,21 @@ impl Opened {
         let known = Known {
             truncates: self.config.sensor.rounding == Rounding::Truncated,
             scale: effects.any(|entry| matches!(entry.effect, Effect::SpeedScale(_))),
+            stops_m: self.track.stop.iter().map(|stop| stop.at_m).collect(),
         };
-        let (used, refused, found) = logs::diagnosed(recordings, known);
+        let (used, refused, found) = logs::diagnosed(recordings, &known);
         summary.failed.extend(refused);
         summary.notes.extend(found.notes());
+        summary
+            .notes
+            .extend(found.perturbed_note().map(|note| format!("{note}; they were learned from as the others")));
         used
+    }
+
+    /// That the described gradients look wrong.
+    fn gradient_doubt(&self, coasts: &Coasts) -> Option<String> {
+        let doubt = coasts.doubt(&self.core_train, self.estimator.track())?;
+        Some(format!("{doubt}; what was learned rests on the gradients as described"))
     }
 
     fn head(&self) -> json::Head<'_> {

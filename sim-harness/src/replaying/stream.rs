@@ -7,6 +7,7 @@ use crate::advice::Advice;
 use crate::output::tables::Table;
 use crate::output::{features, files, json, parameters};
 use rundown::estimator::config::Mode;
+use rundown_check::gradients::Coasts;
 use rundown_files::WriteError;
 use rundown_files::folder;
 use rundown_files::recording::Recording;
@@ -59,9 +60,11 @@ impl Opened {
             let mut outputs = Outputs::begin(&self, folder)?;
             let mut vehicles = HashMap::new();
             let mut advice = Advice::default();
+            let mut coasts = Coasts::default();
             let mut summary = Summary { notes: self.source.notes().to_vec(), ..Summary::default() };
             while let Some(chunk) = self.next_chunk(CHUNK)? {
                 let recordings = self.diagnosed(chunk, &mut summary);
+                coasts.add(&recordings, &self.core_train);
                 let own = self.own_estimators(&recordings).map_err(ReplayError::from)?;
                 let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
                 let runs = if self.request.carried {
@@ -76,6 +79,7 @@ impl Opened {
                 seen(&runs);
             }
             summary.notes.extend(advice.notes(&self.estimator));
+            summary.notes.extend(self.gradient_doubt(&coasts));
             let mut said = HashSet::new();
             summary.notes.retain(|note| said.insert(note.clone()));
             if summary.runs == 0 || self.request.strict && summary.said() > 0 {

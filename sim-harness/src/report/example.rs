@@ -75,6 +75,7 @@ fn replayed(rows: Vec<Sample>) -> ReplayedRun {
         direction: Direction::Up,
         day: None,
         rows,
+        perturbed: None,
         warnings: Vec::new(),
     };
     let track = Track::try_new(40_000.0, []).unwrap();

@@ -104,6 +104,7 @@ impl Case {
                 },
                 day: Some(run.facts.plan.departure_s as f64 / 86_400.0),
                 rows: run.samples.iter().enumerate().map(row).collect(),
+                perturbed: None,
                 warnings: Vec::new(),
             },
             truth: Some(CaseTruth { facts: RunTruth::from(&run.facts), samples: run.truth }),

@@ -99,6 +99,10 @@ pub struct Gathered {
     /// What the gated mode knows of each unit after its last run, by name.
     pub units: Vec<(String, Gaussian<3>)>,
     pub failed: Vec<Failed>,
+    /// Perturbed runs: they have a row in `runs.csv`, and no part in anything else.
+    pub set_aside: usize,
+    /// What a person must know of recorded runs.
+    pub notes: Vec<String>,
     /// What the recorders did to recorded runs, a diagnosis for each chunk.
     pub checks: Vec<Check>,
 }
@@ -153,9 +157,14 @@ pub fn gather(
                 Err(failed) => gathered.failed.push(failed),
             }
         }
+        let (aside, cases): (Vec<Case>, Vec<Case>) = cases.into_iter().partition(|case| source.sets_aside(case));
+        gathered.set_aside += aside.len();
         let chunk = looked_at(estimators, cases, &mut vehicles);
-        let recordings: Vec<&Recording> = chunk.iter().map(|one| &one.case.recording).collect();
-        let records: Vec<Record> = chunk.iter().map(|one| record(&of_run, one)).collect();
+        // They teach no vehicle.
+        let aside = looked_at(estimators, aside, &mut vehicles.clone());
+        let all = || chunk.iter().chain(&aside);
+        let recordings: Vec<&Recording> = all().map(|one| &one.case.recording).collect();
+        let records: Vec<Record> = all().map(|one| record(&of_run, one)).collect();
         sink(&recordings, &records)?;
         for one in chunk {
             gathered.add(one, index % stride == 0, wanted);
@@ -164,6 +173,7 @@ pub fn gather(
         done(count);
     }
     gathered.checks = source.found().to_vec();
+    gathered.notes = source.notes();
     let known = vehicles.into_iter();
     gathered.units = known.map(|(name, vehicle)| (name, vehicle.davis())).collect();
     gathered.units.sort_by(|a, b| a.0.cmp(&b.0));
@@ -212,6 +222,10 @@ pub fn columns() -> Vec<Column<LookedAt>> {
             .empty_when("no index names one"),
         Column::count("rows", "rows of the log", |one: &LookedAt| one.case.recording.rows.len()),
         Column::number("top_kmh", "km/h", "largest measured speed", |one: &LookedAt| top_kmh(&one.case.recording)),
+        Column::text("perturbed", "what outside the train held the run up", |one: &LookedAt| {
+            one.case.recording.perturbed.clone().unwrap_or_default()
+        })
+        .empty_when("nothing did, or nobody looked"),
     ];
     for (index, (prefix, by)) in
         [("paper", "by the paper's mode"), ("gated", "by the gated mode")].into_iter().enumerate()

@@ -5,7 +5,6 @@ use super::{
     figures::Picture, gather::Gathered, moments::Moments, slope::Answer, tallies::Tallies, trials::Sensitivity,
 };
 use maud::{Markup, html};
-use rundown_check::Check;
 use rundown_pages::numbers::{NOTHING, counted, number};
 use rundown_pages::shell::{Section, choice_column, column, document, figure, sortable, table, text_column};
 
@@ -67,16 +66,19 @@ fn summary(page: &StudyPage) -> Markup {
                 "What that is worth: " (by_kind(page.claims)) ". An " em { "input" } " was put into the scenario and says that it is the paper's; what is "
                 em { "recovered" } " was put in and found again by the extractor, with the error that is said; what is " em { "predicted" } " could have failed."
             }
+            @if gathered.set_aside > 0 {
+                p { (counted(gathered.set_aside, "run was", "runs were")) " perturbed and set aside; runs.csv says by what, and --keep-perturbed keeps them." }
+            }
             @if !gathered.failed.is_empty() {
                 p.note {
                     (counted(gathered.failed.len(), "log", "logs")) " could not be used; the first: "
                     (gathered.failed.first().map_or("", |failed| failed.error.as_str()))
                 }
             }
-            @let notes: Vec<String> = gathered.checks.iter().flat_map(Check::notes).collect();
+            @let notes = &gathered.notes;
             @if !notes.is_empty() {
                 p.note { "What the recorders did to the logs, before anything else looked at them:" }
-                ul { @for note in &notes { li { (note) } } }
+                ul { @for note in notes { li { (note) } } }
             }
             p {
                 "Paper: Cunillera, Be\u{161}inovi\u{107}, van Oort, Goverde, Real-time train motion parameter estimation using an Unscented Kalman Filter, "

@@ -29,6 +29,8 @@ pub struct Recorded {
     as_recorded: bool,
     /// What an estimator puts right by itself.
     known: Known,
+    /// Perturbed runs count as the others do.
+    keep_perturbed: bool,
     /// What was found, a diagnosis for each chunk so far.
     found: Vec<Check>,
 }
@@ -71,11 +73,30 @@ impl RunSource {
         arguments: &[PathBuf],
         line: Option<CentreLine>,
         known: Option<Known>,
+        keep_perturbed: bool,
         note: impl Fn(&str),
     ) -> Result<Self, Refused> {
         let (of, files) = Files::open(arguments, line, note)?;
         let (as_recorded, known) = (known.is_none(), known.unwrap_or_default());
-        Ok(Self::Recorded(Box::new(Recorded { of, files, as_recorded, known, found: Vec::new() })))
+        Ok(Self::Recorded(Box::new(Recorded { of, files, as_recorded, known, keep_perturbed, found: Vec::new() })))
+    }
+
+    /// A run that is no part of the statistics: it was perturbed.
+    pub fn sets_aside(&self, case: &Case) -> bool {
+        matches!(self, Self::Recorded(recorded) if !recorded.keep_perturbed) && case.recording.perturbed.is_some()
+    }
+
+    /// What a person must know of the recorders and of perturbed runs, as far as they have been read.
+    pub fn notes(&self) -> Vec<String> {
+        let Self::Recorded(recorded) = self else {
+            return Vec::new();
+        };
+        let done = if recorded.keep_perturbed { "kept" } else { "set aside; --keep-perturbed keeps them" };
+        let of_chunk = |check: &Check| {
+            let perturbed = check.perturbed_note().map(|note| format!("{note}; {done}"));
+            check.notes().into_iter().chain(perturbed).collect::<Vec<String>>()
+        };
+        recorded.found.iter().flat_map(of_chunk).collect()
     }
 
     pub fn total(&self) -> usize {
@@ -191,7 +212,7 @@ impl Recorded {
                 Err(failed) => chunk.push(Err(failed)),
             }
         }
-        let (diagnosed, found) = logs::diagnosed_each(recordings, self.known);
+        let (diagnosed, found) = logs::diagnosed_each(recordings, &self.known);
         let with_truth = diagnosed.into_iter().zip(truths);
         chunk.extend(with_truth.map(|(recording, truth)| Ok(Case { recording: recording?, truth })));
         self.found.push(found);

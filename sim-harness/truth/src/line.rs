@@ -191,6 +191,18 @@ impl Line {
         }
     }
 
+    /// The same line where no more than this is permitted between two locations, km/h.
+    pub fn with_restriction(&self, from_m: f64, to_m: f64, kmh: f64) -> Self {
+        let limit = |at_m: f64| self.limits_kmh[self.limits_kmh.partition_point(|l| l.0 <= at_m).max(1) - 1].1;
+        let mut edges: Vec<f64> = self.limits_kmh.iter().map(|l| l.0).collect();
+        edges.extend([from_m, to_m]);
+        edges.sort_by(f64::total_cmp);
+        edges.dedup();
+        let restricted = |at_m: f64| if (from_m..to_m).contains(&at_m) { limit(at_m).min(kmh) } else { limit(at_m) };
+        let limits_kmh = edges.into_iter().map(|at_m| (at_m, restricted(at_m))).collect();
+        Self { limits_kmh, ..self.clone() }
+    }
+
     fn permille(&self, at_m: f64) -> f64 {
         let begun = self.gradients_permille.partition_point(|g| g.0 <= at_m);
         begun.checked_sub(1).map_or(0.0, |index| self.gradients_permille[index].1)

@@ -158,6 +158,7 @@ impl RunReader {
                 name,
                 day: None,
                 rows: Vec::new(),
+                perturbed: None,
                 warnings: Vec::new(),
             });
             self.row += 1;
@@ -236,6 +237,7 @@ mod tests {
             direction: Direction::Up,
             day: None,
             rows: (0..40).map(row).collect(),
+            perturbed: None,
             warnings: Vec::new(),
         }
     }

@@ -83,7 +83,7 @@ impl Loaded {
     }
 
     fn diagnose(&mut self) {
-        let mut check = check_beside(&mut self.recordings, Known { scale: true, ..Known::default() });
+        let mut check = check_beside(&mut self.recordings, &Known { scale: true, ..Known::default() });
         // In the runs the scale is put right, too.
         for finding in check.recorders.iter_mut().flat_map(|recorder| &mut recorder.findings) {
             if finding.kind == Kind::SpeedScale {
@@ -91,6 +91,7 @@ impl Loaded {
             }
         }
         self.notes.extend(check.notes());
+        self.notes.extend(check.perturbed_note().map(|note| format!("{note}; they were used as the others")));
         let recordings = std::mem::take(&mut self.recordings);
         for (recording, of_run) in recordings.into_iter().zip(&check.runs) {
             if let Some(finding) = of_run.refusal() {

@@ -280,6 +280,7 @@ mod tests {
                 direction: Direction::Up,
                 day: None,
                 rows: samples,
+                perturbed: None,
                 warnings: Vec::new(),
             }
         };

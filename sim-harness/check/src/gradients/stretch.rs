@@ -1,0 +1,85 @@
+//! Stretches of 20 s, one each 10 s: how the kinetic energy changed, and what the described resistance took.
+
+use rundown::model::direction::Direction;
+use rundown::model::train::Train;
+use rundown_files::sample::Sample;
+
+/// Long enough that speeds in whole km/h leave an error of half a permille, and short enough for the coasts of a suburban train, s.
+const LENGTH_S: f64 = 20.0;
+/// A stretch begins so long after the one before, s: a coast holds whole ones wherever it begins.
+const BEGIN_EACH_S: f64 = 10.0;
+/// Of so many stretches that overlap only one is independent.
+pub const OVERLAP: f64 = LENGTH_S / BEGIN_EACH_S;
+/// A longer gap ends a stretch, s.
+const LONGEST_STEP_S: f64 = 12.0;
+/// Slower trains do not coast long, m/s.
+const SLOWEST_MPS: f64 = 6.0;
+/// Beyond, trains power or brake on any gradient, m/s².
+const MOST_RATE_MPS2: f64 = 0.35;
+/// A speed that changes less is held, with an effort that is nearly that of coasting, m/s².
+const HELD_MPS2: f64 = 0.015;
+/// Location and speed may differ by this share of the way and these metres.
+const AGREES: (f64, f64) = (0.1, 60.0);
+
+/// What one stretch says, but for the gradients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Gain of kinetic energy over the way, N/kg.
+    pub gain_n_per_kg: f64,
+    /// Described resistance, mean over the way, N/kg.
+    pub resistance_n_per_kg: f64,
+    /// Front of the train where it begins and where it ends, m.
+    pub fronts_m: [f64; 2],
+    /// The way between, m.
+    pub way_m: f64,
+    /// Direction of travel.
+    pub direction: Direction,
+    /// Which half of the runs: 0 or 1.
+    pub half: usize,
+}
+
+/// The stretches of one run.
+pub fn of(rows: &[Sample], direction: Direction, half: usize, train: &Train) -> Vec<Stretch> {
+    let read = |row: &&Sample| row.location_m.is_some() && row.speed_mps.is_some();
+    let rows: Vec<&Sample> = rows.iter().filter(read).collect();
+    let mut stretches = Vec::new();
+    let mut from = 0;
+    for to in 1..rows.len() {
+        let dt = rows[to].time_s - rows[to - 1].time_s;
+        if !(0.0..=LONGEST_STEP_S).contains(&dt) {
+            from = to;
+        } else if rows[to].time_s - rows[from].time_s >= LENGTH_S - 1e-6 {
+            stretches.extend(stretch(&rows[from..=to], direction, half, train));
+            let next_s = rows[from].time_s + BEGIN_EACH_S - 1e-6;
+            from = (from..to).find(|row| rows[*row].time_s >= next_s).unwrap_or(to);
+        }
+    }
+    stretches
+}
+
+fn stretch(rows: &[&Sample], direction: Direction, half: usize, train: &Train) -> Option<Stretch> {
+    let speeds = || rows.iter().filter_map(|row| row.speed_mps);
+    let fronts_m = [rows.first()?.location_m?, rows.last()?.location_m?];
+    let (first, last) = (speeds().next()?, speeds().next_back()?);
+    let (mut way_m, mut lost) = (0.0, 0.0);
+    for pair in rows.windows(2) {
+        let mps = 0.5 * (pair[0].speed_mps? + pair[1].speed_mps?);
+        let step_m = mps * (pair[1].time_s - pair[0].time_s);
+        way_m += step_m;
+        lost += train.davis().resistance_n_per_kg(mps) * step_m;
+    }
+    let time_s = rows.last()?.time_s - rows.first()?.time_s;
+    let rate_mps2 = (last - first) / time_s;
+    let moved_m = direction.sign() * (fronts_m[1] - fronts_m[0]);
+    let agrees = (moved_m - way_m).abs() < AGREES.0 * way_m + AGREES.1;
+    let is_one =
+        speeds().all(|mps| mps > SLOWEST_MPS) && (HELD_MPS2..MOST_RATE_MPS2).contains(&rate_mps2.abs()) && agrees;
+    is_one.then(|| Stretch {
+        gain_n_per_kg: (last * last - first * first) / (2.0 * way_m),
+        resistance_n_per_kg: lost / way_m,
+        fronts_m,
+        way_m,
+        direction,
+        half,
+    })
+}

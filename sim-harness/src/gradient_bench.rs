@@ -1,0 +1,232 @@
+//! Wrong gradients of known kind: how often they are named, and how often right ones are accused.
+//!
+//! ```text
+//! line, seed -> runs of a vehicle off its description -> gradients described right or wrong -> doubt? of which kind?
+//! ```
+
+use crate::accuracy_bench::fleets::{self, Fleet};
+use crate::accuracy_bench::scales;
+use crate::study::case::Case;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+use rayon::prelude::*;
+use rundown::model::track::{Gradient, Track};
+use rundown_check::gradients::{Coasts, Doubt, Version};
+use rundown_files::recording::Recording;
+use rundown_truth::line::Line;
+use rundown_truth::plan::{Headings, plan};
+use rundown_truth::scenario::{Scenario, simulate_planned};
+use serde::Serialize;
+
+/// Runs of a set.
+const RUNS: usize = 20;
+/// Lines and trains on which coasts last a minute, by the names of the accuracy bench ...
+const LONG: [&str; 4] = ["wind", "hills", "on-off", "freight"];
+/// ... and those with short hops, where hardly a stretch of 20 s is coasted as a whole.
+const HOPS: [&str; 2] = ["suburban", "metro"];
+
+/// How the gradients are described.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Described {
+    Right,
+    /// In whole permille, as many tables have them.
+    Rounded,
+    /// Each off by half a permille, standard deviation.
+    Survey,
+    SignTurned,
+    PerCent,
+    Permille,
+    OtherEnd,
+    Shifted,
+    OtherLine,
+}
+
+impl Described {
+    const ALL: [Self; 9] = [
+        Self::Right,
+        Self::Rounded,
+        Self::Survey,
+        Self::SignTurned,
+        Self::PerCent,
+        Self::Permille,
+        Self::OtherEnd,
+        Self::Shifted,
+        Self::OtherLine,
+    ];
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::Right => "as they are",
+            Self::Rounded => "rounded to whole permille",
+            Self::Survey => "each off by 0.5 permille, standard deviation",
+            Self::SignTurned => "the sign turned",
+            Self::PerCent => "in per cent",
+            Self::Permille => "ten times as steep",
+            Self::OtherEnd => "from the other end",
+            Self::Shifted => "moved by 1 to 3 km",
+            Self::OtherLine => "of another line",
+        }
+    }
+
+    const fn is_right(self) -> bool {
+        matches!(self, Self::Right | Self::Rounded | Self::Survey)
+    }
+
+    /// The kind that is named.
+    fn is_named(self, better: Version) -> bool {
+        match self {
+            Self::SignTurned => better == Version::SignTurned,
+            Self::PerCent => better == Version::PerCent,
+            Self::Permille => better == Version::TenthOfIt,
+            Self::OtherEnd => better == Version::OtherEnd,
+            Self::Shifted => matches!(better, Version::Shifted(_)),
+            Self::OtherLine => better == Version::Level,
+            Self::Right | Self::Rounded | Self::Survey => false,
+        }
+    }
+
+    fn track(self, line: &Line, random: &mut ChaCha8Rng) -> Result<Track, String> {
+        let length_m = line.length_m();
+        let shift_m = random.random_range(1_000.0..3_000.0) * if random.random_bool(0.5) { 1.0 } else { -1.0 };
+        let normal = Normal::new(0.0, 0.5).map_err(|e| e.to_string())?;
+        let other = Line::hilly(random.random_range(1_000..1_000_000));
+        let reversed = line.reversed();
+        let source = match self {
+            Self::OtherEnd => &reversed,
+            Self::OtherLine => &other,
+            _ => line,
+        };
+        let mut gradient = |&(from_m, permille): &(f64, f64)| {
+            let permille = match self {
+                Self::Rounded => permille.round(),
+                Self::Survey => permille + normal.sample(random),
+                Self::SignTurned => -permille,
+                Self::PerCent => 0.1 * permille,
+                Self::Permille => 10.0 * permille,
+                _ => permille,
+            };
+            Gradient { from_m: if self == Self::Shifted { from_m + shift_m } else { from_m }, permille }
+        };
+        let gradients: Vec<Gradient> = source.gradients_permille().iter().map(&mut gradient).collect();
+        Track::try_new(length_m, gradients).map_err(|e| e.to_string())
+    }
+}
+
+/// What came of sets with gradients described in one way.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Count {
+    /// Sets.
+    pub sets: usize,
+    /// Sets in which the gradients were said to look wrong.
+    pub doubted: usize,
+    /// Sets in which the kind was named.
+    pub named: usize,
+}
+
+/// Sets with gradients described in one way.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// How.
+    pub what: &'static str,
+    /// Whether that is right.
+    pub is_right: bool,
+    /// Where coasts last a minute.
+    pub long: Count,
+    /// On short hops.
+    pub hops: Count,
+    /// What was said of each doubted set, with its line.
+    pub said: Vec<String>,
+}
+
+/// Diagnoses so many sets of each line with gradients described in each way. Out: a row for each way.
+///
+/// # Errors
+/// A run that could not be simulated, or a track that is refused; in words.
+pub fn bench(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<Vec<Row>, String> {
+    let fleets = fleets::all().into_iter();
+    let fleets: Vec<Fleet> = fleets.filter(|fleet| LONG.contains(&fleet.name) || HOPS.contains(&fleet.name)).collect();
+    let each: Vec<_> = fleets.iter().flat_map(|fleet| (0..sets).map(move |set| (fleet, set))).collect();
+    let set = |(fleet, number)| {
+        let found = doubts(fleet, seed.wrapping_add(104_729 * number))?;
+        done();
+        Ok((fleet, found))
+    };
+    let all = each.into_par_iter().map(set).collect::<Result<Vec<_>, String>>()?;
+    let row = |(index, described): (usize, &Described)| {
+        let mut row = Row {
+            what: described.words(),
+            is_right: described.is_right(),
+            long: Count::default(),
+            hops: Count::default(),
+            said: Vec::new(),
+        };
+        for (fleet, doubts) in &all {
+            let count = if HOPS.contains(&fleet.name) { &mut row.hops } else { &mut row.long };
+            count.sets += 1;
+            if let Some(doubt) = doubts[index] {
+                count.doubted += 1;
+                count.named += usize::from(described.is_named(doubt.better));
+                row.said.push(format!("{}, described {}: {doubt}", fleet.what, row.what));
+            }
+        }
+        row
+    };
+    Ok(Described::ALL.iter().enumerate().map(row).collect())
+}
+
+/// Steps of [`bench`].
+pub const fn steps(sets: u64) -> u64 {
+    (LONG.len() + HOPS.len()) as u64 * sets
+}
+
+/// What is said of the same runs with gradients described in each way.
+fn doubts(fleet: &Fleet, seed: u64) -> Result<Vec<Option<Doubt>>, String> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x6AD);
+    let davis_scale = scales(50)[random.random_range(0..50)];
+    let scenario =
+        Scenario { wind_sd_mps: 2.0, load_sd: 0.03, headings: Headings::Both, davis_scale, ..fleet.scenario.clone() };
+    let recording = |plan| {
+        let run = simulate_planned(&scenario, plan).map_err(|e| e.to_string())?;
+        Ok(Case::simulated("run".to_owned(), String::new(), run).recording)
+    };
+    let recordings: Vec<Recording> =
+        plan(&scenario, RUNS, seed).iter().map(recording).collect::<Result<_, String>>()?;
+    let train = fleet.train().ok_or("the train's description is refused")?;
+    let mut coasts = Coasts::default();
+    coasts.add(&recordings, &train);
+    let doubt = |described: &Described| Ok(coasts.doubt(&train, &described.track(&scenario.line, &mut random)?));
+    Described::ALL.iter().map(doubt).collect()
+}
+
+/// As in `docs/check.md`.
+pub fn table(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "| gradients are described | said to look wrong | kind named | on short hops |\n|---|---|---|---|\n",
+    );
+    for Row { what, is_right, long, hops, .. } in rows {
+        let named = if *is_right { "-".to_owned() } else { format!("{} of {}", long.named, long.sets) };
+        text +=
+            &format!("| {what} | {} of {} | {named} | {} of {} |\n", long.doubted, long.sets, hops.doubted, hops.sets);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_gradients_are_named_and_right_ones_are_not_accused() {
+        let rows = bench(1, 4712, || ()).unwrap();
+        println!("{}", table(&rows));
+        for row in &rows {
+            if row.is_right {
+                assert_eq!((row.long.doubted, row.hops.doubted), (0, 0), "{row:#?}");
+            } else {
+                // Of ramps that lie far apart not every shift is seen.
+                assert!(row.long.doubted + 1 >= row.long.sets && row.long.named + 1 >= row.long.sets, "{row:#?}");
+            }
+        }
+    }
+}

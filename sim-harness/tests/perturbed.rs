@@ -1,0 +1,81 @@
+//! Are runs with a red signal said, and set aside in studies; are wrong gradients said?
+
+mod common;
+
+use common::Folder;
+use serde_json::Value;
+
+/// Twelve runs, of which few meet a red signal at 14 km; with the names of those that did.
+fn with_red_signal() -> (Folder, Vec<String>) {
+    let folder = Folder::simulated(
+        "name = \"set\"\nruns = 12\nseed = 4\n\n[red_signal]\nat_m = 14000.0\ndwell_s = 90.0\nshare = 0.12\n",
+    );
+    let truth = folder.json("set/truth/truth.json");
+    let runs = truth["runs"].as_array().unwrap().iter().filter(|run| run["stops"].as_array().unwrap().len() > 1);
+    let stopped: Vec<String> =
+        runs.map(|run| run["file"].as_str().unwrap().trim_end_matches(".csv").to_owned()).collect();
+    assert!((1..=2).contains(&stopped.len()), "{stopped:?}");
+    (folder, stopped)
+}
+
+/// Rows of a table whose column `perturbed` is not empty.
+fn perturbed(folder: &Folder, table: &str) -> Vec<String> {
+    let mut reader = csv::Reader::from_path(folder.path(table)).unwrap();
+    let column = reader.headers().unwrap().iter().position(|name| name == "perturbed").unwrap();
+    let rows = reader.records().map(|row| row.unwrap());
+    rows.filter(|row| !row[column].is_empty()).map(|row| row[0].to_owned()).collect()
+}
+
+#[test]
+fn a_replay_says_which_runs_were_perturbed_and_a_study_sets_them_aside() {
+    let (folder, stopped) = with_red_signal();
+    let checked: Value = serde_json::from_str(&folder.done(&["check", "--json", "set"]).out).unwrap();
+    let of_check =
+        checked["runs"].as_array().unwrap().iter().filter(|run| run["perturbations"] != serde_json::json!([]));
+    let named: Vec<&str> = of_check.map(|run| run["name"].as_str().unwrap()).collect();
+    assert_eq!(named, stopped);
+    let described = ["--train", "set/train.toml", "--track", "set/track.toml"];
+    let said = folder.done(&[&["replay", "--out", "out", "set/runs"], &described[..]].concat());
+    assert!(said.err.contains("perturbed runs: ") && said.err.contains("at km 14.0"), "{}", said.err);
+    assert_eq!(perturbed(&folder, "out/features.csv"), stopped);
+    let study = |out: &str, more: &[&str]| {
+        let words = [&["study", "--json", "--out", out, "--runs", "set/runs"], &described[..], more].concat();
+        let said = folder.done(&words);
+        (serde_json::from_str::<Value>(&said.out).unwrap(), said.err)
+    };
+    let (json, err) = study("study", &[]);
+    assert_eq!(json["set_aside"], stopped.len());
+    assert_eq!(json["runs"], 12 - stopped.len());
+    assert!(err.contains("--keep-perturbed"), "{err}");
+    assert_eq!(perturbed(&folder, "study/runs.csv"), stopped);
+    assert!(folder.read("study/report.html").contains("perturbed and set aside"));
+    let (json, _) = study("kept", &["--keep-perturbed"]);
+    assert_eq!((&json["set_aside"], &json["runs"]), (&Value::from(0), &Value::from(12)));
+}
+
+#[test]
+fn gradients_with_the_sign_turned_are_said_and_right_ones_are_not() {
+    let folder = Folder::simulated("name = \"set\"\nruns = 12\nseed = 5\n");
+    let track = folder.read("set/track.toml");
+    let turned: Vec<String> = track
+        .lines()
+        .map(|line| match line.split_once('=') {
+            Some((name, value)) if name.trim() == "permille" => {
+                format!("permille = {}", -value.trim().parse::<f64>().unwrap())
+            }
+            _ => line.to_owned(),
+        })
+        .collect();
+    folder.write("turned.toml", &turned.join("\n"));
+    let replayed = |track: &str, more: &[&str]| {
+        let words = ["replay", "--train", "set/train.toml", "--track", track, "--out", "out", "set/runs"];
+        folder.rundown(&[&words[..], more].concat())
+    };
+    let said = replayed("turned.toml", &[]);
+    assert!(said.err.contains("gradients look wrong: with the sign turned"), "{}", said.err);
+    let json = folder.json("out/replay.json");
+    assert!(json["notes"].as_array().unwrap().iter().any(|note| note.as_str().unwrap().contains("look wrong")));
+    assert!(replayed("turned.toml", &["--no-estimates"]).err.contains("gradients look wrong: with the sign turned"));
+    assert_eq!(replayed("turned.toml", &["--strict"]).code, Some(1));
+    assert!(!replayed("set/track.toml", &[]).err.contains("look wrong"));
+}
