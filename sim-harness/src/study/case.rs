@@ -102,6 +102,7 @@ impl Case {
                     Heading::Up => Direction::Up,
                     Heading::Down => Direction::Down,
                 },
+                driver: run.facts.plan.driver.map_or_else(String::new, |turn| turn.name()),
                 day: Some(run.facts.plan.departure_s as f64 / 86_400.0),
                 rows: run.samples.iter().enumerate().map(row).collect(),
                 warnings: Vec::new(),
