@@ -373,7 +373,7 @@ fn experiments_are_listed_and_an_unknown_one_is_refused() {
     }
     let refused = folder.rundown(&["study", "--experiment", "moon", "--out", "moon"]);
     assert_eq!(refused.code, Some(2));
-    assert!(refused.err.contains("--experiment: expected one of measured-effort, "), "{}", refused.err);
+    assert!(refused.err.contains("--experiment: expected all or one of measured-effort, "), "{}", refused.err);
     assert!(refused.err.trim_end().ends_with("found moon"), "{}", refused.err);
     assert!(!folder.path("moon").exists());
 }

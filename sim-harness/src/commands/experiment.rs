@@ -2,7 +2,8 @@
 
 use super::{Failure, WRONG_ARGUMENTS, screen};
 use crate::study::experiments::answer::{Answer, to_json};
-use crate::study::experiments::{Experiment, Plan, catalogue};
+use crate::study::experiments::plan::Plan;
+use crate::study::experiments::{Experiment, catalogue};
 use crate::study::write;
 use rundown_files::WriteError;
 use rundown_files::folder::{self, Provenance};
@@ -29,6 +30,18 @@ pub(super) fn list() -> ExitCode {
     ExitCode::SUCCESS
 }
 
+/// Every experiment, each in a folder of its own.
+pub(super) fn all(extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode, Failure> {
+    if as_json {
+        let message = "--json: expected one experiment, found all".to_owned();
+        return Err(Failure { message, code: WRONG_ARGUMENTS });
+    }
+    for experiment in &catalogue::ALL {
+        run(experiment.name, extent, &out.join(experiment.name), false)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
 pub(super) fn run(name: &str, extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode, Failure> {
     let experiment = catalogue::find(name).ok_or_else(|| unknown(name))?;
     let bar = screen::progress(0);
@@ -37,8 +50,9 @@ pub(super) fn run(name: &str, extent: &Extent, out: &Path, as_json: bool) -> Res
         bar.set_position(finished as u64);
     };
     let (sets, runs) = (usize::from(extent.sets.unwrap_or(SETS)), extent.runs.unwrap_or(RUNS));
-    let plan = Plan { experiment, sets, runs, seed: extent.seed, done: &done };
-    let answer: Answer = (experiment.answer)(&plan)?;
+    let Experiment { name, question, answer, .. } = *experiment;
+    let plan = Plan { name, question, sets, runs, seed: extent.seed, done: &done };
+    let answer: Answer = answer(&plan)?;
     bar.finish_and_clear();
     folder::write("study", out, &Provenance::begin(&[]), |folder| -> Result<(), WriteError> {
         write::pictures(folder, &[answer.picture()])
@@ -54,6 +68,6 @@ pub(super) fn run(name: &str, extent: &Extent, out: &Path, as_json: bool) -> Res
 
 fn unknown(name: &str) -> Failure {
     let names: Vec<&str> = catalogue::ALL.iter().map(|experiment| experiment.name).collect();
-    let message = format!("--experiment: expected one of {}, found {name}", names.join(", "));
+    let message = format!("--experiment: expected all or one of {}, found {name}", names.join(", "));
     Failure { message, code: WRONG_ARGUMENTS }
 }

@@ -71,6 +71,8 @@ Files in the output folder:
 /// Vehicles of the slope in the report.
 const FEW_VEHICLES: usize = 30;
 const SEED: u64 = 1;
+/// Every experiment.
+const ALL: &str = "all";
 /// Sets of runs on which readings are compared.
 const SETS: u16 = 5;
 
@@ -112,7 +114,7 @@ pub struct Arguments {
     /// Only the tunnel at Best: what the paper's mode and rundown gap make of it
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "config"])]
     tunnel: bool,
-    /// Only one of the experiments that the paper leaves to future work; --seeds sets (5) of --count runs (20)
+    /// Only one of the experiments that the paper leaves to future work, or all; --seeds sets (5) of --count runs (20)
     #[arg(long, value_name = "NAME", conflicts_with_all = ["runs", "scenario", "example", "keep_runs", "truth_slope", "readings", "config", "all", "tunnel"])]
     experiment: Option<String>,
     /// Print the names and questions of the experiments, and nothing else
@@ -170,7 +172,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if let Some(name) = &arguments.experiment {
         let seed = arguments.seed.unwrap_or(SEED);
         let extent = experiment::Extent { sets: arguments.seeds, runs: arguments.count, seed };
-        return experiment::run(name, &extent, &arguments.out, arguments.json);
+        return match name.as_str() {
+            ALL => experiment::all(&extent, &arguments.out, arguments.json),
+            name => experiment::run(name, &extent, &arguments.out, arguments.json),
+        };
     }
     if arguments.all {
         return all(arguments, config);

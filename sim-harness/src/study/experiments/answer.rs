@@ -1,6 +1,6 @@
 //! What an experiment says: its rows, a table of means, one picture.
 
-use super::Plan;
+use super::plan::Plan;
 use crate::output::json::mode_word;
 use crate::study::figures::{Picture, number, text};
 use crate::study::moments::Moments;
@@ -63,8 +63,7 @@ impl Answer {
         columns: Vec<(&'static str, &'static str)>,
         rows: Vec<Row>,
     ) -> Self {
-        let Plan { experiment, sets, runs, seed, .. } = *plan;
-        let (name, question) = (experiment.name, experiment.question);
+        let Plan { name, question, sets, runs, seed, .. } = *plan;
         Self { name, question, axis, columns, rows, notes: Vec::new(), sets, runs, seed }
     }
 

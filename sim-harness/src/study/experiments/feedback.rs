@@ -9,15 +9,18 @@
 //! | `band` | a calculated effort within the paper's ±0.025 N/kg |
 //! | `recogniser` | what the recogniser of the gated mode says, at both ends of the step |
 //! | `truth` | what the driver does at both ends: the most that a recogniser could bring |
+//! | `recogniser, Q` | as the recogniser says; a calculated effort has the noise of the readings that it is made of |
 //!
+//! Without that noise the filter takes a calculated effort for exact, and so the speed with which a coast begins.
 //! With Table 1's initial deviations the coefficients can hardly move, so wider ones are tried. Each run begins with the description.
 
 use super::answer::{Answer, Arm};
 use super::look::{Driven, Look, misses};
 use super::metrics::{NEGATIVE, error_percent, mean};
+use super::plan::Plan;
 use super::sweep::{Estimated, over_sets};
 use super::variant::Variant;
-use super::{Plan, Refused};
+use crate::study::Refused;
 use rundown::filter::gaussian::Gaussian;
 use rundown::model::effects::{Acting, Effects, Journey};
 use rundown::model::effort;
@@ -37,7 +40,11 @@ const BAND: Arm = Arm { name: "band", colour: colours::HELD };
 const RECOGNISER: Arm = Arm { name: "recogniser", colour: colours::LINEAR_TERM };
 /// The gated mode that begins each run with the description, as the others here do.
 const ONE_RUN: Arm = Arm { name: "gated, one run", colour: colours::QUADRATIC_TERM };
+const WITH_NOISE: Arm = Arm { name: "recogniser, Q", colour: colours::CONSTANT_TERM };
 const KNOWN: Arm = Arm { name: "truth", colour: colours::TRUTH };
+
+/// Of a difference of two speeds in whole km/h, km/h: twice the variance of a rounding.
+const DIFFERENCE_SD_KMH: f64 = 0.408_248_290_463_863;
 
 /// Who says at which samples the train coasts.
 enum Coasting {
@@ -57,7 +64,7 @@ pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
     let variants = FACTORS.into_iter().map(of).collect::<Result<Vec<_>, _>>()?;
     let rows = over_sets(plan, &variants, |variant, driven| {
         let gated = driven.look(variant, (Estimated::GATED.config)(variant.config))?;
-        let fed = [NONE, BAND, RECOGNISER, KNOWN].map(|arm| (arm, fed(variant, &gated, arm)));
+        let fed = [NONE, BAND, RECOGNISER, WITH_NOISE, KNOWN].map(|arm| (arm, fed(variant, &gated, arm)));
         let apart = driven.look_apart(variant, (Estimated::GATED.config)(variant.config))?;
         let own = [(ONE_RUN, &apart), (Estimated::GATED.arm, &gated)];
         let own = own.map(|(arm, look)| (arm, vec![error_percent(&look.misses()), (NEGATIVE.seen)(look)]));
@@ -78,14 +85,16 @@ fn fed(variant: &Variant, gated: &Look<'_>, arm: Arm) -> Vec<Option<f64>> {
     for run in driven.judged() {
         let coasting = match arm.name {
             name if name == BAND.name => Coasting::Band,
-            name if name == RECOGNISER.name => Coasting::Said(recognised(gated, run)),
+            name if name == RECOGNISER.name || name == WITH_NOISE.name => Coasting::Said(recognised(gated, run)),
             name if name == KNOWN.name => Coasting::Said(truly(driven, run)),
             _ => Coasting::Never,
         };
         let rows = &driven.cases[run].recording.rows;
         let line =
             Line { train: &driven.train, track: &variant.track, direction: driven.cases[run].recording.direction };
-        let (davis, was_negative) = filter(&variant.config.paper, &variant.config.paper_rule, &line, rows, &coasting);
+        let is_noisy = arm == WITH_NOISE;
+        let fed = Fed { rule: &variant.config.paper_rule, coasting: &coasting, is_noisy };
+        let (davis, was_negative) = filter(&variant.config.paper, &line, rows, &fed);
         all.extend(misses(&davis, driven.samples(run)));
         negative.push(f64::from(u8::from(was_negative)));
     }
@@ -106,22 +115,27 @@ fn truly(driven: &Driven, run: usize) -> Vec<bool> {
     driven.samples(run).iter().map(|sample| sample.regime == TrueRegime::Coast).collect()
 }
 
+/// What is fed to the filter.
+struct Fed<'a> {
+    rule: &'a PaperRule,
+    coasting: &'a Coasting,
+    /// A calculated effort has the noise of its readings.
+    is_noisy: bool,
+}
+
 /// The coefficients at the end of a run, and whether one was ever below zero.
-fn filter(
-    config: &PaperConfig,
-    rule: &PaperRule,
-    line: &Line<'_>,
-    rows: &[Sample],
-    coasting: &Coasting,
-) -> (Gaussian<3>, bool) {
+fn filter(config: &PaperConfig, line: &Line<'_>, rows: &[Sample], fed: &Fed<'_>) -> (Gaussian<3>, bool) {
     // The effort that is set drives the step: the loop's own would be a sample late.
-    let config = PaperConfig { difference: Difference::Backward, ..*config };
+    let mut config = PaperConfig { difference: Difference::Backward, ..*config };
+    // Q that the gain does not know, as printed, would come a step late.
+    config.reuse_points &= !fed.is_noisy;
     let effects = Effects::NONE;
     let acting = Acting::new(&effects, Journey::default());
     let described = line.train.davis();
     let start = Gaussian::independent([described.r0, described.r1, described.r2], config.initial_davis_sd);
+    let at_first = config;
     let begin =
-        |row: &Sample| PaperLoop::begin(&config, line, &acting, row.time_s, &start, row.location_m, row.speed_mps);
+        |row: &Sample| PaperLoop::begin(&at_first, line, &acting, row.time_s, &start, row.location_m, row.speed_mps);
     let Some(first) = rows.first() else {
         return (start, false);
     };
@@ -133,12 +147,15 @@ fn filter(
             let mean = &state.belief.mean;
             let at = Point { time_s: now.time_s, location_m: mean[LOCATION], speed_mps: mean[SPEED] };
             let calculated = effort::of_paper(line, &acting, &state::davis(mean), (to - from) / dt_s, &at);
-            let is_zero = match coasting {
+            let is_zero = match fed.coasting {
                 Coasting::Never => false,
-                Coasting::Band => calculated.abs() <= rule.coast_n_per_kg && from > 0.0,
+                Coasting::Band => calculated.abs() <= fed.rule.coast_n_per_kg && from > 0.0,
                 Coasting::Said(said) => said.get(index..index + 2).is_some_and(|ends| ends.iter().all(|end| *end)),
             };
             state.effort_n_per_kg = if is_zero { 0.0 } else { calculated };
+            if fed.is_noisy {
+                config.acceleration_noise_mps2 = if is_zero { 0.0 } else { DIFFERENCE_SD_KMH / 3.6 / dt_s };
+            }
         }
         if state.step(&config, line, &acting, now.time_s, dt_s, [now.location_m, now.speed_mps]).is_err() {
             state = begin(now);
@@ -165,7 +182,8 @@ mod tests {
         let recording = &driven.cases[1].recording;
         let line = Line { train: &variant.train, track: &variant.track, direction: recording.direction };
         let config = variant.config;
-        let (davis, was_negative) = filter(&config.paper, &config.paper_rule, &line, &recording.rows, &Coasting::Never);
+        let fed = Fed { rule: &config.paper_rule, coasting: &Coasting::Never, is_noisy: false };
+        let (davis, was_negative) = filter(&config.paper, &line, &recording.rows, &fed);
         let pass = Filter::from(config.paper).pass(&line, recording);
         let last = pass.davis.last().unwrap();
         assert!((davis.mean[0] / last[0] - 1.0).abs() < 1e-12, "{davis:?} {last:?}");

@@ -12,7 +12,7 @@
 //! | many variants in several modes | `sweep`, `swept` |
 //! | the recognised regime as an input of the paper's filter | `feedback` |
 //! | do units or drivers differ by more than their runs? | `units`, `styles`, `groups` |
-//! | what comes out | `answer` |
+//! | how much is simulated, what comes out | `plan`, `answer` |
 //!
 //! Each set of runs is of a vehicle of its own, 15 % of resistance around what is described; the variants of an experiment share vehicles,
 //! drivers and weather, so that they differ in what the experiment changes alone.
@@ -21,6 +21,7 @@ pub(crate) mod answer;
 pub(crate) mod catalogue;
 pub(crate) mod look;
 pub(crate) mod metrics;
+pub(crate) mod plan;
 pub(crate) mod sweep;
 pub(crate) mod variant;
 
@@ -32,6 +33,7 @@ mod units;
 
 use super::Refused;
 use answer::Answer;
+use plan::Plan;
 
 /// One question that the paper leaves open, and what answers it.
 #[derive(Clone, Copy, Debug)]
@@ -42,18 +44,4 @@ pub struct Experiment {
     pub place: &'static str,
     pub question: &'static str,
     pub answer: fn(&Plan<'_>) -> Result<Answer, Refused>,
-}
-
-/// How much is simulated.
-#[derive(Clone, Copy)]
-pub struct Plan<'a> {
-    pub experiment: &'a Experiment,
-    /// Sets of runs, each of a vehicle and with a seed of its own.
-    pub sets: usize,
-    /// Runs of each set.
-    pub runs: usize,
-    /// Of the first set.
-    pub seed: u64,
-    /// Called with the work that is done and all of it.
-    pub done: &'a (dyn Fn(usize, usize) + Sync),
 }

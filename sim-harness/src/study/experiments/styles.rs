@@ -3,9 +3,9 @@
 //! Runs with a column `driver`: of five drivers who take turns, each with a style of its own, and of as many labels that say nothing. Each
 //! feature is tested between the drivers, as it was found and as it was.
 
-use super::Plan;
 use super::answer::{Answer, Arm};
 use super::groups::p_value;
+use super::plan::Plan;
 use super::sweep::{Estimated, over_sets};
 use super::variant::Variant;
 use crate::study::Refused;

@@ -3,8 +3,9 @@
 use super::answer::{Answer, Arm, Row};
 use super::look::Driven;
 use super::metrics::Metric;
+use super::plan::Plan;
 use super::variant::Variant;
-use super::{Plan, Refused};
+use crate::study::Refused;
 use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
 use rundown::tick::paper::Difference;
@@ -84,7 +85,7 @@ pub fn over_sets(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{catalogue, metrics};
+    use super::super::metrics;
     use super::*;
 
     fn sweep(fields: [&str; 2]) -> Answer {
@@ -92,7 +93,7 @@ mod tests {
         let variants = variants.map(|(fields, x)| Variant::parse(fields, x, fields).unwrap()).collect();
         let metrics = vec![metrics::RESISTANCE, metrics::REGIMES, metrics::LARGEST_POWER];
         let sweep = Sweep { variants, axis: "x", arms: &[Estimated::PAPER, Estimated::GATED], metrics };
-        let plan = Plan { experiment: &catalogue::ALL[0], sets: 2, runs: 4, seed: 11, done: &|_, _| () };
+        let plan = Plan { name: "a", question: "?", sets: 2, runs: 4, seed: 11, done: &|_, _| () };
         sweep.answer(&plan).unwrap()
     }
 

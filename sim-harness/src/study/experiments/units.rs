@@ -7,10 +7,11 @@
 use super::answer::{Answer, Arm, Row};
 use super::groups::{PERMUTATIONS, p_value};
 use super::look::{Driven, Look};
+use super::plan::Plan;
 use super::sweep::Estimated;
 use super::variant::Variant;
-use super::{Plan, Refused};
 use crate::report::resistance::Resistance;
+use crate::study::Refused;
 use crate::study::moments::{Moments, correlation};
 use crate::study::readings::comparison::seed_of;
 use rayon::prelude::*;

@@ -2,9 +2,9 @@
 
 use super::variants;
 use crate::study::Refused;
-use crate::study::experiments::Plan;
 use crate::study::experiments::answer::Answer;
 use crate::study::experiments::metrics::{BIAS, BRAKE, INSIDE, NEGATIVE, POWER, REGIMES, RESISTANCE, TRACKING};
+use crate::study::experiments::plan::Plan;
 use crate::study::experiments::sweep::{Estimated, Sweep};
 use crate::study::experiments::variant::Variant;
 

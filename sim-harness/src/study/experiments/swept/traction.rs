@@ -2,11 +2,11 @@
 
 use super::variants;
 use crate::study::Refused;
-use crate::study::experiments::Plan;
 use crate::study::experiments::answer::Answer;
 use crate::study::experiments::metrics::{
     AT_THE_TOP, BRAKE, COAST, LARGEST_EFFORT, LARGEST_POWER, LOW_EFFORT, MEAN_POWER, POWER, POWER_SPREAD, RESISTANCE,
 };
+use crate::study::experiments::plan::Plan;
 use crate::study::experiments::sweep::{Estimated, Sweep};
 
 const ARMS: &[Estimated] = &[Estimated::PAPER, Estimated::GATED];

@@ -2,9 +2,9 @@
 
 use crate::accuracy_bench::fleets;
 use crate::study::Refused;
-use crate::study::experiments::Plan;
 use crate::study::experiments::answer::Answer;
 use crate::study::experiments::metrics::{INSIDE, POWER, POWER_SPREAD, REGIMES, RESISTANCE};
+use crate::study::experiments::plan::Plan;
 use crate::study::experiments::sweep::{Estimated, Sweep};
 use crate::study::experiments::variant::Variant;
 
