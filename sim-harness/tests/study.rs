@@ -76,6 +76,7 @@ fn every_picture_has_its_numbers_and_stands_in_the_report() {
             "fig7_style",
             "fig8_brake_rates",
             "fig9_power",
+            "fig9_below_40",
         ] {
             expected.push(format!("{figure}_{eyes}"));
         }
@@ -89,12 +90,13 @@ fn every_picture_has_its_numbers_and_stands_in_the_report() {
         let body = svg.split_once("<title>").unwrap().1;
         assert!(page.contains(body.trim_end()), "{name}");
     }
-    assert_eq!(page.matches("<svg").count(), expected.len() + 1);
+    assert_eq!(page.matches("<svg").count(), expected.len() + 2);
+    assert!(names.contains("fig1_method.svg"));
     for word in ["NaN", "http", "src=", "url("] {
         assert!(!page.contains(word), "{word}");
     }
     assert!(page.contains("does not follow the true resistance"));
-    for number in 2..=9 {
+    for number in 1..=9 {
         assert!(page.contains(&format!("id=\"fig-{number}\"")));
     }
 }
@@ -224,7 +226,8 @@ fn runs_from_logs_and_from_parquet_give_what_the_simulated_ones_gave() {
 
 #[test]
 fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
-    let folder = Folder::new().with("s.toml", "runs = 3\n[wind]\nsd_mps = 2.0\n[load]\nsd = 0.02\n");
+    let folder =
+        Folder::new().with("s.toml", "runs = 3\n[driver]\ndrivers = 2\n[wind]\nsd_mps = 2.0\n[load]\nsd = 0.02\n");
     quiet(&folder, &["simulate", "--scenario", "s.toml", "--out", "set"]);
     quiet(&folder, &["study", "--scenario", "s.toml", "--out", "direct"]);
     let study = |runs: &str, out: &str| {
@@ -239,6 +242,8 @@ fn the_truth_beside_simulated_logs_is_shown_and_its_absence_told() {
         assert_eq!(code, Some(0));
         assert!(said.contains("3 runs; their truth is known"), "{said}");
         let table = csv_table(&folder, &format!("{out}/runs.csv"));
+        assert_eq!(table.column("driver"), direct.column("driver"));
+        assert!(table.column("driver").iter().all(|driver| ["driver01", "driver02"].contains(driver)));
         let of_truth = table.header.iter().filter(|name| name.starts_with("true_"));
         for name in of_truth {
             let (read, known) = (table.numbers(name), direct.numbers(name));
@@ -341,4 +346,50 @@ fn arguments_that_do_not_go_together_are_refused() {
     assert_eq!(code(&["--truth-slope", "--count", "3"]), Some(2));
     assert_eq!(code(&["--truth-slope", "--vehicles", "2"]), Some(2));
     assert_eq!(code(&["--runs", "logs", "--train", "t.toml", "--track", "t.toml"]), Some(3));
+}
+
+#[test]
+fn an_experiment_is_a_figure_and_the_table_behind_it() {
+    let folder = Folder::new();
+    let said = quiet(&folder, &["study", "--experiment", "wind", "--seeds", "2", "--count", "2", "--out", "wind"]);
+    assert!(said.out.starts_with("wind: What does wind do"), "{}", said.out);
+    assert_eq!(names(&folder.path("wind")), ["manifest.json", "wind.csv", "wind.svg"].map(str::to_owned).into());
+    let table = csv_table(&folder, "wind/wind.csv");
+    // Five variants, three modes, two sets.
+    assert_eq!(table.rows.len(), 5 * 3 * 2);
+    let gated = table.rows_of("mode", "gated").numbers("resistance_error_percent");
+    assert!(gated.len() == 10 && gated.iter().all(|error| *error > 0.0));
+    let again = quiet(&folder, &["study", "--experiment", "wind", "--seeds", "2", "--count", "2", "--out", "again"]);
+    assert_eq!(folder.read("wind/wind.csv"), folder.read("again/wind.csv"));
+    assert_eq!(said.out.replace("wind\n", ""), again.out.replace("again\n", ""));
+}
+
+#[test]
+fn experiments_are_listed_and_an_unknown_one_is_refused() {
+    let folder = Folder::new();
+    let listed = quiet(&folder, &["study", "--list-experiments"]).out;
+    for name in ["measured-effort", "regime-feedback", "units", "diesel", "drivers"] {
+        assert!(listed.lines().any(|line| line.starts_with(name) && line.contains('?')), "{name} in {listed}");
+    }
+    let refused = folder.rundown(&["study", "--experiment", "moon", "--out", "moon"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.err.contains("--experiment: expected all or one of measured-effort, "), "{}", refused.err);
+    assert!(refused.err.trim_end().ends_with("found moon"), "{}", refused.err);
+    assert!(!folder.path("moon").exists());
+}
+
+#[test]
+fn a_study_reads_the_effort_forward_unless_its_configuration_says_otherwise() {
+    let folder = Folder::new();
+    folder.write("backward.toml", "[paper]\ndifference = \"backward\"\n");
+    folder.write("other.toml", "[paper]\nlocation_sd_m = 4.0\n");
+    let rms_kmh = |out: &str, more: &[&str]| {
+        quiet(&folder, &[&["study", "--count", "3", "--out", out][..], more].concat());
+        let rms = csv_table(&folder, &format!("{out}/runs.csv")).numbers("paper_speed_rms_kmh");
+        rms.iter().sum::<f64>() / rms.len() as f64
+    };
+    let [forward, other] = [rms_kmh("a", &[]), rms_kmh("b", &["--config", "other.toml"])];
+    assert!(forward < 0.1 && other == forward, "{forward} {other}");
+    assert!(rms_kmh("c", &["--config", "backward.toml"]) > 3.0);
+    assert!(folder.read("a/report.html").contains("over the interval of the step (forward)"));
 }

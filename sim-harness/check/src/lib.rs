@@ -29,8 +29,8 @@
 //!     Sample { time_s: t, location_m: Some(location_m), speed_mps: Some((3.6 * speed).floor() / 3.6), ..Sample::default() }
 //! };
 //! let mut recordings = [Recording {
-//!     name: "run".into(), path: "run.csv".into(), unit: String::new(), direction: Direction::Up, day: None,
-//!     rows: (0..3000).map(row).collect(), perturbed: None, warnings: vec![],
+//!     name: "run".into(), path: "run.csv".into(), unit: String::new(), driver: String::new(), direction: Direction::Up,
+//!     day: None, rows: (0..3000).map(row).collect(), perturbed: None, warnings: vec![],
 //! }];
 //! let found = check(&mut recordings);
 //! assert!(found.recorders[0].findings.iter().any(|finding| finding.kind == Kind::TruncatedSpeed));

@@ -46,6 +46,7 @@ fn run(index: usize, direction: Direction, style: &Style) -> Recording {
         name: format!("run{index:02}"),
         path: "run.csv".into(),
         unit: String::new(),
+        driver: String::new(),
         direction,
         day: None,
         rows,

@@ -151,6 +151,7 @@ fn recording(name: &str, rows: Vec<Sample>) -> Recording {
         name: name.to_owned(),
         path: name.into(),
         unit: String::new(),
+        driver: String::new(),
         direction: Direction::Up,
         day: None,
         rows,

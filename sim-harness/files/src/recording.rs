@@ -41,6 +41,8 @@ pub struct Recording {
     /// Whose memory it belongs to; empty when there is only one unit.
     pub unit: String,
     pub direction: Direction,
+    /// Who drove, as the index says; empty where it does not.
+    pub driver: String,
     /// Date of the departure, days since 1970-01-01 UTC, if the index has one that can be read.
     pub day: Option<f64>,
     /// All rows of the log, whatever their times.
@@ -89,6 +91,7 @@ impl Recording {
             name: file.name.clone(),
             path: file.path.clone(),
             unit: file.unit.clone(),
+            driver: file.driver.clone(),
             direction,
             day: file.departure_utc.as_deref().and_then(day_of),
             rows,
@@ -215,6 +218,7 @@ mod tests {
             path: "run.csv".into(),
             name: "run".to_owned(),
             unit: String::new(),
+            driver: String::new(),
             direction: indexed,
             departure_utc: None,
         };

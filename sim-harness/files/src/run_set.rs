@@ -3,7 +3,7 @@
 //! In: files and folders as given on the command line. Out: [`RunSet`].
 //!
 //! A folder stands for all its `*.csv` in the order of their names; one without any that has a folder `runs`, as a data set of
-//! `rundown simulate`, stands for that. The index [`INDEX`] beside the logs gives departure, unit and direction;
+//! `rundown simulate`, stands for that. The index [`INDEX`] beside the logs gives departure, unit, driver and direction;
 //! when every run stands in an index the runs go in the order of departure, otherwise as given. `runs.csv` and `index.csv` are never
 //! taken for logs, so that `logs/*.csv` works.
 
@@ -29,6 +29,8 @@ pub struct RunFile {
     pub name: String,
     /// Unit of the index; empty without one. A vehicle's memory is that of its unit.
     pub unit: String,
+    /// Driver of the index; empty without one.
+    pub driver: String,
     /// Direction of the index.
     pub direction: Option<Direction>,
     /// Departure of the index, compared as text.
@@ -54,6 +56,8 @@ struct IndexRow {
     unit: String,
     #[serde(default)]
     direction: String,
+    #[serde(default)]
+    driver: String,
 }
 
 impl RunSet {
@@ -130,6 +134,7 @@ impl RunFile {
             path,
             name,
             unit: row.map(|row| row.unit.clone()).unwrap_or_default(),
+            driver: row.map(|row| row.driver.clone()).unwrap_or_default(),
             direction: row.and_then(|row| direction(&row.direction).ok().flatten()),
             departure_utc: departure.filter(|text| !text.is_empty()),
         }

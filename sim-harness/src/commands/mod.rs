@@ -10,6 +10,7 @@ mod demo;
 #[cfg(feature = "link")]
 mod display;
 mod doctor;
+mod experiment;
 mod export;
 mod gap;
 mod gap_bench;

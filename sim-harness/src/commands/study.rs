@@ -1,14 +1,14 @@
 //! `rundown study`: the paper's case study on simulated or recorded runs, and the self-test of learning.
 
 use super::recorded::{Opened, RecordedRuns};
-use super::{Failure, SOME_RUNS_FAILED, WRONG_ARGUMENTS, screen};
+use super::{Failure, SOME_RUNS_FAILED, WRONG_ARGUMENTS, experiment, screen};
 use crate::output::files;
-use crate::study::case::{calm, case_study};
+use crate::study::case::{calm, case_study, skewed_case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, gather};
-use crate::study::page::{StudyPage, by_kind, known, page};
-use crate::study::readings::{self, comparison, outcome, reading::Combination};
+use crate::study::page::{self, StudyPage, by_kind, known, page};
+use crate::study::readings::{self, comparison, outcome, reading::Combination, reading::default_config};
 use crate::study::slope::{Answer, Plan};
 use crate::study::{claims, description, slope as self_test, tunnel as tunnel_at_best, write};
 use crate::{
@@ -17,7 +17,8 @@ use crate::{
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
 use rundown_files::folder::{self, Provenance};
 use rundown_files::{
-    WriteError, parquet::RunWriter, recording::Recording, table::Record, track_file::TrackFile, train_file::TrainFile,
+    WriteError, config_file, parquet::RunWriter, recording::Recording, table::Record, track_file::TrackFile,
+    train_file::TrainFile,
 };
 use rundown_pages::numbers::counted;
 use serde_json::json;
@@ -54,8 +55,12 @@ Examples:
   Why did the paper see no tunnel?
     rundown study --tunnel --out tunnel
 
+  What the paper leaves to future work, each question an experiment with a table and a figure
+    rundown study --list-experiments
+    rundown study --experiment sampling --out sampling
+
 Files in the output folder:
-  report.html           Table 1 and Figs. 2 to 9, each with the paper's statement, our value and the truth
+  report.html           Table 1 and Figs. 1 to 9, each with the paper's statement, our value and the truth
   fig*.svg, fig*.csv    each picture, and the numbers it draws
   slope_*.svg, *.csv    estimated over true deviation of the resistance; slope.csv has slopes and bounds
   claims.csv            the paper's numeric claims: reproduced or not, and why
@@ -65,6 +70,8 @@ Files in the output folder:
 /// Vehicles of the slope in the report.
 const FEW_VEHICLES: usize = 30;
 const SEED: u64 = 1;
+/// Every experiment.
+const ALL: &str = "all";
 /// Sets of runs on which readings are compared.
 const SETS: u16 = 5;
 
@@ -100,12 +107,18 @@ pub struct Arguments {
     /// Only the comparison of readings of the text and of recorders, on simulated runs
     #[arg(long, conflicts_with_all = ["runs", "count", "example", "keep_runs", "truth_slope", "config"])]
     readings: bool,
-    /// All of it: the case study, the readings, the self-test of learning and the tunnel, each in a folder of its own
+    /// All of it: the case study by two recorders, the readings, the self-test of learning and the tunnel, each in a folder of its own
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "tunnel", "config", "json"])]
     all: bool,
     /// Only the tunnel at Best: what the paper's mode and rundown gap make of it
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "config"])]
     tunnel: bool,
+    /// Only one of the experiments that the paper leaves to future work, or all; --seeds sets (5) of --count runs (20)
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["runs", "scenario", "example", "keep_runs", "truth_slope", "readings", "config", "all", "tunnel"])]
+    experiment: Option<String>,
+    /// Print the names and questions of the experiments, and nothing else
+    #[arg(long)]
+    list_experiments: bool,
     /// Simulated sets of runs, each with a seed of its own: claims are judged on each (1), readings compared on all (5)
     #[arg(long, value_name = "N", conflicts_with_all = ["runs", "truth_slope", "tunnel"], value_parser = clap::value_parser!(u16).range(1..))]
     seeds: Option<u16>,
@@ -144,7 +157,18 @@ pub(super) struct Study {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let config = super::config(arguments.config.as_deref())?;
+    let config = config(arguments.config.as_deref())?;
+    if arguments.list_experiments {
+        return Ok(experiment::list());
+    }
+    if let Some(name) = &arguments.experiment {
+        let seed = arguments.seed.unwrap_or(SEED);
+        let extent = experiment::Extent { sets: arguments.seeds, runs: arguments.count, seed };
+        return match name.as_str() {
+            ALL => experiment::all(&extent, &arguments.out, arguments.json),
+            name => experiment::run(name, &extent, &arguments.out, arguments.json),
+        };
+    }
     if arguments.all {
         return all(arguments, config);
     }
@@ -157,14 +181,30 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if arguments.tunnel {
         return tunnel(arguments, &arguments.out);
     }
-    case_study_or_runs(arguments, config, &arguments.out)
+    let simulation = match &arguments.scenario {
+        Some(path) => Simulation::read(path),
+        None => case_study(),
+    }?;
+    case_study_or_runs(arguments, config, simulation, &arguments.out)
+}
+
+/// A study reads the calculated effort forward unless its configuration says otherwise.
+fn config(path: Option<&Path>) -> Result<Config, Failure> {
+    let default = default_config();
+    let fill = |config: &mut Config, has: &dyn Fn(&str) -> bool| {
+        if !has("paper.difference") {
+            config.paper.difference = default.paper.difference;
+        }
+    };
+    path.map_or(Ok(default), |path| Ok(config_file::read_filled(path, fill)?))
 }
 
 /// Every figure and table, each part in a folder of its own.
 fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
     let part = |name: &str| arguments.out.join(name);
     let codes = [
-        case_study_or_runs(arguments, config, &part("study"))?,
+        case_study_or_runs(arguments, config, case_study()?, &part("study"))?,
+        case_study_or_runs(arguments, config, skewed_case_study()?, &part("skewed"))?,
         readings(arguments, &part("readings"))?,
         truth_slope(arguments, config, &part("slope"))?,
         tunnel(arguments, &part("tunnel"))?,
@@ -172,9 +212,15 @@ fn all(arguments: &Arguments, config: Config) -> Result<ExitCode, Failure> {
     Ok(codes.into_iter().find(|code| *code != ExitCode::SUCCESS).unwrap_or(ExitCode::SUCCESS))
 }
 
-fn case_study_or_runs(arguments: &Arguments, config: Config, out: &Path) -> Result<ExitCode, Failure> {
+/// `simulation` is what is studied where no recorded runs are given.
+fn case_study_or_runs(
+    arguments: &Arguments,
+    config: Config,
+    simulation: Simulation,
+    out: &Path,
+) -> Result<ExitCode, Failure> {
     arguments.keep_runs.as_deref().map_or(Ok(()), |file| place_of_runs(file, out))?;
-    let described = described(arguments, &config)?;
+    let described = described(arguments, &config, simulation)?;
     let inputs: Vec<PathBuf> = described.inputs.iter().chain(&arguments.config).cloned().collect();
     let study = folder::write("study", out, &Provenance::begin(&inputs), |folder| {
         let study = study(
@@ -229,12 +275,8 @@ fn place_of_runs(file: &Path, out: &Path) -> Result<(), Failure> {
     Ok(parent.map_or(Ok(()), files::folder)?)
 }
 
-fn described(arguments: &Arguments, config: &Config) -> Result<Described, Failure> {
+fn described(arguments: &Arguments, config: &Config, simulation: Simulation) -> Result<Described, Failure> {
     let Some(opened) = arguments.recorded.open(config)? else {
-        let simulation = match &arguments.scenario {
-            Some(path) => Simulation::read(path),
-            None => case_study(),
-        }?;
         let seed = arguments.seed.unwrap_or(simulation.seed);
         let count = arguments.count.unwrap_or(simulation.runs);
         return simulated(simulation, seed, count, usize::from(arguments.seeds.unwrap_or(1)));
@@ -281,7 +323,7 @@ pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
     let runs = simulation.runs;
     let described = simulated(simulation, seed, runs, 1)?;
     folder::write("study", out, &Provenance::begin(&[]), |folder| {
-        study(described, Config::default(), seed, None, None, folder)
+        study(described, default_config(), seed, None, None, folder)
     })
 }
 
@@ -323,11 +365,13 @@ fn study(
         answers: &test.answers,
         claims: &claims,
         sensitivity: &trials.sensitivity,
+        filter: config.paper,
     });
     write::pictures(out, &pictures)?;
     write::pictures(out, &slopes)?;
     write::records(&out.join("claims.csv"), &claims::records(&claims))?;
     write::records(&out.join("slope.csv"), &self_test::records(&test.answers))?;
+    write::text(&out.join("fig1_method.svg"), page::METHOD)?;
     write::text(&out.join("report.html"), &text)?;
     Ok(Study { gathered, claims, answers: test.answers })
 }
@@ -388,6 +432,7 @@ fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
         pictures.push(histograms::style(drawn, eyes));
         pictures.push(brake::brake(drawn, eyes, tallies, &gathered.truth));
         pictures.push(power::power(drawn, eyes, train));
+        pictures.push(power::low_speeds(drawn, eyes, train));
         if let Some(example) = &gathered.example {
             pictures.extend(run::pictures(example, eyes, train));
         }

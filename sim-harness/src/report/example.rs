@@ -73,6 +73,7 @@ fn replayed(rows: Vec<Sample>) -> ReplayedRun {
         path: "run01.csv".into(),
         unit: "unit".to_owned(),
         direction: Direction::Up,
+        driver: String::new(),
         day: None,
         rows,
         perturbed: None,

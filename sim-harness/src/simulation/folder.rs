@@ -3,7 +3,7 @@
 //! | path | what it holds |
 //! |---|---|
 //! | `runs/runNNN.csv` | the logs, as a recorder on board writes them |
-//! | `runs/runs.csv` | index: file, departure_utc, unit, direction |
+//! | `runs/runs.csv` | index: file, departure_utc, unit, direction, driver |
 //! | `track.toml`, `train.toml` | the descriptions as believed |
 //! | `truth/truth.json` | what was true: effects, train, facts of each run (`key`) |
 //! | `truth/runNNN.csv` | what was true at each sample |
@@ -201,6 +201,7 @@ pub struct IndexRow {
     departure_utc: String,
     unit: String,
     direction: &'static str,
+    driver: String,
 }
 
 /// The columns of `runs/runs.csv`.
@@ -210,6 +211,8 @@ pub fn index_columns() -> Vec<Column<IndexRow>> {
         Column::text("departure_utc", "departure, ISO 8601", |row: &IndexRow| row.departure_utc.clone()),
         Column::text("unit", "unit whose vehicle is carried", |row: &IndexRow| row.unit.clone()),
         Column::text("direction", "`up` or `down`", |row: &IndexRow| row.direction.to_owned()),
+        Column::text("driver", "who drove; a column of simulated runs", |row: &IndexRow| row.driver.clone())
+            .empty_when("every run has another driver"),
     ]
 }
 
@@ -219,6 +222,7 @@ fn write_index(path: &Path, simulation: &Simulation, plans: &[RunPlan]) -> Resul
         departure_utc: departure_utc(plan),
         unit: simulation.unit.clone(),
         direction: plan.heading.as_str(),
+        driver: plan.driver.map_or_else(String::new, |turn| turn.name()),
     };
     write_table(path, &index_columns(), plans.iter().map(row))
 }

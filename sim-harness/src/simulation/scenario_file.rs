@@ -112,11 +112,13 @@ tables! {
         max_tractive_effort_n: f64 = TrainTruth::default().max_tractive_effort_n;
         max_power_w: f64 = TrainTruth::default().max_power_w;
         max_brake_mps2: f64 = TrainTruth::default().max_brake_mps2;
+        notches: u8 = Scenario::default().notches, 0.0 to 32.0;
         davis: Davis = TrainDescription::CASE_STUDY.davis;
         true_davis_over_described: [f64; 3] = [1.0; 3];
     }
     DriverTable in "driver." {
         kind: DriverKind = Scenario::default().driver;
+        drivers: usize = Scenario::default().drivers, 0.0 to 1000.0;
         cycle_share: f64 = Scenario::default().cycle_share, 0.0 to 1.0;
         brake_test_share: f64 = Scenario::default().brake_test_share, 0.0 to 1.0;
         final_dwell: bool = Scenario::default().final_dwell;
@@ -339,6 +341,8 @@ fn scenario(values: &ScenarioFile, line: Line, dates: Dates, given: &dyn Fn(&str
         train: values.train.truth(),
         line,
         driver: values.driver.kind,
+        drivers: values.driver.drivers,
+        notches: values.train.notches,
         cycle_share: values.driver.cycle_share,
         brake_test_share: values.driver.brake_test_share,
         final_dwell: values.driver.final_dwell,

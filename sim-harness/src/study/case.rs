@@ -13,6 +13,7 @@ use serde::{Deserialize, Deserializer};
 use std::path::{Path, PathBuf};
 
 const CASE_STUDY: &str = include_str!("../../../data/scenarios/paper_study.toml");
+const SKEWED: &str = include_str!("../../../data/scenarios/paper_skewed.toml");
 /// A further unit's resistance is this share above or below the first one's, at most.
 const UNIT_SPREAD: f64 = 0.15;
 
@@ -102,6 +103,7 @@ impl Case {
                     Heading::Up => Direction::Up,
                     Heading::Down => Direction::Down,
                 },
+                driver: run.facts.plan.driver.map_or_else(String::new, |turn| turn.name()),
                 day: Some(run.facts.plan.departure_s as f64 / 86_400.0),
                 rows: run.samples.iter().enumerate().map(row).collect(),
                 perturbed: None,
@@ -116,6 +118,11 @@ impl Case {
 /// from run to run, and a feeding section at the departure that gives less power than the motors can take.
 pub fn case_study() -> Result<Simulation, ReadError> {
     Simulation::parse(Path::new("paper_study.toml"), CASE_STUDY)
+}
+
+/// The same runs by the recorder that explains most of section 4.2: truncated speeds, 8 s older than the locations.
+pub fn skewed_case_study() -> Result<Simulation, ReadError> {
+    Simulation::parse(Path::new("paper_skewed.toml"), SKEWED)
 }
 
 /// The same line, train and driver in still air and with the described load, and no effect: for the Cramér-Rao bound.
@@ -137,15 +144,17 @@ impl FleetUnit {
     }
 
     pub fn new(simulation: &Simulation, seed: u64, unit: usize) -> Self {
+        Self::of(&simulation.scenario, Self::runs(simulation), seed, unit)
+    }
+
+    /// A unit with so many runs.
+    pub fn of(scenario: &Scenario, runs: usize, seed: u64, unit: usize) -> Self {
         // Low-discrepancy: every share of a fleet has units from all over the range.
         let place = (0.5 + unit as f64 * 0.618_033_988_749_894_9).fract();
         let factor = 1.0 + UNIT_SPREAD * (2.0 * place - 1.0);
-        let scenario = Scenario {
-            davis_scale: simulation.scenario.davis_scale.map(|scale| scale * factor),
-            ..simulation.scenario.clone()
-        };
+        let scenario = Scenario { davis_scale: scenario.davis_scale.map(|scale| scale * factor), ..scenario.clone() };
         let seed = seed.wrapping_add(1_000_003 * unit as u64);
-        Self { unit, plans: plan(&scenario, Self::runs(simulation), seed), scenario }
+        Self { unit, plans: plan(&scenario, runs, seed), scenario }
     }
 
     /// Drives a run, counted from 0.
@@ -172,6 +181,14 @@ pub fn fleet_run(simulation: &Simulation, seed: u64, index: usize) -> Result<Cas
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_skewed_case_study_differs_by_its_recorder_alone() {
+        let (plain, skewed) = (case_study().unwrap(), skewed_case_study().unwrap());
+        assert_eq!(skewed.scenario.sensors.speed_lag_s, [8.0; 2]);
+        assert_eq!(Scenario { sensors: plain.scenario.sensors.clone(), ..skewed.scenario }, plain.scenario);
+        assert_eq!((skewed.train, skewed.track, skewed.runs), (plain.train, plain.track, plain.runs));
+    }
 
     #[test]
     fn the_first_unit_is_the_scenario_and_the_next_differs() {

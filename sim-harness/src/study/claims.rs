@@ -8,6 +8,7 @@
 mod driving;
 mod resistance;
 mod trials;
+mod unscented;
 
 use super::{gather::Gathered, moments::Moments, tallies::Tallies, trials::Trials};
 use rundown::model::train::Train;
@@ -47,7 +48,7 @@ pub struct Seeds {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     pub kind: Kind,
-    /// Figure or section of the paper: `2` to `9`, or `3.2`, `4.1`, `4.2`.
+    /// Figure or section of the paper: `2` to `9`, or `3.1`, `3.2`, `4.1`, `4.2`.
     pub place: &'static str,
     pub statement: &'static str,
     pub paper: String,
@@ -81,6 +82,7 @@ impl Verdict {
 
 pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim> {
     let mut claims = Vec::from(driving::setting(train));
+    claims.push(unscented::third_moment());
     claims.push(driving::runs(gathered));
     claims.extend(driving::profiles(gathered));
     claims.extend(resistance::one_run(gathered, train));
@@ -240,7 +242,7 @@ mod tests {
     fn without_runs_nothing_is_reproduced_but_what_the_description_says() {
         let claims = claims(&Gathered::default(), &train(), &Trials::default());
         assert!(claims.len() > 20, "{}", claims.len());
-        let of_description = ["38 km/h", "0.025 N/kg", "0.06 m/s"];
+        let of_description = ["38 km/h", "0.025 N/kg", "0.06 m/s", "third moment"];
         for claim in &claims {
             let is_one = of_description.iter().any(|n| claim.statement.contains(n));
             let is_reproduced = claim.verdict == Verdict::Reproduced;

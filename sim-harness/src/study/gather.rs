@@ -220,6 +220,8 @@ pub fn columns() -> Vec<Column<LookedAt>> {
         Column::text("run", "name of the run", |one: &LookedAt| one.case.recording.name.clone()),
         Column::text("unit", "unit whose vehicle is carried", |one: &LookedAt| one.case.recording.unit.clone())
             .empty_when("no index names one"),
+        Column::text("driver", "who drove", |one: &LookedAt| one.case.recording.driver.clone())
+            .empty_when("no index names one"),
         Column::count("rows", "rows of the log", |one: &LookedAt| one.case.recording.rows.len()),
         Column::number("top_kmh", "km/h", "largest measured speed", |one: &LookedAt| top_kmh(&one.case.recording)),
         Column::text("perturbed", "what outside the train held the run up", |one: &LookedAt| {

@@ -15,6 +15,7 @@
 //! | what does the paper claim, and is it so here? | `claims`, `trials` |
 //! | where is it reported? | `page`, `write` |
 //! | why did the paper see no tunnel? | `tunnel` |
+//! | what does the paper leave to future work? | `experiments` |
 //! | which reading of the text gives the paper's figures? | `readings` |
 //! | does the estimate follow the truth, how closely could it? | `slope`, `bound` |
 
@@ -22,6 +23,7 @@ pub(crate) mod bound;
 pub(crate) mod case;
 pub(crate) mod claims;
 pub(crate) mod description;
+pub(crate) mod experiments;
 pub(crate) mod figures;
 pub(crate) mod gather;
 pub(crate) mod moments;

@@ -4,7 +4,8 @@ use super::claims::{Claim, Kind, Verdict};
 use super::{
     figures::Picture, gather::Gathered, moments::Moments, slope::Answer, tallies::Tallies, trials::Sensitivity,
 };
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
+use rundown::tick::paper::{Difference, PaperConfig};
 use rundown_pages::numbers::{NOTHING, counted, number};
 use rundown_pages::shell::{Section, choice_column, column, document, figure, sortable, table, text_column};
 
@@ -19,7 +20,14 @@ pub struct StudyPage<'a> {
     pub answers: &'a [Answer],
     pub claims: &'a [Claim],
     pub sensitivity: &'a [Sensitivity],
+    /// The filter of the paper's mode.
+    pub filter: PaperConfig,
 }
+
+/// Fig. 1, a file of its own: it has no numbers.
+pub const METHOD: &str = include_str!("../../../docs/pictures/fig1_method.svg");
+/// What a file needs and a page does without.
+const NAME_SPACE: &str = " xmlns=\"http://www.w3.org/2000/svg\"";
 
 const FIGURES: [(&str, &str); 8] = [
     ("2", "Fig. 2: speed profiles"),
@@ -34,6 +42,10 @@ const FIGURES: [(&str, &str); 8] = [
 
 pub fn page(page: &StudyPage) -> String {
     let mut sections = vec![Section::new("truth", "Does the estimate follow the truth?", truth(page))];
+    let method = html! { figure { (PreEscaped(METHOD.replace(NAME_SPACE, ""))) figcaption {
+        "What is computed from what. The loop from the estimates back into the effort is why the true resistance cancels out."
+    } } };
+    sections.push(Section::new("fig-1", "Fig. 1: the method", method));
     sections.extend(FIGURES.map(|(number, heading)| {
         let pictures = page.pictures.iter().filter(|p| p.name.starts_with(&format!("fig{number}_")));
         let body = html! {
@@ -43,7 +55,7 @@ pub fn page(page: &StudyPage) -> String {
         Section::new(format!("fig-{number}"), heading, body)
     }));
     sections.extend([
-        Section::new("table-1", "Table 1: the paper's filter", table1(page.sensitivity)),
+        Section::new("table-1", "Table 1: the paper's filter", table1(&page.filter, page.sensitivity)),
         Section::new("claims", "All claims of section 4", claims_table(page.claims.iter(), Some("figure, section"))),
         Section::new("fleet", "All runs in numbers", fleet(page.gathered)),
         Section::new("runs", "Runs", runs(page.gathered)),
@@ -119,7 +131,7 @@ fn truth(page: &StudyPage) -> Markup {
             p.note {
                 strong { "The paper's loop does not follow the true resistance. " }
                 "It calculates the effort from the change of speed and its own resistance, and lets that effort drive the filter that is to find the resistance: "
-                "the true one cancels out, however well the speed is tracked. What the coefficients of Figs. 3 and 4 show is the lag of the effort by one sample, "
+                "the true one cancels out, however well the speed is tracked. What the coefficients of Figs. 3 and 4 show is by how much speed, location and effort are apart in time, "
                 "within what the initial deviations of Table 1 allow. Figures of r0, r1, r2 and of resistance in the paper's mode are therefore no measurement of the train."
             }
             @if !page.answers.is_empty() {
@@ -201,8 +213,11 @@ fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>, place: Option<&str>
     table(place.map(choice_column).into_iter().chain(head).collect::<Vec<_>>(), rows)
 }
 
-fn table1(sensitivity: &[Sensitivity]) -> Markup {
-    let config = rundown::tick::paper::PaperConfig::default();
+fn table1(config: &PaperConfig, sensitivity: &[Sensitivity]) -> Markup {
+    let effort = match config.difference {
+        Difference::Backward => "over the interval before a step (backward)",
+        Difference::Forward => "over the interval of the step (forward)",
+    };
     let [alpha, beta, kappa] = config.spread.parameters().map(|value| format!("{value:?}"));
     let [r0, r1, r2] = config.initial_davis_sd;
     let rows = [
@@ -216,11 +231,12 @@ fn table1(sensitivity: &[Sensitivity]) -> Markup {
         ("\u{3c3} of r2, initial", format!("{r2:e} N/(kg (m/s)\u{b2})")),
         ("\u{3c3} of a location reading", format!("{} m", config.location_sd_m)),
         ("\u{3c3} of a speed reading", format!("{} km/h", config.speed_sd_kmh)),
+        ("calculated effort", effort.to_owned()),
     ];
     let rows = html! { @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } } };
     html! {
             (table([text_column("parameter"), column("value", "")], rows))
-            p.small { "The paper's mode runs with these values, as printed: standard deviations. " code { "rundown tune" } " looks for better ones by the paper's two criteria." }
+            p.small { "The paper's mode runs with these values. Those of Table 1 are standard deviations; of the effort the text says less, see docs/paper.md. " code { "rundown tune" } " looks for better ones by the paper's two criteria." }
             @if !sensitivity.is_empty() { (initial(sensitivity)) }
     }
 }

@@ -43,6 +43,20 @@ impl BrakeHabit {
         Self { rates_mps2, build_up_s: rng.random_range(2.0..3.0) }
     }
 
+    /// One deceleration at all speeds but the last ones, m/s².
+    pub fn constant(rate_mps2: f64) -> Self {
+        Self { rates_mps2: [rate_mps2; 5], build_up_s: 2.0 }
+    }
+
+    /// This habit with a share of another one.
+    pub fn mixed(&self, other: &Self, share: f64) -> Self {
+        let mixed = |own: f64, other: f64| own + share * (other - own);
+        Self {
+            rates_mps2: std::array::from_fn(|i| mixed(self.rates_mps2[i], other.rates_mps2[i])),
+            build_up_s: mixed(self.build_up_s, other.build_up_s),
+        }
+    }
+
     /// The same driver where the brake gives no more than this deceleration, m/s².
     pub fn at_most(mut self, most_mps2: f64) -> Self {
         for rate in &mut self.rates_mps2 {

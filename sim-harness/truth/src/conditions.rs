@@ -35,6 +35,10 @@ pub struct Scenario {
     pub line: Line,
     /// What kind of service.
     pub driver: DriverKind,
+    /// Drivers who take turns, each with a style of their own; 0: every run has another one.
+    pub drivers: usize,
+    /// Notches of the driver's lever, each with its share of effort and power (a diesel); 0: without steps.
+    pub notches: u8,
     /// Probability that a driver cruises by cycles of power and coast.
     pub cycle_share: f64,
     /// Probability that a driver tries the brake after the departure.
@@ -70,6 +74,8 @@ impl Default for Scenario {
             train: TrainTruth::default(),
             line: Line::flat_corridor(),
             driver: DriverKind::CaseStudy,
+            drivers: 0,
+            notches: 0,
             cycle_share: 0.4,
             brake_test_share: 0.0,
             final_dwell: false,

@@ -39,6 +39,9 @@ const LONG_APPROACH_M: f64 = 5_000.0;
 /// A coast this much above the limit on a downgrade is restrained, m/s.
 const OVERSPEED_MPS: f64 = 0.6;
 
+/// A lever with notches is moved after at least this time, s.
+const NOTCH_S: f64 = 3.0;
+
 /// The trial of the brake takes this much speed off, m/s.
 const BRAKE_TEST_MPS: f64 = 10.0 / 3.6;
 
@@ -91,6 +94,9 @@ pub struct Driver<'a> {
     phase: Phase,
     regime: Regime,
     effort_n_per_kg: f64,
+    /// Of a lever that has notches, and since when.
+    notch: u8,
+    notch_since_s: f64,
     integral_n_per_kg: f64,
     wander_mps: f64,
     wander_rng: ChaCha8Rng,
@@ -122,6 +128,8 @@ impl<'a> Driver<'a> {
             phase: Phase::Stand { until_s: habits.departure_s },
             regime: Regime::Standstill,
             effort_n_per_kg: 0.0,
+            notch: 0,
+            notch_since_s: f64::NEG_INFINITY,
             integral_n_per_kg: 0.0,
             wander_mps: 0.0,
             wander_rng,
@@ -149,6 +157,7 @@ impl<'a> Driver<'a> {
         }
         self.choose(time_s, at);
         let wanted = self.wanted_n_per_kg(at, step_s);
+        let wanted = if self.world.notches == 0 { wanted } else { self.by_notches_n_per_kg(wanted, time_s, at) };
         self.effort_n_per_kg = self.follow(wanted, at, step_s);
         self.regime = self.label();
         (self.effort_n_per_kg, self.regime)
@@ -411,6 +420,27 @@ impl<'a> Driver<'a> {
                 (self.load_n_per_kg(at) - deceleration).clamp(-most, power)
             }
         }
+    }
+
+    /// What the notch nearest to the wanted effort gives; up one notch at a time, down by any number.
+    fn by_notches_n_per_kg(&mut self, wanted: f64, time_s: f64, at: Motion) -> f64 {
+        if wanted <= 0.0 {
+            self.notch = 0;
+            return wanted;
+        }
+        let given = |notch: u8| {
+            let share = f64::from(notch) / f64::from(self.world.notches);
+            self.world.max_effort_n_per_kg(at, share, share)
+        };
+        if time_s - self.notch_since_s >= NOTCH_S {
+            let off = |notch: &u8| (given(*notch) - wanted).abs();
+            let nearest = (0..=self.world.notches).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+            let next = nearest.min(self.notch.saturating_add(1));
+            if next != self.notch {
+                (self.notch, self.notch_since_s) = (next, time_s);
+            }
+        }
+        given(self.notch)
     }
 
     /// The effort after one step towards the wanted one.

@@ -30,7 +30,16 @@ pub enum DriverKind {
     /// Metro or tram that saves energy: up to three quarters of the limit or a little more, then a coast until the brake.
     #[serde(rename = "hop_and_coast")]
     HopAndCoast,
+    /// Automatic operation: an intercity by the energy-optimal sequence of regimes, all power, held speed, coast, one brake rate; every day alike.
+    #[serde(rename = "ato")]
+    Automatic,
 }
+
+/// Of what differs between drivers, this share differs between the days of one.
+const DAY_SHARE: f64 = 0.35;
+/// How automatic operation brakes, m/s², and how fast it raises the effort, N/kg per s.
+const AUTOMATIC_BRAKE_MPS2: f64 = 0.5;
+const AUTOMATIC_RISE_N_PER_KG_S: f64 = 0.08;
 
 /// How the speed is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,7 +122,7 @@ impl Habits {
 
         let below_limit = Exp::new(1.0 / 3.5).expect("constant");
         let (drawn_kmh, coast_s, least_coast_kmh): (f64, f64, f64) = match kind {
-            DriverKind::CaseStudy => {
+            DriverKind::CaseStudy | DriverKind::Automatic => {
                 let near_kmh = 140.15 + 0.6 * unit.sample(rng);
                 let [mean, sd, least, most] = COAST_S;
                 let coast_s = mean + sd * unit.sample(rng);
@@ -133,7 +142,7 @@ impl Habits {
         };
         // Drawn for a line of 140 km/h.
         let mut cruise_mps = match kind {
-            DriverKind::CaseStudy => drawn_kmh / 140.0 * top_mps,
+            DriverKind::CaseStudy | DriverKind::Automatic => drawn_kmh / 140.0 * top_mps,
             DriverKind::ShortHop | DriverKind::HopAndCoast => (drawn_kmh / 3.6).min(top_mps),
         };
         let mut cruising = Cruising::Hold;
@@ -142,7 +151,7 @@ impl Habits {
             cruise_mps -= half_width_mps;
             cruising = Cruising::Cycles { half_width_mps, effort_n_per_kg: cycle_effort_n_per_kg };
         }
-        Self {
+        let drawn = Self {
             departure_s,
             effort_share,
             power_share,
@@ -153,7 +162,7 @@ impl Habits {
             wander_sd_mps: 0.12,
             coast_s,
             coast_hop_m: match kind {
-                DriverKind::CaseStudy => COAST_HOP_M,
+                DriverKind::CaseStudy | DriverKind::Automatic => COAST_HOP_M,
                 DriverKind::ShortHop | DriverKind::HopAndCoast => 0.0,
             },
             least_coast_mps: (least_coast_kmh / 3.6).min(0.45 * top_mps),
@@ -161,6 +170,42 @@ impl Habits {
             plateau,
             brake_test_mps: None,
             stop_error_m,
+        };
+        if kind == DriverKind::Automatic { drawn.automatic(top_mps) } else { drawn }
+    }
+
+    /// The same departure, driven automatically.
+    fn automatic(self, top_mps: f64) -> Self {
+        Self {
+            effort_share: 1.0,
+            power_share: 1.0,
+            effort_rise_n_per_kg_s: AUTOMATIC_RISE_N_PER_KG_S,
+            zone_share: 1.0,
+            cruise_mps: top_mps,
+            cruising: Cruising::Hold,
+            wander_sd_mps: 0.0,
+            coast_s: COAST_S[0],
+            brake: BrakeHabit::constant(AUTOMATIC_BRAKE_MPS2),
+            plateau: Plateau::Hold,
+            stop_error_m: 0.0,
+            ..self
+        }
+    }
+
+    /// This driver on a day on which another would have driven like `day`: the style is the driver's own, [`DAY_SHARE`] of it the day's.
+    pub fn on_day(self, day: &Self) -> Self {
+        let mixed = |own: f64, day: f64| own + DAY_SHARE * (day - own);
+        Self {
+            departure_s: day.departure_s,
+            effort_share: mixed(self.effort_share, day.effort_share),
+            power_share: mixed(self.power_share, day.power_share),
+            effort_rise_n_per_kg_s: mixed(self.effort_rise_n_per_kg_s, day.effort_rise_n_per_kg_s),
+            zone_share: mixed(self.zone_share, day.zone_share),
+            cruise_mps: mixed(self.cruise_mps, day.cruise_mps),
+            coast_s: mixed(self.coast_s, day.coast_s),
+            brake: self.brake.mixed(&day.brake, DAY_SHARE),
+            stop_error_m: day.stop_error_m,
+            ..self
         }
     }
 }

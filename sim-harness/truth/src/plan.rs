@@ -12,6 +12,13 @@ const DAY_S: f64 = 86_400.0;
 /// Trains run from 6 to 22 h UTC.
 const SERVICE_S: [f64; 2] = [6.0 * 3600.0, 22.0 * 3600.0];
 
+impl Turn {
+    /// In files.
+    pub fn name(self) -> String {
+        format!("driver{:02}", self.number)
+    }
+}
+
 /// One run before it is driven.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunPlan {
@@ -27,6 +34,17 @@ pub struct RunPlan {
     pub season: f64,
     /// For each effect of the scenario, whether it acts in this run.
     pub acting: Vec<bool>,
+    /// Who drives; none where every run has another driver.
+    pub driver: Option<Turn>,
+}
+
+/// A driver whose turn it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Turn {
+    /// Counted from 1.
+    pub number: usize,
+    /// Feeds the draws of this driver's style.
+    pub seed: u64,
 }
 
 impl RunPlan {
@@ -70,8 +88,17 @@ pub fn plan(scenario: &Scenario, runs: usize, seed: u64) -> Vec<RunPlan> {
             departure_s: departures[i],
             season: (departures[i] - first_s) as f64 / span_s as f64,
             acting: acting.iter().map(|runs| runs[i]).collect(),
+            driver: turn(scenario.drivers, run_seed(seed, i), seed),
         })
         .collect()
+}
+
+/// Drawn for each run, from a stream of its own.
+fn turn(drivers: usize, run: u64, set: u64) -> Option<Turn> {
+    (drivers > 0).then(|| {
+        let number = stream(run, 12).random_range(1..=drivers);
+        Turn { number, seed: run_seed(!set, number) }
+    })
 }
 
 /// Evenly spread, drawn within its share of the period, moved into the hours of service.
@@ -101,6 +128,20 @@ mod tests {
         assert_eq!((plans[0].season, plans[66].season), (0.0, 1.0));
         let down = plans.iter().filter(|p| p.heading == Heading::Down).count();
         assert_eq!(down, 33);
+    }
+
+    #[test]
+    fn a_driver_has_a_style_and_the_next_one_another() {
+        let scenario = Scenario { drivers: 3, ..Scenario::default() };
+        let turns: Vec<Turn> = plan(&scenario, 60, 5).iter().filter_map(|plan| plan.driver).collect();
+        assert_eq!(turns.len(), 60);
+        for number in 1..=3 {
+            let mut seeds: Vec<u64> = turns.iter().filter(|turn| turn.number == number).map(|turn| turn.seed).collect();
+            assert!(seeds.len() > 10);
+            seeds.dedup();
+            assert_eq!(seeds.len(), 1);
+        }
+        assert!(plan(&Scenario::default(), 3, 5).iter().all(|plan| plan.driver.is_none()));
     }
 
     #[test]

@@ -160,7 +160,8 @@ pub fn drive_planned(scenario: &Scenario, plan: &RunPlan) -> Result<(Vec<TruthSa
     let stops = stops(scenario, &world, seed, &mut draws);
     let stay_s = if scenario.final_dwell { stops.last().map_or(0.0, |s| s.dwell_s) } else { 0.0 };
     let stop_count = stops.len();
-    let mut habits = Habits::draw(scenario.driver, scenario.cycle_share, world.line.top_mps(), &mut stream(seed, 1));
+    let drawn = |seed| Habits::draw(scenario.driver, scenario.cycle_share, world.line.top_mps(), &mut stream(seed, 1));
+    let mut habits = plan.driver.map_or_else(|| drawn(seed), |turn| drawn(turn.seed).on_day(&drawn(seed)));
     habits.brake = habits.brake.at_most(world.safe_deceleration_mps2());
     habits.brake_test_mps = brake_test_mps(scenario.brake_test_share, &mut stream(seed, 10));
     let mut driver = Driver::new(habits, &world, stops, stream(seed, 2));
@@ -516,5 +517,51 @@ mod tests {
         // Only the date is another.
         let alone = simulate(&scenario, run_seed(5, 1));
         assert_eq!(runs[1].facts.stop, alone.facts.stop);
+    }
+
+    #[test]
+    fn a_notched_lever_gives_the_power_of_a_notch() {
+        let scenario = Scenario { notches: 4, cycle_share: 0.0, ..Scenario::default() };
+        let (trace, facts) = drive(&scenario, 6);
+        let power_w = |row: &TruthSample| row.effort_n_per_kg * row.speed_mps * facts.train.rotating_mass_kg();
+        // Above the range of constant effort, while the effort does not move from one notch to the next.
+        let steady = trace.windows(2).filter(|pair| {
+            let [a, b] = [power_w(&pair[0]), power_w(&pair[1])];
+            pair[0].speed_mps > 15.0 && pair[1].regime == Regime::Traction && (b / a - 1.0).abs() < 1e-4
+        });
+        let shares: Vec<f64> = steady.map(|pair| power_w(&pair[1]) / scenario.train.max_power_w).collect();
+        assert!(shares.len() > 500, "{}", shares.len());
+        assert!(shares.iter().all(|share| (4.0 * share - (4.0 * share).round()).abs() < 0.01));
+        assert!(shares.iter().any(|share| *share > 0.7));
+    }
+
+    #[test]
+    fn automatic_operation_is_alike_every_day_and_uses_all_power() {
+        let scenario = Scenario { driver: DriverKind::Automatic, ..Scenario::default() };
+        let facts: Vec<Facts> = fleet(&scenario, [1.0; 3], 4, 8).into_iter().map(|run| run.facts).collect();
+        for one in &facts {
+            let power = one.max_power_w_per_kg * one.train.rotating_mass_kg() / scenario.train.max_power_w;
+            assert!((power - 1.0).abs() < 0.01, "{power}");
+            let [coast_s, first_s] = [one, &facts[0]].map(|f| f.final_brake.time_s - f.final_coast.unwrap().time_s);
+            assert!((coast_s - first_s).abs() < 2.0, "{coast_s} {first_s}");
+        }
+    }
+
+    #[test]
+    fn drivers_differ_by_more_than_their_days() {
+        let scenario = Scenario { drivers: 4, ..Scenario::default() };
+        let plans = plan(&scenario, 60, 3);
+        let habits: Vec<(usize, f64)> = plans
+            .par_iter()
+            .map(|plan| (plan.driver.unwrap().number, drive_planned(&scenario, plan).unwrap().1.habits.power_share))
+            .collect();
+        let of = |number: usize| -> Vec<f64> { habits.iter().filter(|h| h.0 == number).map(|h| h.1).collect() };
+        let sd = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+        };
+        let means: Vec<f64> = (1..=4).map(|n| of(n).iter().sum::<f64>() / of(n).len() as f64).collect();
+        let within = (1..=4).map(|n| sd(&of(n))).fold(0.0, f64::max);
+        assert!(sd(&means) > 1.3 * within, "{means:?} {within}");
     }
 }

@@ -61,6 +61,8 @@ pub struct World {
     pub weather: Weather,
     /// Indicated over true speed: what the driver reads.
     pub speed_scale: f64,
+    /// Notches of the lever; 0: without steps.
+    pub notches: u8,
     /// How late the location is beyond the sensors' latency, s.
     pub location_lag_s: f64,
     effects: Vec<Effect>,
@@ -104,6 +106,7 @@ impl World {
             season: plan.season,
             train,
             line,
+            notches: scenario.notches,
             headwind_mps,
             speed_scale,
             location_lag_s,

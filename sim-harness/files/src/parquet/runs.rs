@@ -12,11 +12,15 @@ use rundown::model::direction::Direction;
 use std::path::{Path, PathBuf};
 use std::{collections::VecDeque, fs::File};
 
-/// Columns of texts: name of the run, which is needed, its unit and its direction.
-const TEXTS: [&str; 3] = ["run", "unit", "direction"];
+/// Columns of texts: name of the run, which is needed, its unit, its direction and its driver.
+const TEXTS: [&str; 4] = ["run", "unit", "direction", "driver"];
 /// What they say.
-const MEANINGS: [&str; 3] =
-    ["name of the run; its rows follow each other", "unit whose vehicle is carried from run to run", "`up` or `down`"];
+const MEANINGS: [&str; TEXTS.len()] = [
+    "name of the run; its rows follow each other",
+    "unit whose vehicle is carried from run to run",
+    "`up` or `down`",
+    "who drove, empty where it is not known",
+];
 
 /// The columns of a file of runs.
 pub fn run_columns() -> Vec<About> {
@@ -136,6 +140,7 @@ impl RunReader {
     fn read_group(&mut self) -> Result<(), ParquetError> {
         let index = self.group;
         let [names, units, directions] = [self.texts(index, 0)?, self.texts(index, 1)?, self.texts(index, 2)?];
+        let drivers = self.texts(index, 3)?;
         let format = |source| ParquetError::format(&self.path, source);
         let group = self.reader.get_row_group(index).map_err(format)?;
         let mut numbers = Vec::with_capacity(self.numbers.len());
@@ -156,6 +161,7 @@ impl RunReader {
                     _ => Direction::Up,
                 },
                 name,
+                driver: drivers.get(row).cloned().flatten().unwrap_or_default(),
                 day: None,
                 rows: Vec::new(),
                 perturbed: None,
@@ -210,7 +216,7 @@ fn record(run: &Recording, row: &Sample) -> Record {
         Direction::Up => "up",
         Direction::Down => "down",
     };
-    let texts = TEXTS.into_iter().zip([run.name.as_str(), run.unit.as_str(), direction]);
+    let texts = TEXTS.into_iter().zip([run.name.as_str(), run.unit.as_str(), direction, run.driver.as_str()]);
     let texts = texts.map(|(name, text)| (name.to_owned(), Cell::from(text)));
     let numbers = COLUMNS.iter().map(|column| (column.name.to_owned(), Cell::from((column.get)(row))));
     texts.chain(numbers).collect()
@@ -235,6 +241,7 @@ mod tests {
             path: "run.csv".into(),
             unit: "unit 7".to_owned(),
             direction: Direction::Up,
+            driver: format!("driver {index}"),
             day: None,
             rows: (0..40).map(row).collect(),
             perturbed: None,
@@ -259,6 +266,7 @@ mod tests {
         for run in &runs {
             let found = reader.next_run().unwrap().unwrap();
             assert_eq!((&found.name, &found.unit, found.direction), (&run.name, &run.unit, run.direction));
+            assert_eq!(found.driver, run.driver);
             assert_eq!(found.rows.len(), run.rows.len());
             for (a, b) in found.rows.iter().zip(&run.rows) {
                 assert_eq!(*a, Sample { line: a.line, ..*b });

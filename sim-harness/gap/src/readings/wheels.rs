@@ -277,6 +277,7 @@ mod tests {
                 name: format!("run{i}"),
                 path: format!("run{i}.csv").into(),
                 unit: String::new(),
+                driver: String::new(),
                 direction: Direction::Up,
                 day: None,
                 rows: samples,

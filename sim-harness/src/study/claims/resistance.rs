@@ -72,7 +72,7 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
         claim("the coefficients increase again at lower speeds")
             .columns([fine_percent(rises).map(|share| format!("r0 {share} over the final brake")), None, constant()])
             .holds(rises.map(|share| share > 0.0))
-            .by(format!("change of r0 from the least value to the last sample; above zero. The true coefficients stay: what moves is the lag of the effort. {BLIND}")),
+            .by(format!("change of r0 from the least value to the last sample; above zero. The true coefficients stay: what moves is how late speed or effort are. {BLIND}")),
         claim("the three coefficients show similar dynamics")
             .columns([alike.map(|c| format!("least correlation {}", number(c, 2))), None, constant()])
             .holds(alike.map(|c| c > 0.8))

@@ -1,4 +1,5 @@
-//! Fig. 9: tractive power of the first acceleration over speed, with each run's largest and the manufacturer's value.
+//! Fig. 9: tractive power of the first acceleration over speed, with each run's largest and the manufacturer's value; and its part below 40 km/h
+//! apart, where the largest effort counts and section 4.4 leaves out what lies below 10 and above 30 km/h.
 
 use super::{Drawn, Eyes, Picture, number, text};
 use crate::study::view::{CROSS_KMH, PowerPoint};
@@ -7,6 +8,10 @@ use rundown_pages::chart::{Figure, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
 const END_KMH: f64 = 145.0;
+/// Of the picture of low speeds: the limit near the departure.
+const LOW_END_KMH: f64 = 40.0;
+/// Where the largest effort is read (section 3.3), km/h.
+const EFFORT_KMH: std::ops::Range<f64> = 10.0..30.0;
 
 pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let stated_kw = train.description().max_power_w / 1000.0;
@@ -62,6 +67,50 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
         caption: format!(
             "Tractive power at the wheel in the first acceleration of {} runs, {} mode.",
             drawn.len(),
+            eyes.word()
+        ),
+        drawing: figure.into(),
+        records,
+    }
+}
+
+/// Below 40 km/h.
+pub fn low_speeds(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
+    let kw_per_n_kg = train.rotating_mass_kg() / 1000.0;
+    let limit = |kmh: f64| (kmh, kw_per_n_kg * train.max_effort_n_per_kg(kmh / 3.6) * kmh / 3.6);
+    let of = |points: &[PowerPoint]| -> Vec<(f64, f64)> {
+        let low = points.iter().filter(|point| point.speed_kmh <= LOW_END_KMH);
+        low.map(|point| (point.speed_kmh, point.power_kw)).collect()
+    };
+    let seen: Vec<(f64, f64)> = drawn.iter().flat_map(|run| of(&eyes.of(run).points.power)).collect();
+    let truths = drawn.iter().filter_map(|run| run.truth.as_ref());
+    let truths: Vec<(f64, f64)> = truths.flat_map(|truth| of(&truth.points.power)).collect();
+    let row = |kind: &'static str| {
+        move |(speed_kmh, power_kw): &(f64, f64)| {
+            vec![text("kind", kind), number("speed_kmh", *speed_kmh), number("power_kw", *power_kw)]
+        }
+    };
+    let records = seen.iter().map(row("observed")).chain(truths.iter().map(row("true"))).collect();
+    let mut layers = vec![Layer::spans("largest effort is read here", colours::LEARNING, 0.2, vec![EFFORT_KMH])];
+    if !truths.is_empty() {
+        layers.push(Layer::dots("true", colours::TRUTH, 0.35, truths));
+    }
+    let boundary = (0..=40).map(|kmh| Some(limit(f64::from(kmh)))).collect();
+    layers.extend([
+        Layer::dots("observed", colours::MEASURED, 0.7, seen),
+        Layer::line("manufacturer", colours::LIMIT, Stroke::Dashed, boundary),
+    ]);
+    let figure = Figure::new(
+        "Fig. 9 below 40 km/h",
+        "Tractive power of each interval of the first acceleration over its speed, where the largest effort is the limit",
+        "speed, km/h",
+        0.0..LOW_END_KMH,
+        [Panel::new("tractive power, kW", 420, layers, "no acceleration was seen")],
+    );
+    Picture {
+        name: format!("fig9_below_40_{}", eyes.word()),
+        caption: format!(
+            "The same below 40 km/h, {} mode: at 10 s sampling a run has one or two values where the largest effort is read, and the driver tapers off towards the limit of 40 km/h.",
             eyes.word()
         ),
         drawing: figure.into(),

@@ -19,6 +19,7 @@ fn record(one: &Compared) -> Record {
         ("effort", reading.effort()),
         ("gradient", reading.gradient_word()),
         ("initial_values", reading.initial_word()),
+        ("points", reading.points_word()),
         ("speed", recorder.speed_word()),
     ]
     .map(|(name, word)| (name.to_owned(), Cell::from(word)))
@@ -70,10 +71,11 @@ fn ranked(all: &[Compared]) -> Vec<&Compared> {
 
 pub fn screen(all: &[Compared]) -> String {
     let mut text = format!(
-        "{:8} {:5} {:10} {:9} {:>6}  {:>7} {:>9} {:>10} {:>8} {:>15}  remarks in all / some seeds\n",
+        "{:8} {:5} {:10} {:7} {:9} {:>6}  {:>7} {:>9} {:>10} {:>8} {:>15}  remarks in all / some seeds\n",
         "effort",
         "grad.",
         "Table 1",
+        "points",
         "speed",
         "skew,s",
         "remarks",
@@ -92,10 +94,11 @@ pub fn screen(all: &[Compared]) -> String {
             _ => '.',
         };
         text += &format!(
-            "{:8} {:5} {:10} {:9} {:>6}  {:>7} {:>9} {:>10} {:>8} {:>15}  {}\n",
+            "{:8} {:5} {:10} {:7} {:9} {:>6}  {:>7} {:>9} {:>10} {:>8} {:>15}  {}\n",
             reading.effort(),
             reading.gradient_word(),
             reading.initial_word(),
+            reading.points_word(),
             recorder.speed_word(),
             recorder.skew_s,
             number(one.remarks(), 1),
@@ -134,7 +137,7 @@ pub fn page(plan: &Plan, all: &[Compared], pictures: &[Picture]) -> String {
 }
 
 fn comparison(all: &[Compared]) -> Markup {
-    let words = ["effort", "gradient", "Table 1", "speed"].map(text_column);
+    let words = ["effort", "gradient", "Table 1", "\u{3b1}, \u{3b2}, \u{3ba}", "speed"].map(text_column);
     let numbers = [
         column("skew", "s"),
         column("remarks", "mean over seeds"),
@@ -155,6 +158,7 @@ fn comparison(all: &[Compared]) -> Markup {
             th scope="row" { (reading.effort()) }
             td.text { (reading.gradient_word()) }
             td.text { (reading.initial_word()) }
+            td.text { (reading.points_word()) }
             td.text { (recorder.speed_word()) }
             td { (recorder.skew_s) }
             td { (number(one.remarks(), 1)) }

@@ -1,13 +1,18 @@
 //! What is compared: readings of the text, and recorders that the text does not exclude.
 
+use rundown::estimator::config::Config;
+use rundown::filter::ukf::Spread;
+use rundown::model::state::SIZE;
 use rundown::model::train::{Train, TrainDescription};
 use rundown::tick::paper::{Difference, PaperConfig};
 use rundown_truth::sensors::{Sensors, SpeedReading};
 
 /// How much older than the location the speed is, s; below zero it is newer. Ten seconds are one row.
 pub const SKEWS_S: [f64; 7] = [-8.0, -4.0, 0.0, 3.0, 5.0, 8.0, 10.0];
-/// At these the readings of gradient and Table 1 are compared too.
+/// At these the readings of gradient and Table 1 and the spread of the points are compared too.
 const CONTRASTED_S: [f64; 2] = [0.0, 8.0];
+/// Table 1's α and κ, and no knowledge of the distribution.
+const PLAIN: Spread<SIZE> = Spread::new(1e-3, 0.0, -2.0);
 /// A train so short has the gradient of a point, m.
 const POINT_M: f64 = 1.0;
 
@@ -29,12 +34,24 @@ pub enum Initial {
     Variances,
 }
 
+/// α, β and κ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Points {
+    /// As Table 1 has them.
+    Printed,
+    /// The points reach as far as the deviations (α = 1).
+    Wide,
+    /// Without knowledge of the distribution (β = 0).
+    Plain,
+}
+
 /// A reading of the text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
     pub difference: Difference,
     pub gradient: Gradient,
     pub initial: Initial,
+    pub points: Points,
 }
 
 /// How the runs were recorded.
@@ -54,11 +71,16 @@ pub struct Combination {
 impl Reading {
     /// As the text says, but for the effort, of which it says less.
     pub fn of(difference: Difference) -> Self {
-        Self { difference, gradient: Gradient::UnderTrain, initial: Initial::Deviations }
+        Self { difference, gradient: Gradient::UnderTrain, initial: Initial::Deviations, points: Points::Printed }
     }
 
     pub fn config(self) -> PaperConfig {
-        let printed = PaperConfig { difference: self.difference, ..PaperConfig::default() };
+        let spread = match self.points {
+            Points::Printed => Spread::PAPER,
+            Points::Wide => Spread::WIDE,
+            Points::Plain => PLAIN,
+        };
+        let printed = PaperConfig { difference: self.difference, spread, ..PaperConfig::default() };
         match self.initial {
             Initial::Deviations => printed,
             Initial::Variances => PaperConfig {
@@ -92,12 +114,25 @@ impl Reading {
         }
     }
 
+    pub fn points_word(self) -> &'static str {
+        match self.points {
+            Points::Printed => "printed",
+            Points::Wide => "\u{3b1} = 1",
+            Points::Plain => "\u{3b2} = 0",
+        }
+    }
+
     pub fn initial_word(self) -> &'static str {
         match self.initial {
             Initial::Deviations => "deviations",
             Initial::Variances => "variances",
         }
     }
+}
+
+/// The configuration of a study that is given none: the reading of the effort with the best evidence (docs/paper.md).
+pub fn default_config() -> Config {
+    Config { paper: Reading::of(Difference::Forward).config(), ..Config::default() }
 }
 
 impl Recorder {
@@ -126,15 +161,18 @@ impl Recorder {
 }
 
 impl Combination {
-    /// Both efforts with every recorder; the gradient of a point and Table 1 as variances with truncated speeds, without and with skew.
+    /// Both efforts with every recorder; the gradient of a point, Table 1 as variances and other points with truncated speeds, without and with skew.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         for difference in [Difference::Backward, Difference::Forward] {
             let printed = Reading::of(difference);
             all.extend(Recorder::all().into_iter().map(|recorder| Self { reading: printed, recorder }));
-            for reading in
-                [Reading { gradient: Gradient::Point, ..printed }, Reading { initial: Initial::Variances, ..printed }]
-            {
+            for reading in [
+                Reading { gradient: Gradient::Point, ..printed },
+                Reading { initial: Initial::Variances, ..printed },
+                Reading { points: Points::Wide, ..printed },
+                Reading { points: Points::Plain, ..printed },
+            ] {
                 let recorders = CONTRASTED_S.map(|skew_s| Recorder { skew_s, speed: SpeedReading::Truncated });
                 all.extend(recorders.map(|recorder| Self { reading, recorder }));
             }
@@ -162,7 +200,7 @@ mod tests {
     #[test]
     fn every_combination_is_there_once_and_is_a_filter() {
         let all = Combination::all();
-        assert_eq!(all.len(), 2 * (2 * SKEWS_S.len() + 4));
+        assert_eq!(all.len(), 2 * (2 * SKEWS_S.len() + 8));
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|before| before != one));
             let paper = one.reading.config();

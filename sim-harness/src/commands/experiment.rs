@@ -1,0 +1,73 @@
+//! `rundown study --experiment NAME`: what the paper leaves to future work.
+
+use super::{Failure, WRONG_ARGUMENTS, screen};
+use crate::study::experiments::answer::{Answer, to_json};
+use crate::study::experiments::plan::Plan;
+use crate::study::experiments::{Experiment, catalogue};
+use crate::study::write;
+use rundown_files::WriteError;
+use rundown_files::folder::{self, Provenance};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Sets of runs, and runs of each.
+const SETS: u16 = 5;
+const RUNS: usize = 20;
+
+/// How much is simulated, as the command line says.
+pub(super) struct Extent {
+    pub(super) sets: Option<u16>,
+    pub(super) runs: Option<usize>,
+    pub(super) seed: u64,
+}
+
+/// The names and questions of all experiments.
+pub(super) fn list() -> ExitCode {
+    for Experiment { name, place, question, .. } in &catalogue::ALL {
+        screen::print(&format!("{name:16} {question} (section {place})\n"));
+    }
+    screen::print("\nThe tunnel at Best: rundown study --tunnel\n");
+    ExitCode::SUCCESS
+}
+
+/// Every experiment, each in a folder of its own.
+pub(super) fn all(extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode, Failure> {
+    if as_json {
+        let message = "--json: expected one experiment, found all".to_owned();
+        return Err(Failure { message, code: WRONG_ARGUMENTS });
+    }
+    for experiment in &catalogue::ALL {
+        run(experiment.name, extent, &out.join(experiment.name), false)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+pub(super) fn run(name: &str, extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode, Failure> {
+    let experiment = catalogue::find(name).ok_or_else(|| unknown(name))?;
+    let bar = screen::progress(0);
+    let done = |finished: usize, all: usize| {
+        bar.set_length(all as u64);
+        bar.set_position(finished as u64);
+    };
+    let (sets, runs) = (usize::from(extent.sets.unwrap_or(SETS)), extent.runs.unwrap_or(RUNS));
+    let Experiment { name, question, answer, .. } = *experiment;
+    let plan = Plan { name, question, sets, runs, seed: extent.seed, done: &done };
+    let answer: Answer = answer(&plan)?;
+    bar.finish_and_clear();
+    folder::write("study", out, &Provenance::begin(&[]), |folder| -> Result<(), WriteError> {
+        write::pictures(folder, &[answer.picture()])
+    })?;
+    if as_json {
+        screen::print(&format!("{:#}\n", to_json(&answer)));
+    } else {
+        screen::print(&answer.words());
+        screen::print(&format!("\nresults: {}\n", out.display()));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn unknown(name: &str) -> Failure {
+    let names: Vec<&str> = catalogue::ALL.iter().map(|experiment| experiment.name).collect();
+    let message = format!("--experiment: expected all or one of {}, found {name}", names.join(", "));
+    Failure { message, code: WRONG_ARGUMENTS }
+}

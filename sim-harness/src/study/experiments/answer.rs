@@ -1,0 +1,220 @@
+//! What an experiment says: its rows, a table of means, one picture.
+
+use super::plan::Plan;
+use crate::output::json::mode_word;
+use crate::study::figures::{Picture, number, text};
+use crate::study::moments::Moments;
+use plotters::style::RGBColor;
+use rundown::estimator::config::Mode;
+use rundown_files::table::{Cell, Record};
+use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
+use rundown_pages::{colours, numbers};
+
+/// Who says a number: a mode, a filter of the experiment, or the truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arm {
+    pub name: &'static str,
+    pub colour: RGBColor,
+}
+
+impl Arm {
+    pub const TRUTH: Self = Self { name: "truth", colour: colours::TRUTH };
+
+    pub const fn of(mode: Mode) -> Self {
+        let colour = match mode {
+            Mode::Paper => colours::ESTIMATED,
+            Mode::Gated => colours::MEASURED,
+            Mode::Measured => colours::GRADIENT,
+        };
+        Self { name: mode_word(mode), colour }
+    }
+}
+
+/// What an arm says of a set of runs; a value for each column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    pub variant: String,
+    pub x: f64,
+    pub arm: Arm,
+    /// Counted from 0.
+    pub set: usize,
+    pub values: Vec<Option<f64>>,
+}
+
+#[derive(Clone, Debug)]
+pub struct Answer {
+    pub name: &'static str,
+    pub question: &'static str,
+    pub axis: &'static str,
+    /// Name with its unit, and label of the axis.
+    pub columns: Vec<(&'static str, &'static str)>,
+    pub rows: Vec<Row>,
+    /// What is said besides, each a sentence.
+    pub notes: Vec<String>,
+    sets: usize,
+    runs: usize,
+    seed: u64,
+}
+
+impl Answer {
+    pub fn new(
+        plan: &Plan<'_>,
+        axis: &'static str,
+        columns: Vec<(&'static str, &'static str)>,
+        rows: Vec<Row>,
+    ) -> Self {
+        let Plan { name, question, sets, runs, seed, .. } = *plan;
+        Self { name, question, axis, columns, rows, notes: Vec::new(), sets, runs, seed }
+    }
+
+    /// With a sentence more.
+    pub fn noting(mut self, note: String) -> Self {
+        self.notes.push(note);
+        self
+    }
+
+    /// Variants and arms in the order in which they came.
+    fn groups(&self) -> Vec<(&str, f64, Arm)> {
+        let mut groups: Vec<(&str, f64, Arm)> = Vec::new();
+        for row in &self.rows {
+            let group = (row.variant.as_str(), row.x, row.arm);
+            if !groups.contains(&group) {
+                groups.push(group);
+            }
+        }
+        groups
+    }
+
+    /// Of a column, over the sets.
+    pub fn moments(&self, variant: &str, arm: &str, column: usize) -> Moments {
+        let of = self.rows.iter().filter(|row| row.variant == variant && row.arm.name == arm);
+        let mut moments = Moments::default();
+        of.filter_map(|row| row.values[column]).for_each(|value| moments.add(value));
+        moments
+    }
+
+    /// The table on the screen.
+    pub fn words(&self) -> String {
+        let groups = self.groups();
+        let wide = groups.iter().map(|(variant, ..)| variant.chars().count()).max().unwrap_or(0).max(7);
+        let arms = groups.iter().map(|(.., arm)| arm.name.chars().count()).max().unwrap_or(0).max(4);
+        let mut text = format!("{}: {}\n\n{:wide$} {:arms$}", self.name, self.question, "variant", "mode");
+        for (name, _) in &self.columns {
+            text += &format!("  {name:>18}");
+        }
+        text += "\n";
+        for (variant, _, arm) in groups {
+            text += &format!("{variant:wide$} {:arms$}", arm.name);
+            for (column, (name, _)) in self.columns.iter().enumerate() {
+                let found = self.moments(variant, arm.name, column);
+                let cell = match (found.mean(), found.sd()) {
+                    (Some(mean), Some(sd)) => format!("{} \u{b1} {}", short(mean), short(sd)),
+                    (Some(mean), None) => short(mean),
+                    _ => numbers::NOTHING.to_owned(),
+                };
+                text += &format!("  {cell:>width$}", width = name.chars().count().max(18));
+            }
+            text += "\n";
+        }
+        for note in &self.notes {
+            text += &format!("\n{note}\n");
+        }
+        text + &format!("\nMean \u{b1} standard deviation over {}.\n", self.extent())
+    }
+
+    fn extent(&self) -> String {
+        format!("{} sets of {} simulated runs, seed {}", self.sets, self.runs, self.seed)
+    }
+
+    /// A row for each set, variant and arm.
+    pub fn records(&self) -> Vec<Record> {
+        let record = |row: &Row| {
+            let mut record = vec![
+                text("variant", &row.variant),
+                number("x", row.x),
+                text("mode", row.arm.name),
+                ("set".to_owned(), Cell::from(row.set + 1)),
+            ];
+            let cells = self.columns.iter().zip(&row.values);
+            record.extend(cells.map(|((name, _), value)| number(name, *value)));
+            record
+        };
+        self.rows.iter().map(record).collect()
+    }
+
+    pub fn picture(&self) -> Picture {
+        let figures = (0..self.columns.len()).map(|column| self.panel(column)).collect();
+        let variants = self.legend();
+        Picture {
+            name: self.name.to_owned(),
+            caption: format!("{} Mean and standard deviation over {}. {variants}", self.question, self.extent()),
+            drawing: Grid::new(format!("Experiment: {}", self.name), self.question, 2, figures).into(),
+            records: self.records(),
+        }
+    }
+
+    /// What stands at which place of the axis.
+    pub fn legend(&self) -> String {
+        let mut places: Vec<(f64, &str)> = Vec::new();
+        for (variant, x, _) in self.groups() {
+            if !places.contains(&(x, variant)) {
+                places.push((x, variant));
+            }
+        }
+        let words = places.iter().map(|(x, variant)| format!("{}: {variant}", short(*x)));
+        format!("{}. {}.", self.axis, words.collect::<Vec<_>>().join("; "))
+    }
+
+    fn panel(&self, column: usize) -> Figure {
+        let groups = self.groups();
+        let ends = range_of(groups.iter().map(|(_, x, _)| *x));
+        let margin = 0.06 * (ends.end - ends.start).max(1e-6);
+        let x = ends.start - margin..ends.end + margin;
+        let mut arms: Vec<Arm> = Vec::new();
+        for (.., arm) in &groups {
+            if !arms.contains(arm) {
+                arms.push(*arm);
+            }
+        }
+        let mut layers = Vec::new();
+        for arm in arms {
+            let (mut line, mut bars) = (Vec::new(), Vec::new());
+            for (variant, x, _) in groups.iter().filter(|(.., of)| *of == arm) {
+                let found = self.moments(variant, arm.name, column);
+                let Some(mean) = found.mean() else { continue };
+                let sd = found.sd().unwrap_or(0.0);
+                line.push(Some((*x, mean)));
+                bars.push(vec![Some((*x, mean - sd)), Some((*x, mean + sd))]);
+            }
+            let dots = line.iter().flatten().copied().collect();
+            layers.push(Layer::threads("", arm.colour, 0.8, bars));
+            layers.push(Layer::line(arm.name, arm.colour, Stroke::Thin, line));
+            layers.push(Layer::dots("", arm.colour, 1.0, dots));
+        }
+        Figure::in_grid(self.axis, x, Panel::new(self.columns[column].1, 420, layers, "no value"))
+    }
+}
+
+/// Three digits that count.
+fn short(value: f64) -> String {
+    let digits = match value.abs() {
+        size if size >= 100.0 => 0,
+        size if size >= 10.0 => 1,
+        size if size >= 0.1 || size == 0.0 => 2,
+        _ => 4,
+    };
+    numbers::number(value, digits)
+}
+
+pub fn to_json(answer: &Answer) -> serde_json::Value {
+    let rows: Vec<_> = answer.records().iter().map(rundown_files::table::to_json).collect();
+    serde_json::json!({
+        "experiment": answer.name,
+        "question": answer.question,
+        "sets": answer.sets,
+        "runs": answer.runs,
+        "seed": answer.seed,
+        "rows": rows,
+        "notes": answer.notes,
+    })
+}

@@ -1,0 +1,93 @@
+//! What the train meets besides its Davis coefficients: seasons, gradients that are described wrongly, wind, load.
+
+use super::variants;
+use crate::study::Refused;
+use crate::study::experiments::answer::Answer;
+use crate::study::experiments::metrics::{BIAS, COAST, INSIDE, POWER, RESISTANCE};
+use crate::study::experiments::plan::Plan;
+use crate::study::experiments::sweep::{Estimated, Sweep};
+
+const ARMS: &[Estimated] = &[Estimated::PAPER, Estimated::GATED, Estimated::MEASURED];
+
+/// Section 5: "seasonal parameter variations, like the ones due to different temperature ..., and train wear".
+pub fn seasons(plan: &Plan<'_>) -> Result<Answer, Refused> {
+    let sweep = Sweep {
+        variants: variants(&[
+            ("none", 1.0, "[dates]\ndays = 300.0"),
+            (
+                "wear: r0 +0.001 N/kg",
+                2.0,
+                "[dates]\ndays = 300.0\n[[effect]]\nname = \"seasonal_drift\"\ndr0_over_period = 1e-3",
+            ),
+            (
+                "wear: r0 +0.002 N/kg",
+                3.0,
+                "[dates]\ndays = 300.0\n[[effect]]\nname = \"seasonal_drift\"\ndr0_over_period = 2e-3",
+            ),
+            (
+                "cold: r0 +0.0001 N/kg per degree",
+                4.0,
+                "[dates]\ndays = 300.0\n[[effect]]\nname = \"temperature_resistance\"\ndr0_per_degC = -1e-4\nref_c = 10.0",
+            ),
+        ])?,
+        axis: "seasonal change",
+        arms: ARMS,
+        metrics: vec![RESISTANCE, BIAS, INSIDE],
+    };
+    sweep.answer(plan)
+}
+
+/// Section 2: a described gradient that is wrong "might be up to some extent mitigated by overfitting the running resistance parameters".
+pub fn gradient(plan: &Plan<'_>) -> Result<Answer, Refused> {
+    let cruise = "[[effect]]\nname = \"gradient_error\"\nfrom_m = 8000.0\nto_m = 14000.0\ndelta_permille = ";
+    let coast = "[[effect]]\nname = \"gradient_error\"\nfrom_m = 22000.0\nto_m = 28000.0\ndelta_permille = ";
+    let fields = |section: &str, permille: &str| format!("{section}{permille}");
+    let sweep = Sweep {
+        variants: variants(&[
+            ("as described", 1.0, ""),
+            ("cruise, 0.5 \u{2030} off", 2.0, &fields(cruise, "0.5")),
+            ("cruise, 2 \u{2030} off", 3.0, &fields(cruise, "2.0")),
+            ("coast, 0.5 \u{2030} off", 4.0, &fields(coast, "0.5")),
+            ("coast, 2 \u{2030} off", 5.0, &fields(coast, "2.0")),
+        ])?,
+        axis: "where 6 km are steeper than described",
+        arms: ARMS,
+        metrics: vec![RESISTANCE, BIAS, INSIDE, COAST],
+    };
+    sweep.answer(plan)
+}
+
+/// Section 2: the values "are significantly influenced by external factors like wind".
+pub fn wind(plan: &Plan<'_>) -> Result<Answer, Refused> {
+    let sweep = Sweep {
+        variants: variants(&[
+            ("still air", 0.0, ""),
+            ("sd 1 m/s between runs", 1.0, "[wind]\nsd_mps = 1.0"),
+            ("sd 2 m/s between runs", 2.0, "[wind]\nsd_mps = 2.0"),
+            ("sd 4 m/s between runs", 4.0, "[wind]\nsd_mps = 4.0"),
+            ("headwind of 4 m/s in all", 5.0, "[[effect]]\nname = \"steady_wind\"\nwind_mps = 4.0"),
+        ])?,
+        axis: "wind along the line",
+        arms: ARMS,
+        metrics: vec![RESISTANCE, BIAS, INSIDE],
+    };
+    sweep.answer(plan)
+}
+
+/// Section 2: load varies at stations, and the fuel mass of a diesel decreases.
+pub fn load(plan: &Plan<'_>) -> Result<Answer, Refused> {
+    let sweep = Sweep {
+        variants: variants(&[
+            ("as described", 0.0, ""),
+            ("load, sd 2 %", 1.0, "[load]\nsd = 0.02"),
+            ("load, sd 5 %", 2.0, "[load]\nsd = 0.05"),
+            ("load, sd 10 %", 3.0, "[load]\nsd = 0.10"),
+            ("fuel used up: 4 % lighter", 4.0, "[[effect]]\nname = \"mass_error\"\nrelative = -0.04"),
+            ("10 % heavier than described", 5.0, "[[effect]]\nname = \"mass_error\"\nrelative = 0.10"),
+        ])?,
+        axis: "mass",
+        arms: ARMS,
+        metrics: vec![RESISTANCE, BIAS, INSIDE, POWER],
+    };
+    sweep.answer(plan)
+}

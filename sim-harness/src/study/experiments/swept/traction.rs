@@ -1,0 +1,94 @@
+//! Whether a limit of power or effort is the train's, the supply's, the rail's or the driver's.
+
+use super::variants;
+use crate::study::Refused;
+use crate::study::experiments::answer::Answer;
+use crate::study::experiments::metrics::{
+    AT_THE_TOP, BRAKE, COAST, LARGEST_EFFORT, LARGEST_POWER, LOW_EFFORT, MEAN_POWER, POWER, POWER_SPREAD, RESISTANCE,
+};
+use crate::study::experiments::plan::Plan;
+use crate::study::experiments::sweep::{Estimated, Sweep};
+
+const ARMS: &[Estimated] = &[Estimated::PAPER, Estimated::GATED];
+
+/// Section 4.4: the relevance of nonhuman sources of variability "could be assessed by analyzing data from ATO-driven trains".
+pub fn automatic_operation(plan: &Plan<'_>) -> Result<Answer, Refused> {
+    let weak = "[[effect]]\nname = \"power_limit_section\"\nfrom_m = 0.0\nto_m = 8000.0\nfactor = 0.8\nruns = 0.4";
+    let ato = "[driver]\nkind = \"ato\"\n";
+    let loaded = "[load]\nsd = 0.05\n";
+    let sweep = Sweep {
+        variants: variants(&[
+            ("drivers", 1.0, ""),
+            ("drivers, supply weak in 40 % of runs", 2.0, weak),
+            ("ATO", 3.0, ato),
+            ("ATO, load sd 5 %", 4.0, &format!("{ato}{loaded}")),
+            ("ATO, supply weak in 40 % of runs", 5.0, &format!("{ato}{weak}")),
+        ])?,
+        axis: "who drives, and what varies besides",
+        arms: ARMS,
+        metrics: vec![POWER_SPREAD, MEAN_POWER, RESISTANCE, COAST, BRAKE],
+    };
+    sweep.answer(plan)
+}
+
+/// Section 4.4: the transition of power "may be due to the presence of several power stations".
+pub fn supply(plan: &Plan<'_>) -> Result<Answer, Refused> {
+    let section = |factor: &str| {
+        format!(
+            "[[effect]]\nname = \"power_limit_section\"\nfrom_m = 0.0\nto_m = 4000.0\nfactor = {factor}\n[[effect]]\nname = \"traction_scale\"\nfactor = 1.2"
+        )
+    };
+    let sweep = Sweep {
+        variants: variants(&[
+            ("as strong as the motors", 1.0, "[[effect]]\nname = \"traction_scale\"\nfactor = 1.2"),
+            ("100 % of the described power", 2.0, &section("1.0")),
+            ("90 %", 3.0, &section("0.9")),
+            ("75 %", 4.0, &section("0.75")),
+        ])?,
+        axis: "supply of the first 4 km, motors of 120 % of the described power",
+        arms: ARMS,
+        metrics: vec![LARGEST_POWER, MEAN_POWER, POWER, POWER_SPREAD],
+    };
+    sweep.answer(plan)
+}
+
+/// Section 3.3: "a lower adhesion condition may lead to wheel slip, lowering the effective applicable tractive effort".
+pub fn adhesion(plan: &Plan<'_>) -> Result<Answer, Refused> {
+    let slippery =
+        |factor: &str| format!("[[effect]]\nname = \"low_adhesion\"\nfactor = {factor}\nbelow_kmh = 60.0\nruns = 0.4");
+    let every_second = "[sensors]\nsampling_s = 1.0\n";
+    let sweep = Sweep {
+        variants: variants(&[
+            ("dry", 1.0, ""),
+            ("70 % on 40 % of the days", 2.0, &slippery("0.7")),
+            ("40 % on 40 % of the days", 3.0, &slippery("0.4")),
+            ("dry, every second", 4.0, every_second),
+            ("40 % on 40 % of the days, every second", 5.0, &format!("{every_second}{}", slippery("0.4"))),
+        ])?,
+        axis: "largest effort below 60 km/h, of the described",
+        arms: ARMS,
+        metrics: vec![LARGEST_EFFORT, LOW_EFFORT],
+    };
+    sweep.answer(plan)
+}
+
+/// Section 3.3: what is observed "might not correspond to the real maximum capability of the engine".
+pub fn capability(plan: &Plan<'_>) -> Result<Answer, Refused> {
+    let limited = |runs: &str| {
+        format!(
+            "[[effect]]\nname = \"power_limit_section\"\nfrom_m = 0.0\nto_m = 32103.0\nfactor = 0.82\nruns = {runs}"
+        )
+    };
+    let sweep = Sweep {
+        variants: variants(&[
+            ("habit: drivers use 75 to 100 %", 1.0, ""),
+            ("capability: motors give 82 %", 2.0, &limited("1.0")),
+            ("both: 82 % in half of the runs", 3.0, &limited("0.5")),
+            ("ATO: all that there is", 4.0, "[driver]\nkind = \"ato\""),
+        ])?,
+        axis: "what limits the power",
+        arms: ARMS,
+        metrics: vec![LARGEST_POWER, AT_THE_TOP, MEAN_POWER, POWER_SPREAD],
+    };
+    sweep.answer(plan)
+}
