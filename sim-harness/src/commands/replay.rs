@@ -5,7 +5,7 @@ use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, Strict};
 use crate::logs::Failed;
 use crate::output::json::mode_word;
 use crate::output::tables::{Format, Tables};
-use crate::replaying::{Opened, PERIOD, Request, StreamError, is_period};
+use crate::replaying::{Opened, PERIOD, Request, Runs, StreamError, is_period};
 use clap::ValueEnum;
 use indicatif::ProgressBar;
 use rundown::estimator::config::Mode;
@@ -125,7 +125,7 @@ fn period(text: &str) -> Result<f64, String> {
 impl Arguments {
     fn request(&self) -> Request {
         Request {
-            runs: self.runs.clone(),
+            runs: Runs::Paths(self.runs.clone()),
             train: self.train.clone(),
             track: self.track.clone(),
             config: self.config.clone(),

@@ -6,7 +6,7 @@ use crate::{checking, study};
 use rundown::features::FeatureConfig;
 use rundown_files::column::{About, about};
 use rundown_files::folder;
-use rundown_files::parquet::run_columns;
+use rundown_files::run_rows::run_columns;
 use rundown_files::sample::COLUMNS;
 use rundown_gap::answer::{json as gap_json, tables};
 

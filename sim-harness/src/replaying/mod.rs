@@ -8,6 +8,7 @@
 mod source;
 mod stream;
 
+pub use source::Runs;
 pub use stream::{CHUNK, StreamError};
 
 use crate::logs::{self, Failed};
@@ -48,8 +49,8 @@ pub fn is_period(seconds: f64) -> bool {
 /// What is to be replayed.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// Run logs, or folders of run logs.
-    pub runs: Vec<PathBuf>,
+    /// The runs.
+    pub runs: Runs,
     /// Description of the train.
     pub train: PathBuf,
     /// Description of the track.
@@ -152,7 +153,7 @@ impl Request {
     /// Runs with a train and a track, everything else as `rundown replay` has it by default; where rows cannot be read, the log is refused.
     pub fn new(runs: Vec<PathBuf>, train: PathBuf, track: PathBuf) -> Self {
         Self {
-            runs,
+            runs: Runs::Paths(runs),
             train,
             track,
             config: None,
@@ -171,7 +172,7 @@ impl Request {
     ///
     /// # Errors
     /// [`ReplayError`] names the file and the place in it.
-    pub fn open(self) -> Result<Opened, ReplayError> {
+    pub fn open(mut self) -> Result<Opened, ReplayError> {
         let (train, core_train) = TrainFile::read(&self.train)?;
         let (track, mut core_track) = TrackFile::read(&self.track)?;
         if !self.tables.each_tick {
@@ -184,7 +185,9 @@ impl Request {
         let config = track.doubted(config);
         let estimator = Estimator::try_new(config, core_train, core_track)?.with_effects(effects);
         let line = CentreLine::new(&track.centre_line);
-        let source = Source::open(&self.runs, line.as_ref())?;
+        // A table is moved: it may be large.
+        let runs = std::mem::replace(&mut self.runs, Runs::Paths(Vec::new()));
+        let source = Source::open(runs, line.as_ref())?;
         let described = [Some(&self.train), Some(&self.track), self.config.as_ref()];
         let inputs = described.into_iter().flatten().cloned().chain(source.paths());
         let provenance = Provenance::begin(&inputs.collect::<Vec<PathBuf>>());
