@@ -3,6 +3,8 @@
 use super::{Failure, screen};
 use crate::check_bench::{Clean, Defect, bench};
 use crate::study::write;
+use rundown_files::WriteError;
+use rundown_files::folder::{self, Provenance};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -37,16 +39,17 @@ pub struct Arguments {
 
 /// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let provenance = Provenance::begin(&[]);
     let count = (Defect::ALL.len() + Clean::ALL.len()) as u64 * arguments.sets;
     let bar = screen::progress(count as usize);
     let found = bench(&Defect::ALL, arguments.sets, arguments.seed, || bar.inc(1)).map_err(Failure::refused)?;
     bar.finish_and_clear();
     let text = found.table();
     let json = serde_json::to_string_pretty(&found).map_err(Failure::not_written)?;
-    write::folder(&arguments.out)
-        .and_then(|()| write::text(&arguments.out.join("table.md"), &text))
-        .and_then(|()| write::text(&arguments.out.join("bench.json"), &(json + "\n")))
-        .map_err(Failure::not_written)?;
+    folder::write("check-bench", &arguments.out, &provenance, |folder| -> Result<(), WriteError> {
+        write::text(&folder.join("table.md"), &text)?;
+        write::text(&folder.join("bench.json"), &(json + "\n"))
+    })?;
     screen::print(&text);
     for accused in &found.accused {
         screen::print(&format!("accused: {accused}\n"));
