@@ -16,5 +16,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for one in &answer.found.named {
         println!("{} {:?}, confidence {:.2}", one.effect.name(), one.intervals, one.confidence);
     }
-    Ok(answer.write(&out)?)
+    Ok(answer.write(&out, true)?)
 }

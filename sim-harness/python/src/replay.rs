@@ -216,6 +216,7 @@ pub fn replay(
         as_recorded,
         bad_rows: if skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse },
         tables: Tables::default(),
+        run_pages: true,
         strict: false,
     };
     let opened = py.detach(|| request.open()).map_err(not_replayed)?;

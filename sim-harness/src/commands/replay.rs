@@ -1,7 +1,7 @@
 //! `rundown replay`: recorded runs, a train and a track in; estimates, features, parameters and a report out.
 
 use super::screen::{self, Foreseen};
-use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, Strict};
+use super::{Failure, NOTHING_USABLE, RunPages, SOME_RUNS_FAILED, Strict};
 use crate::logs::Failed;
 use crate::output::json::mode_word;
 use crate::output::tables::{Format, Tables};
@@ -91,6 +91,8 @@ pub struct Arguments {
     #[arg(long)]
     no_estimates: bool,
     #[command(flatten)]
+    pages: RunPages,
+    #[command(flatten)]
     strict: Strict,
     /// Print the summary of all runs as JSON to stdout, and nothing else
     #[arg(long)]
@@ -136,6 +138,7 @@ impl Arguments {
             as_recorded: self.as_recorded,
             bad_rows: if self.skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse },
             strict: self.strict.strict,
+            run_pages: self.pages.run_pages,
             tables: Tables { format: self.format, each_tick: !self.no_estimates },
         }
     }

@@ -71,6 +71,8 @@ pub struct Request {
     pub bad_rows: BadRows,
     /// Which tables are written.
     pub tables: Tables,
+    /// The report has a page for each run, 0.24 MB each.
+    pub run_pages: bool,
     /// Nothing is written by [`Opened::stream`] where anything is to be warned of.
     pub strict: bool,
 }
@@ -130,6 +132,7 @@ pub struct Replayed {
     carried: bool,
     tick: Tick,
     tables: Tables,
+    run_pages: bool,
 }
 
 /// What came of runs that are not kept.
@@ -164,6 +167,7 @@ impl Request {
             as_recorded: false,
             bad_rows: BadRows::Refuse,
             tables: Tables::default(),
+            run_pages: true,
             strict: false,
         }
     }
@@ -230,9 +234,22 @@ impl Opened {
         advice.add(&runs);
         let Summary { failed, mut notes, .. } = summary;
         notes.extend(advice.notes(&self.estimator));
-        let tables = self.request.tables;
+        let Request { tables, run_pages, .. } = self.request;
         let Self { config, train, core_train, track, provenance, .. } = self;
-        Ok(Replayed { config, train, core_train, track, runs, failed, notes, provenance, carried, tick, tables })
+        Ok(Replayed {
+            config,
+            train,
+            core_train,
+            track,
+            runs,
+            failed,
+            notes,
+            provenance,
+            carried,
+            tick,
+            tables,
+            run_pages,
+        })
     }
 
     fn next_chunk(&mut self, most: usize) -> Result<Option<Vec<Result<Recording, Failed>>>, ReplayError> {
@@ -371,6 +388,9 @@ impl Replayed {
             title: format!("{} on {}", self.train.name, self.track.name),
             train: &self.core_train,
             runs: self.runs.iter().map(|run| RunView::of(run, None)).collect(),
+            first: 0,
+            before: None,
+            has_run_pages: self.run_pages,
             mode: mode_word(self.config.mode),
             features: self.config.features,
             vehicle: self.runs.iter().map(|run| (run.name.clone(), run.vehicle_after)).collect(),

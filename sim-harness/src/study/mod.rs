@@ -13,7 +13,7 @@
 //! | and of all of them? | `gather`, `tallies`, `moments` |
 //! | what do the figures show? | `figures` |
 //! | what does the paper claim, and is it so here? | `claims`, `trials` |
-//! | where is it reported? | `page`, `write` |
+//! | where is it reported? | `page`, `run_pages`, `write` |
 //! | why did the paper see no tunnel? | `tunnel` |
 //! | which reading of the text gives the paper's figures? | `readings` |
 //! | does the estimate follow the truth, how closely could it? | `slope`, `bound` |
@@ -27,6 +27,7 @@ pub(crate) mod gather;
 pub(crate) mod moments;
 pub(crate) mod page;
 pub(crate) mod readings;
+pub(crate) mod run_pages;
 pub(crate) mod slope;
 pub(crate) mod source;
 pub(crate) mod tallies;
