@@ -23,9 +23,8 @@ pub struct Arguments {
 /// Simulates and replays the runs, writes what `rundown study` writes, and prints the table. Then what `rundown gap` says of runs with a hidden effect.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     screen::print(
-        "The paper's 67 runs are simulated and replayed through the code of the board, in the paper's mode and in the \
-         gated one; then 67 runs through a tunnel that the model lacks are simulated, and the tunnel is looked for. \
-         About 12 s.\n\n",
+        "The paper's 67 runs are simulated and replayed through the code of the board, in the paper's mode and in the gated\n\
+         one; then 67 runs through a tunnel that the model lacks are simulated, and the tunnel is looked for. About 12 s.\n\n",
     );
     let study = of_case_study(SEED, &arguments.out)?;
     let simulation = case_study()?;

@@ -14,7 +14,7 @@ use std::{fs::File, process::ExitCode, sync::Arc, time::Duration};
 /// Speed of a demonstration without `--speed`: a run in a minute.
 const DEMO_SPEED: f64 = 20.0;
 
-/// More curves than this are not told apart.
+/// More curves than this are hard to distinguish.
 const MOST_BESIDE: usize = 7;
 
 const EXAMPLES: &str = "\

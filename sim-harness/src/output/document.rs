@@ -25,9 +25,10 @@ All commands that write into a folder (`replay`, `check`, `study`, `gap`, `tune`
 benches) write their results beside the folder that `--out` names, which then takes the place of the old one: a command
 that is stopped leaves the old results or the new ones. Where the folder also holds other files, or two folders cannot
 be exchanged at once (Windows, some network file systems), results are moved into it one by one; a command that is
-killed while it does that is brought to its end by the next one. Where several commands write into one folder, the manifest is that of the last one and keeps the lists of the
-others under `earlier`: each command removes its own stale files, and never one that the list of another, or no list,
-has. The manifest alone has times: all other files have the same bytes each time.
+killed while it does that is brought to its end by the next one. Where several commands write into one folder, the
+manifest is that of the last one and keeps the lists of the others under `earlier`: each command removes its own stale
+files, and never one that the list of another, or no list, has. The manifest alone has times: all other files have the
+same bytes each time.
 
 Not on this page: the numbers behind single pictures of `study` and `tune` (a CSV beside each SVG, with the units in
 its names), `slope.json`, `tune.json`, `truth.json`, the record of `rundown link` and the account of `rundown import`.
