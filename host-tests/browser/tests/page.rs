@@ -186,6 +186,7 @@ async fn several_units_stand_side_by_side_and_a_swipe_goes_on() {
     let mut desk = Desk::with(2, &["--beside", &other], files).await;
     desk.board.play_until(|estimate| estimate.regime == Regime::Cruise);
     desk.check_values().await;
+    desk.browser.wait_for("return document.body.classList.contains('several')").await;
     desk.browser.press("7").await;
     let rows = "return [...document.querySelectorAll('#units tr')].map((row) => [...row.cells].map((cell) => cell.textContent))";
     let shown = "const r = document.querySelectorAll('#units tr'); return r.length === 2 && [...r].every((row) => row.cells[1].textContent !== '–')";
