@@ -88,8 +88,9 @@ async fn two_fingers_zoom_and_one_scrolls() {
     assert!(((least - from) / (to - from) - 0.35).abs() < 0.02, "{shifted:?} of {whole:?}");
     assert!(((most - least) / (to - from) - 0.5).abs() < 0.02, "{shifted:?} of {whole:?}");
 
-    browser.touch("touchStart", &[at(0.2)]).await;
-    browser.touch("touchMove", &[at(0.8)]).await;
+    let [x, y] = at(0.5);
+    browser.touch("touchStart", &[[x, y]]).await;
+    browser.touch("touchMove", &[[x, y - 100.0]]).await;
     browser.touch("touchEnd", &[]).await;
     assert_eq!(browser.ask::<Vec<[f64; 2]>>(ENDS).await, shifted, "one finger does not zoom");
     check_quiet(&browser).await;
