@@ -278,7 +278,14 @@ fn the_demo_says_what_it_saw_and_where_the_report_lies() {
     {
         assert!(text.contains(word), "{word} in {text}");
     }
-    assert!(folder.path("out/demo/report.html").exists());
+    // What it does comes first, what to open last.
+    assert!(text.starts_with("The paper's 67 runs are simulated and replayed"), "{text}");
+    let last: Vec<&str> = text.trim_end().lines().rev().take(3).collect();
+    for (line, page) in last[1..].iter().zip(["out/demo/gap/report.html", "out/demo/report.html"]) {
+        assert!(line.starts_with(&format!("open {page}: ")), "{line}");
+        assert!(folder.path(page).exists());
+    }
+    assert!(last[0].starts_with("your own logs: "), "{last:?}");
 }
 
 #[test]

@@ -124,7 +124,7 @@ fn a_repair_that_makes_things_worse_is_reported_everywhere() {
     let folder = simulated(8, "");
     let input = Input::of_set(&folder.path("set")).unwrap();
     let mut answer = rundown_gap::run(input, GapConfig::default(), None, |_| ()).unwrap();
-    let told = |answer: &Answer| (answer.json(), story(answer), page(answer));
+    let told = |answer: &Answer| (answer.json(), story(answer), page(answer, false));
     let (json, screen, html) = told(&answer);
     assert_eq!(json["gap"]["worse_than_before"], false);
     assert!(!screen.contains("orse than before") && !html.contains("Worse than before"));
@@ -136,8 +136,32 @@ fn a_repair_that_makes_things_worse_is_reported_everywhere() {
     // Nine effects are more than a board takes: there is no frame, so there is no file.
     let wind = Named::plain(Effect::SteadyWind(SteadyWind { wind_mps: 1.0 }), Vec::new(), 9.0, 30.0);
     answer.found.named = vec![wind; 9];
-    let error = Files::render(&answer).unwrap_err();
+    let error = Files::render(&answer, true).unwrap_err();
     assert!(error.to_string().starts_with("effect.frame: "), "{error}");
+}
+
+#[test]
+fn each_run_has_a_page_unless_they_are_left_out() {
+    let folder = simulated(8, TUNNEL);
+    let done = gap(&folder, "set/runs", &[]);
+    assert_eq!(done.code, Some(0), "{}", done.err);
+    let read = |name: &str| std::fs::read_to_string(folder.path(name)).unwrap();
+    let first = read("out/report.html");
+    let mut held_out = 0;
+    for number in 1..=8 {
+        let (file, run) = (format!("report/run{number:04}.html"), format!("run{number:03}"));
+        assert!(first.contains(&format!("<a href=\"{file}\">{run}</a>")), "{file}");
+        let page = read(&format!("out/{file}"));
+        assert!(page.contains(&format!("<h1>{run}</h1>")) && page.contains("Residual over location"), "{file}");
+        // Only what was held out was simulated.
+        let simulated = page.contains("Measured and simulated speed</h2>");
+        assert_eq!(simulated, page.contains("It was held out"), "{file}");
+        held_out += usize::from(simulated);
+    }
+    assert!(held_out > 0 && held_out < 8, "{held_out}");
+    let bare = gap(&folder, "set/runs", &["--no-run-pages"]);
+    assert_eq!(bare.code, Some(0), "{}", bare.err);
+    assert!(!folder.path("out/report").exists() && !read("out/report.html").contains("report/run0001.html"));
 }
 
 /// Each setting can be changed by a file; a name that is none is refused before the work.

@@ -56,9 +56,16 @@ impl Table {
     }
 }
 
+/// Files of a folder; those of a folder within with its name before theirs.
 fn names(folder: &Path) -> BTreeSet<String> {
-    let entries = std::fs::read_dir(folder).unwrap();
-    entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    let of_entry = |path: &Path| -> Vec<String> {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        match path.is_dir() {
+            true => names(path).into_iter().map(|file| format!("{name}/{file}")).collect(),
+            false => vec![name.to_owned()],
+        }
+    };
+    std::fs::read_dir(folder).unwrap().flat_map(|entry| of_entry(&entry.unwrap().path())).collect()
 }
 
 #[test]
@@ -170,6 +177,27 @@ fn the_numbers_are_those_of_the_runs() {
         assert!((quadratic - r2[index] * v * v).abs() < 1e-12);
     }
     assert_eq!(csv_table(&folder, "out/fig6_regimes_paper.csv").rows.len(), rows);
+}
+
+#[test]
+fn each_run_has_a_page_with_its_truth_unless_they_are_left_out() {
+    let folder = Folder::new();
+    study(&folder, "out");
+    let read = |name: &str| std::fs::read_to_string(folder.path(name)).unwrap();
+    let first = read("out/report.html");
+    for number in 1..=COUNT {
+        let (file, run) = (format!("report/run{number:04}.html"), format!("unit001_run{number:02}"));
+        assert!(first.contains(&format!("<a href=\"{file}\">{run}</a>")), "{file}");
+        let page = read(&format!("out/{file}"));
+        assert!(page.contains(&format!("<h1>{run}</h1>")) && page.contains("href=\"../report.html#runs\""), "{file}");
+        assert!(page.contains("true start"), "{file}: the truth is drawn");
+        assert_eq!(page.contains(">before: "), number > 1, "{file}");
+        assert_eq!(page.contains(">next: "), number < COUNT, "{file}");
+    }
+    quiet(&folder, &["study", "--count", "2", "--out", "bare", "--no-run-pages"]);
+    assert!(!folder.path("bare/report").exists());
+    let bare = read("bare/report.html");
+    assert!(bare.contains("unit001_run02") && !bare.contains("report/run0001.html"));
 }
 
 #[test]

@@ -36,6 +36,8 @@ Tasks:
                                 needs Python >= 3.9
   tools                         SUMO and ALTRIOS read what `rundown export` writes; installs them into a virtual environment in
                                 target/tools (about 1.5 GB); needs Python >= 3.11
+  fleets [--runs N]             DuckDB, Ray Data and Spark replay a simulated fleet (default: 2010 runs), each to the same bits as the command;
+                                installs them into a virtual environment in target/fleets (about 1.5 GB); needs Python >= 3.11 and Java 17
   fuzz [--seconds N] [--seed N] every fuzz target for so long (default: 60), two at a time; other inputs each time
                                 without a seed; needs a C++ compiler
   ci                            everything a change must pass: format, clippy, documentation, licences, test, demo (.ci/run)
@@ -76,6 +78,8 @@ fn main() -> ExitCode {
         ["browser"] => browser(),
         ["python"] => python::python(),
         ["tools"] => python::tools(),
+        ["fleets"] => python::fleets("2010"),
+        ["fleets", "--runs", runs] => python::fleets(runs),
         ["fuzz"] => fuzz::fuzz("60", None),
         ["fuzz", "--seconds", seconds] => fuzz::fuzz(seconds, None),
         ["fuzz", "--seconds", seconds, "--seed", seed] => fuzz::fuzz(seconds, Some(seed)),
@@ -198,7 +202,7 @@ mod tests {
     fn each_task_has_help_of_its_own() {
         let tasks = HELP.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
         let tasks: Vec<&str> = tasks.map(|line| line.split_whitespace().next().unwrap()).collect();
-        assert_eq!(tasks.len(), 13, "{tasks:?}");
+        assert_eq!(tasks.len(), 14, "{tasks:?}");
         for task in tasks {
             assert!(help_of(task).unwrap().trim_start().starts_with(task));
         }

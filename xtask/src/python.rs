@@ -14,6 +14,9 @@ const NAMES: [&str; 2] = ["python3", "python"];
 /// Tests of the tools that read exported trains, with requirements of their own.
 const TOOLS: &str = "sim-harness/python/tools";
 
+/// Engines that replay a fleet with the module, with requirements of their own.
+const FLEETS: &str = "sim-harness/python/fleets";
+
 /// `cargo xtask tools`: SUMO and ALTRIOS read what `rundown export` writes. Apart from the module's tests, for what they install.
 pub fn tools() -> Result<(), String> {
     let environment = Environment::at(target().join("tools").join("venv"), TOOLS)?;
@@ -28,8 +31,31 @@ fn command() -> PathBuf {
 }
 
 pub fn python() -> Result<(), String> {
-    let folder = target().join("python");
-    let environment = Environment::at(folder.join("venv"), PACKAGE)?;
+    let environment = with_module("python", PACKAGE)?;
+    let tests = format!("{PACKAGE}/tests");
+    let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--durations=3", &tests];
+    run(environment.command("python").args(arguments).env("RUNDOWN_COMMAND", command()))
+}
+
+/// `cargo xtask fleets`: DuckDB, Ray Data and Spark replay a fleet, each to the same bits as the command. Apart from the module's tests, for what they
+/// install and what they take.
+pub fn fleets(runs: &str) -> Result<(), String> {
+    if ask("java", &["-version"]).is_none() {
+        return Err("Spark: expected Java 17 as java, found none.\n\
+                    On Debian and Ubuntu: `apt-get install openjdk-17-jre-headless`"
+            .to_owned());
+    }
+    let environment = with_module("fleets", FLEETS)?;
+    let work = target().join("fleets").join("work");
+    let mut fleets = environment.command("python");
+    fleets.arg(format!("{FLEETS}/fleets.py")).args(["--runs", runs, "--work"]).arg(work);
+    run(fleets.env("RUNDOWN_COMMAND", command()))
+}
+
+/// A virtual environment in the target's `folder` with the module, built from the sources, and beside it the command.
+fn with_module(folder: &str, package: &str) -> Result<Environment, String> {
+    let folder = target().join(folder);
+    let environment = Environment::at(folder.join("venv"), package)?;
     run(cargo().args(["build", "-p", "sim-harness", "--bin", "rundown"]))?;
     let wheels = folder.join("wheels");
     // Left behind, an older wheel would be tested.
@@ -44,9 +70,7 @@ pub fn python() -> Result<(), String> {
     let wheel = only_wheel(&wheels)?;
     let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--force-reinstall"];
     run(environment.command("python").args(install).arg(wheel))?;
-    let tests = format!("{PACKAGE}/tests");
-    let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--durations=3", &tests];
-    run(environment.command("python").args(arguments).env("RUNDOWN_COMMAND", command()))
+    Ok(environment)
 }
 
 fn target() -> PathBuf {

@@ -102,6 +102,23 @@ impl Board {
         }
     }
 
+    /// The messages so far.
+    pub fn played(&self) -> &[Vec<u8>] {
+        &self.messages[..self.next]
+    }
+
+    /// All messages as a recording of the serial line.
+    pub fn recording(&self) -> Vec<u8> {
+        self.messages.iter().flat_map(|message| serial::encode(message).expect("short")).collect()
+    }
+
+    /// Those that the recording ends with.
+    pub fn last_parameters(&self) -> Parameters {
+        let mut said = Said::default();
+        self.messages.iter().for_each(|message| said.hear(message));
+        said.parameters.expect("a run has parameters")
+    }
+
     fn write(&mut self, bytes: &[u8]) {
         let line = self.line.as_mut().expect("connected");
         line.write_all(bytes).expect("the display reads");

@@ -123,6 +123,14 @@ impl Browser {
         self.mouse("mouseReleased", to, 1).await;
     }
 
+    /// Puts fingers on the screen (`touchStart`), moves them (`touchMove`) or lifts them (`touchEnd`, without places), px.
+    pub async fn touch(&self, kind: &str, places: &[[f64; 2]]) {
+        let point = |(id, [x, y]): (usize, &[f64; 2])| serde_json::json!({"id": id, "x": x, "y": y});
+        let points: Vec<_> = places.iter().enumerate().map(point).collect();
+        let event = serde_json::json!({"type": kind, "touchPoints": points});
+        self.driver.cdp().send_raw("Input.dispatchTouchEvent", event).await.expect("fingers");
+    }
+
     /// Waits until a script on the page says true.
     pub async fn wait_for(&self, script: &str) {
         let begin = Instant::now();

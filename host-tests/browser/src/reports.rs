@@ -36,6 +36,17 @@ impl Reports {
         self.rundown(&[&["replay", "--out", "out", "set/runs"][..], &described].concat());
     }
 
+    /// `rundown gap` into `gap`, of at least seven runs.
+    pub fn gap(&self) {
+        let described = ["--train", "set/train.toml", "--track", "set/track.toml"];
+        self.rundown(&[&["gap", "--out", "gap", "--runs", "set/runs"][..], &described].concat());
+    }
+
+    /// There is such a file or folder.
+    pub fn has(&self, name: &str) -> bool {
+        self.folder.path().join(name).exists()
+    }
+
     /// Size of a file, bytes.
     pub fn size(&self, name: &str) -> u64 {
         std::fs::metadata(self.folder.path().join(name)).expect("a file").len()

@@ -3,7 +3,7 @@
 use browser_tests::board::{Board, Said};
 use browser_tests::browser::{Browser, Scheme};
 use browser_tests::display::Display;
-use rundown_wire::{CoastArrival, CoastOutcome, Learned, Regime};
+use rundown_wire::{Body, CoastArrival, CoastOutcome, Downlink, Learned, Parameters, Regime};
 use sim_harness::display::demo;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -144,6 +144,78 @@ async fn values_on_the_page_are_those_of_the_frames() {
     assert_eq!(desk.browser.ask::<usize>("return state.points.length").await, points);
 }
 
+/// What frames say together: worked out here from the frames once more.
+#[tokio::test]
+async fn learning_and_foresight_are_shown() {
+    let mut desk = Desk::new(2).await;
+    let mut first = None;
+    let mut runs = 0;
+    desk.board.play_until(|estimate| {
+        runs += u32::from(estimate.dt_s == 0.0);
+        runs == 2 && estimate.regime == Regime::Traction
+    });
+    for message in desk.board.played() {
+        if let Body::Parameters(parameters) = Downlink::decode(message).expect("a frame").body {
+            first.get_or_insert(parameters);
+        }
+    }
+    // A run that has just begun: values of the last one stand in the frames of this test.
+    let km = number(desk.board.said.estimate.map(|estimate| estimate.location_m.value), 2, 1e-3);
+    desk.browser.wait("location", &km, |text| text == km).await;
+    let (first, now) = (first.expect("parameters"), desk.board.said.parameters.expect("parameters"));
+    assert_eq!(first.learned, Learned::NotYet);
+    let bits = [20.0, 60.0, 100.0, 140.0].map(|kmh: f32| (first.at(kmh / 3.6).sd / now.at(kmh / 3.6).sd).log2());
+    let words = bits.map(|bits| number(Some(bits), 1, 1.0)).join(" / ");
+    let expected = format!("information learned at 20 / 60 / 100 / 140 km/h: {words} bit");
+    assert_eq!(desk.browser.text("information").await, expected);
+    assert!(bits[2] > 0.5, "a run teaches: {bits:?}");
+    let foreseen = desk.browser.text("foreseen").await;
+    assert!(foreseen.starts_with("coasts foreseen within their 90 % interval: "), "{foreseen}");
+    let sensor = "return [...document.querySelectorAll('#link div')].find((row) => row.firstChild.textContent === 'suspected sensor').lastChild.textContent";
+    assert_eq!(desk.browser.ask::<String>(sensor).await, "none");
+    let firmware = "return [...document.querySelectorAll('#link div')].find((row) => row.firstChild.textContent === 'firmware').lastChild.textContent";
+    let firmware: String = desk.browser.ask(firmware).await;
+    assert!(firmware.starts_with(env!("CARGO_PKG_VERSION")), "of the second run, too: {firmware}");
+}
+
+#[tokio::test]
+async fn several_units_stand_side_by_side_and_a_swipe_goes_on() {
+    let files = tempfile::tempdir().expect("a folder");
+    let other = files.path().join("other.frames");
+    let frames = Board::new(1);
+    std::fs::write(&other, frames.recording()).expect("written");
+    let other = other.into_os_string().into_string().expect("UTF-8");
+    let mut desk = Desk::with(2, &["--beside", &other], files).await;
+    desk.board.play_until(|estimate| estimate.regime == Regime::Cruise);
+    desk.check_values().await;
+    desk.browser.wait_for("return document.body.classList.contains('several')").await;
+    desk.browser.press("7").await;
+    let rows = "return [...document.querySelectorAll('#units tr')].map((row) => [...row.cells].map((cell) => cell.textContent))";
+    let shown = "const r = document.querySelectorAll('#units tr'); return r.length === 2 && [...r].every((row) => row.cells[1].textContent !== '–')";
+    desk.browser.wait_for(shown).await;
+    let rows: Vec<Vec<String>> = desk.browser.ask(rows).await;
+    let r100 = |parameters: Parameters| number(Some(parameters.at(100.0 / 3.6).value), 1, 1e3);
+    assert_eq!(rows[0][1], r100(desk.board.said.parameters.expect("parameters")), "{rows:?}");
+    assert_eq!((rows[1][0].as_str(), &rows[1][1]), (other.as_str(), &r100(frames.last_parameters())), "{rows:?}");
+    assert_ne!(rows[0][1], rows[1][1], "two units");
+    desk.browser.picture("units_1280x800_light").await;
+
+    desk.browser.screen(400, 800, Scheme::Dark).await;
+    let swipe = async |from: f64, to: f64| {
+        desk.browser.touch("touchStart", &[[from, 400.0]]).await;
+        desk.browser.touch("touchMove", &[[to, 402.0]]).await;
+        desk.browser.touch("touchEnd", &[]).await;
+        desk.browser.ask::<String>("return document.body.dataset.view").await
+    };
+    assert_eq!(swipe(100.0, 300.0).await, "6", "to the right: the one before");
+    assert_eq!(swipe(300.0, 100.0).await, "7");
+    assert_eq!(swipe(300.0, 280.0).await, "7", "too short");
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    desk.browser.picture("units_400x800_dark").await;
+    let wide: u32 = desk.browser.ask("return document.documentElement.scrollWidth").await;
+    assert!(wide <= 400, "{wide} px wide");
+}
+
 #[tokio::test]
 async fn without_a_description_the_page_says_what_is_missing() {
     let files = tempfile::tempdir().expect("a folder");
@@ -240,7 +312,7 @@ async fn the_page_looks_right_on_every_screen() {
     let mut desk = Desk::new(2).await;
     let browser = &desk.browser;
     let mut empty = BTreeMap::new();
-    for (width, height) in [(1280, 800), (800, 480)] {
+    for (width, height) in [(1280, 800), (800, 480), (400, 800)] {
         browser.screen(width, height, Scheme::Light).await;
         let places: BTreeMap<String, String> = browser.ask(PLACES).await;
         empty.insert((width, height), places);
@@ -255,7 +327,7 @@ async fn the_page_looks_right_on_every_screen() {
         estimate.time_s > 0.0 && coasting == 60
     });
     desk.check_values().await;
-    for (width, height) in [(1280, 800), (800, 480)] {
+    for (width, height) in [(1280, 800), (800, 480), (400, 800)] {
         for scheme in [Scheme::Light, Scheme::Dark] {
             browser.screen(width, height, scheme).await;
             browser.press("0").await;
@@ -265,11 +337,17 @@ async fn the_page_looks_right_on_every_screen() {
             assert!(moved.is_empty(), "{width}x{height}: {moved:?} from {:?}", empty[&(width, height)]);
             let outside: Vec<String> = browser.ask(OUTSIDE).await;
             assert_eq!(outside, Vec::<String>::new(), "{width}x{height}: all is inside its place");
+            let wide: u32 = browser.ask("return document.documentElement.scrollWidth").await;
+            assert!(wide <= width, "{wide} px wide on a screen of {width}");
             for view in 0..=6 {
                 browser.press(&view.to_string()).await;
                 tokio::time::sleep(Duration::from_millis(250)).await;
                 let found: String = browser.ask("return document.body.dataset.view").await;
                 assert_eq!(found, view.to_string());
+                if width == 400 {
+                    let outside: Vec<String> = browser.ask(OUTSIDE).await;
+                    assert_eq!(outside, Vec::<String>::new(), "part {view} on a phone");
+                }
                 let png = browser.picture(&format!("{view}_{width}x{height}_{}", scheme.word())).await;
                 // Width and height stand behind the signature and the name of the first chunk.
                 assert_eq!(png[16..24], [width.to_be_bytes(), height.to_be_bytes()].concat());

@@ -58,6 +58,45 @@ async fn the_plots_of_a_run_zoom_together_and_share_their_cursor() {
 }
 
 #[tokio::test]
+async fn two_fingers_zoom_and_one_scrolls() {
+    let reports = Reports::of(1);
+    reports.replay();
+    let browser = browser().await;
+    browser.screen(400, 700, Scheme::Light).await;
+    reports.open(&browser, "out/report/run0001.html").await;
+    browser.wait_for(ALIVE).await;
+    browser.ask::<()>("[...plots][0].over.scrollIntoView({block: 'center'})").await;
+    let whole: Vec<[f64; 2]> = browser.ask(ENDS).await;
+    let [left, top, width, height]: [f64; 4] = browser.ask(PLACE).await;
+    let at = |x: f64| [left + x * width, top + 0.5 * height];
+
+    // From a quarter of the axis to half of it under the fingers: what they hold stays under them.
+    browser.touch("touchStart", &[at(0.375), at(0.625)]).await;
+    browser.touch("touchMove", &[at(0.25), at(0.75)]).await;
+    browser.touch("touchEnd", &[]).await;
+    let part: Vec<[f64; 2]> = browser.ask(ENDS).await;
+    for ([least, most], [from, to]) in part.iter().zip(&whole) {
+        let [begin, end] = [least, most].map(|x| (x - from) / (to - from));
+        assert!((begin - 0.25).abs() < 0.02 && (end - 0.75).abs() < 0.02, "{part:?} of {whole:?}");
+    }
+    // Together to the left: the axis is shifted and keeps its length.
+    browser.touch("touchStart", &[at(0.5), at(0.9)]).await;
+    browser.touch("touchMove", &[at(0.3), at(0.7)]).await;
+    browser.touch("touchEnd", &[]).await;
+    let shifted: Vec<[f64; 2]> = browser.ask(ENDS).await;
+    let [[least, most], [from, to]] = [shifted[0], whole[0]];
+    assert!(((least - from) / (to - from) - 0.35).abs() < 0.02, "{shifted:?} of {whole:?}");
+    assert!(((most - least) / (to - from) - 0.5).abs() < 0.02, "{shifted:?} of {whole:?}");
+
+    let [x, y] = at(0.5);
+    browser.touch("touchStart", &[[x, y]]).await;
+    browser.touch("touchMove", &[[x, y - 100.0]]).await;
+    browser.touch("touchEnd", &[]).await;
+    assert_eq!(browser.ask::<Vec<[f64; 2]>>(ENDS).await, shifted, "one finger does not zoom");
+    check_quiet(&browser).await;
+}
+
+#[tokio::test]
 async fn a_series_is_switched_off_and_the_axis_is_location_or_time() {
     let reports = Reports::of(1);
     reports.replay();
@@ -144,10 +183,11 @@ async fn a_table_sorts_by_any_column_and_filters() {
 
 #[tokio::test]
 async fn every_page_fits_by_day_and_by_night() {
-    let reports = Reports::of(3);
+    let reports = Reports::of(8);
     reports.replay();
     reports.rundown(&["check", "--out", "check", "set/runs"]);
     reports.rundown(&["study", "--count", "3", "--out", "study"]);
+    reports.gap();
     let browser = browser().await;
     let pages = [
         "out/report.html",
@@ -155,6 +195,9 @@ async fn every_page_fits_by_day_and_by_night() {
         "check/index.html",
         "check/runs/run0002.html",
         "study/report.html",
+        "study/report/run0003.html",
+        "gap/report.html",
+        "gap/report/run0001.html",
     ];
     for page in pages {
         for (width, scheme) in [(400, Scheme::Light), (400, Scheme::Dark), (900, Scheme::Light), (1400, Scheme::Dark)] {
@@ -176,6 +219,36 @@ async fn every_page_fits_by_day_and_by_night() {
     browser.ask::<()>("document.getElementById('scheme').click()").await;
     let ground: String = browser.ask("return getComputedStyle(document.documentElement).backgroundColor").await;
     assert_eq!(ground, "rgb(255, 255, 255)");
+}
+
+#[tokio::test]
+async fn each_run_of_a_study_and_of_a_gap_has_its_page() {
+    let reports = Reports::of(8);
+    reports.rundown(&["study", "--count", "3", "--out", "study"]);
+    reports.gap();
+    let browser = browser().await;
+    for (first, runs) in [("study/report.html", 3), ("gap/report.html", 8)] {
+        reports.open(&browser, first).await;
+        let links = "return [...document.querySelectorAll('#runs tbody th a')].map((a) => a.textContent)";
+        let names: Vec<String> = browser.ask(links).await;
+        assert_eq!(names.len(), runs, "{first}");
+        browser.ask::<()>("document.querySelector('#runs tbody th a').click()").await;
+        // From page to page, to the last one and back to the table.
+        for name in &names {
+            browser.wait_for(&format!("return document.querySelector('h1').textContent === '{name}'")).await;
+            browser.wait_for("return plots.size > 1").await;
+            check_quiet(&browser).await;
+            let next = "const a = [...document.querySelectorAll('a')].find((a) => a.textContent.startsWith('next: ')); a && a.click()";
+            browser.ask::<()>(next).await;
+        }
+        browser.ask::<()>("document.querySelector('a[href$=\"report.html#runs\"]').click()").await;
+        browser.wait_for("return location.hash === '#runs'").await;
+    }
+    reports.rundown(&["study", "--count", "3", "--out", "bare", "--no-run-pages"]);
+    assert!(!reports.has("bare/report"));
+    reports.open(&browser, "bare/report.html").await;
+    let rows = "return document.querySelectorAll('#runs tbody th').length - document.querySelectorAll('#runs tbody th a').length";
+    assert_eq!(browser.ask::<u32>(rows).await, 3, "names without links");
 }
 
 #[tokio::test]

@@ -179,6 +179,28 @@ function resistanceLabels(u, px, words) {
   ctx.restore();
 }
 
+const UNIT_COLOURS = ["estimate", "described", "traction", "coast", "warn", "standstill"];
+const unitColour = (i) => UNIT_COLOURS[i % UNIT_COLOURS.length];
+
+/** r(v) of so many units, each with its 95 % interval. Beyond the colours that there are lines are dashed. */
+const unitsOptions = (count) => (box) => {
+  const px = fontSize(box), indices = Array.from({ length: count }, (_, i) => i);
+  const line = (i, width) => ({ stroke: () => colour(unitColour(i)), width, dash: i < UNIT_COLOURS.length ? [] : [9, 6], points: { show: false }, pxAlign: 0 });
+  return {
+    padding: [0.6 * px, 3 * px, 0, 0], legend: { show: false }, cursor: { drag: { x: false, y: false } },
+    scales: { x: { time: false, auto: false, range: exact }, y: { auto: false, range: exact } },
+    axes: [axis(px + 10, px, { values: (u, all) => all.map((v) => v + " km/h"), space: 6 * px }), axis(48, px, { values: (u, all) => all.map((v) => v.toFixed(0)), incrs: [5, 10, 20, 50], space: 1.5 * px })],
+    series: [{}, ...indices.flatMap((i) => [line(i, 0), line(i, 0), line(i, 3)])],
+    bands: indices.map((i) => ({ series: [3 * i + 2, 3 * i + 1], fill: () => colour(unitColour(i)) + "2e" })),
+  };
+};
+
+/** Speeds, and for each unit the ends of the interval and the mean; none where a unit has said nothing yet. */
+function unitsData(units) {
+  const [kmh] = resistanceData(null, null);
+  return [kmh, ...units.flatMap(({ parameters }) => resistanceData(parameters, null).slice(1, 4))];
+}
+
 /** r(v) in N/kg and its standard deviation, as `Parameters::at` of the wire. */
 function resistanceAt(parameters, v) {
   const { r0, r1, r2, correlation: [c01, c02, c12] } = parameters;

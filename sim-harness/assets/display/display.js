@@ -200,6 +200,56 @@ function showResistance() {
   resistanceChart.show(data, { x: [0, 160], y: [0, Math.ceil(most / 20) * 20] });
 }
 
+/** How much was learned, and how well coasts were foreseen. */
+function showJudged() {
+  const { learned_bits: bits, coasts } = state.now.judged ?? {};
+  const late = state.now.parameters ? "not known: this display came later" : NONE;
+  put("information", `information learned ${bits ? `at 20 / 60 / 100 / 140 km/h: ${bits.map((bit) => fixed(bit, 1)).join(" / ")} bit` : late}`);
+  put("foreseen", `coasts foreseen ${coasts?.count ? `within their 90 % interval: ${coasts.within} of ${coasts.count}, error ${fixed(coasts.rms_mps, 1, KMH)} km/h` : NONE}`);
+}
+
+/** The sensor whose readings could not be used most often in this run. */
+function suspected() {
+  const { status, judged } = state.now;
+  if (!judged?.suspected) return status && "none";
+  const { sensor, count, causes } = judged.suspected;
+  return `${sensor}: ${count} (${causes.map(([cause, times]) => `${plain(cause)} ${times}`).join(", ")})`;
+}
+
+// ---- several units
+
+const LEAST_UNITS = 2, UNITS_MS = 2000;
+let unitsChart = null;
+
+function showUnits(units) {
+  if (!unitsChart) unitsChart = new Chart($("units-chart"), unitsOptions(units.length));
+  const data = unitsData(units), most = Math.max(40, ...data.slice(1).flat().filter((v) => v != null));
+  unitsChart.show(data, { x: [0, 160], y: [0, Math.ceil(most / 20) * 20] });
+  $("units").replaceChildren(...units.map(({ source, parameters: p, connection }, i) => {
+    const [r, sd] = p ? resistanceAt(p, 100 / KMH) : [];
+    const words = p ? LEARNED[p.learned] ?? p.learned : LINK[connection.state] ?? connection.state;
+    const cells = [source, fixed(r, 1, 1000), deviation(sd, 1, 1000), fixed(p?.r0.value, 2, 1000), fixed(p?.r1.value, 3, 1000), fixed(p?.r2.value, 4, 1000), words];
+    const row = document.createElement("tr");
+    row.append(...cells.map((text) => Object.assign(document.createElement("td"), { textContent: text, title: text })));
+    const sign = row.firstChild.insertBefore(document.createElement("i"), row.firstChild.firstChild);
+    sign.style.background = `var(--${unitColour(i)})`;
+    return row;
+  }));
+}
+
+/** The other units change slowly: they are asked for now and then. Without others there is no such part. */
+async function askUnits() {
+  try {
+    const units = await fetch("/units").then((answer) => answer.json());
+    if (units.length < LEAST_UNITS) return;
+    document.body.classList.add("several");
+    showUnits(units);
+  } catch {
+    // The display has ended; what is shown says so.
+  }
+  setTimeout(askUnits, UNITS_MS);
+}
+
 // ---- effort, brake, past runs
 
 function showEffort() {
@@ -278,7 +328,7 @@ function showLink() {
     source: link?.source, "last frame": link?.age_s == null ? null : `${fixed(link.age_s, 0)} s ago`, frames: link?.frames, lost: link?.lost, damaged: link?.damaged,
     "out of order": link?.out_of_order, repeated: link?.repeated, "not understood": link?.unknown, "board began anew": link?.anew, reconnects: link?.reconnects,
     "run under way": status && (status.running ? "yes" : "no"), train: status?.train_id?.toString(16), track: status?.track_id?.toString(16), memory: status && plain(String(status.memory)),
-    "readings not used": causes, "requests refused": refusals, "missed by the board": status?.missed, "not sent by the board": status?.not_sent,
+    "suspected sensor": suspected(), "readings not used": causes, "requests refused": refusals, "missed by the board": status?.missed, "not sent by the board": status?.not_sent,
     firmware: versions && `${versions.firmware.join(".")} (${versions.commit == null ? "commit unknown" : versions.commit.toString(16).padStart(8, "0")}${versions.changed ? ", changed" : ""})`,
     "messages, down / up": versions && `version ${versions.downlink} / ${versions.uplink}`,
     "board up": health && `${health.uptime_s} s`, "started by": health && plain(health.reset_cause), crashes: health?.resets, "stack used": health && `${health.stack_bytes} B`, "longest tick": health && `${health.longest_us} µs`,
@@ -301,7 +351,7 @@ const resistanceChart = new Chart($("resistance-chart"), resistanceOptions(() =>
   state.now.parameters?.learned === "not_yet" ? "not learned yet, 95 % interval" : "this train, 95 % interval"));
 
 function show() {
-  showNow(); showRun(); showResistance(); showEffort(); showBrake(); showLink();
+  showNow(); showRun(); showResistance(); showJudged(); showEffort(); showBrake(); showLink();
 }
 
 function take(update) {
@@ -340,7 +390,9 @@ function listen() {
   events.onerror = () => { state.gone = true; showNow(); showLink(); };
 }
 
-const VIEWS = 7;
+/** Parts, with the one of all; that of the units is there with several only. */
+const views = () => (document.body.classList.contains("several") ? 8 : 7);
+
 function go(view) {
   document.body.dataset.view = view;
   for (const button of document.querySelectorAll("[data-go]")) button.setAttribute("aria-pressed", button.dataset.go === String(view));
@@ -349,7 +401,7 @@ function go(view) {
 function scheme(name) {
   document.documentElement.dataset.scheme = name;
   $("scheme").querySelector("span").textContent = name === "night" ? "Day" : "Night";
-  for (const chart of [runChart, resistanceChart]) chart.again();
+  for (const chart of [runChart, resistanceChart, unitsChart]) chart?.again();
 }
 
 const prefersDark = matchMedia("(prefers-color-scheme: dark)");
@@ -372,14 +424,27 @@ for (const section of document.querySelectorAll("section")) {
 document.addEventListener("keydown", (event) => {
   if ($("help").open || event.ctrlKey || event.metaKey || event.altKey) return;
   const view = Number(document.body.dataset.view);
-  if (event.key >= "0" && event.key <= "6") go(Number(event.key));
+  if (event.key >= "0" && event.key < String(views())) go(Number(event.key));
   else if (event.key === "Escape") go(0);
-  else if (event.key === "ArrowRight") go((view + 1) % VIEWS);
-  else if (event.key === "ArrowLeft") go((view + VIEWS - 1) % VIEWS);
+  else if (event.key === "ArrowRight") go((view + 1) % views());
+  else if (event.key === "ArrowLeft") go((view + views() - 1) % views());
   else if (event.key === "n") other();
   else if (event.key === "?") $("help").showModal();
 });
 prefersDark.addEventListener("change", preferred);
+
+// A swipe to the left or right is the next part or the one before; what scrolls up and down goes on scrolling.
+const LEAST_SWIPE_PX = 60;
+let finger = null;
+const main = document.querySelector("main");
+main.addEventListener("touchstart", ({ touches }) => (finger = touches.length === 1 ? [touches[0].clientX, touches[0].clientY] : null), { passive: true });
+main.addEventListener("touchend", ({ changedTouches: [touch] }) => {
+  if (!finger) return;
+  const [x, y] = [touch.clientX - finger[0], touch.clientY - finger[1]];
+  finger = null;
+  if (Math.abs(x) < LEAST_SWIPE_PX || Math.abs(x) < 2 * Math.abs(y)) return;
+  go((Number(document.body.dataset.view) + (x < 0 ? 1 : views() - 1)) % views());
+}, { passive: true });
 
 $("legend").append(...REGIMES.map((name) => {
   const item = document.createElement("span");
@@ -392,3 +457,4 @@ preferred();
 showPast();
 show();
 listen();
+askUnits();

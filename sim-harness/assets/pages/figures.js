@@ -140,7 +140,7 @@ function optionsOf(picture, figure, panel, named, isLast) {
     series: [{ label: "at", value: (u, x) => (x === null || x === undefined ? "" : `${short(x)} ${unit}`) }, ...named.map(seriesOf)],
     hooks: {
       init: [(u) => (u.rundown = { picture, figure, panel })],
-      ready: [(u) => (u.rundown.ready = true)],
+      ready: [(u) => (u.rundown.ready = true), zoomsByTouch],
       setScale: [follow],
       // Before the cursor's dots and after the grid.
       drawAxes: [(u) => drawLayers(u, panel)],

@@ -8,7 +8,7 @@
 //! | question | module |
 //! |---|---|
 //! | which runs, in which order? | [`run_set`] |
-//! | what stands in a log? | [`run_log`], its columns [`sample`] |
+//! | what stands in a log? | [`run_log`], its columns [`sample`]; several runs in one table: [`run_rows`] |
 //! | what is refused, and how is it said? | [`refusal`] |
 //! | what does the estimator get? | [`recording`], [`map_matching`], [`units`] |
 //! | what does it say? | [`replay`] |
@@ -29,6 +29,7 @@ pub mod recording;
 pub mod refusal;
 pub mod replay;
 pub mod run_log;
+pub mod run_rows;
 pub mod run_set;
 pub mod sample;
 pub mod table;

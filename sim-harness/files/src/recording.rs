@@ -157,7 +157,7 @@ fn matched(path: &Path, line: &CentreLine, rows: &mut [Sample], warnings: &mut V
     }
 }
 
-fn direction(
+pub(crate) fn direction(
     indexed: Option<Direction>,
     choice: DirectionChoice,
     rows: &[Sample],

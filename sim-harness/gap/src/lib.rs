@@ -33,7 +33,7 @@
 //! for one in &answer.found.named {
 //!     println!("{} with confidence {:.2}", one.effect.name(), one.confidence);
 //! }
-//! answer.write("gap".as_ref())?;
+//! answer.write("gap".as_ref(), true)?; // with a page for each run
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]

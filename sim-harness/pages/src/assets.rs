@@ -5,6 +5,7 @@ pub const SCRIPT: &str = concat!(
     include_str!("../../assets/uplot/uPlot.iife.min.js"),
     include_str!("../../assets/pages/axes.js"),
     include_str!("../../assets/pages/layers.js"),
+    include_str!("../../assets/pages/touch.js"),
     include_str!("../../assets/pages/figures.js"),
     include_str!("../../assets/pages/tables.js"),
     include_str!("../../assets/pages/page.js"),

@@ -8,4 +8,5 @@ pub mod assets;
 pub mod chart;
 pub mod colours;
 pub mod numbers;
+pub mod run_pages;
 pub mod shell;

@@ -1,7 +1,7 @@
 from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Literal, Union, final
+from typing import Literal, Protocol, Union, final
 
 _Path = Union[str, PathLike[str]]
 _Paths = Union[_Path, Sequence[_Path]]
@@ -24,6 +24,9 @@ __all__ = [
     "replay",
     "simulate",
 ]
+
+class _ArrowTable(Protocol):
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
 
 class RundownError(Exception):
     file: Path | None
@@ -125,7 +128,7 @@ class Gap:
     def plot(self, what: Literal["residual", "coordinates", "law", "before_after"] = "residual") -> Figure: ...
 
 def replay(
-    runs: _Paths,
+    runs: _Paths | _ArrowTable,
     *,
     train: _Path,
     track: _Path,

@@ -57,7 +57,7 @@ impl Gap {
 
     /// Writes what `rundown gap --out` writes: report, tables, the model with the effects, the frame for a board.
     fn write(&self, py: Python<'_>, out: PathBuf) -> PyResult<()> {
-        py.detach(|| self.answer.write(&out)).map_err(refused)
+        py.detach(|| self.answer.write(&out, true)).map_err(refused)
     }
 
     /// A picture of the report: `residual` over location, `coordinates`, the `law` of the effect, or the speed error `before_after`.

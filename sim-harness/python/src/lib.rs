@@ -4,6 +4,7 @@
 //! |---|---|
 //! | how do the commands look from Python? | `replay`, `simulate`, `check`, `gap` |
 //! | how does a table reach pandas, polars, pyarrow or DuckDB? | `table` |
+//! | how does one of theirs come as runs? | `runs` |
 //! | how are pictures seen? | `figure` |
 //! | how is a refusal raised? | `error` |
 //! | how is progress said? | `progress` |
@@ -21,6 +22,7 @@ mod paths;
 mod progress;
 mod replay;
 mod resistance;
+mod runs;
 mod simulate;
 mod table;
 

@@ -2,9 +2,9 @@
 
 use crate::error::{no_runs, not_replayed, refused};
 use crate::figure::Figure;
-use crate::paths::{self, Paths};
+use crate::paths;
 use crate::progress::{Progress, Wanted};
-use crate::{resistance, table::Table};
+use crate::{resistance, runs, table::Table};
 use pyo3::prelude::*;
 use rundown::{filter::gaussian::Gaussian, model::state};
 use rundown_files::column::{About, Column, Filled, Kind, filled};
@@ -169,7 +169,9 @@ impl Replay {
 
 /// Replays recorded runs through the estimator of the board, as `rundown replay` does; the numbers are the same to the last bit.
 ///
-/// `runs`: run logs, or folders of run logs. `tick`: seconds; without it every sample is a step. `carry=False` begins every run with the vehicle as its
+/// `runs`: run logs, folders of run logs, Parquet files of runs; or a table in memory that has Arrow's PyCapsule interface (pyarrow, polars, pandas,
+/// DuckDB), with the columns `run`, `time_s`, `location_m`, `speed_kmh`, and if known `unit`, `direction` and the others of a Parquet file of runs.
+/// The rows of a run follow each other. `tick`: seconds; without it every sample is a step. `carry=False` begins every run with the vehicle as its
 /// manufacturer describes it. `progress`: a function of (done, total), or True for lines on stderr.
 ///
 /// >>> import rundown, tempfile
@@ -185,7 +187,7 @@ impl Replay {
 #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
 pub fn replay(
     py: Python<'_>,
-    runs: Paths,
+    runs: &Bound<'_, PyAny>,
     train: PathBuf,
     track: PathBuf,
     config: Option<PathBuf>,
@@ -203,7 +205,7 @@ pub fn replay(
         Some(other) => return Err(refused(format!("tick: {PERIOD}, found {other}"))),
     };
     let request = Request {
-        runs: runs.into(),
+        runs: runs::of(runs)?,
         train,
         track,
         config,
@@ -214,6 +216,7 @@ pub fn replay(
         as_recorded,
         bad_rows: if skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse },
         tables: Tables::default(),
+        run_pages: true,
         strict: false,
     };
     let opened = py.detach(|| request.open()).map_err(not_replayed)?;

@@ -29,7 +29,7 @@ def members(node):
 
 def test_the_stubs_are_those_of_the_module():
     stub = ast.parse(Path(rundown.__file__).with_suffix(".pyi").read_text())
-    classes = {one.name: one for one in stub.body if isinstance(one, ast.ClassDef)}
+    classes = {one.name: one for one in stub.body if isinstance(one, ast.ClassDef) and not one.name.startswith("_")}
     functions = members(stub)
     assert sorted([*classes, *functions]) == sorted(PUBLIC)
     compared = 0

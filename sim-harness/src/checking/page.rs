@@ -2,7 +2,7 @@
 //!
 //! In: a [`Check`] and its [`Logs`]. Out: a folder that opens from the disk.
 
-use super::parts::{SCRIPT_FILE, called, file_name, findings, interval};
+use super::parts::{called, findings, interval};
 use super::pictures::{Compared, MOST_DOTS, compared, digits_and_runs, speed_against_location};
 use super::{Logs, run_page};
 use crate::logs::Failed;
@@ -15,6 +15,7 @@ use rundown_files::WriteError;
 use rundown_files::sample::Sample;
 use rundown_pages::assets::SCRIPT;
 use rundown_pages::numbers::{NOTHING, counted, number};
+use rundown_pages::run_pages;
 use rundown_pages::shell::{self, Section, choice_column, column, figure, sortable, table, text_column};
 use std::path::Path;
 
@@ -29,8 +30,8 @@ pub fn write(folder: &Path, found: &Check, logs: &Logs, failed: &[Failed]) -> Re
     let pages = folder.join(RUN_PAGES);
     files::folder(&pages)?;
     files::text(&folder.join("index.html"), &index(found, logs, failed))?;
-    files::text(&pages.join(SCRIPT_FILE), SCRIPT)?;
-    let write = |at| files::text(&pages.join(file_name(at)), &run_page::page(found, logs, at));
+    files::text(&pages.join(run_pages::SCRIPT_FILE), SCRIPT)?;
+    let write = |at| files::text(&pages.join(run_pages::name(at)), &run_page::page(found, logs, at));
     (0..found.runs.len()).into_par_iter().try_for_each(write)
 }
 
@@ -151,7 +152,7 @@ fn runs(found: &Check) -> Markup {
         text_column("found"),
     ];
     let rows = html! { @for (at, run) in found.runs.iter().enumerate() { tr {
-        th scope="row" { a href=(format!("{RUN_PAGES}/{}", file_name(at))) { (run.name) } }
+        th scope="row" { a href=(format!("{RUN_PAGES}/{}", run_pages::name(at))) { (run.name) } }
         td.word { (called(&run.unit)) }
         td.word { (verdict(run)) }
         td { (run.rows) }

@@ -6,14 +6,6 @@ use rundown_check::finding::{Done, Finding};
 use rundown_pages::numbers::{NOTHING, number};
 use rundown_pages::shell::{column, table, text_column};
 
-/// The script that the pages of the runs share.
-pub(super) const SCRIPT_FILE: &str = "pages.js";
-
-/// Name of a run's page: names of runs may hold what links cannot.
-pub(super) fn file_name(run: usize) -> String {
-    format!("run{:04}.html", run + 1)
-}
-
 /// How a recorder is called: without an index there is one, without a name.
 pub(super) fn called(unit: &str) -> &str {
     if unit.is_empty() { "the recorder" } else { unit }

@@ -1,12 +1,13 @@
 //! The page of one log of a check.
 
 use super::Logs;
-use super::parts::{SCRIPT_FILE, called, file_name, findings, interval};
+use super::parts::{called, findings, interval};
 use super::run_pictures::{clock, readings};
 use maud::{Markup, html};
 use rundown_check::{Check, RunCheck};
 use rundown_pages::numbers::number;
-use rundown_pages::shell::{Script, Section, document_with, figure};
+use rundown_pages::run_pages::{self, Neighbours};
+use rundown_pages::shell::{Section, figure};
 
 /// The page of the run at this place; a page without content where there is none.
 pub(super) fn page(found: &Check, logs: &Logs, at: usize) -> String {
@@ -14,12 +15,14 @@ pub(super) fn page(found: &Check, logs: &Logs, at: usize) -> String {
     else {
         return String::new();
     };
-    let link = |at: Option<usize>, word: &str| {
-        let run = at.and_then(|at| Some((at, found.runs.get(at)?)));
-        html! { @if let Some((at, run)) = run { " \u{b7} " a href=(file_name(at)) { (word) ": " (run.name) } } }
+    let name = |at: usize| found.runs.get(at).map(|run| run.name.as_str());
+    let neighbours = Neighbours {
+        index: at,
+        all: ("../index.html#runs", "All runs"),
+        before: at.checked_sub(1).and_then(name),
+        next: name(at + 1),
     };
     let lead = html! {
-        p { a href="../index.html#runs" { "All runs" } (link(at.checked_sub(1), "before")) (link(Some(at + 1), "next")) }
         (lead(run))
         @if !right.warnings.is_empty() {
             details { summary { "Warnings of the log" } ul { @for warning in &right.warnings { li { (warning) } } } }
@@ -39,7 +42,7 @@ pub(super) fn page(found: &Check, logs: &Logs, at: usize) -> String {
         Section::new("readings", "Speed and location", readings),
         Section::new("clock", "The clock", clock),
     ];
-    document_with(Script::Beside(SCRIPT_FILE), &run.name, &lead, &sections)
+    run_pages::page(&run.name, &neighbours, &lead, &sections)
 }
 
 fn lead(run: &RunCheck) -> Markup {

@@ -6,6 +6,7 @@ use crate::accuracy_bench::{judge, table::tables};
 use crate::study::write;
 use clap::builder::PossibleValuesParser;
 use rundown::estimator::config::Config;
+use rundown_files::folder::{self, Provenance};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -48,6 +49,7 @@ pub struct Arguments {
 
 /// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let provenance = Provenance::begin(&arguments.config.iter().cloned().collect::<Vec<_>>());
     let settings = config(arguments.config.as_deref())?;
     let wanted = |fleet: &Fleet| arguments.fleet.is_empty() || arguments.fleet.iter().any(|name| name == fleet.name);
     let fleets: Vec<Fleet> = all().into_iter().filter(wanted).collect();
@@ -61,9 +63,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     }
     bar.finish_and_clear();
     let text = tables(&judged);
-    write::folder(&arguments.out)
-        .and_then(|()| write::text(&arguments.out.join("tables.md"), &text))
-        .map_err(Failure::not_written)?;
+    folder::write("accuracy-bench", &arguments.out, &provenance, |folder| {
+        write::text(&folder.join("tables.md"), &text)
+    })?;
     screen::print(&text);
     screen::print(&format!("results: {}\n", arguments.out.display()));
     Ok(ExitCode::SUCCESS)

@@ -3,6 +3,8 @@
 use super::{Failure, screen};
 use crate::check_bench::{Clean, Defect, bench};
 use crate::{gradient_bench, perturbed_bench, study::write};
+use rundown_files::WriteError;
+use rundown_files::folder::{self, Provenance};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -41,6 +43,7 @@ pub struct Arguments {
 
 /// Does what the arguments say.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let provenance = Provenance::begin(&[]);
     let count = (Defect::ALL.len() + Clean::ALL.len()) as u64 * arguments.sets;
     let bar = screen::progress(
         (count + perturbed_bench::steps(arguments.sets) + gradient_bench::steps(arguments.sets)) as usize,
@@ -54,12 +57,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let json = serde_json::to_string_pretty(&found).map_err(Failure::not_written)?;
     let perturbed_json = serde_json::to_string_pretty(&perturbed).map_err(Failure::not_written)?;
     let gradients_json = serde_json::to_string_pretty(&gradients).map_err(Failure::not_written)?;
-    write::folder(&arguments.out)
-        .and_then(|()| write::text(&arguments.out.join("table.md"), &text))
-        .and_then(|()| write::text(&arguments.out.join("bench.json"), &(json + "\n")))
-        .and_then(|()| write::text(&arguments.out.join("perturbed.json"), &(perturbed_json + "\n")))
-        .and_then(|()| write::text(&arguments.out.join("gradients.json"), &(gradients_json + "\n")))
-        .map_err(Failure::not_written)?;
+    folder::write("check-bench", &arguments.out, &provenance, |folder| -> Result<(), WriteError> {
+        write::text(&folder.join("table.md"), &text)?;
+        write::text(&folder.join("bench.json"), &(json + "\n"))?;
+        write::text(&folder.join("perturbed.json"), &(perturbed_json + "\n"))?;
+        write::text(&folder.join("gradients.json"), &(gradients_json + "\n"))
+    })?;
     screen::print(&text);
     let calm = perturbed.lines.iter().flat_map(|line| line.accused.iter());
     let right = gradients.iter().filter(|row| row.is_right).flat_map(|row| row.said.iter());

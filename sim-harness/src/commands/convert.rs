@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             return Err(Failure::not_written(format!("{}: expected a new file, found one that exists", out.display())));
         }
         Some(out) => {
-            files::text(out, &content)?;
+            files::whole(out, &content)?;
             screen::print(&format!("written: {}\n", out.display()));
         }
     }

@@ -22,13 +22,28 @@ pub struct Arguments {
 
 /// Simulates and replays the runs, writes what `rundown study` writes, and prints the table. Then what `rundown gap` says of runs with a hidden effect.
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    screen::print(
+        "The paper's 67 runs are simulated and replayed through the code of the board, in the paper's mode and in the gated\n\
+         one; then 67 runs through a tunnel that the model lacks are simulated, and the tunnel is looked for. About 12 s.\n\n",
+    );
     let study = of_case_study(SEED, &arguments.out)?;
     let simulation = case_study()?;
     let described = description::of(&simulation)?;
     screen::print(&table(&study, &simulation.scenario, &described.train.davis()));
-    let report = arguments.out.join("report.html");
-    screen::print(&format!("\nreport: {}\n", report.display()));
-    hidden_effect(&arguments.out)
+    let code = hidden_effect(&arguments.out)?;
+    screen::print(&to_open(&arguments.out));
+    Ok(code)
+}
+
+/// Three lines: what to look at, and how to go on.
+fn to_open(out: &Path) -> String {
+    format!(
+        "\nopen {}: the case study, figure by figure, with the truth\n\
+         open {}: where model and train disagree, and the tunnel that explains it\n\
+         your own logs: `rundown import --help`, then `rundown replay` and `rundown gap`; README.md has the four commands\n",
+        out.join("report.html").display(),
+        out.join("gap").join("report.html").display()
+    )
 }
 
 /// Hides a tunnel in simulated runs and looks for it with the description that does not have it.

@@ -8,10 +8,14 @@ use crate::link::record::{Log, Way};
 use crate::{display::demo, display::page::PageServer, display::setup::Setup, display::source::Source};
 use rundown_files::{track_file::TrackFile, train_file::TrainFile};
 use std::io::{self, Write};
-use std::{fs::File, path::PathBuf, process::ExitCode, sync::Arc, time::Duration};
+use std::path::{Path, PathBuf};
+use std::{fs::File, process::ExitCode, sync::Arc, time::Duration};
 
 /// Speed of a demonstration without `--speed`: a run in a minute.
 const DEMO_SPEED: f64 = 20.0;
+
+/// More curves than this are hard to distinguish.
+const MOST_BESIDE: usize = 7;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -32,10 +36,13 @@ Examples:
     rundown display --file run.frames --follow
     ssh train cat run.frames | rundown display -
 
+  Several units side by side: the newest state of two recordings beside a board
+    rundown display --tcp 127.0.0.1:5475 --beside unit12.frames --beside unit13.frames
+
   For other programs: every frame as a line of JSON in SI units (WIRE.md has the fields)
     rundown display --file run.frames --json | jq .body.estimate.speed_mps.value
 
-The page is at http://127.0.0.1:8475/, for this computer only, and works without a network. Its keys: 1 to 6 one part
+The page is at http://127.0.0.1:8475/, for this computer only, and works without a network. Its keys: 1 to 7 one part
 large, 0 all parts, n day or night colours, ? help.
 
 A source that fails is opened again until it is there. Lost, damaged and late frames are counted and shown; values that
@@ -70,6 +77,9 @@ pub struct Arguments {
     /// The file still grows: wait for it, at its end for more, and when it is written anew
     #[arg(long, requires = "file")]
     follow: bool,
+    /// Another unit, whose learned resistance stands beside this one's: a recording, or an address: tcp:HOST:PORT, can:IF, DEVICE@BAUD; up to seven times
+    #[arg(long, value_name = "UNIT", conflicts_with = "view", value_parser = unit)]
+    beside: Vec<Source>,
     /// On CAN: send no flow control, another computer does
     #[arg(long, requires = "can")]
     listen_only: bool,
@@ -94,6 +104,17 @@ pub struct Arguments {
     /// Keep every message, as `rundown link --record` does
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
+}
+
+/// A recording that is there, else an address.
+fn unit(word: &str) -> Result<Source, String> {
+    if Path::new(word).is_file() {
+        return Ok(Source::File { path: word.into(), follow: false });
+    }
+    let address: Address = word.parse().map_err(|error| {
+        format!("expected a recording that is there, or an address such as tcp:HOST:PORT, found neither: {error}")
+    })?;
+    Ok(Source::Board { address, listen_only: false })
 }
 
 fn speed(word: &str) -> Result<f64, String> {
@@ -126,6 +147,22 @@ impl Arguments {
             None if self.demo => Source::Demo,
             None => Source::Stdin,
         })
+    }
+
+    /// The other units, each with a thread that listens. Of a recording its end is of interest: it is not played at a pace.
+    fn beside(&self) -> Result<Vec<Arc<Hub>>, Failure> {
+        if self.beside.len() > MOST_BESIDE {
+            let message = format!("--beside: expected at most {MOST_BESIDE} other units, found {}", self.beside.len());
+            return Err(Failure { message, code: super::WRONG_ARGUMENTS });
+        }
+        let listened = |source: &Source| {
+            let hub = Arc::new(Hub::new(source.to_string(), 1.0, Setup::default(), Box::new(|_, _| {})));
+            let open = source.clone().open().map_err(Failure::refused)?;
+            let feed = Arc::clone(&hub);
+            std::thread::spawn(move || open.run(&feed, None));
+            Ok(hub)
+        };
+        self.beside.iter().map(listened).collect()
     }
 
     fn setup(&self) -> Result<Setup, Failure> {
@@ -194,7 +231,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let page = if arguments.tui {
         None
     } else {
-        let bound = PageServer::bind(arguments.http, Arc::clone(&hub));
+        let beside = arguments.beside()?;
+        let bound = PageServer::bind(arguments.http, Arc::clone(&hub), beside);
         Some(bound.map_err(|error| {
             Failure::not_written(format!(
                 "port {} of this computer: {error}; --http takes another one, --http 0 a free one",

@@ -5,6 +5,8 @@ use crate::exchange::sfera::{self, Identity, Traction};
 use crate::exchange::{self, Format, provenance};
 use crate::learned_train;
 use crate::output::files;
+use rundown_files::WriteError;
+use rundown_files::folder::{self, Provenance};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -92,6 +94,7 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let begun = Provenance::begin(&[arguments.replay.join("replay.json"), arguments.train.clone()]);
     let mut formats = arguments.to.clone();
     formats.extend(arguments.sfera.then_some(Format::Sfera));
     let learned = learned_train::read(&arguments.replay, &arguments.train, arguments.unit.as_deref())
@@ -106,10 +109,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     }
     written.push(("train.toml", toml::to_string(train).map_err(Failure::not_written)?.into_bytes()));
     let out = &arguments.out;
-    files::folder(out)?;
-    for (name, content) in &written {
-        files::file(&out.join(name), |file| std::io::Write::write_all(file, content))?;
-    }
+    folder::write("export", out, &begun, |folder| -> Result<(), WriteError> {
+        let write = |(name, content): &(&str, Vec<u8>)| {
+            files::file(&folder.join(name), |file| std::io::Write::write_all(file, content))
+        };
+        written.iter().try_for_each(write)
+    })?;
     let said = provenance::sentences(&learned, train.mass_kg).join("\n");
     let [mass_t, factor] = [train.mass_kg / 1000.0, train.rotating_mass_factor];
     let names: Vec<&str> = written.iter().map(|(name, _)| *name).collect();

@@ -1,6 +1,6 @@
 //! `rundown gap`: recorded runs and the believed model in; which effect is missing, and the model with it, out.
 
-use super::{Failure, Strict, screen};
+use super::{Failure, RunPages, Strict, screen};
 use clap::builder::PossibleValuesParser;
 use rundown::model::effects::EffectKind;
 use rundown_files::recording::DirectionChoice;
@@ -32,7 +32,7 @@ Examples:
     rundown gap --train set/train.toml --track set/track.toml --runs set/runs --out gap
 
 Files in the output folder:
-  report.html           the same for a reader: verdict, map of the disagreement, laws over the data, rivals, before and after, caveats
+  report.html, report/  the same for a reader: verdict, map of the disagreement, laws over the data, rivals, before and after, caveats
   gap.json              verdict, effects with 95 % intervals and rivals, gap, running time and energy before and after, evidence, caveats
   model/train.toml      the believed train with the effects of the train
   model/track.toml      the believed track with the effects of the place
@@ -76,6 +76,8 @@ pub struct Arguments {
     #[arg(long)]
     as_recorded: bool,
     #[command(flatten)]
+    pages: RunPages,
+    #[command(flatten)]
     strict: Strict,
     /// Print gap.json to stdout, and nothing else
     #[arg(long)]
@@ -96,6 +98,7 @@ impl Arguments {
             hold_out: None,
             direction: DirectionChoice::default(),
             as_recorded: false,
+            pages: RunPages { run_pages: true },
             strict: Strict { strict: false },
             json: false,
         }
@@ -138,7 +141,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let answer = rundown_gap::run(input, config, arguments.hold_out, tell);
     bar.finish_and_clear();
     let answer = answer.map_err(failed)?;
-    answer.write(&arguments.out).map_err(|error| match error {
+    answer.write(&arguments.out, arguments.pages.run_pages).map_err(|error| match error {
         AnswerError::Render(error) => Failure::not_written(error),
         AnswerError::Write(error) => Failure::not_written(error),
     })?;

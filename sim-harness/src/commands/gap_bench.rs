@@ -13,6 +13,8 @@ use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use rundown_files::WriteError;
+use rundown_files::folder::{Provenance, write as write_folder};
 use rundown_gap::answer::tables as gap_tables;
 use std::path::{Path, PathBuf};
 use std::{process::ExitCode, time::Instant};
@@ -119,6 +121,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if let Some(folder) = &arguments.folder {
         return of_folder(folder, arguments);
     }
+    let provenance = Provenance::begin(&[]);
     let requests = requests(arguments);
     let sets = arguments.out.join("sets");
     let bar = screen::progress(requests.len());
@@ -137,7 +140,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         .map_err(Failure::refused)?;
     bar.finish_and_clear();
     let text = tables(&done);
-    write_results(&arguments.out, &text, &done)?;
+    write_results(&arguments.out, &provenance, &text, &done)?;
     let longest = done.iter().map(|d| d.seconds).fold(0.0, f64::max);
     screen::print(&format!(
         "{} sets, the longest investigation {longest:.1} s; results: {}\n",
@@ -149,6 +152,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 
 /// Sets of others beside their keys.
 fn of_folder(folder: &Path, arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let provenance = Provenance::begin(&[]);
     let keys = folder::keys(folder).map_err(Failure::refused)?;
     let sets: Vec<_> =
         keys.iter().flat_map(|key| efforts(arguments).iter().map(move |effort| (key, *effort))).collect();
@@ -167,18 +171,18 @@ fn of_folder(folder: &Path, arguments: &Arguments) -> Result<ExitCode, Failure> 
         .map_err(Failure::refused)?;
     bar.finish_and_clear();
     let text = folder::tables(&judged);
-    write_results(&arguments.out, &text, &judged)?;
+    write_results(&arguments.out, &provenance, &text, &judged)?;
     screen::print(&format!("{} sets; results: {}\n", judged.len(), arguments.out.display()));
     Ok(ExitCode::SUCCESS)
 }
 
 /// Tables, on screen too, and the sets that they are made of.
-fn write_results(out: &Path, text: &str, sets: &impl serde::Serialize) -> Result<(), Failure> {
+fn write_results(out: &Path, provenance: &Provenance, text: &str, sets: &impl serde::Serialize) -> Result<(), Failure> {
     let json = serde_json::to_string_pretty(sets).map_err(Failure::not_written)?;
-    write::folder(out)
-        .and_then(|()| write::text(&out.join("tables.md"), text))
-        .and_then(|()| write::text(&out.join("sets.json"), &(json + "\n")))
-        .map_err(Failure::not_written)?;
+    write_folder("gap-bench", out, provenance, |folder| -> Result<(), WriteError> {
+        write::text(&folder.join("tables.md"), text)?;
+        write::text(&folder.join("sets.json"), &(json + "\n"))
+    })?;
     screen::print(text);
     Ok(())
 }

@@ -166,6 +166,13 @@ impl Strict {
     }
 }
 
+#[derive(Clone, Copy, Debug, clap::Args)]
+struct RunPages {
+    /// No page for each run beside the report: they take 0.24 MB a run
+    #[arg(long = "no-run-pages", action = clap::ArgAction::SetFalse)]
+    run_pages: bool,
+}
+
 /// What each cause of a failure means for the exit code.
 macro_rules! failures {
     ($($how:ident: $($error:ty),+;)+) => {$($(

@@ -1,11 +1,11 @@
 //! `rundown replay`: recorded runs, a train and a track in; estimates, features, parameters and a report out.
 
 use super::screen::{self, Foreseen};
-use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, Strict};
+use super::{Failure, NOTHING_USABLE, RunPages, SOME_RUNS_FAILED, Strict};
 use crate::logs::Failed;
 use crate::output::json::mode_word;
 use crate::output::tables::{Format, Tables};
-use crate::replaying::{Opened, PERIOD, Request, StreamError, is_period};
+use crate::replaying::{Opened, PERIOD, Request, Runs, StreamError, is_period};
 use clap::ValueEnum;
 use indicatif::ProgressBar;
 use rundown::estimator::config::Mode;
@@ -91,6 +91,8 @@ pub struct Arguments {
     #[arg(long)]
     no_estimates: bool,
     #[command(flatten)]
+    pages: RunPages,
+    #[command(flatten)]
     strict: Strict,
     /// Print the summary of all runs as JSON to stdout, and nothing else
     #[arg(long)]
@@ -125,7 +127,7 @@ fn period(text: &str) -> Result<f64, String> {
 impl Arguments {
     fn request(&self) -> Request {
         Request {
-            runs: self.runs.clone(),
+            runs: Runs::Paths(self.runs.clone()),
             train: self.train.clone(),
             track: self.track.clone(),
             config: self.config.clone(),
@@ -136,6 +138,7 @@ impl Arguments {
             as_recorded: self.as_recorded,
             bad_rows: if self.skip_bad_rows { BadRows::LeaveOut } else { BadRows::Refuse },
             strict: self.strict.strict,
+            run_pages: self.pages.run_pages,
             tables: Tables { format: self.format, each_tick: !self.no_estimates },
         }
     }

@@ -6,9 +6,10 @@ use crate::output::files;
 use crate::study::case::{calm, case_study, skewed_case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
-use crate::study::gather::{Estimators, GatherError, Gathered, gather};
-use crate::study::page::{self, StudyPage, by_kind, known, page};
+use crate::study::gather::{Estimators, GatherError, Gathered, LookedAt, gather};
+use crate::study::page::{self, StudyPage, by_kind, known};
 use crate::study::readings::{self, comparison, outcome, reading::Combination, reading::default_config};
+use crate::study::run_pages::RunPages;
 use crate::study::slope::{Answer, Plan};
 use crate::study::{claims, description, slope as self_test, tunnel as tunnel_at_best, write};
 use crate::{
@@ -17,8 +18,7 @@ use crate::{
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
 use rundown_files::folder::{self, Provenance};
 use rundown_files::{
-    WriteError, config_file, parquet::RunWriter, recording::Recording, table::Record, track_file::TrackFile,
-    train_file::TrainFile,
+    WriteError, config_file, parquet::RunWriter, table::Record, track_file::TrackFile, train_file::TrainFile,
 };
 use rundown_pages::numbers::counted;
 use serde_json::json;
@@ -60,7 +60,7 @@ Examples:
     rundown study --experiment sampling --out sampling
 
 Files in the output folder:
-  report.html           Table 1 and Figs. 1 to 9, each with the paper's statement, our value and the truth
+  report.html, report/  Table 1 and Figs. 1 to 9, each with the paper's statement, our value and the truth
   fig*.svg, fig*.csv    each picture, and the numbers it draws
   slope_*.svg, *.csv    estimated over true deviation of the resistance; slope.csv has slopes and bounds
   claims.csv            the paper's numeric claims: reproduced or not, and why
@@ -101,6 +101,8 @@ pub struct Arguments {
     /// Also write the runs themselves, as one Parquet file outside of --out that --runs takes
     #[arg(long, value_name = "FILE.parquet")]
     keep_runs: Option<PathBuf>,
+    #[command(flatten)]
+    pages: super::RunPages,
     /// Only the self-test of learning: vehicles with 0.7 to 1.3 of the described resistance
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs"])]
     truth_slope: bool,
@@ -148,6 +150,15 @@ struct Described {
     inputs: Vec<PathBuf>,
     /// Of the estimator, where the track has a doubt of its own.
     config: Option<Config>,
+}
+
+/// What of each run is kept beside its row.
+#[derive(Clone, Copy)]
+struct Kept<'a> {
+    /// A file for the runs themselves.
+    runs: Option<&'a Path>,
+    /// A page for each.
+    pages: bool,
 }
 
 pub(super) struct Study {
@@ -228,7 +239,7 @@ fn case_study_or_runs(
             config,
             arguments.seed.unwrap_or(SEED),
             arguments.example.as_deref(),
-            arguments.keep_runs.as_deref(),
+            Kept { runs: arguments.keep_runs.as_deref(), pages: arguments.pages.run_pages },
             folder,
         )?;
         let (notes, failed) = (&study.gathered.notes, &study.gathered.failed);
@@ -323,7 +334,7 @@ pub(super) fn of_case_study(seed: u64, out: &Path) -> Result<Study, Failure> {
     let runs = simulation.runs;
     let described = simulated(simulation, seed, runs, 1)?;
     folder::write("study", out, &Provenance::begin(&[]), |folder| {
-        study(described, default_config(), seed, None, None, folder)
+        study(described, default_config(), seed, None, Kept { runs: None, pages: true }, folder)
     })
 }
 
@@ -332,7 +343,7 @@ fn study(
     config: Config,
     seed: u64,
     example: Option<&str>,
-    keep_runs: Option<&Path>,
+    kept: Kept,
     out: &Path,
 ) -> Result<Study, Failure> {
     let config = described.config.unwrap_or(config);
@@ -343,7 +354,7 @@ fn study(
             write::text(&out.join(name), &text.map_err(Failure::not_written)?)?;
         }
     }
-    let gathered = gathered(&mut described.source, &estimators, example, keep_runs, out)?;
+    let gathered = gathered(&mut described, &estimators, example, kept, out)?;
     let trials = Trials::of(&config, &estimators, &track, &gathered.drawn)?;
     let mut claims = claims::claims(&gathered, &train, &trials);
     let others = of_others(&mut described.others, &config, &estimators, &track)?;
@@ -355,7 +366,7 @@ fn study(
     let test = self_test::self_test(&plan, config, || ())?;
     let slopes = [slope::slope(&test, 1)];
     let pictures = pictures(&gathered, &train);
-    let text = page(&StudyPage {
+    let text = page::page(&StudyPage {
         train: &described.train_name,
         track: &described.track_name,
         source: described.words,
@@ -366,6 +377,7 @@ fn study(
         claims: &claims,
         sensitivity: &trials.sensitivity,
         filter: config.paper,
+        has_run_pages: kept.pages,
     });
     write::pictures(out, &pictures)?;
     write::pictures(out, &slopes)?;
@@ -397,19 +409,24 @@ fn of_others(
 
 /// Replays all runs and writes their table, and the runs themselves where they are to be kept.
 fn gathered(
-    source: &mut RunSource,
+    described: &mut Described,
     estimators: &Estimators,
     example: Option<&str>,
-    keep_runs: Option<&Path>,
+    kept: Kept,
     out: &Path,
 ) -> Result<Gathered, Failure> {
     let mut table = RunTable::begin(out)?;
-    let mut kept = keep_runs.map(RunWriter::new);
+    let title = page::title(&described.train_name, &described.track_name);
+    let pages = || RunPages::begin(out.to_owned(), title, &estimators.gated);
+    let mut pages = kept.pages.then(pages).transpose()?;
+    let mut kept = kept.runs.map(RunWriter::new);
+    let source = &mut described.source;
     let bar = screen::progress(source.total());
-    let mut sink = |recordings: &[&Recording], records: &[Record]| {
+    let mut sink = |[chunk, aside]: [&[LookedAt]; 2], records: &[Record]| {
         if let Some(kept) = &mut kept {
-            kept.write(recordings.iter().copied()).map_err(std::io::Error::other)?;
+            kept.write(chunk.iter().chain(aside).map(LookedAt::recording)).map_err(std::io::Error::other)?;
         }
+        pages.as_mut().map_or(Ok(()), |pages| pages.add(chunk)).map_err(std::io::Error::other)?;
         table.add(records)
     };
     let gathered = gather(source, estimators, example, &mut sink, |count| bar.inc(count as u64));

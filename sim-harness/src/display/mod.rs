@@ -11,6 +11,7 @@
 //! | runs of the case study without a board | [`demo`] |
 //! | who has what? one lock, many readers | `hub` |
 //! | what is known now, of this run, of past runs? | `state` |
+//! | what do frames say together that none says alone? | `judged` |
 //! | what is drawn behind it: train and track | `setup` |
 //! | train and track as described to the board | `sent` |
 //! | the page in a browser | `page` |
@@ -21,6 +22,7 @@
 
 pub mod demo;
 pub(crate) mod hub;
+pub(crate) mod judged;
 pub(crate) mod page;
 pub(crate) mod player;
 pub(crate) mod sent;

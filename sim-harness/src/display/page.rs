@@ -8,11 +8,13 @@
 //! | `/events` | [`Update`]s as they come, at most [`LEAST_PAUSE`] apart, at least one each [`LONGEST_PAUSE`] |
 //! | `/state` | everything once, for other programs |
 //! | `/setup` | train and track as described; `described` of an update counts its changes |
+//! | `/units` | the resistance as learned of this unit and of those beside it |
 //!
 //! A browser that joins late gets all in its first update; one that was away reconnects by itself and does, too.
 
-use super::hub::{Hub, LinkHealth, View};
+use super::hub::{Connection, Hub, LinkHealth, View};
 use super::state::{Now, PastRun, Point, UNSETTLED};
+use rundown_wire::Parameters;
 use serde::Serialize;
 use std::io::{self, Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
@@ -102,14 +104,24 @@ pub struct PageServer {
     listener: TcpListener,
     address: SocketAddr,
     hub: Arc<Hub>,
+    /// Other units, of which only the learned resistance is shown.
+    beside: Vec<Arc<Hub>>,
     connections: AtomicUsize,
+}
+
+/// A unit among several.
+#[derive(Debug, Serialize)]
+struct Unit {
+    source: String,
+    connection: Connection,
+    parameters: Option<Parameters>,
 }
 
 impl PageServer {
     /// On this port of the loopback interface; 0 takes a free one.
-    pub fn bind(port: u16, hub: Arc<Hub>) -> io::Result<Self> {
+    pub fn bind(port: u16, hub: Arc<Hub>, beside: Vec<Arc<Hub>>) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
-        Ok(Self { address: listener.local_addr()?, listener, hub, connections: AtomicUsize::new(0) })
+        Ok(Self { address: listener.local_addr()?, listener, hub, beside, connections: AtomicUsize::new(0) })
     }
 
     pub fn url(&self) -> String {
@@ -147,6 +159,7 @@ impl PageServer {
             Some(request) => match request.path.as_str() {
                 "/events" => return tell(&self.hub, browser),
                 "/setup" => ("200 OK", JSON, self.setup()?.into()),
+                "/units" => ("200 OK", JSON, self.units()?.into()),
                 "/state" => ("200 OK", JSON, self.state()?.into()),
                 path => match ASSETS.iter().find(|asset| asset.path == path) {
                     Some(asset) => ("200 OK", asset.kind, asset.text.into()),
@@ -165,6 +178,15 @@ impl PageServer {
 
     fn state(&self) -> io::Result<String> {
         Ok(self.hub.view(|view| serde_json::to_string(&Cursor::default().update(view)))?)
+    }
+
+    fn units(&self) -> io::Result<String> {
+        let unit = |View { state, link, .. }: View<'_>| {
+            let LinkHealth { source, connection, .. } = link;
+            Unit { source, connection, parameters: state.now.parameters }
+        };
+        let all = std::iter::once(&self.hub).chain(&self.beside);
+        Ok(serde_json::to_string(&all.map(|hub| hub.view(unit)).collect::<Vec<_>>())?)
     }
 
     fn setup(&self) -> io::Result<String> {

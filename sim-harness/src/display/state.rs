@@ -4,6 +4,7 @@
 //!
 //! A value that has not come is `None`, never a zero. With a new run the values of the old one are gone; its speed over location and what it has taught stay.
 
+use super::judged::Judged;
 use rundown_wire::{
     Body, CoastAhead, Effect, EffectKind, Effort, Estimate, Features, Health, Order, Parameters, Received, Regime,
     RunSummary, Status, SwitchingPoint, Validity, Versions,
@@ -120,6 +121,8 @@ pub struct Now {
     pub health: Option<Health>,
     /// Which firmware it is.
     pub versions: Option<Versions>,
+    /// What these frames say together.
+    pub judged: Judged,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -149,9 +152,15 @@ impl State {
         self.now.tick = Some(frame.tick);
         match &frame.body {
             Body::Estimate(estimate) => self.estimate(estimate),
-            Body::Parameters(parameters) => self.now.parameters = Some(*parameters),
+            Body::Parameters(parameters) => {
+                self.now.judged.parameters(parameters);
+                self.now.parameters = Some(*parameters);
+            }
             Body::Effort(effort) => self.now.effort = Some(*effort),
-            Body::CoastAhead(ahead) => self.now.coast_ahead = Some(*ahead),
+            Body::CoastAhead(ahead) => {
+                self.now.judged.coast_ahead(ahead);
+                self.now.coast_ahead = Some(*ahead);
+            }
             Body::Features(features) => self.now.features = Some(*features),
             Body::SwitchingPoints(part) => {
                 let kept = &mut self.now.switching_points;
@@ -164,7 +173,10 @@ impl State {
             Body::Effects(effects) => {
                 self.now.effects = effects.effects.iter().map(NamedEffect::new).collect();
             }
-            Body::Status(status) => self.now.status = Some(*status),
+            Body::Status(status) => {
+                self.now.judged.status(status);
+                self.now.status = Some(*status);
+            }
             Body::Health(health) => self.now.health = Some(*health),
             Body::Versions(versions) => self.now.versions = Some(*versions),
             Body::RunSummary(summary) => self.end_run(summary),
@@ -175,6 +187,7 @@ impl State {
 
     fn estimate(&mut self, estimate: &Estimate) {
         self.now.estimate = Some(*estimate);
+        self.now.judged.estimate(estimate);
         if let (Some(confirmed), Some(last)) = (estimate.confirmed, self.points.last_mut()) {
             last.regime = confirmed;
         }
@@ -207,9 +220,10 @@ impl State {
     }
 
     fn begin_run(&mut self) {
-        let Now { parameters, effects, status, health, .. } = std::mem::take(&mut self.now);
+        let Now { parameters, effects, status, health, versions, judged, .. } = std::mem::take(&mut self.now);
         // These are not of the run alone.
-        self.now = Now { parameters, effects, status, health, ..Now::default() };
+        let judged = judged.next_run();
+        self.now = Now { parameters, effects, status, health, versions, judged, ..Now::default() };
         if !self.points.is_empty() {
             self.previous = std::mem::take(&mut self.points);
         }

@@ -6,7 +6,7 @@ use crate::{checking, study};
 use rundown::features::FeatureConfig;
 use rundown_files::column::{About, about};
 use rundown_files::folder;
-use rundown_files::parquet::run_columns;
+use rundown_files::run_rows::run_columns;
 use rundown_files::sample::COLUMNS;
 use rundown_gap::answer::{json as gap_json, tables};
 
@@ -21,17 +21,17 @@ In CSV an empty field is a missing value, in JSON `null`, in Parquet a null. Num
 bits back. A count of 0 or 1 may answer yes or no. Parquet has the same in its metadata: `rundown.columns` is JSON with
 `unit`, `meaning` and `null_when` by column, `rundown.version` the version of the writer.
 
-`replay`, `check`, `study`, `gap`, `tune`, `simulate` and `import` write their results beside the folder that `--out`
-names, which then takes the place of the old one: a command that is stopped leaves the old results or the new ones.
-Where the folder also holds other files, or two folders cannot be exchanged at once (Windows, some network file
-systems), results are moved into it one by one; a command that is killed while it does that is brought to its end by the
-next one. Where several commands write into one folder, the manifest is that of the last one and keeps the lists of the
-others under `earlier`: each command removes its own stale files, and never one that the list of another, or no list,
-has. The manifest alone has times: all other files have the same bytes each time.
+All commands that write into a folder (`replay`, `check`, `study`, `gap`, `tune`, `simulate`, `import`, `export` and the
+benches) write their results beside the folder that `--out` names, which then takes the place of the old one: a command
+that is stopped leaves the old results or the new ones. Where the folder also holds other files, or two folders cannot
+be exchanged at once (Windows, some network file systems), results are moved into it one by one; a command that is
+killed while it does that is brought to its end by the next one. Where several commands write into one folder, the
+manifest is that of the last one and keeps the lists of the others under `earlier`: each command removes its own stale
+files, and never one that the list of another, or no list, has. The manifest alone has times: all other files have the
+same bytes each time.
 
 Not on this page: the numbers behind single pictures of `study` and `tune` (a CSV beside each SVG, with the units in
-its names), `claims.csv`, `slope.csv`, `tune.json`, `truth.json`, the record of `rundown link` and the account of
-`rundown import`.
+its names), `slope.json`, `tune.json`, `truth.json`, the record of `rundown link` and the account of `rundown import`.
 ";
 
 /// The page.
@@ -48,6 +48,9 @@ pub fn page() -> String {
     table(&mut text, "rundown simulate: truth/<run>.csv", "What was true at each sample.", &about(truth_columns()));
     let runs = "A row for each run; both files hold the same.";
     table(&mut text, "rundown study: runs.csv, runs.parquet", runs, &about(study::gather::columns()));
+    table(&mut text, "rundown study: claims.csv", "A row for each claim.", &about(study::claims::columns()));
+    let slope = "A row for each mode and number of runs.";
+    table(&mut text, "rundown study: slope.csv", slope, &about(study::slope::columns()));
     table(&mut text, "rundown study: --keep-runs", "The runs themselves, a row for each sample.", &run_columns());
     text
 }

@@ -1,7 +1,6 @@
 //! Files of results; what cannot be written is named.
 
 use rundown_files::WriteError;
-use rundown_files::folder::shown;
 use rundown_files::table::{self, Record};
 use std::io::{self, BufWriter, Write};
 use std::{fs::File, path::Path};
@@ -16,9 +15,7 @@ pub fn folder(path: &Path) -> Result<(), WriteError> {
 }
 
 pub fn text(path: &Path, text: &str) -> Result<(), WriteError> {
-    std::fs::write(path, text).map_err(|source| failed(path, source))?;
-    log::info!("wrote {}", shown(path).display());
-    Ok(())
+    std::fs::write(path, text).map_err(|source| failed(path, source))
 }
 
 /// A file of its own, outside of a folder of results: written beside its place and renamed. What is no file, as a pipe, is written into.
@@ -36,7 +33,9 @@ pub fn whole(path: &Path, content: &str) -> Result<(), WriteError> {
         }
         file.persist(path).map_err(|error| error.error)
     });
-    written.map(|_| ()).map_err(|source| failed(path, source))
+    written.map_err(|source| failed(path, source))?;
+    log::info!("wrote {}", path.display());
+    Ok(())
 }
 
 pub fn records(path: &Path, records: &[Record]) -> Result<(), WriteError> {
@@ -50,7 +49,5 @@ pub fn file(path: &Path, content: impl FnOnce(&mut BufWriter<File>) -> io::Resul
         content(&mut file)?;
         file.flush()
     });
-    written.map_err(|source| failed(path, source))?;
-    log::info!("wrote {}", shown(path).display());
-    Ok(())
+    written.map_err(|source| failed(path, source))
 }

@@ -8,6 +8,7 @@
 mod source;
 mod stream;
 
+pub use source::Runs;
 pub use stream::{CHUNK, StreamError};
 
 use crate::logs::{self, Failed};
@@ -48,8 +49,8 @@ pub fn is_period(seconds: f64) -> bool {
 /// What is to be replayed.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// Run logs, or folders of run logs.
-    pub runs: Vec<PathBuf>,
+    /// The runs.
+    pub runs: Runs,
     /// Description of the train.
     pub train: PathBuf,
     /// Description of the track.
@@ -70,6 +71,8 @@ pub struct Request {
     pub bad_rows: BadRows,
     /// Which tables are written.
     pub tables: Tables,
+    /// The report has a page for each run, 0.24 MB each.
+    pub run_pages: bool,
     /// Nothing is written by [`Opened::stream`] where anything is to be warned of.
     pub strict: bool,
 }
@@ -129,6 +132,7 @@ pub struct Replayed {
     carried: bool,
     tick: Tick,
     tables: Tables,
+    run_pages: bool,
 }
 
 /// What came of runs that are not kept.
@@ -152,7 +156,7 @@ impl Request {
     /// Runs with a train and a track, everything else as `rundown replay` has it by default; where rows cannot be read, the log is refused.
     pub fn new(runs: Vec<PathBuf>, train: PathBuf, track: PathBuf) -> Self {
         Self {
-            runs,
+            runs: Runs::Paths(runs),
             train,
             track,
             config: None,
@@ -163,6 +167,7 @@ impl Request {
             as_recorded: false,
             bad_rows: BadRows::Refuse,
             tables: Tables::default(),
+            run_pages: true,
             strict: false,
         }
     }
@@ -171,7 +176,7 @@ impl Request {
     ///
     /// # Errors
     /// [`ReplayError`] names the file and the place in it.
-    pub fn open(self) -> Result<Opened, ReplayError> {
+    pub fn open(mut self) -> Result<Opened, ReplayError> {
         let (train, core_train) = TrainFile::read(&self.train)?;
         let (track, mut core_track) = TrackFile::read(&self.track)?;
         if !self.tables.each_tick {
@@ -184,7 +189,9 @@ impl Request {
         let config = track.doubted(config);
         let estimator = Estimator::try_new(config, core_train, core_track)?.with_effects(effects);
         let line = CentreLine::new(&track.centre_line);
-        let source = Source::open(&self.runs, line.as_ref())?;
+        // A table is moved: it may be large.
+        let runs = std::mem::replace(&mut self.runs, Runs::Paths(Vec::new()));
+        let source = Source::open(runs, line.as_ref())?;
         let described = [Some(&self.train), Some(&self.track), self.config.as_ref()];
         let inputs = described.into_iter().flatten().cloned().chain(source.paths());
         let provenance = Provenance::begin(&inputs.collect::<Vec<PathBuf>>());
@@ -230,9 +237,22 @@ impl Opened {
         let Summary { failed, mut notes, .. } = summary;
         notes.extend(advice.notes(&self.estimator));
         notes.extend(self.gradient_doubt(&coasts));
-        let tables = self.request.tables;
+        let Request { tables, run_pages, .. } = self.request;
         let Self { config, train, core_train, track, provenance, .. } = self;
-        Ok(Replayed { config, train, core_train, track, runs, failed, notes, provenance, carried, tick, tables })
+        Ok(Replayed {
+            config,
+            train,
+            core_train,
+            track,
+            runs,
+            failed,
+            notes,
+            provenance,
+            carried,
+            tick,
+            tables,
+            run_pages,
+        })
     }
 
     fn next_chunk(&mut self, most: usize) -> Result<Option<Vec<Result<Recording, Failed>>>, ReplayError> {
@@ -381,6 +401,9 @@ impl Replayed {
             title: format!("{} on {}", self.train.name, self.track.name),
             train: &self.core_train,
             runs: self.runs.iter().map(|run| RunView::of(run, None)).collect(),
+            first: 0,
+            before: None,
+            has_run_pages: self.run_pages,
             mode: mode_word(self.config.mode),
             features: self.config.features,
             vehicle: self.runs.iter().map(|run| (run.name.clone(), run.vehicle_after)).collect(),

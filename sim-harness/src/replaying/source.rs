@@ -1,4 +1,4 @@
-//! Where the runs of a replay come from: logs, or Parquet files of runs.
+//! Where the runs of a replay come from: logs, Parquet files of runs, or a table in memory.
 
 use super::ReplayError;
 use crate::logs::{self, Failed};
@@ -6,21 +6,36 @@ use crate::parquet_runs::ParquetRuns;
 use rayon::prelude::*;
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
+use rundown_files::run_rows::RunTable;
 use rundown_files::{run_log::BadRows, run_set::RunSet};
+use std::collections::VecDeque;
 use std::path::PathBuf;
+
+/// Runs to be replayed.
+#[derive(Clone, Debug)]
+pub enum Runs {
+    /// Run logs, folders of them, or Parquet files.
+    Paths(Vec<PathBuf>),
+    /// A table in memory, with the columns of Parquet files of runs.
+    Table(RunTable),
+}
 
 /// What of it was read is forgotten.
 #[derive(Debug)]
 pub(super) enum Source {
     Logs { set: RunSet, next: usize },
     Parquet(ParquetRuns),
+    Table(VecDeque<Recording>),
 }
 
 impl Source {
-    pub(super) fn open(runs: &[PathBuf], line: Option<&CentreLine>) -> Result<Self, ReplayError> {
-        match ParquetRuns::open(runs, line)? {
-            Some(runs) => Ok(Self::Parquet(runs)),
-            None => Ok(Self::Logs { set: RunSet::find(runs)?, next: 0 }),
+    pub(super) fn open(runs: Runs, line: Option<&CentreLine>) -> Result<Self, ReplayError> {
+        match runs {
+            Runs::Paths(paths) => match ParquetRuns::open(&paths, line)? {
+                Some(runs) => Ok(Self::Parquet(runs)),
+                None => Ok(Self::Logs { set: RunSet::find(&paths)?, next: 0 }),
+            },
+            Runs::Table(table) => Ok(Self::Table(table.recordings(line)?)),
         }
     }
 
@@ -28,6 +43,7 @@ impl Source {
         match self {
             Self::Logs { set, .. } => set.files.len(),
             Self::Parquet(runs) => runs.runs(),
+            Self::Table(runs) => runs.len(),
         }
     }
 
@@ -38,22 +54,23 @@ impl Source {
         }
     }
 
-    /// The files that are read.
+    /// The files that are read; a table in memory is none.
     pub(super) fn paths(&self) -> Vec<PathBuf> {
         match self {
             Self::Logs { set, .. } => set.paths(),
             Self::Parquet(runs) => runs.files().to_vec(),
+            Self::Table(_) => Vec::new(),
         }
     }
 
     pub(super) fn notes(&self) -> &[String] {
         match self {
             Self::Logs { set, .. } => &set.notes,
-            Self::Parquet(_) => &[],
+            Self::Parquet(_) | Self::Table(_) => &[],
         }
     }
 
-    /// The next runs, at most so many; none after the last. `bad_rows` and `direction` are of logs: Parquet files have no rows that cannot be
+    /// The next runs, at most so many; none after the last. `bad_rows` and `direction` are of logs: tables have no rows that cannot be
     /// read, and say the direction themselves.
     pub(super) fn next_chunk(
         &mut self,
@@ -70,6 +87,7 @@ impl Source {
                 files.map(|file| logs::read(file, bad_rows, line, direction)).collect()
             }
             Self::Parquet(runs) => runs.next_chunk(most)?.into_iter().map(Ok).collect(),
+            Self::Table(runs) => runs.drain(..most.min(runs.len())).map(Ok).collect(),
         };
         Ok((!chunk.is_empty()).then_some(chunk))
     }

@@ -28,19 +28,20 @@ use rundown::{
 use rundown_files::{WriteError, replay::ReplayedRun};
 use rundown_pages::assets::SCRIPT;
 use rundown_pages::chart::Drawing;
+use rundown_pages::run_pages;
 use std::ops::{Deref, Range};
 use std::path::Path;
-
-/// Folder of the pages of the runs, beside `report.html`.
-const RUN_PAGES: &str = "report";
-/// The script that the pages of the runs share.
-const SCRIPT_FILE: &str = "pages.js";
 
 #[derive(Clone, Debug)]
 pub(crate) struct Report<'a> {
     pub title: String,
     pub train: &'a Train,
     pub runs: Vec<RunView<'a>>,
+    /// How many runs come before these, and the name of the last of them: pages of very many runs are written in parts.
+    pub first: usize,
+    pub before: Option<String>,
+    /// The runs of the table have pages.
+    pub has_run_pages: bool,
     pub mode: &'static str,
     /// Windows and steps of the features, for their labels.
     pub features: FeatureConfig,
@@ -80,13 +81,27 @@ pub(crate) struct TruthView {
     pub starts: Vec<(Real, Real)>,
 }
 
-/// Writes `report.html` and the pages of the runs into a folder.
+/// Writes `report.html` and, unless they are not wanted, the pages of the runs into a folder.
 pub(crate) fn write_report(folder: &Path, report: &Report) -> Result<(), WriteError> {
     files::text(&folder.join("report.html"), &page::html(report))?;
-    let pages = folder.join(RUN_PAGES);
+    if !report.has_run_pages {
+        return Ok(());
+    }
+    begin_run_pages(folder)?;
+    write_run_pages(folder, report)
+}
+
+/// Makes the folder of the pages of runs within a folder, with the script that they share.
+pub(crate) fn begin_run_pages(folder: &Path) -> Result<(), WriteError> {
+    let pages = folder.join(run_pages::FOLDER);
     files::folder(&pages)?;
-    files::text(&pages.join(SCRIPT_FILE), SCRIPT)?;
-    let write = |index| files::text(&folder.join(page::run_file(index)), &page::run_html(index, report));
+    files::text(&pages.join(run_pages::SCRIPT_FILE), SCRIPT)
+}
+
+/// Writes the pages of the runs of this report into the folder that was made for them.
+pub(crate) fn write_run_pages(folder: &Path, report: &Report) -> Result<(), WriteError> {
+    let file = |at: usize| folder.join(run_pages::file(report.first + at));
+    let write = |at: usize| files::text(&file(at), &page::run_html(at, report));
     (0..report.runs.len()).into_par_iter().try_for_each(write)
 }
 

@@ -12,6 +12,7 @@ mod unscented;
 
 use super::{gather::Gathered, moments::Moments, tallies::Tallies, trials::Trials};
 use rundown::model::train::Train;
+use rundown_files::column::{Column, record};
 use rundown_files::table::{Cell, Record};
 use rundown_pages::numbers::{NOTHING, number};
 
@@ -110,27 +111,35 @@ pub fn over_seeds(claims: &mut [Claim], others: &[Vec<Claim>]) {
     }
 }
 
-pub fn records(claims: &[Claim]) -> Vec<Record> {
-    let row = |claim: &Claim| {
-        let count = |of: fn(&Seeds) -> usize| claim.seeds.as_ref().map(|seeds| of(seeds) as f64);
-        let mut record: Record = [
-            ("place", claim.place),
-            ("kind", claim.kind.as_str()),
-            ("statement", claim.statement),
-            ("paper_mode", &claim.paper),
-            ("gated_mode", &claim.gated),
-            ("truth", &claim.truth),
-            ("error", &claim.error),
-            ("verdict", claim.verdict.as_str()),
-            ("why", &claim.why),
-        ]
-        .map(|(name, text)| (name.to_owned(), Cell::from(text)))
-        .to_vec();
-        record.push(("seeds_reproduced".to_owned(), Cell::from(count(|seeds| seeds.held))));
-        record.push(("seeds_judged".to_owned(), Cell::from(count(|seeds| seeds.judged))));
-        record
+/// The columns of `claims.csv`.
+pub fn columns() -> Vec<Column<Claim>> {
+    let one_set = "the claims were judged on one set of runs";
+    let seeds = |of: fn(&Seeds) -> usize| {
+        move |claim: &Claim| claim.seeds.as_ref().map_or(Cell::Missing, |seeds| Cell::from(of(seeds)))
     };
-    claims.iter().map(row).collect()
+    let place = "figure of the paper, `2` to `9`, or its section, `3.2`, `4.1`, `4.2`";
+    let kind = "`input`: put into the scenario; `recovered`: put in and found again; `predicted`: could have failed";
+    let error = "of the paper's mode against the truth, where the claim is `recovered`";
+    vec![
+        Column::text("place", place, |claim: &Claim| claim.place),
+        Column::text("kind", kind, |claim: &Claim| claim.kind.as_str()),
+        Column::text("statement", "what the paper says", |claim: &Claim| claim.statement),
+        Column::text("paper_mode", "what the paper's mode says", |claim: &Claim| claim.paper.clone()),
+        Column::text("gated_mode", "what the gated mode says", |claim: &Claim| claim.gated.clone()),
+        Column::text("truth", "what was true", |claim: &Claim| claim.truth.clone()),
+        Column::text("error", error, |claim: &Claim| claim.error.clone()),
+        Column::text("verdict", "`reproduced`, `not reproduced` or `no data`", |claim: &Claim| claim.verdict.as_str()),
+        Column::text("why", "by which criterion", |claim: &Claim| claim.why.clone()),
+        Column::count("seeds_reproduced", "sets of runs in which it is reproduced", seeds(|seeds| seeds.held))
+            .empty_when(one_set),
+        Column::count("seeds_judged", "sets of runs that have data on it", seeds(|seeds| seeds.judged))
+            .empty_when(one_set),
+    ]
+}
+
+pub fn records(claims: &[Claim]) -> Vec<Record> {
+    let columns = columns();
+    claims.iter().map(|claim| record(&columns, claim)).collect()
 }
 
 /// What the paper's mode says of a claim, the gated mode, and the truth; a dash where there is nothing.

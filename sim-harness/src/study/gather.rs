@@ -28,8 +28,8 @@ use std::collections::HashMap;
 
 /// Traction, cruise, coast and brake of the run of Figs. 3, 5 and 6, shares of its time (section 4.3).
 pub const PAPERS_RUN: [f64; 4] = [0.164, 0.17, 0.57, 0.093];
-/// Runs that the page lists: more would be slow to open, and `runs.csv` has all.
-const LISTED: usize = 2000;
+/// Runs that the page lists, and that have pages of their own: more would be slow to open, and `runs.csv` has all.
+pub const LISTED: usize = 2000;
 /// Runs whose points are drawn.
 pub const DRAWN: usize = 200;
 
@@ -118,8 +118,8 @@ pub struct Listed {
     pub gated: Outcome,
 }
 
-/// What happens with the runs of a chunk and their rows of results.
-pub type Sink<'a> = dyn FnMut(&[&Recording], &[Record]) -> std::io::Result<()> + 'a;
+/// What happens with the runs of a chunk, those that are set aside apart, and with the rows of results of all.
+pub type Sink<'a> = dyn FnMut([&[LookedAt]; 2], &[Record]) -> std::io::Result<()> + 'a;
 
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -162,10 +162,8 @@ pub fn gather(
         let chunk = looked_at(estimators, cases, &mut vehicles);
         // They teach no vehicle.
         let aside = looked_at(estimators, aside, &mut vehicles.clone());
-        let all = || chunk.iter().chain(&aside);
-        let recordings: Vec<&Recording> = all().map(|one| &one.case.recording).collect();
-        let records: Vec<Record> = all().map(|one| record(&of_run, one)).collect();
-        sink(&recordings, &records)?;
+        let records: Vec<Record> = chunk.iter().chain(&aside).map(|one| record(&of_run, one)).collect();
+        sink([&chunk, &aside], &records)?;
         for one in chunk {
             gathered.add(one, index % stride == 0, wanted);
             index += 1;
@@ -208,6 +206,21 @@ fn looked_at(estimators: &Estimators, cases: Vec<Case>, vehicles: &mut HashMap<S
 }
 
 impl LookedAt {
+    /// What the estimator got.
+    pub fn recording(&self) -> &Recording {
+        &self.case.recording
+    }
+
+    /// What was true of it.
+    pub fn truth(&self) -> Option<&CaseTruth> {
+        self.case.truth.as_ref()
+    }
+
+    /// What the gated mode says of it.
+    pub fn gated(&self) -> &ReplayedRun {
+        &self.runs[1]
+    }
+
     /// One that nobody knows, where the truth is not there.
     fn true_outcome(&self) -> &Outcome {
         self.truth.as_ref().map_or(&NOTHING, |truth| &truth.outcome)

@@ -13,7 +13,7 @@
 //! | and of all of them? | `gather`, `tallies`, `moments` |
 //! | what do the figures show? | `figures` |
 //! | what does the paper claim, and is it so here? | `claims`, `trials` |
-//! | where is it reported? | `page`, `write` |
+//! | where is it reported? | `page`, `run_pages`, `write` |
 //! | why did the paper see no tunnel? | `tunnel` |
 //! | what does the paper leave to future work? | `experiments` |
 //! | which reading of the text gives the paper's figures? | `readings` |
@@ -29,6 +29,7 @@ pub(crate) mod gather;
 pub(crate) mod moments;
 pub(crate) mod page;
 pub(crate) mod readings;
+pub(crate) mod run_pages;
 pub(crate) mod slope;
 pub(crate) mod source;
 pub(crate) mod tallies;

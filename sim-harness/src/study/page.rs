@@ -7,6 +7,7 @@ use super::{
 use maud::{Markup, PreEscaped, html};
 use rundown::tick::paper::{Difference, PaperConfig};
 use rundown_pages::numbers::{NOTHING, counted, number};
+use rundown_pages::run_pages;
 use rundown_pages::shell::{Section, choice_column, column, document, figure, sortable, table, text_column};
 
 #[derive(Clone, Debug)]
@@ -22,6 +23,8 @@ pub struct StudyPage<'a> {
     pub sensitivity: &'a [Sensitivity],
     /// The filter of the paper's mode.
     pub filter: PaperConfig,
+    /// The runs that are listed have pages.
+    pub has_run_pages: bool,
 }
 
 /// Fig. 1, a file of its own: it has no numbers.
@@ -39,6 +42,11 @@ const FIGURES: [(&str, &str); 8] = [
     ("8", "Fig. 8: brake rates by ATB-EG step"),
     ("9", "Fig. 9: tractive power"),
 ];
+
+/// What the page is called.
+pub fn title(train: &str, track: &str) -> String {
+    format!("Case study: {train} on {track}")
+}
 
 pub fn page(page: &StudyPage) -> String {
     let mut sections = vec![Section::new("truth", "Does the estimate follow the truth?", truth(page))];
@@ -58,9 +66,9 @@ pub fn page(page: &StudyPage) -> String {
         Section::new("table-1", "Table 1: the paper's filter", table1(&page.filter, page.sensitivity)),
         Section::new("claims", "All claims of section 4", claims_table(page.claims.iter(), Some("figure, section"))),
         Section::new("fleet", "All runs in numbers", fleet(page.gathered)),
-        Section::new("runs", "Runs", runs(page.gathered)),
+        Section::new("runs", "Runs", runs(page.gathered, page.has_run_pages)),
     ]);
-    document(&format!("Case study: {} on {}", page.train, page.track), &summary(page), &sections)
+    document(&title(page.train, page.track), &summary(page), &sections)
 }
 
 fn summary(page: &StudyPage) -> Markup {
@@ -304,7 +312,7 @@ fn fleet(gathered: &Gathered) -> Markup {
 }
 
 /// A row for each run, as the gated mode saw it.
-fn runs(gathered: &Gathered) -> Markup {
+fn runs(gathered: &Gathered, has_run_pages: bool) -> Markup {
     let head = [
         text_column("run"),
         choice_column("unit"),
@@ -321,8 +329,8 @@ fn runs(gathered: &Gathered) -> Markup {
         column("learned", "% of the time"),
     ];
     let r100 = |[r0, r1, r2]: [f64; 3]| 1e3 * (r0 + (r1 + r2 * 100.0 / 3.6) * 100.0 / 3.6);
-    let rows = html! { @for run in &gathered.listed { @let seen = &run.gated; tr {
-        th scope="row" { (run.name) }
+    let rows = html! { @for (index, run) in gathered.listed.iter().enumerate() { @let seen = &run.gated; tr {
+        th scope="row" { (run_pages::linked(&run.name, index, has_run_pages)) }
         td.word { (run.unit) }
         td { (number(run.top_kmh, 1)) }
         td { (number(seen.cruise_kmh, 1)) }
@@ -339,6 +347,7 @@ fn runs(gathered: &Gathered) -> Markup {
             "As the gated mode saw them. " code { "runs.csv" } " beside this page has the paper's mode and the truth, too"
             @if gathered.listed.len() < all { "; listed are the first " (gathered.listed.len()) " of " (all) }
             "."
+            @if has_run_pages { " Each of them has a page in the folder " code { (run_pages::FOLDER) } "." }
         }
         (sortable(head, rows))
     }

@@ -17,8 +17,9 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
 use rundown::{estimator::Estimator, filter::gaussian::Gaussian, model::resistance::Davis, model::units::KmPerHour};
+use rundown_files::column::{Column, record};
 use rundown_files::replay::{Tick, replay};
-use rundown_files::table::{Cell, Record};
+use rundown_files::table::Record;
 use rundown_truth::plan::plan as planned;
 use rundown_truth::scenario::{DriveError, Scenario, simulate_planned};
 use rundown_truth::sensors::Sample;
@@ -253,28 +254,35 @@ pub fn fit(points: &[(f64, f64)]) -> Fit {
     Fit { offset, slope, spread: (rest.sum::<f64>() / (n - 2.0)).sqrt() }
 }
 
+/// The columns of `slope.csv`.
+pub fn columns() -> Vec<Column<Answer>> {
+    let mut columns = vec![
+        Column::text("mode", "`paper`, `gated` or `measured`", |answer: &Answer| answer.mode),
+        Column::count("runs", "runs of each vehicle that were learned from", |answer: &Answer| answer.runs),
+        Column::count("vehicles", "simulated vehicles", |answer: &Answer| answer.vehicles),
+    ];
+    for (index, kmh) in SLOPE_KMH.into_iter().enumerate() {
+        let slope = format!("slope of the estimated on the true deviation of r({kmh} km/h) from the description");
+        let spread = "standard deviation about that line, of the described resistance";
+        columns.push(Column::number(&format!("slope_{kmh}"), "1", &slope, move |answer: &Answer| answer.slope[index]));
+        let percent = move |answer: &Answer| answer.spread_percent[index];
+        columns.push(Column::number(&format!("spread_{kmh}_percent"), "%", spread, percent));
+    }
+    let rmse = format!("root mean square error of r(v) at {} km/h", ERROR_KMH.map(|kmh| kmh.to_string()).join(", "));
+    let bound = "root mean square of the Cramér-Rao bound over the same";
+    let efficiency = "square of the bound over that of the error";
+    columns.extend([
+        Column::number("rmse_percent", "%", &rmse, |answer: &Answer| answer.rmse_percent),
+        Column::number("bound_percent", "%", bound, |answer: &Answer| answer.bound_percent),
+        Column::number("efficiency", "1", efficiency, |answer: &Answer| answer.efficiency),
+        Column::number("coverage", "1", "share of the truths in the 95 % interval", |answer: &Answer| answer.coverage),
+    ]);
+    columns
+}
+
 pub fn records(answers: &[Answer]) -> Vec<Record> {
-    let row = |answer: &Answer| {
-        let mut record = vec![
-            ("mode".to_owned(), Cell::from(answer.mode)),
-            ("runs".to_owned(), Cell::from(answer.runs)),
-            ("vehicles".to_owned(), Cell::from(answer.vehicles)),
-        ];
-        for (index, kmh) in SLOPE_KMH.into_iter().enumerate() {
-            record.push((format!("slope_{kmh}"), Cell::from(answer.slope[index])));
-            record.push((format!("spread_{kmh}_percent"), Cell::from(answer.spread_percent[index])));
-        }
-        for (name, value) in [
-            ("rmse_percent", answer.rmse_percent),
-            ("bound_percent", answer.bound_percent),
-            ("efficiency", answer.efficiency),
-            ("coverage", answer.coverage),
-        ] {
-            record.push((name.to_owned(), Cell::from(value)));
-        }
-        record
-    };
-    answers.iter().map(row).collect()
+    let columns = columns();
+    answers.iter().map(|answer| record(&columns, answer)).collect()
 }
 
 pub fn table(answers: &[Answer]) -> String {

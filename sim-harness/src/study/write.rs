@@ -2,7 +2,7 @@
 
 use super::{figures::Picture, gather};
 use crate::output::files::failed;
-pub use crate::output::files::{folder, records, text};
+pub use crate::output::files::{records, text};
 use rundown_files::column::about;
 use rundown_files::{WriteError, parquet::TableWriter, table::Record};
 use rundown_pages::chart::standalone;

@@ -59,22 +59,29 @@ impl Staged {
     /// # Errors
     /// It cannot be put there; where a folder lies in the way of a file, nothing is.
     pub fn done(mut self, provenance: &Provenance) -> Result<(), WriteError> {
-        self.put(provenance).map_err(|source| WriteError { path: self.out.clone(), source })
+        let put = entries(&self.folder).and_then(|files| {
+            self.put(provenance, &files)?;
+            Ok(files)
+        });
+        let files = put.map_err(|source| WriteError { path: self.out.clone(), source })?;
+        for file in files.iter().map(PathBuf::as_path).chain([Path::new(MANIFEST)]) {
+            log::info!("wrote {}", self.out.join(file).display());
+        }
+        Ok(())
     }
 
-    fn put(&mut self, provenance: &Provenance) -> io::Result<()> {
+    fn put(&mut self, provenance: &Provenance, files: &BTreeSet<PathBuf>) -> io::Result<()> {
         let Self { command, out, folder, is_there, .. } = self;
-        let files = entries(folder)?;
         let old = Listed::read(out)?.unwrap_or_default();
         let own = old.files(command).unwrap_or_default();
-        let manifest = provenance.manifest(command, folder, &files, old.others(command, &files))?;
+        let manifest = provenance.manifest(command, folder, files, old.others(command, files))?;
         fs::write(folder.join(MANIFEST), manifest)?;
         if !out.exists() {
             fs::rename(&*folder, out)?;
             *is_there = false;
             return Ok(());
         }
-        in_the_way(out, &files)?;
+        in_the_way(out, files)?;
         fs::set_permissions(&*folder, fs::metadata(&*out)?.permissions())?;
         // The old folder gets the name of the new one, and is locked under it until it is gone.
         if is_all_of_it(out, &own)?

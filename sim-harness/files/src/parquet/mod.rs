@@ -7,7 +7,7 @@ mod columns;
 mod runs;
 mod table;
 
-pub use runs::{RunReader, RunWriter, run_columns};
+pub use runs::{RunReader, RunWriter};
 pub use table::TableWriter;
 
 use crate::refusal::{ReadError, Refusal};

@@ -2,31 +2,16 @@
 
 use super::columns;
 use super::{ParquetError, TableWriter};
-use crate::column::{About, Kind};
-use crate::recording::{self, Recording};
-use crate::sample::{self, COLUMNS, Column, LOCATION, Sample};
+use crate::map_matching::CentreLine;
+use crate::recording::Recording;
+use crate::refusal::Place;
+use crate::run_rows::{Batch, Places, Recordings, TEXTS, run_columns};
+use crate::sample::{COLUMNS, Sample};
 use crate::table::{Cell, Record};
-use crate::{map_matching::CentreLine, refusal::Place};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use rundown::model::direction::Direction;
+use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::{collections::VecDeque, fs::File};
-
-/// Columns of texts: name of the run, which is needed, its unit, its direction and its driver.
-const TEXTS: [&str; 4] = ["run", "unit", "direction", "driver"];
-/// What they say.
-const MEANINGS: [&str; TEXTS.len()] = [
-    "name of the run; its rows follow each other",
-    "unit whose vehicle is carried from run to run",
-    "`up` or `down`",
-    "who drove, empty where it is not known",
-];
-
-/// The columns of a file of runs.
-pub fn run_columns() -> Vec<About> {
-    let text = |(name, meaning): (&str, &str)| About::new(name, Kind::Text, meaning);
-    TEXTS.into_iter().zip(MEANINGS).map(text).chain(COLUMNS.iter().map(Column::about)).collect()
-}
 
 /// Reads runs, holding one group of rows and one run at a time.
 pub struct RunReader {
@@ -34,18 +19,8 @@ pub struct RunReader {
     reader: SerializedFileReader<File>,
     runs: usize,
     group: usize,
-    /// Where the texts stand.
-    texts: [Option<usize>; TEXTS.len()],
-    /// The known columns of numbers that are there, with their places.
-    numbers: Vec<(&'static Column, usize)>,
-    line: Option<CentreLine>,
-    row: usize,
-    /// What is to be said with the first run.
-    warnings: Vec<String>,
-    /// Complete runs of the groups read so far.
-    ready: VecDeque<Recording>,
-    /// The run that the next group may go on with.
-    open: Option<Recording>,
+    places: Places,
+    recordings: Recordings,
 }
 
 impl std::fmt::Debug for RunReader {
@@ -66,33 +41,15 @@ impl RunReader {
         let reader = SerializedFileReader::new(file).map_err(format)?;
         let schema = reader.metadata().file_metadata().schema_descr();
         let names: Vec<String> = schema.columns().iter().map(|column| column.name().to_owned()).collect();
-        let find = |name: &str| names.iter().position(|found| found == name);
-        let missing = [TEXTS[0]].into_iter().filter(|name| find(name).is_none());
-        if let Some(name) = missing.chain(sample::missing(|name| find(name).is_some())).next() {
-            return Err(Place::of_file(path).refuse(name, "expected a column of this name, found none").into());
-        }
-        let known = |name: &String| TEXTS.contains(&name.as_str()) || COLUMNS.iter().any(|column| column.name == name);
-        let unknown: Vec<String> = names.iter().filter(|name| !known(name)).cloned().collect();
-        let numbers = COLUMNS.iter().filter_map(|column| Some((column, find(column.name)?))).collect();
-        let mut opened = Self {
-            path: path.to_owned(),
-            runs: 0,
-            group: 0,
-            texts: TEXTS.map(find),
-            numbers,
-            line: line.cloned(),
-            row: 0,
-            warnings: recording::unknown_columns(path, &unknown).into_iter().collect(),
-            ready: VecDeque::new(),
-            open: None,
-            reader,
-        };
-        let mut last: Option<String> = None;
+        let places = Places::find(path, &names)?;
+        let recordings = Recordings::new(path, &places, line);
+        let mut opened = Self { path: path.to_owned(), runs: 0, group: 0, places, recordings, reader };
+        let mut last = None;
         for group in 0..opened.reader.num_row_groups() {
-            for run in opened.texts(group, 0)? {
-                if last != run {
+            for run in opened.texts(group, 0)?.into_iter().zip(opened.texts(group, 1)?) {
+                if last.as_ref() != Some(&run) {
                     opened.runs += 1;
-                    last = run;
+                    last = Some(run);
                 }
             }
         }
@@ -109,23 +66,20 @@ impl RunReader {
     /// # Errors
     /// [`ParquetError`] when the file is broken.
     pub fn next_run(&mut self) -> Result<Option<Recording>, ParquetError> {
-        while self.ready.is_empty() && self.group < self.reader.num_row_groups() {
-            self.read_group()?;
+        while !self.recordings.is_ready() && self.group < self.reader.num_row_groups() {
+            let batch = self.batch(self.group)?;
+            self.recordings.add(&batch)?;
+            self.group += 1;
         }
-        let Some(mut run) = self.ready.pop_front().or_else(|| self.open.take()) else {
-            return Ok(None);
-        };
-        let has_location = self.numbers.iter().any(|(column, _)| column.name == LOCATION);
-        run.warnings.append(&mut self.warnings);
-        recording::locate(&self.path, &mut run.rows, has_location, self.line.as_ref(), &mut run.warnings)?;
-        Ok(Some(run))
+        let is_ended = !self.recordings.is_ready();
+        Ok(self.recordings.next(is_ended)?)
     }
 
     /// The fields of a column of texts; all missing where there is no such column.
     fn texts(&self, group: usize, column: usize) -> Result<Vec<Option<String>>, ParquetError> {
         let format = |source| ParquetError::format(&self.path, source);
         let group = self.reader.get_row_group(group).map_err(format)?;
-        let Some(place) = self.texts[column] else {
+        let Some(place) = self.places.texts[column] else {
             return Ok(vec![None; group.metadata().num_rows() as usize]);
         };
         let texts = columns::texts(group.as_ref(), place).map_err(format)?;
@@ -137,48 +91,16 @@ impl RunReader {
         Place::of_file(&self.path).refuse(column, message).into()
     }
 
-    fn read_group(&mut self) -> Result<(), ParquetError> {
-        let index = self.group;
-        let [names, units, directions] = [self.texts(index, 0)?, self.texts(index, 1)?, self.texts(index, 2)?];
-        let drivers = self.texts(index, 3)?;
+    fn batch(&self, index: usize) -> Result<Batch, ParquetError> {
+        let texts = [self.texts(index, 0)?, self.texts(index, 1)?, self.texts(index, 2)?, self.texts(index, 3)?];
         let format = |source| ParquetError::format(&self.path, source);
         let group = self.reader.get_row_group(index).map_err(format)?;
-        let mut numbers = Vec::with_capacity(self.numbers.len());
-        for &(column, place) in &self.numbers {
+        let mut numbers = Vec::with_capacity(self.places.numbers.len());
+        for &(column, place) in &self.places.numbers {
             let values = columns::numbers(group.as_ref(), place).map_err(format)?;
             numbers.push((column, values.ok_or_else(|| self.refused(column.name, "numbers"))?));
         }
-        for (row, name) in names.iter().enumerate() {
-            let name = name.clone().unwrap_or_default();
-            if self.open.as_ref().is_some_and(|open| open.name != name) {
-                self.ready.extend(self.open.take());
-            }
-            let open = self.open.get_or_insert_with(|| Recording {
-                path: self.path.clone(),
-                unit: units.get(row).cloned().flatten().unwrap_or_default(),
-                direction: match directions.get(row).and_then(Option::as_deref) {
-                    Some("down") => Direction::Down,
-                    _ => Direction::Up,
-                },
-                name,
-                driver: drivers.get(row).cloned().flatten().unwrap_or_default(),
-                day: None,
-                rows: Vec::new(),
-                perturbed: None,
-                warnings: Vec::new(),
-            });
-            self.row += 1;
-            // A row without a time cannot be after the last: the estimator drops and counts it.
-            let mut sample = Sample { line: self.row as u64, time_s: f64::NAN, ..Sample::default() };
-            for (column, values) in &numbers {
-                if let Some(value) = values.get(row).copied().flatten() {
-                    (column.set)(&mut sample, value);
-                }
-            }
-            open.rows.push(sample);
-        }
-        self.group += 1;
-        Ok(())
+        Ok(Batch { texts, numbers })
     }
 }
 
@@ -225,6 +147,7 @@ fn record(run: &Recording, row: &Sample) -> Record {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::column::{About, Kind};
     use crate::track_file::CentreLinePoint;
 
     /// Forty rows with a value in every column.

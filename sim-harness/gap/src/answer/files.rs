@@ -1,9 +1,11 @@
 //! All files of `rundown gap`: rendered first, then written, so that nothing is written where something cannot be rendered.
 
-use crate::answer::{report::page, tables, whole::Answer};
+use crate::answer::report::{page, run_pages as pages_of_runs};
+use crate::answer::{tables, whole::Answer};
 use rundown_files::folder::{self, Provenance};
 use rundown_files::{WriteError, effect_file, effect_frame};
-use std::{fs, path::Path};
+use rundown_pages::{assets::SCRIPT, run_pages};
+use std::{borrow::Cow, fs, path::Path};
 use thiserror::Error;
 
 /// A file that cannot be rendered.
@@ -18,7 +20,7 @@ pub struct RenderError {
 
 /// The files of an output folder, by their names in it.
 #[derive(Clone, Debug, Default)]
-pub struct Files(Vec<(&'static str, Vec<u8>)>);
+pub struct Files(Vec<(Cow<'static, str>, Vec<u8>)>);
 
 /// Why an answer is not in its folder.
 #[derive(Debug, Error)]
@@ -40,8 +42,8 @@ impl Answer {
     ///
     /// # Errors
     /// [`AnswerError`] names the first file that cannot be rendered, and then nothing was written, or cannot be written.
-    pub fn write(&self, folder: &Path) -> Result<(), AnswerError> {
-        Ok(Files::render(self)?.write(folder, &self.input.provenance)?)
+    pub fn write(&self, folder: &Path, has_run_pages: bool) -> Result<(), AnswerError> {
+        Ok(Files::render(self, has_run_pages)?.write(folder, &self.input.provenance)?)
     }
 }
 
@@ -50,10 +52,16 @@ impl Files {
     ///
     /// # Errors
     /// [`RenderError`] names the file.
-    pub fn render(answer: &Answer) -> Result<Self, RenderError> {
+    pub fn render(answer: &Answer, has_run_pages: bool) -> Result<Self, RenderError> {
         let (train, track) = answer.model();
-        let texts = [("gap.json", answer.json_text()), ("report.html", page(answer))];
-        let mut files = Self(texts.map(|(name, text)| (name, text.into_bytes())).into());
+        let texts = [("gap.json", answer.json_text()), ("report.html", page(answer, has_run_pages))];
+        let mut files = Self(texts.map(|(name, text)| (name.into(), text.into_bytes())).into());
+        if has_run_pages {
+            let script = format!("{}/{}", run_pages::FOLDER, run_pages::SCRIPT_FILE);
+            files.0.push((script.into(), SCRIPT.as_bytes().to_vec()));
+            let of_runs = pages_of_runs(answer).into_iter().enumerate();
+            files.0.extend(of_runs.map(|(index, text)| (run_pages::file(index).into(), text.into_bytes())));
+        }
         files.add("model/train.toml", toml::to_string(&train).map(String::into_bytes))?;
         files.add("model/track.toml", toml::to_string(&track).map(String::into_bytes))?;
         let name = "effect.frame";
@@ -61,7 +69,7 @@ impl Files {
         let effects = effects.map_err(|error| failed(name, &error))?;
         files.add(name, effect_frame::write(&effects))?;
         let tables = tables::files(answer).map_err(|error| failed("residuals.csv", &error))?;
-        files.0.extend(tables);
+        files.0.extend(tables.map(|(name, bytes)| (name.into(), bytes)));
         Ok(files)
     }
 
@@ -71,7 +79,7 @@ impl Files {
         rendered: Result<B, E>,
     ) -> Result<(), RenderError> {
         let bytes = rendered.map_err(|error| failed(name, &error))?;
-        self.0.push((name, bytes.into()));
+        self.0.push((name.into(), bytes.into()));
         Ok(())
     }
 
@@ -82,7 +90,7 @@ impl Files {
     pub fn write(&self, out: &Path, provenance: &Provenance) -> Result<(), WriteError> {
         folder::write("gap", out, provenance, |folder| {
             for (name, bytes) in &self.0 {
-                let path = folder.join(name);
+                let path = folder.join(name.as_ref());
                 let made = path.parent().map_or(Ok(()), fs::create_dir_all);
                 made.and_then(|()| fs::write(&path, bytes)).map_err(|source| WriteError { path, source })?;
             }

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 
 /// Messages of two simulated runs.
-static MESSAGES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
+pub(super) static MESSAGES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let mut messages = Vec::new();
     demo::play_runs(2, |message| messages.push(message.to_vec())).unwrap();
     messages

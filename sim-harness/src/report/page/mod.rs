@@ -7,12 +7,13 @@ mod runs;
 mod tests;
 
 use super::resistance::Resistance;
-use super::{RUN_PAGES, Report, RunView, SCRIPT_FILE, figures};
+use super::{Report, RunView, figures};
 use maud::{Markup, html};
 use run::{lead, learning_words, run_sections};
 use rundown::{Real, filter::gaussian::Gaussian, model::train::Train, model::units::KmPerHour};
 use rundown_pages::numbers::{counted, duration, number, percent};
-use rundown_pages::shell::{self, Script, Section, column, figure, signed_percent, table};
+use rundown_pages::run_pages::{self, Neighbours};
+use rundown_pages::shell::{self, Section, column, figure, signed_percent, table};
 use runs::run_table;
 
 const SPEEDS_KMH: [Real; 3] = [60.0, 100.0, 140.0];
@@ -30,34 +31,19 @@ pub fn html(report: &Report) -> String {
     shell::document(&report.title, &summary(report), &sections)
 }
 
-/// Place of a run's page, from the folder of `report.html`.
-pub fn run_file(index: usize) -> String {
-    format!("{RUN_PAGES}/{}", run_name(index))
-}
-
-/// Name of a run's page: names of runs may hold what links cannot.
-fn run_name(index: usize) -> String {
-    format!("run{:04}.html", index + 1)
-}
-
-/// The page of one run; a page without content where there is no such run.
-pub fn run_html(index: usize, report: &Report) -> String {
-    let Some(run) = report.runs.get(index) else {
+/// The page of the run at this place of the report; a page without content where there is no such run.
+pub fn run_html(at: usize, report: &Report) -> String {
+    let Some(run) = report.runs.get(at) else {
         return String::new();
     };
-    let link = |index: usize, word: &str| {
-        let name = report.runs.get(index).map(|run| &run.name);
-        html! { @if let Some(name) = name { " \u{b7} " a href=(run_name(index)) { (word) ": " (name) } } }
+    let name = |at: usize| report.runs.get(at).map(|run| run.name.as_str());
+    let neighbours = Neighbours {
+        index: report.first + at,
+        all: ("../report.html#runs", &format!("All runs of {}", report.title)),
+        before: at.checked_sub(1).map_or(report.before.as_deref(), name),
+        next: name(at + 1),
     };
-    let lead = html! {
-        p {
-            a href="../report.html#runs" { "All runs of " (report.title) }
-            (index.checked_sub(1).map_or_else(|| html! {}, |before| link(before, "before")))
-            (link(index + 1, "next"))
-        }
-        (lead(run, report))
-    };
-    shell::document_with(Script::Beside(SCRIPT_FILE), &run.name, &lead, &run_sections(run, report))
+    run_pages::page(&run.name, &neighbours, &lead(run, report), &run_sections(run, report))
 }
 
 fn summary(report: &Report) -> Markup {

@@ -1,14 +1,14 @@
 //! The table of all runs.
 
-use super::super::{RUN_PAGES, Report, RunView, regime_shares};
-use super::{KMH, run_file};
+use super::super::{Report, RunView, regime_shares};
+use super::KMH;
 use maud::{Markup, html};
-use rundown::{Real, filter::ukf::Reading, tick::regime::Regime};
+use rundown::{filter::ukf::Reading, tick::regime::Regime};
 use rundown_pages::numbers::number;
+use rundown_pages::run_pages;
 use rundown_pages::shell::swatch;
 
 pub(super) fn run_table(report: &Report) -> Markup {
-    let force_kn = report.train.rotating_mass_kg() / 1000.0;
     html! {
             @if report.runs.is_empty() {
                 p { "No run." }
@@ -40,19 +40,21 @@ pub(super) fn run_table(report: &Report) -> Markup {
                     }
                     tbody {
                         @for (index, run) in report.runs.iter().enumerate() {
-                            (run_row(index, run, force_kn))
+                            (run_row(index, run, report))
                         }
                     }
                 } }
                 p.small {
                     "Power is the mean while accelerating, at the wheel, with the rotating mass of the train file. "
-                    "A dash stands where a run did not show the feature. Each run has a page in the folder " code { (RUN_PAGES) } "."
+                    "A dash stands where a run did not show the feature."
+                    @if report.has_run_pages { " Each run has a page in the folder " code { (run_pages::FOLDER) } "." }
                 }
             }
     }
 }
 
-fn run_row(index: usize, run: &RunView, force_kn: Real) -> Markup {
+fn run_row(index: usize, run: &RunView, report: &Report) -> Markup {
+    let force_kn = report.train.rotating_mass_kg() / 1000.0;
     let features = &run.summary.features;
     let coast = features.final_coast.as_ref();
     let brake = features.final_brake.as_ref();
@@ -60,9 +62,7 @@ fn run_row(index: usize, run: &RunView, force_kn: Real) -> Markup {
     let shares = regime_shares(run);
     html! {
         tr {
-            th scope="row" {
-                a href=(run_file(index)) { (run.name) }
-            }
+            th scope="row" { (run_pages::linked(&run.name, index, report.has_run_pages)) }
             @if run.estimates.is_empty() {
                 td colspan="15" { (no_samples(run)) }
             } @else {

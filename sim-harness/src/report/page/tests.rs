@@ -137,6 +137,9 @@ fn numbers_that_are_not_finite_leave_gaps() {
         runs: Vec::new(),
         mode: "gated",
         features: FeatureConfig::default(),
+        first: 0,
+        before: None,
+        has_run_pages: true,
         vehicle: report_of_nan,
     });
     check(&page);

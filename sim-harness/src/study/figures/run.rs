@@ -46,7 +46,8 @@ pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
     ]
 }
 
-fn truth_view(truth: &CaseTruth) -> TruthView {
+/// What is drawn of the truth.
+pub fn truth_view(truth: &CaseTruth) -> TruthView {
     let facts = &truth.facts;
     let starts = facts.final_coast.iter().chain([&facts.final_brake]);
     TruthView {

@@ -238,7 +238,8 @@ fn the_end_of_a_command_leaves_the_work_of_the_next_one_alone() {
     for others in [None, None, Some(("notes.txt", "mine"))] {
         fill(&out, others.as_slice());
         let mut first = begun(&out, &OLD);
-        first.put(&Provenance::begin(&[])).unwrap();
+        let files = entries(&first.folder).unwrap();
+        first.put(&Provenance::begin(&[]), &files).unwrap();
         let second = begun(&out, &NEW_FILES);
         drop(first);
         assert!(second.path().join("more.csv").exists());

@@ -67,10 +67,6 @@ pub(super) fn by_run(answer: &Answer) -> Markup {
     for c in &answer.found.compared {
         runs.entry(c.run).or_default().push(c);
     }
-    let name = |run: usize| {
-        let index = answer.found.held_out.get(run);
-        index.and_then(|index| answer.input.runs.get(*index)).map_or("", |run| run.name.as_str())
-    };
     let head = [
         text_column("hold-out run"),
         column("speeds compared", ""),
@@ -83,7 +79,7 @@ pub(super) fn by_run(answer: &Answer) -> Markup {
         @let rms = |square: &dyn Fn(&Compared) -> f64| (compared.iter().map(|c| square(c)).sum::<f64>() / compared.len() as f64).sqrt();
         @let (before, after) = (rms(&|c| c.before_mps.powi(2)), rms(&|c| c.after_mps.powi(2)));
         tr {
-            th scope="row" { (name(*run)) }
+            th scope="row" { (name(answer, *run)) }
             td { (compared.len()) }
             td { (number(before, 3)) }
             td { (number(after, 3)) }
@@ -109,10 +105,33 @@ fn typical(compared: &[&Compared]) -> Option<usize> {
 }
 
 fn one_run(answer: &Answer) -> Option<(Drawing, String)> {
-    let windows = answer.found.compared.iter().filter(|c| c.since_s > 0.0);
-    let windows: Vec<&Compared> = windows.collect();
+    let windows: Vec<&Compared> = windows(answer).collect();
     let run = typical(&windows)?;
-    let of_run: Vec<&Compared> = windows.into_iter().filter(|c| c.run == run).collect();
+    let caption = format!(
+        "Held-out run {}, a typical one: half of the held-out runs had a larger error before. Windows of up to {} s begin at the measured speed and are driven by the recorded effort, or by none while coasting.",
+        name(answer, run),
+        number(answer.holdout().window_s, 0)
+    );
+    Some((simulated(answer, run)?, caption))
+}
+
+/// What was simulated from a measured speed on.
+fn windows(answer: &Answer) -> impl Iterator<Item = &Compared> {
+    answer.found.compared.iter().filter(|c| c.since_s > 0.0)
+}
+
+/// Of a run by its number among the held-out ones.
+fn name(answer: &Answer, run: usize) -> &str {
+    let index = answer.found.held_out.get(run);
+    index.and_then(|index| answer.input.runs.get(*index)).map_or("", |run| run.name.as_str())
+}
+
+/// Measured and simulated speed of a run, by its number among the held-out ones; none where nothing of it was simulated.
+pub(super) fn simulated(answer: &Answer, run: usize) -> Option<Drawing> {
+    let of_run: Vec<&Compared> = windows(answer).filter(|c| c.run == run).collect();
+    if of_run.is_empty() {
+        return None;
+    }
     // A window restarts at the measured speed: its line must not be joined to the one before.
     let restarts = |a: &&Compared, b: &&Compared| b.since_s <= a.since_s;
     let km = |c: &Compared| c.location_m / 1000.0;
@@ -125,8 +144,6 @@ fn one_run(answer: &Answer) -> Option<(Drawing, String)> {
     });
     let kmh = |mps: f64| 3.6 * mps;
     let measured = of_run.iter().map(|c| (km(c), kmh(c.measured_mps))).collect();
-    let index = answer.found.held_out.get(run)?;
-    let name = answer.input.runs.get(*index).map_or("", |run| run.name.as_str());
     let speeds = [
         sections(answer),
         line("simulated before", BEFORE, &|c| kmh(c.measured_mps + c.before_mps)),
@@ -139,7 +156,7 @@ fn one_run(answer: &Answer) -> Option<(Drawing, String)> {
         line("after", AFTER, &|c| c.after_mps),
     ];
     let figure = Figure::new(
-        format!("Held-out run {name}"),
+        format!("Held-out run {}", name(answer, run)),
         "Measured and simulated speed over location, and their difference",
         "location, km",
         range_of(of_run.iter().map(|c| km(c))),
@@ -148,9 +165,5 @@ fn one_run(answer: &Answer) -> Option<(Drawing, String)> {
             Panel::new("simulated \u{2212} measured, m/s", 300, errors, NOTHING_COMPARED),
         ],
     );
-    let caption = format!(
-        "Held-out run {name}, a typical one: half of the held-out runs had a larger error before. Windows of up to {} s begin at the measured speed and are driven by the recorded effort, or by none while coasting.",
-        number(answer.holdout().window_s, 0)
-    );
-    Some((figure.into(), caption))
+    Some(figure.into())
 }

@@ -10,9 +10,10 @@
 //! | `held_out` | simulated speed before and after, on runs that took no part |
 //! | `journeys` | running time and energy before and after, on the same runs |
 //! | `tables` | evidence, effects, gap |
+//! | `runs` | the table of runs, and a page for each |
 //! | `caveats` | what the numbers rest on, and how a name can be wrong |
 //!
-//! In: an [`Answer`]. Out: one HTML file that needs nothing else.
+//! In: an [`Answer`]. Out: one HTML file that needs nothing else, and those of the runs.
 
 mod binned;
 mod caveats;
@@ -22,6 +23,7 @@ mod law;
 mod limits;
 mod maps;
 mod rivals;
+mod runs;
 mod tables;
 mod words;
 
@@ -49,8 +51,16 @@ pub fn picture(answer: &Answer, name: &str) -> Option<String> {
     (at < pictures.len()).then(|| pictures.swap_remove(at).0.to_svg())
 }
 
-/// The whole page.
-pub fn page(answer: &Answer) -> String {
+/// The pages of the runs, in their order.
+pub fn run_pages(answer: &Answer) -> Vec<String> {
+    let found = &answer.found;
+    let explained = explained(&answer.context().believed, &found.named, &answer.input.runs, &found.findings.rows);
+    let rows = runs::by_run(answer, &explained);
+    (0..answer.input.runs.len()).map(|index| runs::page(answer, &rows, index)).collect()
+}
+
+/// The whole page; `has_run_pages`: its table of runs leads to [`run_pages`].
+pub fn page(answer: &Answer, has_run_pages: bool) -> String {
     let found = &answer.found;
     let context = answer.context();
     let explained = explained(&context.believed, &found.named, &answer.input.runs, &found.findings.rows);
@@ -83,6 +93,7 @@ pub fn page(answer: &Answer) -> String {
         Section::new("disagreement", "Where simulation and measurement disagree", disagreement),
         Section::new("missing", "What is missing in the model", missing),
         Section::new("before-and-after", "Before and after, on held-out runs", compared),
+        Section::new("runs", "Runs", runs::table(answer, &runs::by_run(answer, &explained), has_run_pages)),
         Section::new("caveats", "What this rests on", caveats::caveats(answer)),
     ];
     document("Where the model and the train disagree", &lead, &sections)

@@ -1,0 +1,268 @@
+//! Rows of several runs in one table, from a Parquet file or from memory, as recordings. The rows of a run follow each other, runs one after the other.
+//!
+//! In: batches of rows, column by column. Out: a [`Recording`] for each run, with its locations and direction.
+
+use crate::column::{About, Kind};
+use crate::map_matching::CentreLine;
+use crate::recording::{self, DirectionChoice, Recording};
+use crate::refusal::{Place, ReadError, Refusal};
+use crate::sample::{self, COLUMNS, Column, LOCATION, Sample};
+use rundown::model::direction::Direction;
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+/// Columns of texts: name of the run, which is needed, its unit, its direction and its driver.
+pub const TEXTS: [&str; 4] = ["run", "unit", "direction", "driver"];
+/// What they say.
+const MEANINGS: [&str; TEXTS.len()] = [
+    "name of the run; its rows follow each other",
+    "unit whose vehicle is carried from run to run",
+    "`up` or `down`",
+    "who drove, empty where it is not known",
+];
+
+/// The columns of a table of runs.
+pub fn run_columns() -> Vec<About> {
+    let text = |(name, meaning): (&str, &str)| About::new(name, Kind::Text, meaning);
+    TEXTS.into_iter().zip(MEANINGS).map(text).chain(COLUMNS.iter().map(Column::about)).collect()
+}
+
+/// Some rows, column by column; every column has as many.
+#[derive(Clone, Debug)]
+pub struct Batch {
+    /// Those of [`TEXTS`]; all missing where there is no such column.
+    pub texts: [Vec<Option<String>>; TEXTS.len()],
+    /// Those of [`COLUMNS`] that are there.
+    pub numbers: Vec<(&'static Column, Vec<Option<f64>>)>,
+}
+
+/// Where columns of runs stand among others.
+#[derive(Clone, Debug)]
+pub struct Places {
+    /// Of [`TEXTS`].
+    pub texts: [Option<usize>; TEXTS.len()],
+    /// Of the columns of [`COLUMNS`] that are there.
+    pub numbers: Vec<(&'static Column, usize)>,
+    unknown: Vec<String>,
+}
+
+impl Places {
+    /// Finds the columns by their names.
+    ///
+    /// # Errors
+    /// [`Refusal`]: a column is missing that runs need.
+    pub fn find(path: &Path, names: &[String]) -> Result<Self, Refusal> {
+        let find = |name: &str| names.iter().position(|found| found == name);
+        let missing = [TEXTS[0]].into_iter().filter(|name| find(name).is_none());
+        if let Some(name) = missing.chain(sample::missing(|name| find(name).is_some())).next() {
+            return Err(Place::of_file(path).refuse(name, "expected a column of this name, found none"));
+        }
+        let known = |name: &String| TEXTS.contains(&name.as_str()) || COLUMNS.iter().any(|column| column.name == name);
+        let numbers = COLUMNS.iter().filter_map(|column| Some((column, find(column.name)?))).collect();
+        let unknown = names.iter().filter(|name| !known(name)).cloned().collect();
+        Ok(Self { texts: TEXTS.map(find), numbers, unknown })
+    }
+}
+
+/// Takes batches, gives recordings. Holds a batch and the run that the next batch may go on with.
+#[derive(Debug)]
+pub struct Recordings {
+    path: PathBuf,
+    line: Option<CentreLine>,
+    has_location: bool,
+    /// Rows so far.
+    row: usize,
+    /// What is to be said with the first run.
+    warnings: Vec<String>,
+    ready: VecDeque<Open>,
+    open: Option<Open>,
+}
+
+/// A run whose rows are being collected.
+#[derive(Debug)]
+struct Open {
+    name: String,
+    unit: String,
+    driver: String,
+    direction: Option<Direction>,
+    rows: Vec<Sample>,
+}
+
+impl Recordings {
+    /// Of a table with these columns; `path` is for the messages. Coordinates are matched onto `line` as those of a log are.
+    pub fn new(path: &Path, places: &Places, line: Option<&CentreLine>) -> Self {
+        Self {
+            path: path.to_owned(),
+            line: line.cloned(),
+            has_location: places.numbers.iter().any(|(column, _)| column.name == LOCATION),
+            row: 0,
+            warnings: recording::unknown_columns(path, &places.unknown).into_iter().collect(),
+            ready: VecDeque::new(),
+            open: None,
+        }
+    }
+
+    /// A run is complete.
+    pub fn is_ready(&self) -> bool {
+        !self.ready.is_empty()
+    }
+
+    /// Adds the next rows.
+    ///
+    /// # Errors
+    /// [`Refusal`] of a direction that is none.
+    pub fn add(&mut self, batch: &Batch) -> Result<(), Refusal> {
+        let [names, units, directions, drivers] = &batch.texts;
+        for (row, name) in names.iter().enumerate() {
+            let name = name.as_deref().unwrap_or_default();
+            let unit = units.get(row).and_then(Option::as_deref).unwrap_or_default();
+            if self.open.as_ref().is_some_and(|open| open.name != name || open.unit != unit) {
+                self.ready.extend(self.open.take());
+            }
+            self.row += 1;
+            // A row without a time cannot be after the last: the estimator drops and counts it.
+            let mut sample = Sample { line: self.row as u64, time_s: f64::NAN, ..Sample::default() };
+            for (column, values) in &batch.numbers {
+                if let Some(value) = values.get(row).copied().flatten() {
+                    (column.set)(&mut sample, value);
+                }
+            }
+            if let Some(open) = &mut self.open {
+                open.rows.push(sample);
+                continue;
+            }
+            let direction = self.direction(directions.get(row).and_then(Option::as_deref))?;
+            let driver = drivers.get(row).cloned().flatten().unwrap_or_default();
+            self.open =
+                Some(Open { name: name.to_owned(), unit: unit.to_owned(), driver, direction, rows: vec![sample] });
+        }
+        Ok(())
+    }
+
+    /// That of the row.
+    fn direction(&self, word: Option<&str>) -> Result<Option<Direction>, Refusal> {
+        match word {
+            None | Some("") => Ok(None),
+            Some("up") => Ok(Some(Direction::Up)),
+            Some("down") => Ok(Some(Direction::Down)),
+            Some(other) => {
+                let place = Place::of_line(&self.path, self.row as u64);
+                Err(place.refuse(TEXTS[2], format!("expected up, down or an empty cell, found {other:?}")))
+            }
+        }
+    }
+
+    /// The next run that is complete, after the last row also the one that is open; none where there is none. Runs without a direction
+    /// have the one that their locations have.
+    ///
+    /// # Errors
+    /// [`ReadError`] when there are coordinates only and no line.
+    pub fn next(&mut self, is_ended: bool) -> Result<Option<Recording>, ReadError> {
+        let open = if is_ended { self.open.take() } else { None };
+        self.ready.extend(open);
+        let Some(Open { name, unit, driver, direction, mut rows }) = self.ready.pop_front() else {
+            return Ok(None);
+        };
+        let mut warnings = std::mem::take(&mut self.warnings);
+        recording::locate(&self.path, &mut rows, self.has_location, self.line.as_ref(), &mut warnings)?;
+        let mut warn = |text: String| warnings.push(format!("{}: run {name}: {text}", self.path.display()));
+        let direction = recording::direction(direction, DirectionChoice::Auto, &rows, &mut warn);
+        Ok(Some(Recording {
+            name,
+            path: self.path.clone(),
+            unit,
+            driver,
+            direction,
+            day: None,
+            rows,
+            perturbed: None,
+            warnings,
+        }))
+    }
+}
+
+/// A table of runs in memory.
+#[derive(Clone, Debug)]
+pub struct RunTable {
+    /// For the messages.
+    pub path: PathBuf,
+    /// Where the columns stood.
+    pub places: Places,
+    /// The rows.
+    pub batches: Vec<Batch>,
+}
+
+impl RunTable {
+    /// All runs.
+    ///
+    /// # Errors
+    /// As [`Recordings::add`] and [`Recordings::next`].
+    pub fn recordings(self, line: Option<&CentreLine>) -> Result<VecDeque<Recording>, ReadError> {
+        let mut collected = Recordings::new(&self.path, &self.places, line);
+        for batch in self.batches {
+            collected.add(&batch)?;
+        }
+        let mut recordings = VecDeque::new();
+        while let Some(recording) = collected.next(true)? {
+            recordings.push_back(recording);
+        }
+        Ok(recordings)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three rows of a run, 100 m apart.
+    fn table(run: &str, directions: [Option<&str>; 3], step_m: f64) -> RunTable {
+        let names = ["run", "direction", "time_s", "location_m", "speed_kmh", "note"].map(str::to_owned);
+        let places = Places::find("runs".as_ref(), &names).unwrap();
+        let numbers = places.numbers.iter().map(|(column, _)| {
+            let value = |row: u32| Some(if column.name == LOCATION { step_m } else { 10.0 } * f64::from(row));
+            (*column, (0..3).map(value).collect())
+        });
+        let batch = Batch {
+            texts: [
+                vec![Some(run.to_owned()); 3],
+                vec![None; 3],
+                directions.map(|word| word.map(str::to_owned)).to_vec(),
+                vec![None; 3],
+            ],
+            numbers: numbers.collect(),
+        };
+        RunTable { path: "runs".into(), places, batches: vec![batch] }
+    }
+
+    #[test]
+    fn a_run_without_a_direction_has_that_of_its_locations() {
+        for (step_m, expected) in [(100.0, Direction::Up), (-100.0, Direction::Down)] {
+            let runs = table("a", [None; 3], step_m).recordings(None).unwrap();
+            assert_eq!((runs.len(), runs[0].direction, runs[0].rows.len()), (1, expected, 3));
+        }
+        let stated = table("a", [Some("up"); 3], -200.0).recordings(None).unwrap();
+        assert_eq!(stated[0].direction, Direction::Up);
+        let expected = "runs: run a: the direction is stated as up, but the locations fall by 400 m";
+        assert_eq!(stated[0].warnings[1], expected);
+    }
+
+    #[test]
+    fn another_word_is_no_direction() {
+        let error = table("a", [Some("DOWN"), None, None], 1.0).recordings(None).unwrap_err().to_string();
+        assert_eq!(error, "runs:1: direction: expected up, down or an empty cell, found \"DOWN\"");
+    }
+
+    #[test]
+    fn a_run_goes_on_in_the_next_batch_and_another_name_or_unit_begins_another_one() {
+        let mut first = table("a", [None; 3], 100.0);
+        for name in ["a", "b", "b"] {
+            first.batches.extend(table(name, [None; 3], 100.0).batches);
+        }
+        first.batches[3].texts[1] = vec![Some("unit 2".to_owned()); 3];
+        let runs = first.recordings(None).unwrap();
+        let found: Vec<_> = runs.iter().map(|run| (run.name.as_str(), run.rows.len())).collect();
+        assert_eq!(found, [("a", 6), ("b", 3), ("b", 3)]);
+        assert_eq!(runs[0].warnings, ["runs: expected no other columns, found note; they are not used"]);
+        assert_eq!(runs[1].rows[0].line, 7);
+    }
+}
