@@ -138,6 +138,8 @@ fn few_runs_and_runs_without_a_timetable_are_not_compared() {
     let mut few: Vec<Recording> = (0..4).map(|i| run(i, Direction::Up, if i == 2 { &red } else { &calm })).collect();
     let check = checked(&mut few, &[]);
     assert_eq!((check.perturbed_note(), check.not_compared), (None, 4));
+    let check = checked(&mut few, &[5_000.0]);
+    assert_eq!((check.perturbed_note(), check.not_compared), (None, 4), "a described stop makes no company");
     // Each stops at a place of its own.
     let own = |i: usize| {
         move |at_m: f64| {

@@ -46,7 +46,7 @@ impl<'a> Ground<'a> {
             let driven = DRIVEN.iter().zip(scatter.wider()).find(|(which, _)| **which == regime(row, config));
             *spread *= driven.map_or(1.0, |(_, wider)| wider);
         }
-        let whitening = calibrated.whitening(context, rows);
+        let whitening = calibrated.for_trials(context, rows);
         Self { y: whitening.whiten(&y), sensors: sensors(context, rows, &whitening), context, rows, whitening }
     }
 
@@ -63,16 +63,19 @@ impl<'a> Ground<'a> {
         // Where the effort changes within an interval its mean is a guess, and the guess is wrong in the same way in all runs.
         let steady = |row: &Row| row.interval.effort_change_n_per_kg <= config.evidence.steady_n_per_kg;
         let column = column.iter().zip(self.rows).map(|(value, row)| if steady(row) { *value } else { 0.0 });
-        let column: DVector<f64> = base.beside(&self.whitening.whiten(&column.collect::<Vec<f64>>()));
+        let column: Vec<f64> = column.collect();
+        let acts = |r: &&core::ops::Range<usize>| column[(*r).clone()].iter().any(|value| *value != 0.0);
+        let enough = self.whitening.runs().iter().filter(acts).count() >= config.evidence.least_runs;
+        let column: DVector<f64> = base.beside(&self.whitening.whiten(&column));
         let of_run = |other: &DVector<f64>, r: &core::ops::Range<usize>| {
             column.rows(r.start, r.len()).dot(&other.rows(r.start, r.len()))
         };
         let of_runs = |other: &DVector<f64>| self.whitening.runs().iter().map(|r| of_run(other, r)).collect();
         let scores: Vec<f64> = of_runs(&base.residual);
-        let enough = scores.iter().filter(|s| **s != 0.0).count() >= config.evidence.least_runs;
-        enough.then(|| Probe {
+        let information = of_runs(&column);
+        (enough && information.iter().sum::<f64>() > 0.0).then(|| Probe {
             scores,
-            information: of_runs(&column),
+            information,
             small: config.certainty.nothing_n_per_kg * column.norm_squared(),
         })
     }
@@ -86,18 +89,24 @@ impl<'a> Ground<'a> {
 }
 
 impl Probe {
-    /// In standard deviations of chance.
-    fn size(&self, sum: f64) -> f64 {
-        sum / self.scores.iter().map(|s| s * s).sum::<f64>().sqrt()
+    /// In standard deviations: those that the runs scatter about their mean, no less than the noise says. Few runs that agree are then as sure as they are;
+    /// measured by the sum of their squares they could never be.
+    fn size(&self, beyond: f64, signed: impl Fn(usize) -> f64) -> f64 {
+        let information: f64 = self.information.iter().sum();
+        let sum: f64 = (0..self.scores.len()).map(&signed).sum();
+        let mean = sum / information;
+        let left = |(i, information): (usize, &f64)| (signed(i) - mean * information).powi(2);
+        let scatter: f64 = self.information.iter().enumerate().map(left).sum();
+        (sum.abs() - beyond).max(0.0) / scatter.max(information).sqrt()
     }
 
     /// As chance would have it.
     pub fn by_chance(&self, draw: &Draw) -> f64 {
-        self.size(self.scores.iter().zip(draw).map(|(score, sign)| score * sign).sum::<f64>().abs())
+        self.size(0.0, |i| self.scores[i] * draw[i])
     }
 
     /// As it is.
     pub fn observed(&self) -> f64 {
-        self.size((self.scores.iter().sum::<f64>().abs() - self.small).max(0.0))
+        self.size(self.small, |i| self.scores[i])
     }
 }

@@ -334,6 +334,7 @@ settings! {
         most_time: f64 = 3.0, /// Nor one that takes so many times as long as was measured. Judgement.
         piece_s: f64 = 9.5, /// Pieces from which the noise of the locations is taken, s. Judgement.
         touches: f64 = 0.1, /// An effect touches a speed that it moves by more than this share of what a perfect model would leave. Judgement.
+        least_sd_mps: f64 = 0.01, /// No speed weighs as if it were known better, m/s. Judgement: a run whose locations are its summed speeds would outweigh all others.
         least_touched: usize = 30, /// Fewer speeds show nothing. Judgement.
         least_removable: f64 = 0.02, /// A gap above the noise floor by a smaller share of it is none, in mean squares. Judgement.
         least_resampled: usize = 5, /// With fewer runs a bootstrap says nothing. Judgement.

@@ -3,8 +3,8 @@
 //! Probes are functions of location, speed, time since departure, temperature, day, regime and direction that name no cause. Not of the effort: its own error
 //! stands in the residual, so rows that are chosen by their effort have one. Under the null each run's score of a probe is as likely positive as negative, so
 //! flipping the signs of whole runs gives the distribution of the largest of them, whatever the correlation within a run and between probes. (Sign-flip test;
-//! runs are the unit.) What all drivers do alike between two readings of the effort is no gap: it is drawn with the signs, as large as the scatter of driven rows
-//! says, and these rows count as much less. Nor is what sensors leave in all runs alike: the observed scores are less by what 1e-4 N/kg would make.
+//! runs are the unit.) What all drivers do alike between two readings of the effort is no gap: it is a random effect here, and driven rows count as much less
+//! as they scatter more. Nor is what sensors leave in all runs alike: the observed scores are less by what 1e-4 N/kg would make.
 
 use crate::chance::{Ground, Probe, probability};
 use crate::columns::{coordinate_name, hats, in_the_middle, knots};
@@ -49,7 +49,7 @@ pub struct Evidence {
 /// A column for each value at which a probe stands.
 type Columns = Vec<(f64, Vec<f64>)>;
 
-/// Along what there may be a gap, with the probes for each: hats along coordinates and the effort, regimes, directions.
+/// Along what there may be a gap, with the probes for each: hats along coordinates, regimes, directions.
 fn axes(rows: &[Row], config: &EvidenceConfig) -> Vec<(Along, Columns)> {
     let along = |axis: Coordinate, count: usize| {
         let knots = knots(rows.iter().filter_map(|row| in_the_middle(axis, row)), count);

@@ -19,7 +19,7 @@ use crate::noise::own_wind::own_wind;
 use crate::readings::kinematics::scaled_recorders;
 use crate::readings::nuisances::{Nuisance, nuisances, righted};
 use crate::readings::wheels::{put_right, wheels};
-use crate::trial::trials;
+use crate::trials::trials;
 use rundown::model::effects::{Effect, EffectError, Effects};
 
 /// What came of it.

@@ -65,6 +65,7 @@ pub mod refusal;
 mod search;
 mod traction;
 pub mod trial;
+mod trials;
 mod wording;
 
 pub use candidate::{HiddenSize, Hide};

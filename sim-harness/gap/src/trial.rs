@@ -1,19 +1,16 @@
 //! Is it more than chance, and does it repeat? What a term of the resistance must stand before it has a name; else it is told as a candidate.
 //!
-//! The column of the term, its shape and coefficients as found, is tried beside the other terms as the probes of the [evidence](crate::evidence) are: by signs
+//! The column of the term (see [`trials`](crate::trials)), its shape and coefficients as found, is tried beside the other terms as the probes of the evidence are: by signs
 //! of whole runs and habits of drivers. It was looked for, so it must exceed the largest that chance makes of it or of any probe. And it must say the same in
 //! both halves of the runs: by their order, by the date, by direction, by unit.
 
-use crate::candidate::{Fitted, ShowsIn, Term};
-use crate::chance::{Ground, Probe, probability};
 use crate::config::GapConfig;
-use crate::data::{believed::Context, rows::Row, runs::Run};
-use crate::evidence::probes;
+use crate::data::runs::Run;
 use crate::fit::median;
-use crate::noise::calibrate::Calibrated;
 use rundown::model::direction::Direction;
 use rundown_check::agreement::Figure;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// How a term fared.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +45,7 @@ pub enum By {
 
 impl By {
     /// All of them.
-    const ALL: [Self; 4] = [Self::Turn, Self::Date, Self::Direction, Self::Unit];
+    pub(crate) const ALL: [Self; 4] = [Self::Turn, Self::Date, Self::Direction, Self::Unit];
 
     /// As in files.
     pub fn name(self) -> &'static str {
@@ -70,22 +67,36 @@ impl By {
         }
     }
 
-    /// Whether each run is in the first half. `None`: nothing divides them.
-    fn first(self, runs: &[Run]) -> Option<Vec<bool>> {
-        let first: Vec<bool> = match self {
-            Self::Turn => (0..runs.len()).map(|i| i % 2 == 0).collect(),
-            Self::Direction => runs.iter().map(|run| run.direction == Direction::Up).collect(),
+    /// In which half each run is: 0 or 1, none in neither.
+    pub(crate) fn halves_of(self, runs: &[Run]) -> Vec<Option<usize>> {
+        let half = |is_second: bool| Some(usize::from(is_second));
+        match self {
+            Self::Turn => {
+                // Within each direction: trains often go there and back in turn.
+                let mut turns = [0_usize; 2];
+                let mut of_run = |run: &Run| {
+                    let turn = &mut turns[usize::from(run.direction == Direction::Up)];
+                    *turn += 1;
+                    half(*turn % 2 == 0)
+                };
+                runs.iter().map(&mut of_run).collect()
+            }
+            Self::Direction => runs.iter().map(|run| half(run.direction == Direction::Down)).collect(),
             Self::Date => {
-                let middle = median(runs.iter().filter_map(|run| run.day))?;
-                runs.iter().map(|run| run.day.is_some_and(|day| day < middle)).collect()
+                let days = || runs.iter().filter_map(|run| run.day);
+                let first = days().fold(f64::INFINITY, f64::min);
+                // No run is before its first day.
+                let middle = median(days()).filter(|middle| *middle > first);
+                let middle = middle.or_else(|| days().filter(|day| *day > first).min_by(f64::total_cmp));
+                runs.iter().map(|run| run.day.zip(middle).and_then(|(day, middle)| half(day >= middle))).collect()
             }
             Self::Unit => {
-                let count = |unit: &str| runs.iter().filter(|run| run.recorded.unit == unit).count();
-                let most = runs.iter().map(|run| run.recorded.unit.as_str()).max_by_key(|unit| count(unit))?;
-                runs.iter().map(|run| run.recorded.unit == most).collect()
+                let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+                runs.iter().for_each(|run| *counts.entry(&run.recorded.unit).or_default() += 1);
+                let most = counts.into_iter().max_by_key(|(_, count)| *count).map(|(unit, _)| unit);
+                runs.iter().map(|run| half(most != Some(&run.recorded.unit))).collect()
             }
-        };
-        (first.contains(&true) && first.contains(&false)).then_some(first)
+        }
     }
 }
 
@@ -100,6 +111,9 @@ impl Halves {
 }
 
 impl Trial {
+    /// Of a term that acts in too few runs to be told from chance.
+    pub(crate) const IMPOSSIBLE: Self = Self { p_value: 1.0, halves: Vec::new() };
+
     /// It is no chance, and repeats.
     pub fn is_stood(&self, config: &GapConfig) -> bool {
         self.p_value <= config.certainty.chance && !self.halves.iter().any(|halves| halves.contradict(config))
@@ -125,156 +139,42 @@ impl Trial {
             };
             return format!("it does not repeat: it is {} and {}", of(0), of(1));
         }
+        if *self == Self::IMPOSSIBLE {
+            return "it acts in too few runs, or together with too much else, to be told from chance".to_owned();
+        }
         format!("chance alone makes as much of it in {:.0} % of draws", 100.0 * self.p_value)
     }
-}
-
-/// How each term of a model fares. `None`: one that does not show in the fit of its own law, or differs from run to run, is judged elsewhere.
-pub fn trials(
-    context: &Context<'_>,
-    rows: &[Row],
-    calibrated: &Calibrated,
-    model: &[Fitted],
-    runs: &[Run],
-) -> Vec<Option<Trial>> {
-    let flips = context.config.evidence.flips;
-    if rows.is_empty() || model.is_empty() {
-        return vec![None; model.len()];
-    }
-    let ground = Ground::new(context, rows, calibrated);
-    let Some((_, probes)) = probes(&ground, &context.config.evidence) else {
-        return vec![None; model.len()];
-    };
-    let by_chance = |draw| (probes.iter().map(|(_, _, probe)| probe.by_chance(&draw)).fold(0.0, f64::max), draw);
-    let draws: Vec<_> = ground.draws(flips).map(by_chance).collect();
-    let columns: Vec<Vec<f64>> = model.iter().map(|fitted| column(context, rows, fitted)).collect();
-    let of_term = |(index, fitted): (usize, &Fitted)| {
-        if !is_tried(&fitted.term) {
-            return None;
-        }
-        let others = columns.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, column)| column.clone());
-        let base = ground.beside(&others.collect::<Vec<_>>())?;
-        let probe = ground.probe(&base, &columns[index])?;
-        let observed = probe.observed();
-        let reached = draws.iter().filter(|(most, draw)| most.max(probe.by_chance(draw)) >= observed).count();
-        Some(Trial { p_value: probability(reached, flips), halves: halves(&probe, &fitted.term, rows, runs) })
-    };
-    model.iter().enumerate().map(of_term).collect()
-}
-
-/// What a term adds in each row as it was found.
-fn column(context: &Context<'_>, rows: &[Row], fitted: &Fitted) -> Vec<f64> {
-    let beta = if fitted.term.is_whole() { &[1.0][..] } else { &fitted.beta };
-    fitted.term.extra(beta, context, rows)
-}
-
-fn is_tried(term: &Term) -> bool {
-    term.of.facts().nature.shows_in == ShowsIn::Law && !matches!(term.shape, crate::candidate::Shape::Runs(_))
-}
-
-/// The multiple of a column in halves of the runs; not by date what changes with it.
-fn halves(probe: &Probe, term: &Term, rows: &[Row], runs: &[Run]) -> Vec<Halves> {
-    let of_rows: Vec<usize> =
-        rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| rows[0].interval.run).collect();
-    let of = |by: By| {
-        let first = by.first(runs)?;
-        let half = |wanted: bool| {
-            let inside = || of_rows.iter().enumerate().filter(|(_, run)| first[**run] == wanted).map(|(i, _)| i);
-            let information: f64 = inside().map(|i| probe.information[i]).sum();
-            let value = inside().map(|i| probe.scores[i]).sum::<f64>() / information;
-            // As runs scatter about it; no less than the noise says.
-            let left = inside().map(|i| (probe.scores[i] - value * probe.information[i]).powi(2)).sum::<f64>();
-            let sd = left.max(information).sqrt() / information;
-            (information > 0.0).then_some(Figure { value, sd })
-        };
-        Some(Halves { by, multiples: [half(true)?, half(false)?] })
-    };
-    let told = |by: &By| !(term.between_runs() && *by == By::Date);
-    By::ALL.into_iter().filter(told).filter_map(of).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::candidate::Shape;
-    use crate::candidates;
-    use crate::data::believed::tests::on_a_level_line;
     use crate::data::runs::Recorded;
-    use crate::noise::whitening::Noise;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
-    use rundown::model::effects::EffectKind;
 
-    const RUNS: usize = 30;
-    const ROWS: usize = 60;
-    /// Largest resistance of the section, N/kg.
-    const DRAG_N_PER_KG: f64 = 0.01;
-
-    /// The trial of a tunnel from km 20 to 25 of which so many times as much is there in each run as was found; noise of 0.01 N/kg.
-    fn trial(seed: u64, multiple: fn(usize) -> f64) -> Trial {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let directions = [Direction::Up, Direction::Down];
-        let mut rows = Vec::new();
-        for run in 0..RUNS {
-            for i in 0..ROWS {
-                let mut row = Row::coasting(directions[run % 2], 1000.0 * i as f64, 25.0);
-                row.interval.run = run;
-                rows.push(row);
-            }
-        }
-        let run = |run: usize| Run {
-            name: run.to_string(),
-            direction: directions[run % 2],
-            day: Some(run as f64),
-            samples: Vec::new(),
-            recorded: Recorded::default(),
-        };
-        let runs: Vec<Run> = (0..RUNS).map(run).collect();
-        let noise = Noise { acceleration_mps2: 0.01, ..Noise::default() };
-        let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
-        on_a_level_line(RUNS, |context| {
-            let shape = Shape::Section([20_000.0, 25_000.0]);
-            let term = Term { of: candidates::of(EffectKind::TunnelDrag), shape };
-            let beta = vec![DRAG_N_PER_KG / term.extra(&[1.0], context, &rows).into_iter().fold(0.0, f64::max)];
-            let extra = term.extra(&beta, context, &rows);
-            for (row, extra) in rows.iter_mut().zip(extra) {
-                let noise: f64 = StandardNormal.sample(&mut rng);
-                row.residual_n_per_kg = 0.01 * noise + multiple(row.interval.run) * extra;
-            }
-            let fitted =
-                Fitted { term, beta, sd: vec![0.0], gain: 0.0, section: None, shape: None, rivals: Vec::new() };
-            trials(context, &rows, &calibrated, &[fitted], &runs).remove(0).unwrap()
-        })
+    fn run(direction: Direction, day: Option<f64>, unit: &str) -> Run {
+        let recorded = Recorded { unit: unit.to_owned(), ..Recorded::default() };
+        Run { name: String::new(), direction, day, samples: Vec::new(), recorded }
     }
 
     #[test]
-    fn what_is_there_in_all_runs_stands() {
-        for seed in 0..5 {
-            let trial = trial(seed, |_| 1.0);
-            assert!(trial.is_stood(&GapConfig::default()), "{trial:?}");
-            let by: Vec<By> = trial.halves.iter().map(|halves| halves.by).collect();
-            assert_eq!(by, [By::Turn, By::Date, By::Direction], "all runs are of one unit");
-            for figure in trial.halves.iter().flat_map(|halves| halves.multiples) {
-                assert!(figure.away_from(1.0) < 4.0, "{figure:?}");
-            }
-        }
+    fn every_second_run_is_so_within_each_direction() {
+        let runs: Vec<Run> = (0..8).map(|i| run([Direction::Up, Direction::Down][i % 2], None, "")).collect();
+        let halves = By::Turn.halves_of(&runs);
+        assert_ne!(halves, By::Direction.halves_of(&runs));
+        assert_eq!(halves, [0, 0, 1, 1, 0, 0, 1, 1].map(Some));
     }
 
     #[test]
-    fn what_is_not_there_is_chance() {
-        let stood = (0..20).filter(|seed| trial(*seed, |_| 0.0).p_value <= 0.05).count();
-        // The section is given and not looked for, so fewer than one in twenty.
-        assert!(stood <= 3, "{stood} of 20");
+    fn runs_without_a_day_are_in_neither_half_and_a_long_first_day_is_one() {
+        let days = [Some(1.0), Some(1.0), Some(1.0), Some(2.0), None];
+        let runs = days.map(|day| run(Direction::Up, day, ""));
+        assert_eq!(By::Date.halves_of(&runs), [Some(0), Some(0), Some(0), Some(1), None]);
+        assert_eq!(By::Date.halves_of(&runs[..3]), [None; 3], "one day has no halves");
     }
 
     #[test]
-    fn what_is_there_on_later_days_only_does_not_repeat() {
-        for seed in 0..5 {
-            let trial = trial(seed, |run| if run < RUNS / 2 { 0.0 } else { 2.0 });
-            let config = GapConfig::default();
-            assert!(trial.p_value <= config.certainty.chance && !trial.is_stood(&config), "{trial:?}");
-            assert!(trial.sentence(&config).contains("in the earlier days"), "{}", trial.sentence(&config));
-        }
+    fn the_unit_with_the_most_runs_is_one_half() {
+        let runs = ["a", "b", "b", "c"].map(|unit| run(Direction::Up, None, unit));
+        assert_eq!(By::Unit.halves_of(&runs), [1, 0, 0, 1].map(Some));
     }
 }

@@ -27,8 +27,10 @@ def made(work, count):
     """Simulated runs of units, each with a train of its own, and their description."""
     fleet, runs = work / "fleet", work / "runs.parquet"
     if not (runs.exists() and pyarrow.parquet.ParquetFile(runs).metadata.num_rows and (work / str(count)).exists()):
-        shutil.rmtree(work, ignore_errors=True)
-        work.mkdir(parents=True)
+        # Only what is made here: the folder may hold other things.
+        shutil.rmtree(fleet, ignore_errors=True)
+        runs.unlink(missing_ok=True)
+        work.mkdir(parents=True, exist_ok=True)
         print(f"{count} runs are simulated", flush=True)
         command("study", "--count", count, "--out", fleet, "--keep-runs", runs)
         (work / str(count)).touch()

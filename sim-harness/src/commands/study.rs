@@ -6,7 +6,7 @@ use crate::output::files;
 use crate::study::case::{calm, case_study, skewed_case_study};
 use crate::study::claims::{Claim, Verdict};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
-use crate::study::gather::{Estimators, GatherError, Gathered, LookedAt, gather};
+use crate::study::gather::{Estimators, GatherError, Gathered, Rows, gather};
 use crate::study::page::{self, StudyPage, by_kind, known};
 use crate::study::readings::{self, comparison, outcome, reading::Combination, reading::default_config};
 use crate::study::run_pages::RunPages;
@@ -17,9 +17,7 @@ use crate::{
 };
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
 use rundown_files::folder::{self, Provenance};
-use rundown_files::{
-    WriteError, config_file, parquet::RunWriter, table::Record, track_file::TrackFile, train_file::TrainFile,
-};
+use rundown_files::{WriteError, config_file, parquet::RunWriter, track_file::TrackFile, train_file::TrainFile};
 use rundown_pages::numbers::counted;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -397,7 +395,7 @@ fn of_others(
 ) -> Result<Vec<Vec<Claim>>, Failure> {
     let bar = screen::progress(sources.iter().map(RunSource::total).sum());
     let one = |source: &mut RunSource| {
-        let gathered = gather(source, estimators, None, &mut |_, _| Ok(()), |count| bar.inc(count as u64));
+        let gathered = gather(source, estimators, None, &mut |_| Ok(()), |count| bar.inc(count as u64));
         let gathered = gathered.map_err(Failure::refused)?;
         let trials = Trials::of(config, estimators, track, &gathered.drawn)?;
         Ok(claims::claims(&gathered, estimators.paper.train(), &trials))
@@ -422,12 +420,12 @@ fn gathered(
     let mut kept = kept.runs.map(RunWriter::new);
     let source = &mut described.source;
     let bar = screen::progress(source.total());
-    let mut sink = |[chunk, aside]: [&[LookedAt]; 2], records: &[Record]| {
+    let mut sink = |rows: &Rows| {
         if let Some(kept) = &mut kept {
-            kept.write(chunk.iter().chain(aside).map(LookedAt::recording)).map_err(std::io::Error::other)?;
+            kept.write(rows.all.iter().map(|one| one.recording())).map_err(std::io::Error::other)?;
         }
-        pages.as_mut().map_or(Ok(()), |pages| pages.add(chunk)).map_err(std::io::Error::other)?;
-        table.add(records)
+        pages.as_mut().map_or(Ok(()), |pages| pages.add(rows.used)).map_err(std::io::Error::other)?;
+        table.add(rows.records)
     };
     let gathered = gather(source, estimators, example, &mut sink, |count| bar.inc(count as u64));
     let gathered = gathered.map_err(|error| match error {

@@ -118,8 +118,18 @@ pub struct Listed {
     pub gated: Outcome,
 }
 
-/// What happens with the runs of a chunk, those that are set aside apart, and with the rows of results of all.
-pub type Sink<'a> = dyn FnMut([&[LookedAt]; 2], &[Record]) -> std::io::Result<()> + 'a;
+/// Runs of a chunk with their rows of results.
+pub struct Rows<'a> {
+    /// All of them in their order, those that are set aside, too.
+    pub all: &'a [&'a LookedAt],
+    /// Those that are not set aside.
+    pub used: &'a [LookedAt],
+    /// Of all.
+    pub records: &'a [Record],
+}
+
+/// What happens with the runs of a chunk.
+pub type Sink<'a> = dyn FnMut(&Rows) -> std::io::Result<()> + 'a;
 
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -157,13 +167,19 @@ pub fn gather(
                 Err(failed) => gathered.failed.push(failed),
             }
         }
-        let (aside, cases): (Vec<Case>, Vec<Case>) = cases.into_iter().partition(|case| source.sets_aside(case));
+        let is_aside: Vec<bool> = cases.iter().map(|case| source.sets_aside(case)).collect();
+        let mut marks = is_aside.iter();
+        let (aside, cases): (Vec<Case>, Vec<Case>) = cases.into_iter().partition(|_| marks.next() == Some(&true));
         gathered.set_aside += aside.len();
+        // They teach no vehicle, and know none of the runs beside them.
+        let mut before = if aside.is_empty() { HashMap::new() } else { vehicles.clone() };
+        let aside = looked_at(estimators, aside, &mut before);
         let chunk = looked_at(estimators, cases, &mut vehicles);
-        // They teach no vehicle.
-        let aside = looked_at(estimators, aside, &mut vehicles.clone());
-        let records: Vec<Record> = chunk.iter().chain(&aside).map(|one| record(&of_run, one)).collect();
-        sink([&chunk, &aside], &records)?;
+        let (mut apart, mut used) = (aside.iter(), chunk.iter());
+        let next = |is_aside: bool| if is_aside { apart.next() } else { used.next() };
+        let all: Vec<&LookedAt> = is_aside.into_iter().filter_map(next).collect();
+        let records: Vec<Record> = all.iter().map(|one| record(&of_run, one)).collect();
+        sink(&Rows { all: &all, used: &chunk, records: &records })?;
         for one in chunk {
             gathered.add(one, index % stride == 0, wanted);
             index += 1;

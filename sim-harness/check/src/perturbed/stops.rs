@@ -39,7 +39,8 @@ impl Stations<'_> {
     pub fn unscheduled(&self, profiles: &[Profile], run: usize) -> Option<Vec<Perturbation>> {
         let profile = &profiles[run];
         let mut found = Vec::new();
-        let is_known = !self.described_m.is_empty() || profiles.len() > LEAST_OTHERS;
+        let along = profiles.iter().enumerate().filter(|(i, other)| *i != run && other.shares_way(profile));
+        let is_known = along.count() >= LEAST_OTHERS;
         for stand in profile.stands.iter().filter(|stand| profile.passes(stand.at_m, self.near_m)) {
             if self.described_m.iter().any(|at_m| (at_m - stand.at_m).abs() <= NEAR_M[1]) {
                 continue;
@@ -49,7 +50,7 @@ impl Stations<'_> {
             let (passing, stopping) =
                 (reaching().count(), reaching().filter(|other| other.calls_at(stand.at_m, self.near_m)).count());
             let few = ((stopping + 1) as f64) < STATION_SHARE * (passing + 1) as f64;
-            if few && (passing >= LEAST_OTHERS || !self.described_m.is_empty()) {
+            if few && passing >= LEAST_OTHERS {
                 found.push(Perturbation {
                     cause: Cause::UnscheduledStop,
                     from_m: stand.at_m,
@@ -67,6 +68,13 @@ impl Stations<'_> {
 }
 
 impl Profile {
+    /// At least half of another run's way is on this one's, too.
+    fn shares_way(&self, other: &Self) -> bool {
+        let [begin_m, end_m] = other.ends_m;
+        let shared_m = self.ends_m[1].min(end_m) - self.ends_m[0].max(begin_m);
+        shared_m >= 0.5 * (end_m - begin_m)
+    }
+
     /// The run comes by a place, or ends there.
     fn reaches(&self, at_m: f64, near_m: f64) -> bool {
         (self.ends_m[0] - near_m..=self.ends_m[1] + near_m).contains(&at_m)

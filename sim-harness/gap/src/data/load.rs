@@ -68,7 +68,7 @@ pub fn runs(set: &RunSet, track: &TrackFile, direction: DirectionChoice, as_reco
     if as_recorded {
         loaded.runs = loaded.recordings.iter().map(|recording| run(recording, as_read(recording))).collect();
     } else {
-        loaded.diagnose();
+        loaded.diagnose(track.stop.iter().map(|stop| stop.at_m).collect());
     }
     loaded
 }
@@ -78,12 +78,13 @@ impl Loaded {
     #[cfg(test)]
     pub fn of(recordings: Vec<Recording>) -> Self {
         let mut loaded = Self { recordings, ..Self::default() };
-        loaded.diagnose();
+        loaded.diagnose(Vec::new());
         loaded
     }
 
-    fn diagnose(&mut self) {
-        let mut check = check_beside(&mut self.recordings, &Known { scale: true, ..Known::default() });
+    /// `stops_m`: described ones.
+    fn diagnose(&mut self, stops_m: Vec<f64>) {
+        let mut check = check_beside(&mut self.recordings, &Known { scale: true, stops_m, ..Known::default() });
         // In the runs the scale is put right, too.
         for finding in check.recorders.iter_mut().flat_map(|recorder| &mut recorder.findings) {
             if finding.kind == Kind::SpeedScale {

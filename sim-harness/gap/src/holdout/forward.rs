@@ -45,7 +45,7 @@ pub struct Compared {
 
 /// Root mean squares over speeds compared, and the share of the gap that is gone: each counts by how well a perfect model would foresee it.
 pub fn gap(compared: &[Compared], config: &HoldoutConfig) -> Share {
-    Share::of(&of_runs(compared.iter()), config)
+    Share::of(&of_runs(compared.iter(), config), config)
 }
 
 /// The same of the speeds that the effects touch: where both models differ by a share of what a perfect one would leave. `None`: hardly any.
@@ -53,7 +53,7 @@ pub fn touched(compared: &[Compared], config: &HoldoutConfig) -> Option<Touched>
     let touches = |c: &&Compared| (c.after_mps - c.before_mps).powi(2) > config.touches.powi(2) * c.floor;
     let count = compared.iter().filter(touches).count();
     (count >= config.least_touched).then(|| {
-        let runs = of_runs(compared.iter().filter(touches));
+        let runs = of_runs(compared.iter().filter(touches), config);
         Touched { count, share: Share::of(&runs, config), multiple: multiple(&runs, config) }
     })
 }
@@ -70,11 +70,16 @@ pub struct Touched {
 }
 
 /// Sums of squares, run by run.
-fn of_runs<'a>(compared: impl Iterator<Item = &'a Compared>) -> Vec<Squares> {
+fn of_runs<'a>(compared: impl Iterator<Item = &'a Compared>, config: &HoldoutConfig) -> Vec<Squares> {
     let mut runs: BTreeMap<usize, Squares> = BTreeMap::new();
     for c in compared {
         let of_run = runs.entry(c.run).or_default();
-        *of_run = of_run.and(&Squares::weighed(c.before_mps, c.after_mps, c.floor, 1.0 / c.variance));
+        *of_run = of_run.and(&Squares::weighed(
+            c.before_mps,
+            c.after_mps,
+            c.floor,
+            1.0 / c.variance.max(config.least_sd_mps.powi(2)),
+        ));
     }
     runs.into_values().collect()
 }
@@ -260,6 +265,23 @@ pub fn effects<'a>(named: impl IntoIterator<Item = &'a Named>) -> Result<Effects
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_speed_that_would_be_foreseen_without_any_error_weighs_no_more_than_the_best() {
+        let one = |variance: f64| Compared {
+            run: 0,
+            time_s: 0.0,
+            since_s: 0.0,
+            location_m: 0.0,
+            measured_mps: 20.0,
+            before_mps: 0.2,
+            after_mps: 0.0,
+            floor: variance,
+            variance,
+        };
+        let share = gap(&[one(0.0), one(1e-4)], &HoldoutConfig::default());
+        assert!((share.before - 0.2).abs() < 1e-12 && (share.floor - 0.5_f64.sqrt() * 0.01).abs() < 1e-12, "{share:?}");
+    }
 
     #[test]
     fn a_ninth_effect_is_an_error_and_readings_are_no_effects_of_the_motion() {

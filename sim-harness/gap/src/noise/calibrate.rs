@@ -38,13 +38,26 @@ pub struct Calibrated {
 }
 
 impl Calibrated {
-    /// With all nuisances.
+    /// With the nuisances among which effects are looked for.
     pub fn whitening(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
+        self.without_nuisances(context, rows).with_common(&common(context, rows))
+    }
+
+    /// With all that names are tried against: what drivers do between two readings, too, and the sensor of the brake.
+    pub fn for_trials(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
         let mut common = common(context, rows);
         if !common.is_empty() {
+            let braking = rows.iter().map(|row| row.effort_n_per_kg.min(0.0)).collect();
+            common.push((braking, context.config.nuisance.brake_gain_sd));
             common.extend(habits::columns(rows, &self.driven_n_per_kg, context.config));
         }
         self.without_nuisances(context, rows).with_common(&common)
+    }
+
+    /// The same where a flexible model has gain and offset as well.
+    pub fn without_nuisances(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
+        let deviations = Deviations { noise: self.noise, own: self.own };
+        whitening(&deviations, &self.spread, rows, &own_columns(context, rows))
     }
 
     /// Variance of the acceleration over the interval of a row, without the error of its readings, (m/s²)².
@@ -53,23 +66,16 @@ impl Calibrated {
         let driven = DRIVEN.iter().zip(self.driven_n_per_kg).find(|(which, _)| **which == regime);
         self.noise.disturbance(&row.interval) + driven.map_or(0.0, |(_, sd)| sd * sd)
     }
-
-    /// The same where a flexible model has gain and offset as well.
-    pub fn without_nuisances(&self, context: &Context<'_>, rows: &[Row]) -> Whitening {
-        let deviations = Deviations { noise: self.noise, own: self.own };
-        whitening(&deviations, &self.spread, rows, &own_columns(context, rows))
-    }
 }
 
-/// Gains of the effort column, that of braking beside that of all, and offset of the locations with the standard deviations of their priors; none without the column.
+/// Gain of the effort column and offset of the locations with the standard deviations of their priors; none without the column.
 fn common(context: &Context<'_>, rows: &[Row]) -> Vec<(Vec<f64>, f64)> {
     if rows.iter().all(|row| row.interval.effort_n_per_kg.is_none()) {
         return Vec::new();
     }
     let config = &context.config.nuisance;
     let offset = LOCATION_OFFSET.columns(&Shape::Law, context, rows).remove(0);
-    let braking = rows.iter().map(|row| row.effort_n_per_kg.min(0.0)).collect();
-    vec![(effort(rows), config.effort_gain_sd), (braking, config.brake_gain_sd), (offset, config.location_offset_sd_m)]
+    vec![(effort(rows), config.effort_gain_sd), (offset, config.location_offset_sd_m)]
 }
 
 /// What the gain of the effort column is a factor of: none without the column.

@@ -78,8 +78,10 @@ pub fn columns(rows: &[Row], beyond_n_per_kg: &[f64; 2], config: &GapConfig) -> 
 fn along(which: Coordinate, count: usize, rows: &[Row], acts: impl Fn(&Row) -> f64) -> impl Iterator<Item = Vec<f64>> {
     let at = move |row: &Row| in_the_middle(which, row);
     let edges = knots(rows.iter().filter(|row| acts(row) != 0.0).filter_map(at), count);
+    let last = edges.last().copied();
     let of_part = move |pair: [f64; 2]| {
-        let here = |row: &Row| at(row).is_some_and(|at| (pair[0]..=pair[1]).contains(&at));
+        let here =
+            |row: &Row| at(row).is_some_and(|at| pair[0] <= at && (at < pair[1] || last == Some(at) && at == pair[1]));
         rows.iter().map(|row| if here(row) { acts(row) } else { 0.0 }).collect()
     };
     let pairs: Vec<[f64; 2]> = edges.windows(2).map(|pair| [pair[0], pair[1]]).collect();

@@ -150,7 +150,7 @@ pub const NEGATIVE: Metric = Metric {
             let mut means = run.estimates.iter().map(|estimate| estimate.belief.mean);
             f64::from(u8::from(means.any(|mean| (0..3).any(|index| mean[state::R0 + index] < 0.0))))
         };
-        mean(look.runs.iter().map(negative)).map(|share| 100.0 * share)
+        mean(look.runs[look.driven.judged()].iter().map(negative)).map(|share| 100.0 * share)
     },
     truth: None,
 };

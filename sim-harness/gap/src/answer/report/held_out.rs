@@ -87,7 +87,11 @@ pub(super) fn by_run(answer: &Answer) -> Markup {
             td.word { (if after < before { "nearer" } else if after > before { "further off" } else { "the same" }) }
         }
     } };
-    html! { @if !runs.is_empty() { h3 { "Run by run" } (sortable(head, rows)) } }
+    html! { @if !runs.is_empty() {
+        h3 { "Run by run" }
+        (sortable(head, rows))
+        p.small { "Here each speed counts alike; in the figures above each is weighed by how well a perfect model would foresee it." }
+    } }
 }
 
 /// The run whose error before is the middle one of all held-out runs: a typical one.

@@ -1,0 +1,157 @@
+//! The trial of each term of a model: its column beside the other terms, by flipped signs of runs and in halves of the runs.
+
+use crate::candidate::{Fitted, Shape, ShowsIn, Term};
+use crate::chance::{Ground, Probe, probability};
+use crate::data::{believed::Context, rows::Row, runs::Run};
+use crate::evidence::probes;
+use crate::noise::calibrate::Calibrated;
+use crate::trial::{By, Halves, Trial};
+use rundown_check::agreement::Figure;
+
+/// How each term of a model fares. `None`: one that does not show in the fit of its own law, or differs from run to run, is judged elsewhere. One that cannot
+/// be told from chance has not stood its trial.
+pub fn trials(
+    context: &Context<'_>,
+    rows: &[Row],
+    calibrated: &Calibrated,
+    model: &[Fitted],
+    runs: &[Run],
+) -> Vec<Option<Trial>> {
+    let flips = context.config.evidence.flips;
+    if model.is_empty() {
+        return Vec::new();
+    }
+    let ground = Ground::new(context, rows, calibrated);
+    let probes = probes(&ground, &context.config.evidence).map_or_else(Vec::new, |(_, probes)| probes);
+    let by_chance = |draw| (probes.iter().map(|(_, _, probe)| probe.by_chance(&draw)).fold(0.0, f64::max), draw);
+    let draws: Vec<_> = ground.draws(flips).map(by_chance).collect();
+    let columns: Vec<Vec<f64>> = model.iter().map(|fitted| column(context, rows, fitted)).collect();
+    let of_term = |(index, fitted): (usize, &Fitted)| {
+        let others = columns.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, column)| column.clone());
+        let base = ground.beside(&others.collect::<Vec<_>>())?;
+        let probe = ground.probe(&base, &columns[index])?;
+        let observed = probe.observed();
+        let reached = draws.iter().filter(|(most, draw)| most.max(probe.by_chance(draw)) >= observed).count();
+        Some(Trial { p_value: probability(reached, flips), halves: halves(&probe, &fitted.term, rows, runs) })
+    };
+    let tried = |one: (usize, &Fitted)| is_tried(&one.1.term).then(|| of_term(one).unwrap_or(Trial::IMPOSSIBLE));
+    model.iter().enumerate().map(tried).collect()
+}
+
+/// What a term adds in each row as it was found.
+fn column(context: &Context<'_>, rows: &[Row], fitted: &Fitted) -> Vec<f64> {
+    let beta = if fitted.term.is_whole() { &[1.0][..] } else { &fitted.beta };
+    fitted.term.extra(beta, context, rows)
+}
+
+fn is_tried(term: &Term) -> bool {
+    term.of.facts().nature.shows_in == ShowsIn::Law && !matches!(term.shape, Shape::Runs(_))
+}
+
+/// The multiple of a column in halves of the runs; not by date what changes with it.
+fn halves(probe: &Probe, term: &Term, rows: &[Row], runs: &[Run]) -> Vec<Halves> {
+    let of_rows: Vec<usize> =
+        rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| rows[0].interval.run).collect();
+    let of = |by: By| {
+        let half_of = by.halves_of(runs);
+        let half = |wanted: usize| {
+            let inside =
+                || of_rows.iter().enumerate().filter(|(_, run)| half_of[**run] == Some(wanted)).map(|(i, _)| i);
+            let information: f64 = inside().map(|i| probe.information[i]).sum();
+            let value = inside().map(|i| probe.scores[i]).sum::<f64>() / information;
+            // As runs scatter about it; no less than the noise says.
+            let left = inside().map(|i| (probe.scores[i] - value * probe.information[i]).powi(2)).sum::<f64>();
+            let sd = left.max(information).sqrt() / information;
+            (information > 0.0).then_some(Figure { value, sd })
+        };
+        Some(Halves { by, multiples: [half(0)?, half(1)?] })
+    };
+    let told = |by: &By| !(term.between_runs() && *by == By::Date);
+    By::ALL.into_iter().filter(told).filter_map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::candidates;
+    use crate::config::GapConfig;
+    use crate::data::believed::tests::on_a_level_line;
+    use crate::data::runs::Recorded;
+    use crate::noise::whitening::Noise;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rundown::model::{direction::Direction, effects::EffectKind};
+
+    const RUNS: usize = 30;
+    const ROWS: usize = 60;
+    /// Largest resistance of the section, N/kg.
+    const DRAG_N_PER_KG: f64 = 0.01;
+
+    /// The trial of a tunnel from km 20 to 25 of which so many times as much is there in each run as was found; noise of 0.01 N/kg.
+    fn trial(seed: u64, multiple: fn(usize) -> f64) -> Trial {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let directions = [Direction::Up, Direction::Down];
+        let mut rows = Vec::new();
+        for run in 0..RUNS {
+            for i in 0..ROWS {
+                let mut row = Row::coasting(directions[run % 2], 1000.0 * i as f64, 25.0);
+                row.interval.run = run;
+                rows.push(row);
+            }
+        }
+        let run = |run: usize| Run {
+            name: run.to_string(),
+            direction: directions[run % 2],
+            day: Some(run as f64),
+            samples: Vec::new(),
+            recorded: Recorded::default(),
+        };
+        let runs: Vec<Run> = (0..RUNS).map(run).collect();
+        let noise = Noise { acceleration_mps2: 0.01, ..Noise::default() };
+        let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+        on_a_level_line(RUNS, |context| {
+            let shape = Shape::Section([20_000.0, 25_000.0]);
+            let term = Term { of: candidates::of(EffectKind::TunnelDrag), shape };
+            let beta = vec![DRAG_N_PER_KG / term.extra(&[1.0], context, &rows).into_iter().fold(0.0, f64::max)];
+            let extra = term.extra(&beta, context, &rows);
+            for (row, extra) in rows.iter_mut().zip(extra) {
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                row.residual_n_per_kg = 0.01 * noise + multiple(row.interval.run) * extra;
+            }
+            let fitted =
+                Fitted { term, beta, sd: vec![0.0], gain: 0.0, section: None, shape: None, rivals: Vec::new() };
+            trials(context, &rows, &calibrated, &[fitted], &runs).remove(0).unwrap()
+        })
+    }
+
+    #[test]
+    fn what_is_there_in_all_runs_stands() {
+        for seed in 0..5 {
+            let trial = trial(seed, |_| 1.0);
+            assert!(trial.is_stood(&GapConfig::default()), "{trial:?}");
+            let by: Vec<By> = trial.halves.iter().map(|halves| halves.by).collect();
+            assert_eq!(by, [By::Turn, By::Date, By::Direction], "all runs are of one unit");
+            for figure in trial.halves.iter().flat_map(|halves| halves.multiples) {
+                assert!(figure.away_from(1.0) < 4.0, "{figure:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_there_is_chance() {
+        let stood = (0..20).filter(|seed| trial(*seed, |_| 0.0).p_value <= 0.05).count();
+        // The section is given and not looked for, so fewer than one in twenty.
+        assert!(stood <= 3, "{stood} of 20");
+    }
+
+    #[test]
+    fn what_is_there_on_later_days_only_does_not_repeat() {
+        for seed in 0..5 {
+            let trial = trial(seed, |run| if run < RUNS / 2 { 0.0 } else { 2.0 });
+            let config = GapConfig::default();
+            assert!(trial.p_value <= config.certainty.chance && !trial.is_stood(&config), "{trial:?}");
+            assert!(trial.sentence(&config).contains("in the earlier days"), "{}", trial.sentence(&config));
+        }
+    }
+}
