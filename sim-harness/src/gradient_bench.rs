@@ -175,7 +175,7 @@ pub fn bench(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<Vec<Row>, S
     Ok(Described::ALL.iter().enumerate().map(row).collect())
 }
 
-/// Steps of [`bench`].
+/// Steps of [`bench()`].
 pub const fn steps(sets: u64) -> u64 {
     (LONG.len() + HOPS.len()) as u64 * sets
 }

@@ -136,7 +136,7 @@ pub fn bench(sets: u64, seed: u64, done: impl Fn() + Sync) -> Result<Bench, Driv
     Ok(Bench { disturbances, lines })
 }
 
-/// Steps of [`bench`].
+/// Steps of [`bench()`].
 pub const fn steps(sets: u64) -> u64 {
     FLEETS.len() as u64 * sets
 }

@@ -1,30 +1,49 @@
-//! What chance alone would make of a column: signs of whole runs flipped.
+//! What chance alone would make of a column: signs of whole runs flipped, and for probes that know no law what drivers do alike drawn beside them.
 
 use crate::data::{believed::Context, rows::Row};
 use crate::fit::Base;
 use crate::noise::calibrate::Calibrated;
-use crate::noise::habits::{DRIVEN, Scatter, regime};
+use crate::noise::habits::{self, DRIVEN, Scatter, regime};
 use crate::noise::whitening::Whitening;
 use crate::search::fits::sensors;
 use nalgebra::DVector;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 
-/// One draw: the signs of the runs.
-pub type Draw = Vec<f64>;
+/// One draw: the signs of the runs, and how large each habit is in its standard deviations.
+pub struct Draw {
+    signs: Vec<f64>,
+    habits: Vec<f64>,
+}
 
 /// Probability of what so many of the draws reach.
 pub fn probability(reached: usize, draws: usize) -> f64 {
     (reached + 1) as f64 / (draws + 1) as f64
 }
 
-/// Residuals on which columns are tried: driven rows count as much less as they scatter more.
+/// Residuals on which columns are tried.
 pub struct Ground<'a> {
     context: &'a Context<'a>,
     pub rows: &'a [Row],
     whitening: Whitening,
     y: DVector<f64>,
     sensors: Vec<DVector<f64>>,
+    /// One standard deviation of each habit that is drawn.
+    habits: Vec<DVector<f64>>,
+}
+
+/// Driven rows count as much less as they scatter more.
+fn driven_less(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> Calibrated {
+    let config = &context.config.evidence;
+    let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
+    let wider = Scatter::of(rows, &y, config).wider();
+    let mut calibrated = calibrated.clone();
+    for (row, spread) in rows.iter().zip(&mut calibrated.spread) {
+        let driven = DRIVEN.iter().zip(wider).find(|(which, _)| **which == regime(row, config));
+        *spread *= driven.map_or(1.0, |(_, wider)| wider);
+    }
+    calibrated
 }
 
 /// A column that was tried: what it makes of each run.
@@ -34,20 +53,29 @@ pub struct Probe {
     pub information: Vec<f64>,
     /// The score that what does not count would make.
     small: f64,
+    /// The score by one standard deviation of each habit that is drawn.
+    habits: Vec<f64>,
 }
 
 impl<'a> Ground<'a> {
-    pub fn new(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
-        let config = &context.config.evidence;
+    /// For the evidence: what drivers do alike is drawn beside the signs, so no probe is more than it.
+    pub fn of_probes(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
+        let whitening = driven_less(context, rows, calibrated).whitening(context, rows);
+        let habits = habits::columns(rows, &calibrated.driven_n_per_kg, context.config);
+        let drawn = |(column, sd): &(Vec<f64>, f64)| whitening.whiten(column) * *sd;
+        let habits = habits.iter().filter(|(_, sd)| *sd > 0.0).map(drawn).collect();
+        Self { habits, ..Self::on(context, rows, whitening) }
+    }
+
+    /// For the trial of a law that is known: what drivers do alike is a random effect beside it, which leaves what only the law explains.
+    pub fn of_terms(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
+        Self::on(context, rows, driven_less(context, rows, calibrated).for_trials(context, rows))
+    }
+
+    fn on(context: &'a Context<'a>, rows: &'a [Row], whitening: Whitening) -> Self {
         let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
-        let scatter = Scatter::of(rows, &y, config);
-        let mut calibrated = calibrated.clone();
-        for (row, spread) in rows.iter().zip(&mut calibrated.spread) {
-            let driven = DRIVEN.iter().zip(scatter.wider()).find(|(which, _)| **which == regime(row, config));
-            *spread *= driven.map_or(1.0, |(_, wider)| wider);
-        }
-        let whitening = calibrated.for_trials(context, rows);
-        Self { y: whitening.whiten(&y), sensors: sensors(context, rows, &whitening), context, rows, whitening }
+        let sensors = sensors(context, rows, &whitening);
+        Self { y: whitening.whiten(&y), sensors, habits: Vec::new(), context, rows, whitening }
     }
 
     /// What these columns and those of the sensors leave. `None`: they are not independent.
@@ -77,36 +105,42 @@ impl<'a> Ground<'a> {
             scores,
             information,
             small: config.certainty.nothing_n_per_kg * column.norm_squared(),
+            habits: self.habits.iter().map(|habit| habit.dot(&column)).collect(),
         })
     }
 
     /// So many draws of chance, always the same ones.
     pub fn draws(&self, count: usize) -> impl Iterator<Item = Draw> {
-        let runs = self.whitening.runs().len();
+        let (runs, habits) = (self.whitening.runs().len(), self.habits.len());
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        (0..count).map(move |_| (0..runs).map(|_| if rng.next_u32() & 1 == 0 { 1.0 } else { -1.0 }).collect())
+        (0..count).map(move |_| Draw {
+            signs: (0..runs).map(|_| if rng.next_u32() & 1 == 0 { 1.0 } else { -1.0 }).collect(),
+            habits: (0..habits).map(|_| StandardNormal.sample(&mut rng)).collect(),
+        })
     }
 }
 
 impl Probe {
     /// In standard deviations: those that the runs scatter about their mean, no less than the noise says. Few runs that agree are then as sure as they are;
     /// measured by the sum of their squares they could never be.
-    fn size(&self, beyond: f64, signed: impl Fn(usize) -> f64) -> f64 {
+    fn size(&self, beyond: f64, habits: f64, signed: impl Fn(usize) -> f64) -> f64 {
         let information: f64 = self.information.iter().sum();
         let sum: f64 = (0..self.scores.len()).map(&signed).sum();
         let mean = sum / information;
         let left = |(i, information): (usize, &f64)| (signed(i) - mean * information).powi(2);
         let scatter: f64 = self.information.iter().enumerate().map(left).sum();
-        (sum.abs() - beyond).max(0.0) / scatter.max(information).sqrt()
+        let drawn: f64 = self.habits.iter().map(|habit| habit * habit).sum();
+        ((sum + habits).abs() - beyond).max(0.0) / (scatter.max(information) + drawn).sqrt()
     }
 
     /// As chance would have it.
     pub fn by_chance(&self, draw: &Draw) -> f64 {
-        self.size(0.0, |i| self.scores[i] * draw[i])
+        let habits = self.habits.iter().zip(&draw.habits).map(|(habit, size)| habit * size).sum();
+        self.size(0.0, habits, |i| self.scores[i] * draw.signs[i])
     }
 
     /// As it is.
     pub fn observed(&self) -> f64 {
-        self.size(self.small, |i| self.scores[i])
+        self.size(self.small, 0.0, |i| self.scores[i])
     }
 }

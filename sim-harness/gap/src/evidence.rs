@@ -3,7 +3,7 @@
 //! Probes are functions of location, speed, time since departure, temperature, day, regime and direction that name no cause. Not of the effort: its own error
 //! stands in the residual, so rows that are chosen by their effort have one. Under the null each run's score of a probe is as likely positive as negative, so
 //! flipping the signs of whole runs gives the distribution of the largest of them, whatever the correlation within a run and between probes. (Sign-flip test;
-//! runs are the unit.) What all drivers do alike between two readings of the effort is no gap: it is a random effect here, and driven rows count as much less
+//! runs are the unit.) What all drivers do alike between two readings of the effort is no gap: it is drawn with the signs, and driven rows count as much less
 //! as they scatter more. Nor is what sensors leave in all runs alike: the observed scores are less by what 1e-4 N/kg would make.
 
 use crate::chance::{Ground, Probe, probability};
@@ -82,7 +82,7 @@ pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) ->
     if rows.is_empty() {
         return (Vec::new(), 1.0);
     }
-    let ground = Ground::new(context, rows, calibrated);
+    let ground = Ground::of_probes(context, rows, calibrated);
     let Some((axes, probes)) = probes(&ground, config) else {
         return (Vec::new(), 1.0);
     };

@@ -21,7 +21,7 @@ pub fn trials(
     if model.is_empty() {
         return Vec::new();
     }
-    let ground = Ground::new(context, rows, calibrated);
+    let ground = Ground::of_terms(context, rows, calibrated);
     let probes = probes(&ground, &context.config.evidence).map_or_else(Vec::new, |(_, probes)| probes);
     let by_chance = |draw| (probes.iter().map(|(_, _, probe)| probe.by_chance(&draw)).fold(0.0, f64::max), draw);
     let draws: Vec<_> = ground.draws(flips).map(by_chance).collect();
