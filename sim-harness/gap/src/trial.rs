@@ -1,6 +1,6 @@
 //! Is it more than chance, and does it repeat? What a term of the resistance must stand before it has a name; else it is told as a candidate.
 //!
-//! The column of the term (see [`trials`](crate::trials)), its shape and coefficients as found, is tried beside the other terms as the probes of the evidence are: by signs
+//! The column of the term (see `trials.rs`), its shape and coefficients as found, is tried beside the other terms as the probes of the evidence are: by signs
 //! of whole runs and habits of drivers. It was looked for, so it must exceed the largest that chance makes of it or of any probe. And it must say the same in
 //! both halves of the runs: by their order, by the date, by direction, by unit.
 

@@ -192,7 +192,7 @@ impl Habits {
         }
     }
 
-    /// This driver on a day on which another would have driven like `day`: the style is the driver's own, [`DAY_SHARE`] of it the day's.
+    /// This driver on a day on which another would have driven like `day`: the style is the driver's own, `DAY_SHARE` of it the day's.
     pub fn on_day(self, day: &Self) -> Self {
         let mixed = |own: f64, day: f64| own + DAY_SHARE * (day - own);
         Self {

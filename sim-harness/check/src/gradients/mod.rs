@@ -9,7 +9,7 @@
 //!
 //! Which stretches are coasted is not asked of the estimator, whose answer depends on the gradients, but of each version: with the right gradients many
 //! stretches have no effort at all, with wrong ones the same stretches scatter. So each version's efforts are a narrow normal distribution around zero
-//! in a broad uniform one ([`mixture`]), and versions are compared by their likelihoods.
+//! in a broad uniform one (`mixture`), and versions are compared by their likelihoods.
 
 mod mixture;
 mod stretch;
