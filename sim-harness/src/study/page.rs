@@ -50,7 +50,7 @@ pub fn title(train: &str, track: &str) -> String {
 
 pub fn page(page: &StudyPage) -> String {
     let mut sections = vec![Section::new("truth", "Does the estimate follow the truth?", truth(page))];
-    let method = html! { figure { (PreEscaped(METHOD.replace(NAME_SPACE, ""))) figcaption {
+    let method = html! { figure { div.wide { (PreEscaped(METHOD.replace(NAME_SPACE, ""))) } figcaption {
         "What is computed from what. The loop from the estimates back into the effort is why the true resistance cancels out."
     } } };
     sections.push(Section::new("fig-1", "Fig. 1: the method", method));
