@@ -242,7 +242,7 @@ settings! {
     }
     /// How sure a name and its values are.
     certainty: CertaintyConfig {
-        chance: f64 = 0.01, /// A term of which chance makes as much more often has no name, and is a candidate. Judgement: it was looked for among 25 kinds of effects.
+        chance: f64 = 0.05, /// A term of which chance makes as much more often has no name, and is a candidate. Judgement: convention; few runs reach no less.
         halves: f64 = 3.0, /// Halves of the runs that differ by more standard deviations do not show the same. Judgement.
         telling_half: f64 = 0.5, /// A half whose standard deviation is a smaller share of the effect could show it. Judgement.
         law: f64 = 0.01, /// A law is as good as this share of its coefficient, whatever the noise. Measured: means over 10 s, the path between readings.
