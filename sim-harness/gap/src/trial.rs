@@ -17,6 +17,8 @@ use std::collections::BTreeMap;
 pub struct Trial {
     /// Probability that chance alone makes as much of this term, or of any probe.
     pub p_value: f64,
+    /// What so few runs reach at best: the chance that a name is allowed is no less.
+    pub least: f64,
     /// Where the runs could be halved: the term in both halves, as a multiple of what all runs say.
     pub halves: Vec<Halves>,
 }
@@ -112,11 +114,12 @@ impl Halves {
 
 impl Trial {
     /// Of a term that acts in too few runs to be told from chance.
-    pub(crate) const IMPOSSIBLE: Self = Self { p_value: 1.0, halves: Vec::new() };
+    pub(crate) const IMPOSSIBLE: Self = Self { p_value: 1.0, least: 0.0, halves: Vec::new() };
 
     /// It is no chance, and repeats.
     pub fn is_stood(&self, config: &GapConfig) -> bool {
-        self.p_value <= config.certainty.chance && !self.halves.iter().any(|halves| halves.contradict(config))
+        self.p_value <= config.certainty.chance.max(self.least)
+            && !self.halves.iter().any(|halves| halves.contradict(config))
     }
 
     /// As in `gap.json`.

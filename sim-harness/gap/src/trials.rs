@@ -32,7 +32,12 @@ pub fn trials(
         let probe = ground.probe(&base, &columns[index])?;
         let observed = probe.observed();
         let reached = draws.iter().filter(|(most, draw)| most.max(probe.by_chance(draw)) >= observed).count();
-        Some(Trial { p_value: probability(reached, flips), halves: halves(&probe, &fitted.term, rows, runs) })
+        // 2^n signs, and some 60 probes beside.
+        Some(Trial {
+            least: 64.0 * 0.5_f64.powi(runs.len() as i32),
+            p_value: probability(reached, flips),
+            halves: halves(&probe, &fitted.term, rows, runs),
+        })
     };
     let tried = |one: (usize, &Fitted)| is_tried(&one.1.term).then(|| of_term(one).unwrap_or(Trial::IMPOSSIBLE));
     model.iter().enumerate().map(tried).collect()
