@@ -33,11 +33,14 @@ pub struct Ground<'a> {
     habits: Vec<DVector<f64>>,
 }
 
+fn residuals(rows: &[Row]) -> Vec<f64> {
+    rows.iter().map(|row| row.residual_n_per_kg).collect()
+}
+
 /// Driven rows count as much less as they scatter more.
 fn driven_less(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> Calibrated {
     let config = &context.config.evidence;
-    let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
-    let wider = Scatter::of(rows, &y, config).wider();
+    let wider = Scatter::of(rows, &residuals(rows), config).wider();
     let mut calibrated = calibrated.clone();
     for (row, spread) in rows.iter().zip(&mut calibrated.spread) {
         let driven = DRIVEN.iter().zip(wider).find(|(which, _)| **which == regime(row, config));
@@ -48,13 +51,47 @@ fn driven_less(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> 
 
 /// A column that was tried: what it makes of each run.
 pub struct Probe {
-    /// Score of each run, and how much it would be by one unit of the column.
-    pub scores: Vec<f64>,
-    pub information: Vec<f64>,
+    /// Of each run.
+    pub runs: Vec<OfRun>,
     /// The score that what does not count would make.
     small: f64,
     /// The score by one standard deviation of each habit that is drawn.
     habits: Vec<f64>,
+}
+
+/// What a column makes of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct OfRun {
+    /// Its score: so much times [`Self::information`] units of the column.
+    pub score: f64,
+    /// How much it would be by one unit of the column, which is its variance by the noise alone.
+    pub information: f64,
+    /// One run that says much is not all runs: a column differs from run to run, too.
+    weight: f64,
+}
+
+impl OfRun {
+    /// Its weight where the multiple has this variance between runs.
+    pub fn weight_beside(&self, between: f64) -> f64 {
+        1.0 / (1.0 + between * self.information)
+    }
+}
+
+/// How runs scatter about a multiple of a column, beyond what noise makes: the excess of the sum of squares, and by how much it grows with the variance between
+/// runs, so that their ratio is an estimate of it. (DerSimonian and Laird 1986.)
+///
+/// `about`: the multiple, where it is known; else the mean of these runs.
+pub fn beyond_noise(runs: impl Iterator<Item = OfRun> + Clone, about: Option<f64>) -> [f64; 2] {
+    let runs = runs.filter(|run| run.information > 0.0);
+    let sum = |of: &dyn Fn(OfRun) -> f64| runs.clone().map(of).sum::<f64>();
+    let information = sum(&|run| run.information);
+    let mean = about.unwrap_or_else(|| sum(&|run| run.score) / information);
+    let squares = sum(&|run| (run.score - mean * run.information).powi(2) / run.information);
+    let count = runs.clone().count() as f64;
+    match about {
+        Some(_) => [squares - count, information],
+        None => [squares - (count - 1.0), information - sum(&|run| run.information.powi(2)) / information],
+    }
 }
 
 impl<'a> Ground<'a> {
@@ -73,9 +110,8 @@ impl<'a> Ground<'a> {
     }
 
     fn on(context: &'a Context<'a>, rows: &'a [Row], whitening: Whitening) -> Self {
-        let y: Vec<f64> = rows.iter().map(|row| row.residual_n_per_kg).collect();
         let sensors = sensors(context, rows, &whitening);
-        Self { y: whitening.whiten(&y), sensors, habits: Vec::new(), context, rows, whitening }
+        Self { y: whitening.whiten(&residuals(rows)), sensors, habits: Vec::new(), context, rows, whitening }
     }
 
     /// What these columns and those of the sensors leave. `None`: they are not independent.
@@ -98,15 +134,18 @@ impl<'a> Ground<'a> {
         let of_run = |other: &DVector<f64>, r: &core::ops::Range<usize>| {
             column.rows(r.start, r.len()).dot(&other.rows(r.start, r.len()))
         };
-        let of_runs = |other: &DVector<f64>| self.whitening.runs().iter().map(|r| of_run(other, r)).collect();
-        let scores: Vec<f64> = of_runs(&base.residual);
-        let information = of_runs(&column);
-        (enough && information.iter().sum::<f64>() > 0.0).then(|| Probe {
-            scores,
-            information,
-            small: config.certainty.nothing_n_per_kg * column.norm_squared(),
-            habits: self.habits.iter().map(|habit| habit.dot(&column)).collect(),
-        })
+        let runs = self.whitening.runs();
+        let unweighted = |r| OfRun { score: of_run(&base.residual, r), information: of_run(&column, r), weight: 1.0 };
+        let mut of_runs: Vec<OfRun> = runs.iter().map(unweighted).collect();
+        // About none, so that flipped signs have the same weights.
+        let [excess, growth] = beyond_noise(of_runs.iter().copied(), Some(0.0));
+        of_runs.iter_mut().for_each(|run| run.weight = run.weight_beside((excess / growth).max(0.0)));
+        let information: f64 = of_runs.iter().map(|run| run.weight * run.information).sum();
+        let weighted =
+            |habit: &DVector<f64>| runs.iter().zip(&of_runs).map(|(r, run)| run.weight * of_run(habit, r)).sum::<f64>();
+        let habits = self.habits.iter().map(weighted).collect();
+        let small = config.certainty.nothing_n_per_kg * information;
+        (enough && information > 0.0).then_some(Probe { runs: of_runs, small, habits })
     }
 
     /// So many draws of chance, always the same ones.
@@ -123,24 +162,25 @@ impl<'a> Ground<'a> {
 impl Probe {
     /// In standard deviations: those that the runs scatter about their mean, no less than the noise says. Few runs that agree are then as sure as they are;
     /// measured by the sum of their squares they could never be.
-    fn size(&self, beyond: f64, habits: f64, signed: impl Fn(usize) -> f64) -> f64 {
-        let information: f64 = self.information.iter().sum();
-        let sum: f64 = (0..self.scores.len()).map(&signed).sum();
-        let mean = sum / information;
-        let left = |(i, information): (usize, &f64)| (signed(i) - mean * information).powi(2);
-        let scatter: f64 = self.information.iter().enumerate().map(left).sum();
+    fn size(&self, beyond: f64, habits: f64, sign: impl Fn(usize) -> f64) -> f64 {
+        let runs = || self.runs.iter().enumerate();
+        let sum: f64 = runs().map(|(i, run)| sign(i) * run.weight * run.score).sum();
+        let mean = sum / self.runs.iter().map(|run| run.weight * run.information).sum::<f64>();
+        let left = |(i, run): (usize, &OfRun)| (run.weight * (sign(i) * run.score - mean * run.information)).powi(2);
+        let scatter: f64 = runs().map(left).sum();
+        let noise: f64 = self.runs.iter().map(|run| run.weight.powi(2) * run.information).sum();
         let drawn: f64 = self.habits.iter().map(|habit| habit * habit).sum();
-        ((sum + habits).abs() - beyond).max(0.0) / (scatter.max(information) + drawn).sqrt()
+        ((sum + habits).abs() - beyond).max(0.0) / (scatter.max(noise) + drawn).sqrt()
     }
 
     /// As chance would have it.
     pub fn by_chance(&self, draw: &Draw) -> f64 {
         let habits = self.habits.iter().zip(&draw.habits).map(|(habit, size)| habit * size).sum();
-        self.size(0.0, habits, |i| self.scores[i] * draw.signs[i])
+        self.size(0.0, habits, |i| draw.signs[i])
     }
 
     /// As it is.
     pub fn observed(&self) -> f64 {
-        self.size(self.small, 0.0, |i| self.scores[i])
+        self.size(self.small, 0.0, |_| 1.0)
     }
 }

@@ -17,8 +17,6 @@ use std::collections::BTreeMap;
 pub struct Trial {
     /// Probability that chance alone makes as much of this term, or of any probe.
     pub p_value: f64,
-    /// What so few runs reach at best: the chance that a name is allowed is no less.
-    pub least: f64,
     /// Where the runs could be halved: the term in both halves, as a multiple of what all runs say.
     pub halves: Vec<Halves>,
 }
@@ -30,6 +28,8 @@ pub struct Halves {
     pub by: By,
     /// In each of them.
     pub multiples: [Figure; 2],
+    /// From how many runs more than needed their standard deviations are known.
+    pub freedom: f64,
 }
 
 /// Into which halves runs are split.
@@ -107,19 +107,21 @@ impl Halves {
     pub fn contradict(&self, config: &GapConfig) -> bool {
         let [a, b] = self.multiples;
         let telling = |half: &Figure| half.sd < config.certainty.telling_half;
-        (a.value - b.value).abs() > config.certainty.halves * a.sd.hypot(b.sd)
+        // Quantile of Student's t beside that of the normal distribution, to first order in 1/freedom. (Cornish and Fisher 1938.)
+        let sure = config.certainty.halves;
+        let sure = sure * (1.0 + (sure * sure + 1.0) / (4.0 * self.freedom));
+        (a.value - b.value).abs() > sure * a.sd.hypot(b.sd)
             || self.multiples.iter().any(|half| telling(half) && half.value <= 0.0)
     }
 }
 
 impl Trial {
     /// Of a term that acts in too few runs to be told from chance.
-    pub(crate) const IMPOSSIBLE: Self = Self { p_value: 1.0, least: 0.0, halves: Vec::new() };
+    pub(crate) const IMPOSSIBLE: Self = Self { p_value: 1.0, halves: Vec::new() };
 
     /// It is no chance, and repeats.
     pub fn is_stood(&self, config: &GapConfig) -> bool {
-        self.p_value <= config.certainty.chance.max(self.least)
-            && !self.halves.iter().any(|halves| halves.contradict(config))
+        self.p_value <= config.certainty.chance && !self.halves.iter().any(|halves| halves.contradict(config))
     }
 
     /// As in `gap.json`.

@@ -1,7 +1,7 @@
 //! The trial of each term of a model: its column beside the other terms, by flipped signs of runs and in halves of the runs.
 
 use crate::candidate::{Fitted, Shape, ShowsIn, Term};
-use crate::chance::{Ground, Probe, probability};
+use crate::chance::{Ground, OfRun, Probe, beyond_noise, probability};
 use crate::data::{believed::Context, rows::Row, runs::Run};
 use crate::evidence::probes;
 use crate::noise::calibrate::Calibrated;
@@ -32,12 +32,7 @@ pub fn trials(
         let probe = ground.probe(&base, &columns[index])?;
         let observed = probe.observed();
         let reached = draws.iter().filter(|(most, draw)| most.max(probe.by_chance(draw)) >= observed).count();
-        // 2^n signs, and some 60 probes beside.
-        Some(Trial {
-            least: 64.0 * 0.5_f64.powi(runs.len() as i32),
-            p_value: probability(reached, flips),
-            halves: halves(&probe, &fitted.term, rows, runs),
-        })
+        Some(Trial { p_value: probability(reached, flips), halves: halves(&probe, &fitted.term, rows, runs) })
     };
     let tried = |one: (usize, &Fitted)| is_tried(&one.1.term).then(|| of_term(one).unwrap_or(Trial::IMPOSSIBLE));
     model.iter().enumerate().map(tried).collect()
@@ -59,17 +54,24 @@ fn halves(probe: &Probe, term: &Term, rows: &[Row], runs: &[Run]) -> Vec<Halves>
         rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| rows[0].interval.run).collect();
     let of = |by: By| {
         let half_of = by.halves_of(runs);
-        let half = |wanted: usize| {
-            let inside =
-                || of_rows.iter().enumerate().filter(|(_, run)| half_of[**run] == Some(wanted)).map(|(i, _)| i);
-            let information: f64 = inside().map(|i| probe.information[i]).sum();
-            let value = inside().map(|i| probe.scores[i]).sum::<f64>() / information;
-            // As runs scatter about it; no less than the noise says.
-            let left = inside().map(|i| (probe.scores[i] - value * probe.information[i]).powi(2)).sum::<f64>();
-            let sd = left.max(information).sqrt() / information;
-            (information > 0.0).then_some(Figure { value, sd })
+        let inside = |wanted: usize| {
+            let of_half = probe.runs.iter().zip(&of_rows).filter(|(_, run)| half_of[**run] == Some(wanted));
+            of_half.map(|(of_run, _)| *of_run).collect::<Vec<OfRun>>()
         };
-        Some(Halves { by, multiples: [half(0)?, half(1)?] })
+        let both = [inside(0), inside(1)];
+        // As runs scatter within the halves.
+        let [[a, of_a], [b, of_b]] = both.each_ref().map(|half| beyond_noise(half.iter().copied(), None));
+        let between = ((a + b) / (of_a + of_b)).max(0.0);
+        let figure = |half: &Vec<OfRun>| {
+            let sum =
+                |of: &dyn Fn(&OfRun) -> f64| half.iter().map(|run| run.weight_beside(between) * of(run)).sum::<f64>();
+            let information = sum(&|run| run.information);
+            let square: f64 = half.iter().map(|run| (run.weight_beside(between) * run.information).powi(2)).sum();
+            let figure = Figure { value: sum(&|run| run.score) / information, sd: 1.0 / information.sqrt() };
+            (information > 0.0).then_some((figure, information * information / square - 1.0))
+        };
+        let [(first, free), (second, also)] = [figure(&both[0])?, figure(&both[1])?];
+        Some(Halves { by, multiples: [first, second], freedom: (free + also).max(0.0) })
     };
     let told = |by: &By| !(term.between_runs() && *by == By::Date);
     By::ALL.into_iter().filter(told).filter_map(of).collect()
