@@ -11,6 +11,7 @@ use crate::columns::{coordinate_name, hats, in_the_middle, knots};
 use crate::config::EvidenceConfig;
 use crate::data::{believed::Context, rows::Row};
 use crate::noise::{calibrate::Calibrated, habits::regime};
+use core::ops::Range;
 use rundown::model::{direction::Direction, effects::Coordinate};
 
 /// Along what residuals may vary.
@@ -83,41 +84,50 @@ pub fn evidence(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) ->
         return (Vec::new(), 1.0);
     }
     let ground = Ground::of_probes(context, rows, calibrated);
-    let Some((axes, probes)) = probes(&ground, config) else {
-        return (Vec::new(), 1.0);
+    let probes = probes(&ground, config);
+    let draws: Vec<Vec<f64>> = ground
+        .draws(config.flips)
+        .map(|draw| probes.iter().map(|placed| placed.probe.by_chance(&draw)).collect())
+        .collect();
+    let observed: Vec<f64> = probes.iter().map(|placed| placed.probe.observed()).collect();
+    // How often the largest of some probes by chance is as large as the largest observed.
+    let p = |of: Range<usize>| {
+        let most = |sizes: &[f64]| sizes[of.clone()].iter().copied().fold(0.0, f64::max);
+        probability(draws.iter().filter(|sizes| most(sizes) >= most(&observed)).count(), config.flips)
     };
-    let observed: Vec<f64> = probes.iter().map(|(_, _, probe)| probe.observed()).collect();
-    let most = |of: &[f64], axis: usize| {
-        probes.iter().zip(of).filter(|((on, _, _), _)| *on == axis).map(|(_, v)| *v).fold(0.0, f64::max)
-    };
-    let (mut exceeded, mut any) = (vec![0_usize; axes.len()], 0);
-    let largest = observed.iter().copied().fold(0.0, f64::max);
-    for chance in ground.draws(config.flips) {
-        let flipped: Vec<f64> = probes.iter().map(|(_, _, probe)| probe.by_chance(&chance)).collect();
-        any += usize::from(flipped.iter().copied().fold(0.0, f64::max) >= largest);
-        for (axis, count) in exceeded.iter_mut().enumerate() {
-            *count += usize::from(most(&flipped, axis) >= most(&observed, axis));
-        }
+    let mut from = 0;
+    let mut all = Vec::new();
+    for along in probes.chunk_by(|a, b| a.along == b.along) {
+        let those = from..from + along.len();
+        from = those.end;
+        let best = those.clone().max_by(|a, b| observed[*a].total_cmp(&observed[*b]));
+        all.extend(best.map(|best| Evidence {
+            along: probes[best].along,
+            score: observed[best],
+            at: probes[best].at,
+            p_value: p(those),
+        }));
     }
-    let p = |count: usize| probability(count, config.flips);
-    let of_axis = |(axis, along): (usize, &Along)| {
-        let of = (0..probes.len()).filter(|i| probes[*i].0 == axis);
-        let best = of.max_by(|a, b| observed[*a].total_cmp(&observed[*b]))?;
-        Some(Evidence { along: *along, score: observed[best], at: probes[best].1, p_value: p(exceeded[axis]) })
-    };
-    let mut all: Vec<Evidence> = axes.iter().enumerate().filter_map(of_axis).collect();
     all.sort_by(|a, b| b.score.total_cmp(&a.score));
-    (all, p(any))
+    (all, p(0..probes.len()))
 }
 
-/// Along what, and the probes that stand in enough runs: of which axis, where. `None`: the columns of the sensors are not independent.
-#[expect(clippy::type_complexity)]
-pub fn probes(ground: &Ground<'_>, config: &EvidenceConfig) -> Option<(Vec<Along>, Vec<(usize, f64, Probe)>)> {
-    let base = ground.beside(&[])?;
-    let axes = axes(ground.rows, config);
-    let all = axes.iter().enumerate().flat_map(|(axis, (_, columns))| columns.iter().map(move |column| (axis, column)));
-    let probes = all.filter_map(|(axis, (at, column))| Some((axis, *at, ground.probe(&base, column)?))).collect();
-    Some((axes.into_iter().map(|(along, _)| along).collect(), probes))
+/// A probe, along what, and where it stands.
+pub struct Placed {
+    along: Along,
+    at: f64,
+    /// What it makes of each run.
+    pub probe: Probe,
+}
+
+/// The probes that stand in enough runs; none where the columns of the sensors are not independent.
+pub fn probes(ground: &Ground<'_>, config: &EvidenceConfig) -> Vec<Placed> {
+    let Some(base) = ground.beside(&[]) else {
+        return Vec::new();
+    };
+    let axes = axes(ground.rows, config).into_iter();
+    let all = axes.flat_map(|(along, columns)| columns.into_iter().map(move |(at, column)| (along, at, column)));
+    all.filter_map(|(along, at, column)| Some(Placed { along, at, probe: ground.probe(&base, &column)? })).collect()
 }
 
 #[cfg(test)]

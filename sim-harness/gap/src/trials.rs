@@ -22,8 +22,8 @@ pub fn trials(
         return Vec::new();
     }
     let ground = Ground::of_terms(context, rows, calibrated);
-    let probes = probes(&ground, &context.config.evidence).map_or_else(Vec::new, |(_, probes)| probes);
-    let by_chance = |draw| (probes.iter().map(|(_, _, probe)| probe.by_chance(&draw)).fold(0.0, f64::max), draw);
+    let probes = probes(&ground, &context.config.evidence);
+    let by_chance = |draw| (probes.iter().map(|placed| placed.probe.by_chance(&draw)).fold(0.0, f64::max), draw);
     let draws: Vec<_> = ground.draws(flips).map(by_chance).collect();
     let columns: Vec<Vec<f64>> = model.iter().map(|fitted| column(context, rows, fitted)).collect();
     let of_term = |(index, fitted): (usize, &Fitted)| {

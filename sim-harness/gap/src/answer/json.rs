@@ -2,6 +2,7 @@
 
 use crate::answer::{notes::notes, rivals::MEANING, whole::Answer};
 use crate::holdout::journey::{Spread, Summary};
+use crate::holdout::share::Share;
 use crate::named::Named;
 use crate::readings::nuisances::Nuisance;
 use serde_json::{Value, json};
@@ -120,10 +121,6 @@ impl Answer {
     /// The object.
     pub fn json(&self) -> Value {
         let (found, input) = (&self.found, &self.input);
-        let gap = &found.gap;
-        // Without rows there is nothing to flip, and without speeds nothing to compare.
-        let has_rows = !found.findings.rows.is_empty();
-        let compared = |value: f64| (!found.compared.is_empty()).then_some(value);
         let mut json = json!({
             "dataset": input.dataset,
             "runs": input.runs.len(),
@@ -133,33 +130,10 @@ impl Answer {
             "nuisances": found.nuisances.iter().map(Nuisance::json).collect::<Vec<_>>(),
             "effects": self.effects(),
             "candidates": found.candidates.iter().map(|one| one.json()).collect::<Vec<_>>(),
-            "gap": {
-                "what": "simulated against measured speed, held-out runs",
-                "unit": "m/s",
-                "before": compared(gap.before),
-                "after": compared(gap.after),
-                "noise_floor": compared(gap.floor),
-                "removed_share": gap.removed,
-                "removed_share_95": gap.removed_95,
-                "touched": found.touched.as_ref().map(|touched| json!({
-                    "speeds": touched.count,
-                    "before": touched.share.before,
-                    "after": touched.share.after,
-                    "noise_floor": touched.share.floor,
-                    "removed_share": touched.share.removed,
-                    "removed_share_95": touched.share.removed_95,
-                    "multiple": touched.multiple.map(|(value, _)| value),
-                    "multiple_95": touched.multiple.map(|(_, ends)| ends),
-                })),
-                "worse_than_before": gap.is_worse(self.holdout()),
-                "held_out_runs": found.held_out.len(),
-                "p_value_before": has_rows.then_some(found.p_value),
-                "p_value_after": has_rows.then_some(found.p_value_after),
-                "p_value_held_out": found.p_value_held_out.map(|[before, after]| json!({ "before": before, "after": after })),
-            },
+            "gap": self.gap(),
             "running_time": self.running_time(),
             "energy": self.energy(),
-            "p_value": has_rows.then_some(found.p_value),
+            "p_value": self.of_rows(found.p_value),
             "evidence": found.evidence.iter().map(|e| json!({
                 "coordinate": e.along.name(),
                 "score": e.score,
@@ -189,6 +163,33 @@ impl Answer {
                 "after": found.after_mps,
             });
         }
+        json
+    }
+
+    /// Without rows there is nothing to flip.
+    fn of_rows(&self, p_value: f64) -> Option<f64> {
+        (!self.found.findings.rows.is_empty()).then_some(p_value)
+    }
+
+    fn gap(&self) -> Value {
+        let found = &self.found;
+        let touched = found.touched.as_ref().map(|touched| {
+            let mut json = of_share(Some(&touched.share));
+            json["speeds"] = json!(touched.count);
+            json["multiple"] = json!(touched.multiple.map(|(value, _)| value));
+            json["multiple_95"] = json!(touched.multiple.map(|(_, ends)| ends));
+            json
+        });
+        let held_out = found.p_value_held_out.map(|[before, after]| json!({ "before": before, "after": after }));
+        let mut json = of_share((!found.compared.is_empty()).then_some(&found.gap));
+        json["what"] = json!("simulated against measured speed, held-out runs");
+        json["unit"] = json!("m/s");
+        json["touched"] = json!(touched);
+        json["worse_than_before"] = json!(found.gap.is_worse(self.holdout()));
+        json["held_out_runs"] = json!(found.held_out.len());
+        json["p_value_before"] = json!(self.of_rows(found.p_value));
+        json["p_value_after"] = json!(self.of_rows(found.p_value_after));
+        json["p_value_held_out"] = json!(held_out);
         json
     }
 
@@ -237,17 +238,22 @@ fn of_summary(summary: &Summary, unit: &str) -> Value {
             "percent": 100.0 * spread.relative,
         })
     };
-    let share = &summary.share;
+    let mut json = of_share(Some(&summary.share));
+    json["unit"] = json!(unit);
+    json["runs"] = json!(summary.share.runs);
+    json["measured"] = json!(summary.measured);
+    json["error_before"] = spread(&summary.before);
+    json["error_after"] = spread(&summary.after);
+    json
+}
+
+/// `None`: nothing was compared.
+fn of_share(share: Option<&Share>) -> Value {
     json!({
-        "unit": unit,
-        "runs": share.runs,
-        "measured": summary.measured,
-        "error_before": spread(&summary.before),
-        "error_after": spread(&summary.after),
-        "before": share.before,
-        "after": share.after,
-        "noise_floor": share.floor,
-        "removed_share": share.removed,
-        "removed_share_95": share.removed_95,
+        "before": share.map(|share| share.before),
+        "after": share.map(|share| share.after),
+        "noise_floor": share.map(|share| share.floor),
+        "removed_share": share.and_then(|share| share.removed),
+        "removed_share_95": share.and_then(|share| share.removed_95),
     })
 }

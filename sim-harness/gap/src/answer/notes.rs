@@ -178,13 +178,9 @@ fn contradiction(found: &Investigation, significant: f64) -> Option<String> {
     })
 }
 
-fn shown_by(one: &Named) -> ShowsIn {
-    candidates::of_effect(&one.effect).facts().nature.shows_in
-}
-
 /// In what effects show that leave no mean residual.
 fn shows_in(named: &[Named]) -> String {
-    let of = |one: &Named| match shown_by(one) {
+    let of = |one: &Named| match candidates::of_effect(&one.effect).facts().nature.shows_in {
         ShowsIn::FullPower => "the effort at full power",
         ShowsIn::Runs => "the differences between runs",
         ShowsIn::Readings => "the distance by location against the distance by speed",
