@@ -55,7 +55,7 @@
 //! | Eq. (2) Davis | [`model::resistance::Davis`] |
 //! | Eq. (3)-(5) motion | [`model::motion::Motion`] |
 //! | Eq. (6) measurement | [`tick::learning::LocationAndSpeed`] |
-//! | Eq. (7)-(18) filter | [`filter::ukf::Ukf`], [`filter::elimination`] |
+//! | Eq. (7)-(18) filter | [`filter::ukf::Ukf`], [`filter::elimination`]; of any system [`filter::general::GeneralUkf`] |
 //! | Table 1 | [`tick::paper::PaperConfig`] |
 //! | Eq. (1) at no effort, over distance | [`coast_ahead`] |
 //! | section 3.2 regimes | [`tick::regime::PaperRule`], [`tick::regime::Recogniser`] |

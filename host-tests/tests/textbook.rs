@@ -8,7 +8,9 @@ use host_tests::accuracy::{NOMINAL, train};
 use host_tests::prelude::*;
 use host_tests::textbook::{self, Points, Read, Shape};
 use nalgebra::{SMatrix, SVector};
+use proptest::prelude::{ProptestConfig, any, prop_assert, proptest};
 use rundown::filter::elimination::Column;
+use rundown::filter::general::{GeneralUkf, System};
 use rundown::filter::ukf::{MeasurementModel, Pair, Process, Spread, Ukf};
 use rundown::model::line::Line;
 use rundown::model::motion::Motion;
@@ -318,6 +320,80 @@ fn a_motion_without_constants_is_filtered_as_printed() {
         }
         println!("{difference:?}");
         assert!(difference.largest() < 1e-9, "{difference:?} {case:?}");
+    }
+}
+
+/// The printed motion of a train with its readings, as a system like any other.
+struct Train<'a> {
+    motion: textbook::Motion<'a>,
+    noise_mps2: f64,
+    observation: LocationAndSpeed,
+}
+
+impl System<SIZE, 2> for Train<'_> {
+    fn next(&self, x: &SVector<f64, SIZE>) -> SVector<f64, SIZE> {
+        self.motion.advance(x)
+    }
+
+    fn process_noise(&self) -> SMatrix<f64, SIZE, SIZE> {
+        self.motion.noise(self.noise_mps2)
+    }
+
+    fn expected(&self, x: &SVector<f64, SIZE>) -> SVector<f64, 2> {
+        [x[LOCATION], x[SPEED]].into()
+    }
+
+    fn reading_noise(&self) -> SMatrix<f64, 2, 2> {
+        SMatrix::from_diagonal(&[self.observation.location_variance, self.observation.speed_variance].into())
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Both forms stand for any train that moves, in each step of a run.
+    #[test]
+    fn the_general_filter_and_the_fast_one_are_one(
+        alpha in 0.3..1.5,
+        beta in 0.0..3.0,
+        kappa in -4.0..3.0,
+        noise_mps2 in 0.0..0.05,
+        speed_mps in 10.0..50.0,
+        doubt in 0.1..1.5,
+        is_midway in any::<bool>(),
+        is_up in any::<bool>(),
+        efforts in proptest::collection::vec(-0.05..0.15, 20),
+        lost in proptest::collection::vec((any::<bool>(), any::<bool>()), 20),
+    ) {
+        let (train, track) = (train(), track());
+        let direction = if is_up { Direction::Up } else { Direction::Down };
+        let evaluate = if is_midway { Evaluate::Midway } else { Evaluate::Beginning };
+        let line = Line { train: &train, track: &track, direction };
+        let spread = Spread::try_new(alpha, beta, kappa).unwrap();
+        let fast = Ukf { spread, gate: [None; 2], reuse_points: false };
+        let general = GeneralUkf { spread };
+        let observation = LocationAndSpeed { location_variance: 16.0, speed_variance: 1.0 / (3.6 * 3.6) };
+        let mut begin = begin(&Case { direction, sd: UNCERTAIN.map(|sd| doubt * sd), ..CASE });
+        begin.mean[SPEED] = speed_mps;
+        let (mut ours, mut theirs) = (begin, begin);
+        let mut difference = Difference::default();
+        for (effort, (no_location, no_speed)) in efforts.into_iter().zip(lost) {
+            let motion = Motion::new(&line, &ours.mean, effort, 10.0, evaluate).with_noise(noise_mps2);
+            let z = [
+                (!no_location).then_some(ours.mean[LOCATION] + direction.sign() * 10.0 * ours.mean[SPEED] + 3.0),
+                (!no_speed).then_some(speed_mps),
+            ];
+            let printed = textbook::Motion::new(line, &theirs.mean, effort, 10.0, evaluate);
+            let system = Train { motion: printed, noise_mps2, observation };
+            let innovation = general.step(&mut theirs, &system, &z).unwrap();
+            let found = fast.step(&mut ours, &motion, &observation, &z).unwrap();
+            difference.add(&ours, &theirs);
+            let [theirs_is, ours_is] = [innovation.log_likelihood(), found.log_likelihood()];
+            prop_assert!((theirs_is - ours_is).abs() < 1e-10 * (1.0 + ours_is.abs()), "{theirs_is} {ours_is}");
+            // No error of one step is carried on.
+            theirs = ours;
+        }
+        prop_assert!(difference.largest() < 1e-10, "{:?}", difference);
     }
 }
 

@@ -2,4 +2,5 @@
 
 pub mod elimination;
 pub mod gaussian;
+pub mod general;
 pub mod ukf;

@@ -231,7 +231,7 @@ pub struct Innovation<const M: usize> {
     /// What became of each reading.
     pub readings: [Reading; M],
     /// Each used reading's innovation, given those before it, and its variance.
-    sequential: [(Real, Real); M],
+    pub(crate) sequential: [(Real, Real); M],
 }
 
 impl<const M: usize> Innovation<M> {
