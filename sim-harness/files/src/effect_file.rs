@@ -107,6 +107,19 @@ pub fn day_of(departure_utc: &str) -> Option<f64> {
     Some(seconds / 86_400.0)
 }
 
+/// The date of a day since 1970-01-01 UTC; none beyond the years of the calendar.
+///
+/// ```
+/// use rundown_files::effect_file::date_of;
+///
+/// assert_eq!(date_of(20_513.4).as_deref(), Some("2026-03-01"));
+/// assert_eq!(date_of(f64::NAN), None);
+/// ```
+pub fn date_of(day: f64) -> Option<String> {
+    let days = day.is_finite().then(|| jiff::Span::new().try_days(day.floor() as i64).ok())??;
+    Some(jiff::civil::date(1970, 1, 1).checked_add(days).ok()?.to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use crate::track_file::TrackFile;

@@ -13,6 +13,7 @@ use crate::findings::Findings;
 use crate::holdout::evaluation::{Evaluation, evaluate};
 use crate::holdout::forward::{Compared, Touched, effects, gap, touched};
 use crate::holdout::{journey::Journey, share::Share};
+use crate::levels::{Standout, standouts};
 use crate::named::Named;
 use crate::naming::{names::named, on_line::on_line};
 use crate::noise::own_wind::own_wind;
@@ -31,6 +32,8 @@ pub struct Investigation {
     pub named: Vec<Named>,
     /// What fits as well as a named effect, but may be chance, or does not repeat in halves of the runs: no effect of the repaired model.
     pub candidates: Vec<Named>,
+    /// Units, drivers and days that differ from the others beside all that.
+    pub standouts: Vec<Standout>,
     /// What is wrong with the readings of all runs alike, told or not.
     pub nuisances: Vec<Nuisance>,
     /// What the same analysis of the training runs alone found.
@@ -140,6 +143,8 @@ pub fn investigate(
     let (evidence, p_value) = evidence(context, &findings.rows, &findings.calibrated);
     let rows = repaired(&context.believed, &named, runs, &findings.rows);
     let (_, p_value_after) = crate::evidence::evidence(context, &rows, &findings.calibrated);
+    progress("which unit, driver or day differs");
+    let standouts = standouts(context, &findings.rows, &findings.calibrated, &findings.terms, runs);
     let held_out = held_out(runs.len(), hold_out, &config.holdout);
     let (mut evaluation, mut trained) = (Evaluation::default(), Vec::new());
     if !held_out.is_empty() {
@@ -160,6 +165,7 @@ pub fn investigate(
         findings,
         named,
         candidates,
+        standouts,
         nuisances,
         trained,
         evidence,

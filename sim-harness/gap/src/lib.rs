@@ -57,6 +57,7 @@ mod fit;
 pub mod holdout;
 pub mod input;
 pub mod investigation;
+pub mod levels;
 pub mod named;
 mod naming;
 mod noise;

@@ -39,7 +39,7 @@ pub fn trials(
 }
 
 /// What a term adds in each row as it was found.
-fn column(context: &Context<'_>, rows: &[Row], fitted: &Fitted) -> Vec<f64> {
+pub(crate) fn column(context: &Context<'_>, rows: &[Row], fitted: &Fitted) -> Vec<f64> {
     let beta = if fitted.term.is_whole() { &[1.0][..] } else { &fitted.beta };
     fitted.term.extra(beta, context, rows)
 }

@@ -3,6 +3,7 @@
 use crate::answer::{notes::notes, rivals::MEANING, whole::Answer};
 use crate::holdout::journey::{Spread, Summary};
 use crate::holdout::share::Share;
+use crate::levels::Standout;
 use crate::named::Named;
 use crate::readings::nuisances::Nuisance;
 use serde_json::{Value, json};
@@ -60,6 +61,12 @@ pub const FIELDS: &[[&str; 4]] = &[
         "as an effect: what fits, but may be chance or does not repeat; not in the model",
         "there is none",
     ],
+    ["standouts[].by", "", "by what runs are grouped: `unit`, `driver`, `day`", ""],
+    ["standouts[].of", "", "the unit, driver or date whose runs differ from the others", ""],
+    ["standouts[].runs", "", "its runs", ""],
+    ["standouts[].share", "1", "its resistance in coasting beyond that of the others, of the believed", ""],
+    ["standouts[].share_sd", "1", "the standard deviation of that", ""],
+    ["standouts[].p_value", "1", "how often chance makes such a difference somewhere", ""],
     ["gap.what", "", "what is compared", ""],
     ["gap.unit", "", "unit of the next three", ""],
     [
@@ -130,6 +137,7 @@ impl Answer {
             "nuisances": found.nuisances.iter().map(Nuisance::json).collect::<Vec<_>>(),
             "effects": self.effects(),
             "candidates": found.candidates.iter().map(|one| one.json()).collect::<Vec<_>>(),
+            "standouts": found.standouts.iter().map(Standout::json).collect::<Vec<_>>(),
             "gap": self.gap(),
             "running_time": self.running_time(),
             "energy": self.energy(),

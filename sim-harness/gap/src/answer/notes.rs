@@ -6,6 +6,7 @@ use crate::candidates;
 use crate::data::load::about_track;
 use crate::findings::Findings;
 use crate::investigation::Investigation;
+use crate::levels::Standout;
 use crate::named::Named;
 use crate::readings::nuisances::Nuisance;
 use crate::search::headwind::Headwind;
@@ -45,6 +46,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     }
     notes.extend(other_names(found));
     notes.extend(found.candidates.iter().map(|one| candidate(answer, one)));
+    notes.extend(found.standouts.iter().map(Standout::sentence));
     notes.extend(contradiction(found, answer.config.evidence.significant));
     notes.extend(about_track(&input.track_file, &input.runs, answer.config.interval.beyond_m));
     if input.left_out > 0 {

@@ -138,7 +138,8 @@ fn run(recording: &Recording, recorded: Recorded) -> Run {
             ..*row
         });
     }
-    let Recording { name, direction, day, .. } = recording;
+    let Recording { name, direction, day, driver, .. } = recording;
+    let recorded = Recorded { driver: driver.clone(), ..recorded };
     Run { name: name.clone(), direction: *direction, day: *day, samples, recorded }
 }
 
@@ -163,6 +164,7 @@ pub fn recorded(check: &Check, run: &RunCheck) -> Recorded {
         // The diagnosis asks how old the speed is, the effect how old the location.
         usual_lag_s: recorder.skew_s.map(|skew| Figure { value: -skew.value, sd: skew.sd }),
         location_lag_s: -skew_s(recorder, run),
+        ..Recorded::default()
     }
 }
 

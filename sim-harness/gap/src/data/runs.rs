@@ -31,6 +31,8 @@ pub enum EffortReading {
 pub struct Recorded {
     /// Whose recorder it was.
     pub unit: String,
+    /// Who drove; empty where no index says so.
+    pub driver: String,
     /// What was put right in the speeds of the samples.
     pub correction: Correction,
     /// Measured over true speed of the recorder, where a scale was put right.
