@@ -178,6 +178,8 @@ settings! {
         rows_a_knot: usize = 20, /// Rows for each. Judgement.
         knots: usize = 6, /// Knots along the time and along the speed. Judgement.
         run_knots: usize = 4, /// Knots along temperature and day. Judgement.
+        most_off: f64 = 1.5, /// Standardised residuals of a regime that are so many times larger than 1, or smaller, are said: the noise does not fit there. Judgement.
+        most_neighbours: f64 = 0.25, /// The same of the correlation of neighbouring residuals. Judgement.
         reading_mps: f64 = 0.08, /// Error of a speed reading to begin with, m/s. Judgement.
         most_reading_mps: f64 = 1.0, /// Its largest value, m/s. Judgement.
         acceleration_mps2: f64 = 0.003, /// Disturbance of the acceleration to begin with, m/s². Judgement.
@@ -244,6 +246,7 @@ settings! {
     certainty: CertaintyConfig {
         chance: f64 = 0.05, /// A term of which chance makes as much more often has no name, and is a candidate. Judgement: convention; few runs reach no less.
         halves: f64 = 3.0, /// Halves of the runs that differ by more standard deviations do not show the same. Judgement.
+        halves_apart: f64 = 0.5, /// Halves that differ by no more than this share of the effect show the same, however sure they are. Judgement: a law that is not quite the true one, readings that differ by direction.
         telling_half: f64 = 0.5, /// A half whose standard deviation is a smaller share of the effect could show it. Judgement.
         law: f64 = 0.01, /// A law is as good as this share of its coefficient, whatever the noise. Measured: means over 10 s, the path between readings.
         described: f64 = 0.1, /// How well a Davis coefficient is described that is left as it is, as a share of it. Judgement.

@@ -16,7 +16,7 @@ use crate::holdout::{journey::Journey, share::Share};
 use crate::levels::{Standout, standouts};
 use crate::named::Named;
 use crate::naming::{names::named, on_line::on_line};
-use crate::noise::own_wind::own_wind;
+use crate::noise::{own_wind::own_wind, whiteness::Whiteness};
 use crate::readings::kinematics::scaled_recorders;
 use crate::readings::nuisances::{Nuisance, nuisances, righted};
 use crate::readings::wheels::{put_right, wheels};
@@ -34,6 +34,8 @@ pub struct Investigation {
     pub candidates: Vec<Named>,
     /// Units, drivers and days that differ from the others beside all that.
     pub standouts: Vec<Standout>,
+    /// How well the noise fits; none from too few rows.
+    pub whiteness: Option<Whiteness>,
     /// What is wrong with the readings of all runs alike, told or not.
     pub nuisances: Vec<Nuisance>,
     /// What the same analysis of the training runs alone found.
@@ -145,6 +147,7 @@ pub fn investigate(
     let (_, p_value_after) = crate::evidence::evidence(context, &rows, &findings.calibrated);
     progress("which unit, driver or day differs");
     let standouts = standouts(context, &findings.rows, &findings.calibrated, &findings.terms, runs);
+    let whiteness = Whiteness::of(context, &findings.rows, &findings.calibrated, &findings.terms);
     let held_out = held_out(runs.len(), hold_out, &config.holdout);
     let (mut evaluation, mut trained) = (Evaluation::default(), Vec::new());
     if !held_out.is_empty() {
@@ -166,6 +169,7 @@ pub fn investigate(
         named,
         candidates,
         standouts,
+        whiteness,
         nuisances,
         trained,
         evidence,

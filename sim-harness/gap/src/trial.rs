@@ -110,7 +110,7 @@ impl Halves {
         // Quantile of Student's t beside that of the normal distribution, to first order in 1/freedom. (Cornish and Fisher 1938.)
         let sure = config.certainty.halves;
         let sure = sure * (1.0 + (sure * sure + 1.0) / (4.0 * self.freedom));
-        (a.value - b.value).abs() > sure * a.sd.hypot(b.sd)
+        (a.value - b.value).abs() > sure * a.sd.hypot(b.sd) + config.certainty.halves_apart
             || self.multiples.iter().any(|half| telling(half) && half.value <= 0.0)
     }
 }

@@ -5,6 +5,7 @@ use crate::holdout::journey::{Spread, Summary};
 use crate::holdout::share::Share;
 use crate::levels::Standout;
 use crate::named::Named;
+use crate::noise::whiteness::Whiteness;
 use crate::readings::nuisances::Nuisance;
 use serde_json::{Value, json};
 
@@ -67,6 +68,21 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["standouts[].share", "1", "its resistance in coasting beyond that of the others, of the believed", ""],
     ["standouts[].share_sd", "1", "the standard deviation of that", ""],
     ["standouts[].p_value", "1", "how often chance makes such a difference somewhere", ""],
+    [
+        "whiteness.coasting",
+        "1",
+        "standard deviation of the standardised residuals in coasting: 1 where the noise fits",
+        NO_ROWS,
+    ],
+    ["whiteness.powering", "1", "the same while powering", "too few rows"],
+    ["whiteness.braking", "1", "the same while braking", "too few rows"],
+    ["whiteness.neighbours", "1", "correlation of neighbouring residuals: 0 where the noise fits", NO_ROWS],
+    [
+        "whiteness.beyond_3",
+        "1",
+        "share of the residuals beyond three standard deviations: 0.0027 where they are normal",
+        NO_ROWS,
+    ],
     ["gap.what", "", "what is compared", ""],
     ["gap.unit", "", "unit of the next three", ""],
     [
@@ -138,6 +154,7 @@ impl Answer {
             "effects": self.effects(),
             "candidates": found.candidates.iter().map(|one| one.json()).collect::<Vec<_>>(),
             "standouts": found.standouts.iter().map(Standout::json).collect::<Vec<_>>(),
+            "whiteness": found.whiteness.as_ref().map(Whiteness::json),
             "gap": self.gap(),
             "running_time": self.running_time(),
             "energy": self.energy(),

@@ -46,6 +46,13 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     }
     notes.extend(other_names(found));
     notes.extend(found.candidates.iter().map(|one| candidate(answer, one)));
+    let off = found.whiteness.as_ref().filter(|white| white.is_off(&answer.config));
+    notes.extend(off.map(|white| {
+        format!(
+            "The noise does not fit, so p-values, confidences and intervals are less sure than they look: {}.",
+            white.sentence()
+        )
+    }));
     notes.extend(found.standouts.iter().map(Standout::sentence));
     notes.extend(contradiction(found, answer.config.evidence.significant));
     notes.extend(about_track(&input.track_file, &input.runs, answer.config.interval.beyond_m));

@@ -4,4 +4,5 @@ pub mod calibrate;
 pub mod dragging;
 pub mod habits;
 pub mod own_wind;
+pub mod whiteness;
 pub mod whitening;

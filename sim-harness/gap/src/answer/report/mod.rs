@@ -12,6 +12,7 @@
 //! | `tables` | evidence, effects, gap |
 //! | `runs` | the table of runs, and a page for each |
 //! | `caveats` | what the numbers rest on, and how a name can be wrong |
+//! | `whiteness` | whether the noise fits |
 //!
 //! In: an [`Answer`]. Out: one HTML file that needs nothing else, and those of the runs.
 
@@ -25,6 +26,7 @@ mod maps;
 mod rivals;
 mod runs;
 mod tables;
+mod whiteness;
 mod words;
 
 use crate::answer::{notes::no_rows, whole::Answer};
@@ -89,12 +91,16 @@ pub fn page(answer: &Answer, has_run_pages: bool) -> String {
             (held_out::by_run(answer))
             (journeys::journeys(answer))
     };
+    let rests_on = html! {
+            (caveats::caveats(answer))
+            @if let Some((drawing, caption)) = whiteness::whiteness(answer) { (figure(&drawing, &caption)) }
+    };
     let sections = [
         Section::new("disagreement", "Where simulation and measurement disagree", disagreement),
         Section::new("missing", "What is missing in the model", missing),
         Section::new("before-and-after", "Before and after, on held-out runs", compared),
         Section::new("runs", "Runs", runs::table(answer, &runs::by_run(answer, &explained), has_run_pages)),
-        Section::new("caveats", "What this rests on", caveats::caveats(answer)),
+        Section::new("caveats", "What this rests on", rests_on),
     ];
     document("Where the model and the train disagree", &lead, &sections)
 }
