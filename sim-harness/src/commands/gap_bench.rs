@@ -258,7 +258,6 @@ fn one(request: Request, kept: Option<&Path>) -> Result<Done, BenchError> {
     std::fs::create_dir_all(folder).map_err(failed)?;
     let begun = Instant::now();
     let answer = blind(&set, folder)?;
-    let found = answer.as_ref().map(|answer| &answer.found);
     let seconds = begun.elapsed().as_secs_f64();
     if let (Some(folder), Some(answer)) = (kept, &answer) {
         // All but the speeds of held-out runs.
@@ -268,7 +267,7 @@ fn one(request: Request, kept: Option<&Path>) -> Result<Done, BenchError> {
     }
     let scenario = &set.scenario;
     Ok(Done {
-        score: Score::of(&set, found),
+        score: Score::of(&set, answer.as_ref()),
         hidden: format!("{:?}", scenario.effects),
         data: format!(
             "{:.0} t, {:?}, {:?}, every {} s",

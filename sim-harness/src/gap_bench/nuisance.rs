@@ -2,8 +2,10 @@
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rundown_check::finding::Kind;
 use rundown_files::track_file::{Stop, TrackFile};
-use rundown_truth::scenario::Scenario;
+use rundown_truth::scenario::{Scenario, UnscheduledStop};
+use rundown_truth::sensors::SpeedReading;
 use serde::Serialize;
 
 /// A kind of nuisance.
@@ -18,6 +20,12 @@ pub enum Nuisance {
     LocationOff,
     /// Trains call at four platforms, and each is described 20 to 100 m off.
     PlatformsOff,
+    /// The recorder truncates its speeds to whole km/h.
+    Truncated,
+    /// The recorder's clock loses a second after each 80 to 130 s.
+    LostSeconds,
+    /// Half of the runs are stopped between stations, at one place.
+    MixedStops,
 }
 
 /// Where trains call, m.
@@ -30,6 +38,8 @@ pub enum Drawn {
     Told(f64),
     /// Stops as they are described.
     Stops(Vec<Stop>),
+    /// In the scenario already, and nothing to be told.
+    Nowhere,
 }
 
 impl Nuisance {
@@ -40,6 +50,9 @@ impl Nuisance {
             Self::EffortLate => "effort one sample late, s",
             Self::LocationOff => "locations 40 to 80 m off, m",
             Self::PlatformsOff => "platforms described 20 to 100 m off",
+            Self::Truncated => "speeds truncated, km/h",
+            Self::LostSeconds => "a second in 80 to 130 s lost, % of the rows",
+            Self::MixedStops => "half of the runs stopped on the way",
         }
     }
 
@@ -49,7 +62,18 @@ impl Nuisance {
             Self::EffortGain => Some("effort_gain"),
             Self::EffortLate => Some("effort_delay"),
             Self::LocationOff => Some("location_offset"),
-            Self::PlatformsOff => None,
+            Self::Truncated => Some("truncated_speed"),
+            Self::LostSeconds => Some("lost_seconds"),
+            Self::PlatformsOff | Self::MixedStops => None,
+        }
+    }
+
+    /// What the diagnosis of the logs tells, before anything is investigated.
+    pub fn diagnosed_as(self) -> Option<Kind> {
+        match self {
+            Self::Truncated => Some(Kind::TruncatedSpeed),
+            Self::LostSeconds => Some(Kind::LostSeconds),
+            Self::EffortGain | Self::EffortLate | Self::LocationOff | Self::PlatformsOff | Self::MixedStops => None,
         }
     }
 
@@ -79,6 +103,19 @@ impl Nuisance {
                 scenario.line.set_calls(PLATFORMS_M.to_vec());
                 let mut stop = |at_m| Stop { at_m: at_m + signed(&mut rng, 20.0, 100.0), name: String::new() };
                 Drawn::Stops(PLATFORMS_M.map(&mut stop).into())
+            }
+            Self::Truncated => {
+                sensors.speed = SpeedReading::Truncated;
+                Drawn::Told(sensors.speed_quantum_kmh)
+            }
+            Self::LostSeconds => {
+                sensors.lost_second_every_s = rng.random_range(80.0..130.0);
+                Drawn::Told(100.0 * sensors.sampling_s / sensors.lost_second_every_s)
+            }
+            Self::MixedStops => {
+                let at_m = rng.random_range(6_000.0..24_000.0);
+                scenario.unscheduled_stop = Some(UnscheduledStop { at_m, dwell_s: 60.0, share: 0.5 });
+                Drawn::Nowhere
             }
         }
     }

@@ -3,8 +3,9 @@
 use crate::gap_bench::draw::Set;
 use crate::gap_bench::nuisance::Drawn;
 use rundown::model::effects::{DavisError, Effect};
+use rundown_check::agreement::Figure;
+use rundown_gap::answer::whole::Answer;
 use rundown_gap::candidates;
-use rundown_gap::investigation::Investigation;
 use rundown_gap::named::Named;
 use rundown_truth::effects::Effect as Hidden;
 use rundown_truth::train::{DavisTruth, TrainTruth};
@@ -55,7 +56,8 @@ pub struct Score {
 
 impl Score {
     /// Compares. `None` instead of an investigation: nothing was found because nothing could be compared.
-    pub fn of(set: &Set, found: Option<&Investigation>) -> Self {
+    pub fn of(set: &Set, answer: Option<&Answer>) -> Self {
+        let found = answer.map(|answer| &answer.found);
         let hidden = &set.scenario.effects;
         let mut key: Vec<&'static str> = hidden.iter().map(key_name).collect();
         key.sort_unstable();
@@ -73,7 +75,7 @@ impl Score {
             removed: found.and_then(|f| f.gap.removed),
             gap_mps: found.map_or([0.0; 3], |f| [f.gap.before, f.gap.after, f.gap.floor]),
             p_value: found.map_or(1.0, |f| f.p_value),
-            told: found.map_or_else(Vec::new, told),
+            told: answer.map_or_else(Vec::new, |answer| told(set, answer)),
             nuisance: set
                 .request
                 .nuisance
@@ -122,9 +124,19 @@ impl Score {
     }
 }
 
-fn told(found: &Investigation) -> Vec<(&'static str, f64, f64)> {
-    let told = found.nuisances.iter().filter(|nuisance| nuisance.told);
-    told.map(|nuisance| (nuisance.name, nuisance.value, nuisance.sd)).collect()
+fn told(set: &Set, answer: &Answer) -> Vec<(&'static str, f64, f64)> {
+    let told = answer.found.nuisances.iter().filter(|nuisance| nuisance.told);
+    let diagnosed = set.request.nuisance.and_then(|nuisance| {
+        let kind = nuisance.diagnosed_as()?;
+        let check = answer.input.check.as_ref()?;
+        let of_runs = check.runs.iter().map(|run| &run.findings);
+        let all = of_runs.chain(check.recorders.iter().map(|recorder| &recorder.findings)).flatten();
+        let figures: Vec<Figure> = all.filter(|found| found.kind == kind).map(|found| found.figure).collect();
+        let mean = |of: &dyn Fn(&Figure) -> f64| figures.iter().map(of).sum::<f64>() / figures.len() as f64;
+        let sd = (mean(&|figure| figure.sd * figure.sd) / figures.len() as f64).sqrt();
+        (!figures.is_empty()).then(|| Some((nuisance.told_as()?, mean(&|figure| figure.value), sd)))?
+    });
+    told.map(|nuisance| (nuisance.name, nuisance.value, nuisance.sd)).chain(diagnosed).collect()
 }
 
 fn key_name(effect: &Hidden) -> &'static str {
