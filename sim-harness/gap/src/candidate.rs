@@ -513,11 +513,6 @@ pub trait Candidate: Sync {
         named.effect.name().to_owned()
     }
 
-    /// On the screen, beside its section.
-    fn on_screen(&self, named: &Named) -> String {
-        format!("{}  {}", named.effect.name(), named.json()["parameters"])
-    }
-
     /// Over what its law is drawn; none: it has no law over the residuals.
     fn axis<'a>(&self, _: &'a Named, _: &Context<'a>) -> Option<Axis<'a>> {
         None

@@ -1,10 +1,13 @@
 //! What a person reads on the screen when `rundown gap` is through.
 
+use crate::answer::rivals::Rival;
 use crate::answer::{json::NO_ENERGY, notes::notes, whole::Answer};
 use crate::candidates;
+use crate::data::believed::Context;
 use crate::holdout::{forward::Touched, journey::Summary, share::Share};
 use crate::named::Named;
 use rundown::model::effects::EffectKind;
+use rundown_pages::numbers::counted;
 
 /// The story.
 pub fn story(answer: &Answer) -> String {
@@ -18,15 +21,8 @@ pub fn story(answer: &Answer) -> String {
     }
     text.push('\n');
     for (i, one) in found.named.iter().enumerate() {
-        text.push_str(&of_effect(one));
-        if let Some([nearest, ..]) = answer.rivals.get(i).map(Vec::as_slice) {
-            let (size, less) = match nearest.worse {
-                worse if worse < 0.0 => (-worse, "more"),
-                worse => (worse, "less"),
-            };
-            text.push_str(&format!("  next best {} (log-likelihood {size:.1} {less})", nearest.name));
-        }
-        text.push('\n');
+        let nearest = answer.rivals.get(i).and_then(|rivals| rivals.first());
+        text.push_str(&of_effect(one, &answer.context(), nearest));
     }
     text.push_str(&held_out(answer));
     for note in notes(answer) {
@@ -35,22 +31,24 @@ pub fn story(answer: &Answer) -> String {
     text
 }
 
-fn of_effect(one: &Named) -> String {
-    let mut text = format!("  {}", candidates::of_effect(&one.effect).on_screen(one));
-    if let Some((from_m, to_m)) = one.effect.section_m() {
-        text.push_str(&format!("  from {from_m:.0} to {to_m:.0} m"));
-    }
+/// How sure the name is, and below it what it says.
+fn of_effect(one: &Named, context: &Context<'_>, nearest: Option<&Rival>) -> String {
+    let mut text = format!("  {}, confidence {:.2}", one.effect.name(), one.confidence);
     if !one.runs.is_empty() {
-        text.push_str(&format!("  in {} runs", one.runs.len()));
+        text.push_str(&format!(", in {}", counted(one.runs.len(), "run", "runs")));
     }
-    text.push_str(&format!("  confidence {:.2}", one.confidence));
     if !one.ambiguous_with.is_empty() {
-        text.push_str(&format!("  not distinguishable from {}", listed(&one.ambiguous_with)));
+        text.push_str(&format!(", not distinguishable from {}", listed(&one.ambiguous_with)));
         if !one.would_separate.is_empty() {
             text.push_str(&format!("; would separate them: {}", one.would_separate.join(", ")));
         }
     }
-    text
+    if let Some(nearest) = nearest {
+        let (size, less) = if nearest.worse < 0.0 { (-nearest.worse, "more") } else { (nearest.worse, "less") };
+        text.push_str(&format!("; next best {} (log-likelihood {size:.1} {less})", nearest.name));
+    }
+    let sentence = candidates::of_effect(&one.effect).sentence(one, context);
+    format!("{text}\n    {sentence}.\n")
 }
 
 fn listed(kinds: &[EffectKind]) -> String {
@@ -122,17 +120,27 @@ fn interval(ends: Option<(f64, f64)>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rundown::model::effects::{Coordinate, Effect, LocationLag, Unknown};
+    use crate::data::believed::tests::on_a_level_line;
+    use rundown::model::effects::{Coordinate, Effect, LocationLag, TunnelDrag, Unknown};
 
     #[test]
-    fn a_negative_lag_is_early_and_a_table_tells_its_coordinate() {
-        let early = Named::plain(Effect::LocationLag(LocationLag { lag_s: -2.1 }), Vec::new(), 9.0, 30.0);
-        let text = of_effect(&early);
-        assert!(text.contains("the location comes 2.1 s early"), "{text}");
-        let unknown =
-            Unknown { coordinate: Coordinate::Speed, table: [(10.0, 0.0), (40.0, 2e-3)].into_iter().collect() };
-        let text = of_effect(&Named::plain(Effect::Unknown(unknown), Vec::new(), 9.0, 30.0));
-        let words = "along the speed, a table from 36 to 144 km/h, 0.0000 to 0.0020 N/kg";
-        assert!(text.contains(words), "{text}");
+    fn each_effect_stands_in_a_sentence_with_units() {
+        let text = |effect| {
+            let named = Named::plain(effect, Vec::new(), 9.0, 30.0);
+            on_a_level_line(2, |context| of_effect(&named, context, Some(&Rival { name: "warm_up", worse: 4.25 })))
+        };
+        let early = text(Effect::LocationLag(LocationLag { lag_s: -2.1 }));
+        assert!(early.contains("early") && early.contains("2.1 s"), "{early}");
+        assert!(
+            early.starts_with("  location_lag, confidence 0.99; next best warm_up (log-likelihood 4.2 less)\n    ")
+        );
+        let table = [(10.0, 0.0), (40.0, 2e-3)].into_iter().collect();
+        let unknown = text(Effect::Unknown(Unknown { coordinate: Coordinate::Speed, table }));
+        assert!(unknown.contains("depends on the speed: 0.002 N/kg"), "{unknown}");
+        let tunnel = text(Effect::TunnelDrag(TunnelDrag { from_m: 8e3, to_m: 9e3, k: 1e-5 }));
+        assert!(tunnel.contains("from km 8") && tunnel.contains("N/kg per (m/s)\u{b2}"), "{tunnel}");
+        for text in [early, unknown, tunnel] {
+            assert!(!text.contains('{') && text.ends_with(".\n"), "{text}");
+        }
     }
 }

@@ -38,11 +38,6 @@ impl Candidate for This {
         )
     }
 
-    fn on_screen(&self, named: &Named) -> String {
-        let side = if named.value("lag_s") > 0.0 { "late" } else { "early" };
-        format!("location_lag  the location comes {:.1} s {side}", named.value("lag_s").abs())
-    }
-
     fn hidden(&self, _: &str, hide: &mut Hide<'_>) -> Option<Value> {
         Some(json!({ "lag_s": hide.of([5.0, 3.0, 2.0]) }))
     }

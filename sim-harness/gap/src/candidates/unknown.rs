@@ -183,30 +183,6 @@ impl Candidate for This {
         )
     }
 
-    /// Coordinate, range and size of the table.
-    fn on_screen(&self, named: &Named) -> String {
-        let Effect::Unknown(e) = &named.effect else {
-            return String::new();
-        };
-        let (along, unit, factor) = match e.coordinate {
-            Coordinate::Location => ("location", "m", 1.0),
-            Coordinate::Speed => ("speed", "km/h", 3.6),
-            Coordinate::Time => ("time since departure", "s", 1.0),
-            Coordinate::Temperature => ("temperature", "\u{b0}C", 1.0),
-            Coordinate::Day => ("date", "days since 1970", 1.0),
-        };
-        let ends = |of: fn(&(f32, f32)) -> f32| {
-            let values = e.table.iter().map(|point| f64::from(of(point)));
-            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
-        };
-        let ((from, to), (low, high)) = (ends(|p| p.0), ends(|p| p.1));
-        let (from, to) = (factor * from, factor * to);
-        let digits = if to - from < 10.0 { 1 } else { 0 };
-        format!(
-            "unknown  along the {along}, a table from {from:.digits$} to {to:.digits$} {unit}, {low:.4} to {high:.4} N/kg"
-        )
-    }
-
     fn axis<'a>(&self, named: &'a Named, context: &Context<'a>) -> Option<Axis<'a>> {
         let Effect::Unknown(e) = &named.effect else {
             return None;
