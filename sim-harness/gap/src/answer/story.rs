@@ -130,13 +130,13 @@ mod tests {
             on_a_level_line(2, |context| of_effect(&named, context, Some(&Rival { name: "warm_up", worse: 4.25 })))
         };
         let early = text(Effect::LocationLag(LocationLag { lag_s: -2.1 }));
-        assert!(early.contains("early") && early.contains("2.1 s"), "{early}");
+        assert!(early.contains("early") && early.contains("2.10 s"), "{early}");
         assert!(
             early.starts_with("  location_lag, confidence 0.99; next best warm_up (log-likelihood 4.2 less)\n    ")
         );
         let table = [(10.0, 0.0), (40.0, 2e-3)].into_iter().collect();
         let unknown = text(Effect::Unknown(Unknown { coordinate: Coordinate::Speed, table }));
-        assert!(unknown.contains("depends on the speed: 0.002 N/kg"), "{unknown}");
+        assert!(unknown.contains("depends on the speed: 0.00200 N/kg most at 144.0 km/h"), "{unknown}");
         let tunnel = text(Effect::TunnelDrag(TunnelDrag { from_m: 8e3, to_m: 9e3, k: 1e-5 }));
         assert!(tunnel.contains("from km 8") && tunnel.contains("N/kg per (m/s)\u{b2}"), "{tunnel}");
         for text in [early, unknown, tunnel] {
