@@ -69,7 +69,7 @@ fn examined(
     let track = track.map(TrackFile::read).transpose()?.map(|(track, _)| track);
     let line = track.as_ref().and_then(|track| CentreLine::new(&track.centre_line));
     let stops_m = track.iter().flat_map(|track| &track.stop).map(|stop| stop.at_m).collect();
-    let known = Known { stops_m, ..Known::default() };
+    let known = Known { stops_m, moves_locations: true, ..Known::default() };
     let read = |file: &RunFile| logs::read(file, BadRows::LeaveOut, line.as_ref(), DirectionChoice::Auto);
     let read: Vec<Result<Recording, Failed>> = set.files.par_iter().map(read).collect();
     let (mut recordings, mut failed) = (Vec::new(), Vec::new());

@@ -277,6 +277,7 @@ impl Opened {
             truncates: self.config.sensor.rounding == Rounding::Truncated,
             scale: effects.any(|entry| matches!(entry.effect, Effect::SpeedScale(_))),
             stops_m: self.track.stop.iter().map(|stop| stop.at_m).collect(),
+            moves_locations: true,
         };
         let (used, refused, found) = logs::diagnosed(recordings, &known);
         summary.failed.extend(refused);
