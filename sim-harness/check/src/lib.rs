@@ -160,6 +160,8 @@ pub struct Check {
     pub runs: Vec<RunCheck>,
     /// Runs among which perturbed ones cannot be recognised: too few others pass where they do, or they have no timetable in common.
     pub not_compared: usize,
+    /// The described gradients look wrong. None where they do not, or where train and track were not given.
+    pub gradients: Option<gradients::Doubt>,
 }
 
 /// Findings of single runs that [`Check::notes`] has.
@@ -280,13 +282,13 @@ pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
         run.perturbations = perturbations;
         recording.perturbed = run.perturbed();
     }
-    Check { recorders, runs, not_compared: compared.not_compared }
+    Check { recorders, runs, not_compared: compared.not_compared, gradients: None }
 }
 
 fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
     let mut findings = Vec::new();
     let rows = &mut recording.rows;
-    readings::not_finite(rows, &mut findings);
+    readings::impossible(rows, &mut findings);
     readings::missing(rows, &mut findings);
     clock::put_right(rows, &mut findings);
     other_unit(rows, &mut findings);

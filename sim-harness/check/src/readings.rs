@@ -3,7 +3,8 @@
 use crate::agreement::Figure;
 use crate::clock::usual_step_s;
 use crate::finding::{Done, Finding, Kind};
-use rundown_files::sample::Sample;
+use rundown::model::units::KmPerHour;
+use rundown_files::sample::{MOST_LOCATION_M, MOST_SPEED_KMH, Sample};
 
 /// No train changes its speed faster, m/s².
 const MOST_MPS2: f64 = 3.0;
@@ -18,19 +19,21 @@ fn finding(kind: Kind, value: f64, unit: &'static str, count: usize, line: u64, 
     Finding { kind, figure: Figure { value, sd: 0.0 }, unit, count, line, done }
 }
 
-/// Readings that are no finite numbers: left out, so that nothing behind has to think of them.
-pub fn not_finite(rows: &mut [Sample], findings: &mut Vec<Finding>) {
+/// Readings that are no numbers, or beyond the range of their column: left out, so that nothing behind has to think of them. A speed below zero is the
+/// estimator's to judge.
+pub fn impossible(rows: &mut [Sample], findings: &mut Vec<Finding>) {
+    let most_mps = KmPerHour(MOST_SPEED_KMH).to_mps();
     let (mut count, mut line) = (0, 0);
     for row in rows {
-        for reading in [&mut row.location_m, &mut row.speed_mps] {
-            if reading.take_if(|value| !value.is_finite()).is_some() {
-                line = if count == 0 { row.line } else { line };
-                count += 1;
-            }
-        }
+        // NaN is in no range.
+        let location = row.location_m.take_if(|m| !(-MOST_LOCATION_M..=MOST_LOCATION_M).contains(m));
+        let speed = row.speed_mps.take_if(|mps| !(-most_mps..=most_mps).contains(mps));
+        let lost = usize::from(location.is_some()) + usize::from(speed.is_some());
+        line = if count == 0 && lost > 0 { row.line } else { line };
+        count += lost;
     }
     if count > 0 {
-        findings.push(finding(Kind::NotFinite, count as f64, "readings", count, line, Done::LeftOut));
+        findings.push(finding(Kind::Impossible, count as f64, "readings", 1, line, Done::LeftOut));
     }
 }
 

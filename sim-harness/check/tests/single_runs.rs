@@ -109,13 +109,15 @@ fn a_skew_of_one_run_is_found_and_put_right() {
 }
 
 #[test]
-fn readings_that_are_no_numbers_are_left_out() {
-    let (found, rows) = one(clean(24), |rows| {
-        rows.iter_mut().skip(7).step_by(50).for_each(|row| row.speed_mps = Some(f64::NAN));
-        rows[9].location_m = Some(f64::INFINITY);
-    });
-    assert_eq!(only(&found, Kind::NotFinite).line, clean(24)[7].line);
-    assert!(rows.iter().all(|row| row.speed_mps.is_none_or(f64::is_finite)) && rows[9].location_m.is_none());
+fn readings_that_cannot_be_are_left_out() {
+    for [location_m, speed_mps] in [[f64::NAN, f64::NAN], [f64::INFINITY, f64::NEG_INFINITY], [1e308, 1e308]] {
+        let (found, rows) = one(clean(24), |rows| {
+            let spoilt = rows.iter_mut().skip(7).step_by(50);
+            spoilt.for_each(|row| (row.location_m, row.speed_mps) = (Some(location_m), Some(speed_mps)));
+        });
+        assert_eq!(only(&found, Kind::Impossible).line, clean(24)[7].line);
+        assert_eq!((rows[7].location_m, rows[57].speed_mps), (None, None));
+    }
 }
 
 #[test]
