@@ -288,10 +288,11 @@ pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
 fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
     let mut findings = Vec::new();
     let rows = &mut recording.rows;
+    clock::put_right(rows, &mut findings);
+    // In another unit readings may be beyond what any train has.
+    other_unit(rows, &mut findings);
     readings::impossible(rows, &mut findings);
     readings::missing(rows, &mut findings);
-    clock::put_right(rows, &mut findings);
-    other_unit(rows, &mut findings);
     let is_usable = |findings: &[Finding]| findings.iter().all(|finding| finding.done != Done::Refused);
     if is_usable(&findings) {
         readings::speed_spikes(rows, &mut findings);

@@ -1,4 +1,4 @@
-//! What one run has for itself beside its recorder: another wheel, another age of the speed. Put right in its rows.
+//! Where one run differs from its recorder: another wheel, another age of the speed. Put right in its rows.
 //!
 //! ```text
 //! v = (v_r + o)/s            x(t - τ) = x(t) - ∫ v_r dt from t to t + τ

@@ -1,4 +1,4 @@
-//! Is what one run has for itself found and put right: another wheel, another age of the speed, readings that cannot be?
+//! Is it found where one run differs from its recorder and put right: another wheel, another age of the speed, readings that cannot be?
 
 mod simulated;
 
@@ -156,4 +156,38 @@ fn coarse_and_stuck_locations_are_no_other_unit() {
     });
     let found = kinds(&stuck);
     assert!(found.contains(&Kind::StuckLocation) && !found.contains(&Kind::OtherUnit), "{:?}", all(&stuck));
+}
+
+#[test]
+fn a_speed_that_is_held_while_the_train_slows_down_is_left_out() {
+    for quantum_kmh in [0.1, 1.0] {
+        let recorder = Recorder { quantum_kmh, ..Recorder::default() };
+        let truth = recorder.runs(28_000, 1, 5).remove(0).rows;
+        // From where it is fastest the train coasts and brakes.
+        let fastest = truth.iter().max_by(|a, b| a.speed_mps.partial_cmp(&b.speed_mps).unwrap()).unwrap();
+        let from = truth.iter().rposition(|row| row.speed_mps == fastest.speed_mps).unwrap();
+        // Until an eighth of the distance is missing, and 200 m: less than of a location that stands still.
+        let held_mps = fastest.speed_mps.unwrap();
+        let missing_m = |to: usize| truth[from..to].iter().map(|row| held_mps - row.speed_mps.unwrap()).sum::<f64>();
+        let is_enough = |to: &usize| missing_m(*to) > 200.0_f64.max(0.125 * held_mps * (to - from) as f64);
+        let to = (from..truth.len()).find(is_enough).unwrap();
+        let (found, rows) = one(truth.clone(), |rows| {
+            rows[from..to].iter_mut().for_each(|row| row.speed_mps = Some(held_mps));
+        });
+        assert!(kinds(&found).contains(&Kind::StuckSpeed), "{quantum_kmh}: {:?}", all(&found));
+        assert_eq!(rows[from + 5].speed_mps, None);
+    }
+}
+
+#[test]
+fn a_shift_of_the_location_is_said_where_the_location_is_known_better() {
+    for by_m in [150.0, 300.0, -150.0] {
+        let truth = clean(29);
+        let from = truth.iter().position(|row| row.time_s > 300.0 && row.speed_mps.unwrap() > 10.0).unwrap();
+        let (found, _) = one(truth, |rows| {
+            rows[from..].iter_mut().for_each(|row| row.location_m = row.location_m.map(|m| m + by_m));
+        });
+        let finding = only(&found, Kind::Reset);
+        assert!((finding.figure.value - by_m).abs() < 30.0 && finding.done == Done::Said, "{by_m}: {finding}");
+    }
 }
