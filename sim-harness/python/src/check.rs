@@ -63,7 +63,8 @@ pub fn check(py: Python<'_>, runs: Paths, track: Option<PathBuf>) -> PyResult<Ch
     let runs: Vec<PathBuf> = runs.into();
     let checked =
         py.detach(|| checking::check(&runs, Described { track: track.as_deref(), train: None })).map_err(unread)?;
-    let checking::Checked { found, failed, notes } = checked;
+    let checking::Checked { found, failed, notes, warnings } = checked;
+    let notes = [notes, warnings].concat();
     let message = "expected at least one run log that can be read, found none";
     let found = found.ok_or_else(|| no_runs(message, &failed))?;
     Ok(Check { found, failed, notes })
