@@ -12,13 +12,14 @@ use crate::logs::{self, Failed};
 use rayon::prelude::*;
 use rundown_check::agreement::Figure;
 use rundown_check::finding::Finding;
+use rundown_check::gradients::Coasts;
 use rundown_check::{Check, Known, RecorderCheck, RunCheck, check_beside};
 use rundown_files::column::{Column, Filled, filled};
 use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::sample::Sample;
-use rundown_files::{refusal::ReadError, run_log::BadRows, track_file::TrackFile};
+use rundown_files::{refusal::ReadError, run_log::BadRows, track_file::TrackFile, train_file::TrainFile};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -31,7 +32,12 @@ pub struct Checked {
     pub failed: Vec<Failed>,
     /// What a person may want to know about the order of the runs.
     pub notes: Vec<String>,
+    /// Rows of logs that could not be read and were left out, and other things that are wrong with their text.
+    pub warnings: Vec<String>,
 }
+
+/// Warnings of one log that are kept.
+const WARNINGS: usize = 3;
 
 /// The logs of a [`Check`], each in the place of its run.
 #[derive(Debug)]
@@ -44,32 +50,42 @@ pub struct Logs {
     pub inputs: Vec<PathBuf>,
 }
 
-/// Diagnoses run logs, or folders of run logs. `track`: one whose centre line gives the locations of logs that have coordinates only.
+/// What the logs are compared with, where it is known.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Described<'a> {
+    /// A track whose centre line gives the locations of logs that have coordinates only, and whose stops are stations.
+    pub track: Option<&'a Path>,
+    /// With a track: do its gradients explain how this train coasts?
+    pub train: Option<&'a Path>,
+}
+
+/// Diagnoses run logs, or folders of run logs.
 ///
 /// # Errors
-/// [`ReadError`] when the track, a folder or an index cannot be read.
-pub fn check(runs: &[PathBuf], track: Option<&Path>) -> Result<Checked, ReadError> {
-    examined(runs, track, |_| Vec::new()).map(|(checked, _)| checked)
+/// [`ReadError`] when a description, a folder or an index cannot be read.
+pub fn check(runs: &[PathBuf], described: Described<'_>) -> Result<Checked, ReadError> {
+    examined(runs, described, |_| Vec::new()).map(|(checked, _)| checked)
 }
 
 /// The same with the logs, before and after.
 ///
 /// # Errors
 /// As [`check`].
-pub fn check_with_logs(runs: &[PathBuf], track: Option<&Path>) -> Result<(Checked, Logs), ReadError> {
-    examined(runs, track, |recordings| recordings.iter().map(|recording| recording.rows.clone()).collect())
+pub fn check_with_logs(runs: &[PathBuf], described: Described<'_>) -> Result<(Checked, Logs), ReadError> {
+    examined(runs, described, |recordings| recordings.iter().map(|recording| recording.rows.clone()).collect())
 }
 
 fn examined(
     runs: &[PathBuf],
-    track: Option<&Path>,
+    described: Described<'_>,
     kept: impl FnOnce(&[Recording]) -> Vec<Vec<Sample>>,
 ) -> Result<(Checked, Logs), ReadError> {
     let set = RunSet::find(runs)?;
-    let track = track.map(TrackFile::read).transpose()?.map(|(track, _)| track);
+    let (track, core_track) = described.track.map(TrackFile::read).transpose()?.unzip();
+    let train = described.train.map(TrainFile::read).transpose()?.map(|(_, train)| train);
     let line = track.as_ref().and_then(|track| CentreLine::new(&track.centre_line));
     let stops_m = track.iter().flat_map(|track| &track.stop).map(|stop| stop.at_m).collect();
-    let known = Known { stops_m, ..Known::default() };
+    let known = Known { stops_m, moves_locations: true, ..Known::default() };
     let read = |file: &RunFile| logs::read(file, BadRows::LeaveOut, line.as_ref(), DirectionChoice::Auto);
     let read: Vec<Result<Recording, Failed>> = set.files.par_iter().map(read).collect();
     let (mut recordings, mut failed) = (Vec::new(), Vec::new());
@@ -79,10 +95,26 @@ fn examined(
             Err(failure) => failed.push(failure),
         }
     }
+    let warnings = recordings.iter().flat_map(first_warnings).collect();
     let recorded = kept(&recordings);
     let inputs = set.paths();
-    let found = (!recordings.is_empty()).then(|| check_beside(&mut recordings, &known));
-    Ok((Checked { found, failed, notes: set.notes }, Logs { recorded, right: recordings, inputs }))
+    let mut found = (!recordings.is_empty()).then(|| check_beside(&mut recordings, &known));
+    if let (Some(found), Some(train), Some(track)) = (&mut found, train, core_track) {
+        let usable = recordings.iter().zip(&found.runs).filter(|(_, run)| run.refusal().is_none());
+        let mut coasts = Coasts::default();
+        usable.for_each(|(recording, _)| coasts.add(std::slice::from_ref(recording), &train));
+        found.gradients = coasts.doubt(&train, &track);
+    }
+    Ok((Checked { found, failed, notes: set.notes, warnings }, Logs { recorded, right: recordings, inputs }))
+}
+
+fn first_warnings(recording: &Recording) -> Vec<String> {
+    let all = &recording.warnings;
+    let mut warnings: Vec<String> = all.iter().take(WARNINGS).cloned().collect();
+    if let Some(more) = all.len().checked_sub(WARNINGS).filter(|more| *more > 0) {
+        warnings.push(format!("{}: {more} more warnings", recording.path.display()));
+    }
+    warnings
 }
 
 /// A finding of a run, or of all runs of a recorder.
@@ -162,6 +194,12 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["runs[].findings[].line", "", "first line of the log where it is seen, 0: the whole log", ""],
     ["runs[].findings[].done", "", "`put_right`, `left_out`, `said` or `refused`", ""],
     ["not_compared", "", "runs among which perturbed ones cannot be recognised", ""],
+    [
+        "gradients.*",
+        "",
+        "as `gradient_doubt` of `replay.json`, without `shift_m`",
+        "they do not look wrong, or train and track were not given: `gradients` is null",
+    ],
 ];
 
 /// The word of JSON.
@@ -203,6 +241,7 @@ pub fn words(found: &Check) -> String {
             "{count} of {all} runs: perturbed ones not recognised, as fewer than 5 others pass or most differ\n"
         );
     }
+    text.extend(found.gradients.map(|doubt| format!("{doubt}\n")));
     let is_clean = |run: &&RunCheck| run.findings.is_empty() && run.perturbations.is_empty();
     let clean = found.runs.iter().filter(is_clean).count();
     let refused = found.refused().count();

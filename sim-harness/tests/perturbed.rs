@@ -75,7 +75,21 @@ fn gradients_with_the_sign_turned_are_said_and_right_ones_are_not() {
     assert!(said.err.contains("gradients look wrong: with the sign turned"), "{}", said.err);
     let json = folder.json("out/replay.json");
     assert!(json["notes"].as_array().unwrap().iter().any(|note| note.as_str().unwrap().contains("look wrong")));
+    let doubt = json["gradient_doubt"].clone();
+    assert_eq!(doubt["better"], "sign_turned");
+    assert!(doubt["off_permille"].as_f64().unwrap() > 2.0, "{doubt}");
+    // What is learned in spite of them is learned less surely, and not published.
+    assert_eq!(json["runs"][11]["foresight"]["published"], "not_yet", "{}", json["runs"][11]["foresight"]);
     assert!(replayed("turned.toml", &["--no-estimates"]).err.contains("gradients look wrong: with the sign turned"));
     assert_eq!(replayed("turned.toml", &["--strict"]).code, Some(1));
+    assert_eq!(folder.json("out/replay.json")["gradient_doubt"], doubt);
     assert!(!replayed("set/track.toml", &[]).err.contains("look wrong"));
+    let json = folder.json("out/replay.json");
+    assert_eq!(
+        (&json["gradient_doubt"], &json["runs"][11]["foresight"]["published"]),
+        (&Value::Null, &"learned".into())
+    );
+    let check = |track: &str| folder.rundown(&["check", "--train", "set/train.toml", "--track", track, "set/runs"]).out;
+    assert!(check("turned.toml").contains("gradients look wrong: with the sign turned"), "{}", check("turned.toml"));
+    assert!(!check("set/track.toml").contains("look wrong"));
 }

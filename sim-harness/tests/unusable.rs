@@ -106,3 +106,20 @@ fn strict_fails_where_anything_is_to_be_warned_of_and_leaves_what_is_there() {
     assert_eq!(said.code, Some(1), "{}{}", said.out, said.err);
     assert!(said.err.contains("--strict") && folder.path("clean/a_01.csv").exists(), "{}", said.err);
 }
+
+#[test]
+fn a_check_says_which_rows_it_left_out() {
+    let folder = Folder::new().with("a.csv", &format!("{RUN}not a row\n")).with("b.csv", RUN);
+    let check = folder.rundown(&["check", "a.csv"]);
+    assert!(check.err.contains("a.csv:") && check.err.contains("the row was left out"), "{}", check.err);
+    assert_eq!(folder.rundown(&["check", "--strict", "a.csv"]).code, Some(1));
+    assert_eq!(folder.rundown(&["check", "b.csv"]).err, "");
+}
+
+#[test]
+fn a_study_of_runs_that_teach_nothing_has_the_exit_code_of_a_replay() {
+    let folder = Folder::new().with("a.csv", &RUN.lines().take(3).map(|line| format!("{line}\n")).collect::<String>());
+    let (train, track) = (common::reference("train.toml"), common::reference("track.toml"));
+    let words = ["study", "--train", &train, "--track", &track, "--out", "out", "--runs", "a.csv"];
+    assert_eq!(folder.rundown(&words).code, Some(6));
+}

@@ -182,7 +182,7 @@ fn fit(differences: &Differences, ratio: f64, clip: Option<f64>) -> Option<Fit> 
         for _ in 0..3 {
             let most = clip * spread(&residuals);
             for (value, left) in y.iter_mut().zip(&residuals) {
-                *value -= left - left.clamp(-most, most);
+                *value -= left - left.max(-most).min(most);
             }
             (beta, residuals) = solve(&y)?;
         }

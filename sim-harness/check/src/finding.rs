@@ -46,6 +46,12 @@ pub enum Kind {
     Skew,
     /// A column holds another unit.
     OtherUnit,
+    /// Readings that are no numbers, or beyond the range of their column.
+    Impossible,
+    /// Single speeds far from both neighbours.
+    SpeedSpikes,
+    /// Rows without a location or without a speed.
+    MissingReadings,
 }
 
 /// What was done about it.
@@ -102,6 +108,9 @@ impl Kind {
             Self::SpeedScale => "the speed reads high by a factor",
             Self::Skew => "the speed is older than the location",
             Self::OtherUnit => "a column holds another unit: location over speed is off by a factor",
+            Self::Impossible => "readings are no numbers, or beyond what any train or line has",
+            Self::SpeedSpikes => "single speeds far from their neighbours",
+            Self::MissingReadings => "rows without a location or without a speed",
         }
     }
 

@@ -8,7 +8,9 @@
 //! |---|---|
 //! | did the clock jump, lose seconds, pause? | [`clock`] |
 //! | did the location wrap, begin again, stand still? | [`places`] |
+//! | are single readings missing or impossible? | [`readings`] |
 //! | which step do the readings have? | [`steps`] |
+//! | is a run unlike the others of its recorder? | [`mod@own`] |
 //! | do speed and location agree: scale, offset, skew? | [`mod@agreement`] |
 //! | what was found, and what was done? | [`finding`] |
 //! | do the described gradients explain how trains coast? | [`gradients`] |
@@ -43,8 +45,10 @@ pub mod agreement;
 pub mod clock;
 pub mod finding;
 pub mod gradients;
+pub mod own;
 pub mod perturbed;
 pub mod places;
+pub mod readings;
 pub mod steps;
 
 use agreement::{Agreement, Figure, Pooled, Row, agreement, pooled, spread};
@@ -156,6 +160,8 @@ pub struct Check {
     pub runs: Vec<RunCheck>,
     /// Runs among which perturbed ones cannot be recognised: too few others pass where they do, or they have no timetable in common.
     pub not_compared: usize,
+    /// The described gradients look wrong. None where they do not, or where train and track were not given.
+    pub gradients: Option<gradients::Doubt>,
 }
 
 /// Findings of single runs that [`Check::notes`] has.
@@ -189,7 +195,9 @@ impl Check {
         let spoils = |finding: &&Finding| match finding.done {
             Done::PutRight | Done::LeftOut => true,
             Done::Refused => false,
-            Done::Said => matches!(finding.kind, Kind::Reset | Kind::Skew | Kind::SpeedOffset),
+            Done::Said => {
+                matches!(finding.kind, Kind::Reset | Kind::Skew | Kind::SpeedOffset | Kind::MissingReadings)
+            }
         };
         let of_recorder = self.recorders.iter().flat_map(|recorder| {
             let name = if recorder.unit.is_empty() { "all runs" } else { &recorder.unit };
@@ -242,6 +250,8 @@ pub struct Known {
     pub scale: bool,
     /// Where the track describes stops, m.
     pub stops_m: Vec<f64>,
+    /// Locations are moved to the age of the speed. Not for a model that asks for the lag itself.
+    pub moves_locations: bool,
 }
 
 /// Diagnoses runs and puts right what is beyond doubt.
@@ -272,16 +282,20 @@ pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
         run.perturbations = perturbations;
         recording.perturbed = run.perturbed();
     }
-    Check { recorders, runs, not_compared: compared.not_compared }
+    Check { recorders, runs, not_compared: compared.not_compared, gradients: None }
 }
 
 fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
     let mut findings = Vec::new();
     let rows = &mut recording.rows;
     clock::put_right(rows, &mut findings);
+    // In another unit readings may be beyond what any train has.
     other_unit(rows, &mut findings);
+    readings::impossible(rows, &mut findings);
+    readings::missing(rows, &mut findings);
     let is_usable = |findings: &[Finding]| findings.iter().all(|finding| finding.done != Done::Refused);
     if is_usable(&findings) {
+        readings::speed_spikes(rows, &mut findings);
         places::stuck_locations(rows, &mut findings);
         places::spikes(rows, &mut findings);
         places::join(rows, &mut findings);
@@ -407,18 +421,15 @@ fn of_recorder(
         return recorder;
     };
     let values = recorder.decide(&all, known);
-    let correction = recorder.correction;
-    for (i, agreement) in of_unit.into_iter().zip(agreements) {
-        let run = &mut runs[i];
+    for (i, agreement) in of_unit.iter().zip(&agreements) {
         if let Some(agreement) = agreement {
-            run.skew_s = Some(agreement.skew_s(values));
-            run.scale = pooled(&[agreement]).map(|one| one.scale_at(values[1]));
-        }
-        for row in &mut recordings[i].rows {
-            row.speed_mps = row.speed_mps.map(|mps| correction.true_mps(mps));
+            own::judged(&mut runs[*i], agreement, values);
         }
     }
-    recorder.skews(runs);
+    recorder.skews(runs, known);
+    for (i, agreement) in of_unit.into_iter().zip(&agreements) {
+        own::of(&recorder, &mut runs[i], agreement.as_ref(), known).put_right(&mut recordings[i].rows);
+    }
     recorder
 }
 
@@ -461,13 +472,14 @@ impl RecorderCheck {
         if odd {
             self.said(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
         }
+        // No recorder has such an offset: the model does not fit, and its scale is no wheel.
         let matters = (scale.value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE;
         if matters {
-            self.said(Kind::SpeedScale, scale, "", put_right(!known.scale));
+            self.said(Kind::SpeedScale, scale, "", put_right(!known.scale && !odd));
         }
         self.correction = Correction {
             offset_mps: if known.truncates { 0.0 } else { offset_mps },
-            scale: if matters && !known.scale { scale.value } else { 1.0 },
+            scale: if matters && !known.scale && !odd { scale.value } else { 1.0 },
         };
         Vector2::new(1.0 / scale.value - 1.0, if decided { offset_mps } else { all.values[1] })
     }
@@ -477,7 +489,7 @@ impl RecorderCheck {
     }
 
     /// The usual skew, and how much it differs from run to run.
-    fn skews(&mut self, runs: &[RunCheck]) {
+    fn skews(&mut self, runs: &[RunCheck], known: &Known) {
         let usable = runs.iter().filter(|run| run.unit == self.unit && run.refusal().is_none());
         let mut skews: Vec<Figure> = usable.filter_map(|run| run.skew_s).collect();
         skews.sort_by(|a, b| a.value.total_cmp(&b.value));
@@ -496,7 +508,7 @@ impl RecorderCheck {
         };
         let usual = skew_s.value.abs() > LEAST_SKEW_S && skew_s.away_from(0.0) > SURE;
         if usual || (skews.len() > 1 && (late(1.0) || late(-1.0))) {
-            self.said(Kind::Skew, skew_s, "s", Done::Said);
+            self.said(Kind::Skew, skew_s, "s", put_right(known.moves_locations));
         }
     }
 }

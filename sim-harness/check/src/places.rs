@@ -1,17 +1,23 @@
 //! Locations and speeds that a sensor made wrong: wraps, resets, spikes, sensors that stand still, two directions.
 
-use crate::agreement::Figure;
+use crate::agreement::{Figure, spread};
 use crate::finding::{Done, Finding, Kind};
+use crate::steps;
 use rundown_files::sample::Sample;
 
 /// Turns of odometers, m.
 const TURNS_M: [f64; 6] = [10_000.0, 32_768.0, 65_536.0, 100_000.0, 1_000_000.0, 10_000_000.0];
-/// A smaller shift of the location is the estimator's to judge, m.
-const LEAST_SHIFT_M: f64 = 400.0;
+/// A smaller shift of the location is the estimator's to judge: so many times the usual one between two rows, within these, m.
+const SHIFT_OVER_NOISE: f64 = 20.0;
+const LEAST_SHIFT_M: (f64, f64) = (100.0, 400.0);
 /// How far a turn may be off, m, beyond a share of the distance since the last row.
 const NEAR_M: f64 = 60.0;
 /// A sensor that stands still over less is not said to, m.
 const LEAST_STUCK_M: f64 = 150.0;
+/// ... nor over less than this share of the distance.
+const STUCK_SHARE: f64 = 0.2;
+/// A wheel is off by less.
+const MOST_WHEEL: f64 = 0.06;
 /// Rows in a row that say the same.
 const LEAST_STUCK: usize = 4;
 /// Both directions, if each has at least this, m.
@@ -24,6 +30,7 @@ fn finding(kind: Kind, value: f64, count: usize, line: u64, done: Done) -> Findi
 /// Joins what wraps and resets have torn apart.
 pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let sign = heading(rows);
+    let least_m = (SHIFT_OVER_NOISE * noise_m(rows, sign)).clamp(LEAST_SHIFT_M.0, LEAST_SHIFT_M.1);
     let mut shift_m = 0.0;
     let mut last: Option<Sample> = None;
     for i in 0..rows.len() {
@@ -33,7 +40,7 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         if let Some(before) = last {
             let expected_m = sign * between(&before, &rows[i]);
             let jump_m = read_m + shift_m - before.location_m.unwrap_or(read_m) - expected_m;
-            if jump_m.abs() > LEAST_SHIFT_M + 0.5 * expected_m.abs() && stays(rows, i, sign) {
+            if jump_m.abs() > least_m + 0.5 * expected_m.abs() && stays(rows, i, sign) {
                 let allowed_m = NEAR_M + 0.3 * expected_m.abs();
                 let turn = TURNS_M.iter().find(|turn| (jump_m.abs() - **turn).abs() < allowed_m);
                 let zero = read_m.abs() < 100.0 && before.location_m.is_some_and(|m| (m - shift_m).abs() > 1000.0);
@@ -51,6 +58,15 @@ pub fn join(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         rows[i].location_m = Some(read_m + shift_m);
         last = Some(rows[i]);
     }
+}
+
+/// How far the step of the location from row to row usually is from that by speed, m.
+fn noise_m(rows: &[Sample], sign: f64) -> f64 {
+    let off = rows.windows(2).filter_map(|pair| {
+        let step_m = pair[1].location_m? - pair[0].location_m?;
+        Some(step_m - sign * between(&pair[0], &pair[1]))
+    });
+    spread(&off.collect::<Vec<f64>>())
 }
 
 /// +1 where locations grow more often than they fall.
@@ -104,13 +120,20 @@ pub fn spikes(rows: &mut [Sample], findings: &mut Vec<Finding>) {
 
 /// Locations that stand still while the train does not: left out.
 pub fn stuck_locations(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed);
+    let far = |_: &Sample| STUCK_SHARE;
+    let places = stretches(rows, |row| row.location_m, |by_speed, _| by_speed, far);
     leave_out(rows, &places, Kind::StuckLocation, findings);
 }
 
 /// Speeds that stand still while the locations say otherwise: left out.
 pub fn stuck_speeds(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let speeds = stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed);
+    let step_mps = steps::of_speed_kmh(rows.iter()).unwrap_or(0.0) / 3.6;
+    // A wheel and a step make a held speed miss so much of the distance.
+    let far = |row: &Sample| match row.speed_mps {
+        Some(mps) if mps > 0.0 => MOST_WHEEL + step_mps / mps,
+        _ => STUCK_SHARE,
+    };
+    let speeds = stretches(rows, |row| row.speed_mps, |by_speed, by_location| by_location - by_speed, far);
     leave_out(rows, &speeds, Kind::StuckSpeed, findings);
 }
 
@@ -137,8 +160,13 @@ struct Stretch {
     metres: f64,
 }
 
-/// Stretches in which a reading stays the same while `missing` of distance by speed and by location is large.
-fn stretches(rows: &[Sample], reading: fn(&Sample) -> Option<f64>, missing: fn(f64, f64) -> f64) -> Vec<Stretch> {
+/// Stretches in which a reading stays the same while `missing` of distance by speed and by location is more than the share `far` of it.
+fn stretches(
+    rows: &[Sample],
+    reading: fn(&Sample) -> Option<f64>,
+    missing: fn(f64, f64) -> f64,
+    far: impl Fn(&Sample) -> f64,
+) -> Vec<Stretch> {
     let mut found = Vec::new();
     let mut from = 0;
     while from < rows.len() {
@@ -150,7 +178,7 @@ fn stretches(rows: &[Sample], reading: fn(&Sample) -> Option<f64>, missing: fn(f
             let by_speed: f64 = rows[first..=last].windows(2).map(|pair| between(&pair[0], &pair[1])).sum();
             let by_location = rows[first].location_m.zip(rows[last].location_m).map_or(0.0, |(a, b)| (b - a).abs());
             let metres = missing(by_speed, by_location);
-            if metres.abs() > LEAST_STUCK_M && metres.abs() > 0.2 * by_speed.max(by_location) {
+            if metres.abs() > LEAST_STUCK_M && metres.abs() > far(&rows[from]) * by_speed.max(by_location) {
                 found.push(Stretch { from, to, metres });
             }
         }

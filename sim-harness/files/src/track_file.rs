@@ -2,7 +2,6 @@
 
 use crate::effect_file::{self, EffectEntry};
 use crate::refusal::ReadError;
-use crate::sample::MOST_SPEED_KMH;
 use crate::toml_file::{Step, TomlFile};
 use rundown::estimator::config::Config;
 use rundown::model::track::{Curve, Gradient, MAX_CURVES, MAX_GRADIENTS, MAX_TARGETS, Target, Track, TrackError};
@@ -12,8 +11,12 @@ use std::{fmt::Display, path::Path};
 
 /// Standard deviation of the gradients of a line of which none is known, permille: that of main lines through hills.
 const UNDESCRIBED_SD_PERMILLE: f64 = 5.0;
-/// Beyond, nothing would be said of a gradient.
-const MOST_SD_PERMILLE: f64 = 100.0;
+/// Beyond, nothing would be said of a gradient, permille.
+pub const MOST_SD_PERMILLE: f64 = 100.0;
+/// Trams turn no sharper, m.
+const LEAST_RADIUS_M: f64 = 10.0;
+/// No line permits more, on wheels or without, km/h.
+const MOST_LIMIT_KMH: f64 = 650.0;
 
 /// What a track file holds. Every table is sorted by where its entries begin.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -122,6 +125,21 @@ impl TrackFile {
         self.gradient_sd_permille.unwrap_or(unsaid)
     }
 
+    /// Which entries begin beyond the line, where nothing of them acts; none where none do.
+    pub fn beyond_the_line(&self) -> Option<String> {
+        let off = |at_m: f64| usize::from(!(-1.0..=self.length_m + 1.0).contains(&at_m));
+        let counts = [
+            ("gradient", self.gradient.iter().map(|entry| off(entry.from_m)).sum()),
+            ("curve", self.curve.iter().map(|entry| off(entry.from_m)).sum()),
+            ("tunnel", self.tunnel.iter().map(|entry| off(entry.from_m)).sum()),
+            ("speed_limit", self.speed_limit.iter().map(|entry| off(entry.from_m)).sum()),
+            ("stop", self.stop.iter().map(|entry| off(entry.at_m)).sum::<usize>()),
+        ];
+        let named: Vec<String> = counts.iter().filter(|(_, n)| *n > 0).map(|(name, n)| format!("{n} {name}")).collect();
+        let line = format!("lie beyond the line, which goes from 0 to {} m: is length_m right?", self.length_m);
+        (!named.is_empty()).then(|| format!("track: {} {line}", named.join(", ")))
+    }
+
     /// The configuration of an estimator on this track, where it has no doubt of its own.
     pub fn doubted(&self, mut config: Config) -> Config {
         let doubt = &mut config.track_doubt.gradient_sd_permille;
@@ -178,14 +196,15 @@ fn checked(file: TomlFile<TrackFile>) -> Result<(TrackFile, Track), ReadError> {
     sorted(&file, "centre_line", "at_m", &values.centre_line, |p| p.at_m, true)?;
     for (index, curve) in values.curve.iter().enumerate() {
         entry("curve", index).ends(curve.from_m, curve.to_m)?;
-        entry("curve", index).above_zero("radius_m", curve.radius_m)?;
+        let is_radius = curve.radius_m >= LEAST_RADIUS_M && curve.radius_m.is_finite();
+        entry("curve", index).need(is_radius, "radius_m", || format!("{LEAST_RADIUS_M} or more"), curve.radius_m)?;
     }
     for (index, tunnel) in values.tunnel.iter().enumerate() {
         entry("tunnel", index).ends(tunnel.from_m, tunnel.to_m)?;
     }
     for (index, limit) in values.speed_limit.iter().enumerate() {
-        let is_speed = limit.kmh > 0.0 && limit.kmh <= MOST_SPEED_KMH;
-        let expected = || format!("above 0, at most {MOST_SPEED_KMH}");
+        let is_speed = limit.kmh > 0.0 && limit.kmh <= MOST_LIMIT_KMH;
+        let expected = || format!("above 0, at most {MOST_LIMIT_KMH}");
         entry("speed_limit", index).need(is_speed, "kmh", expected, limit.kmh)?;
     }
     for (index, section) in values.feeding_section.iter().enumerate() {
@@ -286,10 +305,6 @@ impl Entry<'_> {
         self.need(to_m > from_m && to_m.is_finite(), "to_m", || format!("beyond from_m = {from_m}"), to_m)
     }
 
-    fn above_zero(&self, field: &str, found: f64) -> Result<(), ReadError> {
-        self.need(found > 0.0 && found.is_finite(), field, || "above 0".to_owned(), found)
-    }
-
     fn within(&self, field: &str, found: f64, most: f64) -> Result<(), ReadError> {
         // NaN is in no range.
         self.need((-most..=most).contains(&found), field, || format!("{} to {most}", -most), found)
@@ -368,12 +383,12 @@ mod tests {
             "track.toml:5:8: tunnel[0].to_m: expected beyond from_m = 9, found 9"
         );
         assert_eq!(
-            message("[[speed_limit]]\nfrom_m = 9\nkmh = 1001\n"),
-            "track.toml:5:7: speed_limit[0].kmh: expected above 0, at most 1000, found 1001"
+            message("[[speed_limit]]\nfrom_m = 9\nkmh = 651\n"),
+            "track.toml:5:7: speed_limit[0].kmh: expected above 0, at most 650, found 651"
         );
         assert_eq!(
             message("[[speed_limit]]\nfrom_m = 9\nkmh = 0\n"),
-            "track.toml:5:7: speed_limit[0].kmh: expected above 0, at most 1000, found 0"
+            "track.toml:5:7: speed_limit[0].kmh: expected above 0, at most 650, found 0"
         );
         assert!(
             message("[[centre_line]]\nat_m = 0\nlatitude_deg = 95\nlongitude_deg = 0\n")
@@ -389,6 +404,17 @@ mod tests {
             message("[[gradients]]\nfrom_m = 0\npermille = 0\n")
                 .starts_with("track.toml:3:3: unknown field `gradients`, expected one of `name`")
         );
+    }
+
+    #[test]
+    fn what_lies_beyond_the_line_is_said() {
+        let parse = |tables: &str| TrackFile::parse("t".as_ref(), &format!("name = \"l\"\nlength_m = 900\n{tables}"));
+        let (file, _) =
+            parse("[[stop]]\nat_m = 90000\nname = \"A\"\n[[speed_limit]]\nfrom_m = -50\nkmh = 9\n").unwrap();
+        let said = "track: 1 speed_limit, 1 stop lie beyond the line, which goes from 0 to 900 m: is length_m right?";
+        assert_eq!(file.beyond_the_line().as_deref(), Some(said));
+        let (file, _) = parse("[[stop]]\nat_m = 900\nname = \"A\"\n[[gradient]]\nfrom_m = 0\npermille = 1\n").unwrap();
+        assert_eq!(file.beyond_the_line(), None);
     }
 
     #[test]

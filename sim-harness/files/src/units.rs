@@ -26,6 +26,10 @@ const FAR: f64 = 1.25;
 const FEW: usize = 20;
 /// A slower reading is mostly rounding, m/s.
 const SLOW_MPS: f64 = 2.0;
+/// Over less, steps and noise of the location weigh, m.
+const PIECE_M: f64 = 200.0;
+/// A location that is the same over more stands still, m.
+const STUCK_M: f64 = 3000.0;
 
 fn likely(ratio: f64) -> &'static str {
     match ratio {
@@ -46,17 +50,41 @@ pub fn doubt(rows: &[Sample]) -> Option<Doubt> {
     far_ratio(rows).map(|ratio| Doubt::Distance { ratio })
 }
 
-/// Distance by location over distance by speed, where it is too far from 1 to be a matter of a wheel; their median over the rows.
+/// Distance by location over distance by speed, where it is too far from 1 to be a matter of a wheel; their median over
+/// pieces of the run.
 pub fn far_ratio(rows: &[Sample]) -> Option<f64> {
     let read = rows.iter().filter_map(|row| Some((row.time_s, row.location_m?, row.speed_mps?)));
     let read: Vec<(f64, f64, f64)> = read.collect();
-    let ratios = read.windows(2).filter_map(|pair| {
+    let pairs = read.windows(2).map(|pair| {
         let (from, to) = (pair[0], pair[1]);
-        let by_speed = 0.5 * (from.2 + to.2) * (to.0 - from.0);
-        let moving = from.2.min(to.2) > SLOW_MPS && by_speed > 0.0;
-        moving.then_some((to.1 - from.1).abs() / by_speed)
+        let by_speed_m = 0.5 * (from.2 + to.2) * (to.0 - from.0);
+        let is_moving = from.2.min(to.2) > SLOW_MPS && by_speed_m > 0.0;
+        is_moving.then_some([to.1 - from.1, by_speed_m])
     });
-    middle(ratios).filter(|ratio| !(1.0 / FAR..FAR).contains(ratio))
+    let pairs: Vec<Option<[f64; 2]>> = pairs.collect();
+    let all_m: f64 = pairs.iter().flatten().map(|[_, by_speed_m]| by_speed_m).sum();
+    let ratios = ratios(&pairs, PIECE_M.min(all_m / (2 * FEW) as f64));
+    middle(ratios.into_iter()).filter(|ratio| !(1.0 / FAR..FAR).contains(ratio))
+}
+
+/// Distance by location over that by speed, piece by piece; a location that stands still is no matter of units.
+fn ratios(pairs: &[Option<[f64; 2]>], piece_m: f64) -> Vec<f64> {
+    let mut ratios = Vec::new();
+    let mut piece = [0.0; 2];
+    for pair in pairs {
+        let Some([by_location_m, by_speed_m]) = pair else {
+            piece = [0.0; 2];
+            continue;
+        };
+        piece = [piece[0] + by_location_m, piece[1] + by_speed_m];
+        if piece[1] >= piece_m && piece[0] != 0.0 {
+            ratios.push(piece[0].abs() / piece[1]);
+            piece = [0.0; 2];
+        } else if piece[1] > STUCK_M {
+            piece = [0.0; 2];
+        }
+    }
+    ratios
 }
 
 fn middle(values: impl Iterator<Item = f64>) -> Option<f64> {

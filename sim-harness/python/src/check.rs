@@ -4,7 +4,7 @@ use crate::error::{no_runs, refused, unread};
 use crate::paths::Paths;
 use crate::table::Table;
 use pyo3::prelude::*;
-use sim_harness::checking;
+use sim_harness::checking::{self, Described};
 use sim_harness::logs::Failed;
 use std::path::PathBuf;
 
@@ -61,8 +61,10 @@ impl Check {
 #[pyo3(signature = (runs, *, track=None))]
 pub fn check(py: Python<'_>, runs: Paths, track: Option<PathBuf>) -> PyResult<Check> {
     let runs: Vec<PathBuf> = runs.into();
-    let checked = py.detach(|| checking::check(&runs, track.as_deref())).map_err(unread)?;
-    let checking::Checked { found, failed, notes } = checked;
+    let checked =
+        py.detach(|| checking::check(&runs, Described { track: track.as_deref(), train: None })).map_err(unread)?;
+    let checking::Checked { found, failed, notes, warnings } = checked;
+    let notes = [notes, warnings].concat();
     let message = "expected at least one run log that can be read, found none";
     let found = found.ok_or_else(|| no_runs(message, &failed))?;
     Ok(Check { found, failed, notes })

@@ -1,7 +1,7 @@
 //! `rundown check`: run logs in; what their recorder did to them out.
 
 use super::{Failure, SOME_RUNS_FAILED, Strict, screen};
-use crate::checking::{self, Checked, words};
+use crate::checking::{self, Checked, Described, words};
 use crate::output::files;
 use rundown_files::folder::{self, Provenance};
 use std::path::PathBuf;
@@ -17,6 +17,9 @@ Examples:
 
   The same for a program:
     rundown check --json logs/ > check.json
+
+  Whether the described gradients explain how the train coasts:
+    rundown check --train train.toml --track track.toml logs/
 
 It needs neither train nor track (a track with a centre line, where the logs have coordinates only). Found are: the step
 of the speed, rounded or truncated; offset and scale of the speed against the location, jointly; by how much the speed is
@@ -34,6 +37,9 @@ pub struct Arguments {
     /// Track whose centre line gives the locations of logs that have coordinates only, and whose stops are stations
     #[arg(long, value_name = "K.toml")]
     track: Option<PathBuf>,
+    /// Description of the train: with a track, whether its gradients explain how the train coasts
+    #[arg(long, value_name = "T.toml", requires = "track")]
+    train: Option<PathBuf>,
     #[command(flatten)]
     strict: Strict,
     /// Print the whole diagnosis as JSON to stdout, and nothing else
@@ -45,14 +51,16 @@ pub struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let (runs, track) = (&arguments.runs, arguments.track.as_deref());
+    let runs = &arguments.runs;
+    let described = Described { track: arguments.track.as_deref(), train: arguments.train.as_deref() };
     let out = arguments.out.as_deref().filter(|out| out.extension().is_none_or(|extension| extension != "json"));
-    let (Checked { found, failed, notes }, logs) = match out {
-        Some(_) => checking::check_with_logs(runs, track).map(|(checked, logs)| (checked, Some(logs)))?,
-        None => (checking::check(runs, track)?, None),
+    let (Checked { found, failed, notes, warnings }, logs) = match out {
+        Some(_) => checking::check_with_logs(runs, described).map(|(checked, logs)| (checked, Some(logs)))?,
+        None => (checking::check(runs, described)?, None),
     };
     failed.iter().for_each(|failed| screen::error(&failed.error));
     notes.iter().for_each(|text| screen::note(text));
+    warnings.iter().for_each(|text| screen::warning(text));
     let Some(found) = found else {
         let message = format!("expected at least one run log that can be read, found none of {}", failed.len());
         return Err(Failure::no_runs(message));
@@ -62,7 +70,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let of_recorders = found.recorders.iter().flat_map(|recorder| &recorder.findings);
     let findings = of_recorders.chain(found.runs.iter().flat_map(|run| &run.findings)).count();
     let perturbed = found.runs.iter().filter(|run| !run.perturbations.is_empty()).count();
-    arguments.strict.check(findings + perturbed + failed.len())?;
+    arguments
+        .strict
+        .check(findings + perturbed + failed.len() + warnings.len() + usize::from(found.gradients.is_some()))?;
     match (&arguments.out, logs) {
         (Some(out), Some(logs)) => folder::write("check", out, &Provenance::begin(&logs.inputs), |folder| {
             checking::write(folder, &found, &logs, &failed)?;

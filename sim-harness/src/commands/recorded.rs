@@ -55,6 +55,7 @@ impl RecordedRuns {
             truncates: config.sensor.rounding == Rounding::Truncated,
             scale: false,
             stops_m: track_file.stop.iter().map(|stop| stop.at_m).collect(),
+            moves_locations: true,
         };
         let known = (!self.as_recorded).then_some(known);
         let source = RunSource::recorded(&self.runs, line, known, self.keep_perturbed, screen::note)?;

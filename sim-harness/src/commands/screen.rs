@@ -47,6 +47,12 @@ pub(super) fn note(message: &str) {
     }
 }
 
+pub(super) fn warning(message: &str) {
+    if !quiet() {
+        eprintln!("warning: {message}");
+    }
+}
+
 pub(super) fn warnings(runs: &[ReplayedRun]) {
     if quiet() {
         return;

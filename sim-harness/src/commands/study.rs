@@ -1,7 +1,7 @@
 //! `rundown study`: the paper's case study on simulated or recorded runs, and the self-test of learning.
 
 use super::recorded::{Opened, RecordedRuns};
-use super::{Failure, SOME_RUNS_FAILED, WRONG_ARGUMENTS, experiment, screen};
+use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, WRONG_ARGUMENTS, experiment, screen};
 use crate::output::files;
 use crate::study::case::{calm, case_study, skewed_case_study};
 use crate::study::claims::{Claim, Verdict};
@@ -266,7 +266,10 @@ fn case_study_or_runs(
         let report = out.join("report.html");
         screen::print(&format!("\nreport: {}\n", report.display()));
     }
+    // As a replay: a study of runs from which nothing can be learned is none.
+    let learned = study.gathered.gated.learned_share.mean().is_some_and(|share| share > 0.0);
     Ok(match study.gathered.failed.len() {
+        _ if !learned => ExitCode::from(NOTHING_USABLE),
         0 => ExitCode::SUCCESS,
         _ => ExitCode::from(SOME_RUNS_FAILED),
     })

@@ -5,6 +5,7 @@ use crate::output::tables::Tables;
 use crate::output::{coast_ahead, estimates, features, parameters};
 use rundown::estimator::StepError;
 use rundown::estimator::config::{Config, Mode};
+use rundown_check::gradients::Doubt;
 use rundown_files::column::{Column, record};
 use rundown_files::replay::{Dropped, ReplayedRun, Tick};
 use rundown_files::table::to_json;
@@ -53,7 +54,21 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["failed[].file", "", "a log that could not be used", ""],
     ["failed[].errors[]", "", "why", ""],
     ["notes[]", "", "what a person should know about all runs", ""],
+    ["gradient_doubt.better", "", "what the described gradients look like: `sign_turned`, `per_cent`, ...", NOT_WRONG],
+    [
+        "gradient_doubt.shift_m",
+        "m",
+        "the chainage of the runs plus this is that of the gradients",
+        "it is another kind",
+    ],
+    ["gradient_doubt.off_permille", "permille", "root mean square of what they are off by", NOT_WRONG],
+    ["gradient_doubt.sd_n_per_kg", "N/kg", "scatter of coasted stretches of 20 s if they were so", NOT_WRONG],
+    ["gradient_doubt.described_sd_n_per_kg", "N/kg", "the same as they are described", NOT_WRONG],
+    ["gradient_doubt.log_likelihood", "", "log-likelihood ratio of the two", NOT_WRONG],
+    ["gradient_doubt.stretches", "", "coasted stretches", NOT_WRONG],
 ];
+
+const NOT_WRONG: &str = "they do not look wrong: `gradient_doubt` is null";
 
 /// What stands before the runs.
 #[derive(Clone, Copy, Debug)]
@@ -74,14 +89,43 @@ pub(crate) const fn mode_word(mode: Mode) -> &'static str {
     }
 }
 
-/// All of it. `notes`: what a person should know about all runs.
-pub(crate) fn value(head: &Head<'_>, runs: &[ReplayedRun], failures: &[Failed], notes: &[String]) -> Value {
+/// What stands behind the runs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct End<'a> {
+    pub failed: &'a [Failed],
+    pub notes: &'a [String],
+    pub gradient_doubt: Option<&'a Doubt>,
+}
+
+/// All of it.
+pub(crate) fn value(head: &Head<'_>, runs: &[ReplayedRun], end: &End<'_>) -> Value {
     let mut all = head.fields();
     let runs = runs.iter().map(|run| of_run(run, head.config, head.tables)).collect();
     all.insert("runs".to_owned(), Value::Array(runs));
-    all.insert("failed".to_owned(), failures.iter().map(failed).collect());
-    all.insert("notes".to_owned(), json!(notes));
+    all.extend(end.fields().map(|(name, value)| (name.to_owned(), value)));
     Value::Object(all)
+}
+
+impl End<'_> {
+    fn fields(&self) -> [(&'static str, Value); 3] {
+        [
+            ("failed", self.failed.iter().map(failed).collect()),
+            ("notes", json!(self.notes)),
+            ("gradient_doubt", self.gradient_doubt.map_or(Value::Null, gradient_doubt)),
+        ]
+    }
+}
+
+fn gradient_doubt(doubt: &Doubt) -> Value {
+    json!({
+        "better": doubt.better.word(),
+        "shift_m": doubt.better.shift_m(),
+        "off_permille": doubt.off_permille,
+        "sd_n_per_kg": doubt.sd_n_per_kg,
+        "described_sd_n_per_kg": doubt.described_sd_n_per_kg,
+        "log_likelihood": doubt.log_likelihood,
+        "stretches": doubt.stretches,
+    })
 }
 
 impl Head<'_> {
@@ -127,11 +171,12 @@ impl<W: Write> Stream<W> {
         Ok(())
     }
 
-    pub(crate) fn end(mut self, failures: &[Failed], notes: &[String]) -> io::Result<()> {
-        let failures = indented(&failures.iter().map(failed).collect(), "  ")?;
-        let notes = indented(&json!(notes), "  ")?;
-        let end = if self.is_first { "]" } else { "\n  ]" };
-        write!(self.writer, "{end},\n  \"failed\": {failures},\n  \"notes\": {notes}\n}}\n")?;
+    pub(crate) fn end(mut self, end: &End<'_>) -> io::Result<()> {
+        write!(self.writer, "{}", if self.is_first { "]" } else { "\n  ]" })?;
+        for (name, value) in end.fields() {
+            write!(self.writer, ",\n  \"{name}\": {}", indented(&value, "  ")?)?;
+        }
+        write!(self.writer, "\n}}\n")?;
         self.writer.flush()
     }
 }

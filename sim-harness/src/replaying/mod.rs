@@ -24,14 +24,16 @@ use rundown::{
     model::track::TrackError,
     model::train::Train,
 };
-use rundown_check::{Known, gradients::Coasts};
+use rundown_check::Known;
+use rundown_check::gradients::{Coasts, Doubt};
 use rundown_files::folder::{self, Provenance};
 use rundown_files::parquet::ParquetError;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::ReadError;
 use rundown_files::replay::{ReplayedRun, Tick, replay_apart_by, replay_carried_by};
+use rundown_files::track_file::{MOST_SD_PERMILLE, TrackFile};
 use rundown_files::{WriteError, config_file, effect_file};
-use rundown_files::{map_matching::CentreLine, run_log::BadRows, track_file::TrackFile, train_file::TrainFile};
+use rundown_files::{map_matching::CentreLine, run_log::BadRows, train_file::TrainFile};
 use serde_json::Value;
 use source::Source;
 use std::path::{Path, PathBuf};
@@ -128,6 +130,8 @@ pub struct Replayed {
     pub failed: Vec<Failed>,
     /// What a person should know about all of them.
     pub notes: Vec<String>,
+    /// The described gradients look wrong.
+    pub gradient_doubt: Option<Doubt>,
     provenance: Provenance,
     carried: bool,
     tick: Tick,
@@ -150,6 +154,8 @@ pub struct Summary {
     pub failed: Vec<Failed>,
     /// What a person should know about all of them.
     pub notes: Vec<String>,
+    /// The described gradients look wrong.
+    pub gradient_doubt: Option<Doubt>,
 }
 
 impl Request {
@@ -215,15 +221,14 @@ impl Opened {
     /// # Errors
     /// [`ReplayError`]: effects that act in some runs cannot act together.
     pub fn replay(mut self, done: impl Fn() + Sync) -> Result<Replayed, ReplayError> {
-        let mut summary = Summary { notes: self.source.notes().to_vec(), ..Summary::default() };
+        let mut summary = Summary { notes: self.first_notes(), ..Summary::default() };
         let mut read = Vec::new();
         while let Some(chunk) = self.next_chunk(usize::MAX)? {
             read.extend(chunk);
         }
         let mut recordings = self.diagnosed(read, &mut summary);
         source::tell_apart(&mut recordings);
-        let mut coasts = Coasts::default();
-        coasts.add(&recordings, &self.core_train);
+        self.doubt_gradients(&recordings, &mut summary)?;
         let own = self.own_estimators(&recordings)?;
         let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
         let (carried, tick) = (self.request.carried, self.request.tick);
@@ -234,9 +239,8 @@ impl Opened {
         };
         let mut advice = Advice::default();
         advice.add(&runs);
-        let Summary { failed, mut notes, .. } = summary;
+        let Summary { failed, mut notes, gradient_doubt, .. } = summary;
         notes.extend(advice.notes(&self.estimator));
-        notes.extend(self.gradient_doubt(&coasts));
         let Request { tables, run_pages, .. } = self.request;
         let Self { config, train, core_train, track, provenance, .. } = self;
         Ok(Replayed {
@@ -247,12 +251,18 @@ impl Opened {
             runs,
             failed,
             notes,
+            gradient_doubt,
             provenance,
             carried,
             tick,
             tables,
             run_pages,
         })
+    }
+
+    /// What is to be said before any log is read.
+    fn first_notes(&self) -> Vec<String> {
+        self.source.notes().iter().cloned().chain(self.track.beyond_the_line()).collect()
     }
 
     fn next_chunk(&mut self, most: usize) -> Result<Option<Vec<Result<Recording, Failed>>>, ReplayError> {
@@ -277,6 +287,7 @@ impl Opened {
             truncates: self.config.sensor.rounding == Rounding::Truncated,
             scale: effects.any(|entry| matches!(entry.effect, Effect::SpeedScale(_))),
             stops_m: self.track.stop.iter().map(|stop| stop.at_m).collect(),
+            moves_locations: true,
         };
         let (used, refused, found) = logs::diagnosed(recordings, &known);
         summary.failed.extend(refused);
@@ -287,10 +298,20 @@ impl Opened {
         used
     }
 
-    /// That the described gradients look wrong.
-    fn gradient_doubt(&self, coasts: &Coasts) -> Option<String> {
-        let doubt = coasts.doubt(&self.core_train, self.estimator.track())?;
-        Some(format!("{doubt}; what was learned rests on the gradients as described"))
+    /// Where the described gradients look wrong, the estimator doubts them by as much as they are off: what is learned in spite of them has an interval that says so.
+    fn doubt_gradients(&mut self, recordings: &[Recording], summary: &mut Summary) -> Result<(), ReplayError> {
+        let mut coasts = Coasts::default();
+        coasts.add(recordings, &self.core_train);
+        let Some(doubt) = coasts.doubt(&self.core_train, self.estimator.track()) else {
+            return Ok(());
+        };
+        let sd = &mut self.config.track_doubt.gradient_sd_permille;
+        *sd = sd.max(doubt.off_permille.min(MOST_SD_PERMILLE));
+        summary.notes.push(format!("{doubt}; until they are put right they are taken to be off by {sd:.1} permille"));
+        summary.gradient_doubt = Some(doubt);
+        let (track, effects) = (self.estimator.track().clone(), self.estimator.effects().clone());
+        self.estimator = Estimator::try_new(self.config, self.core_train, track)?.with_effects(effects);
+        Ok(())
     }
 
     fn head(&self) -> json::Head<'_> {
@@ -361,7 +382,8 @@ impl Replayed {
             tick: self.tick,
             tables: self.tables,
         };
-        json::value(&head, &self.runs, &self.failed, &self.notes)
+        let end = json::End { failed: &self.failed, notes: &self.notes, gradient_doubt: self.gradient_doubt.as_ref() };
+        json::value(&head, &self.runs, &end)
     }
 
     /// Writes the tables and the report into a folder, which is made when it does not exist. Out: `replay.json`.

@@ -7,7 +7,6 @@ use crate::advice::Advice;
 use crate::output::tables::Table;
 use crate::output::{features, files, json, parameters};
 use rundown::estimator::config::Mode;
-use rundown_check::gradients::Coasts;
 use rundown_files::WriteError;
 use rundown_files::folder;
 use rundown_files::recording::Recording;
@@ -60,11 +59,13 @@ impl Opened {
             let mut outputs = Outputs::begin(&self, folder)?;
             let mut vehicles = HashMap::new();
             let mut advice = Advice::default();
-            let mut coasts = Coasts::default();
-            let mut summary = Summary { notes: self.source.notes().to_vec(), ..Summary::default() };
+            let mut summary = Summary { notes: self.first_notes(), ..Summary::default() };
             while let Some(chunk) = self.next_chunk(CHUNK)? {
                 let recordings = self.diagnosed(chunk, &mut summary);
-                coasts.add(&recordings, &self.core_train);
+                if summary.runs == 0 {
+                    // The gradients are judged by the first runs: what these teach must rest on the same doubt as all.
+                    self.doubt_gradients(&recordings, &mut summary)?;
+                }
                 let own = self.own_estimators(&recordings).map_err(ReplayError::from)?;
                 let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
                 let runs = if self.request.carried {
@@ -79,7 +80,6 @@ impl Opened {
                 seen(&runs);
             }
             summary.notes.extend(advice.notes(&self.estimator));
-            summary.notes.extend(self.gradient_doubt(&coasts));
             let mut said = HashSet::new();
             summary.notes.retain(|note| said.insert(note.clone()));
             if summary.runs == 0 || self.request.strict && summary.said() > 0 {
@@ -125,7 +125,8 @@ impl Outputs {
         self.features.end()?;
         self.parameters.end()?;
         self.switches.end()?;
-        let ended = self.json.end(&summary.failed, &summary.notes);
+        let (failed, notes) = (&summary.failed, &summary.notes);
+        let ended = self.json.end(&json::End { failed, notes, gradient_doubt: summary.gradient_doubt.as_ref() });
         ended.map_err(|source| files::failed(&self.json_path, source))
     }
 }

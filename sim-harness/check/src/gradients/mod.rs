@@ -19,7 +19,7 @@ use rundown::model::direction::Direction;
 use rundown::model::track::Track;
 use rundown::model::train::Train;
 use rundown_files::recording::Recording;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::fmt;
 use stretch::Stretch;
 
@@ -33,6 +33,8 @@ const LEAST_SHARPER: f64 = 0.8;
 const LEAST_STRETCHES: f64 = 20.0;
 /// Coasts are explained where they scatter by less than this share of the most that is taken for coasting.
 const EXPLAINED: f64 = 0.9;
+/// Standard deviation of the gradients of a line of which nothing is known, permille: as where a track file describes none.
+const UNKNOWN_PERMILLE: f64 = 5.0;
 /// Shifts along the line that are tried, m.
 const SHIFT_STEP_M: f64 = 100.0;
 const MOST_SHIFT_M: f64 = 5_000.0;
@@ -40,8 +42,7 @@ const MOST_SHIFT_M: f64 = 5_000.0;
 const LEAST_SHIFT_M: f64 = 300.0;
 
 /// A reading of the described gradients.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Version {
     /// As described.
     Described,
@@ -57,6 +58,35 @@ pub enum Version {
     OtherEnd,
     /// The chainage of the runs plus so many metres is that of the gradients.
     Shifted(f64),
+}
+
+impl Version {
+    /// In one word, for programs.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Described => "described",
+            Self::SignTurned => "sign_turned",
+            Self::PerCent => "per_cent",
+            Self::TenthOfIt => "tenth_of_it",
+            Self::Level => "level",
+            Self::OtherEnd => "other_end",
+            Self::Shifted(_) => "shifted",
+        }
+    }
+
+    /// By how much, where it is shifted, m.
+    pub fn shift_m(self) -> Option<f64> {
+        match self {
+            Self::Shifted(by_m) => Some(by_m),
+            _ => None,
+        }
+    }
+}
+
+impl Serialize for Version {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.word())
+    }
 }
 
 impl fmt::Display for Version {
@@ -86,11 +116,13 @@ pub struct Doubt {
     pub log_likelihood: f64,
     /// Stretches of 20 s that are coasted.
     pub stretches: usize,
+    /// By how much the described gradients are off, root mean square over these stretches, permille.
+    pub off_permille: f64,
 }
 
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { better, sd_n_per_kg, described_sd_n_per_kg, log_likelihood, stretches } = self;
+        let Self { better, sd_n_per_kg, described_sd_n_per_kg, log_likelihood, stretches, .. } = self;
         write!(
             f,
             "gradients look wrong: {better} they would explain the coasts: {stretches} stretches of 20 s scatter by \
@@ -136,6 +168,7 @@ impl Coasts {
         let (nearest, best) = tried.max_by(|a, b| a.1.log_likelihood().total_cmp(&b.1.log_likelihood()))?;
         // Two lines may be alike by chance; the right gradients leave no such scatter.
         let better = if best.sd_n_per_kg < EXPLAINED * MOST_SD_N_PER_KG { nearest } else { Version::Level };
+        let better_n_per_kg = climbs(better);
         let described_sd = described.sd_of(&self.stretches, &described_n_per_kg, &best.shares);
         let agree = (0..2).all(|half| best.by_half[half] - described.by_half[half] > LEAST_GAIN);
         let clear = best.coasted() >= LEAST_STRETCHES && best.sd_n_per_kg < LEAST_SHARPER * described_sd;
@@ -145,6 +178,7 @@ impl Coasts {
             described_sd_n_per_kg: described_sd,
             log_likelihood: best.log_likelihood() - described.log_likelihood(),
             stretches: best.coasted().round() as usize,
+            off_permille: off_permille(&best.shares, &described_n_per_kg, &better_n_per_kg, better, train),
         })
     }
 
@@ -169,6 +203,14 @@ impl Coasts {
         };
         self.stretches.iter().map(climb).collect()
     }
+}
+
+/// Root mean square of the difference between two versions over the coasted stretches. Of another line nothing is known but that it is no flatter than most.
+fn off_permille(shares: &[f64], described: &[f64], better: &[f64], version: Version, train: &Train) -> f64 {
+    let squares = shares.iter().zip(described).zip(better).map(|((share, a), b)| share * (a - b).powi(2));
+    let off_n_per_kg = (squares.sum::<f64>() / shares.iter().sum::<f64>().max(1.0)).sqrt();
+    let least = if version == Version::Level { UNKNOWN_PERMILLE } else { 0.0 };
+    (1e3 * off_n_per_kg / train.gravity_n_per_kg()).max(least)
 }
 
 fn opposite(direction: Direction) -> Direction {

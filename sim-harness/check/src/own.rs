@@ -1,0 +1,156 @@
+//! Where one run differs from its recorder: another wheel, another age of the speed. Put right in its rows.
+//!
+//! ```text
+//! v = (v_r + o)/s            x(t - τ) = x(t) - ∫ v_r dt from t to t + τ
+//! ```
+//!
+//! The location is moved to the age of the speed, not the speed to that of the location: the steps of a rounded speed stay what they are.
+
+use crate::agreement::{Agreement, Figure, pooled};
+use crate::finding::{Done, Finding, Kind};
+use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE, places, put_right};
+use nalgebra::Vector2;
+use rundown_files::sample::Sample;
+
+/// A run is accused of a skew that its recorder does not have only beyond this, s ...
+const LEAST_OWN_SKEW_S: f64 = 1.0;
+/// ... and so many standard deviations: those of skews are a little too small.
+const OWN_SURE: f64 = 6.0;
+/// A smaller offset of one run is a matter of its driver's style, km/h.
+const LEAST_OWN_OFFSET_KMH: f64 = 0.3;
+
+/// What is put right in one run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Own {
+    correction: Correction,
+    /// By how much the speed is older than the location, s; 0 where that stays.
+    skew_s: f64,
+}
+
+/// Scale and skew of a run, its offset known or not; `values`: 1/s - 1 and o/s of its recorder.
+pub(crate) fn judged(run: &mut RunCheck, agreement: &Agreement, values: Vector2<f64>) {
+    run.skew_s = Some(agreement.skew_s(values));
+    run.scale = pooled(&[*agreement]).map(|one| one.scale_at(values[1]));
+}
+
+/// Compares a run with its recorder, and says where they differ.
+pub(crate) fn of(recorder: &RecorderCheck, run: &mut RunCheck, agreement: Option<&Agreement>, known: &Known) -> Own {
+    let mut own = Own { correction: recorder.correction, skew_s: 0.0 };
+    let Some(agreement) = agreement else {
+        return own;
+    };
+    let mut said = |kind, figure: Figure, unit, done| {
+        run.findings.push(Finding { kind, figure, unit, count: 1, line: 0, done });
+    };
+    match wheel(recorder, agreement) {
+        Some(Wheel::Offset(offset_kmh)) => said(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said),
+        Some(Wheel::Scale(scale)) => {
+            said(Kind::SpeedScale, scale, "", put_right(!known.scale));
+            own.correction.scale = if known.scale { 1.0 } else { scale.value };
+        }
+        None => (),
+    }
+    if let Some(skew) = run.skew_s {
+        let of_recorder = recorder.findings.iter().any(|finding| finding.kind == Kind::Skew);
+        let beyond = skew.value.abs() > LEAST_OWN_SKEW_S && skew.away_from(0.0) > OWN_SURE;
+        if !of_recorder && beyond {
+            said(Kind::Skew, skew, "s", put_right(known.moves_locations));
+        }
+        let skew_s = if of_recorder { drawn(recorder, skew) } else { skew.value };
+        own.skew_s = if known.moves_locations && (of_recorder || beyond) { skew_s } else { 0.0 };
+    }
+    own
+}
+
+/// What the speed of one run has and that of its recorder does not.
+enum Wheel {
+    Offset(Figure),
+    Scale(Figure),
+}
+
+/// Asks the run alone: one that differs spoils what the recorder says of the others.
+fn wheel(recorder: &RecorderCheck, agreement: &Agreement) -> Option<Wheel> {
+    let has = |kind| recorder.findings.iter().any(|finding| finding.kind == kind);
+    // Where the model does not fit the recorder, it does not fit its runs.
+    if recorder.compared < 2 || has(Kind::SpeedOffset) {
+        return None;
+    }
+    let alone = pooled(&[*agreement])?;
+    let offset_kmh = alone.offset_kmh();
+    let half_kmh = 0.5 * recorder.speed_step_kmh.unwrap_or(0.0);
+    let is_odd = |plausible_kmh: f64| {
+        let off_kmh = (offset_kmh.value - plausible_kmh).abs();
+        off_kmh > LEAST_OWN_OFFSET_KMH && offset_kmh.away_from(plausible_kmh) > SURE
+    };
+    if is_odd(0.0) && is_odd(half_kmh) {
+        return Some(Wheel::Offset(offset_kmh));
+    }
+    let is_decided = has(Kind::RoundedSpeed) || has(Kind::TruncatedSpeed);
+    let decided_kmh = recorder.decided_offset_kmh().filter(|_| is_decided);
+    let scale = decided_kmh.map_or_else(|| alone.scale(), |kmh| alone.scale_at(kmh / 3.6));
+    let usual = recorder.scale.map_or(1.0, |all| if has(Kind::SpeedScale) { all.value } else { 1.0 });
+    let is_own = (scale.value - usual).abs() > LEAST_SCALE && scale.away_from(usual) > SURE;
+    is_own.then_some(Wheel::Scale(scale))
+}
+
+/// The skew of a run, drawn to the usual one by what is known of both, s.
+fn drawn(recorder: &RecorderCheck, own: Figure) -> f64 {
+    let (Some(usual), Some(spread_s)) = (recorder.skew_s, recorder.skew_spread_s) else {
+        return own.value;
+    };
+    let between = (spread_s * spread_s - own.sd * own.sd).max(0.0);
+    usual.value + (own.value - usual.value) * between / (between + own.sd * own.sd).max(f64::MIN_POSITIVE)
+}
+
+impl Own {
+    /// Puts the speeds right, then moves the locations to their age.
+    pub(crate) fn put_right(&self, rows: &mut [Sample]) {
+        for row in rows.iter_mut() {
+            row.speed_mps = row.speed_mps.map(|mps| self.correction.true_mps(mps));
+        }
+        if self.skew_s == 0.0 {
+            return;
+        }
+        let sign = places::heading(rows);
+        let travelled = Travelled::of(rows);
+        for row in rows.iter_mut() {
+            let since_m = travelled.at(row.time_s + self.skew_s) - travelled.at(row.time_s);
+            row.location_m = row.location_m.map(|m| m - sign * since_m);
+        }
+    }
+}
+
+/// Distance by speed.
+struct Travelled {
+    /// Time, s, speed, m/s, distance up to there, m.
+    rows: Vec<[f64; 3]>,
+}
+
+impl Travelled {
+    fn of(rows: &[Sample]) -> Self {
+        let mut known: Vec<[f64; 3]> = Vec::new();
+        for row in rows {
+            let Some(mps) = row.speed_mps else { continue };
+            let before = known.last().copied().unwrap_or([row.time_s, mps, 0.0]);
+            let dt = row.time_s - before[0];
+            // A row that comes late is dropped by what follows.
+            if dt > 0.0 || known.is_empty() {
+                known.push([row.time_s, mps, before[2] + 0.5 * dt * (mps + before[1])]);
+            }
+        }
+        Self { rows: known }
+    }
+
+    /// Up to a time, m: the speed between two readings in a straight line, beyond the ends that at the end.
+    fn at(&self, time_s: f64) -> f64 {
+        let after = self.rows.partition_point(|[read_s, ..]| *read_s <= time_s);
+        let from = self.rows.get(after.saturating_sub(1)).copied().unwrap_or_default();
+        let [from_s, mps, distance_m] = from;
+        let slope = match self.rows.get(after).filter(|_| after > 0) {
+            Some([to_s, to_mps, _]) => (to_mps - mps) / (to_s - from_s),
+            None => 0.0,
+        };
+        let dt = time_s - from_s;
+        distance_m + dt * (mps + 0.5 * dt * slope)
+    }
+}

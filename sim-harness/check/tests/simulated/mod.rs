@@ -1,0 +1,195 @@
+//! Recorders with defects of known size, and what is found in their logs.
+#![allow(dead_code, reason = "no test uses all of it")]
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rundown::model::direction::Direction;
+use rundown_check::finding::{Finding, Kind};
+use rundown_check::{Check, check};
+use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
+
+/// Steps of a true run, s.
+const DT: f64 = 0.1;
+
+/// Time, location and speed of a train from stop to stop.
+pub struct Trace {
+    location_m: Vec<f64>,
+    speed_mps: Vec<f64>,
+}
+
+impl Trace {
+    fn drive(random: &mut ChaCha8Rng, stops: usize) -> Self {
+        let mut trace = Self { location_m: vec![0.0], speed_mps: vec![0.0] };
+        for _ in 0..stops {
+            let top_mps = random.random_range(12.0..40.0);
+            let hold_s = random.random_range(60.0..400.0);
+            let coast_s = random.random_range(20.0..200.0);
+            let up = random.random_range(0.25..0.8);
+            let brake = random.random_range(0.35..0.8);
+            trace.until(|v, _| v >= top_mps, |v, _| up * (1.2 - v / top_mps));
+            trace.until(|_, s| s >= hold_s, |_, s| 0.03 * (s / 25.0).sin());
+            trace.until(|v, s| s >= coast_s || v < 6.0, |v, _| -0.02 - 4e-5 * v * v);
+            trace.until(|v, _| v <= 0.0, |_, _| -brake);
+            trace.until(|_, s| s >= 45.0, |_, _| 0.0);
+        }
+        trace
+    }
+
+    fn until(&mut self, over: impl Fn(f64, f64) -> bool, acceleration: impl Fn(f64, f64) -> f64) {
+        let mut s = 0.0;
+        while !over(self.speed(), s) && s < 3000.0 {
+            let before = self.speed();
+            let now = (before + DT * acceleration(before, s)).max(0.0);
+            self.location_m.push(self.location_m[self.location_m.len() - 1] + 0.5 * DT * (before + now));
+            self.speed_mps.push(now);
+            s += DT;
+        }
+    }
+
+    fn speed(&self) -> f64 {
+        self.speed_mps[self.speed_mps.len() - 1]
+    }
+
+    /// Location and speed at a time.
+    fn at(&self, time_s: f64) -> (f64, f64) {
+        let i = ((time_s / DT).round().max(0.0) as usize).min(self.location_m.len() - 1);
+        (self.location_m[i], self.speed_mps[i])
+    }
+
+    fn duration_s(&self) -> f64 {
+        DT * (self.location_m.len() - 1) as f64
+    }
+}
+
+/// A recorder; its default is that of a clean log.
+#[derive(Clone, Copy)]
+pub struct Recorder {
+    pub step_s: f64,
+    pub quantum_kmh: f64,
+    pub truncates: bool,
+    pub scale: f64,
+    pub skew_s: f64,
+    pub skew_sd_s: f64,
+    pub noise_m: f64,
+    pub drift_m: f64,
+    pub odometer_m: f64,
+    pub loses_each_s: f64,
+}
+
+impl Default for Recorder {
+    fn default() -> Self {
+        Self {
+            step_s: 1.0,
+            quantum_kmh: 1.0,
+            truncates: false,
+            scale: 1.0,
+            skew_s: 0.0,
+            skew_sd_s: 0.0,
+            noise_m: 4.0,
+            drift_m: 0.0,
+            odometer_m: 0.0,
+            loses_each_s: 0.0,
+        }
+    }
+}
+
+impl Recorder {
+    fn rows(&self, trace: &Trace, random: &mut ChaCha8Rng) -> Vec<Sample> {
+        let mut normal = |sd: f64| -> f64 { sd * Distribution::<f64>::sample(&StandardNormal, random) };
+        let skew_s = self.skew_s + normal(self.skew_sd_s);
+        let mut drift_m = normal(self.drift_m);
+        let mut lost_s = 0.0;
+        let count = (trace.duration_s() / self.step_s) as u32;
+        let mut rows = Vec::new();
+        for i in 0..count {
+            let clock_s = f64::from(i) * self.step_s;
+            if self.loses_each_s > 0.0 {
+                lost_s = (clock_s / self.loses_each_s).floor();
+            }
+            let true_s = clock_s + lost_s;
+            let (location_m, _) = trace.at(true_s);
+            let (_, speed_mps) = trace.at(true_s - skew_s);
+            let keep = (-self.step_s / 60.0).exp();
+            drift_m = keep * drift_m + normal(self.drift_m * (1.0 - keep * keep).sqrt());
+            let mut read_m = location_m + drift_m + normal(self.noise_m);
+            if self.odometer_m > 0.0 {
+                read_m = (read_m / self.odometer_m).floor() * self.odometer_m;
+            }
+            let kmh = 3.6 * self.scale * speed_mps;
+            let steps = kmh / self.quantum_kmh;
+            let shown = if self.truncates { steps.floor() } else { steps.round() } * self.quantum_kmh;
+            rows.push(Sample {
+                line: u64::from(i) + 2,
+                time_s: clock_s,
+                location_m: Some(read_m),
+                speed_mps: Some(shown / 3.6),
+                ..Sample::default()
+            });
+        }
+        rows
+    }
+
+    pub fn runs(&self, seed: u64, runs: usize, stops: usize) -> Vec<Recording> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        (0..runs)
+            .map(|i| {
+                let trace = Trace::drive(&mut random, stops);
+                recording(&format!("run{i:02}"), self.rows(&trace, &mut random))
+            })
+            .collect()
+    }
+
+    pub fn check(&self, seed: u64, runs: usize, stops: usize) -> (Check, Vec<Recording>) {
+        let mut recordings = self.runs(seed, runs, stops);
+        (check(&mut recordings), recordings)
+    }
+}
+
+pub fn recording(name: &str, rows: Vec<Sample>) -> Recording {
+    Recording {
+        name: name.to_owned(),
+        path: name.into(),
+        unit: String::new(),
+        driver: String::new(),
+        direction: Direction::Up,
+        day: None,
+        rows,
+        perturbed: None,
+        warnings: vec![],
+    }
+}
+
+pub fn all(check: &Check) -> Vec<&Finding> {
+    let runs = check.runs.iter().flat_map(|run| &run.findings);
+    check.recorders.iter().flat_map(|recorder| &recorder.findings).chain(runs).collect()
+}
+
+pub fn kinds(check: &Check) -> Vec<Kind> {
+    let mut kinds: Vec<Kind> = all(check).iter().map(|finding| finding.kind).collect();
+    kinds.sort();
+    kinds.dedup();
+    kinds
+}
+
+pub fn one(mut rows: Vec<Sample>, spoil: impl FnOnce(&mut Vec<Sample>)) -> (Check, Vec<Sample>) {
+    spoil(&mut rows);
+    let mut recordings = [recording("run", rows)];
+    let found = check(&mut recordings);
+    let [recording] = recordings;
+    (found, recording.rows)
+}
+
+/// A clean run of a satellite receiver, 1 s.
+pub fn clean(seed: u64) -> Vec<Sample> {
+    Recorder::default().runs(seed, 1, 5).remove(0).rows
+}
+
+#[track_caller]
+pub fn only(check: &Check, kind: Kind) -> Finding {
+    let others = [Kind::RoundedSpeed, Kind::SteppedSpeed];
+    let mut left: Vec<&Finding> = all(check).into_iter().filter(|finding| !others.contains(&finding.kind)).collect();
+    assert!(left.iter().all(|finding| finding.kind == kind), "{left:?}");
+    left.pop().unwrap_or_else(|| panic!("{kind:?} is not found")).clone()
+}
