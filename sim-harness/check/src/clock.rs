@@ -14,6 +14,8 @@ const LEAST_BACK_S: f64 = 30.0;
 const LEAST_MIDNIGHT_S: f64 = 0.8 * DAY_S;
 /// Below it the distance says little about the time, m/s.
 const FAST_MPS: f64 = 5.0;
+/// Metres more than the speed says, in standard deviations of the location, that are no chance: their even intervals say the rest.
+const SEEN: f64 = 3.5;
 /// A run loses a second now and then if at least so many rows show it.
 const LEAST_LOST: usize = 5;
 
@@ -84,14 +86,14 @@ pub fn lost_seconds(rows: &mut [Sample], findings: &mut Vec<Finding>) {
             let Some((metres, speed_mps)) = off(*i) else {
                 return false;
             };
-            let second = (metres - speed_mps).abs() < (3.0 * sd_m).max(0.1 * speed_mps) && metres > 5.0 * sd_m;
+            let second = (metres - speed_mps).abs() < (3.0 * sd_m).max(0.1 * speed_mps) && metres > SEEN * sd_m;
             // A location that jumps ahead comes back, or had been behind.
             let compensated = [i.wrapping_sub(1), i + 1].into_iter().filter_map(off);
             second && compensated.map(|(other, _)| other).all(|other| other > -0.5 * metres)
         })
         .collect();
     // A location that jumps about seems to hold a second less as often, and comes at random: a clock that is slow loses its seconds at even intervals.
-    let gained = metres.iter().filter(|metres| **metres < -5.0 * sd_m).count();
+    let gained = metres.iter().filter(|metres| **metres < -SEEN * sd_m).count();
     if lost.len() < LEAST_LOST || lost.len() * 10 > metres.len() || 3 * gained > lost.len() || !even(&lost, rows) {
         return;
     }

@@ -98,6 +98,9 @@ pub struct RecorderCheck {
     pub location_step_m: Option<f64>,
     /// Measured over true speed; with the offset known where that is decided.
     pub scale: Option<Figure>,
+    /// That scale is a wheel's: it matters, and nothing else explains it.
+    #[serde(skip)]
+    pub is_wheel: bool,
     /// True less read speed, km/h.
     pub offset_kmh: Option<Figure>,
     /// By how much the speed is older than the location, s: median over the runs.
@@ -411,6 +414,7 @@ fn of_recorder(
         speed_step_kmh,
         location_step_m,
         scale: None,
+        is_wheel: false,
         offset_kmh: None,
         skew_s: None,
         skew_spread_s: None,
@@ -420,7 +424,7 @@ fn of_recorder(
     let Some(all) = pooled(&compared) else {
         return recorder;
     };
-    let values = recorder.decide(&all, known);
+    let values = recorder.decide(&all, known, lost_share(of_unit.iter().map(|i| &runs[*i])));
     for (i, agreement) in of_unit.iter().zip(&agreements) {
         if let Some(agreement) = agreement {
             own::judged(&mut runs[*i], agreement, values);
@@ -431,6 +435,15 @@ fn of_recorder(
         own::of(&recorder, &mut runs[i], agreement.as_ref(), known).put_right(&mut recordings[i].rows);
     }
     recorder
+}
+
+/// Seconds that were seen to be lost, as a share of the time: mean of these runs.
+fn lost_share<'a>(runs: impl Iterator<Item = &'a RunCheck> + Clone) -> f64 {
+    let of_run = |run: &RunCheck| {
+        let lost = run.findings.iter().find(|finding| finding.kind == Kind::LostSeconds);
+        lost.map_or(0.0, |lost| 0.01 * lost.figure.value / run.step_s)
+    };
+    runs.clone().map(of_run).sum::<f64>() / runs.count().max(1) as f64
 }
 
 fn put_right(here: bool) -> Done {
@@ -448,8 +461,8 @@ impl RecorderCheck {
         }
     }
 
-    /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, as the skews are judged with.
-    fn decide(&mut self, all: &Pooled, known: &Known) -> Vector2<f64> {
+    /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, as the skews are judged with. `lost`: share of the time.
+    fn decide(&mut self, all: &Pooled, known: &Known, lost: f64) -> Vector2<f64> {
         let offset_kmh = all.offset_kmh();
         self.offset_kmh = Some(offset_kmh);
         let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
@@ -472,14 +485,17 @@ impl RecorderCheck {
         if odd {
             self.said(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
         }
-        // No recorder has such an offset: the model does not fit, and its scale is no wheel.
         let matters = (scale.value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE;
+        // As many seconds may be lost unseen, at low speeds, as were seen: trains then run further than the clock says.
+        let unseen = scale.value < 1.0 && 1.0 - scale.value < lost;
+        // No recorder has such an offset: the model does not fit, and its scale is no wheel.
+        self.is_wheel = matters && !odd && !unseen;
         if matters {
-            self.said(Kind::SpeedScale, scale, "", put_right(!known.scale && !odd));
+            self.said(Kind::SpeedScale, scale, "", put_right(!known.scale && self.is_wheel));
         }
         self.correction = Correction {
             offset_mps: if known.truncates { 0.0 } else { offset_mps },
-            scale: if matters && !known.scale && !odd { scale.value } else { 1.0 },
+            scale: if self.is_wheel && !known.scale { scale.value } else { 1.0 },
         };
         Vector2::new(1.0 / scale.value - 1.0, if decided { offset_mps } else { all.values[1] })
     }

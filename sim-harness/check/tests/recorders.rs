@@ -134,6 +134,17 @@ fn lost_seconds_are_found_and_put_right_and_are_no_wheel() {
 }
 
 #[test]
+fn lost_seconds_are_found_beside_a_receiver_and_are_no_wheel() {
+    for seed in 6100..6106 {
+        let recorder = Recorder { loses_each_s: 106.0, noise_m: 2.6, ..Recorder::default() };
+        let (found, _) = recorder.check(seed, 12, 6);
+        let (all, recorder) = (kinds(&found), &found.recorders[0]);
+        assert!(all.contains(&Kind::LostSeconds) && !all.contains(&Kind::TruncatedSpeed), "{all:?}");
+        assert!(!recorder.is_wheel && recorder.correction.scale == 1.0, "{:?}", recorder.findings);
+    }
+}
+
+#[test]
 fn clocks_that_jump_are_put_right() {
     let truth = clean(7);
     let middle = truth.iter().position(|row| row.time_s > 300.0 && row.speed_mps.unwrap() > 10.0).unwrap();

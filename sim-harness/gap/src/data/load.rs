@@ -86,7 +86,8 @@ impl Loaded {
     fn diagnose(&mut self, stops_m: Vec<f64>) {
         let mut check = check_beside(&mut self.recordings, &Known { scale: true, stops_m, ..Known::default() });
         // In the runs the scale is put right, too.
-        for finding in check.recorders.iter_mut().flat_map(|recorder| &mut recorder.findings) {
+        let wheels = check.recorders.iter_mut().filter(|recorder| recorder.is_wheel);
+        for finding in wheels.flat_map(|recorder| &mut recorder.findings) {
             if finding.kind == Kind::SpeedScale {
                 finding.done = Done::PutRight;
             }
@@ -154,7 +155,7 @@ pub fn recorded(check: &Check, run: &RunCheck) -> Recorded {
     let Some(recorder) = check.recorder(&run.unit) else {
         return Recorded::default();
     };
-    let scale = recorder.scale.filter(|_| recorder.findings.iter().any(|found| found.kind == Kind::SpeedScale));
+    let scale = recorder.scale.filter(|_| recorder.is_wheel);
     Recorded {
         unit: run.unit.clone(),
         correction: Correction { scale: scale.map_or(1.0, |scale| scale.value), ..recorder.correction },
