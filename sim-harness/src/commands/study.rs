@@ -16,6 +16,7 @@ use crate::{
     simulation::scenario_file::Simulation, study::source::RunSource, study::trials::Trials, study::write::RunTable,
 };
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
+use rundown_files::column;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::{WriteError, config_file, parquet::RunWriter, track_file::TrackFile, train_file::TrainFile};
 use rundown_pages::numbers::counted;
@@ -111,7 +112,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "tunnel", "config", "json"])]
     all: bool,
     /// Only the tunnel at Best: what the paper's mode and rundown gap make of it
-    #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "config"])]
+    #[arg(long, conflicts_with_all = ["runs", "scenario", "example", "keep_runs", "truth_slope", "readings", "config"])]
     tunnel: bool,
     /// Only one of the experiments that the paper leaves to future work, or all; --seeds sets (5) of --count runs (20)
     #[arg(long, value_name = "NAME", conflicts_with_all = ["runs", "scenario", "example", "keep_runs", "truth_slope", "readings", "config", "all", "tunnel"])]
@@ -522,7 +523,7 @@ fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
     let all = comparison::compare(&plan, || bar.inc(1))?;
     bar.finish_and_clear();
     let pictures = [readings::picture::picture(&all, plan.seeds)];
-    let rows: Vec<_> = outcome::records(&all).iter().map(rundown_files::table::to_json).collect();
+    let rows: Vec<_> = column::records(&pictures[0].numbers).iter().map(rundown_files::table::to_json).collect();
     let json = json!({ "runs": plan.runs, "seeds": plan.seeds, "seed": plan.seed, "combinations": rows });
     let json = format!("{json:#}\n");
     let page = outcome::page(&plan, &all, &pictures);
@@ -543,7 +544,7 @@ fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
 
 fn tunnel(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
     let (answer, json) = folder::write("study", out, &Provenance::begin(&[]), |folder| {
-        let answer = tunnel_at_best::answer(folder, arguments.seed, screen::note)?;
+        let answer = tunnel_at_best::answer(folder, arguments.seed, arguments.count, screen::note)?;
         let json = tunnel_json(&answer);
         write::pictures(folder, &[answer.picture()])?;
         write::text(&folder.join("tunnel.json"), &json)?;

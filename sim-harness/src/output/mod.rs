@@ -10,9 +10,11 @@
 //! | `replay.json` | all but the estimates in one file for machines (`json`) |
 
 pub mod coast_ahead;
+#[cfg(feature = "link")]
 pub mod document;
 pub mod estimates;
 pub mod features;
+pub mod fields;
 pub(crate) mod files;
 pub mod json;
 pub mod parameters;

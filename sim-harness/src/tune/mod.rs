@@ -9,6 +9,7 @@
 //! A filter that explains the readings well is not one that finds the resistance: the paper's loop stays blind to it, however it is tuned.
 //! The page shows that beside the optimum.
 
+pub(crate) mod fields;
 pub(crate) mod page;
 pub(crate) mod parameters;
 pub(crate) mod score;
