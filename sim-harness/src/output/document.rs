@@ -41,8 +41,8 @@ same bytes each time.
 
 What is not on this page is no table: pages (`.html`, with their `.js`), pictures (`.svg`), descriptions and
 configurations (`.toml`, in [formats.md](formats.md)), the files of other programs
-([replay.md](replay.md#train-characteristics-for-other-tools)), a frame (`effect.frame`), and the tables in words (`.md`)
-and `.json` of the benches, which are records of this project's own tests.
+([replay.md](replay.md#train-characteristics-for-other-tools)), a frame (`effect.frame`), and the tables in words
+(`.md`) and `.json` of the benches, which are records of this project's own tests.
 ";
 
 const ABSENT: &str = "Where `null when` says `absent`, the key is not there.";
@@ -65,8 +65,8 @@ pub fn page() -> String {
 
 fn logs(text: &mut String) {
     let columns: Vec<About> = COLUMNS.iter().map(|column| column.about()).collect();
-    let rounded = "A row for each sample, with fixed decimals, as a recorder has them; columns of sensors that the \
-        scenario has not are not there.";
+    let rounded = "A row for each sample, with fixed decimals, as a recorder has them.\nColumns of sensors that the \
+        scenario lacks are not there.";
     table(text, "rundown simulate: runs/<run>.csv", rounded, &columns);
     let index = about(index_columns());
     table(text, "rundown simulate: runs/runs.csv", "A row for each log.", &index);
