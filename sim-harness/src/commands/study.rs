@@ -91,7 +91,7 @@ pub struct Arguments {
     /// Configuration of the estimator; what it leaves out keeps its default, its mode is not used
     #[arg(long, value_name = "C.toml")]
     config: Option<PathBuf>,
-    /// Name of the run of Figs. 3, 5 and 6; without it the first
+    /// Name of the run of Figs. 3, 5 and 6; without it the one whose regimes are nearest to those of the paper's run
     #[arg(long, value_name = "RUN")]
     example: Option<String>,
     /// Folder for the results; made when it does not exist
@@ -354,6 +354,10 @@ fn study(
         }
     }
     let gathered = gathered(&mut described, &estimators, example, kept, out)?;
+    if let (Some(name), None, 1..) = (example, &gathered.example, gathered.paper.runs) {
+        let message = format!("--example: expected the name of a run that could be used, found {name}");
+        return Err(Failure { message, code: WRONG_ARGUMENTS });
+    }
     let trials = Trials::of(&config, &estimators, &track, &gathered.drawn)?;
     let mut claims = claims::claims(&gathered, &train, &trials);
     let others = of_others(&mut described.others, &config, &estimators, &track)?;
@@ -418,11 +422,11 @@ fn gathered(
     let title = page::title(&described.train_name, &described.track_name);
     let pages = || RunPages::begin(out.to_owned(), title, &estimators.gated);
     let mut pages = kept.pages.then(pages).transpose()?;
-    let mut kept = kept.runs.map(RunWriter::new);
+    let mut kept = kept.runs.map(|path| (path, RunWriter::new(path)));
     let source = &mut described.source;
     let bar = screen::progress(source.total());
     let mut sink = |rows: &Rows| {
-        if let Some(kept) = &mut kept {
+        if let Some((_, kept)) = &mut kept {
             kept.write(rows.all.iter().map(|one| one.recording())).map_err(std::io::Error::other)?;
         }
         pages.as_mut().map_or(Ok(()), |pages| pages.add(rows.used)).map_err(std::io::Error::other)?;
@@ -435,7 +439,11 @@ fn gathered(
     })?;
     bar.finish_and_clear();
     table.end()?;
-    kept.map_or(Ok(()), RunWriter::close).map_err(Failure::not_written)?;
+    pages.map_or(Ok(()), RunPages::end)?;
+    if let Some((path, writer)) = kept {
+        writer.close().map_err(Failure::not_written)?;
+        log::info!("wrote {}", path.display());
+    }
     Ok(gathered)
 }
 

@@ -12,6 +12,7 @@
 pub(crate) mod fields;
 pub(crate) mod page;
 pub(crate) mod parameters;
+pub(crate) mod runs;
 pub(crate) mod score;
 pub(crate) mod search;
 pub(crate) mod surface;
