@@ -9,6 +9,7 @@ mod run_pictures;
 pub use page::write;
 
 use crate::logs::{self, Failed};
+use crate::replaying::Runs;
 use rayon::prelude::*;
 use rundown_check::agreement::Figure;
 use rundown_check::finding::Finding;
@@ -44,12 +45,13 @@ pub struct Logs {
     pub inputs: Vec<PathBuf>,
 }
 
-/// Diagnoses run logs, or folders of run logs. `track`: one whose centre line gives the locations of logs that have coordinates only.
+/// Diagnoses run logs, folders of run logs, or a table in memory. `track`: one whose centre line gives the locations of runs that have coordinates
+/// only. `done` is called once for each log that was read.
 ///
 /// # Errors
-/// [`ReadError`] when the track, a folder or an index cannot be read.
-pub fn check(runs: &[PathBuf], track: Option<&Path>) -> Result<Checked, ReadError> {
-    examined(runs, track, |_| Vec::new()).map(|(checked, _)| checked)
+/// [`ReadError`] when the track, a folder, an index or the table cannot be read.
+pub fn check(runs: Runs, track: Option<&Path>, done: impl Fn() + Sync) -> Result<Checked, ReadError> {
+    examined(runs, track, done, |_| Vec::new()).map(|(checked, _)| checked)
 }
 
 /// The same with the logs, before and after.
@@ -57,21 +59,32 @@ pub fn check(runs: &[PathBuf], track: Option<&Path>) -> Result<Checked, ReadErro
 /// # Errors
 /// As [`check`].
 pub fn check_with_logs(runs: &[PathBuf], track: Option<&Path>) -> Result<(Checked, Logs), ReadError> {
-    examined(runs, track, |recordings| recordings.iter().map(|recording| recording.rows.clone()).collect())
+    let kept = |recordings: &[Recording]| recordings.iter().map(|recording| recording.rows.clone()).collect();
+    examined(Runs::Paths(runs.to_vec()), track, || (), kept)
 }
 
 fn examined(
-    runs: &[PathBuf],
+    runs: Runs,
     track: Option<&Path>,
+    done: impl Fn() + Sync,
     kept: impl FnOnce(&[Recording]) -> Vec<Vec<Sample>>,
 ) -> Result<(Checked, Logs), ReadError> {
-    let set = RunSet::find(runs)?;
     let track = track.map(TrackFile::read).transpose()?.map(|(track, _)| track);
     let line = track.as_ref().and_then(|track| CentreLine::new(&track.centre_line));
     let stops_m = track.iter().flat_map(|track| &track.stop).map(|stop| stop.at_m).collect();
     let known = Known { stops_m, ..Known::default() };
-    let read = |file: &RunFile| logs::read(file, BadRows::LeaveOut, line.as_ref(), DirectionChoice::Auto);
-    let read: Vec<Result<Recording, Failed>> = set.files.par_iter().map(read).collect();
+    let one = |file: &RunFile| {
+        let read = logs::read(file, BadRows::LeaveOut, line.as_ref(), DirectionChoice::Auto);
+        done();
+        read
+    };
+    let (read, inputs, notes): (Vec<Result<Recording, Failed>>, _, _) = match runs {
+        Runs::Table(table) => (table.recordings(line.as_ref())?.into_iter().map(Ok).collect(), Vec::new(), Vec::new()),
+        Runs::Paths(paths) => {
+            let set = RunSet::find(&paths)?;
+            (set.files.par_iter().map(one).collect(), set.paths(), set.notes)
+        }
+    };
     let (mut recordings, mut failed) = (Vec::new(), Vec::new());
     for result in read {
         match result {
@@ -80,9 +93,8 @@ fn examined(
         }
     }
     let recorded = kept(&recordings);
-    let inputs = set.paths();
     let found = (!recordings.is_empty()).then(|| check_beside(&mut recordings, &known));
-    Ok((Checked { found, failed, notes: set.notes }, Logs { recorded, right: recordings, inputs }))
+    Ok((Checked { found, failed, notes }, Logs { recorded, right: recordings, inputs }))
 }
 
 /// A finding of a run, or of all runs of a recorder.

@@ -3,6 +3,7 @@
 use super::{Failure, SOME_RUNS_FAILED, Strict, screen};
 use crate::checking::{self, Checked, words};
 use crate::output::files;
+use crate::replaying::Runs;
 use rundown_files::folder::{self, Provenance};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -49,7 +50,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let out = arguments.out.as_deref().filter(|out| out.extension().is_none_or(|extension| extension != "json"));
     let (Checked { found, failed, notes }, logs) = match out {
         Some(_) => checking::check_with_logs(runs, track).map(|(checked, logs)| (checked, Some(logs)))?,
-        None => (checking::check(runs, track)?, None),
+        None => (checking::check(Runs::Paths(runs.clone()), track, || ())?, None),
     };
     failed.iter().for_each(|failed| screen::error(&failed.error));
     notes.iter().for_each(|text| screen::note(text));
