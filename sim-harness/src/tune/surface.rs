@@ -179,7 +179,7 @@ pub fn plane(bench: &Bench, optimum: &Place, done: impl Fn()) -> Picture {
     Picture {
         name: "tune_plane".to_owned(),
         caption: format!(
-            "Loss of likelihood a sample over the noise of both readings, the other parameters as at the optimum: dark none, white {DEEPEST} and more."
+            "Loss of likelihood a sample over the noise of both readings, the other parameters as at the optimum: the stronger the colour, the smaller the loss; no colour at {DEEPEST} and more."
         ),
         drawing: figure.into(),
         numbers: filled(plane_columns(), rows),
