@@ -82,7 +82,8 @@ fn examined(
         Runs::Table(table) => (table.recordings(line.as_ref())?.into_iter().map(Ok).collect(), Vec::new(), Vec::new()),
         Runs::Paths(paths) => {
             let set = RunSet::find(&paths)?;
-            (set.files.par_iter().map(one).collect(), set.paths(), set.notes)
+            // Where `done` unwinds, as for an interrupt, the other threads end, too.
+            (set.files.par_iter().panic_fuse().map(one).collect(), set.paths(), set.notes)
         }
     };
     let (mut recordings, mut failed) = (Vec::new(), Vec::new());

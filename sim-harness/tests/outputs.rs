@@ -244,7 +244,7 @@ fn every_file_of_logs_and_answers_is_declared() {
     ran(&[&"check", &"--out", &at("check"), &runs]);
     all_declared("check", &at("check"), &["check.json"]);
     ran(&[&"gap", a, b, c, d, &"--runs", &runs, &"--out", &at("gap")]);
-    all_declared("gap", &at("gap"), &["gap.json", "residuals.csv", "pulls.csv", "before_after.csv"]);
+    all_declared("gap", &at("gap"), &["gap.json", "residuals.csv", "before_after.csv"]);
     ran(&[&"import", &"--out", &at("imported"), &runs.join("run001.csv"), &runs.join("run002.csv")]);
     all_declared("import", &at("imported"), &["import.json", "runs.csv"]);
 }

@@ -3,7 +3,6 @@
 use super::fields::{Field, owned};
 use super::{coast_ahead, estimates, features, json, parameters};
 use crate::import::account;
-use crate::link::record;
 use crate::simulation::folder::{index_columns, truth_columns};
 use crate::simulation::key;
 use crate::study::experiments::{answer, catalogue};
@@ -58,8 +57,11 @@ pub fn page() -> String {
     study_of_case(&mut text);
     study_beside(&mut text);
     tune(&mut text);
-    let lines = "A line for each message, written as it comes.";
-    table(&mut text, "rundown link, display: --record", lines, &about(record::columns()));
+    #[cfg(feature = "link")]
+    {
+        let lines = "A line for each message, written as it comes.";
+        table(&mut text, "rundown link, display: --record", lines, &about(crate::link::record::columns()));
+    }
     text
 }
 

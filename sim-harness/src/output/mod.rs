@@ -10,7 +10,6 @@
 //! | `replay.json` | all but the estimates in one file for machines (`json`) |
 
 pub mod coast_ahead;
-#[cfg(feature = "link")]
 pub mod document;
 pub mod estimates;
 pub mod features;
