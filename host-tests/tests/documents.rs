@@ -251,9 +251,9 @@ fn tests_that_are_named_exist() {
 }
 
 #[test]
-fn the_snippet_of_the_readme_learns_the_resistance_of_a_coasting_train() {
-    let readme = text("README.md");
-    let shown = readme.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next());
+fn the_snippet_of_the_library_learns_the_resistance_of_a_coasting_train() {
+    let page = text("docs/library.md");
+    let shown = page.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next());
     assert_eq!(shown, Some(include_str!("documents/snippet.rs")));
 
     let davis = NOMINAL;

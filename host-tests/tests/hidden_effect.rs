@@ -34,7 +34,7 @@ fn of_size(
     let folder = tempfile::tempdir().unwrap();
     let answer = blind(&set, folder.path()).unwrap().unwrap();
     assert!(!folder.path().join("truth").exists());
-    let score = Score::of(&set, Some(&answer.found));
+    let score = Score::of(&set, Some(&answer));
     let trials: Vec<_> = answer.found.named.iter().chain(&answer.found.candidates).map(|one| &one.trial).collect();
     println!("{:?}, seed {seed}: {score:?}, trials {trials:?}", set.scenario.effects);
     (set, score, answer)

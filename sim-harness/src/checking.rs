@@ -9,6 +9,7 @@ mod run_pictures;
 pub use page::write;
 
 use crate::logs::{self, Failed};
+use crate::replaying::Runs;
 use rayon::prelude::*;
 use rundown_check::agreement::Figure;
 use rundown_check::finding::Finding;
@@ -59,12 +60,12 @@ pub struct Described<'a> {
     pub train: Option<&'a Path>,
 }
 
-/// Diagnoses run logs, or folders of run logs.
+/// Diagnoses run logs, folders of run logs, or a table in memory. `done` is called once for each log that was read.
 ///
 /// # Errors
-/// [`ReadError`] when a description, a folder or an index cannot be read.
-pub fn check(runs: &[PathBuf], described: Described<'_>) -> Result<Checked, ReadError> {
-    examined(runs, described, |_| Vec::new()).map(|(checked, _)| checked)
+/// [`ReadError`] when a description, a folder, an index or the table cannot be read.
+pub fn check(runs: Runs, described: Described<'_>, done: impl Fn() + Sync) -> Result<Checked, ReadError> {
+    examined(runs, described, done, |_| Vec::new()).map(|(checked, _)| checked)
 }
 
 /// The same with the logs, before and after.
@@ -72,22 +73,34 @@ pub fn check(runs: &[PathBuf], described: Described<'_>) -> Result<Checked, Read
 /// # Errors
 /// As [`check`].
 pub fn check_with_logs(runs: &[PathBuf], described: Described<'_>) -> Result<(Checked, Logs), ReadError> {
-    examined(runs, described, |recordings| recordings.iter().map(|recording| recording.rows.clone()).collect())
+    let kept = |recordings: &[Recording]| recordings.iter().map(|recording| recording.rows.clone()).collect();
+    examined(Runs::Paths(runs.to_vec()), described, || (), kept)
 }
 
 fn examined(
-    runs: &[PathBuf],
+    runs: Runs,
     described: Described<'_>,
+    done: impl Fn() + Sync,
     kept: impl FnOnce(&[Recording]) -> Vec<Vec<Sample>>,
 ) -> Result<(Checked, Logs), ReadError> {
-    let set = RunSet::find(runs)?;
     let (track, core_track) = described.track.map(TrackFile::read).transpose()?.unzip();
     let train = described.train.map(TrainFile::read).transpose()?.map(|(_, train)| train);
     let line = track.as_ref().and_then(|track| CentreLine::new(&track.centre_line));
     let stops_m = track.iter().flat_map(|track| &track.stop).map(|stop| stop.at_m).collect();
     let known = Known { stops_m, moves_locations: true, ..Known::default() };
-    let read = |file: &RunFile| logs::read(file, BadRows::LeaveOut, line.as_ref(), DirectionChoice::Auto);
-    let read: Vec<Result<Recording, Failed>> = set.files.par_iter().map(read).collect();
+    let one = |file: &RunFile| {
+        let read = logs::read(file, BadRows::LeaveOut, line.as_ref(), DirectionChoice::Auto);
+        done();
+        read
+    };
+    let (read, inputs, notes): (Vec<Result<Recording, Failed>>, _, _) = match runs {
+        Runs::Table(table) => (table.recordings(line.as_ref())?.into_iter().map(Ok).collect(), Vec::new(), Vec::new()),
+        Runs::Paths(paths) => {
+            let set = RunSet::find(&paths)?;
+            // Where `done` unwinds, as for an interrupt, the other threads end, too.
+            (set.files.par_iter().panic_fuse().map(one).collect(), set.paths(), set.notes)
+        }
+    };
     let (mut recordings, mut failed) = (Vec::new(), Vec::new());
     for result in read {
         match result {
@@ -97,7 +110,6 @@ fn examined(
     }
     let warnings = recordings.iter().flat_map(first_warnings).collect();
     let recorded = kept(&recordings);
-    let inputs = set.paths();
     let mut found = (!recordings.is_empty()).then(|| check_beside(&mut recordings, &known));
     if let (Some(found), Some(train), Some(track)) = (&mut found, train, core_track) {
         let usable = recordings.iter().zip(&found.runs).filter(|(_, run)| run.refusal().is_none());
@@ -105,7 +117,7 @@ fn examined(
         usable.for_each(|(recording, _)| coasts.add(std::slice::from_ref(recording), &train));
         found.gradients = coasts.doubt(&train, &track);
     }
-    Ok((Checked { found, failed, notes: set.notes, warnings }, Logs { recorded, right: recordings, inputs }))
+    Ok((Checked { found, failed, notes, warnings }, Logs { recorded, right: recordings, inputs }))
 }
 
 fn first_warnings(recording: &Recording) -> Vec<String> {

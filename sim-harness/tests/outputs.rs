@@ -1,5 +1,6 @@
 //! Does the page of outputs say what the files hold? It is made again and compared, and each JSON file is walked along its table.
 
+use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 use sim_harness::{output::document, simulation::folder, simulation::scenario_file::Simulation};
 use std::collections::BTreeSet;
@@ -26,12 +27,12 @@ fn every_column_has_a_unit_where_it_is_a_number_and_a_meaning() {
     };
     let page = document::page();
     let rows = rows(&page);
-    assert!(rows.len() > 250, "{}", rows.len());
+    assert!(rows.len() > 500, "{}", rows.len());
     for row in &rows {
         let is_column = ["text", "count", "number"].contains(&row[2].as_str());
         let meaning = if is_column { &row[4] } else { &row[3] };
         assert!(!meaning.is_empty(), "{row:?}");
-        let is_free = row[1].starts_with("`P_") || row[1] == "`direction`";
+        let is_free = row[1].starts_with("`P_") || row[1] == "`direction`" || row[1] == "`message`";
         assert!(row[2] != "number" || is_free || !row[3].is_empty(), "{row:?}");
     }
 }
@@ -66,7 +67,10 @@ fn says(table: &str, leaf: &str) -> bool {
     table == leaf || table.strip_suffix(".*").is_some_and(|table| below(leaf, table) && leaf != table)
 }
 
-fn agree(name: &str, fields: &[[&str; 4]], value: &Value) {
+/// A row of a table of the page: path, unit, meaning, null rule.
+type Field = [String; 4];
+
+fn agree(name: &str, fields: &[Field], value: &Value) {
     let mut found = BTreeSet::new();
     leaves(value, "", &mut found);
     for leaf in &found {
@@ -84,6 +88,122 @@ fn agree(name: &str, fields: &[[&str; 4]], value: &Value) {
     }
 }
 
+/// A table of the page.
+struct Declared {
+    commands: Vec<String>,
+    /// Names of files, `<..>` for any.
+    files: Vec<String>,
+    is_json: bool,
+    words: String,
+    rows: Vec<Vec<String>>,
+}
+
+impl Declared {
+    /// What stands below a heading of the page.
+    fn of(section: &str) -> Self {
+        let (heading, rest) = section.split_once('\n').unwrap();
+        let heading = heading.trim_matches('`');
+        let (commands, files) = heading.split_once(": ").unwrap_or(("", heading));
+        let list = |text: &str| text.split(", ").map(String::from).collect::<Vec<String>>();
+        let cells = |line: &str| line.split('|').map(|cell| cell.trim().trim_matches('`').to_owned()).collect();
+        Self {
+            commands: list(commands.trim_start_matches("rundown ")),
+            files: list(files),
+            is_json: rest.contains("| field |"),
+            words: rest.trim().lines().take_while(|line| !line.is_empty()).collect::<Vec<&str>>().join(" "),
+            rows: rest.lines().filter(|line| line.starts_with("| `")).map(cells).collect(),
+        }
+    }
+
+    fn has(&self, command: &str, path: &str) -> bool {
+        let is_command = self.commands.iter().any(|of| of == command || of.is_empty());
+        // With `--format parquet` a replay writes the same tables.
+        let as_csv = path.replace(".parquet", ".csv");
+        is_command && self.files.iter().any(|file| fits(file, path) || command == "replay" && fits(file, &as_csv))
+    }
+
+    fn fields(&self) -> Vec<Field> {
+        self.rows.iter().map(|row| std::array::from_fn(|cell| row[cell + 1].clone())).collect()
+    }
+
+    /// Whether a CSV of this header is what the table says.
+    fn is_header(&self, header: &csv::StringRecord) -> bool {
+        let all: Vec<&str> = self.rows.iter().map(|row| row[1].as_str()).collect();
+        let may_lack = self.words.contains("are not there") || self.words.contains("has its own");
+        let rest = all.iter().filter(|name| header.iter().any(|of| of == **name));
+        if may_lack { header.iter().all(|name| all.contains(&name)) && rest.count() > 0 } else { header == all }
+    }
+}
+
+/// `<..>` stands for anything but a folder.
+fn fits(pattern: &str, path: &str) -> bool {
+    match pattern.split_once('<') {
+        None => pattern == path,
+        Some((before, rest)) => {
+            let after = rest.split_once('>').unwrap().1;
+            let any = path.strip_prefix(before).and_then(|path| path.strip_suffix(after));
+            any.is_some_and(|any| !any.is_empty() && !any.contains('/'))
+        }
+    }
+}
+
+fn declared() -> Vec<Declared> {
+    let page = document::page();
+    page.split("\n## ").skip(1).map(Declared::of).collect()
+}
+
+/// What the page says is no table.
+const NO_TABLES: [&str; 5] = ["html", "js", "svg", "toml", "frame"];
+
+fn files(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() { files(&path, found) } else { found.push(path) }
+    }
+}
+
+fn parquet_header(path: &Path) -> csv::StringRecord {
+    let reader = SerializedFileReader::new(std::fs::File::open(path).unwrap()).unwrap();
+    let schema = reader.metadata().file_metadata().schema_descr();
+    schema.columns().iter().map(|column| column.name()).collect()
+}
+
+/// Every file in a folder that a command wrote is on the page, with the very columns or fields; and those of `expected` are there.
+fn all_declared(command: &str, folder: &Path, expected: &[&str]) {
+    let (tables, mut found) = (declared(), Vec::new());
+    files(folder, &mut found);
+    let mut names = BTreeSet::new();
+    for path in found {
+        let name = path.strip_prefix(folder).unwrap().to_str().unwrap().replace('\\', "/");
+        let end = name.rsplit('.').next().unwrap();
+        if NO_TABLES.contains(&end) {
+            continue;
+        }
+        let tables: Vec<&Declared> = tables.iter().filter(|table| table.has(command, &name)).collect();
+        assert!(!tables.is_empty(), "rundown {command} writes {name}, which no table of the page has");
+        match end {
+            "json" => {
+                let value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+                assert!(tables[0].is_json, "{name}");
+                agree(&format!("{command}: {name}"), &tables[0].fields(), &value);
+            }
+            "csv" => {
+                let header = csv::Reader::from_path(&path).unwrap().headers().unwrap().clone();
+                let said = tables.iter().any(|table| table.is_header(&header));
+                assert!(said, "rundown {command}: {name} has columns that its table does not have: {header:?}");
+            }
+            "parquet" => {
+                let header = parquet_header(&path);
+                assert!(tables.iter().any(|table| table.is_header(&header)), "rundown {command}: {name}: {header:?}");
+            }
+            _ => panic!("{name}: neither a table nor what the page says is none"),
+        }
+        names.insert(name);
+    }
+    let missing: Vec<_> = expected.iter().filter(|name| !names.contains(**name)).collect();
+    assert!(missing.is_empty(), "rundown {command} did not write {missing:?}, but {names:?}");
+}
+
 #[test]
 fn paths_are_compared_with_their_table() {
     assert!(says("a[].b", "a[].b") && says("a.*", "a.b[].c") && says("a[].b", "a[]!") && says("a.value", "a!"));
@@ -96,22 +216,79 @@ fn ran(arguments: &[&dyn AsRef<std::ffi::OsStr>]) {
     assert_eq!(format!("{:?}", sim_harness::commands::run(all)), format!("{:?}", ExitCode::SUCCESS));
 }
 
-#[test]
-fn json_files_have_the_fields_of_their_tables() {
-    let folder = tempfile::tempdir().unwrap();
-    let set = folder.path().join("set");
+/// A data set of few runs with a hidden effect.
+fn data_set(folder: &Path) {
     let text = sim_harness::simulation::scenario_file::HIDDEN_EFFECT;
     let mut simulation = Simulation::parse(Path::new("scenario"), text).unwrap();
     simulation.runs = 10;
-    folder::write(&simulation, &set, false, || ()).unwrap();
-    let (train, track, runs) = (set.join("train.toml"), set.join("track.toml"), set.join("runs"));
+    folder::write(&simulation, folder, false, || ()).unwrap();
+}
+
+#[test]
+fn every_file_of_logs_and_answers_is_declared() {
+    let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let read = |path: &str| serde_json::from_str(&std::fs::read_to_string(at(path)).unwrap()).unwrap();
-    ran(&[&"replay", &"--train", &train, &"--track", &track, &"--out", &at("replay"), &runs]);
-    agree("manifest.json", rundown_files::folder::FIELDS, &read("replay/manifest.json"));
-    agree("replay.json", sim_harness::output::json::FIELDS, &read("replay/replay.json"));
-    ran(&[&"check", &"--out", &at("check.json"), &runs]);
-    agree("check --json", sim_harness::checking::FIELDS, &read("check.json"));
-    ran(&[&"gap", &"--train", &train, &"--track", &track, &"--runs", &runs, &"--out", &at("gap")]);
-    agree("gap.json", rundown_gap::answer::json::FIELDS, &read("gap/gap.json"));
+    data_set(&at("set"));
+    all_declared("simulate", &at("set"), &["runs/run001.csv", "runs/runs.csv", "truth/truth.json", "truth/run001.csv"]);
+    let (train, track, runs) = (at("set/train.toml"), at("set/track.toml"), at("set/runs"));
+    let described: [&dyn AsRef<std::ffi::OsStr>; 4] = [&"--train", &train, &"--track", &track];
+    let [a, b, c, d] = described;
+    ran(&[&"replay", a, b, c, d, &"--out", &at("replay"), &runs]);
+    all_declared(
+        "replay",
+        &at("replay"),
+        &["replay.json", "parameters.csv", "run001.coast_ahead.csv", "manifest.json"],
+    );
+    ran(&[&"replay", a, b, c, d, &"--format", &"parquet", &"--out", &at("parquet"), &runs]);
+    all_declared("replay", &at("parquet"), &["parameters.parquet", "run001.estimates.parquet"]);
+    ran(&[&"check", &"--out", &at("check"), &runs]);
+    all_declared("check", &at("check"), &["check.json"]);
+    ran(&[&"gap", a, b, c, d, &"--runs", &runs, &"--out", &at("gap")]);
+    all_declared("gap", &at("gap"), &["gap.json", "residuals.csv", "before_after.csv"]);
+    ran(&[&"import", &"--out", &at("imported"), &runs.join("run001.csv"), &runs.join("run002.csv")]);
+    all_declared("import", &at("imported"), &["import.json", "runs.csv"]);
+}
+
+#[test]
+fn every_file_of_a_study_is_declared() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let study = |name: &str, more: &[&str], expected: &[&str]| {
+        let out = at(name);
+        let mut arguments: Vec<&dyn AsRef<std::ffi::OsStr>> = vec![&"study", &"--out", &out];
+        arguments.extend(more.iter().map(|argument| argument as &dyn AsRef<std::ffi::OsStr>));
+        ran(&arguments);
+        all_declared("study", &out, expected);
+    };
+    study("case", &["--count", "6"], &["runs.csv", "runs.parquet", "fig6_regimes_gated.csv", "slope_after_1_run.csv"]);
+    study("slope", &["--truth-slope", "--vehicles", "3", "--vehicle-runs", "2"], &["slope.json", "slope.csv"]);
+    let scenario = at("few.toml");
+    std::fs::write(&scenario, "runs = 2\n").unwrap();
+    let scenario = scenario.to_str().unwrap();
+    study("readings", &["--readings", "--scenario", scenario, "--seeds", "1"], &["readings.csv", "readings.json"]);
+    ran(&[&"study", &"--experiment", &"all", &"--seeds", &"1", &"--count", &"3", &"--out", &at("all")]);
+    for entry in std::fs::read_dir(at("all")).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        all_declared("study", &path, &[&format!("{name}.csv")]);
+    }
+    ran(&[&"study", &"--tunnel", &"--count", &"8", &"--out", &at("tunnel")]);
+    all_declared("simulate", &at("tunnel/set"), &["truth/truth.json"]);
+    std::fs::remove_dir_all(at("tunnel/set")).unwrap();
+    all_declared("study", &at("tunnel"), &["tunnel.csv", "tunnel.json"]);
+    ran(&[&"tune", &"--count", &"2", &"--evaluations", &"50", &"--out", &at("tune")]);
+    all_declared("tune", &at("tune"), &["tune.json", "tune_plane.csv", "tune_profiles.csv"]);
+}
+
+#[test]
+fn a_file_that_no_table_has_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("claims.csv"), "place,kind\n").unwrap();
+    let noticed = |command: &'static str| {
+        let path = folder.path().to_owned();
+        std::panic::catch_unwind(move || all_declared(command, &path, &[])).is_err()
+    };
+    assert!(noticed("study"), "columns are missing");
+    assert!(noticed("gap"), "gap has no such file");
+    assert!(fits("a_<x>.csv", "a_b.csv") && !fits("a_<x>.csv", "a_.csv") && !fits("<x>.csv", "a/b.csv"));
 }

@@ -49,6 +49,16 @@ fn a_replay_says_which_runs_were_perturbed_and_a_study_sets_them_aside() {
     assert!(err.contains("--keep-perturbed"), "{err}");
     assert_eq!(perturbed(&folder, "study/runs.csv"), stopped);
     assert!(folder.read("study/report.html").contains("perturbed and set aside"));
+    let (_, _) = study("shown", &["--example", &stopped[0]]);
+    assert!(folder.read("shown/fig3_run_gated.csv").lines().count() > 50);
+    assert!(folder.read("shown/report.html").contains("is one of the runs that were set aside ("));
+    for of_all in ["fig4_davis_gated.csv", "fig8_brake_rates_paper.csv", "runs.csv"] {
+        assert_eq!(folder.read(&format!("shown/{of_all}")), folder.read(&format!("study/{of_all}")), "{of_all}");
+    }
+    let wrong = [&["study", "--out", "none", "--runs", "set/runs", "--example", "nobody"], &described[..]].concat();
+    let refused = folder.rundown(&wrong);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.err.contains("--example: expected the name of a run that could be used, found nobody"));
     let (json, _) = study("kept", &["--keep-perturbed"]);
     assert_eq!((&json["set_aside"], &json["runs"]), (&Value::from(0), &Value::from(12)));
 }

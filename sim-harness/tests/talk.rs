@@ -125,6 +125,18 @@ fn help_is_wrapped_once() {
 }
 
 #[test]
+fn a_key_that_is_there_is_not_overwritten_and_runs_that_are_kept_are_named() {
+    let folder = Folder::new();
+    folder.done(&["provision", "--train-id", "1", "--out", "key.bin"]);
+    let again = folder.rundown(&["provision", "--train-id", "1", "--out", "key.bin"]);
+    assert_eq!(again.code, Some(4));
+    assert!(again.err.contains("key.bin: expected no file of this name"), "{}", again.err);
+    let kept = ["study", "-v", "--count", "2", "--no-run-pages", "--out", "study", "--keep-runs", "kept.parquet"];
+    let said = folder.done(&kept).err;
+    assert!(said.contains("] wrote kept.parquet\n"), "{said}");
+}
+
+#[test]
 fn doctor_says_what_is_missing_and_how_to_mend_it() {
     let output = Command::new(env!("CARGO_BIN_EXE_rundown")).arg("doctor").env("PATH", "").output().unwrap();
     let said = String::from_utf8(output.stdout).unwrap();

@@ -33,6 +33,14 @@ fn the_optimum_is_likelier_than_table_1_and_replay_takes_it() {
     assert_eq!(folder.replay(&["--config", "a/config.toml", "run.csv"]).code, Some(0));
     assert_eq!(folder.json("out/replay.json")["mode"], "paper");
 
+    // Each run has a page that is linked, and leads to the next one.
+    let report = folder.read("a/report.html");
+    for number in 1..=4 {
+        let file = format!("report/run000{number}.html");
+        assert!(report.contains(&format!("href=\"{file}\"")), "{file}");
+        assert_eq!(folder.read(&format!("a/{file}")).contains(">next: "), number < 4, "{file}");
+    }
+
     // The surface has its numbers, and the same seed gives the same bytes.
     assert!(folder.read("a/tune_profiles.csv").lines().count() > 100);
     assert_eq!(folder.read("a/tune_plane.csv").lines().count(), 1 + 81);

@@ -119,7 +119,7 @@ function reset(label) {
 }
 
 function optionsOf(picture, figure, panel, named, isLast) {
-  const px = 12, width = picture.box.clientWidth < 500 ? 44 : 56, isStrip = panel.axes === "strip";
+  const px = 12, width = picture.box.clientWidth < 500 ? 48 : 56, isStrip = panel.axes === "strip";
   const unit = figure.x_label.split(", ").slice(1).join(", ");
   const none = { size: 8, values: () => [] };
   return {

@@ -145,6 +145,27 @@ pub fn record<Row>(columns: &[Column<Row>], row: &Row) -> Record {
     columns.iter().map(|column| (column.about.name.clone(), column.cell(row))).collect()
 }
 
+/// The rows of a filled table, each with the names of its columns.
+pub fn records(table: &Filled) -> Vec<Record> {
+    let rows = table.first().map_or(0, |(_, cells)| cells.len());
+    let record = |row: usize| table.iter().map(|(about, cells)| (about.name.clone(), cells[row].clone())).collect();
+    (0..rows).map(record).collect()
+}
+
+/// Writes a filled table as CSV, a header line first.
+///
+/// # Errors
+/// Those of `writer`.
+pub fn write_filled(writer: impl Write, table: &Filled) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(writer);
+    csv.write_record(table.iter().map(|(about, _)| &about.name))?;
+    let rows = table.first().map_or(0, |(_, cells)| cells.len());
+    for row in 0..rows {
+        csv.write_record(table.iter().map(|(_, cells)| cells[row].to_field()))?;
+    }
+    csv.flush()
+}
+
 /// Writes rows as CSV, a header line first.
 ///
 /// # Errors
@@ -181,5 +202,9 @@ mod tests {
         assert_eq!(record(&columns, &4.0)[1], ("word".to_owned(), Cell::from("much")));
         let found = filled(columns.into(), [4.0]);
         assert_eq!((found[0].0.unit, &found[1].1), ("m", &vec![Cell::from("much")]));
+        let mut bytes = Vec::new();
+        write_filled(&mut bytes, &found).unwrap();
+        assert_eq!(String::from_utf8(bytes).unwrap(), "half_m,word\n2.0,much\n");
+        assert_eq!(records(&found)[0][1], ("word".to_owned(), Cell::from("much")));
     }
 }

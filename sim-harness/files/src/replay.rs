@@ -191,7 +191,8 @@ pub fn replay_units_by<'a, R: Borrow<Recording> + Sync>(
         let runs: Vec<(usize, ReplayedRun)> = indexes.into_iter().map(one).collect();
         (unit.to_owned(), vehicle, runs)
     };
-    let of_units: Vec<_> = units.into_par_iter().map(of_unit).collect();
+    // Where `done` unwinds, as for an interrupt, the other units end, too.
+    let of_units: Vec<_> = units.into_par_iter().panic_fuse().map(of_unit).collect();
     let mut runs = Vec::with_capacity(recordings.len());
     for (unit, vehicle, of_unit) in of_units {
         vehicles.insert(unit, vehicle);
@@ -214,7 +215,8 @@ pub fn replay_apart_by<'a, R: Borrow<Recording> + Sync>(
         done();
         run
     };
-    recordings.par_iter().map(one).collect()
+    // As above.
+    recordings.par_iter().panic_fuse().map(one).collect()
 }
 
 /// The rows that are handed to the estimator.

@@ -6,8 +6,10 @@ use crate::refusal::Refusal;
 use rundown::model::{track::Track, train::Train};
 use rundown_check::{Check, gradients::Coasts};
 use rundown_files::folder::Provenance;
+use rundown_files::map_matching::CentreLine;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::Place;
+use rundown_files::run_rows::RunTable;
 use rundown_files::{run_set::RunSet, track_file::TrackFile, train_file::TrainFile};
 use std::path::{Path, PathBuf};
 
@@ -40,6 +42,47 @@ pub struct Input {
     pub notes: Vec<String>,
 }
 
+/// Train and track.
+struct Described {
+    files: [PathBuf; 2],
+    train_file: TrainFile,
+    train: Train,
+    track_file: TrackFile,
+    track: Track,
+}
+
+impl Described {
+    fn read(train: &Path, track: &Path) -> Result<Self, Refusal> {
+        let files = [train, track].map(Path::to_owned);
+        let (train_file, train) = TrainFile::read(train).map_err(Refusal::unread)?;
+        let (track_file, track) = TrackFile::read(track).map_err(Refusal::unread)?;
+        Ok(Self { files, train_file, train, track_file, track })
+    }
+
+    /// `count`: of the runs that were to be read.
+    fn with(self, loaded: Loaded, count: usize, dataset: String, provenance: Provenance) -> Input {
+        let Self { train_file, train, track_file, track, .. } = self;
+        let Loaded { runs, recordings, check, notes } = loaded;
+        let mut coasts = Coasts::default();
+        coasts.add(&recordings, &train);
+        let doubt = coasts.doubt(&train, &track).map(|doubt| format!("{doubt}; the gap is then theirs"));
+        Input {
+            train,
+            train_file,
+            surroundings: load::surroundings(&track_file),
+            track_file,
+            track,
+            left_out: count - runs.len(),
+            runs,
+            recordings,
+            check,
+            dataset,
+            provenance,
+            notes: notes.into_iter().chain(doubt).collect(),
+        }
+    }
+}
+
 impl Input {
     /// Reads files: a train, a track, and folders of run logs or run logs. `direction`: of the runs that no index names. What the diagnosis of the logs finds is
     /// put right; with `as_recorded` it is not asked.
@@ -53,36 +96,33 @@ impl Input {
         direction: DirectionChoice,
         as_recorded: bool,
     ) -> Result<Self, Refusal> {
-        let described = [train, track].map(Path::to_owned);
-        let (train_file, train) = TrainFile::read(train).map_err(Refusal::unread)?;
-        let (track_file, track) = TrackFile::read(track).map_err(Refusal::unread)?;
+        let described = Described::read(train, track)?;
         if let Some(nowhere) = runs.iter().find(|path| !path.exists()) {
             let place = Place::of_file(nowhere);
             let message = "expected a folder of run logs, or a run log; there is nothing of this name";
             return Err(Refusal::unread(place.refuse("", message).into()));
         }
         let set = RunSet::find(runs).map_err(Refusal::unread)?;
-        let provenance = Provenance::begin(&[described.to_vec(), set.paths()].concat());
-        let Loaded { runs: read, recordings, check, notes } = load::runs(&set, &track_file, direction, as_recorded);
-        let mut coasts = Coasts::default();
-        coasts.add(&recordings, &train);
-        let doubt = coasts.doubt(&train, &track).map(|doubt| format!("{doubt}; the gap is then theirs"));
+        let provenance = Provenance::begin(&[described.files.to_vec(), set.paths()].concat());
+        let mut loaded = load::runs(&set, &described.track_file, direction, as_recorded);
+        loaded.notes.splice(0..0, set.notes.iter().cloned());
         let dataset: Vec<String> = runs.iter().map(|path| path.display().to_string()).collect();
-        let left_out = set.files.len() - read.len();
-        Ok(Self {
-            train,
-            train_file,
-            surroundings: load::surroundings(&track_file),
-            track_file,
-            track,
-            runs: read,
-            recordings,
-            check,
-            dataset: dataset.join(" "),
-            provenance,
-            left_out,
-            notes: set.notes.into_iter().chain(notes).chain(doubt).collect(),
-        })
+        Ok(described.with(loaded, set.files.len(), dataset.join(" "), provenance))
+    }
+
+    /// The same with a table of runs in memory, which says the directions itself.
+    ///
+    /// # Errors
+    /// [`Refusal`] names the file, or the column of the table.
+    pub fn of_table(train: &Path, track: &Path, table: RunTable, as_recorded: bool) -> Result<Self, Refusal> {
+        let described = Described::read(train, track)?;
+        let provenance = Provenance::begin(&described.files);
+        let dataset = table.path.display().to_string();
+        let line = CentreLine::new(&described.track_file.centre_line);
+        let recordings = table.recordings(line.as_ref()).map_err(Refusal::unread)?;
+        let count = recordings.len();
+        let loaded = load::of_table(recordings, &described.track_file, as_recorded);
+        Ok(described.with(loaded, count, dataset, provenance))
     }
 
     /// Reads a folder as `rundown simulate` writes it.

@@ -152,9 +152,14 @@ def simulate(
     force: bool = False,
     progress: _Runs | None = None,
 ) -> Simulated: ...
-def check(runs: _Paths, *, track: _Path | None = None) -> Check: ...
+def check(
+    runs: _Paths | _ArrowTable,
+    *,
+    track: _Path | None = None,
+    progress: _Runs | None = None,
+) -> Check: ...
 def gap(
-    runs: _Paths,
+    runs: _Paths | _ArrowTable,
     *,
     train: _Path,
     track: _Path,

@@ -1,11 +1,13 @@
 //! `rundown.check`.
 
 use crate::error::{no_runs, refused, unread};
-use crate::paths::Paths;
-use crate::table::Table;
+use crate::progress::{Progress, Wanted};
+use crate::{runs, table::Table};
 use pyo3::prelude::*;
+use rundown_files::run_set::RunSet;
 use sim_harness::checking::{self, Described};
 use sim_harness::logs::Failed;
+use sim_harness::replaying::Runs;
 use std::path::PathBuf;
 
 /// What the recorder of some logs did to speed, location and clock. `print(check)` says it in a few lines.
@@ -50,7 +52,10 @@ impl Check {
     }
 }
 
-/// Diagnoses run logs, or folders of run logs, as `rundown check` does.
+/// Diagnoses recorded runs, as `rundown check` does.
+///
+/// `runs`: run logs, folders of run logs, or a table in memory as `replay` takes it. `progress`: a function of (done, total) logs that were read, or True
+/// for lines on stderr; a table is read at once.
 ///
 /// >>> import rundown, tempfile
 /// >>> made = rundown.simulate(tempfile.mkdtemp(), runs=3, seed=7, recorder="event_recorder")
@@ -58,11 +63,21 @@ impl Check {
 /// >>> "truncated_speed" in found.findings["kind"]
 /// True
 #[pyfunction]
-#[pyo3(signature = (runs, *, track=None))]
-pub fn check(py: Python<'_>, runs: Paths, track: Option<PathBuf>) -> PyResult<Check> {
-    let runs: Vec<PathBuf> = runs.into();
-    let checked =
-        py.detach(|| checking::check(&runs, Described { track: track.as_deref(), train: None })).map_err(unread)?;
+#[pyo3(signature = (runs, *, track=None, progress=None))]
+pub fn check(
+    py: Python<'_>,
+    runs: &Bound<'_, PyAny>,
+    track: Option<PathBuf>,
+    progress: Option<Wanted>,
+) -> PyResult<Check> {
+    let runs = runs::of(runs)?;
+    let total = match &runs {
+        Runs::Paths(paths) => py.detach(|| RunSet::find(paths)).map_err(unread)?.files.len(),
+        Runs::Table(_) => 0,
+    };
+    let said = Progress::new(progress, total);
+    let described = Described { track: track.as_deref(), train: None };
+    let checked = said.during(py, || checking::check(runs, described, || said.one_more()))?.map_err(unread)?;
     let checking::Checked { found, failed, notes, warnings } = checked;
     let notes = [notes, warnings].concat();
     let message = "expected at least one run log that can be read, found none";

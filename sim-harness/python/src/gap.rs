@@ -2,14 +2,15 @@
 
 use crate::error::{no_answer, refused};
 use crate::figure::Figure;
-use crate::paths::{self, Paths};
 use crate::progress::{Progress, Wanted};
-use crate::table::Table;
+use crate::{paths, runs, table::Table};
 use pyo3::prelude::*;
+use rundown_files::recording::DirectionChoice;
 use rundown_gap::answer::{report, story::story, whole::Answer};
 use rundown_gap::candidates::read_config;
 use rundown_gap::config::GapConfig;
 use rundown_gap::{input::Input, refusal::Refusal};
+use sim_harness::replaying::Runs;
 use std::path::PathBuf;
 
 /// Where recorded runs and a model disagree, which effect is missing, and what remains of the gap with it. `print(gap)` tells the story.
@@ -80,7 +81,8 @@ impl Gap {
 
 /// Finds which effect a model of train and track lacks, as `rundown gap` does.
 ///
-/// `hold_out`: how many runs evaluate the repaired model; a fifth without it. `progress` is called with the name of each step.
+/// `runs`: run logs, folders of run logs, or a table in memory as `replay` takes it, which says the directions itself. A table has no dates: what happens
+/// over the days is not looked for in it. `hold_out`: how many runs evaluate the repaired model; a fifth without it. `progress` is called with the name of each step.
 ///
 /// >>> import rundown, tempfile
 /// >>> made = rundown.simulate(tempfile.mkdtemp(), example="hidden_effect", runs=10)
@@ -92,7 +94,7 @@ impl Gap {
 #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
 pub fn gap(
     py: Python<'_>,
-    runs: Paths,
+    runs: &Bound<'_, PyAny>,
     train: PathBuf,
     track: PathBuf,
     config: Option<PathBuf>,
@@ -101,14 +103,21 @@ pub fn gap(
     as_recorded: bool,
     progress: Option<Wanted>,
 ) -> PyResult<Gap> {
-    let (runs, direction) = (Vec::from(runs), paths::direction(direction)?);
+    let (runs, choice) = (runs::of(runs)?, paths::direction(direction)?);
+    if matches!(runs, Runs::Table(_)) && choice != DirectionChoice::Auto {
+        return Err(refused(format!(
+            "direction: expected auto for a table, which says it in a column, found {direction}"
+        )));
+    }
     let said = Progress::new(progress, 0);
     let work = || -> Result<Answer, Refusal> {
         let config = config.as_deref().map_or_else(|| Ok(GapConfig::default()), read_config)?;
-        let input = Input::read(&train, &track, &runs, direction, as_recorded)?;
+        let input = match runs {
+            Runs::Paths(paths) => Input::read(&train, &track, &paths, choice, as_recorded)?,
+            Runs::Table(table) => Input::of_table(&train, &track, table, as_recorded)?,
+        };
         rundown_gap::run(input, config, hold_out, |step| said.step(step))
     };
-    let answer = py.detach(work);
-    said.end()?;
-    Ok(Gap { answer: answer.map_err(no_answer)? })
+    let answer = said.during(py, work)?.map_err(no_answer)?;
+    Ok(Gap { answer })
 }

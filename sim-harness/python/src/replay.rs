@@ -221,9 +221,7 @@ pub fn replay(
     };
     let opened = py.detach(|| request.open()).map_err(not_replayed)?;
     let said = Progress::new(progress, opened.runs());
-    let replayed = py.detach(|| opened.replay(|| said.one_more()));
-    said.end()?;
-    let replayed = replayed.map_err(not_replayed)?;
+    let replayed = said.during(py, || opened.replay(|| said.one_more()))?.map_err(not_replayed)?;
     match replayed.nothing() {
         Some(message) => Err(no_runs(&message, &replayed.failed)),
         None => Ok(Replay { replayed }),

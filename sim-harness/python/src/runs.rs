@@ -1,4 +1,4 @@
-//! The runs of a replay: paths, or a table of another tool.
+//! The runs of a call: paths, or a table of another tool.
 //!
 //! In: whatever has Arrow's PyCapsule interface (`__arrow_c_stream__`): a table of pyarrow, a frame of polars or pandas, a relation of DuckDB.
 //! Out: its rows by the columns of Parquet files of runs. A column of another type is refused by its name.

@@ -69,8 +69,7 @@ pub fn simulate(
         simulation.runs = runs as usize;
     }
     let said = Progress::new(progress, simulation.runs);
-    let written = py.detach(|| folder::write(&simulation, &out, force, || said.one_more()));
-    said.end()?;
+    let written = said.during(py, || folder::write(&simulation, &out, force, || said.one_more()))?;
     written.map_err(refused)?;
     let at = |name: &str| out.join(name);
     Ok(Simulated {

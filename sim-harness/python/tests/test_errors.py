@@ -1,5 +1,6 @@
 """Refusals are exceptions with their place."""
 
+import _thread
 import threading
 import time
 
@@ -90,6 +91,37 @@ def test_what_progress_raises_is_raised(made):
 
     with pytest.raises(KeyboardInterrupt, match="1 of 3"):
         rundown.replay(made.runs, train=made.train, track=made.track, progress=stop)
+
+
+def test_a_check_says_its_progress(made):
+    told = []
+    rundown.check(made.runs, progress=lambda *now: told.append(now))
+    assert sorted(told) == [(1, 3), (2, 3), (3, 3)]
+
+
+def interrupted(call):
+    """Seconds from an interrupt of the keyboard to its exception in the call."""
+    sent = []
+
+    def interrupt():
+        sent.append(time.monotonic())
+        _thread.interrupt_main()
+
+    timer = threading.Timer(0.3, interrupt)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        call()
+    timer.join()
+    return time.monotonic() - sent[0]
+
+
+def test_an_interrupt_ends_the_call_and_leaves_nothing(tmp_path):
+    # Without the interrupt it takes a minute.
+    waited = interrupted(lambda: rundown.simulate(tmp_path / "set", runs=4000))
+    assert waited < 5.0
+    assert not (tmp_path / "set").exists()
+    # The next call is another one.
+    assert rundown.simulate(tmp_path / "set", runs=1).runs.exists()
 
 
 def test_other_threads_go_on_while_it_works(tmp_path):

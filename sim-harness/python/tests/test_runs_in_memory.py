@@ -1,6 +1,8 @@
 """Runs come as a table, too: whatever hands itself over as Arrow. The numbers are those of the same rows in files."""
 
 import csv
+import json
+import shutil
 
 import pytest
 
@@ -92,3 +94,40 @@ def test_what_is_wrong_is_named(made, table, change, field, reason):
 def test_a_table_without_rows_is_refused(made, table):
     with pytest.raises(rundown.RundownError, match="expected at least one run"):
         rundown.replay(table.slice(0, 0), train=made.train, track=made.track)
+
+
+@pytest.fixture
+def bare(made, tmp_path):
+    """The logs without their index: a table has no dates either."""
+    for log in made.runs.glob("run[0-9]*.csv"):
+        shutil.copy(log, tmp_path)
+    return tmp_path
+
+
+def test_a_table_is_checked_as_its_files_are(made, table, bare):
+    ours, theirs = (pyarrow.table(rundown.check(runs).findings) for runs in (table, bare))
+    assert ours.num_rows > 0
+    # A table has the row, a log the line below its header.
+    assert ours.drop_columns(["line", "text"]) == theirs.drop_columns(["line", "text"])
+
+
+def test_a_gap_is_found_in_a_table_as_in_its_files(tunnel, tmp_path):
+    made, _ = tunnel
+    for log in made.runs.glob("run[0-9]*.csv"):
+        shutil.copy(log, tmp_path)
+    described = {"train": made.train, "track": made.track}
+    ours, theirs = (rundown.gap(runs, **described) for runs in (pyarrow.table(rows_of(made)), tmp_path))
+    assert ours.verdict == "explained"
+    assert pyarrow.table(ours.residuals) == pyarrow.table(theirs.residuals)
+    assert json.loads(ours.to_json())["effects"] == json.loads(theirs.to_json())["effects"]
+
+
+def test_a_table_says_its_directions_itself(made, table):
+    with pytest.raises(rundown.RundownError, match="direction: expected auto for a table"):
+        rundown.gap(table, train=made.train, track=made.track, direction="up")
+
+
+def test_a_check_names_what_is_wrong_in_a_table(table):
+    with pytest.raises(rundown.RundownError) as caught:
+        rundown.check(table.drop_columns(["speed_kmh"]))
+    assert caught.value.field == "speed_kmh"

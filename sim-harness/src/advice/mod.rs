@@ -2,7 +2,7 @@
 //!
 //! In: the estimator, the runs as replayed. Out: notes, one line each.
 
-mod vehicle;
+pub(crate) mod vehicle;
 
 use rundown::estimator::Estimator;
 use rundown::estimator::config::Mode;

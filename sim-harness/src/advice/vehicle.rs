@@ -62,9 +62,14 @@ pub(super) fn notes(estimator: &Estimator, vehicles: &BTreeMap<String, After>) -
     notes
 }
 
+/// A unit in a sentence; where no index names one, all runs are of one vehicle.
+pub fn named(unit: &str) -> String {
+    if unit.is_empty() { "the vehicle".to_owned() } else { format!("unit {unit}") }
+}
+
 fn of_vehicle(estimator: &Estimator, unit: &str, after: &After) -> Vec<String> {
     let mut notes = Vec::new();
-    let mut say = |text: String| notes.push(format!("unit {unit}: {text}"));
+    let mut say = |text: String| notes.push(format!("{}: {text}", named(unit)));
     let trust = &after.trust;
     match after.learned {
         Learned::PredictsWorse => {

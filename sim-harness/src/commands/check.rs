@@ -3,6 +3,7 @@
 use super::{Failure, SOME_RUNS_FAILED, Strict, screen};
 use crate::checking::{self, Checked, Described, words};
 use crate::output::files;
+use crate::replaying::Runs;
 use rundown_files::folder::{self, Provenance};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -56,7 +57,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let out = arguments.out.as_deref().filter(|out| out.extension().is_none_or(|extension| extension != "json"));
     let (Checked { found, failed, notes, warnings }, logs) = match out {
         Some(_) => checking::check_with_logs(runs, described).map(|(checked, logs)| (checked, Some(logs)))?,
-        None => (checking::check(runs, described)?, None),
+        None => (checking::check(Runs::Paths(runs.clone()), described, || ())?, None),
     };
     failed.iter().for_each(|failed| screen::error(&failed.error));
     notes.iter().for_each(|text| screen::note(text));

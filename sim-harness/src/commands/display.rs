@@ -186,7 +186,9 @@ impl Arguments {
             None => None,
             Some(path) => {
                 let at = |error: io::Error| Failure::not_written(format!("{}: {error}", path.display()));
-                Some(Log::new(File::create(path).map_err(at)?).map_err(at)?)
+                let log = Log::new(File::create(path).map_err(at)?).map_err(at)?;
+                log::info!("writing {}", path.display());
+                Some(log)
             }
         };
         let clock = crate::link::Clock::new();

@@ -12,6 +12,13 @@ const QEMU: (u32, u32) = (10, 0);
 /// The oldest Python that the module runs on.
 const PYTHON: (u32, u32) = (3, 9);
 
+/// Where Linux lists what is plugged in.
+const USB: &str = "/sys/bus/usb/devices";
+/// STMicroelectronics.
+const ST: &str = "0483";
+/// ST-LINK/V2, V2-1 and V3; the board for which the firmware is built has a V2-1.
+const ST_LINKS: [&str; 11] = ["3748", "374a", "374b", "374d", "374e", "374f", "3752", "3753", "3754", "3755", "3757"];
+
 /// What is looked for.
 struct Check {
     name: &'static str,
@@ -45,6 +52,7 @@ fn checks() -> Vec<Check> {
     vec![
         check("thumb target", "the firmware", "cargo xtask setup", thumb_target()),
         check("probe-rs", "flashing a board", "cargo install --locked probe-rs-tools", ask("probe-rs", &["--version"])),
+        check("ST-LINK", "flashing a board", "connect the board's USB socket ST-LINK", st_link(Path::new(USB))),
         check(
             "QEMU",
             "the emulated board",
@@ -59,6 +67,27 @@ fn checks() -> Vec<Check> {
         ),
         check("Python", "the wheel (`pip install .`)", "apt-get install python3 python3-venv", python()),
     ]
+}
+
+/// The probes that are plugged in, by the numbers of their makers and products.
+fn st_link(devices: &Path) -> Result<String, String> {
+    let entries = std::fs::read_dir(devices)
+        .map_err(|error| format!("expected the list of USB devices in {}, found: {error}", devices.display()))?;
+    let named = |entry: &Path, file: &str| {
+        let text = std::fs::read_to_string(entry.join(file)).unwrap_or_default();
+        text.trim().to_owned()
+    };
+    let of = |entry: std::fs::DirEntry| {
+        let entry = entry.path();
+        let is_probe = named(&entry, "idVendor") == ST && ST_LINKS.contains(&named(&entry, "idProduct").as_str());
+        is_probe.then(|| format!("{} {}", named(&entry, "product"), named(&entry, "serial")).trim().to_owned())
+    };
+    let mut found: Vec<String> = entries.flatten().filter_map(of).collect();
+    found.sort();
+    match found.is_empty() {
+        false => Ok(format!("plugged in: {}", found.join(", "))),
+        true => Err("expected an ST-LINK at USB, found none".to_owned()),
+    }
 }
 
 /// The compiled core library, of the toolchain that is active or of Debian's package.
@@ -142,6 +171,22 @@ mod tests {
     fn a_program_that_is_not_there_is_named() {
         let missing = ask("no-such-program-of-rundown", &[]).unwrap_err();
         assert_eq!(missing, "expected `no-such-program-of-rundown` on the path, found none");
+    }
+
+    #[test]
+    fn a_probe_is_known_by_its_numbers() {
+        let devices = tempfile::tempdir().unwrap();
+        let plug = |name: &str, files: &[(&str, &str)]| {
+            let folder = devices.path().join(name);
+            std::fs::create_dir(&folder).unwrap();
+            files.iter().for_each(|(file, text)| std::fs::write(folder.join(file), format!("{text}\n")).unwrap());
+        };
+        plug("1-0:1.0", &[]);
+        plug("1-1", &[("idVendor", "0483"), ("idProduct", "5740"), ("product", "Virtual COM Port")]);
+        assert_eq!(st_link(devices.path()).unwrap_err(), "expected an ST-LINK at USB, found none");
+        plug("1-2", &[("idVendor", "0483"), ("idProduct", "374b"), ("product", "STM32 STLink"), ("serial", "066A")]);
+        assert_eq!(st_link(devices.path()).unwrap(), "plugged in: STM32 STLink 066A");
+        assert!(st_link(&devices.path().join("none")).unwrap_err().starts_with("expected the list of USB devices in "));
     }
 
     #[test]

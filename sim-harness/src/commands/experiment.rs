@@ -45,9 +45,9 @@ pub(super) fn all(extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode
 pub(super) fn run(name: &str, extent: &Extent, out: &Path, as_json: bool) -> Result<ExitCode, Failure> {
     let experiment = catalogue::find(name).ok_or_else(|| unknown(name))?;
     let bar = screen::progress(0);
-    let done = |finished: usize, all: usize| {
+    let done = |all: usize| {
         bar.set_length(all as u64);
-        bar.set_position(finished as u64);
+        bar.inc(1);
     };
     let (sets, runs) = (usize::from(extent.sets.unwrap_or(SETS)), extent.runs.unwrap_or(RUNS));
     let Experiment { name, question, answer, .. } = *experiment;

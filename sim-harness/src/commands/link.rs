@@ -88,6 +88,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             let mut recorder = Recorder::new(link, file).map_err(at)?;
             let played = play(arguments, Session::new(&mut recorder, desk), &description, &recordings);
             recorder.finish().map_err(at)?;
+            log::info!("wrote {}", path.display());
             played?;
         }
     }

@@ -38,7 +38,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     // Nobody but its owner reads a secret.
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    let mut file = options.open(&arguments.out).map_err(|error| at(error.to_string()))?;
+    let mut file = options.open(&arguments.out).map_err(|error| match error.kind() {
+        std::io::ErrorKind::AlreadyExists => {
+            at("expected no file of this name, for the key in it may be a board's; choose another --out".to_owned())
+        }
+        _ => at(error.to_string()),
+    })?;
     std::io::Write::write_all(&mut file, &provisioning.to_bytes()).map_err(|error| at(error.to_string()))?;
     screen::print(&format!(
         "key {} of train {} ({}): {}\n",

@@ -145,7 +145,8 @@ impl Foreseen {
             let rms_kmh = |squares_mps: &f64| 3.6 * (squares_mps / coasts).sqrt();
             (*coasts > 0.0).then(|| {
                 format!(
-                    "unit {unit}: {coasts} coasts, the speed at their end foreseen within {:.1} km/h (rms) by what had been learned, {:.1} by the description\n",
+                    "{}: {coasts} coasts, the speed at their end foreseen within {:.1} km/h (rms) by what had been learned, {:.1} by the description\n",
+                    crate::advice::vehicle::named(unit),
                     rms_kmh(learned),
                     rms_kmh(described)
                 )

@@ -16,6 +16,7 @@ use crate::{
     simulation::scenario_file::Simulation, study::source::RunSource, study::trials::Trials, study::write::RunTable,
 };
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train};
+use rundown_files::column;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::{WriteError, config_file, parquet::RunWriter, track_file::TrackFile, train_file::TrainFile};
 use rundown_pages::numbers::counted;
@@ -90,7 +91,7 @@ pub struct Arguments {
     /// Configuration of the estimator; what it leaves out keeps its default, its mode is not used
     #[arg(long, value_name = "C.toml")]
     config: Option<PathBuf>,
-    /// Name of the run of Figs. 3, 5 and 6; without it the first
+    /// Name of the run of Figs. 3, 5 and 6; without it the one whose regimes are nearest to those of the paper's run
     #[arg(long, value_name = "RUN")]
     example: Option<String>,
     /// Folder for the results; made when it does not exist
@@ -111,7 +112,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "tunnel", "config", "json"])]
     all: bool,
     /// Only the tunnel at Best: what the paper's mode and rundown gap make of it
-    #[arg(long, conflicts_with_all = ["runs", "scenario", "count", "example", "keep_runs", "truth_slope", "readings", "config"])]
+    #[arg(long, conflicts_with_all = ["runs", "scenario", "example", "keep_runs", "truth_slope", "readings", "config"])]
     tunnel: bool,
     /// Only one of the experiments that the paper leaves to future work, or all; --seeds sets (5) of --count runs (20)
     #[arg(long, value_name = "NAME", conflicts_with_all = ["runs", "scenario", "example", "keep_runs", "truth_slope", "readings", "config", "all", "tunnel"])]
@@ -356,6 +357,10 @@ fn study(
         }
     }
     let gathered = gathered(&mut described, &estimators, example, kept, out)?;
+    if let (Some(name), None, 1..) = (example, &gathered.example, gathered.paper.runs) {
+        let message = format!("--example: expected the name of a run that could be used, found {name}");
+        return Err(Failure { message, code: WRONG_ARGUMENTS });
+    }
     let trials = Trials::of(&config, &estimators, &track, &gathered.drawn)?;
     let mut claims = claims::claims(&gathered, &train, &trials);
     let others = of_others(&mut described.others, &config, &estimators, &track)?;
@@ -420,11 +425,11 @@ fn gathered(
     let title = page::title(&described.train_name, &described.track_name);
     let pages = || RunPages::begin(out.to_owned(), title, &estimators.gated);
     let mut pages = kept.pages.then(pages).transpose()?;
-    let mut kept = kept.runs.map(RunWriter::new);
+    let mut kept = kept.runs.map(|path| (path, RunWriter::new(path)));
     let source = &mut described.source;
     let bar = screen::progress(source.total());
     let mut sink = |rows: &Rows| {
-        if let Some(kept) = &mut kept {
+        if let Some((_, kept)) = &mut kept {
             kept.write(rows.all.iter().map(|one| one.recording())).map_err(std::io::Error::other)?;
         }
         pages.as_mut().map_or(Ok(()), |pages| pages.add(rows.used)).map_err(std::io::Error::other)?;
@@ -437,7 +442,11 @@ fn gathered(
     })?;
     bar.finish_and_clear();
     table.end()?;
-    kept.map_or(Ok(()), RunWriter::close).map_err(Failure::not_written)?;
+    pages.map_or(Ok(()), RunPages::end)?;
+    if let Some((path, writer)) = kept {
+        writer.close().map_err(Failure::not_written)?;
+        log::info!("wrote {}", path.display());
+    }
     Ok(gathered)
 }
 
@@ -525,7 +534,7 @@ fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
     let all = comparison::compare(&plan, || bar.inc(1))?;
     bar.finish_and_clear();
     let pictures = [readings::picture::picture(&all, plan.seeds)];
-    let rows: Vec<_> = outcome::records(&all).iter().map(rundown_files::table::to_json).collect();
+    let rows: Vec<_> = column::records(&pictures[0].numbers).iter().map(rundown_files::table::to_json).collect();
     let json = json!({ "runs": plan.runs, "seeds": plan.seeds, "seed": plan.seed, "combinations": rows });
     let json = format!("{json:#}\n");
     let page = outcome::page(&plan, &all, &pictures);
@@ -546,7 +555,7 @@ fn readings(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
 
 fn tunnel(arguments: &Arguments, out: &Path) -> Result<ExitCode, Failure> {
     let (answer, json) = folder::write("study", out, &Provenance::begin(&[]), |folder| {
-        let answer = tunnel_at_best::answer(folder, arguments.seed, screen::note)?;
+        let answer = tunnel_at_best::answer(folder, arguments.seed, arguments.count, screen::note)?;
         let json = tunnel_json(&answer);
         write::pictures(folder, &[answer.picture()])?;
         write::text(&folder.join("tunnel.json"), &json)?;

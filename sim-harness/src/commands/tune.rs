@@ -7,6 +7,7 @@ use crate::study::slope::{Answer, Plan};
 use crate::study::{description, slope, write};
 use crate::tune::page::{Tuning, page, short};
 use crate::tune::parameters::{PARAMETERS, Place, config, place, values};
+use crate::tune::runs;
 use crate::tune::surface::{EVALUATIONS, plane, profiles};
 use crate::{study::source::RunSource, study::trials::sensitivity, tune::score::Bench, tune::search::search};
 use rundown::estimator::config::{Config, Mode};
@@ -27,7 +28,7 @@ Examples:
 
 Files in the output folder:
   config.toml            the optimum, in the paper's mode; rundown replay --config takes it
-  report.html            Table 1 and optimum, the surface around it, the paper's remark on sensitivity
+  report.html, report/   Table 1 and optimum, the surface around it, the paper's remark on sensitivity, each run
   tune_profiles, _plane  the surface as SVG and CSV
   tune.json              all of it for machines";
 
@@ -54,6 +55,8 @@ pub struct Arguments {
     /// Folder for the results; made when it does not exist
     #[arg(long, value_name = "DIR", default_value = "out/tune")]
     out: PathBuf,
+    #[command(flatten)]
+    pages: super::RunPages,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
@@ -71,8 +74,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let tuned = config(&base, &found.place).map_err(Failure::refused)?;
     tuned.check()?;
     let slopes = [paper_slope(Config::default(), arguments.seed)?, paper_slope(tuned, arguments.seed)?];
-    let tuning = Tuning { source, table1, found, scores, pictures, sensitivity, slopes };
-    folder::write("tune", &arguments.out, &provenance, |folder| write_results(folder, &tuned, &tuning))?;
+    let has_run_pages = arguments.pages.run_pages;
+    let runs = runs::scored(&bench, [&table1, &found.place]);
+    let runs = runs.ok_or_else(|| Failure::refused("the optimum is no filter on these runs"))?;
+    let tuning = Tuning { source, table1, found, scores, pictures, runs, has_run_pages, sensitivity, slopes };
+    folder::write("tune", &arguments.out, &provenance, |folder| {
+        if has_run_pages {
+            runs::write_pages(folder, &bench, &tuned)?;
+        }
+        write_results(folder, &tuned, &tuning)
+    })?;
     screen::print(&words(&tuning, &arguments.out));
     Ok(ExitCode::SUCCESS)
 }

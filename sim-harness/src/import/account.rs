@@ -51,6 +51,32 @@ impl Account {
     }
 }
 
+/// What stands in `import.json`.
+pub const FIELDS: &[[&str; 4]] = &[
+    ["chainage", "", "how the runs came onto one chainage", ""],
+    ["runs[].run", "", "name of the run: that of its log without `.csv`", ""],
+    ["runs[].source", "", "file from which it comes", ""],
+    ["runs[].lines[]", "", "first and last line of the run in that file", ""],
+    ["runs[].begins_because", "", "why the run begins there", ""],
+    ["runs[].rows", "", "rows of the run", ""],
+    ["runs[].direction", "", "`up` or `down`; empty for a run that is left out", ""],
+    ["runs[].from_m", "m", "least location; 0 for a run that is left out", ""],
+    ["runs[].to_m", "m", "largest location; 0 for a run that is left out", ""],
+    ["runs[].placed.offset_m", "m", "what was added to its locations", "absent: it was placed otherwise"],
+    ["runs[].placed.inverted", "", "whether its locations were counted backwards", "absent: it was placed otherwise"],
+    ["runs[].placed.how", "", "by what the offset was found", "absent: it was placed otherwise"],
+    [
+        "runs[].placed.on_the_line",
+        "1",
+        "share of its rows that are on the centre line",
+        "absent: it was placed otherwise",
+    ],
+    ["runs[].placed.left_out", "", "why it is left out", "absent: it is not"],
+    ["counts.*", "", "how often what is named was left out or changed", ""],
+    ["places.*", "", "of each kind the first 20 places: `file:line:column: field: expected X, found Y`", ""],
+    ["notes[]", "", "what the import noticed", ""],
+];
+
 pub const ROWS: &str = "rows";
 pub const SHIFTED: &str = "runs shifted onto the chainage";
 pub const INVERTED: &str = "runs inverted";

@@ -8,7 +8,7 @@
 //! index, `import.toml` that repeats the import, and an account of whatever was left out or changed. Text is streamed; of the runs only what
 //! places them on a common chainage is held.
 
-mod account;
+pub(crate) mod account;
 mod analysis;
 mod chainage;
 mod clock;

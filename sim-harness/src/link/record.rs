@@ -3,6 +3,8 @@
 //! In: any link and a writer. Out: the same link, and a line a message (`docs/formats.md`).
 
 use rundown::link::{Counters, Link, LinkError, MAX_MESSAGE, Message};
+use rundown_files::column::Column;
+use rundown_files::table::Cell;
 use std::io::{self, Read, Write};
 
 /// Which way a message went, seen from the recorder.
@@ -46,13 +48,25 @@ pub enum RecordError {
     Field { line: u64, column: &'static str, expected: &'static str, found: String },
 }
 
-const HEADER: [&str; 3] = ["time_us", "direction", "message"];
+/// A line of a recording.
+pub type Row = (u64, Way, Vec<u8>);
+
+/// The columns of a recording.
+pub fn columns() -> Vec<Column<Row>> {
+    let bytes = "1 to 512 bytes in hexadecimal digits; what they mean is in `WIRE.md`";
+    vec![
+        Column::number("time_us", "\u{b5}s", "time on the clock of the link", |row: &Row| Cell::Count(row.0)),
+        Column::text("direction", "seen from the recorder: `sent` or `received`", |row: &Row| row.1.word()),
+        Column::text("message", bytes, |row: &Row| hex::encode(&row.2)),
+    ]
+}
 
 /// The lines of a recording.
 ///
 /// A writer that fails does not stop what is recorded: its first error is kept for [`finish`](Self::finish), and nothing more is written.
 pub struct Log<W: Write> {
     csv: csv::Writer<W>,
+    columns: Vec<Column<Row>>,
     failed: Option<csv::Error>,
 }
 
@@ -60,9 +74,10 @@ impl<W: Write> Log<W> {
     /// Writes the header.
     pub fn new(writer: W) -> io::Result<Self> {
         let mut csv = csv::Writer::from_writer(writer);
-        csv.write_record(HEADER)?;
+        let columns = columns();
+        csv.write_record(columns.iter().map(|column| &column.about.name))?;
         csv.flush()?;
-        Ok(Self { csv, failed: None })
+        Ok(Self { csv, columns, failed: None })
     }
 
     /// Writes a message.
@@ -70,7 +85,8 @@ impl<W: Write> Log<W> {
         if self.failed.is_some() {
             return;
         }
-        let row = [time_us.to_string(), way.word().to_owned(), hex::encode(message)];
+        let row = (time_us, way, message.to_vec());
+        let row = self.columns.iter().map(|column| column.cell(&row).to_field());
         // A line a message, so that what was said last is there after a crash.
         let written = self.csv.write_record(row);
         self.failed = written.and_then(|()| self.csv.flush().map_err(csv::Error::from)).err();
@@ -139,7 +155,7 @@ impl<L: Link, W: Write> Link for Recorder<L, W> {
 pub fn read(reader: impl Read) -> Result<Vec<Recorded>, RecordError> {
     let mut csv = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(reader);
     let header = csv.headers()?;
-    if header != HEADER.as_slice() {
+    if !header.iter().eq(columns().iter().map(|column| column.about.name.as_str())) {
         return Err(RecordError::Header { found: header.iter().collect::<Vec<_>>().join(",") });
     }
     csv.records().map(|row| recorded(&row?)).collect()

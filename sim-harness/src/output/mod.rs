@@ -13,6 +13,7 @@ pub mod coast_ahead;
 pub mod document;
 pub mod estimates;
 pub mod features;
+pub mod fields;
 pub(crate) mod files;
 pub mod json;
 pub mod parameters;

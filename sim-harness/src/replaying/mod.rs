@@ -425,6 +425,7 @@ impl Replayed {
             runs: self.runs.iter().map(|run| RunView::of(run, None)).collect(),
             first: 0,
             before: None,
+            after: None,
             has_run_pages: self.run_pages,
             mode: mode_word(self.config.mode),
             features: self.config.features,

@@ -96,6 +96,7 @@ pub fn report<'a>(runs: &'a [ReplayedRun], train: &'a Train) -> Report<'a> {
         runs: runs.iter().map(|run| RunView::of(run, None)).collect(),
         first: 0,
         before: None,
+        after: None,
         has_run_pages: true,
         mode: "gated",
         features: FeatureConfig::default(),

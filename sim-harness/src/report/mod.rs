@@ -37,9 +37,10 @@ pub(crate) struct Report<'a> {
     pub title: String,
     pub train: &'a Train,
     pub runs: Vec<RunView<'a>>,
-    /// How many runs come before these, and the name of the last of them: pages of very many runs are written in parts.
+    /// How many runs come before these, and the names of the runs before and after them: pages of very many runs are written in parts.
     pub first: usize,
     pub before: Option<String>,
+    pub after: Option<String>,
     /// The runs of the table have pages.
     pub has_run_pages: bool,
     pub mode: &'static str,

@@ -83,6 +83,8 @@ fn write_set(simulation: &Simulation, folder: &Path, done: impl Fn() + Sync) -> 
     let plans = plan(&simulation.scenario, simulation.runs, simulation.seed);
     let facts = plans
         .par_iter()
+        // Where `done` unwinds, as for an interrupt, the other threads end, too.
+        .panic_fuse()
         .map(|plan| {
             let run = simulate_planned(&simulation.scenario, plan)?;
             let name = file_name(plan.number, plans.len());

@@ -13,5 +13,5 @@
 
 pub(crate) mod believed;
 pub mod folder;
-mod key;
+pub(crate) mod key;
 pub mod scenario_file;

@@ -117,7 +117,7 @@ pub fn columns() -> Vec<Column<Claim>> {
     let seeds = |of: fn(&Seeds) -> usize| {
         move |claim: &Claim| claim.seeds.as_ref().map_or(Cell::Missing, |seeds| Cell::from(of(seeds)))
     };
-    let place = "figure of the paper, `2` to `9`, or its section, `3.2`, `4.1`, `4.2`";
+    let place = "figure of the paper, `2` to `9`, or its section, `3.1`, `3.2`, `4.1`, `4.2`";
     let kind = "`input`: put into the scenario; `recovered`: put in and found again; `predicted`: could have failed";
     let error = "of the paper's mode against the truth, where the claim is `recovered`";
     vec![

@@ -94,6 +94,8 @@ pub struct Gathered {
     /// The first [`LISTED`] runs.
     pub listed: Vec<Listed>,
     pub example: Option<Example>,
+    /// What held it up, where it is set aside.
+    pub example_aside: Option<String>,
     /// How far its regimes are from [`PAPERS_RUN`]: root of the sum of squares of the shares.
     pub example_off: f64,
     /// What the gated mode knows of each unit after its last run, by name.
@@ -184,6 +186,7 @@ pub fn gather(
             gathered.add(one, index % stride == 0, wanted);
             index += 1;
         }
+        gathered.show_aside(aside, wanted);
         done(count);
     }
     gathered.checks = source.found().to_vec();
@@ -270,6 +273,14 @@ pub fn columns() -> Vec<Column<LookedAt>> {
 }
 
 impl Gathered {
+    /// A run that is set aside is shown where it is asked for by its name; of what is said of all runs it is no part.
+    fn show_aside(&mut self, aside: Vec<LookedAt>, wanted: Option<&str>) {
+        let Some(one) = aside.into_iter().find(|one| Some(one.case.recording.name.as_str()) == wanted) else { return };
+        let LookedAt { case: Case { recording, truth }, runs: [paper, gated], .. } = one;
+        self.example_aside = recording.perturbed;
+        self.example = Some(Example { paper, gated, truth });
+    }
+
     fn add(&mut self, one: LookedAt, is_drawn: bool, wanted: Option<&str>) {
         let LookedAt { case: Case { recording, truth: case_truth }, runs, seen, truth } = one;
         let [paper, gated] = seen;

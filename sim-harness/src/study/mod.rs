@@ -24,6 +24,7 @@ pub(crate) mod case;
 pub(crate) mod claims;
 pub(crate) mod description;
 pub(crate) mod experiments;
+pub(crate) mod fields;
 pub(crate) mod figures;
 pub(crate) mod gather;
 pub(crate) mod moments;

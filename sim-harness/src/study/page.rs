@@ -86,6 +86,9 @@ fn summary(page: &StudyPage) -> Markup {
                 "What that is worth: " (by_kind(page.claims)) ". An " em { "input" } " was put into the scenario and says that it is the paper's; what is "
                 em { "recovered" } " was put in and found again by the extractor, with the error that is said; what is " em { "predicted" } " could have failed."
             }
+            @if let (Some(example), Some(cause)) = (&gathered.example, &gathered.example_aside) {
+                p { "The run of Figs. 3, 5 and 6, " (example.gated.name) ", is one of the runs that were set aside (" (cause) "): it is in no other figure, and in no claim but those on one run." }
+            }
             @if gathered.set_aside > 0 {
                 p { (counted(gathered.set_aside, "run was", "runs were")) " perturbed and set aside; runs.csv says by what, and --keep-perturbed keeps them." }
             }

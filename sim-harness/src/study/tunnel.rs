@@ -4,7 +4,7 @@
 //! forward, and what the gap workflow finds on the runs with the tunnel.
 
 use super::case::{Case, FleetUnit};
-use super::figures::{Picture, number, text};
+use super::figures::Picture;
 use super::readings::pass::Filter;
 use super::readings::reading::Reading;
 use super::{Refused, description, moments::Moments};
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use rundown::model::effects::EffectKind;
 use rundown::model::line::Line;
 use rundown::tick::paper::Difference;
-use rundown_files::table::Record;
+use rundown_files::column::{Column, Filled, filled};
 use rundown_gap::{config::GapConfig, input::Input};
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
 use rundown_pages::colours;
@@ -50,9 +50,10 @@ pub struct Answer {
 ///
 /// # Errors
 /// What cannot be driven, written or investigated.
-pub fn answer(out: &Path, seed: Option<u64>, tell: impl Fn(&str)) -> Result<Answer, Refused> {
+pub fn answer(out: &Path, seed: Option<u64>, runs: Option<usize>, tell: impl Fn(&str)) -> Result<Answer, Refused> {
     let mut with = Simulation::parse(Path::new("tunnel_best.toml"), WITH_TUNNEL)?;
     with.seed = seed.unwrap_or(with.seed);
+    with.runs = runs.unwrap_or(with.runs);
     // The description of the line has a tunnel nearby, which the workflow would take for granted.
     with.track.tunnel.clear();
     let mut without = with.clone();
@@ -188,31 +189,49 @@ impl Answer {
                 panels.to_vec(),
             )
             .into(),
-            records: self.records(),
+            numbers: self.numbers(),
         }
     }
 
-    fn records(&self) -> Vec<Record> {
-        let r0 = self.r0.iter().map(|(m, [backward, forward])| {
-            vec![
-                text("kind", "r0"),
-                number("location_m", *m),
-                number("backward", *backward),
-                number("forward", *forward),
-            ]
-        });
-        let drag = |kind: &str, d: &Drag| {
-            vec![text("kind", kind), number("location_m", d.from_m), number("to_m", d.to_m), number("k", d.k)]
-        };
+    fn numbers(&self) -> Filled {
+        let r0 = self.r0.iter().map(|(m, shares)| Row { kind: "r0", location_m: *m, drag: None, r0: Some(*shares) });
+        let drag = |kind, d: &Drag| Row { kind, location_m: d.from_m, drag: Some(*d), r0: None };
         let found = self.found.iter().map(|(d, _)| drag("found", d));
-        // Every record has all columns, whatever its kind.
-        let filled = |record: Record| -> Record {
-            let columns = ["kind", "location_m", "to_m", "k", "backward", "forward"];
-            let cell = |name: &str| record.iter().find(|(column, _)| column == name).cloned();
-            columns.iter().map(|name| cell(name).unwrap_or_else(|| number(name, None))).collect()
-        };
-        r0.chain([drag("true", &self.truth)]).chain(found).map(filled).collect()
+        filled(columns(), r0.chain([drag("true", &self.truth)]).chain(found))
     }
+}
+
+/// A stretch of the line, or a tunnel.
+#[derive(Debug)]
+pub struct Row {
+    kind: &'static str,
+    location_m: f64,
+    drag: Option<Drag>,
+    r0: Option<[f64; 2]>,
+}
+
+/// The columns of `tunnel.csv`.
+pub fn columns() -> Vec<Column<Row>> {
+    let (r0, tunnel) = ("`kind` is not `r0`", "`kind` is `r0`");
+    let kind = "`r0`: what the tunnel does to r0 of the paper's mode, `true`: the tunnel, `found`: one that \
+        `rundown gap` names";
+    let share = "r0 with over without the tunnel, less 1, by the";
+    vec![
+        Column::text("kind", kind, |row: &Row| row.kind),
+        Column::number("location_m", "m", "middle of the stretch, or where the tunnel begins", |row: &Row| {
+            row.location_m
+        }),
+        Column::number("to_m", "m", "where the tunnel ends", |row: &Row| row.drag.map(|drag| drag.to_m))
+            .empty_when(tunnel),
+        Column::number("k", "N/kg per (m/s)\u{b2}", "extra drag by the square of speed", |row: &Row| {
+            row.drag.map(|drag| drag.k)
+        })
+        .empty_when(tunnel),
+        Column::number("backward", "1", &format!("{share} backward effort"), |row: &Row| row.r0.map(|both| both[0]))
+            .empty_when(r0),
+        Column::number("forward", "1", &format!("{share} forward effort"), |row: &Row| row.r0.map(|both| both[1]))
+            .empty_when(r0),
+    ]
 }
 
 #[cfg(test)]

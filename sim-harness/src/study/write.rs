@@ -1,9 +1,9 @@
 //! Files of a study: pictures as SVG, their numbers as CSV, a row for each run as CSV and Parquet, the page.
 
 use super::{figures::Picture, gather};
-use crate::output::files::failed;
+use crate::output::files::{failed, file};
 pub use crate::output::files::{records, text};
-use rundown_files::column::about;
+use rundown_files::column::{self, about};
 use rundown_files::{WriteError, parquet::TableWriter, table::Record};
 use rundown_pages::chart::standalone;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,8 @@ pub const RUNS: &str = "runs";
 pub fn pictures(folder: &Path, pictures: &[Picture]) -> Result<(), WriteError> {
     for picture in pictures {
         text(&folder.join(format!("{}.svg", picture.name)), &standalone(&picture.drawing.to_svg()))?;
-        records(&folder.join(format!("{}.csv", picture.name)), &picture.records)?;
+        let numbers = folder.join(format!("{}.csv", picture.name));
+        file(&numbers, |file| column::write_filled(file, &picture.numbers))?;
     }
     Ok(())
 }

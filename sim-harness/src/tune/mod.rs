@@ -9,8 +9,10 @@
 //! A filter that explains the readings well is not one that finds the resistance: the paper's loop stays blind to it, however it is tuned.
 //! The page shows that beside the optimum.
 
+pub(crate) mod fields;
 pub(crate) mod page;
 pub(crate) mod parameters;
+pub(crate) mod runs;
 pub(crate) mod score;
 pub(crate) mod search;
 pub(crate) mod surface;

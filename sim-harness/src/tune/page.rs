@@ -1,6 +1,7 @@
 //! `report.html` of a tuning.
 
 use super::parameters::{PARAMETERS, Place, values};
+use super::runs::{self, ScoredRun, TITLE};
 use super::{score::FilterScore, search::Found};
 use crate::{study::figures::Picture, study::page::initial, study::slope::Answer, study::trials::Sensitivity};
 use maud::{Markup, html};
@@ -15,6 +16,8 @@ pub struct Tuning {
     pub found: Found,
     pub scores: [FilterScore; 2],
     pub pictures: [Picture; 2],
+    pub runs: Vec<ScoredRun>,
+    pub has_run_pages: bool,
     /// The remark of section 4.2, with Table 1.
     pub sensitivity: Vec<Sensitivity>,
     /// Of the paper's mode.
@@ -46,9 +49,10 @@ pub fn page(page: &Tuning) -> String {
     };
     let sections = [
         Section::new("surface", "The surface around the optimum", surface),
+        Section::new("runs", "Runs", runs::table(&page.runs, page.has_run_pages)),
         Section::new("sensitivity", "Sensitivity to the initial covariances", sensitivity),
     ];
-    document("Tuning of the paper's filter", &lead, &sections)
+    document(TITLE, &lead, &sections)
 }
 
 fn scores(page: &Tuning) -> Markup {

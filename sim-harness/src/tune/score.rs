@@ -61,13 +61,9 @@ impl FilterScore {
 impl Bench {
     /// The score at a place; none where it is no filter.
     pub fn score(&self, place: &Place) -> Option<FilterScore> {
-        let config = config(&self.base, place).ok()?;
-        let estimator = Estimator::try_new(config, self.train, self.track.clone()).ok()?;
-        let runs = self.runs.par_iter().map(|run| of_run(&estimator, run));
-        // Added in order, so that the same runs give the same bits.
-        let runs: Vec<FilterScore> = runs.collect();
         let mut all = FilterScore::default();
-        for run in runs {
+        // Added in order, so that the same runs give the same bits.
+        for run in self.scores(place)? {
             all.log_likelihood += run.log_likelihood;
             all.samples += run.samples;
             all.negative_samples += run.negative_samples;
@@ -76,6 +72,13 @@ impl Bench {
         }
         all.negative_depth /= all.samples as f64;
         Some(all)
+    }
+
+    /// The scores of the runs, each with its sum of depths instead of a mean.
+    pub fn scores(&self, place: &Place) -> Option<Vec<FilterScore>> {
+        let config = config(&self.base, place).ok()?;
+        let estimator = Estimator::try_new(config, self.train, self.track.clone()).ok()?;
+        Some(self.runs.par_iter().map(|run| of_run(&estimator, run)).collect())
     }
 
     pub fn cost(&self, place: &Place) -> f64 {

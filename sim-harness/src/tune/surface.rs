@@ -4,7 +4,7 @@ use super::parameters::{COUNT, PARAMETERS, Place};
 use super::score::Bench;
 use crate::study::figures::Picture;
 use plotters::style::RGBColor;
-use rundown_files::table::Cell;
+use rundown_files::column::{Column, filled};
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 
@@ -30,6 +30,42 @@ struct Spot {
     negative: bool,
 }
 
+/// A place on a profile.
+#[derive(Debug)]
+pub struct Row {
+    parameter: &'static str,
+    value: f64,
+    above: f64,
+    negative: bool,
+}
+
+/// The columns of `tune_profiles.csv`.
+pub fn profile_columns() -> Vec<Column<Row>> {
+    let unit = "that of the parameter";
+    let negative = "`yes` where a coefficient is negative somewhere, or `no`";
+    vec![
+        Column::text("parameter", "name of the parameter, as in `tune.json`", |row: &Row| row.parameter),
+        Column::number("value", unit, "its value, the others as at the optimum", |row: &Row| row.value),
+        Column::number("cost_above_optimum", "nat", LOSS, |row: &Row| row.above).empty_when(NO_FILTER),
+        Column::text("negative_coefficient", negative, |row: &Row| if row.negative { "yes" } else { "no" }),
+    ]
+}
+
+const LOSS: &str = "loss of likelihood a sample, less that of the optimum";
+const NO_FILTER: &str = "no filter runs with these values";
+
+/// A place of the plane: noise of location, m, of speed, km/h, and the loss.
+type PlaneRow = [f64; 3];
+
+/// The columns of `tune_plane.csv`.
+pub fn plane_columns() -> Vec<Column<PlaneRow>> {
+    vec![
+        Column::number("location_sd_m", "m", "standard deviation of the location reading", |row: &PlaneRow| row[0]),
+        Column::number("speed_sd_kmh", "km/h", "standard deviation of the speed reading", |row: &PlaneRow| row[1]),
+        Column::number("cost_above_optimum", "nat", LOSS, |row: &PlaneRow| row[2]).empty_when(NO_FILTER),
+    ]
+}
+
 fn spot(bench: &Bench, place: &Place, value: f64, least: f64) -> Spot {
     let score = bench.score(place);
     Spot {
@@ -41,7 +77,7 @@ fn spot(bench: &Bench, place: &Place, value: f64, least: f64) -> Spot {
 
 pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn()) -> Picture {
     let least = bench.cost(optimum);
-    let (mut figures, mut records) = (Vec::new(), Vec::new());
+    let (mut figures, mut rows) = (Vec::new(), Vec::new());
     for (index, parameter) in PARAMETERS.iter().enumerate() {
         let [from, to] = parameter.ends();
         let spots: Vec<Spot> = (-HALF..=HALF)
@@ -54,12 +90,8 @@ pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn())
             })
             .collect();
         for spot in &spots {
-            records.push(vec![
-                ("parameter".to_owned(), Cell::from(parameter.name)),
-                ("value".to_owned(), Cell::from(parameter.value(spot.value))),
-                ("cost_above_optimum".to_owned(), Cell::from(spot.above)),
-                ("negative_coefficient".to_owned(), Cell::from(if spot.negative { "yes" } else { "no" })),
-            ]);
+            let value = parameter.value(spot.value);
+            rows.push(Row { parameter: parameter.name, value, above: spot.above, negative: spot.negative });
         }
         figures.push(panel(index, &spots, optimum[index], table1[index]));
     }
@@ -68,7 +100,7 @@ pub fn profiles(bench: &Bench, optimum: &Place, table1: &Place, done: impl Fn())
         caption: "Loss of likelihood a sample along each parameter, the others as at the optimum, each in a scale of its own, from 0.01 to 2; crosses: a coefficient is negative somewhere. Solid green: the optimum, dashed: Table 1 where it is in reach.".to_owned(),
         drawing: Grid::new("Likelihood along each parameter", "A panel for each parameter, lowest at the optimum", 3, figures)
         .into(),
-        records,
+        numbers: filled(profile_columns(), rows),
     }
 }
 
@@ -115,7 +147,7 @@ pub fn plane(bench: &Bench, optimum: &Place, done: impl Fn()) -> Picture {
     let least = bench.cost(optimum);
     let step = 2.0 * REACH / f64::from(HALF);
     let at = |axis: usize, k: i32| optimum[PLANE[axis]] + step * f64::from(k - HALF / 2);
-    let (mut cells, mut records) = (Vec::new(), Vec::new());
+    let (mut cells, mut rows) = (Vec::new(), Vec::new());
     for i in 0..=HALF {
         for j in 0..=HALF {
             let mut place = *optimum;
@@ -125,11 +157,7 @@ pub fn plane(bench: &Bench, optimum: &Place, done: impl Fn()) -> Picture {
             let spot = spot(bench, &place, 0.0, least);
             let around = |middle: f64| middle - 0.5 * step..middle + 0.5 * step;
             cells.push((around(at(0, i)), around(at(1, j)), shade(spot.above)));
-            records.push(vec![
-                ("location_sd_m".to_owned(), Cell::from(PARAMETERS[PLANE[0]].value(at(0, i)))),
-                ("speed_sd_kmh".to_owned(), Cell::from(PARAMETERS[PLANE[1]].value(at(1, j)))),
-                ("cost_above_optimum".to_owned(), Cell::from(spot.above)),
-            ]);
+            rows.push([PARAMETERS[PLANE[0]].value(at(0, i)), PARAMETERS[PLANE[1]].value(at(1, j)), spot.above]);
         }
     }
     let figure = Figure::new(
@@ -151,10 +179,10 @@ pub fn plane(bench: &Bench, optimum: &Place, done: impl Fn()) -> Picture {
     Picture {
         name: "tune_plane".to_owned(),
         caption: format!(
-            "Loss of likelihood a sample over the noise of both readings, the other parameters as at the optimum: dark none, white {DEEPEST} and more."
+            "Loss of likelihood a sample over the noise of both readings, the other parameters as at the optimum: the stronger the colour, the smaller the loss; no colour at {DEEPEST} and more."
         ),
         drawing: figure.into(),
-        records,
+        numbers: filled(plane_columns(), rows),
     }
 }
 
@@ -169,6 +197,7 @@ fn shade(above: f64) -> RGBColor {
 mod tests {
     use super::*;
     use super::{super::score::tests::bench, super::search::starts};
+    use rundown_files::table::Cell;
     use std::cell::Cell as Counter;
 
     #[test]
@@ -180,12 +209,8 @@ mod tests {
         let plane = plane(&bench, &centre, count);
         assert_eq!(asked.get(), EVALUATIONS);
         let level = |picture: &Picture| {
-            let cost = |record: &rundown_files::table::Record| match record.iter().find(|c| c.0 == "cost_above_optimum")
-            {
-                Some((_, Cell::Number(cost))) => cost.abs() < 1e-9,
-                _ => false,
-            };
-            picture.records.iter().filter(|record| cost(record)).count()
+            let costs = picture.numbers.iter().find(|(about, _)| about.name == "cost_above_optimum").unwrap();
+            costs.1.iter().filter(|cell| matches!(cell, Cell::Number(cost) if cost.abs() < 1e-9)).count()
         };
         assert!(level(&profiles) >= COUNT);
         assert!(level(&plane) >= 1);

@@ -47,7 +47,20 @@ pub struct Loaded {
 /// Reads all runs of a set, those that can be used. With `as_recorded` nothing is diagnosed nor put right.
 pub fn runs(set: &RunSet, track: &TrackFile, direction: DirectionChoice, as_recorded: bool) -> Loaded {
     let line = CentreLine::new(&track.centre_line);
-    let read: Vec<_> = set.files.par_iter().map(|file| recording(file, line.as_ref(), direction)).collect();
+    let read = set.files.par_iter().map(|file| recording(file, line.as_ref(), direction)).collect();
+    usable(read, track, as_recorded)
+}
+
+/// The same of runs that came as a table.
+pub fn of_table(recordings: impl IntoIterator<Item = Recording>, track: &TrackFile, as_recorded: bool) -> Loaded {
+    let named = |mut recording: Recording| {
+        recording.path = format!("{}: run {}", recording.path.display(), recording.name).into();
+        believable(recording)
+    };
+    usable(recordings.into_iter().map(named).collect(), track, as_recorded)
+}
+
+fn usable(read: Vec<Result<Recording, LoadError>>, track: &TrackFile, as_recorded: bool) -> Loaded {
     let mut loaded = Loaded::default();
     for result in read {
         match result {
@@ -115,9 +128,13 @@ fn are_same(a: &[Sample], b: &[Sample]) -> bool {
 /// Reads one log.
 fn recording(file: &RunFile, line: Option<&CentreLine>, direction: DirectionChoice) -> Result<Recording, LoadError> {
     let log = RunLog::read(&file.path, BadRows::LeaveOut)?;
-    let recording = Recording::new(file, &log, line, direction)?;
+    believable(Recording::new(file, &log, line, direction)?)
+}
+
+/// Not in other units.
+fn believable(recording: Recording) -> Result<Recording, LoadError> {
     match units::doubt(&recording.rows) {
-        Some(doubt) => Err(LoadError::Units { path: file.path.clone(), doubt }),
+        Some(doubt) => Err(LoadError::Units { path: recording.path, doubt }),
         None => Ok(recording),
     }
 }

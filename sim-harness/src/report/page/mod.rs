@@ -41,7 +41,7 @@ pub fn run_html(at: usize, report: &Report) -> String {
         index: report.first + at,
         all: ("../report.html#runs", &format!("All runs of {}", report.title)),
         before: at.checked_sub(1).map_or(report.before.as_deref(), name),
-        next: name(at + 1),
+        next: name(at + 1).or(report.after.as_deref()),
     };
     run_pages::page(&run.name, &neighbours, &lead(run, report), &run_sections(run, report))
 }

@@ -139,6 +139,7 @@ fn numbers_that_are_not_finite_leave_gaps() {
         features: FeatureConfig::default(),
         first: 0,
         before: None,
+        after: None,
         has_run_pages: true,
         vehicle: report_of_nan,
     });

@@ -2,11 +2,11 @@
 
 use super::plan::Plan;
 use crate::output::json::mode_word;
-use crate::study::figures::{Picture, number, text};
+use crate::study::figures::Picture;
 use crate::study::moments::Moments;
 use plotters::style::RGBColor;
 use rundown::estimator::config::Mode;
-use rundown_files::table::{Cell, Record};
+use rundown_files::column::{self, Column, Filled, filled};
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::{colours, numbers};
 
@@ -127,19 +127,8 @@ impl Answer {
     }
 
     /// A row for each set, variant and arm.
-    pub fn records(&self) -> Vec<Record> {
-        let record = |row: &Row| {
-            let mut record = vec![
-                text("variant", &row.variant),
-                number("x", row.x),
-                text("mode", row.arm.name),
-                ("set".to_owned(), Cell::from(row.set + 1)),
-            ];
-            let cells = self.columns.iter().zip(&row.values);
-            record.extend(cells.map(|((name, _), value)| number(name, *value)));
-            record
-        };
-        self.rows.iter().map(record).collect()
+    pub fn numbers(&self) -> Filled {
+        filled(columns(&self.columns), &self.rows)
     }
 
     pub fn picture(&self) -> Picture {
@@ -149,7 +138,7 @@ impl Answer {
             name: self.name.to_owned(),
             caption: format!("{} Mean and standard deviation over {}. {variants}", self.question, self.extent()),
             drawing: Grid::new(format!("Experiment: {}", self.name), self.question, 2, figures).into(),
-            records: self.records(),
+            numbers: self.numbers(),
         }
     }
 
@@ -195,6 +184,22 @@ impl Answer {
     }
 }
 
+/// The columns of an experiment's CSV; `measured` has a name and a label that ends with its unit, if it has one.
+pub fn columns(measured: &[(&'static str, &'static str)]) -> Vec<Column<Row>> {
+    let of_axis = "that of the axis";
+    let mut columns = vec![
+        Column::text("variant", "what is varied", |row: &Row| row.variant.clone()),
+        Column::number("x", of_axis, "where the variant stands on the axis of the picture", |row: &Row| row.x),
+        Column::text("mode", "a mode, a filter of the experiment, or `truth`", |row: &Row| row.arm.name),
+        Column::count("set", "number of the set of runs, from 1", |row: &Row| row.set + 1),
+    ];
+    columns.extend(measured.iter().enumerate().map(|(index, (name, label))| {
+        let (meaning, unit) = label.rsplit_once(", ").unwrap_or((label, "1"));
+        Column::number(name, unit, meaning, move |row: &Row| row.values[index]).empty_when("nothing is known of it")
+    }));
+    columns
+}
+
 /// Three digits that count.
 fn short(value: f64) -> String {
     let digits = match value.abs() {
@@ -207,7 +212,7 @@ fn short(value: f64) -> String {
 }
 
 pub fn to_json(answer: &Answer) -> serde_json::Value {
-    let rows: Vec<_> = answer.records().iter().map(rundown_files::table::to_json).collect();
+    let rows: Vec<_> = column::records(&answer.numbers()).iter().map(rundown_files::table::to_json).collect();
     serde_json::json!({
         "experiment": answer.name,
         "question": answer.question,

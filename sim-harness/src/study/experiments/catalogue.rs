@@ -1,7 +1,7 @@
 //! The experiments, in the order in which the page "after the paper" has them.
 
 use super::swept::{recording, resistance, traction, trains};
-use super::{Experiment, feedback, styles, units};
+use super::{Experiment, feedback, metrics, styles, units};
 
 pub const ALL: [Experiment; 16] = [
     Experiment {
@@ -101,6 +101,12 @@ pub const ALL: [Experiment; 16] = [
         answer: styles::answer,
     },
 ];
+
+/// What any of them measures: name, and label with unit.
+pub fn measured() -> Vec<(&'static str, &'static str)> {
+    let metrics = metrics::ALL.iter().map(|metric| (metric.name, metric.label));
+    metrics.chain(units::MEASURED).chain(styles::measured()).collect()
+}
 
 /// The experiment of this name.
 pub fn find(name: &str) -> Option<&'static Experiment> {

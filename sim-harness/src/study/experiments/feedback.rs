@@ -16,7 +16,7 @@
 
 use super::answer::{Answer, Arm};
 use super::look::{Driven, Look, misses};
-use super::metrics::{NEGATIVE, error_percent, mean};
+use super::metrics::{NEGATIVE, RESISTANCE, error_percent, mean};
 use super::plan::Plan;
 use super::sweep::{Estimated, over_sets};
 use super::variant::Variant;
@@ -54,6 +54,10 @@ enum Coasting {
     Said(Vec<bool>),
 }
 
+/// What is measured: name, and label with unit.
+const MEASURED: [(&str, &str); 2] =
+    [(RESISTANCE.name, "error of r(v) at the end of a run, rms, %"), (NEGATIVE.name, NEGATIVE.label)];
+
 pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
     let of = |factor: f64| {
         let variant = Variant::parse(format!("Table 1 \u{d7} {factor}"), factor.log10(), "")?;
@@ -70,11 +74,7 @@ pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
         let own = own.map(|(arm, look)| (arm, vec![error_percent(&look.misses()), (NEGATIVE.seen)(look)]));
         Ok(fed.into_iter().chain(own).collect())
     })?;
-    let columns = vec![
-        ("resistance_error_percent", "error of r(v) at the end of a run, rms, %"),
-        ("negative_runs_percent", "runs with a negative coefficient, %"),
-    ];
-    Ok(Answer::new(plan, "initial deviations of r0, r1, r2, decades above Table 1", columns, rows)
+    Ok(Answer::new(plan, "initial deviations of r0, r1, r2, decades above Table 1", MEASURED.to_vec(), rows)
         .noting("The gated mode carries the vehicle from run to run; of Table 1 it takes nothing.".to_owned()))
 }
 

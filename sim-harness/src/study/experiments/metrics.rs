@@ -25,6 +25,25 @@ pub struct Metric {
     pub truth: Option<fn(&Driven) -> Option<f64>>,
 }
 
+/// All of them, for the document of outputs.
+pub const ALL: [Metric; 15] = [
+    RESISTANCE,
+    BIAS,
+    INSIDE,
+    TRACKING,
+    REGIMES,
+    COAST,
+    BRAKE,
+    POWER,
+    POWER_SPREAD,
+    LARGEST_POWER,
+    MEAN_POWER,
+    AT_THE_TOP,
+    LARGEST_EFFORT,
+    LOW_EFFORT,
+    NEGATIVE,
+];
+
 pub const RESISTANCE: Metric = Metric {
     name: "resistance_error_percent",
     label: "error of r(v), rms, %",
@@ -137,7 +156,7 @@ pub const LARGEST_EFFORT: Metric = Metric {
 
 pub const LOW_EFFORT: Metric = Metric {
     name: "least_effort_n_per_kg",
-    label: "the least of the runs, N/kg",
+    label: "least effort of the runs, 10 to 30 km/h, N/kg",
     seen: |look| look.runs.iter().filter_map(effort).reduce(f64::min),
     truth: Some(|driven| true_efforts(driven).into_iter().reduce(f64::min)),
 };

@@ -11,6 +11,6 @@ pub struct Plan<'a> {
     pub runs: usize,
     /// Of the first set.
     pub seed: u64,
-    /// Called with the work that is done and all of it.
-    pub done: &'a (dyn Fn(usize, usize) + Sync),
+    /// Called once for each piece of work that is done, with how many there are.
+    pub done: &'a (dyn Fn(usize) + Sync),
 }

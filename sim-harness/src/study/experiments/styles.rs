@@ -39,8 +39,12 @@ pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
         rows.push((Arm::TRUTH, tested(&driven.truth)));
         Ok(rows)
     })?;
-    let columns = FEATURES.map(|(name, label, _)| (name, label)).to_vec();
-    Ok(Answer::new(plan, "0: labels in turns, 1: five drivers", columns, rows))
+    Ok(Answer::new(plan, "0: labels in turns, 1: five drivers", measured().to_vec(), rows))
+}
+
+/// What is measured: name, and label.
+pub fn measured() -> [(&'static str, &'static str); 4] {
+    FEATURES.map(|(name, label, _)| (name, label))
 }
 
 /// The driver of a run; without one a label in turns.

@@ -10,7 +10,6 @@ use rayon::prelude::*;
 use rundown::estimator::config::{Config, Mode};
 use rundown::tick::paper::Difference;
 use rundown_pages::colours;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// An arm that is an estimator: what makes it of a variant's configuration.
 #[derive(Clone, Copy)]
@@ -70,12 +69,11 @@ pub fn over_sets(
     rows: impl Fn(&Variant, &Driven) -> Result<Vec<(Arm, Vec<Option<f64>>)>, Refused> + Sync,
 ) -> Result<Vec<Row>, Refused> {
     let all = variants.len() * plan.sets;
-    let finished = AtomicUsize::new(0);
     let one = |index: usize| {
         let (variant, set) = (&variants[index / plan.sets], index % plan.sets);
         let driven = Driven::new(variant, plan.runs, plan.seed, set)?;
         let found = rows(variant, &driven)?;
-        (plan.done)(finished.fetch_add(1, Ordering::Relaxed) + 1, all);
+        (plan.done)(all);
         let row = |(arm, values)| Row { variant: variant.name.clone(), x: variant.x, arm, set, values };
         Ok(found.into_iter().map(row).collect::<Vec<Row>>())
     };
@@ -93,7 +91,7 @@ mod tests {
         let variants = variants.map(|(fields, x)| Variant::parse(fields, x, fields).unwrap()).collect();
         let metrics = vec![metrics::RESISTANCE, metrics::REGIMES, metrics::LARGEST_POWER];
         let sweep = Sweep { variants, axis: "x", arms: &[Estimated::PAPER, Estimated::GATED], metrics };
-        let plan = Plan { name: "a", question: "?", sets: 2, runs: 4, seed: 11, done: &|_, _| () };
+        let plan = Plan { name: "a", question: "?", sets: 2, runs: 4, seed: 11, done: &|_| () };
         sweep.answer(&plan).unwrap()
     }
 

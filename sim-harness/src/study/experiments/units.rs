@@ -25,6 +25,14 @@ const SPREADS: [f64; 4] = [0.0, 0.02, 0.05, 0.10];
 /// r is compared at this speed, m/s.
 const AT_MPS: f64 = 100.0 / 3.6;
 
+/// What is measured: name, and label with unit.
+pub const MEASURED: [(&str, &str); 4] = [
+    ("spread_percent", "standard deviation of r(100 km/h) between units, %"),
+    ("error_percent", "error of r(100 km/h) of a unit, rms, %"),
+    ("correlation", "correlation of estimated and true r(100 km/h)"),
+    ("p_value", "p-value: units are alike"),
+];
+
 pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
     let fields = "[wind]\nsd_mps = 1.0\n[load]\nsd = 0.02";
     let variant = |spread: f64| Variant::parse(format!("\u{b1}{} %", 100.0 * spread), 100.0 * spread, fields);
@@ -33,21 +41,15 @@ pub fn answer(plan: &Plan<'_>) -> Result<Answer, Refused> {
     let one = |index: usize| {
         let (variant, set) = (&variants[index / plan.sets], index % plan.sets);
         let found = of_set(plan, variant, SPREADS[index / plan.sets], set);
-        (plan.done)(index + 1, all);
+        (plan.done)(all);
         found
     };
     let rows = (0..all).into_par_iter().map(one).collect::<Result<Vec<_>, Refused>>()?.concat();
-    let columns = vec![
-        ("spread_percent", "standard deviation of r(100 km/h) between units, %"),
-        ("error_percent", "error of r(100 km/h) of a unit, rms, %"),
-        ("correlation", "correlation of estimated and true r(100 km/h)"),
-        ("p_value", "p-value: units are alike"),
-    ];
     let note = format!(
         "{UNITS} units in each set, each with {} runs; p-values by {PERMUTATIONS} permutations.",
         of_unit(plan)
     );
-    Ok(Answer::new(plan, "true half-spread between units, %", columns, rows).noting(note))
+    Ok(Answer::new(plan, "true half-spread between units, %", MEASURED.to_vec(), rows).noting(note))
 }
 
 fn of_set(plan: &Plan<'_>, variant: &Variant, spread: f64, set: usize) -> Result<Vec<Row>, Refused> {

@@ -2,16 +2,44 @@
 //!
 //! A rate between two samples would be too small where the train begins to brake or lets go between them; the intervals are in the table.
 
-use super::{Drawn, Eyes, Picture, number, text};
+use super::{Drawn, Eyes, Picture};
 use crate::study::view::{ATB_NAMES, ATB_STEPS_KMH};
 use crate::{study::moments::Moments, study::tallies::Tallies};
 use plotters::style::RGBColor;
-use rundown_files::table::Record;
+use rundown_files::column::{Column, filled};
+use rundown_files::table::Cell;
 use rundown_pages::chart::{Figure, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
 const BLACK: RGBColor = RGBColor(0, 0, 0);
 const END_KMH: f64 = 150.0;
+
+/// A brake rate, of one interval or of many.
+#[derive(Debug)]
+pub struct Row {
+    kind: &'static str,
+    run: String,
+    speed_kmh: f64,
+    rate_mps2: Option<f64>,
+    sd_mps2: Option<f64>,
+    count: Option<u64>,
+}
+
+/// The columns of `fig8_brake_rates_*.csv`.
+pub fn columns() -> Vec<Column<Row>> {
+    let kind = "`step`: mean over the runs, `true_step`: the same in truth, `run`: mean of a run in a step, `sample`: \
+        between two samples";
+    let one = "it is one value";
+    vec![
+        Column::text("kind", kind, |row: &Row| row.kind),
+        Column::text("run", "name of the run, or of the step", |row: &Row| row.run.clone()),
+        Column::number("speed_kmh", "km/h", "speed; of a step its middle", |row: &Row| row.speed_kmh),
+        Column::number("brake_rate_mps2", "m/s²", "brake rate, positive", |row: &Row| row.rate_mps2)
+            .empty_when("nobody braked in the step"),
+        Column::number("sd_mps2", "m/s²", "standard deviation over the runs", |row: &Row| row.sd_mps2).empty_when(one),
+        Column::count("count", "runs", |row: &Row| row.count.map_or(Cell::Missing, Cell::Count)).empty_when(one),
+    ]
+}
 
 /// The picture. Means and deviations are those of all runs, dots those of the drawn ones; true means where `truth` has runs.
 pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) -> Picture {
@@ -28,12 +56,13 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
     };
     let dots: Vec<(f64, f64)> = drawn.iter().enumerate().flat_map(of_run).collect();
     let (mut means, mut bands, mut true_means) = (Vec::new(), Vec::new(), Vec::new());
-    let mut records = Vec::new();
+    let mut rows = Vec::new();
     for (index, moments) in tallies.brake_steps.iter().enumerate().rev() {
         let (from, to) = (edges[index + 1], edges[index]);
-        let of_step = |kind, moments: &Moments| {
-            let values = [Some(0.5 * (from + to)), moments.mean(), moments.sd(), Some(moments.count as f64)];
-            record(kind, ATB_NAMES[index], values)
+        let of_step = |kind, moments: &Moments| Row {
+            sd_mps2: moments.sd(),
+            count: Some(moments.count),
+            ..row(kind, ATB_NAMES[index], 0.5 * (from + to), moments.mean())
         };
         let level = |mean| [Some((from, mean)), Some((to, mean)), None];
         if let Some(mean) = moments.mean() {
@@ -45,17 +74,17 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
         let true_moments = &truth.brake_steps[index];
         if let Some(mean) = true_moments.mean() {
             true_means.extend(level(mean));
-            records.push(of_step("true_step", true_moments));
+            rows.push(of_step("true_step", true_moments));
         }
-        records.push(of_step("step", moments));
+        rows.push(of_step("step", moments));
     }
     for run in drawn {
         for (step, rate) in eyes.of(run).outcome.brake_steps_mps2.into_iter().enumerate() {
             let middle_kmh = 0.5 * (edges[step] + edges[step + 1]);
-            records.extend(rate.map(|rate| record("run", run.name(), [Some(middle_kmh), Some(rate), None, None])));
+            rows.extend(rate.map(|rate| row("run", run.name(), middle_kmh, Some(rate))));
         }
         let samples = eyes.of(run).points.brake.iter();
-        records.extend(samples.map(|(kmh, rate)| record("sample", run.name(), [Some(*kmh), Some(*rate), None, None])));
+        rows.extend(samples.map(|(kmh, rate)| row("sample", run.name(), *kmh, Some(*rate))));
     }
     let mut layers = vec![
         Layer::band("standard deviation", colours::ESTIMATED, 0.18, bands),
@@ -80,12 +109,11 @@ pub fn brake(drawn: &[Drawn], eyes: Eyes, tallies: &Tallies, truth: &Tallies) ->
             eyes.word()
         ),
         drawing: figure.into(),
-        records,
+        numbers: filled(columns(), rows),
     }
 }
 
-fn record(kind: &str, run: &str, [kmh, rate, sd, count]: [Option<f64>; 4]) -> Record {
-    let values =
-        [number("speed_kmh", kmh), number("brake_rate_mps2", rate), number("sd_mps2", sd), number("count", count)];
-    [text("kind", kind), text("run", run)].into_iter().chain(values).collect()
+/// Of one value.
+fn row(kind: &'static str, run: &str, speed_kmh: f64, rate_mps2: Option<f64>) -> Row {
+    Row { kind, run: run.to_owned(), speed_kmh, rate_mps2, sd_mps2: None, count: None }
 }

@@ -1,14 +1,38 @@
 //! Fig. 4: histograms of r0, r1, r2 at all samples, and Fig. 7: of cruise speed, final coast and final brake.
 
-use super::{Drawn, Eyes, Picture, number, text};
+use super::{Drawn, Eyes, Picture};
 use crate::study::view::{Outcome, Seen};
 use rundown::model::resistance::Davis;
-use rundown_files::table::{Cell, Record};
+use rundown_files::column::{Column, filled};
+use rundown_files::table::Cell;
 use rundown_pages::chart::{Drawing, Figure, Grid, Layer, Panel, Stroke, range_of};
 use rundown_pages::colours;
 use std::ops::Range;
 
 const BINS: usize = 40;
+
+/// A bin of a histogram.
+#[derive(Debug)]
+pub struct Row {
+    quantity: String,
+    bin: Range<f64>,
+    count: u64,
+    of: &'static str,
+}
+
+/// The columns of `fig4_davis_*.csv` and `fig7_style_*.csv`.
+pub fn columns() -> Vec<Column<Row>> {
+    let unit = "that of the quantity";
+    let quantity = "`r0` (N/kg), `r1` (N/kg per m/s), `r2` (N/kg per (m/s)²), or in Fig. 7 a name with its unit, \
+        `true_` before it in truth";
+    vec![
+        Column::text("quantity", quantity, |row: &Row| row.quantity.clone()),
+        Column::number("from", unit, "lower edge of the bin, which belongs to it", |row: &Row| row.bin.start),
+        Column::number("to", unit, "upper edge", |row: &Row| row.bin.end),
+        Column::count("count", "how many lie in the bin", |row: &Row| Cell::Count(row.count)),
+        Column::text("of", "of what: `samples` or `runs`", |row: &Row| row.of),
+    ]
+}
 
 /// Counts values in bins of one width; the edges are whole multiples of it.
 pub fn bins(values: &[f64], width: f64) -> Vec<(Range<f64>, f64)> {
@@ -39,7 +63,7 @@ pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
         ("r2", "r2, 10\u{207b}\u{2075} N/(kg (m/s)\u{b2})", 1e5, manufacturer.r2),
     ];
     let mut figures = Vec::new();
-    let mut records = Vec::new();
+    let mut rows = Vec::new();
     let mut outside = Vec::new();
     for (index, (name, label, per_unit, stated)) in coefficients.into_iter().enumerate() {
         let samples = drawn.iter().flat_map(|run| &eyes.of(run).points.davis);
@@ -61,7 +85,7 @@ pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
             outside.push(format!("{name} {mean:.3}"));
         }
         figures.push(panel(label, x, layers, "samples"));
-        records.extend(counts(name, "samples", &counted, 1.0 / per_unit));
+        rows.extend(counts(name, "samples", &counted, 1.0 / per_unit));
     }
     let mut caption =
         format!("Occurrence of the coefficients at all samples of {} runs, {} mode.", drawn.len(), eyes.word());
@@ -72,7 +96,7 @@ pub fn davis(drawn: &[Drawn], eyes: Eyes, manufacturer: &Davis) -> Picture {
         name: format!("fig4_davis_{}", eyes.word()),
         caption,
         drawing: grid("Fig. 4: histograms of r0, r1, r2", figures),
-        records,
+        numbers: filled(columns(), rows),
     }
 }
 
@@ -84,7 +108,7 @@ pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
         ("final_brake_s", "final brake, s", 10.0, |o| o.brake_s),
     ];
     let mut figures = Vec::new();
-    let mut records = Vec::new();
+    let mut rows = Vec::new();
     for (name, label, width, pick) in quantities {
         let of = |view: &Seen| pick(&view.outcome);
         let seen: Vec<f64> = drawn.iter().filter_map(|r| of(eyes.of(r))).collect();
@@ -99,8 +123,8 @@ pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
             layers.push(Layer::histogram("true", colours::TRUTH, 0.12, truths.clone()));
         }
         figures.push(panel(label, x, layers, "runs"));
-        records.extend(counts(name, "runs", &seen, 1.0));
-        records.extend(counts(&format!("true_{name}"), "runs", &truths, 1.0));
+        rows.extend(counts(name, "runs", &seen, 1.0));
+        rows.extend(counts(&format!("true_{name}"), "runs", &truths, 1.0));
     }
     Picture {
         name: format!("fig7_style_{}", eyes.word()),
@@ -110,7 +134,7 @@ pub fn style(drawn: &[Drawn], eyes: Eyes) -> Picture {
             eyes.word()
         ),
         drawing: grid("Fig. 7: cruise speed, final coast, final brake", figures),
-        records,
+        numbers: filled(columns(), rows),
     }
 }
 
@@ -122,15 +146,12 @@ fn grid(title: &str, figures: Vec<Figure>) -> Drawing {
     Grid::new(title, "Histograms side by side", 3, figures).into()
 }
 
-fn counts(name: &str, of: &str, bins: &[(Range<f64>, f64)], unit: f64) -> impl Iterator<Item = Record> {
-    bins.iter().map(move |(bin, count)| {
-        vec![
-            text("quantity", name),
-            number("from", bin.start * unit),
-            number("to", bin.end * unit),
-            ("count".to_owned(), Cell::Count(*count as u64)),
-            text("of", of),
-        ]
+fn counts(name: &str, of: &'static str, bins: &[(Range<f64>, f64)], unit: f64) -> impl Iterator<Item = Row> {
+    bins.iter().map(move |(bin, count)| Row {
+        quantity: name.to_owned(),
+        bin: bin.start * unit..bin.end * unit,
+        count: *count as u64,
+        of,
     })
 }
 

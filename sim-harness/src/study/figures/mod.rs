@@ -17,7 +17,7 @@ pub(crate) mod run;
 pub(crate) mod slope;
 
 use super::{gather::Drawn, view::Seen};
-use rundown_files::table::{Cell, Record};
+use rundown_files::column::Filled;
 use rundown_pages::chart::Drawing;
 
 #[derive(Clone, Debug)]
@@ -25,7 +25,8 @@ pub struct Picture {
     pub name: String,
     pub caption: String,
     pub drawing: Drawing,
-    pub records: Vec<Record>,
+    /// What it draws, as its CSV has it.
+    pub numbers: Filled,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,10 +55,5 @@ impl Eyes {
     }
 }
 
-pub(super) fn text(name: &str, value: &str) -> (String, Cell) {
-    (name.to_owned(), Cell::from(value))
-}
-
-pub(super) fn number(name: &str, value: impl Into<Option<f64>>) -> (String, Cell) {
-    (name.to_owned(), Cell::from(value.into()))
-}
+/// Why a true number is missing.
+pub(super) const NO_TRUTH: &str = "the truth is not known";

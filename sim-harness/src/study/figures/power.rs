@@ -1,9 +1,10 @@
 //! Fig. 9: tractive power of the first acceleration over speed, with each run's largest and the manufacturer's value; and its part below 40 km/h
 //! apart, where the largest effort counts and section 4.4 leaves out what lies below 10 and above 30 km/h.
 
-use super::{Drawn, Eyes, Picture, number, text};
+use super::{Drawn, Eyes, Picture};
 use crate::study::view::{CROSS_KMH, PowerPoint};
 use rundown::model::train::Train;
+use rundown_files::column::{Column, filled};
 use rundown_pages::chart::{Figure, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
@@ -12,6 +13,41 @@ const END_KMH: f64 = 145.0;
 const LOW_END_KMH: f64 = 40.0;
 /// Where the largest effort is read (section 3.3), km/h.
 const EFFORT_KMH: std::ops::Range<f64> = 10.0..30.0;
+
+/// An interval of the first acceleration.
+#[derive(Debug)]
+pub struct Row {
+    kind: &'static str,
+    run: String,
+    point: PowerPoint,
+    is_largest: Option<bool>,
+}
+
+fn points() -> Vec<Column<Row>> {
+    vec![
+        Column::text("kind", "`observed` or `true`", |row: &Row| row.kind),
+        Column::number("speed_kmh", "km/h", "speed", |row: &Row| row.point.speed_kmh),
+        Column::number("power_kw", "kW", "tractive power at the wheel", |row: &Row| row.point.power_kw),
+    ]
+}
+
+/// The columns of `fig9_power_*.csv`.
+pub fn columns() -> Vec<Column<Row>> {
+    let word = |row: &Row| row.is_largest.map(|is_largest| if is_largest { "yes" } else { "no" });
+    let mut columns = points();
+    columns.insert(1, Column::text("run", "name of the run", |row: &Row| row.run.clone()));
+    columns.extend([
+        Column::number("location_m", "m", "location", |row: &Row| row.point.location_m),
+        Column::text("largest_50_90", "`yes` where it is the run's largest from 50 to 90 km/h, or `no`", word)
+            .empty_when("it is `true`"),
+    ]);
+    columns
+}
+
+/// The columns of `fig9_below_40_*.csv`.
+pub fn low_columns() -> Vec<Column<Row>> {
+    points()
+}
 
 pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let stated_kw = train.description().max_power_w / 1000.0;
@@ -24,24 +60,15 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
         within.max_by(|a, b| a.power_kw.total_cmp(&b.power_kw)).copied()
     };
     let crosses: Vec<(f64, f64)> = drawn.iter().filter_map(largest).map(|p| place(&p)).collect();
-    let mut records = Vec::new();
+    let mut rows = Vec::new();
     for run in drawn {
-        let record = |kind, point: &PowerPoint, largest| {
-            vec![
-                text("kind", kind),
-                text("run", run.name()),
-                number("speed_kmh", point.speed_kmh),
-                number("power_kw", point.power_kw),
-                number("location_m", point.location_m),
-                text("largest_50_90", largest),
-            ]
-        };
+        let row =
+            |kind, point: &PowerPoint, is_largest| Row { kind, run: run.name().to_owned(), point: *point, is_largest };
         let largest = largest(run);
         let truth = run.truth.iter().flat_map(|truth| &truth.points.power);
-        records.extend(truth.map(|point| record("true", point, "")));
+        rows.extend(truth.map(|point| row("true", point, None)));
         let observed = eyes.of(run).points.power.iter();
-        let word = |point: &PowerPoint| if largest == Some(*point) { "yes" } else { "no" };
-        records.extend(observed.map(|point| record("observed", point, word(point))));
+        rows.extend(observed.map(|point| row("observed", point, Some(largest == Some(*point)))));
     }
     let true_points = drawn.iter().flat_map(|run| &run.truth);
     let true_points = true_points.flat_map(|truth| truth.points.power.iter().map(place));
@@ -70,7 +97,7 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
             eyes.word()
         ),
         drawing: figure.into(),
-        records,
+        numbers: filled(columns(), rows),
     }
 }
 
@@ -78,26 +105,21 @@ pub fn power(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
 pub fn low_speeds(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
     let kw_per_n_kg = train.rotating_mass_kg() / 1000.0;
     let limit = |kmh: f64| (kmh, kw_per_n_kg * train.max_effort_n_per_kg(kmh / 3.6) * kmh / 3.6);
-    let of = |points: &[PowerPoint]| -> Vec<(f64, f64)> {
+    let of = |run: &Drawn, kind: &'static str, points: &[PowerPoint]| -> Vec<Row> {
         let low = points.iter().filter(|point| point.speed_kmh <= LOW_END_KMH);
-        low.map(|point| (point.speed_kmh, point.power_kw)).collect()
+        low.map(|point| Row { kind, run: run.name().to_owned(), point: *point, is_largest: None }).collect()
     };
-    let seen: Vec<(f64, f64)> = drawn.iter().flat_map(|run| of(&eyes.of(run).points.power)).collect();
-    let truths = drawn.iter().filter_map(|run| run.truth.as_ref());
-    let truths: Vec<(f64, f64)> = truths.flat_map(|truth| of(&truth.points.power)).collect();
-    let row = |kind: &'static str| {
-        move |(speed_kmh, power_kw): &(f64, f64)| {
-            vec![text("kind", kind), number("speed_kmh", *speed_kmh), number("power_kw", *power_kw)]
-        }
-    };
-    let records = seen.iter().map(row("observed")).chain(truths.iter().map(row("true"))).collect();
+    let seen: Vec<Row> = drawn.iter().flat_map(|run| of(run, "observed", &eyes.of(run).points.power)).collect();
+    let with_truth = drawn.iter().filter_map(|run| Some((run, run.truth.as_ref()?)));
+    let truths: Vec<Row> = with_truth.flat_map(|(run, truth)| of(run, "true", &truth.points.power)).collect();
+    let dots = |rows: &[Row]| rows.iter().map(|row| (row.point.speed_kmh, row.point.power_kw)).collect::<Vec<_>>();
     let mut layers = vec![Layer::spans("largest effort is read here", colours::LEARNING, 0.2, vec![EFFORT_KMH])];
     if !truths.is_empty() {
-        layers.push(Layer::dots("true", colours::TRUTH, 0.35, truths));
+        layers.push(Layer::dots("true", colours::TRUTH, 0.35, dots(&truths)));
     }
     let boundary = (0..=40).map(|kmh| Some(limit(f64::from(kmh)))).collect();
     layers.extend([
-        Layer::dots("observed", colours::MEASURED, 0.7, seen),
+        Layer::dots("observed", colours::MEASURED, 0.7, dots(&seen)),
         Layer::line("manufacturer", colours::LIMIT, Stroke::Dashed, boundary),
     ]);
     let figure = Figure::new(
@@ -114,6 +136,6 @@ pub fn low_speeds(drawn: &[Drawn], eyes: Eyes, train: &Train) -> Picture {
             eyes.word()
         ),
         drawing: figure.into(),
-        records,
+        numbers: filled(low_columns(), seen.iter().chain(&truths)),
     }
 }

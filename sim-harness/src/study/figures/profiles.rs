@@ -1,8 +1,26 @@
 //! Fig. 2: all measured speed profiles over location.
 
-use super::{Drawn, Picture, number, text};
+use super::{Drawn, Picture};
+use rundown_files::column::{Column, filled};
 use rundown_pages::chart::{Figure, Layer, Panel, range_of};
 use rundown_pages::colours;
+
+/// A measured sample.
+#[derive(Debug)]
+pub struct Row {
+    run: String,
+    location_m: f64,
+    speed_kmh: f64,
+}
+
+/// The columns of `fig2_speed_profiles.csv`.
+pub fn columns() -> Vec<Column<Row>> {
+    vec![
+        Column::text("run", "name of the run", |row: &Row| row.run.clone()),
+        Column::number("location_m", "m", "measured location", |row: &Row| row.location_m),
+        Column::number("speed_kmh", "km/h", "measured speed", |row: &Row| row.speed_kmh),
+    ]
+}
 
 pub fn profiles(drawn: &[Drawn], all: u64) -> Picture {
     let lines: Vec<Vec<Option<(f64, f64)>>> =
@@ -26,15 +44,14 @@ pub fn profiles(drawn: &[Drawn], all: u64) -> Picture {
         )
         .within(0.0..range_of(points().map(|p| p.1)).end.max(10.0) * 1.05)],
     );
-    let records = drawn.iter().flat_map(|run| {
-        run.profile().flatten().map(|(location_m, kmh)| {
-            vec![text("run", run.name()), number("location_m", location_m), number("speed_kmh", kmh)]
-        })
+    let rows = drawn.iter().flat_map(|run| {
+        let of = |(location_m, speed_kmh)| Row { run: run.name().to_owned(), location_m, speed_kmh };
+        run.profile().flatten().map(of)
     });
     Picture {
         name: "fig2_speed_profiles".to_owned(),
         caption: format!("Measured speed over location, {} of {all} runs.", drawn.len()),
         drawing: figure.into(),
-        records: records.collect(),
+        numbers: filled(columns(), rows),
     }
 }

@@ -1,22 +1,27 @@
 //! Figs. 3, 5 and 6: one run through one pair of eyes, and what was true.
 
-use super::{Eyes, Picture, number, text};
+use super::{Eyes, NO_TRUTH, Picture};
 use crate::report::{RunView, TruthView, figures};
 use crate::{study::case::CaseTruth, study::gather::Example};
+use rundown::tick::estimate::Estimate;
+use rundown::tick::regime::Regime;
 use rundown::{model::resistance::Davis, model::state, model::train::Train};
-use rundown_files::{replay::ReplayedRun, table::Record};
+use rundown_files::column::{Column, filled};
+use rundown_files::replay::ReplayedRun;
 use rundown_pages::chart::Drawing;
+use rundown_truth::{sensors::TruthSample, train::DavisTruth};
 
 pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
     let run = eyes.pick(&example.paper, &example.gated);
     let truth = example.truth.as_ref().map(truth_view);
     let view = RunView::of(run, truth.as_ref());
     let word = eyes.word();
-    let picture = |name: &str, caption: String, drawing: Drawing, columns: &str| Picture {
+    let rows = rows(run, example.truth.as_ref(), train);
+    let picture = |name: &str, caption: String, drawing: Drawing, columns: Vec<Column<Row>>| Picture {
         name: format!("{name}_{word}"),
         caption,
         drawing,
-        records: records(run, example.truth.as_ref(), train, columns),
+        numbers: filled(columns, &rows),
     };
     let of = format!("{}, {word} mode", run.name);
     [
@@ -26,8 +31,7 @@ pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
                 "Speed, acceleration, effort and the three coefficients of {of}. Dashed: the largest deceleration, the largest tractive effort at each speed, the manufacturer's coefficients."
             ),
             figures::motion(&view, train),
-            "measured_kmh estimated_kmh acceleration_mps2 effort_n_per_kg max_effort_n_per_kg r0 r1 r2 \
-                true_effort_n_per_kg true_r0 true_r1 true_r2",
+            motion_columns(),
         ),
         picture(
             "fig5_resistance",
@@ -35,15 +39,15 @@ pub fn pictures(example: &Example, eyes: Eyes, train: &Train) -> [Picture; 3] {
                 "Terms of the running resistance of {of}, stacked, and the resistance of the gradient in the same scale on the right axis."
             ),
             figures::resistance_terms(&view),
-            "constant_n_per_kg linear_n_per_kg quadratic_n_per_kg gradient_n_per_kg true_resistance_n_per_kg",
+            term_columns(),
         ),
-        picture(
-            "fig6_regimes",
-            format!("Driving regimes of {of}."),
-            figures::regimes(&view),
-            "estimated_kmh regime true_regime",
-        ),
+        picture("fig6_regimes", format!("Driving regimes of {of}."), figures::regimes(&view), regime_columns()),
     ]
+}
+
+fn davis(truth: &CaseTruth) -> Davis {
+    let DavisTruth { r0, r1, r2 } = truth.facts.davis;
+    Davis { r0, r1, r2 }
 }
 
 /// What is drawn of the truth.
@@ -51,48 +55,137 @@ pub fn truth_view(truth: &CaseTruth) -> TruthView {
     let facts = &truth.facts;
     let starts = facts.final_coast.iter().chain([&facts.final_brake]);
     TruthView {
-        davis: Davis { r0: facts.davis.r0, r1: facts.davis.r1, r2: facts.davis.r2 },
+        davis: davis(truth),
         effort_n_per_kg: truth.samples.iter().map(|s| s.mean_effort_n_per_kg).collect(),
         resistance_n_per_kg: truth.samples.iter().map(|s| s.resistance_n_per_kg).collect(),
         starts: starts.map(|mark| (mark.location_m, mark.speed_mps)).collect(),
     }
 }
 
-/// Time, location and the columns asked for, a row a sample.
-fn records(run: &ReplayedRun, truth: Option<&CaseTruth>, train: &Train, columns: &str) -> Vec<Record> {
-    let rows = run.estimates.iter().enumerate();
-    rows.map(|(index, estimate)| {
-        let speed_mps = estimate.belief.mean[state::SPEED];
-        let davis = estimate.davis();
-        let terms = davis.terms_n_per_kg(speed_mps);
-        let measured = run.measurements.get(index).and_then(|m| m.speed_mps);
-        let sample = truth.and_then(|truth| truth.samples.get(index));
-        let true_davis = truth.map(|truth| truth.facts.davis);
-        let mut record =
-            vec![number("time_s", estimate.time_s), number("location_m", estimate.belief.mean[state::LOCATION])];
-        record.extend(columns.split_whitespace().map(|column| match column {
-            "measured_kmh" => number(column, measured.map(|v| 3.6 * v)),
-            "estimated_kmh" => number(column, 3.6 * speed_mps),
-            "acceleration_mps2" => number(column, estimate.acceleration_mps2),
-            "effort_n_per_kg" => number(column, estimate.effort_n_per_kg),
-            "max_effort_n_per_kg" => number(column, train.max_effort_n_per_kg(speed_mps.max(0.0))),
-            "r0" => number(column, davis.r0),
-            "r1" => number(column, davis.r1),
-            "r2" => number(column, davis.r2),
-            "constant_n_per_kg" => number(column, terms[0]),
-            "linear_n_per_kg" => number(column, terms[1]),
-            "quadratic_n_per_kg" => number(column, terms[2]),
-            "gradient_n_per_kg" => number(column, estimate.gradient_n_per_kg),
-            "regime" => text(column, run.regimes.get(index).unwrap_or(&estimate.regime).as_str()),
-            "true_regime" => text(column, sample.map_or("", |s| s.regime.as_str())),
-            "true_effort_n_per_kg" => number(column, sample.map(|s| s.mean_effort_n_per_kg)),
-            "true_resistance_n_per_kg" => number(column, sample.map(|s| s.resistance_n_per_kg)),
-            "true_r0" => number(column, true_davis.map(|d| d.r0)),
-            "true_r1" => number(column, true_davis.map(|d| d.r1)),
-            "true_r2" => number(column, true_davis.map(|d| d.r2)),
-            other => number(other, None),
-        }));
-        record
-    })
-    .collect()
+/// What is drawn of a sample, and what was true.
+#[derive(Debug)]
+pub struct Row {
+    estimate: Estimate,
+    measured_mps: Option<f64>,
+    regime: Regime,
+    max_effort_n_per_kg: f64,
+    truth: Option<(Option<TruthSample>, Davis)>,
+}
+
+impl Row {
+    fn speed_mps(&self) -> f64 {
+        self.estimate.belief.mean[state::SPEED]
+    }
+
+    fn terms_n_per_kg(&self) -> [f64; 3] {
+        self.estimate.davis().terms_n_per_kg(self.speed_mps())
+    }
+
+    fn sample(&self) -> Option<TruthSample> {
+        self.truth.and_then(|(sample, _)| sample)
+    }
+
+    fn true_davis(&self) -> Option<Davis> {
+        self.truth.map(|(_, davis)| davis)
+    }
+}
+
+fn rows(run: &ReplayedRun, truth: Option<&CaseTruth>, train: &Train) -> Vec<Row> {
+    let row = |(index, estimate): (usize, &Estimate)| Row {
+        estimate: *estimate,
+        measured_mps: run.measurements.get(index).and_then(|measurement| measurement.speed_mps),
+        regime: *run.regimes.get(index).unwrap_or(&estimate.regime),
+        max_effort_n_per_kg: train.max_effort_n_per_kg(estimate.belief.mean[state::SPEED].max(0.0)),
+        truth: truth.map(|truth| (truth.samples.get(index).copied(), davis(truth))),
+    };
+    run.estimates.iter().enumerate().map(row).collect()
+}
+
+fn place() -> Vec<Column<Row>> {
+    vec![
+        Column::number("time_s", "s", "time of the sample", |row: &Row| row.estimate.time_s),
+        Column::number("location_m", "m", "estimated location", |row: &Row| row.estimate.belief.mean[state::LOCATION]),
+    ]
+}
+
+fn estimated_kmh() -> Column<Row> {
+    Column::number("estimated_kmh", "km/h", "estimated speed", |row: &Row| 3.6 * row.speed_mps())
+}
+
+/// The columns of `fig3_run_*.csv`.
+pub fn motion_columns() -> Vec<Column<Row>> {
+    let missing = "a reading was missing, or the run begins here";
+    let true_effort = |row: &Row| row.sample().map(|sample| sample.mean_effort_n_per_kg);
+    let mut columns = place();
+    columns.extend([
+        Column::number("measured_kmh", "km/h", "measured speed", |row: &Row| row.measured_mps.map(|mps| 3.6 * mps))
+            .empty_when("the reading was missing"),
+        estimated_kmh(),
+        Column::number("acceleration_mps2", "m/s\u{b2}", "mean since the sample before", |row: &Row| {
+            row.estimate.acceleration_mps2
+        })
+        .empty_when(missing),
+        Column::number("effort_n_per_kg", "N/kg", "estimated effort, mean since the sample before", |row: &Row| {
+            row.estimate.effort_n_per_kg
+        })
+        .empty_when(missing),
+        Column::number(
+            "max_effort_n_per_kg",
+            "N/kg",
+            "described largest tractive effort at this speed",
+            |row: &Row| row.max_effort_n_per_kg,
+        ),
+    ]);
+    columns.extend(coefficients("", "estimated", |row| Some(row.estimate.davis()), ""));
+    columns.push(
+        Column::number("true_effort_n_per_kg", "N/kg", "true effort, mean since the sample before", true_effort)
+            .empty_when(NO_TRUTH),
+    );
+    columns.extend(coefficients("true_", "true", Row::true_davis, NO_TRUTH));
+    columns
+}
+
+fn coefficients(
+    prefix: &str,
+    word: &str,
+    davis: fn(&Row) -> Option<Davis>,
+    empty: &'static str,
+) -> impl Iterator<Item = Column<Row>> {
+    let units = ["N/kg", "N/kg per m/s", "N/kg per (m/s)\u{b2}"];
+    let column = |(index, unit): (usize, &'static str)| {
+        let meaning = format!("{word} Davis coefficient");
+        let of = move |row: &Row| davis(row).map(|davis| [davis.r0, davis.r1, davis.r2][index]);
+        Column::number(&format!("{prefix}r{index}"), unit, &meaning, of).empty_when(empty)
+    };
+    units.into_iter().enumerate().map(column).collect::<Vec<_>>().into_iter()
+}
+
+/// The columns of `fig5_resistance_*.csv`.
+pub fn term_columns() -> Vec<Column<Row>> {
+    let mut columns = place();
+    let terms = [("constant", "r0"), ("linear", "r1 v"), ("quadratic", "r2 v\u{b2}")];
+    columns.extend(terms.into_iter().enumerate().map(|(index, (name, term))| {
+        let of = move |row: &Row| row.terms_n_per_kg()[index];
+        Column::number(&format!("{name}_n_per_kg"), "N/kg", &format!("term {term} of the running resistance"), of)
+    }));
+    let of_truth = |row: &Row| row.sample().map(|sample| sample.resistance_n_per_kg);
+    columns.extend([
+        Column::number("gradient_n_per_kg", "N/kg", "resistance of the gradient, uphill positive", |row: &Row| {
+            row.estimate.gradient_n_per_kg
+        }),
+        Column::number("true_resistance_n_per_kg", "N/kg", "true running resistance", of_truth).empty_when(NO_TRUTH),
+    ]);
+    columns
+}
+
+/// The columns of `fig6_regimes_*.csv`.
+pub fn regime_columns() -> Vec<Column<Row>> {
+    let of_truth = |row: &Row| row.sample().map(|sample| sample.regime.as_str());
+    let mut columns = place();
+    columns.extend([
+        estimated_kmh(),
+        Column::text("regime", "regime as known one sample later", |row: &Row| row.regime.as_str()),
+        Column::text("true_regime", "what the driver did", of_truth).empty_when(NO_TRUTH),
+    ]);
+    columns
 }

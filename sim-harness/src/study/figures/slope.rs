@@ -1,18 +1,45 @@
 //! Estimated over true deviation of the resistance: the figure that the paper could not draw.
 
-use super::{Picture, number, text};
+use super::Picture;
 use crate::output::json::mode_word;
 use crate::study::slope::{Look, MODES, SelfTest, fit};
 use rundown::estimator::config::Mode;
-use rundown_files::table::Cell;
+use rundown_files::column::{Column, filled};
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
 use rundown_pages::colours;
 
 const KMH: f64 = 100.0;
 const ENDS: std::ops::Range<f64> = -40.0..40.0;
 
+/// A vehicle as a mode sees it.
+#[derive(Debug)]
+pub struct Row {
+    mode: &'static str,
+    vehicle: usize,
+    runs: usize,
+    true_deviation: f64,
+    estimated_deviation: f64,
+    reported_sd: f64,
+}
+
+/// The columns of `slope_after_*.csv`.
+pub fn columns() -> Vec<Column<Row>> {
+    let of = "deviation of r(v) from its description, as a share of it";
+    vec![
+        Column::text("mode", "`paper`, `gated` or `measured`", |row: &Row| row.mode),
+        Column::count("vehicle", "number of the simulated vehicle, from 0", |row: &Row| row.vehicle),
+        Column::count("runs", "runs that were learned from", |row: &Row| row.runs),
+        Column::number("speed_kmh", "km/h", "speed v", |_: &Row| KMH),
+        Column::number("true_deviation", "1", &format!("true {of}"), |row: &Row| row.true_deviation),
+        Column::number("estimated_deviation", "1", &format!("estimated {of}"), |row: &Row| row.estimated_deviation),
+        Column::number("reported_sd", "1", "its standard deviation as the mode reports it", |row: &Row| {
+            row.reported_sd
+        }),
+    ]
+}
+
 pub fn slope(test: &SelfTest, runs: usize) -> Picture {
-    let (mut figures, mut records) = (Vec::new(), Vec::new());
+    let (mut figures, mut rows) = (Vec::new(), Vec::new());
     for mode in MODES {
         let of = |look: &&Look| look.mode == mode && look.runs == runs;
         let mut points = Vec::new();
@@ -24,15 +51,8 @@ pub fn slope(test: &SelfTest, runs: usize) -> Picture {
             points.push((100.0 * x, 100.0 * y));
             let half = 196.0 * sd;
             bars.push(vec![Some((100.0 * x, 100.0 * y - half)), Some((100.0 * x, 100.0 * y + half))]);
-            records.push(vec![
-                text("mode", mode_word(mode)),
-                ("vehicle".to_owned(), Cell::from(look.vehicle)),
-                ("runs".to_owned(), Cell::from(runs)),
-                number("speed_kmh", KMH),
-                number("true_deviation", x),
-                number("estimated_deviation", y),
-                number("reported_sd", sd),
-            ]);
+            let (mode, vehicle) = (mode_word(mode), look.vehicle);
+            rows.push(Row { mode, vehicle, runs, true_deviation: x, estimated_deviation: y, reported_sd: sd });
         }
         figures.push(panel(mode, points, bars));
     }
@@ -49,7 +69,7 @@ pub fn slope(test: &SelfTest, runs: usize) -> Picture {
             figures,
         )
         .into(),
-        records,
+        numbers: filled(columns(), rows),
     }
 }
 

@@ -1,65 +1,106 @@
 //! The comparison as a table on the screen, as records, and as a page.
 
 use super::comparison::{Compared, Plan};
-use super::remarks::{REMARKS, SMALL_MPS2, STRONG_MPS2, TRIED};
+use super::reading::Combination;
+use super::remarks::{Judged, REMARKS, SMALL_MPS2, STRONG_MPS2, TRIED};
 use crate::study::figures::Picture;
 use crate::study::moments::Moments;
 use maud::{Markup, html};
-use rundown_files::table::{Cell, Record};
+use rundown_files::column::Column;
 use rundown_pages::numbers::number;
 use rundown_pages::shell::{Section, column, document, figure, sortable, text_column};
 
-pub fn records(all: &[Compared]) -> Vec<Record> {
-    all.iter().map(record).collect()
+/// The columns of `readings.csv`.
+pub fn columns() -> Vec<Column<Compared>> {
+    let word = |name: &str, meaning: &str, of: fn(&Combination) -> &'static str| {
+        Column::text(name, meaning, move |one: &Compared| of(&one.combination))
+    };
+    let share = "share of the seeds in which the remark holds:";
+    let mut columns = vec![
+        word("effort", "which samples an effort is computed from: `backward` or `forward`", |c| c.reading.effort()),
+        word("gradient", "where the gradient is read", |c| c.reading.gradient_word()),
+        word("initial_values", "what the initial values of Table 1 are", |c| c.reading.initial_word()),
+        word("points", "how the sigma points are spread", |c| c.reading.points_word()),
+        word("speed", "how the recorder gives whole km/h", |c| c.recorder.speed_word()),
+        Column::number("skew_s", "s", "how much older the speed is than the location", |one: &Compared| {
+            one.combination.recorder.skew_s
+        }),
+        Column::count("seeds", "sets of runs", |one: &Compared| one.judged.len()),
+        Column::number("remarks_that_hold", "1", "remarks of section 4.2 that hold, mean over the seeds", |one| {
+            Compared::remarks(one)
+        }),
+    ];
+    columns.extend(quantities());
+    columns.extend(trials());
+    columns.extend(REMARKS.iter().enumerate().map(|(index, (name, statement))| {
+        let of = move |one: &Compared| one.shares()[index];
+        Column::number(&format!("holds_{}", name.replace(' ', "_")), "1", &format!("{share} {statement}"), of)
+    }));
+    columns
 }
 
-fn record(one: &Compared) -> Record {
-    let (reading, recorder) = (one.combination.reading, one.combination.recorder);
-    let mut record: Record = [
-        ("effort", reading.effort()),
-        ("gradient", reading.gradient_word()),
-        ("initial_values", reading.initial_word()),
-        ("points", reading.points_word()),
-        ("speed", recorder.speed_word()),
-    ]
-    .map(|(name, word)| (name.to_owned(), Cell::from(word)))
-    .to_vec();
-    let mut push = |name: &str, value: Option<f64>| record.push((name.to_owned(), Cell::from(value)));
-    push("skew_s", Some(recorder.skew_s));
-    push("seeds", Some(one.judged.len() as f64));
-    push("remarks_that_hold", Some(one.remarks()));
-    for (name, moments) in [
-        ("log_likelihood_per_sample", one.moments(|judged| judged.log_likelihood_per_sample)),
-        ("gain_of_best_initial_values_nats_per_sample", one.gains()),
-        ("speed_rms_kmh", one.moments(|judged| judged.rms_kmh)),
-        ("r0_quantile_01", one.moments(|judged| judged.r0_ends[0])),
-        ("r0_quantile_99", one.moments(|judged| judged.r0_ends[1])),
-        ("skewness_r0", one.moments(|judged| judged.skewness[0])),
-        ("skewness_r1", one.moments(|judged| judged.skewness[1])),
-        ("skewness_r2", one.moments(|judged| judged.skewness[2])),
-    ] {
-        push(name, moments.mean());
-        push(&format!("{name}_sd"), moments.sd());
-    }
-    for (index, factor) in ["10", "100"].iter().enumerate() {
-        for (coefficient, name) in ["r0", "r1", "r2"].iter().enumerate() {
-            let share = one.moments(|judged| judged.negative[index][coefficient]).mean();
-            push(&format!("negative_runs_share_sd_{name}_x{factor}"), share);
+/// Mean and standard deviation over the seeds of what a filter gives.
+fn quantities() -> Vec<Column<Compared>> {
+    type Of = fn(&Compared) -> Moments;
+    let all: [(&str, &'static str, &str, Of); 8] = [
+        ("log_likelihood_per_sample", "1", "logarithm of the likelihood of a sample", |one| {
+            one.moments(|judged| judged.log_likelihood_per_sample)
+        }),
+        (
+            "gain_of_best_initial_values_nats_per_sample",
+            "nat",
+            "what the best initial deviations would add to the logarithm of the likelihood of a sample",
+            Compared::gains,
+        ),
+        ("speed_rms_kmh", "km/h", "root mean square of filtered less read speed", |one| one.moments(|j| j.rms_kmh)),
+        ("r0_quantile_01", "N/kg", "1 % quantile of r0", |one| one.moments(|judged| judged.r0_ends[0])),
+        ("r0_quantile_99", "N/kg", "99 % quantile of r0", |one| one.moments(|judged| judged.r0_ends[1])),
+        ("skewness_r0", "1", "skewness of r0", |one| one.moments(|judged| judged.skewness[0])),
+        ("skewness_r1", "1", "skewness of r1", |one| one.moments(|judged| judged.skewness[1])),
+        ("skewness_r2", "1", "skewness of r2", |one| one.moments(|judged| judged.skewness[2])),
+    ];
+    let both = |(name, unit, meaning, of): (&str, &'static str, &str, Of)| {
+        let deviation = "standard deviation of it over the seeds";
+        [
+            Column::number(name, unit, &format!("{meaning}, mean over the seeds"), move |one: &Compared| {
+                of(one).mean()
+            }),
+            Column::number(&format!("{name}_sd"), unit, deviation, move |one: &Compared| of(one).sd())
+                .empty_when("there is one seed"),
+        ]
+    };
+    all.into_iter().flat_map(both).collect()
+}
+
+/// What other settings of the filter give, mean over the seeds.
+fn trials() -> Vec<Column<Compared>> {
+    let negative = "share of the runs with a negative coefficient with";
+    let mut columns = Vec::new();
+    let number = |name: String, meaning: String, of: Box<dyn Fn(&Judged) -> f64 + Send + Sync>| {
+        Column::number(&name, "1", &meaning, move |one: &Compared| one.moments(&of).mean())
+    };
+    for (index, factor) in ["10", "100"].into_iter().enumerate() {
+        for (place, name) in ["r0", "r1", "r2"].into_iter().enumerate() {
+            let meaning = format!("{negative} {factor} times the initial deviation of {name}");
+            let of = move |judged: &Judged| judged.negative[index][place];
+            columns.push(number(format!("negative_runs_share_sd_{name}_x{factor}"), meaning, Box::new(of)));
         }
     }
-    for (index, kind) in ["q", "drawn"].iter().enumerate() {
+    for (index, (kind, where_to)) in [("q", "in Q"), ("drawn", "drawn")].into_iter().enumerate() {
         for (place, mps2) in SMALL_MPS2.iter().enumerate() {
-            push(&format!("way_of_r0_{kind}_{mps2}"), one.moments(|judged| judged.noise[index].way[place]).mean());
+            let meaning = format!(
+                "what r0 covers with {mps2} m/s\u{b2} of acceleration noise {where_to}, as a multiple of that without"
+            );
+            let of = move |judged: &Judged| judged.noise[index].way[place];
+            columns.push(number(format!("way_of_r0_{kind}_{mps2}"), meaning, Box::new(of)));
         }
         for (place, mps2) in STRONG_MPS2.iter().enumerate() {
-            let share = one.moments(|judged| judged.noise[index].strong_negative[place]).mean();
-            push(&format!("negative_runs_share_{kind}_{mps2}"), share);
+            let meaning = format!("{negative} {mps2} m/s\u{b2} of acceleration noise {where_to}");
+            let of = move |judged: &Judged| judged.noise[index].strong_negative[place];
+            columns.push(number(format!("negative_runs_share_{kind}_{mps2}"), meaning, Box::new(of)));
         }
     }
-    for ((name, _), share) in REMARKS.iter().zip(one.shares()) {
-        push(&format!("holds_{}", name.replace(' ', "_")), Some(share));
-    }
-    record
+    columns
 }
 
 /// The combinations, those with the most remarks first.

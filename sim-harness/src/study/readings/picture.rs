@@ -1,12 +1,13 @@
 //! The comparison as a picture: what each reading gives over the skew of speed and location.
 
 use super::comparison::Compared;
-use super::outcome::records;
+use super::outcome::columns;
 use super::reading::SKEWS_S;
 use super::remarks::COUNT;
 use crate::study::figures::Picture;
 use crate::study::tallies::R0_BAND;
 use rundown::tick::paper::Difference;
+use rundown_files::column::filled;
 use rundown_pages::chart::{Figure, Grid, Layer, Panel, Stroke};
 use rundown_pages::colours;
 use rundown_truth::sensors::SpeedReading;
@@ -47,7 +48,7 @@ pub fn picture(all: &[Compared], seeds: usize) -> Picture {
             figures,
         )
         .into(),
-        records: records(all),
+        numbers: filled(columns(), all),
     }
 }
 

@@ -1,0 +1,67 @@
+//! What stands in the JSON files of a study: path, unit, meaning, null rule.
+
+use super::slope::ERROR_KMH;
+use crate::output::fields::{Field, below, owned};
+
+/// An answer of the self-test, as in `slope.json` and `tune.json`.
+pub fn answer(prefix: &str) -> Vec<Field> {
+    let few = "there are fewer than three vehicles";
+    let rmse = format!("root mean square error of r(v) at {} km/h", ERROR_KMH.map(|kmh| kmh.to_string()).join(", "));
+    below(
+        prefix,
+        &[
+            ["mode", "", "`paper`, `gated` or `measured`", ""],
+            ["runs", "", "runs of each vehicle that were learned from", ""],
+            ["vehicles", "", "simulated vehicles", ""],
+            [
+                "slope[]",
+                "1",
+                "slope of the estimated on the true deviation of r(v) from the description at 60, 100 and 140 km/h",
+                few,
+            ],
+            ["spread_percent[]", "%", "standard deviation about that line, of the described resistance", few],
+            ["rmse_percent", "%", &rmse, ""],
+            ["bound_percent", "%", "root mean square of the Cram\u{e9}r-Rao bound over the same", ""],
+            ["efficiency", "1", "square of the bound over that of the error", ""],
+            ["coverage", "1", "share of the truths in the 95 % interval", ""],
+        ],
+    )
+}
+
+/// Of `slope.json`.
+pub fn slope() -> Vec<Field> {
+    let mut fields = owned(&[
+        ["vehicles", "", "simulated vehicles", ""],
+        ["runs", "", "runs of each vehicle", ""],
+        ["seed", "", "seed of everything that is simulated", ""],
+    ]);
+    fields.extend(answer("answers[]."));
+    fields
+}
+
+/// Of `readings.json`.
+pub const READINGS: &[[&str; 4]] = &[
+    ["runs", "", "runs of each set", ""],
+    ["seeds", "", "sets of runs", ""],
+    ["seed", "", "seed of the first set", ""],
+    ["combinations[].*", "", "the columns of `readings.csv`", "the cell of the table is empty"],
+];
+
+/// Of `tunnel.json`.
+pub const TUNNEL: &[[&str; 4]] = &[
+    ["runs", "", "runs through the tunnel", ""],
+    ["truth.from_m", "m", "where the tunnel begins", ""],
+    ["truth.to_m", "m", "where it ends", ""],
+    ["truth.k", "N/kg per (m/s)\u{b2}", "its extra drag by the square of speed", ""],
+    [
+        "r0_differs_by.backward",
+        "1",
+        "largest difference of r0 of the paper's mode with and without the tunnel, as a share, with the backward effort",
+        "",
+    ],
+    ["r0_differs_by.forward", "1", "the same with the forward effort", ""],
+    ["found[].from_m", "m", "where a tunnel begins that `rundown gap` names", ""],
+    ["found[].to_m", "m", "where it ends", ""],
+    ["found[].k", "N/kg per (m/s)\u{b2}", "its extra drag by the square of speed", ""],
+    ["named[]", "", "all effects that `rundown gap` names", ""],
+];
