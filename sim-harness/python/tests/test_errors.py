@@ -1,6 +1,7 @@
 """Refusals are exceptions with their place."""
 
 import _thread
+import signal
 import threading
 import time
 
@@ -107,11 +108,16 @@ def interrupted(call):
         sent.append(time.monotonic())
         _thread.interrupt_main()
 
+    # A shell that runs the tests in the background has the signal ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.3, interrupt)
     timer.start()
-    with pytest.raises(KeyboardInterrupt):
-        call()
-    timer.join()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            call()
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, before)
     return time.monotonic() - sent[0]
 
 
