@@ -88,6 +88,10 @@ fn wheel(recorder: &RecorderCheck, agreement: &Agreement) -> Option<Wheel> {
     let is_decided = has(Kind::RoundedSpeed) || has(Kind::TruncatedSpeed);
     let decided_kmh = recorder.decided_offset_kmh().filter(|_| is_decided);
     let scale = decided_kmh.map_or_else(|| alone.scale(), |kmh| alone.scale_at(kmh / 3.6));
+    // Nor is a run's scale a wheel's where that of its recorder is none.
+    if has(Kind::SpeedScale) && !recorder.is_wheel {
+        return None;
+    }
     let usual = recorder.scale.map_or(1.0, |all| if has(Kind::SpeedScale) { all.value } else { 1.0 });
     let is_own = (scale.value - usual).abs() > LEAST_SCALE && scale.away_from(usual) > SURE;
     is_own.then_some(Wheel::Scale(scale))

@@ -148,6 +148,16 @@ impl<'a> Ground<'a> {
         (enough && information > 0.0).then_some(Probe { runs: of_runs, small, habits })
     }
 
+    /// What a column makes of each run beside the base, which it may be a part of: for comparing runs with each other, where what all have alike cancels.
+    pub fn of_runs(&self, base: &Base, column: &[f64]) -> Vec<OfRun> {
+        let column = self.whitening.whiten(column);
+        let of_run = |r: &core::ops::Range<usize>, other: &DVector<f64>| {
+            column.rows(r.start, r.len()).dot(&other.rows(r.start, r.len()))
+        };
+        let one = |r| OfRun { score: of_run(r, &base.residual), information: of_run(r, &column), weight: 1.0 };
+        self.whitening.runs().iter().map(one).collect()
+    }
+
     /// So many draws of chance, always the same ones.
     pub fn draws(&self, count: usize) -> impl Iterator<Item = Draw> {
         let (runs, habits) = (self.whitening.runs().len(), self.habits.len());

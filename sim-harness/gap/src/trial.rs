@@ -107,12 +107,24 @@ impl Halves {
     pub fn contradict(&self, config: &GapConfig) -> bool {
         let [a, b] = self.multiples;
         let telling = |half: &Figure| half.sd < config.certainty.telling_half;
-        // Quantile of Student's t beside that of the normal distribution, to first order in 1/freedom. (Cornish and Fisher 1938.)
-        let sure = config.certainty.halves;
-        let sure = sure * (1.0 + (sure * sure + 1.0) / (4.0 * self.freedom));
+        let sure = of_few(config.certainty.halves, self.freedom);
         (a.value - b.value).abs() > sure * a.sd.hypot(b.sd) + config.certainty.halves_apart
             || self.multiples.iter().any(|half| telling(half) && half.value <= 0.0)
     }
+}
+
+/// The quantile of Student's t beside this one of the normal distribution, by its series in 1/freedom. (Cornish and Fisher 1938.) Below two no difference is sure.
+fn of_few(z: f64, freedom: f64) -> f64 {
+    if freedom < 2.0 {
+        return f64::INFINITY;
+    }
+    let square = z * z;
+    let terms = [
+        (square + 1.0) / 4.0,
+        ((5.0 * square + 16.0) * square + 3.0) / 96.0,
+        (((3.0 * square + 19.0) * square + 17.0) * square - 15.0) / 384.0,
+    ];
+    z * (1.0 + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / freedom))
 }
 
 impl Trial {
@@ -159,6 +171,23 @@ mod tests {
     fn run(direction: Direction, day: Option<f64>, unit: &str) -> Run {
         let recorded = Recorded { unit: unit.to_owned(), ..Recorded::default() };
         Run { name: String::new(), direction, day, samples: Vec::new(), recorded }
+    }
+
+    #[test]
+    fn halves_of_few_runs_may_differ_by_more() {
+        // Exact quantiles of Student's t at the tail of three normal standard deviations.
+        for (freedom, exact) in [(4.0, 6.62), (10.0, 3.96), (1e6, 3.0)] {
+            let found = of_few(3.0, freedom);
+            assert!((found / exact - 1.0).abs() < 0.05, "{freedom}: {found} for {exact}");
+        }
+        let halves = |b: f64, freedom: f64| {
+            let of = |value: f64| Figure { value, sd: 0.1 };
+            Halves { by: By::Turn, multiples: [of(1.0), of(b)], freedom }.contradict(&GapConfig::default())
+        };
+        // A half of the effect, and what is left in standard deviations of the difference: 4.2, 1.4, 7.1.
+        assert!(halves(2.1, 30.0) && !halves(2.1, 4.0) && !halves(1.7, 30.0));
+        assert!(halves(2.5, 6.0) && !halves(2.5, 1.0));
+        assert!(halves(-0.1, 1.0), "a half that could show it shows none");
     }
 
     #[test]

@@ -37,7 +37,9 @@ impl Whiteness {
         for fitted in model {
             left.iter_mut().zip(column(context, rows, fitted)).for_each(|(left, of_it)| *left -= of_it);
         }
-        let whitening = calibrated.whitening(context, rows);
+        // Outliers, which count less in the fit, are to be seen here.
+        let as_all = Calibrated { spread: vec![1.0; rows.len()], ..calibrated.clone() };
+        let whitening = as_all.whitening(context, rows);
         let white = whitening.whiten(&left);
         let mean_square = |which: i8| {
             let those = rows.iter().zip(white.iter()).filter(|(row, _)| regime(row, config) == which);
@@ -115,7 +117,9 @@ mod tests {
             rows.push(row);
         }
         let noise = Noise { acceleration_mps2: 0.01, ..Noise::default() };
-        let calibrated = Calibrated { noise, spread: vec![1.0; rows.len()], ..Calibrated::default() };
+        // As if all that brakes had been taken for outliers.
+        let spread = rows.iter().map(|row| if row.effort_n_per_kg < 0.0 { wider } else { 1.0 }).collect();
+        let calibrated = Calibrated { noise, spread, ..Calibrated::default() };
         on_a_level_line(30, |context| {
             let found = Whiteness::of(context, &rows, &calibrated, &[]).unwrap();
             let is_off = found.is_off(context.config);
