@@ -486,8 +486,8 @@ impl RecorderCheck {
             self.said(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
         }
         let matters = (scale.value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE;
-        // As many seconds may be lost unseen, at low speeds, as were seen: trains then run further than the clock says.
-        let unseen = scale.value < 1.0 && 1.0 - scale.value < lost;
+        // As many seconds may be lost unseen, at low speeds, or have been put where they were not lost, as were seen.
+        let unseen = (scale.value - 1.0).abs() < lost;
         // No recorder has such an offset: the model does not fit, and its scale is no wheel.
         self.is_wheel = matters && !odd && !unseen;
         if matters {
