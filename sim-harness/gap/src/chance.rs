@@ -53,6 +53,11 @@ fn driven_less(context: &Context<'_>, rows: &[Row], calibrated: &Calibrated) -> 
 pub struct Probe {
     /// Of each run.
     pub runs: Vec<OfRun>,
+    /// Of all runs, weighed: what signs leave as it is.
+    information: f64,
+    /// Variance of the score by the noise alone, and by the habits that are drawn.
+    noise: f64,
+    drawn: f64,
     /// The score that what does not count would make.
     small: f64,
     /// The score by one standard deviation of each habit that is drawn.
@@ -94,6 +99,11 @@ pub fn beyond_noise(runs: impl Iterator<Item = OfRun> + Clone, about: Option<f64
     }
 }
 
+/// The product of two columns in the rows of a run.
+fn within(run: &core::ops::Range<usize>, a: &DVector<f64>, b: &DVector<f64>) -> f64 {
+    a.rows(run.start, run.len()).dot(&b.rows(run.start, run.len()))
+}
+
 impl<'a> Ground<'a> {
     /// For the evidence: what drivers do alike is drawn beside the signs, so no probe is more than it.
     pub fn of_probes(context: &'a Context<'a>, rows: &'a [Row], calibrated: &Calibrated) -> Self {
@@ -131,31 +141,32 @@ impl<'a> Ground<'a> {
         let acts = |r: &&core::ops::Range<usize>| column[(*r).clone()].iter().any(|value| *value != 0.0);
         let enough = self.whitening.runs().iter().filter(acts).count() >= config.evidence.least_runs;
         let column: DVector<f64> = base.beside(&self.whitening.whiten(&column));
-        let of_run = |other: &DVector<f64>, r: &core::ops::Range<usize>| {
-            column.rows(r.start, r.len()).dot(&other.rows(r.start, r.len()))
-        };
         let runs = self.whitening.runs();
-        let unweighted = |r| OfRun { score: of_run(&base.residual, r), information: of_run(&column, r), weight: 1.0 };
-        let mut of_runs: Vec<OfRun> = runs.iter().map(unweighted).collect();
+        let mut of_runs = self.scores(base, &column);
         // About none, so that flipped signs have the same weights.
         let [excess, growth] = beyond_noise(of_runs.iter().copied(), Some(0.0));
         of_runs.iter_mut().for_each(|run| run.weight = run.weight_beside((excess / growth).max(0.0)));
         let information: f64 = of_runs.iter().map(|run| run.weight * run.information).sum();
-        let weighted =
-            |habit: &DVector<f64>| runs.iter().zip(&of_runs).map(|(r, run)| run.weight * of_run(habit, r)).sum::<f64>();
-        let habits = self.habits.iter().map(weighted).collect();
+        let weighted = |habit: &DVector<f64>| {
+            runs.iter().zip(&of_runs).map(|(r, run)| run.weight * within(r, &column, habit)).sum::<f64>()
+        };
+        let habits: Vec<f64> = self.habits.iter().map(weighted).collect();
+        let noise = of_runs.iter().map(|run| run.weight.powi(2) * run.information).sum();
+        let drawn = habits.iter().map(|habit| habit * habit).sum();
         let small = config.certainty.nothing_n_per_kg * information;
-        (enough && information > 0.0).then_some(Probe { runs: of_runs, small, habits })
+        (enough && information > 0.0).then_some(Probe { runs: of_runs, information, noise, drawn, small, habits })
     }
 
     /// What a column makes of each run beside the base, which it may be a part of: for comparing runs with each other, where what all have alike cancels.
     pub fn of_runs(&self, base: &Base, column: &[f64]) -> Vec<OfRun> {
-        let column = self.whitening.whiten(column);
-        let of_run = |r: &core::ops::Range<usize>, other: &DVector<f64>| {
-            column.rows(r.start, r.len()).dot(&other.rows(r.start, r.len()))
-        };
-        let one = |r| OfRun { score: of_run(r, &base.residual), information: of_run(r, &column), weight: 1.0 };
-        self.whitening.runs().iter().map(one).collect()
+        self.scores(base, &self.whitening.whiten(column))
+    }
+
+    /// Of a whitened column, without weights.
+    fn scores(&self, base: &Base, column: &DVector<f64>) -> Vec<OfRun> {
+        let of_run =
+            |r| OfRun { score: within(r, column, &base.residual), information: within(r, column, column), weight: 1.0 };
+        self.whitening.runs().iter().map(of_run).collect()
     }
 
     /// So many draws of chance, always the same ones.
@@ -175,12 +186,10 @@ impl Probe {
     fn size(&self, beyond: f64, habits: f64, sign: impl Fn(usize) -> f64) -> f64 {
         let runs = || self.runs.iter().enumerate();
         let sum: f64 = runs().map(|(i, run)| sign(i) * run.weight * run.score).sum();
-        let mean = sum / self.runs.iter().map(|run| run.weight * run.information).sum::<f64>();
+        let mean = sum / self.information;
         let left = |(i, run): (usize, &OfRun)| (run.weight * (sign(i) * run.score - mean * run.information)).powi(2);
         let scatter: f64 = runs().map(left).sum();
-        let noise: f64 = self.runs.iter().map(|run| run.weight.powi(2) * run.information).sum();
-        let drawn: f64 = self.habits.iter().map(|habit| habit * habit).sum();
-        ((sum + habits).abs() - beyond).max(0.0) / (scatter.max(noise) + drawn).sqrt()
+        ((sum + habits).abs() - beyond).max(0.0) / (scatter.max(self.noise) + self.drawn).sqrt()
     }
 
     /// As chance would have it.

@@ -112,9 +112,18 @@ pub fn standouts(
     model: &[Fitted],
     runs: &[Run],
 ) -> Vec<Standout> {
+    let evidence = &context.config.evidence;
+    let of_rows = || rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| &runs[rows[0].interval.run]);
+    let may_differ = |level: &Level| {
+        let labels: Vec<String> = of_rows().map(|run| level.of(run)).filter(|label| !label.is_empty()).collect();
+        groups(labels.iter().map(String::as_str), evidence.least_runs).len() > 1
+    };
+    // Of one unit, and days of a run or two each, nothing is to be compared.
+    if !Level::ALL.iter().any(may_differ) {
+        return Vec::new();
+    }
     let ground = Ground::of_terms(context, rows, calibrated);
     let columns: Vec<Vec<f64>> = model.iter().map(|fitted| column(context, rows, fitted)).collect();
-    let evidence = &context.config.evidence;
     let davis = context.believed.train().davis();
     let believed = |row: &Row| row.interval.mean(|point| davis.resistance_n_per_kg(point.speed_mps));
     let coasting = |row: &Row| if regime(row, evidence) == 0 { believed(row) } else { 0.0 };
@@ -122,14 +131,13 @@ pub fn standouts(
     let Some(base) = ground.beside(&columns) else {
         return Vec::new();
     };
-    let of_rows = rows.chunk_by(|a, b| a.interval.run == b.interval.run).map(|rows| &runs[rows[0].interval.run]);
     let of_runs = ground.of_runs(&base, &believed);
-    let all = of_runs.iter().zip(of_rows).map(|(of_run, run)| One { of_run: *of_run, run });
+    let all = of_runs.iter().zip(of_rows()).map(|(of_run, run)| One { of_run: *of_run, run });
     let all: Vec<One<'_>> = all.filter(|one| one.of_run.information > 0.0).collect();
     let tried: Vec<(Level, Vec<Labelled<'_>>)> = Level::ALL
         .iter()
         .map(|level| (*level, labelled(*level, &all)))
-        .filter(|(_, all)| groups(all, evidence.least_runs).len() > 1)
+        .filter(|(_, all)| groups(all.iter().map(|one| one.label.as_str()), evidence.least_runs).len() > 1)
         .collect();
     let mut found: Vec<Standout> =
         tried.iter().flat_map(|(level, all)| of_level(*level, all, tried.len(), context.config)).collect();
@@ -163,16 +171,16 @@ fn labelled<'a>(level: Level, all: &[One<'a>]) -> Vec<Labelled<'a>> {
 }
 
 /// Labels of enough runs, where the others are enough, too.
-fn groups<'a>(all: &'a [Labelled<'_>], least: usize) -> BTreeSet<&'a str> {
+fn groups<'a>(labels: impl Iterator<Item = &'a str>, least: usize) -> BTreeSet<&'a str> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    all.iter().for_each(|one| *counts.entry(&one.label).or_default() += 1);
-    let enough = |count: usize| count >= least && all.len() - count >= least;
-    counts.into_iter().filter(|(_, count)| enough(*count)).map(|(label, _)| label).collect()
+    labels.for_each(|label| *counts.entry(label).or_default() += 1);
+    let all: usize = counts.values().sum();
+    counts.into_iter().filter(|(_, count)| *count >= least && all - count >= least).map(|(label, _)| label).collect()
 }
 
 /// `tried`: so many levels were looked at.
 fn of_level(level: Level, all: &[Labelled<'_>], tried: usize, config: &GapConfig) -> Vec<Standout> {
-    let groups = groups(all, config.evidence.least_runs);
+    let groups = groups(all.iter().map(|one| one.label.as_str()), config.evidence.least_runs);
     // As all runs scatter: labels that are exchanged change nothing of it.
     let [excess, growth] = beyond_noise(all.iter().map(|one| one.of_run), None);
     let between = (excess / growth).max(0.0);
