@@ -30,7 +30,8 @@ Tasks:
                                 differs (default: train and track of data/reference)
   budget                        flash, RAM, stack and instructions of the firmware against their limits
   stack                         the most stack that the firmware can take, path by path, and the largest frames
-  test                          the whole test run: set-up, firmware, unit, integration and documentation tests of every package
+  test [--pages]                the whole test run: set-up, firmware, unit, integration and documentation tests of every package; with
+                                --pages what `browser` does, too, without building it all again
   browser                       the pages of `rundown` in Chromium, which is installed if it is missing; pictures in target/browser
   python                        the Python module: builds the wheel, installs it into a virtual environment in target/python, runs its tests;
                                 needs Python >= 3.9
@@ -74,7 +75,8 @@ fn main() -> ExitCode {
         ["emulate", arguments @ ..] => emulate(arguments),
         ["budget"] => budget::budget(),
         ["stack"] => budget::stack(),
-        ["test"] => test(),
+        ["test"] => test(&[]),
+        ["test", "--pages"] => setup::browser().and_then(|()| test(&["--features", "browser-tests/browser"])),
         ["browser"] => browser(),
         ["python"] => python::python(),
         ["tools"] => python::tools(),
@@ -157,12 +159,16 @@ const DATA: [[&str; 4]; 2] = [
     ["RUNDOWN_TRACKS", "../shared/data/tracks", "", "truth"],
 ];
 
-/// Documentation tests are part of `cargo test` as long as no targets are named.
-fn test() -> Result<(), String> {
+/// Documentation tests are part of `cargo test` as long as no targets are named. Both runs have the same features, or the second one would build all again.
+fn test(features: &[&str]) -> Result<(), String> {
     setup::setup()?;
     all(firmware::firmware)?;
-    let mut more = cargo();
-    more.args(["test", "--workspace", "--no-fail-fast"]);
+    let tests = || {
+        let mut tests = cargo();
+        tests.args(["test", "--workspace", "--no-fail-fast"]).args(features);
+        tests
+    };
+    let mut more = tests();
     more.args(WITH_EMULATOR.iter().flat_map(|test| ["--test", test]));
     match setup::peers() {
         Ok(()) => drop(more.args(["--test", WITH_PEERS])),
@@ -183,7 +189,7 @@ fn test() -> Result<(), String> {
             println!("left out: what needs data of others; {variable} names their folder");
         }
     }
-    let plain = run(cargo().args(["test", "--workspace", "--no-fail-fast"]));
+    let plain = run(&mut tests());
     plain.and(run(more.args(["--", "--ignored"])))
 }
 

@@ -20,21 +20,29 @@ const FLEETS: &str = "sim-harness/python/fleets";
 /// `cargo xtask tools`: SUMO and ALTRIOS read what `rundown export` writes. Apart from the module's tests, for what they install.
 pub fn tools() -> Result<(), String> {
     let environment = Environment::at(target().join("tools").join("venv"), TOOLS)?;
-    run(cargo().args(["build", "-p", "sim-harness", "--bin", "rundown"]))?;
+    let rundown = command()?;
     let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--durations=3", TOOLS];
-    run(environment.command("python").args(arguments).env("RUNDOWN_COMMAND", command()))
+    run(environment.command("python").args(arguments).env(COMMAND, rundown))
 }
 
-/// The command `rundown` that the tests run.
-fn command() -> PathBuf {
-    target().join("debug").join(format!("rundown{}", std::env::consts::EXE_SUFFIX))
+/// The variable that names the command `rundown` that the tests run. Where it is not set, the command is built.
+const COMMAND: &str = "RUNDOWN_COMMAND";
+
+fn command() -> Result<PathBuf, String> {
+    if let Some(path) = std::env::var_os(COMMAND) {
+        // A relative path is one of the workspace, as the tests run elsewhere.
+        let path = root().join(path);
+        return if path.is_file() { Ok(path) } else { Err(format!("{COMMAND}: no file {}", path.display())) };
+    }
+    run(cargo().args(["build", "-p", "sim-harness", "--bin", "rundown"]))?;
+    Ok(target().join("debug").join(format!("rundown{}", std::env::consts::EXE_SUFFIX)))
 }
 
 pub fn python() -> Result<(), String> {
-    let environment = with_module("python", PACKAGE)?;
+    let (environment, rundown) = with_module("python", PACKAGE)?;
     let tests = format!("{PACKAGE}/tests");
     let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--durations=3", &tests];
-    run(environment.command("python").args(arguments).env("RUNDOWN_COMMAND", command()))
+    run(environment.command("python").args(arguments).env(COMMAND, rundown))
 }
 
 /// `cargo xtask fleets`: DuckDB, Ray Data and Spark replay a fleet, each to the same bits as the command. Apart from the module's tests, for what they
@@ -45,18 +53,18 @@ pub fn fleets(runs: &str) -> Result<(), String> {
                     On Debian and Ubuntu: `apt-get install openjdk-17-jre-headless`"
             .to_owned());
     }
-    let environment = with_module("fleets", FLEETS)?;
+    let (environment, rundown) = with_module("fleets", FLEETS)?;
     let work = target().join("fleets").join("work");
     let mut fleets = environment.command("python");
     fleets.arg(format!("{FLEETS}/fleets.py")).args(["--runs", runs, "--work"]).arg(work);
-    run(fleets.env("RUNDOWN_COMMAND", command()))
+    run(fleets.env(COMMAND, rundown))
 }
 
 /// A virtual environment in the target's `folder` with the module, built from the sources, and beside it the command.
-fn with_module(folder: &str, package: &str) -> Result<Environment, String> {
+fn with_module(folder: &str, package: &str) -> Result<(Environment, PathBuf), String> {
     let folder = target().join(folder);
     let environment = Environment::at(folder.join("venv"), package)?;
-    run(cargo().args(["build", "-p", "sim-harness", "--bin", "rundown"]))?;
+    let rundown = command()?;
     let wheels = folder.join("wheels");
     // Left behind, an older wheel would be tested.
     match std::fs::remove_dir_all(&wheels) {
@@ -70,7 +78,7 @@ fn with_module(folder: &str, package: &str) -> Result<Environment, String> {
     let wheel = only_wheel(&wheels)?;
     let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--force-reinstall"];
     run(environment.command("python").args(install).arg(wheel))?;
-    Ok(environment)
+    Ok((environment, rundown))
 }
 
 fn target() -> PathBuf {
