@@ -326,6 +326,7 @@ impl<T: Borrow<Track>, E: Borrow<Effects>> Estimator<T, E> {
         if let Some(last) = run.unconfirmed.take() {
             run.features.observe(&self.config.features, &last);
         }
+        run.features.end(&self.config.features);
         run.features.features_in(&self.config.features, &mut summary.features);
         summary.gain = run.learner.gain();
         summary.learned_s = run.learner.learned_s();

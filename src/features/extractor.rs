@@ -24,6 +24,11 @@ use heapless::{Deque, Vec};
 /// Boundaries kept with what is needed to place them; the final approach must lie within them.
 const MAX_RECENT: usize = 24;
 
+/// So many times `window_s` without a tick are a pause of the recorder.
+const PAUSE_WINDOWS: Real = 2.0;
+/// As near a train goes on from where it was about to stand, m.
+const PLATFORM_M: Real = 100.0;
+
 in_place! {
     /// Collects the features of a run.
     #[derive(Clone, Debug)]
@@ -74,6 +79,41 @@ impl FeatureExtractor {
 
     /// Takes the next tick, with its confirmed regime.
     pub fn observe(&mut self, config: &FeatureConfig, tick: &Observation) {
+        let since_s = self.before.map_or(0.0, |before| tick.time_s - before.time_s);
+        if since_s <= PAUSE_WINDOWS * config.window_s || !self.stops_before(config, tick) {
+            return self.take(config, tick);
+        }
+        self.take(config, &Observation { dt_s: config.window_s, ..*tick });
+    }
+
+    /// The run is over. One that ends where the train would stand within `window_s` ends with that stop.
+    pub fn end(&mut self, config: &FeatureConfig) {
+        if let Some(stands) = self.course.stop_ahead(config) {
+            self.take(config, &stands);
+        }
+    }
+
+    /// A recorder that has no rows while the train stands often lacks the last seconds before, too: it stood where it goes on from.
+    fn stops_before(&mut self, config: &FeatureConfig, tick: &Observation) -> bool {
+        let here = |stands: &Observation| (tick.location_m - stands.location_m).abs() < PLATFORM_M;
+        let Some(stands) = self.course.stop_ahead(config).filter(here) else {
+            return false;
+        };
+        self.take(config, &stands);
+        let until_s = tick.time_s - config.window_s;
+        let effort_n_per_kg = Some(stands.gradient_n_per_kg);
+        let standing = Observation {
+            time_s: until_s,
+            dt_s: until_s - stands.time_s,
+            effort_n_per_kg,
+            acceleration_mps2: Some(0.0),
+            ..stands
+        };
+        self.take(config, &standing);
+        true
+    }
+
+    fn take(&mut self, config: &FeatureConfig, tick: &Observation) {
         let before = self.before.replace(*tick);
         self.course.push(config, tick);
         let Some(before) = before else {
@@ -367,6 +407,77 @@ mod tests {
         assert!(near(brake.start_speed_mps, 100.0 / 3.6));
         assert!(near(brake.start_location_m, 56.0 * 100.0 / 3.6));
         assert!(near(brake.duration_s, 100.0 / 3.6 / 0.4));
+    }
+
+    /// Braked at 0.4 m/s² from 100 km/h after a coast; the last tick before the stop has 13.6 km/h.
+    fn arrival() -> std::vec::Vec<(Real, Regime)> {
+        let mut rows = std::vec![(60.0, Traction), (80.0, Traction), (100.0, Traction)];
+        rows.extend((1..=5).map(|k| (100.0 - Real::from(k), Coast)));
+        rows.extend((1..=6).map(|k| (100.0 - 14.4 * Real::from(k), Brake)));
+        rows
+    }
+
+    #[test]
+    fn a_run_that_ends_before_it_stands_has_a_final_brake() {
+        let config = FeatureConfig::default();
+        let mut whole = arrival();
+        whole.extend([(0.0, Standstill), (0.0, Standstill)]);
+        let whole = features_of(&whole);
+        let mut cut = run_of(&arrival(), NO_RESISTANCE);
+        assert_eq!(cut.features(&config).final_brake, None);
+        cut.end(&config);
+        let cut = cut.features(&config);
+        let (found, expected) = (cut.final_brake.unwrap(), whole.final_brake.unwrap());
+        assert!((found.duration_s - expected.duration_s).abs() < 0.1, "{found:?} {expected:?}");
+        assert!((found.length_m - expected.length_m).abs() < 25.0, "{found:?} {expected:?}");
+        assert_eq!(found.start_time_s, expected.start_time_s);
+        assert_eq!(cut.final_coast, whole.final_coast);
+        assert!(cut.final_coast.is_some());
+    }
+
+    #[test]
+    fn a_run_that_ends_at_speed_has_no_final_brake() {
+        let config = FeatureConfig::default();
+        for ticks in 1..=5 {
+            let rows = arrival();
+            let mut cut = run_of(&rows[..rows.len() - ticks], NO_RESISTANCE);
+            cut.end(&config);
+            assert_eq!(cut.features(&config).final_brake, None);
+        }
+    }
+
+    /// Rows are missing while the train stands at a platform: it stood, and did not brake for five minutes.
+    #[test]
+    fn a_pause_where_the_train_was_about_to_stand_is_a_stop() {
+        let config = FeatureConfig::default();
+        let goes_on = |metres: Real| {
+            let mut run = run_of(&arrival(), NO_RESISTANCE);
+            let last = run.before.unwrap();
+            let tick = |after_s: Real, kmh: Real, location_m: Real| Observation {
+                time_s: last.time_s + after_s,
+                dt_s: if after_s > 300.0 { 10.0 } else { after_s },
+                location_m,
+                speed_mps: kmh / 3.6,
+                effort_n_per_kg: (after_s > 300.0).then_some(0.4),
+                acceleration_mps2: Some(0.4),
+                regime: Traction,
+                ..last
+            };
+            let begin_m = last.location_m + metres;
+            for tick in [tick(300.0, 14.4, begin_m), tick(310.0, 28.8, begin_m + 60.0)] {
+                run.observe(&config, &tick);
+            }
+            run.features(&config)
+        };
+        let mut whole = arrival();
+        whole.extend([(0.0, Standstill), (0.0, Standstill)]);
+        let expected = features_of(&whole).final_brake.unwrap();
+        let stood = goes_on(60.0);
+        assert!((stood.final_brake.unwrap().duration_s - expected.duration_s).abs() < 0.1, "{stood:?}");
+        assert!(stood.regime_time_s[Brake as usize] < 80.0, "{stood:?}");
+        assert!((stood.regime_time_s[Standstill as usize] - 280.6).abs() < 0.1, "{stood:?}");
+        let elsewhere = goes_on(3000.0);
+        assert_eq!(elsewhere.final_brake, None);
     }
 
     #[test]

@@ -216,6 +216,27 @@ impl Course {
         Some(Knot { time_s, speed_mps: 0.0, ..end })
     }
 
+    /// The train as it will stand, if it would within `window_s` as it slows down now: for a log that ends or pauses before that.
+    pub(super) fn stop_ahead(&self, config: &FeatureConfig) -> Option<Observation> {
+        let (head, last) = (self.head?, self.last_good?);
+        let before = self.back_to(head.time_s - config.window_s)?;
+        let rate_mps2 = (before.speed_mps - head.speed_mps) / (head.time_s - before.time_s);
+        let in_s = head.speed_mps / rate_mps2;
+        let heading = (head.location_m - before.location_m).signum();
+        let resistance = last.davis.resistance_n_per_kg(0.5 * head.speed_mps) + last.gradient_n_per_kg;
+        let slows = rate_mps2 > 0.0 && in_s > 0.0 && in_s <= config.window_s;
+        (slows && last.regime != Regime::Standstill).then_some(Observation {
+            time_s: head.time_s + in_s,
+            dt_s: in_s,
+            location_m: head.location_m + heading * 0.5 * head.speed_mps * in_s,
+            speed_mps: 0.0,
+            effort_n_per_kg: Some(resistance - rate_mps2),
+            acceleration_mps2: Some(-rate_mps2),
+            regime: Regime::Standstill,
+            ..last
+        })
+    }
+
     fn crossing(&self, config: &FeatureConfig, boundary: &Boundary, after_s: Real, before_s: Real) -> Option<Knot> {
         let mut middle_s = boundary.time_s;
         for _ in 0..2 {
