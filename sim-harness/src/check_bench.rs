@@ -211,6 +211,21 @@ pub struct Bench {
     pub accused: Vec<String>,
 }
 
+/// Of `bench.json`: path, unit, meaning, null rule.
+pub const FIELDS: &[[&str; 4]] = &[
+    ["rows[].what", "", "the defect that was injected", ""],
+    ["rows[].unit", "", "unit of its figure", ""],
+    ["rows[].sets", "", "sets of runs", ""],
+    ["rows[].found", "", "sets in which it was found", ""],
+    ["rows[].accused", "", "sets in which something else was found, too", ""],
+    ["rows[].accused_of[]", "", "what that was, as `kind` of `check.json`", ""],
+    ["rows[].error", "as `unit`", "median size of the errors of the figure", "no figure has a known truth"],
+    ["rows[].largest_error", "as `unit`", "largest of them", "no figure has a known truth"],
+    ["rows[].intervals[]", "", "95 % intervals that were given, and how many of them hold the truth", ""],
+    ["clean", "", "sets of clean recorders", ""],
+    ["accused[]", "", "recorder, seed and findings of each clean set that was accused", ""],
+];
+
 /// Injects each defect into so many sets, and diagnoses as many clean ones of each recorder.
 ///
 /// # Errors

@@ -139,6 +139,19 @@ pub struct Row {
     pub said: Vec<String>,
 }
 
+/// Of `gradients.json`: path, unit, meaning, null rule.
+pub const FIELDS: &[[&str; 4]] = &[
+    ["[].what", "", "how the gradients are described", ""],
+    ["[].is_right", "", "whether that is right", ""],
+    ["[].long.sets", "", "sets of runs on lines where coasts last a minute", ""],
+    ["[].long.doubted", "", "those of which the gradients were said to look wrong", ""],
+    ["[].long.named", "", "those of which the kind was named", ""],
+    ["[].hops.sets", "", "sets of runs on short hops", ""],
+    ["[].hops.doubted", "", "those of which the gradients were said to look wrong", ""],
+    ["[].hops.named", "", "those of which the kind was named", ""],
+    ["[].said[]", "", "line, description and what was said of each set whose gradients were said to look wrong", ""],
+];
+
 /// Diagnoses so many sets of each line with gradients described in each way. Out: a row for each way.
 ///
 /// # Errors

@@ -116,6 +116,18 @@ pub struct Bench {
     pub lines: Vec<LineRow>,
 }
 
+/// Of `perturbed.json`: path, unit, meaning, null rule.
+pub const FIELDS: &[[&str; 4]] = &[
+    ["disturbances[].what", "", "what held the runs up", ""],
+    ["disturbances[].felt", "", "runs that lost at least 20 s by it", ""],
+    ["disturbances[].found", "", "those that were recognised, with a place within 1 km", ""],
+    ["lines[].what", "", "line and train", ""],
+    ["lines[].felt", "", "runs that lost at least 20 s by a disturbance", ""],
+    ["lines[].found", "", "those that were recognised, with a place within 1 km", ""],
+    ["lines[].clean", "", "runs without a disturbance", ""],
+    ["lines[].accused[]", "", "what was said of each of those that was called perturbed", ""],
+];
+
 /// Compares so many sets of runs on each line.
 ///
 /// # Errors

@@ -286,6 +286,26 @@ fn the_demo_says_what_it_saw_and_where_the_report_lies() {
         assert!(folder.path(page).exists());
     }
     assert!(last[0].starts_with("your own logs: "), "{last:?}");
+    readme_shows(&text);
+}
+
+/// README.md shows lines of the demo, in their order and to the last digit; `(...)` stands for what it leaves out of a line.
+fn readme_shows(text: &str) {
+    let readme = include_str!("../../README.md");
+    let (_, shown) = readme.split_once("shortened:\n\n```text\n").unwrap();
+    let (shown, _) = shown.split_once("```").unwrap();
+    assert!(shown.lines().count() > 4, "{shown}");
+    let mut printed = text.lines();
+    for line in shown.lines() {
+        let is_it = |printed: &str| match line.split_once("(...)") {
+            None => printed == line,
+            Some((begin, end)) => printed.starts_with(begin.trim_end()) && printed.ends_with(end),
+        };
+        assert!(
+            printed.any(is_it),
+            "README.md shows a line that the demo does not print, or not here:\n{line}\n\n{text}"
+        );
+    }
 }
 
 #[test]

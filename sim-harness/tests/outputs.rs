@@ -1,5 +1,8 @@
 //! Does the page of outputs say what the files hold? It is made again and compared, and each JSON file is walked along its table.
 
+mod common;
+
+use common::Folder;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 use sim_harness::{output::document, simulation::folder, simulation::scenario_file::Simulation};
@@ -122,6 +125,20 @@ impl Declared {
         is_command && self.files.iter().any(|file| fits(file, path) || command == "replay" && fits(file, &as_csv))
     }
 
+    /// A JSON text is what the table says, and what the tables say that it refers to.
+    fn agrees(&self, command: &str, name: &str, text: &str) {
+        assert!(self.is_json, "{name}");
+        let value: Value = serde_json::from_str(text).unwrap();
+        agree(&format!("{command}: {name}"), &self.fields(), &value);
+        for [path, _, meaning, _] in self.fields() {
+            if let Some(list) = path.strip_suffix("[].*").filter(|list| !list.contains(['.', '[']))
+                && let Some(file) = meaning.split('`').nth(1).filter(|_| meaning.starts_with("the "))
+            {
+                refers(&format!("{command}: {name}: {list}"), file, value[list].as_array().unwrap());
+            }
+        }
+    }
+
     fn fields(&self) -> Vec<Field> {
         self.rows.iter().map(|row| std::array::from_fn(|cell| row[cell + 1].clone())).collect()
     }
@@ -132,6 +149,25 @@ impl Declared {
         let may_lack = self.words.contains("are not there") || self.words.contains("has its own");
         let rest = all.iter().filter(|name| header.iter().any(|of| of == **name));
         if may_lack { header.iter().all(|name| all.contains(&name)) && rest.count() > 0 } else { header == all }
+    }
+}
+
+/// Objects that have the columns of a CSV file, or the fields of a JSON file, of the page.
+fn refers(name: &str, file: &str, objects: &[Value]) {
+    let tables = declared();
+    let table = tables.iter().find(|table| table.files.iter().any(|of| of == file)).unwrap();
+    for object in objects {
+        if table.is_json {
+            agree(name, &table.fields(), object);
+        } else {
+            let names: BTreeSet<&str> = object.as_object().unwrap().keys().map(String::as_str).collect();
+            let columns = table.rows.iter().map(|row| row[1].as_str()).filter(|column| names.contains(column));
+            let header = csv::StringRecord::from(columns.collect::<Vec<_>>());
+            assert!(
+                header.len() == names.len() && table.is_header(&header),
+                "{name}: {names:?} are not those of {file}"
+            );
+        }
     }
 }
 
@@ -153,7 +189,7 @@ fn declared() -> Vec<Declared> {
 }
 
 /// What the page says is no table.
-const NO_TABLES: [&str; 5] = ["html", "js", "svg", "toml", "frame"];
+const NO_TABLES: [&str; 6] = ["html", "js", "svg", "toml", "frame", "md"];
 
 fn files(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -182,11 +218,7 @@ fn all_declared(command: &str, folder: &Path, expected: &[&str]) {
         let tables: Vec<&Declared> = tables.iter().filter(|table| table.has(command, &name)).collect();
         assert!(!tables.is_empty(), "rundown {command} writes {name}, which no table of the page has");
         match end {
-            "json" => {
-                let value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
-                assert!(tables[0].is_json, "{name}");
-                agree(&format!("{command}: {name}"), &tables[0].fields(), &value);
-            }
+            "json" => tables[0].agrees(command, &name, &std::fs::read_to_string(&path).unwrap()),
             "csv" => {
                 let header = csv::Reader::from_path(&path).unwrap().headers().unwrap().clone();
                 let said = tables.iter().any(|table| table.is_header(&header));
@@ -278,6 +310,60 @@ fn every_file_of_a_study_is_declared() {
     all_declared("study", &at("tunnel"), &["tunnel.csv", "tunnel.json"]);
     ran(&[&"tune", &"--count", &"2", &"--evaluations", &"50", &"--out", &at("tune")]);
     all_declared("tune", &at("tune"), &["tune.json", "tune_plane.csv", "tune_profiles.csv"]);
+}
+
+/// What `rundown study` prints with `--json` is what the table of this heading says. Out: the text.
+fn printed(folder: &Folder, heading: &str, arguments: &[&str]) -> String {
+    let text = folder.done(&[&["study", "--json"], arguments].concat()).out;
+    let tables = declared();
+    let table = tables.iter().find(|table| table.has("study", heading));
+    table.unwrap_or_else(|| panic!("no table of the page has {heading}")).agrees("study", heading, &text);
+    text
+}
+
+#[test]
+fn everything_that_a_study_prints_as_json_is_declared() {
+    let folder = Folder::new().with("few.toml", "runs = 2\n");
+    data_set(&folder.path("set"));
+    printed(&folder, "--json", &["--count", "3", "--seeds", "2", "--out", "case"]);
+    let recorded = ["--train", "set/train.toml", "--track", "set/track.toml", "--runs", "set/runs"];
+    let text = printed(&folder, "--json", &[&recorded[..], &["--out", "recorded"]].concat());
+    let value: Value = serde_json::from_str(&text).unwrap();
+    for list in ["diagnosis", "claims", "truth_slope"] {
+        assert!(!value[list].as_array().unwrap().is_empty(), "{list}");
+    }
+    let experiment = ["--experiment", "sampling", "--seeds", "1", "--count", "3", "--out", "sampling"];
+    printed(&folder, "--experiment sampling --json", &experiment);
+    let parts: [(&str, &[&str]); 3] = [
+        ("slope", &["--truth-slope", "--vehicles", "3", "--vehicle-runs", "2"]),
+        ("readings", &["--readings", "--scenario", "few.toml", "--seeds", "1"]),
+        ("tunnel", &["--tunnel", "--count", "8"]),
+    ];
+    for (name, arguments) in parts {
+        let text = printed(&folder, &format!("{} --json", arguments[0]), &[arguments, &["--out", name]].concat());
+        assert_eq!(text, folder.read(&format!("{name}/{name}.json")));
+    }
+}
+
+#[test]
+fn every_file_of_a_bench_is_declared() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    ran(&[&"accuracy-bench", &"--fleet", &"metro", &"--vehicles", &"1", &"--runs", &"2", &"--out", &at("accuracy")]);
+    all_declared("accuracy-bench", &at("accuracy"), &["manifest.json"]);
+    ran(&[&"check-bench", &"--sets", &"1", &"--out", &at("check")]);
+    all_declared("check-bench", &at("check"), &["bench.json", "perturbed.json", "gradients.json"]);
+    let few: [&dyn AsRef<std::ffi::OsStr>; 9] =
+        [&"gap-bench", &"--none", &"0", &"--pairs", &"0", &"--effort", &"with", &"--size", &"clear"];
+    let drawn: [&dyn AsRef<std::ffi::OsStr>; 8] =
+        [&"--kind", &"mass_error", &"--nuisance", &"effort-gain", &"--runs", &"12", &"--out", &at("gap")];
+    ran(&[&few[..], &drawn[..]].concat());
+    all_declared("gap-bench", &at("gap"), &["sets.json"]);
+    data_set(&at("theirs/set"));
+    std::fs::create_dir(at("theirs/keys")).unwrap();
+    std::fs::write(at("theirs/keys/set.json"), r#"{"effects": [{"name": "tunnel_drag"}]}"#).unwrap();
+    ran(&[&"gap-bench", &"--effort", &"with", &"--folder", &at("theirs"), &"--out", &at("judged")]);
+    all_declared("gap-bench --folder", &at("judged"), &["sets.json"]);
 }
 
 #[test]

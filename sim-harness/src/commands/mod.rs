@@ -201,7 +201,8 @@ pub fn main() -> ExitCode {
 
 /// Runs the command on these arguments, its name first. Ends the process where they are wrong, or help is asked for.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let matches = help::wrapped_once(Arguments::command()).get_matches_from(arguments);
+    let matches = help::unbroken(Arguments::command()).try_get_matches_from(arguments);
+    let matches = matches.unwrap_or_else(|error| help::exit(&error));
     let Arguments { talk, command } = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     talk.apply();
     let done = match command {

@@ -32,16 +32,16 @@ Examples:
     rundown replay --train t.toml --track k.toml --format parquet --no-estimates --out out runs.parquet
 
 Files in the output folder:
-  <run>.estimates.csv   a row for each tick: state, covariance, effort, regime, innovation
-  <run>.coast_ahead.csv a row for each tick, where the track has stops or speed limits: speed and time there if the
-                        train coasts from here on, with their standard deviations
-  features.csv          a row for each run: limits, brake rates, cruise speed, final coast, energy
-  switching_points.csv  a row for each change of regime
-  parameters.csv        a row for each run: resistance of vehicle and run, counters by cause
-  replay.json           the same for machines, with every warning
-  report.html           what concerns all runs, to be opened in any browser
-  report/run0001.html   pictures of a run, linked by report.html
-  manifest.json         what belongs together: files read and written, with their digests
+  <run>.estimates.csv    a row for each tick: state, covariance, effort, regime, innovation
+  <run>.coast_ahead.csv  a row for each tick, where the track has stops or speed limits: speed and time there if the
+                         train coasts from here on, with their standard deviations
+  features.csv           a row for each run: limits, brake rates, cruise speed, final coast, energy
+  switching_points.csv   a row for each change of regime
+  parameters.csv         a row for each run: resistance of vehicle and run, counters by cause
+  replay.json            the same for machines, with every warning
+  report.html            what concerns all runs, to be opened in any browser
+  report/run0001.html    pictures of a run, linked by report.html
+  manifest.json          what belongs together: files read and written, with their digests
 
 Tables are CSV, or Parquet with --format parquet. With --no-estimates the first two and the report are left out.
 

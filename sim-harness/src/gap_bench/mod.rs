@@ -7,8 +7,10 @@
 //! | compare with the key: names, size, place, intervals, how much of the gap is gone | [`score`] |
 //! | many sets in a table | [`table`] |
 //! | sets of others, with their keys | [`folder`] |
+//! | what `sets.json` has | [`fields`] |
 
 pub mod draw;
+pub mod fields;
 pub mod folder;
 pub mod nuisance;
 pub mod score;

@@ -9,7 +9,7 @@ use crate::study::experiments::{answer, catalogue};
 use crate::study::figures::{brake, histograms, power, profiles, run, slope};
 use crate::study::{fields, readings::outcome};
 use crate::tune::surface;
-use crate::{checking, study, tune};
+use crate::{check_bench, checking, gap_bench, gradient_bench, perturbed_bench, study, tune};
 use rundown::features::FeatureConfig;
 use rundown_files::column::{About, about};
 use rundown_files::folder;
@@ -40,8 +40,8 @@ same bytes each time.
 
 What is not on this page is no table: pages (`.html`, with their `.js`), pictures (`.svg`), descriptions and
 configurations (`.toml`, in [formats.md](formats.md)), the files of other programs
-([replay.md](replay.md#train-characteristics-for-other-tools)), a frame (`effect.frame`), and the tables in words
-(`.md`) and `.json` of the benches, which are records of this project's own tests.
+([replay.md](replay.md#train-characteristics-for-other-tools)), a frame (`effect.frame`), and the tables in words of
+the benches (`.md`).
 ";
 
 const ABSENT: &str = "Where `null when` says `absent`, the key is not there.";
@@ -57,6 +57,7 @@ pub fn page() -> String {
     study_of_case(&mut text);
     study_beside(&mut text);
     tune(&mut text);
+    benches(&mut text);
     #[cfg(feature = "link")]
     {
         let lines = "A line for each message, written as it comes.";
@@ -105,23 +106,25 @@ fn study_of_case(text: &mut String) {
 
 /// Of what the study answers beside the case study.
 fn study_beside(text: &mut String) {
+    json_file(text, "rundown study: --json", "Of the case study or recorded runs.", fields::case_study());
     let answers = "A row for each mode and number of runs.";
     table(text, "rundown study: slope.csv", answers, &about(study::slope::columns()));
     let vehicles = "A row for each mode and vehicle; `<runs>` is `1_run`, `10_runs`, ...";
     table(text, "rundown study: slope_after_<runs>.csv", vehicles, &about(slope::columns()));
-    json_file(text, "rundown study: slope.json", "Of `--truth-slope`.", fields::slope());
+    json_file(text, "rundown study: slope.json, --truth-slope --json", "", fields::slope());
     let readings = "A row for each combination of readings and recorder.";
     table(text, "rundown study: readings.csv", readings, &about(outcome::columns()));
-    json_file(text, "rundown study: readings.json", "", owned(fields::READINGS));
+    json_file(text, "rundown study: readings.json, --readings --json", "", owned(fields::READINGS));
     let tunnel = "A row for each stretch of 500 m, and for each tunnel.";
     table(text, "rundown study: tunnel.csv", tunnel, &about(study::tunnel::columns()));
-    json_file(text, "rundown study: tunnel.json", "", owned(fields::TUNNEL));
+    json_file(text, "rundown study: tunnel.json, --tunnel --json", "", owned(fields::TUNNEL));
     let rows =
         "A row for each set, variant and mode; of the measured columns, after `set`, each experiment has its own.";
     let mut columns = about(answer::columns(&catalogue::measured()));
     let mut seen = BTreeSet::new();
     columns.retain(|column| seen.insert(column.name.clone()));
     table(text, "rundown study: <experiment>.csv", rows, &columns);
+    json_file(text, "rundown study: --experiment <experiment> --json", "", owned(fields::EXPERIMENT));
 }
 
 fn tune(text: &mut String) {
@@ -130,6 +133,15 @@ fn tune(text: &mut String) {
     let plane = "A row for each place of the plane.";
     table(text, "rundown tune: tune_plane.csv", plane, &about(surface::plane_columns()));
     json_file(text, "rundown tune: tune.json", "", tune::fields::fields());
+}
+
+/// What the benches keep beside their tables in words.
+fn benches(text: &mut String) {
+    json_file(text, "rundown check-bench: bench.json", "", owned(check_bench::FIELDS));
+    json_file(text, "rundown check-bench: perturbed.json", "", owned(perturbed_bench::FIELDS));
+    json_file(text, "rundown check-bench: gradients.json", "", owned(gradient_bench::FIELDS));
+    json_file(text, "rundown gap-bench: sets.json", "", owned(gap_bench::fields::DRAWN));
+    json_file(text, "rundown gap-bench --folder: sets.json", "", owned(gap_bench::fields::OF_FOLDER));
 }
 
 fn replay(text: &mut String) {

@@ -39,6 +39,36 @@ pub fn slope() -> Vec<Field> {
     fields
 }
 
+/// What `rundown study --json` prints of the case study.
+pub fn case_study() -> Vec<Field> {
+    let mut fields = owned(&[
+        ["runs", "", "runs that were used", ""],
+        ["runs_with_truth", "", "those whose truth is known", ""],
+        ["failed", "", "runs that could not be used", ""],
+        ["set_aside", "", "runs that were set aside as perturbed", ""],
+        [
+            "diagnosis[].*",
+            "",
+            "the fields of `check.json`, for each part of recorded runs that was read at once",
+            "as in `check.json`",
+        ],
+        ["claims[].*", "", "the columns of `claims.csv`", "the cell of the table is empty"],
+    ]);
+    fields.extend(answer("truth_slope[]."));
+    fields
+}
+
+/// What `rundown study --experiment NAME --json` prints.
+pub const EXPERIMENT: &[[&str; 4]] = &[
+    ["experiment", "", "name of the experiment", ""],
+    ["question", "", "what it asks", ""],
+    ["sets", "", "sets of runs", ""],
+    ["runs", "", "runs of each set", ""],
+    ["seed", "", "seed of the first set", ""],
+    ["rows[].*", "", "the columns of `<experiment>.csv`", "the cell of the table is empty"],
+    ["notes[]", "", "what is said besides, each a sentence", ""],
+];
+
 /// Of `readings.json`.
 pub const READINGS: &[[&str; 4]] = &[
     ["runs", "", "runs of each set", ""],

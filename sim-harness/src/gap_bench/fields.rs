@@ -1,0 +1,76 @@
+//! What stands in `sets.json`: path, unit, meaning, null rule.
+
+/// Of the sets that the bench draws: [`super::table::Done`].
+pub const DRAWN: &[[&str; 4]] = &[
+    ["[].ask.kinds[]", "", "effects that are hidden, by their names in the catalogue", ""],
+    ["[].ask.size", "", "how large they are: `clear`, `medium` or `faint`", ""],
+    ["[].ask.effort", "", "whether the logs have an effort column", ""],
+    ["[].ask.dirty", "", "whether the sensors are dirty: correlated location noise, dropouts, a late location", ""],
+    ["[].ask.rough", "", "whether the services are those of `--rough`", ""],
+    ["[].ask.nuisance", "", "what is wrong with recorder or description, by its name in `--nuisance`", "nothing is"],
+    ["[].ask.runs", "", "runs of the set", ""],
+    ["[].ask.seed", "", "seed of the set", ""],
+    ["[].hidden", "", "the hidden effects with their parameters, for people", ""],
+    ["[].data", "", "mass of the train, drivers, directions and sampling, for people", ""],
+    ["[].score.key[]", "", "names of the hidden effects, sorted; `unknown` for what is in no catalogue", ""],
+    ["[].score.found[]", "", "names that were given, sorted", ""],
+    [
+        "[].score.sure[][]",
+        "",
+        "of each name its confidence, and whether it is right: hidden, or hidden is one of its at most two rivals",
+        "",
+    ],
+    ["[].score.candidates[]", "", "names that were given as candidates only", ""],
+    ["[].score.rivals[]", "", "effects that the data do not separate from those named", ""],
+    ["[].score.exact", "", "whether all hidden effects were named, and no other", ""],
+    ["[].score.shared", "", "the same, where a hidden effect may be one of at most two rivals", ""],
+    [
+        "[].score.coordinate",
+        "",
+        "whether an effect that is in no catalogue was called `unknown` along its coordinate",
+        "none is hidden",
+    ],
+    ["[].score.size_errors[]", "1", "relative error of the size of each effect that was named rightly", ""],
+    ["[].score.places[]", "1", "intersection over union of each section that was named rightly", ""],
+    ["[].score.intervals[]", "", "95 % intervals that were given, and how many of them hold the truth", ""],
+    ["[].score.outside[]", "", "parameters outside of their interval, with both, for people", ""],
+    [
+        "[].score.removed",
+        "1",
+        "share of the removable gap that is gone on the hold-out runs",
+        "there was none, or nothing could be compared",
+    ],
+    ["[].score.gap_mps[]", "m/s", "the gap on the hold-out runs before and after, and its noise floor", ""],
+    ["[].score.p_value", "1", "p-value of the residuals without a gap", ""],
+    ["[].score.told[][]", "as in `gap.json`", "nuisances that were reported: name, value, standard deviation", ""],
+    [
+        "[].score.nuisance[]",
+        "as in `gap.json`",
+        "the nuisance that there is: name and value",
+        "there is none, or none that should be reported",
+    ],
+    ["[].seconds", "s", "time of the investigation; differs from run to run", ""],
+];
+
+/// Of sets of others: [`super::folder::Judged`].
+pub const OF_FOLDER: &[[&str; 4]] = &[
+    ["[].set", "", "folder of the set", ""],
+    ["[].effort", "", "whether the effort column was left in", ""],
+    ["[].size", "", "`magnitude_class` of the key, empty without one", ""],
+    ["[].hidden[]", "", "names of the key", ""],
+    ["[].found[].name", "", "a name that was given", ""],
+    ["[].found[].confidence", "1", "its confidence", ""],
+    ["[].found[].rivals[]", "", "effects that the data do not separate from it", ""],
+    ["[].found[].right", "", "whether the key has it, takes it for as good, or has one of its at most two rivals", ""],
+    ["[].candidates[]", "", "names that were given as candidates only", ""],
+    ["[].named", "", "whether each name of the key was given, or one that is as good, and no other", ""],
+    ["[].shared", "", "the same, where a name of the key may be one of at most two rivals", ""],
+    ["[].p_value", "1", "p-value of the residuals without a gap, 1 where the set was refused", ""],
+    [
+        "[].removed",
+        "1",
+        "share of the removable gap that is gone on the hold-out runs",
+        "there was none, or the set was refused",
+    ],
+    ["[].refused", "", "why the set was not investigated", "it was"],
+];
