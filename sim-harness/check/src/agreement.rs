@@ -66,26 +66,31 @@ pub struct Agreement {
 /// Fewer differences say nothing.
 const LEAST_PAIRS: usize = 20;
 /// Time between two rows that are compared, s: what rounding leaves is correlated over seconds.
-const PAIR_S: f64 = 5.0;
+pub(crate) const PAIR_S: f64 = 5.0;
 /// Slower readings are left out: a standing train has no rounding, a creeping one reads zero, m/s.
 const SLOWEST_MPS: f64 = 1.5;
 /// Innovations beyond so many standard deviations are drawn in to it.
 const OUTLIER: f64 = 4.0;
 
 /// Differences between picked rows, and the regressors.
-#[derive(Default)]
-struct Differences {
-    y: Vec<f64>,
-    by_speed: Vec<f64>,
-    dt: Vec<f64>,
+#[derive(Clone, Default)]
+pub(crate) struct Differences {
+    /// Distance by location less that by speed, m.
+    pub(crate) y: Vec<f64>,
+    /// Distance by speed, m.
+    pub(crate) by_speed: Vec<f64>,
+    /// Time between the two rows, s.
+    pub(crate) dt: Vec<f64>,
     dv: Vec<f64>,
+    /// Time of the later row, s.
+    pub(crate) end_s: Vec<f64>,
     /// The difference before shares a row with this one.
     linked: Vec<bool>,
 }
 
 impl Differences {
     /// `parts`: rows without a gap or a shift of the location between them.
-    fn of(parts: &[&[Row]]) -> Self {
+    pub(crate) fn of(parts: &[&[Row]]) -> Self {
         let mut all = Self::default();
         for part in parts {
             all.take(part);
@@ -113,6 +118,7 @@ impl Differences {
                 self.by_speed.push(by_speed);
                 self.dt.push(dt);
                 self.dv.push(row.speed_mps - begin.speed_mps);
+                self.end_s.push(row.time_s);
                 self.linked.push(linked);
                 (from, by_speed, linked) = (Some(*row), 0.0, true);
             }
@@ -134,17 +140,21 @@ fn distance(rows: &[Row], i: usize) -> f64 {
 }
 
 /// Whitened residuals and regressors of one ratio of the two noises.
-struct Fit {
+pub(crate) struct Fit {
     beta: Vector3<f64>,
-    information: Matrix3<f64>,
+    /// Variance of the walk, m² a second, over that of the location's white noise, m².
+    pub(crate) ratio: f64,
+    pub(crate) information: Matrix3<f64>,
     /// Variance of the location's white noise, m².
-    variance: f64,
-    log_likelihood: f64,
-    residuals: Vec<f64>,
+    pub(crate) variance: f64,
+    pub(crate) log_likelihood: f64,
+    /// Whitened distance by speed, time, and change of speed.
+    pub(crate) columns: [Vec<f64>; 3],
+    pub(crate) residuals: Vec<f64>,
 }
 
 /// The filter that makes the differences' noise white: location noise of 1 m², walk of `ratio` m² a second.
-fn whitened(differences: &Differences, ratio: f64, column: &[f64], variances: &mut Vec<f64>) -> Vec<f64> {
+pub(crate) fn whitened(differences: &Differences, ratio: f64, column: &[f64], variances: &mut Vec<f64>) -> Vec<f64> {
     let mut white = Vec::with_capacity(column.len());
     variances.clear();
     let (mut before, mut variance_before) = (0.0, 1.0);
@@ -160,7 +170,7 @@ fn whitened(differences: &Differences, ratio: f64, column: &[f64], variances: &m
     white
 }
 
-fn fit(differences: &Differences, ratio: f64, clip: Option<f64>) -> Option<Fit> {
+fn fit(differences: &Differences, ratio: f64) -> Option<Fit> {
     let mut variances = Vec::new();
     let columns = [&differences.by_speed, &differences.dt, &differences.dv]
         .map(|column| whitened(differences, ratio, column, &mut variances));
@@ -178,19 +188,27 @@ fn fit(differences: &Differences, ratio: f64, clip: Option<f64>) -> Option<Fit> 
         Some((beta, residuals))
     };
     let (mut beta, mut residuals) = solve(&y)?;
-    if let Some(clip) = clip {
-        for _ in 0..3 {
-            let most = clip * spread(&residuals);
-            for (value, left) in y.iter_mut().zip(&residuals) {
-                *value -= left - left.max(-most).min(most);
-            }
-            (beta, residuals) = solve(&y)?;
+    for _ in 0..3 {
+        let most = OUTLIER * spread(&residuals);
+        for (value, left) in y.iter_mut().zip(&residuals) {
+            *value -= left - left.max(-most).min(most);
         }
+        (beta, residuals) = solve(&y)?;
     }
     let n = y.len() as f64;
     let variance = (dot(&residuals, &residuals) / (n - 3.0)).max(1e-8);
     let log_likelihood = -0.5 * (n * variance.ln() + variances.iter().map(|v| v.ln()).sum::<f64>());
-    Some(Fit { beta, information: normal / variance, variance, log_likelihood, residuals })
+    Some(Fit { beta, ratio, information: normal / variance, variance, log_likelihood, columns, residuals })
+}
+
+/// The fit with the most likely ratio of the two noises. None: too few differences.
+pub(crate) fn best_fit(differences: &Differences) -> Option<Fit> {
+    if differences.y.len() < LEAST_PAIRS {
+        return None;
+    }
+    let ratios = (-16..=8).map(|exponent| f64::from(exponent).exp2());
+    let fits = ratios.filter_map(|ratio| fit(differences, ratio));
+    fits.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
 }
 
 /// Standard deviation from the median of the sizes.
@@ -202,13 +220,7 @@ pub(crate) fn spread(values: &[f64]) -> f64 {
 /// Compares speed and location of one run. None: too little of it moves with both readings.
 pub fn agreement(parts: &[&[Row]]) -> Option<Agreement> {
     let differences = Differences::of(parts);
-    if differences.y.len() < LEAST_PAIRS {
-        return None;
-    }
-    let ratios = (-16..=8).map(|exponent| f64::from(exponent).exp2());
-    let better = |a: &(f64, Fit), b: &(f64, Fit)| a.1.log_likelihood.total_cmp(&b.1.log_likelihood);
-    let best = |ratio: f64| Some((ratio, fit(&differences, ratio, Some(OUTLIER))?));
-    let (ratio, found) = ratios.filter_map(best).max_by(better)?;
+    let found = best_fit(&differences)?;
     let products = found.residuals.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
     let squares = found.residuals.iter().map(|residual| residual * residual).sum::<f64>();
     let correlation = products / squares.max(1e-12);
@@ -218,7 +230,7 @@ pub fn agreement(parts: &[&[Row]]) -> Option<Agreement> {
         // Noise that is correlated beyond the model says less.
         information: found.information * ((1.0 - kept) / (1.0 + kept)),
         location_noise_m: found.variance.sqrt(),
-        walk_m: (ratio * found.variance).sqrt(),
+        walk_m: (found.ratio * found.variance).sqrt(),
         correlation,
         pairs: differences.y.len(),
     })

@@ -1,8 +1,8 @@
-//! Times that a clock made wrong: midnight, set back, set forward, lost seconds.
+//! Times that a clock made wrong: midnight, set back, set forward.
 //!
 //! A step of the clock is judged by the distance between the two rows: at 20 m/s an hour is 72 km. While the train stands nothing can be judged.
 
-use crate::agreement::{Figure, spread};
+use crate::agreement::Figure;
 use crate::finding::{Done, Finding, Kind};
 use rundown_files::sample::Sample;
 use rundown_files::units::median;
@@ -14,11 +14,6 @@ const LEAST_BACK_S: f64 = 30.0;
 const LEAST_MIDNIGHT_S: f64 = 0.8 * DAY_S;
 /// Below it the distance says little about the time, m/s.
 const FAST_MPS: f64 = 5.0;
-/// Metres more than the speed says, in standard deviations of the location, that are no chance: their even intervals say the rest.
-const SEEN: f64 = 3.5;
-/// A run loses a second now and then if at least so many rows show it.
-const LEAST_LOST: usize = 5;
-
 /// Usual time between rows, s.
 pub fn usual_step_s(rows: &[Sample]) -> f64 {
     let steps = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
@@ -65,71 +60,6 @@ pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
         }
         rows[i].time_s += shift_s;
     }
-}
-
-/// Finds rows that hold one second more than their clock says, and puts the times after them right. Only logs of whole seconds, every few of them, can show it.
-pub fn lost_seconds(rows: &mut [Sample], findings: &mut Vec<Finding>) {
-    let left: Vec<Option<(f64, f64)>> = rows
-        .windows(2)
-        .map(|pair| {
-            let dt = pair[1].time_s - pair[0].time_s;
-            let passed_s = by_distance(&pair[0], &pair[1]).filter(|_| dt > 0.0 && dt <= 10.0)?;
-            let speed_mps = 0.5 * (pair[0].speed_mps? + pair[1].speed_mps?);
-            Some(((passed_s - dt) * speed_mps, speed_mps))
-        })
-        .collect();
-    let metres: Vec<f64> = left.iter().flatten().map(|(metres, _)| *metres).collect();
-    let sd_m = spread(&metres).max(0.3);
-    let off = |i: usize| left.get(i).copied().flatten();
-    let lost: Vec<usize> = (0..left.len())
-        .filter(|i| {
-            let Some((metres, speed_mps)) = off(*i) else {
-                return false;
-            };
-            let second = (metres - speed_mps).abs() < (3.0 * sd_m).max(0.1 * speed_mps) && metres > SEEN * sd_m;
-            // A location that jumps ahead comes back, or had been behind.
-            let compensated = [i.wrapping_sub(1), i + 1].into_iter().filter_map(off);
-            second && compensated.map(|(other, _)| other).all(|other| other > -0.5 * metres)
-        })
-        .collect();
-    // A location that jumps about seems to hold a second less as often, and comes at random: a clock that is slow loses its seconds at even intervals.
-    let gained = metres.iter().filter(|metres| **metres < -SEEN * sd_m).count();
-    if lost.len() < LEAST_LOST || lost.len() * 10 > metres.len() || 3 * gained > lost.len() || !even(&lost, rows) {
-        return;
-    }
-    let share = lost.len() as f64 / metres.len() as f64;
-    let sd = (share * (1.0 - share) / metres.len() as f64).sqrt();
-    let figure = Figure { value: 100.0 * share, sd: 100.0 * sd };
-    let (count, line) = (lost.len(), rows[lost[0] + 1].line);
-    findings.push(Finding {
-        kind: Kind::LostSeconds,
-        figure,
-        unit: "% of the rows",
-        count,
-        line,
-        done: Done::PutRight,
-    });
-    let mut shift_s = 0.0;
-    for (i, row) in rows.iter_mut().enumerate() {
-        if i > 0 && lost.binary_search(&(i - 1)).is_ok() {
-            shift_s += 1.0;
-        }
-        row.time_s += shift_s;
-    }
-}
-
-/// Most of the times between lost seconds are a whole number of times the shortest usual one: some are lost unseen, while the train stands.
-fn even(lost: &[usize], rows: &[Sample]) -> bool {
-    let mut between: Vec<f64> = lost.windows(2).map(|pair| rows[pair[1]].time_s - rows[pair[0]].time_s).collect();
-    between.sort_by(f64::total_cmp);
-    let Some(base_s) = between.get(between.len() / 4).copied() else {
-        return false;
-    };
-    let even = between.iter().filter(|seconds| {
-        let periods = **seconds / base_s;
-        periods > 0.5 && (periods - periods.round()).abs() < 0.1
-    });
-    even.count() as f64 >= 0.8 * between.len() as f64
 }
 
 /// Rows that are missing while the train stands, and while it moves.

@@ -6,7 +6,8 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | did the clock jump, lose seconds, pause? | [`clock`] |
+//! | did the clock jump, pause? | [`clock`] |
+//! | does it lose seconds? | [`lost_seconds`] |
 //! | did the location wrap, begin again, stand still? | [`places`] |
 //! | are single readings missing or impossible? | [`readings`] |
 //! | which step do the readings have? | [`steps`] |
@@ -45,6 +46,7 @@ pub mod agreement;
 pub mod clock;
 pub mod finding;
 pub mod gradients;
+pub mod lost_seconds;
 pub mod own;
 pub mod perturbed;
 pub mod places;
@@ -277,8 +279,16 @@ pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
             units.push(run.unit.clone());
         }
     }
-    let recorders =
-        units.into_iter().map(|unit| of_recorder(unit, recordings, &mut runs, &agreements, known)).collect();
+    let mut recorders = Vec::new();
+    for unit in units {
+        let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
+        if lost_seconds::put_right(&of_unit, recordings, &mut runs) {
+            for i in &of_unit {
+                agreements[*i] = agreements[*i].and_then(|_| agreement_of(&recordings[*i].rows, runs[*i].step_s));
+            }
+        }
+        recorders.push(of_recorder(unit, &of_unit, recordings, &mut runs, &agreements, known));
+    }
     let is_usable: Vec<bool> = runs.iter().map(|run| run.refusal().is_none()).collect();
     let compared = perturbed::find(recordings, &is_usable, &known.stops_m);
     for ((run, recording), perturbations) in runs.iter_mut().zip(recordings).zip(compared.runs) {
@@ -305,15 +315,10 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
         // Only beside locations that are right is a speed known to stand still.
         places::stuck_speeds(rows, &mut findings);
         places::two_directions(rows, &mut findings);
-        clock::lost_seconds(rows, &mut findings);
     }
     clock::gaps(rows, &mut findings);
     let step_s = clock::usual_step_s(rows);
-    let agreement = if is_usable(&findings) {
-        agreement(&parts(rows, step_s).iter().map(Vec::as_slice).collect::<Vec<_>>())
-    } else {
-        None
-    };
+    let agreement = if is_usable(&findings) { agreement_of(rows, step_s) } else { None };
     let run = RunCheck {
         name: recording.name.clone(),
         unit: recording.unit.clone(),
@@ -326,6 +331,10 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
         perturbations: Vec::new(),
     };
     (run, agreement)
+}
+
+fn agreement_of(rows: &[Sample], step_s: f64) -> Option<Agreement> {
+    agreement(&parts(rows, step_s).iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
 /// Rows with time, location and speed, the location growing, cut where the time or the location does not go on as usual.
@@ -391,12 +400,12 @@ fn shown(step_kmh: Option<f64>, offset_kmh: Figure) -> Shown {
 
 fn of_recorder(
     unit: String,
+    of_unit: &[usize],
     recordings: &mut [Recording],
     runs: &mut [RunCheck],
     agreements: &[Option<Agreement>],
     known: &Known,
 ) -> RecorderCheck {
-    let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
     let rows = || of_unit.iter().flat_map(|i| &recordings[*i].rows);
     let speed_step_kmh = steps::of_speed_kmh(rows());
     let location_step_m = steps::of_location_m(rows());
@@ -424,26 +433,17 @@ fn of_recorder(
     let Some(all) = pooled(&compared) else {
         return recorder;
     };
-    let values = recorder.decide(&all, known, lost_share(of_unit.iter().map(|i| &runs[*i])));
+    let values = recorder.decide(&all, known);
     for (i, agreement) in of_unit.iter().zip(&agreements) {
         if let Some(agreement) = agreement {
             own::judged(&mut runs[*i], agreement, values);
         }
     }
     recorder.skews(runs, known);
-    for (i, agreement) in of_unit.into_iter().zip(&agreements) {
+    for (i, agreement) in of_unit.iter().copied().zip(&agreements) {
         own::of(&recorder, &mut runs[i], agreement.as_ref(), known).put_right(&mut recordings[i].rows);
     }
     recorder
-}
-
-/// Seconds that were seen to be lost, as a share of the time: mean of these runs.
-fn lost_share<'a>(runs: impl Iterator<Item = &'a RunCheck> + Clone) -> f64 {
-    let of_run = |run: &RunCheck| {
-        let lost = run.findings.iter().find(|finding| finding.kind == Kind::LostSeconds);
-        lost.map_or(0.0, |lost| 0.01 * lost.figure.value / run.step_s)
-    };
-    runs.clone().map(of_run).sum::<f64>() / runs.count().max(1) as f64
 }
 
 fn put_right(here: bool) -> Done {
@@ -461,8 +461,8 @@ impl RecorderCheck {
         }
     }
 
-    /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, as the skews are judged with. `lost`: share of the time.
-    fn decide(&mut self, all: &Pooled, known: &Known, lost: f64) -> Vector2<f64> {
+    /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, as the skews are judged with.
+    fn decide(&mut self, all: &Pooled, known: &Known) -> Vector2<f64> {
         let offset_kmh = all.offset_kmh();
         self.offset_kmh = Some(offset_kmh);
         let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
@@ -486,10 +486,8 @@ impl RecorderCheck {
             self.said(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
         }
         let matters = (scale.value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE;
-        // As many seconds may be lost unseen, at low speeds, or have been put where they were not lost, as were seen.
-        let unseen = (scale.value - 1.0).abs() < lost;
         // No recorder has such an offset: the model does not fit, and its scale is no wheel.
-        self.is_wheel = matters && !odd && !unseen;
+        self.is_wheel = matters && !odd;
         if matters {
             self.said(Kind::SpeedScale, scale, "", put_right(!known.scale && self.is_wheel));
         }

@@ -1,0 +1,263 @@
+//! A clock that loses a second at even intervals: from then on the locations are one second further than the distance by speed.
+//!
+//! ```text
+//! Δx - ∫ v_r dt = (1/s - 1) ∫ v_r dt + (o/s) Δt + τ Δv_r + n v · 1 s + noise       n: lost seconds between the two rows
+//! ```
+//!
+//! A wheel, truncation and an old speed are in the model beside it, so that a ramp is no staircase. The steps lie at `phase + k period` of the recorder's clock: the
+//! period is one of the recorder, the phase one of each run. Single steps may drown in the noise of the location; some dozens at even intervals do not.
+
+use crate::agreement::{Differences, Figure, Fit, PAIR_S, best_fit, spread, whitened};
+use crate::finding::{Done, Finding, Kind};
+use crate::{RunCheck, parts, places};
+use nalgebra::{Matrix3, Vector3};
+use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
+
+/// Periods that are looked for, s. A longer one does less than a wheel that matters.
+const PERIODS_S: [f64; 2] = [40.0, 800.0];
+/// Where the location is usually off by a smaller share of the distance, no clock is slow.
+const LEAST_EXCESS: f64 = 0.0008;
+/// Runs that the period is looked for in: the longest ones. So many more confirm it.
+const ASKED: usize = 3;
+const CONFIRM: usize = 3;
+/// Phases that are tried for a period, at first.
+const PHASES: usize = 24;
+/// Nats by which the staircases of all asked runs must beat the model without them, beyond the choice of period and phases.
+const LEAST_GAIN: f64 = 12.0;
+/// The steps must be a second high, within this, s, and so many standard deviations from none.
+const NEAR_SECOND_S: f64 = 0.25;
+const SURE: f64 = 6.0;
+/// Nats by which the phase of a run must beat the opposite one.
+const LEAST_PHASE_GAIN: f64 = 4.0;
+
+/// Seconds are lost at these times of the recorder's clock.
+#[derive(Clone, Copy, Debug)]
+struct Comb {
+    period_s: f64,
+    phase_s: f64,
+}
+
+impl Comb {
+    /// Seconds that were lost up to a time, but for a constant.
+    fn lost(&self, time_s: f64) -> f64 {
+        ((time_s - self.phase_s) / self.period_s).floor()
+    }
+}
+
+/// A run as the comb sees it: its differences, and what the other causes leave of them.
+struct Compared {
+    differences: Differences,
+    fit: Fit,
+    inverse: Matrix3<f64>,
+}
+
+impl Compared {
+    fn of(rows: &[Sample], step_s: f64) -> Option<Self> {
+        let parts = parts(rows, step_s);
+        Self::fitted(Differences::of(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>()))
+    }
+
+    fn fitted(differences: Differences) -> Option<Self> {
+        let fit = best_fit(&differences)?;
+        let inverse = (fit.information * fit.variance).try_inverse()?;
+        Some(Self { differences, fit, inverse })
+    }
+
+    fn duration_s(&self) -> f64 {
+        let ends = &self.differences.end_s;
+        ends.last().zip(ends.first()).map_or(0.0, |(last, first)| last - first)
+    }
+
+    /// Metres that the lost seconds add to each difference.
+    fn steps_m(&self, comb: Comb) -> Vec<f64> {
+        let Differences { by_speed, dt, end_s, .. } = &self.differences;
+        let step_m = |i: usize| (comb.lost(end_s[i]) - comb.lost(end_s[i] - dt[i])) * by_speed[i] / dt[i];
+        (0..dt.len()).map(step_m).collect()
+    }
+
+    /// What the data say of the height of the steps, s, and the nats by which steps of that height beat none; the noise as without them. Beside a good odometer each step
+    /// is an outlier, and drawn in: the height is right where the second is taken off already.
+    fn height_s(&self, comb: Comb) -> (Figure, f64) {
+        let fit = &self.fit;
+        let column = whitened(&self.differences, fit.ratio, &self.steps_m(comb), &mut Vec::new());
+        let dot = |a: &[f64]| a.iter().zip(&column).map(|(a, b)| a * b).sum::<f64>();
+        let cross = Vector3::from_fn(|i, _| dot(&fit.columns[i]));
+        // What a wheel, an offset and an old speed leave of the staircase.
+        let left = dot(&column) - cross.dot(&(self.inverse * cross));
+        if left <= 1e-9 {
+            return (Figure { value: 0.0, sd: f64::INFINITY }, 0.0);
+        }
+        let score = dot(&fit.residuals);
+        let height_s = Figure { value: score / left, sd: (fit.variance / left).sqrt() };
+        (height_s, 0.5 * score * score.max(0.0) / (left * fit.variance))
+    }
+
+    /// Puts the times of a run right, and says so.
+    fn finding(&self, period_s: f64, rows: &mut [Sample], step_s: f64) -> Finding {
+        let comb = self.comb(period_s);
+        let value = 100.0 * step_s / comb.map_or(period_s, |comb| comb.period_s);
+        let sd = value * PAIR_S.max(step_s) / self.duration_s().max(period_s) / 3.0_f64.sqrt();
+        let (count, line, done) = match comb {
+            Some(comb) => {
+                let lost = lost_at(rows, comb);
+                move_times(rows, &lost);
+                (lost.len(), lost.first().map_or(0, |i| rows[*i].line), Done::PutRight)
+            }
+            None => ((self.duration_s() / period_s) as usize, 0, Done::Said),
+        };
+        let figure = Figure { value, sd };
+        Finding { kind: Kind::LostSeconds, figure, unit: "% of the rows", count, line, done }
+    }
+
+    /// Where this run loses its seconds; none where that is not known.
+    fn comb(&self, period_s: f64) -> Option<Comb> {
+        let spacing_s = period_s * period_s / (2.0 * self.duration_s().max(period_s));
+        let periods = around(period_s, spacing_s.min(0.02 * period_s)).into_iter();
+        let tried = periods.map(|period_s| self.phase(period_s, phases(period_s)));
+        let (comb, gain) = tried.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let opposite = Comb { phase_s: comb.phase_s + 0.5 * comb.period_s, ..comb };
+        (gain - self.height_s(opposite).1 > LEAST_PHASE_GAIN).then_some(comb)
+    }
+
+    /// The best phase for a period, with its nats.
+    fn phase(&self, period_s: f64, phases: usize) -> (Comb, f64) {
+        let at = |i: usize| Comb { period_s, phase_s: period_s * i as f64 / phases as f64 };
+        let tried = (0..phases).map(at).map(|comb| (comb, self.height_s(comb).1));
+        tried.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((at(0), 0.0))
+    }
+
+    /// The same without the steps, its noise fitted again.
+    fn without(&self, comb: Comb) -> Option<Self> {
+        let mut differences = self.differences.clone();
+        for (value, step_m) in differences.y.iter_mut().zip(self.steps_m(comb)) {
+            *value -= step_m;
+        }
+        Self::fitted(differences)
+    }
+}
+
+/// Looks for a clock that loses seconds in the runs of one recorder, says so and puts their times right. Out: was one found?
+pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &mut [RunCheck]) -> bool {
+    let usable = of_unit.iter().copied().filter(|i| runs[*i].refusal().is_none());
+    let mut longest: Vec<(usize, f64)> = usable.map(|i| (i, length_m(&recordings[i].rows))).collect();
+    longest.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    let of = |(i, _): &(usize, f64)| Compared::of(&recordings[*i].rows, runs[*i].step_s);
+    let mut asked: Vec<Compared> = longest.iter().take(ASKED).filter_map(of).collect();
+    let Some(period_s) = likely_period_s(&asked) else {
+        return false;
+    };
+    asked.extend(longest.iter().skip(ASKED).take(CONFIRM).filter_map(of));
+    if !is_confirmed(&asked, period_s) {
+        return false;
+    }
+    for (i, _) in longest {
+        let (rows, run) = (&mut recordings[i].rows, &mut runs[i]);
+        if let Some(compared) = Compared::of(rows, run.step_s) {
+            run.findings.push(compared.finding(period_s, rows, run.step_s));
+        }
+    }
+    true
+}
+
+/// How far the locations reach, m.
+fn length_m(rows: &[Sample]) -> f64 {
+    let located = || rows.iter().filter_map(|row| row.location_m);
+    located().fold(f64::MIN, f64::max) - located().fold(f64::MAX, f64::min)
+}
+
+/// The period that these runs like best; none where the locations do not run ahead of the speeds, or behind.
+fn likely_period_s(asked: &[Compared]) -> Option<f64> {
+    let sum = |of: fn(&Differences) -> &Vec<f64>| -> f64 { asked.iter().flat_map(|run| of(&run.differences)).sum() };
+    let excess = sum(|differences| &differences.y) / sum(|differences| &differences.by_speed).max(1.0);
+    if excess.abs() < LEAST_EXCESS {
+        return None;
+    }
+    // Lost seconds alone add no more than is there; beside a wheel that reads high anything is possible.
+    let shortest_s = if excess > 0.0 { (0.7 / excess).clamp(PERIODS_S[0], PERIODS_S[1]) } else { PERIODS_S[0] };
+    let duration_s = asked.iter().map(Compared::duration_s).fold(PERIODS_S[1], f64::max);
+    let nats = |period_s: f64, phases| asked.iter().map(|run| run.phase(period_s, phases).1).sum::<f64>();
+    // At the ends of the longest run the staircase is off by an eighth of its period at most.
+    let spacing_s = |period_s: f64| period_s * period_s / (2.0 * duration_s);
+    let next = |period_s: &f64| Some(period_s + spacing_s(*period_s)).filter(|next| *next < PERIODS_S[1]);
+    let coarse: Vec<f64> = std::iter::successors(Some(shortest_s), next).collect();
+    let best = |periods: &[f64], phases| {
+        let tried = periods.iter().map(|period_s| (*period_s, nats(*period_s, phases)));
+        tried.max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let (near_s, gain) = best(&coarse, PHASES)?;
+    if gain < LEAST_GAIN {
+        return None;
+    }
+    // Every second or third step of a staircase is one, too, and half a step in between is better than none.
+    let parts = [1.0 / 3.0, 0.5, 1.0, 2.0, 3.0].map(|part| near_s / part);
+    let within = parts.into_iter().filter(|part_s| (shortest_s..=PERIODS_S[1]).contains(part_s));
+    let near: Vec<f64> = within.flat_map(|part_s| around(part_s, spacing_s(part_s))).collect();
+    best(&near, phases(3.0 * near_s)).map(|(period_s, _)| period_s)
+}
+
+/// The runs are clearly better off without the seconds, which are seconds.
+fn is_confirmed(asked: &[Compared], period_s: f64) -> bool {
+    let choices = phases(period_s) as f64 * PERIODS_S[1] / PERIODS_S[0];
+    let (mut gain, mut score, mut information) = (0.0, 0.0, 0.0);
+    for run in asked {
+        let comb = run.comb(period_s).unwrap_or_else(|| run.phase(period_s, phases(period_s)).0);
+        let Some(without) = run.without(comb) else {
+            return false;
+        };
+        gain += without.fit.log_likelihood - run.fit.log_likelihood - choices.ln();
+        let (left_s, _) = without.height_s(comb);
+        let weight = left_s.sd.powi(-2);
+        (score, information) = (score + weight * (1.0 + left_s.value), information + weight);
+    }
+    let height_s = Figure { value: score / information, sd: information.sqrt().recip() };
+    gain > LEAST_GAIN && (height_s.value - 1.0).abs() < NEAR_SECOND_S && height_s.away_from(0.0) > SURE
+}
+
+/// Periods around one, as far as its neighbours.
+fn around(period_s: f64, spacing_s: f64) -> Vec<f64> {
+    (-8..=8).map(|i| period_s + spacing_s * f64::from(i) / 8.0).collect()
+}
+
+/// Phases that differ by no less than the rows that are compared.
+fn phases(period_s: f64) -> usize {
+    (period_s / PAIR_S).ceil() as usize
+}
+
+/// Rows that hold a lost second: where the staircase says, or, if one nearby stands out, there.
+fn lost_at(rows: &[Sample], comb: Comb) -> Vec<usize> {
+    let sign = places::heading(rows);
+    // Metres by location beyond those by speed, and the speed.
+    let beyond: Vec<Option<[f64; 2]>> = rows
+        .windows(2)
+        .map(|pair| {
+            let speed_mps = 0.5 * (pair[0].speed_mps? + pair[1].speed_mps?);
+            let by_location_m = sign * (pair[1].location_m? - pair[0].location_m?);
+            Some([by_location_m - speed_mps * (pair[1].time_s - pair[0].time_s), speed_mps])
+        })
+        .collect();
+    let metres: Vec<f64> = beyond.iter().flatten().map(|[metres, _]| *metres).collect();
+    let sd_m = spread(&metres);
+    let stands_out = |i: usize| {
+        let [metres, speed_mps] = beyond.get(i.checked_sub(1)?).copied().flatten()?;
+        (metres > 0.5 * speed_mps && metres > 3.0 * sd_m).then_some(metres)
+    };
+    let predicted = (1..rows.len()).filter(|i| comb.lost(rows[*i].time_s) > comb.lost(rows[i - 1].time_s));
+    let mut lost: Vec<usize> = predicted
+        .map(|at| {
+            let near = |i: &usize| (rows[*i].time_s - rows[at].time_s).abs() <= PAIR_S;
+            let around = (at.saturating_sub(8)..(at + 9).min(rows.len())).filter(near);
+            let seen = around.filter_map(|i| Some((i, stands_out(i)?)));
+            seen.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(at, |(i, _)| i)
+        })
+        .collect();
+    lost.dedup();
+    lost
+}
+
+/// From each of these rows on a second later.
+fn move_times(rows: &mut [Sample], lost: &[usize]) {
+    for (i, row) in rows.iter_mut().enumerate() {
+        row.time_s += lost.partition_point(|at| *at <= i) as f64;
+    }
+}
