@@ -12,6 +12,7 @@
 //! what they did not demand was not observed. Fewer than [`LEAST_RUNS`] runs show no habit. Runs that the replay set aside count nowhere.
 
 use rundown::model::resistance::Davis;
+use rundown_files::refusal::{Place, ReadError};
 use rundown_files::train_file::TrainFile;
 use rundown_wire::Learned;
 use serde::Deserialize;
@@ -93,29 +94,33 @@ struct Features {
     power_max_w_per_kg: Option<f64>,
 }
 
-/// Reads the results in `folder`; `unit` where the replay has several. What is wrong is said.
-pub fn read(folder: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTrain, String> {
-    let (described, _) = TrainFile::read(train).map_err(|error| error.to_string())?;
+/// Reads the results in `folder`; `unit` where the replay has several.
+///
+/// # Errors
+/// [`ReadError`] of the train file, or of the results.
+pub fn read(folder: &Path, train: &Path, unit: Option<&str>) -> Result<LearnedTrain, ReadError> {
+    let (described, _) = TrainFile::read(train)?;
     let path = folder.join("replay.json");
-    let refused = |place: String, message: String| format!("{}{place}: {message}", path.display());
-    let text = std::fs::read_to_string(&path);
-    let text = text.map_err(|error| refused(String::new(), format!("cannot be read: {error}")))?;
+    let text = std::fs::read_to_string(&path).map_err(|source| ReadError::Io { path: path.clone(), source })?;
     log::info!("read {}", path.display());
     let results = serde_json::from_str(&text).map_err(|error| {
-        let place = format!(":{}:{}", error.line(), error.column());
-        refused(place, format!("expected the results of `rundown replay`, found {error}"))
+        let place = Place { file: path.clone(), line: Some(error.line()), column: Some(error.column()) };
+        place.refuse("", format!("expected the results of `rundown replay`, found {error}"))
     })?;
-    learn(described, results, unit).map_err(|message| refused(String::new(), message))
+    learn(described, results, unit).map_err(|(field, message)| Place::of_file(path).refuse(field, message).into())
 }
 
-fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Result<LearnedTrain, String> {
+/// A field of the results, and what is wrong with it.
+type Wrong = (&'static str, String);
+
+fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Result<LearnedTrain, Wrong> {
     if results.train != described.name {
         let (found, expected) = (results.train, described.name);
-        return Err(format!("train: expected `{expected}`, as in the train file, found `{found}`"));
+        return Err(("train", format!("expected `{expected}`, as in the train file, found `{found}`")));
     }
     if !results.carried {
         let expected = "expected a vehicle that is carried from run to run";
-        return Err(format!("carried: {expected}, found a replay made with --no-carry"));
+        return Err(("carried", format!("{expected}, found a replay made with --no-carry")));
     }
     let mut units: Vec<&String> = results.runs.iter().map(|run| &run.unit).collect();
     units.sort();
@@ -125,14 +130,15 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
         (Some(named), _) if units.iter().any(|unit| *unit == named) => named,
         _ => {
             let found = unit.map_or_else(|| "none named".to_owned(), |unit| format!("{unit:?}"));
-            return Err(format!("unit: expected one of {units:?}, found {found}"));
+            return Err(("unit", format!("expected one of {units:?}, found {found}")));
         }
     };
     let all = results.runs.iter().filter(|run| run.unit == chosen);
     let runs: Vec<&Run> = all.clone().filter(|run| run.used).collect();
     let Some(last) = runs.last() else {
         let set_aside = all.count();
-        return Err(format!("runs: expected at least one that was used, found none; {set_aside} were set aside"));
+        let message = format!("expected at least one that was used, found none; {set_aside} were set aside");
+        return Err(("runs", message));
     };
     check_published(last)?;
     let Vehicle { r0, r1, r2, .. } = last.vehicle;
@@ -147,7 +153,7 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
     let power = limit(described.max_power_w, |f| f.power_max_w_per_kg);
     let (max_tractive_effort_n, max_power_w) = (effort.capability(), power.capability());
     let train = TrainFile { davis: Davis { r0, r1, r2 }, max_tractive_effort_n, max_power_w, ..described };
-    train.train().map_err(|error| format!("what was learned is no train: {error}"))?;
+    train.train().map_err(|error| ("", format!("what was learned is no train: {error}")))?;
     Ok(LearnedTrain {
         train,
         davis_sd: [last.vehicle.sd_r0, last.vehicle.sd_r1, last.vehicle.sd_r2],
@@ -158,7 +164,7 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
 }
 
 /// Only what the board would publish as learned is learned.
-fn check_published(last: &Run) -> Result<(), String> {
+fn check_published(last: &Run) -> Result<(), Wrong> {
     let Run { unit, foresight: Foresight { published }, .. } = last;
     if published == Learned::Learned.as_str() {
         return Ok(());
@@ -168,10 +174,11 @@ fn check_published(last: &Run) -> Result<(), String> {
     } else {
         "the notes of the replay say what to look at"
     };
-    Err(format!(
-        "runs: expected a resistance that would be published as learned, \
+    let message = format!(
+        "expected a resistance that would be published as learned, \
          found `{published}` after the last run of unit {unit:?}; {advice}"
-    ))
+    );
+    Err(("runs", message))
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -195,7 +202,7 @@ mod tests {
         )
     }
 
-    fn learned(runs: &[String], unit: Option<&str>) -> Result<LearnedTrain, String> {
+    fn learned(runs: &[String], unit: Option<&str>) -> Result<LearnedTrain, Wrong> {
         let (train, _) = TrainFile::parse("t.toml".as_ref(), TRAIN).unwrap();
         let text = format!("{{\"train\":\"unit\",\"carried\":true,\"runs\":[{}]}}", runs.join(","));
         learn(train, serde_json::from_str(&text).unwrap(), unit)
@@ -226,14 +233,14 @@ mod tests {
     #[test]
     fn what_is_not_published_is_no_train() {
         let worse = run("7", 0.0070, "null", "null").replace("\"learned\"", "\"predicts_worse\"");
-        assert!(learned(std::slice::from_ref(&worse), None).unwrap_err().contains("found `predicts_worse`"));
+        assert!(learned(std::slice::from_ref(&worse), None).unwrap_err().1.contains("found `predicts_worse`"));
         assert!(learned(&[worse, run("7", 0.0070, "null", "null")], None).is_ok());
     }
 
     #[test]
     fn what_is_not_yet_learned_is_no_learned_train() {
         let not_yet = run("7", 0.0070, "null", "null").replace("\"learned\"", "\"not_yet\"");
-        let error = learned(&[not_yet], None).unwrap_err();
+        let (_, error) = learned(&[not_yet], None).unwrap_err();
         assert!(error.contains("found `not_yet`") && error.ends_with("replay more runs with coasting"), "{error}");
     }
 
@@ -246,14 +253,14 @@ mod tests {
         assert_eq!((found.runs, found.effort.used.map(|used| used.runs)), (2, Some(3)));
         assert!((found.effort.used.unwrap().median - 0.6 * 385_840.0).abs() < 1e-6);
         let error = learned(&[aside], None).unwrap_err();
-        assert_eq!(error, "runs: expected at least one that was used, found none; 1 were set aside");
+        assert_eq!(error, ("runs", "expected at least one that was used, found none; 1 were set aside".to_owned()));
     }
 
     #[test]
     fn a_unit_is_asked_for_where_there_are_several() {
         let runs = [run("7", 0.0070, "null", "null"), run("8", 0.0080, "null", "null")];
         let error = learned(&runs, None).unwrap_err();
-        assert_eq!(error, "unit: expected one of [\"7\", \"8\"], found none named");
+        assert_eq!(error, ("unit", "expected one of [\"7\", \"8\"], found none named".to_owned()));
         assert_eq!(learned(&runs, Some("8")).unwrap().train.davis.r0, 0.0080);
         assert!(learned(&runs, Some("9")).is_err());
         assert!(learned(&[], None).is_err());
@@ -261,7 +268,7 @@ mod tests {
 
     #[test]
     fn what_no_train_has_is_refused() {
-        let error = learned(&[run("7", -0.1, "null", "null")], None).unwrap_err();
+        let (_, error) = learned(&[run("7", -0.1, "null", "null")], None).unwrap_err();
         assert_eq!(error, "what was learned is no train: davis.r0: expected 0.00001 to 1, found -0.1");
     }
 }

@@ -3,11 +3,11 @@
 //! | question | module |
 //! |---|---|
 //! | the command `rundown` | [`commands`] |
-//! | how do logs of any recorder become run logs? | `import` |
+//! | how do logs of any recorder become run logs? | [`import`] |
 //! | what did a recorder do to its logs? | [`checking`] |
 //! | how are recorded runs replayed? | [`replaying`], of logs [`logs`] can read, or of Parquet files (`parquet_runs`) |
 //! | what invalidates a whole replay? where are its results written? | `advice`, [`output`], `report` |
-//! | what does another tool get of what was learned? | `learned_train`, `exchange` |
+//! | what does another tool get of what was learned? | [`exporting`]: `learned_train`, `exchange` |
 //! | how does a scenario become a folder of logs? | [`simulation`] |
 //! | what does the paper's case study say, and is it true? | `study` |
 //! | what would be the paper's best filter? | `tune` |
@@ -34,9 +34,10 @@ pub mod desk;
 #[cfg(feature = "link")]
 pub mod display;
 mod exchange;
+pub mod exporting;
 pub mod gap_bench;
 pub mod gradient_bench;
-mod import;
+pub mod import;
 mod learned_train;
 #[cfg(feature = "link")]
 pub mod link;

@@ -6,21 +6,26 @@ from typing import Literal, Protocol, Union, final
 _Path = Union[str, PathLike[str]]
 _Paths = Union[_Path, Sequence[_Path]]
 _Direction = Literal["auto", "up", "down"]
+_Format = Literal["sfera", "sumo", "osrd", "trainruns", "altrios"]
 _Runs = Union[bool, Callable[[int, int], object]]
 
 __version__: str
 
 __all__ = [
     "Check",
+    "Exported",
     "Figure",
     "Gap",
+    "Imported",
     "Replay",
     "RundownError",
     "Simulated",
     "Table",
     "__version__",
     "check",
+    "export",
     "gap",
+    "import_logs",
     "replay",
     "simulate",
 ]
@@ -127,6 +132,37 @@ class Gap:
     def write(self, out: _Path) -> None: ...
     def plot(self, what: Literal["residual", "coordinates", "law", "before_after"] = "residual") -> Figure: ...
 
+@final
+class Imported:
+    @property
+    def folder(self) -> Path: ...
+    @property
+    def failed(self) -> list[str]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def __len__(self) -> int: ...
+
+@final
+class Exported:
+    @property
+    def folder(self) -> Path: ...
+    @property
+    def files(self) -> list[Path]: ...
+    @property
+    def notes(self) -> list[str]: ...
+
+def import_logs(
+    files: _Paths | None = None,
+    *,
+    out: _Path,
+    mapping: _Path | None = None,
+    chainage: Literal["as-is", "stops", "line", "align"] | None = None,
+    track: _Path | None = None,
+    track_out: _Path | None = None,
+    strict: bool = False,
+) -> Imported: ...
 def replay(
     runs: _Paths | _ArrowTable,
     *,
@@ -169,3 +205,16 @@ def gap(
     as_recorded: bool = False,
     progress: bool | Callable[[str], object] | None = None,
 ) -> Gap: ...
+def export(
+    replay: _Path,
+    *,
+    train: _Path,
+    to: _Format | Sequence[_Format],
+    max_speed: int,
+    out: _Path,
+    traction: str | None = None,
+    company: str | None = None,
+    unit: str | None = None,
+    id: str | None = None,
+    tc_version: str = "1",
+) -> Exported: ...

@@ -3,6 +3,8 @@
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use rundown_files::refusal::{ReadError, Refusal};
+use sim_harness::exporting::ExportError;
+use sim_harness::import::ImportError;
 use sim_harness::logs::Failed;
 use sim_harness::replaying::ReplayError;
 use std::fmt::Display;
@@ -22,15 +24,19 @@ pub fn refused(reason: impl Display) -> PyErr {
 
 /// A refusal of a file.
 pub fn unread(error: ReadError) -> PyErr {
-    let text = error.to_string();
-    match &error {
-        ReadError::Refused(refusal) => with_place(&text, Some(refusal)),
-        ReadError::BadRows { rows, .. } => with_place(&text, rows.first()),
+    with_place_of(&error.to_string(), &error)
+}
+
+/// A message with the place of a refused file.
+fn with_place_of(text: &str, error: &ReadError) -> PyErr {
+    match error {
+        ReadError::Refused(refusal) => with_place(text, Some(refusal)),
+        ReadError::BadRows { rows, .. } => with_place(text, rows.first()),
         ReadError::Io { path, .. } => {
             let place = rundown_files::refusal::Place::of_file(path);
-            with_place(&text, Some(&place.refuse("", text.clone())))
+            with_place(text, Some(&place.refuse("", error.to_string())))
         }
-        _ => with_place(&text, None),
+        _ => with_place(text, None),
     }
 }
 
@@ -55,6 +61,24 @@ pub fn no_answer(refusal: rundown_gap::refusal::Refusal) -> PyErr {
     match &refusal {
         rundown_gap::refusal::Refusal::Unread { place, .. } => with_place(&text, place.as_deref()),
         _ => with_place(&text, None),
+    }
+}
+
+/// Why nothing was imported: the place is that of the first file.
+pub fn not_imported(error: ImportError) -> PyErr {
+    let text = error.to_string();
+    match error {
+        ImportError::Refused(error) => unread(error),
+        ImportError::Nothing { first: Some(first), .. } => with_place_of(&text, &first),
+        _ => refused(text),
+    }
+}
+
+/// Why nothing was exported.
+pub fn not_exported(error: ExportError) -> PyErr {
+    match error {
+        ExportError::Refused(error) => unread(error),
+        other => refused(other),
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! | question | module |
 //! |---|---|
-//! | how do the commands look from Python? | `replay`, `simulate`, `check`, `gap` |
+//! | how do the commands look from Python? | `import_logs`, `replay`, `simulate`, `check`, `gap`, `export` |
 //! | how does a table reach pandas, polars, pyarrow or DuckDB? | `table` |
 //! | how does one of theirs come as runs? | `runs` |
 //! | how are pictures seen? | `figure` |
@@ -16,8 +16,10 @@
 
 mod check;
 mod error;
+mod export;
 mod figure;
 mod gap;
+mod import_logs;
 mod paths;
 mod progress;
 mod replay;
@@ -34,9 +36,13 @@ mod _rundown {
     #[pymodule_export]
     use crate::error::RundownError;
     #[pymodule_export]
+    use crate::export::{Exported, export};
+    #[pymodule_export]
     use crate::figure::Figure;
     #[pymodule_export]
     use crate::gap::{Gap, gap};
+    #[pymodule_export]
+    use crate::import_logs::{Imported, import_logs};
     #[pymodule_export]
     use crate::replay::{Replay, replay};
     #[pymodule_export]

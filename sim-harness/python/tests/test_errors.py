@@ -77,6 +77,50 @@ def test_a_run_that_was_not_replayed_is_refused(reference):
         learned.estimates("run02")
 
 
+def test_an_import_is_refused_with_its_place(tmp_path):
+    log = tmp_path / "export.csv"
+    log.write_text("foo;bar\n1;2\n3;4\n5;6\n")
+    with pytest.raises(rundown.RundownError, match="expected columns for time") as caught:
+        rundown.import_logs(log, out=tmp_path / "runs")
+    assert caught.value.file == log and caught.value.reason.startswith("expected columns")
+    mapping = tmp_path / "import.toml"
+    mapping.write_text("[runs]\ngap_s = -1.0\n")
+    with pytest.raises(rundown.RundownError) as caught:
+        rundown.import_logs(log, out=tmp_path / "runs", mapping=mapping)
+    error = caught.value
+    assert (error.file, error.line, error.field) == (mapping, 2, "runs.gap_s")
+    with pytest.raises(rundown.RundownError, match="nowhere.csv") as caught:
+        rundown.import_logs(tmp_path / "nowhere.csv", out=tmp_path / "runs")
+    assert caught.value.file == tmp_path / "nowhere.csv"
+    with pytest.raises(rundown.RundownError, match="chainage: expected as-is, stops, line, align"):
+        rundown.import_logs(log, out=tmp_path / "runs", chainage="by eye")
+    assert not (tmp_path / "runs").exists()
+
+
+def test_an_export_is_refused_with_its_place(made, tmp_path):
+    learned, out = tmp_path / "learned", tmp_path / "out"
+    about = {"train": made.train, "max_speed": 140, "out": out}
+    with pytest.raises(rundown.RundownError, match="cannot be read") as caught:
+        rundown.export(learned, to="sumo", **about)
+    assert caught.value.file == learned / "replay.json"
+    rundown.replay(made.runs, train=made.train, track=made.track).write(learned)
+    with pytest.raises(rundown.RundownError) as caught:
+        rundown.export(learned, to="sumo", unit="nobody", **about)
+    assert (caught.value.file, caught.value.field) == (learned / "replay.json", "unit")
+    wrong = [
+        ({"to": "matlab"}, "to: expected sfera, sumo, osrd, trainruns, altrios"),
+        ({"to": "osrd"}, "traction: expected for sfera and osrd, found none"),
+        ({"to": "osrd", "traction": "steam"}, "traction: expected diesel, battery"),
+        ({"to": "sfera", "traction": "diesel"}, "company: expected for sfera, found none"),
+        ({"to": "sfera", "traction": "diesel", "company": "84"}, "company: expected a RICS code .* found \"84\""),
+        ({"to": "sumo", "max_speed": 0}, "max_speed: expected 1 to 600 km/h, found 0"),
+    ]
+    for options, expected in wrong:
+        with pytest.raises(rundown.RundownError, match=expected):
+            rundown.export(learned, **{**about, **options})
+    assert not out.exists()
+
+
 def test_progress_counts_the_runs(made, capsys):
     told = []
     rundown.replay(made.runs, train=made.train, track=made.track, progress=lambda *now: told.append(now))

@@ -3,6 +3,8 @@
 import csv
 import json
 
+import pytest
+
 import rundown
 
 
@@ -101,3 +103,69 @@ def test_gap(tunnel, command, tmp_path):
     same(found.pulls, tmp_path / "command" / "pulls.csv")
     same(found.before_after, tmp_path / "command" / "before_after.csv")
     assert found.to_json() == (tmp_path / "command" / "gap.json").read_text()
+
+
+def same_files(one, other):
+    """The same names and, but for the manifest, the same bytes."""
+    names = files(one)
+    assert names == files(other)
+    for name in without_times(names):
+        assert (one / name).read_bytes() == (other / name).read_bytes(), name
+
+
+@pytest.fixture
+def recorded(tmp_path):
+    """Two exports of a recorder from stop to stop: a semicolon between columns, decimal commas, and units in the headers."""
+    for number in (1, 2):
+        rows, location = [], 0.0
+        for second in range(300):
+            speed = min(second, 10 + number, (299 - second) / 2)
+            location += speed
+            rows.append(f"{second};{location};{3.6 * speed:.1f}".replace(".", ","))
+        text = "\n".join(["time [s];location [m];speed [km/h]", *rows])
+        (tmp_path / f"export{number}.csv").write_text(text + "\n")
+    return [tmp_path / "export1.csv", tmp_path / "export2.csv"]
+
+
+def test_import(recorded, command, tmp_path):
+    text = command("import", "--out", tmp_path / "out", "--track-out", tmp_path / "track.toml", *recorded)
+    (tmp_path / "out").rename(tmp_path / "command")
+    track = (tmp_path / "track.toml").read_bytes()
+    (tmp_path / "track.toml").unlink()
+    # Into the same place: `print` names it.
+    imported = rundown.import_logs(recorded, out=tmp_path / "out", track_out=tmp_path / "track.toml")
+    assert str(imported) == text
+    assert (len(imported), imported.failed) == (2, [])
+    same_files(tmp_path / "command", imported.folder)
+    assert (tmp_path / "track.toml").read_bytes() == track
+    again = rundown.import_logs(mapping=imported.folder / "import.toml", out=tmp_path / "again")
+    assert (again.folder / "export1_01.csv").read_bytes() == (imported.folder / "export1_01.csv").read_bytes()
+
+
+def test_the_options_of_an_import_reach_it(recorded, command, tmp_path):
+    command("import", "--chainage", "as-is", "--out", tmp_path / "command", *recorded)
+    rundown.import_logs(recorded, out=tmp_path / "python", chainage="as-is")
+    same_files(tmp_path / "command", tmp_path / "python")
+    usual = rundown.import_logs(recorded, out=tmp_path / "usual")
+    placed = json.loads((usual.folder / "import.json").read_text())["chainage"]
+    assert placed == "stops"
+
+
+def test_export(made, command, tmp_path):
+    learned = tmp_path / "learned"
+    rundown.replay(made.runs, train=made.train, track=made.track).write(learned)
+    formats = ["sfera", "sumo", "osrd", "trainruns", "altrios"]
+    about = ["--train", made.train, "--max-speed", 140, "--company", "0084", "--traction", "1500V"]
+    named = ["--id", "unit 7", "--tc-version", "3"]
+    out = tmp_path / "out"
+    text = command("export", "--to", ",".join(formats), *about, *named, "--out", out, learned)
+    out.rename(tmp_path / "command")
+    options = {"train": made.train, "max_speed": 140, "company": "0084", "traction": "1500V"}
+    exported = rundown.export(learned, to=formats, out=out, id="unit 7", tc_version="3", **options)
+    assert str(exported) == text
+    same_files(tmp_path / "command", out)
+    assert exported.files[-1] == out / "train.toml" and len(exported.files) == 6
+    # The learned train is one for a replay.
+    rundown.replay(made.runs, train=exported.files[-1], track=made.track)
+    one = rundown.export(learned, to="sumo", train=made.train, max_speed=140, out=tmp_path / "one")
+    assert [path.name for path in one.files] == ["sumo.add.xml", "train.toml"]

@@ -1,12 +1,8 @@
 //! `rundown export`: the results of a replay in; the learned train as other tools take it out.
 
 use super::{Failure, WRONG_ARGUMENTS, screen};
-use crate::exchange::sfera::{self, Identity, Traction};
-use crate::exchange::{self, Format, provenance};
-use crate::learned_train;
-use crate::output::files;
-use rundown_files::WriteError;
-use rundown_files::folder::{self, Provenance};
+use crate::exchange::sfera;
+use crate::exporting::{ExportError, Format, Order, Traction};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -69,59 +65,34 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-impl Arguments {
-    /// What the formats need beside the train; an argument that none of them reads may be missing.
-    fn identity(&self, formats: &[Format], name: &str) -> Result<Identity, Failure> {
-        let missing = |argument: &str| Failure {
-            message: format!("{argument}: expected for --to sfera and, but for --company, --to osrd; found none"),
-            code: WRONG_ARGUMENTS,
-        };
-        let needs = |some: &[Format]| formats.iter().any(|format| some.contains(format));
-        if needs(&[Format::Sfera]) && self.company.is_none() {
-            return Err(missing("--company"));
+impl From<ExportError> for Failure {
+    fn from(error: ExportError) -> Self {
+        match error {
+            ExportError::Argument { name, reason } => {
+                Self { message: format!("--{}: {reason}", name.replace('_', "-")), code: WRONG_ARGUMENTS }
+            }
+            ExportError::Write(error) => error.into(),
+            refused => Self::refused(refused),
         }
-        if needs(&[Format::Sfera, Format::Osrd]) && self.traction.is_none() {
-            return Err(missing("--traction"));
-        }
-        Ok(Identity {
-            company: self.company.clone().unwrap_or_default(),
-            id: self.id.clone().unwrap_or_else(|| name.to_owned()),
-            version: self.tc_version.clone(),
-            traction: self.traction.unwrap_or(Traction::Diesel),
-            max_speed_kmh: self.max_speed,
-        })
     }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let begun = Provenance::begin(&[arguments.replay.join("replay.json"), arguments.train.clone()]);
     let mut formats = arguments.to.clone();
     formats.extend(arguments.sfera.then_some(Format::Sfera));
-    let learned = learned_train::read(&arguments.replay, &arguments.train, arguments.unit.as_deref())
-        .map_err(Failure::refused)?;
-    let train = &learned.train;
-    let identity = arguments.identity(&formats, &train.name)?;
-    let mut written = Vec::new();
-    for format in formats {
-        let content = exchange::write(format, &learned, &identity);
-        let content = content.map_err(|why| Failure::refused(format!("{}: {why}", format.file_name())))?;
-        written.push((format.file_name(), content));
-    }
-    written.push(("train.toml", toml::to_string(train).map_err(Failure::not_written)?.into_bytes()));
-    let out = &arguments.out;
-    folder::write("export", out, &begun, |folder| -> Result<(), WriteError> {
-        let write = |(name, content): &(&str, Vec<u8>)| {
-            files::file(&folder.join(name), |file| std::io::Write::write_all(file, content))
-        };
-        written.iter().try_for_each(write)
-    })?;
-    let said = provenance::sentences(&learned, train.mass_kg).join("\n");
-    let [mass_t, factor] = [train.mass_kg / 1000.0, train.rotating_mass_factor];
-    let names: Vec<&str> = written.iter().map(|(name, _)| *name).collect();
-    let files = format!("files: {} in {}", names.join(", "), out.display());
-    screen::print(&format!("train: {}, {mass_t:.0} t, rotating mass factor {factor}\n{said}\n{files}\n", train.name));
-    if !train.effect.is_empty() {
-        screen::note("the train has named effects, which only train.toml can hold");
-    }
+    let order = Order {
+        replay: arguments.replay.clone(),
+        train: arguments.train.clone(),
+        formats,
+        unit: arguments.unit.clone(),
+        company: arguments.company.clone(),
+        traction: arguments.traction,
+        max_speed_kmh: arguments.max_speed,
+        id: arguments.id.clone(),
+        tc_version: arguments.tc_version.clone(),
+    };
+    let exported = order.export(&arguments.out)?;
+    screen::print(&exported.said);
+    exported.notes.iter().for_each(|note| screen::note(note));
     Ok(ExitCode::SUCCESS)
 }

@@ -1,8 +1,7 @@
 //! `rundown import`: logs of any recorder in; run logs, their index, and an account of what was done out.
 
 use super::{Failure, SOME_RUNS_FAILED, Strict, screen};
-use crate::import::mapping::{Mapping, Method};
-use crate::import::{ImportError, Imported, Order};
+use crate::import::{ImportError, Imported, Method, Order};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -52,8 +51,8 @@ pub struct Arguments {
 impl From<ImportError> for Failure {
     fn from(error: ImportError) -> Self {
         match error {
-            ImportError::Nothing(message) => Self::no_runs(message),
-            ImportError::Refused(message) => Self::refused(message),
+            ImportError::Nothing { message, .. } => Self::no_runs(message),
+            ImportError::Refused(error) => error.into(),
             ImportError::Strict(message) => Self { message, code: SOME_RUNS_FAILED },
             ImportError::Write(error) => error.into(),
         }
@@ -61,17 +60,10 @@ impl From<ImportError> for Failure {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let mut mapping = arguments.mapping.as_deref().map(Mapping::read).transpose()?.unwrap_or_default();
-    mapping.chainage.method = arguments.chainage.or(mapping.chainage.method);
-    mapping.chainage.track = arguments.track.clone().or(mapping.chainage.track);
-    let order = Order {
-        files: arguments.files.clone(),
-        mapping,
-        mapping_file: arguments.mapping.clone(),
-        out: arguments.out.clone(),
-        track_out: arguments.track_out.clone(),
-        strict: arguments.strict.strict,
-    };
+    let mut order = Order::new(arguments.files.clone(), arguments.mapping.clone(), arguments.out.clone())?;
+    order.place_by(arguments.chainage, arguments.track.clone());
+    order.track_out.clone_from(&arguments.track_out);
+    order.strict = arguments.strict.strict;
     let done = if let Some(path) = &arguments.preview {
         let (done, picture) = order.preview()?;
         crate::output::files::whole(path, &picture)?;
@@ -87,13 +79,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 }
 
 fn said(done: &Imported, arguments: &Arguments) -> ExitCode {
-    done.errors.iter().for_each(|error| screen::error(error));
+    done.errors.iter().for_each(|error| screen::error(&error.to_string()));
     done.notes.iter().for_each(|note| screen::note(note));
-    done.lines.iter().for_each(|line| screen::print(&format!("{line}\n")));
-    let last = match &arguments.preview {
-        Some(path) => format!("picture: {}", path.display()),
-        None => format!("{} runs in {}", done.runs, arguments.out.display()),
-    };
-    screen::print(&format!("{last}\n"));
+    screen::print(&match &arguments.preview {
+        Some(path) => format!("{}\npicture: {}\n", done.lines.join("\n"), path.display()),
+        None => done.words(&arguments.out),
+    });
     if done.errors.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(SOME_RUNS_FAILED) }
 }

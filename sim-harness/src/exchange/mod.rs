@@ -44,6 +44,20 @@ pub enum Format {
 }
 
 impl Format {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Sfera, Self::Sumo, Self::Osrd, Self::Trainruns, Self::Altrios];
+
+    /// As `--to` takes it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sfera => "sfera",
+            Self::Sumo => "sumo",
+            Self::Osrd => "osrd",
+            Self::Trainruns => "trainruns",
+            Self::Altrios => "altrios",
+        }
+    }
+
     /// Name of the file.
     pub fn file_name(self) -> &'static str {
         match self {

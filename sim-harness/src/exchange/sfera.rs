@@ -35,16 +35,21 @@ pub struct Identity {
     pub max_speed_kmh: u16,
 }
 
+/// Energy of the traction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Traction {
     /// Overhead line or third rail.
     Electrical {
+        /// Nominal voltage, V.
         volts: u32,
         /// Frequency, mHz; 0: direct current.
         millihertz: u32,
     },
+    /// A battery that is charged at a stand.
     Battery,
+    /// A diesel engine.
     Diesel,
+    /// Fuel cells.
     Hydrogen,
 }
 

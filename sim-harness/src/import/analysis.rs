@@ -8,6 +8,7 @@ use super::source::Source;
 use super::source::row::refused;
 use super::units;
 use rundown_files::folder::MANIFEST;
+use rundown_files::refusal::ReadError;
 use std::path::{Path, PathBuf};
 
 /// Files that are read in the same way.
@@ -23,7 +24,7 @@ pub struct Group {
 }
 
 /// What can be read, and the errors of what cannot.
-pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<String>) {
+pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<ReadError>) {
     let mut refusals = Vec::new();
     let mut alike: Vec<(SourceMapping, Vec<Source>)> = Vec::new();
     for path in files {
@@ -43,7 +44,7 @@ pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<String>
                     None => alike.push((said, vec![source])),
                 }
             }
-            Err(error) => refusals.push(error.to_string()),
+            Err(error) => refusals.push(error),
         }
     }
     let mut groups = Vec::new();
@@ -51,7 +52,7 @@ pub fn analyse(files: &[PathBuf], mapping: &Mapping) -> (Vec<Group>, Vec<String>
         let first = sources.first().map(|source| source.path.clone()).unwrap_or_default();
         match Group::new(sources, said) {
             Ok(group) => groups.push(group),
-            Err(error) => refusals.push(refused(&first, error).to_string()),
+            Err(error) => refusals.push(refused(&first, error)),
         }
     }
     (groups, refusals)
@@ -83,9 +84,9 @@ impl Group {
     }
 
     /// The question with the file that asks it.
-    pub fn asked(&self) -> Option<String> {
+    pub fn asked(&self) -> Option<ReadError> {
         let path = self.sources.first().map(|source| source.path.clone()).unwrap_or_default();
-        self.question.as_ref().map(|question| refused(&path, question).to_string())
+        self.question.as_ref().map(|question| refused(&path, question))
     }
 
     /// What repeats the reading of these files.
@@ -154,7 +155,7 @@ fn notes_of(columns: &Columns) -> Vec<String> {
 ///
 /// # Errors
 /// A folder cannot be read.
-pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
+pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, ReadError> {
     const ENDS: [&str; 19] = [
         "csv", "tsv", "txt", "log", "dat", "asc", "xlsx", "xls", "xlsm", "xlsb", "ods", "gpx", "nmea", "nma", "json",
         "jsonl", "ndjson", "parquet", "pq",
@@ -172,7 +173,7 @@ pub fn files(arguments: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
         }
         let entries = std::fs::read_dir(argument)
             .and_then(|entries| entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>());
-        let mut inside = entries.map_err(|error| format!("{}: cannot be read: {error}", argument.display()))?;
+        let mut inside = entries.map_err(|source| ReadError::Io { path: argument.clone(), source })?;
         inside.retain(|path| is_log(path));
         inside.sort();
         files.extend(inside);

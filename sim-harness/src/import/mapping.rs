@@ -62,6 +62,10 @@ pub enum Method {
 }
 
 impl Method {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::AsIs, Self::Stops, Self::Line, Self::Align];
+
+    /// As `--chainage` takes it.
     pub const fn name(self) -> &'static str {
         match self {
             Self::AsIs => "as-is",

@@ -17,7 +17,7 @@ mod cut;
 mod evidence;
 mod geo;
 mod line;
-pub mod mapping;
+mod mapping;
 mod meaning;
 mod number;
 mod preview;
@@ -36,6 +36,7 @@ use mapping::{Chainage, Mapping};
 use rows::Converter;
 use rundown_files::WriteError;
 use rundown_files::folder::{self, Provenance};
+use rundown_files::refusal::{Place as FilePlace, ReadError};
 use rundown_files::track_file::{CentreLinePoint, TrackFile};
 use serde_json::{Value, json};
 use source::Source;
@@ -45,58 +46,106 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
+pub use mapping::Method;
+
 /// Runs that are said on the screen.
 const SHOWN: usize = 20;
 
+/// Why an import gave nothing.
 #[derive(Debug, Error)]
 pub enum ImportError {
     /// No file can be read, or a person has to answer a question first.
-    #[error("{0}")]
-    Nothing(String),
+    #[error("{message}")]
+    Nothing {
+        /// All that is wrong, a line each.
+        message: String,
+        /// What is wrong with the first file, where it is one.
+        first: Option<Box<ReadError>>,
+    },
     /// The mapping or the track is wrong.
-    #[error("{0}")]
-    Refused(String),
+    #[error(transparent)]
+    Refused(#[from] ReadError),
     /// Something is to be warned of, and nothing may be.
     #[error("{0}")]
     Strict(String),
+    /// The folder cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+}
+
+impl ImportError {
+    /// Refused files, and what is to be said beside them.
+    fn nothing(refused: Vec<ReadError>, more: impl IntoIterator<Item = String>) -> Self {
+        let lines: Vec<String> = refused.iter().map(ToString::to_string).chain(more).collect();
+        Self::Nothing { message: lines.join("\n"), first: refused.into_iter().next().map(Box::new) }
+    }
 }
 
 /// What came of an import.
 #[derive(Debug, Default)]
 pub struct Imported {
+    /// What was done, for people.
     pub lines: Vec<String>,
+    /// What a person may want to know, as the evidence for units and clocks.
     pub notes: Vec<String>,
-    pub errors: Vec<String>,
+    /// Files that cannot be read, or of which a person has to say more.
+    pub errors: Vec<ReadError>,
     /// What was left out or changed.
     pub warnings: Vec<String>,
+    /// How many run logs were written.
     pub runs: usize,
+}
+
+impl Imported {
+    /// What was done, and where the run logs are.
+    pub fn words(&self, out: &Path) -> String {
+        let lines: String = self.lines.iter().map(|line| format!("{line}\n")).collect();
+        format!("{lines}{} runs in {}\n", self.runs, out.display())
+    }
 }
 
 /// Files to import, and how.
 #[derive(Debug)]
 pub struct Order {
+    /// Files, or folders of files; without any those that the mapping names.
     pub files: Vec<PathBuf>,
-    pub mapping: Mapping,
+    mapping: Mapping,
     /// The file of the mapping, where there is one.
-    pub mapping_file: Option<PathBuf>,
+    mapping_file: Option<PathBuf>,
+    /// Folder for the run logs.
     pub out: PathBuf,
+    /// Where a track to begin with is written, too.
     pub track_out: Option<PathBuf>,
     /// Nothing is written where anything is to be warned of.
     pub strict: bool,
 }
 
 impl Order {
-    fn groups(&self) -> Result<(Vec<Group>, Vec<String>), ImportError> {
+    /// Files to import into the folder `out`, and an `import.toml` that says what they do not.
+    ///
+    /// # Errors
+    /// [`ReadError`] of that file.
+    pub fn new(files: Vec<PathBuf>, mapping: Option<PathBuf>, out: PathBuf) -> Result<Self, ReadError> {
+        let read = mapping.as_deref().map(Mapping::read).transpose()?.unwrap_or_default();
+        Ok(Self { files, mapping: read, mapping_file: mapping, out, track_out: None, strict: false })
+    }
+
+    /// How the runs come onto one chainage, and a track whose centre line gives that of positions; what is not given here stays as the mapping says it.
+    pub fn place_by(&mut self, method: Option<Method>, track: Option<PathBuf>) {
+        let said = &mut self.mapping.chainage;
+        said.method = method.or(said.method);
+        said.track = track.or(said.track.take());
+    }
+
+    fn groups(&self) -> Result<(Vec<Group>, Vec<ReadError>), ImportError> {
         let files = if self.files.is_empty() { self.mapping.files() } else { self.files.clone() };
-        let files = analysis::files(&files).map_err(ImportError::Nothing)?;
+        let files = analysis::files(&files).map_err(|error| ImportError::nothing(vec![error], []))?;
         if files.is_empty() {
-            return Err(ImportError::Nothing("expected files to import, found none".to_owned()));
+            return Err(ImportError::nothing(Vec::new(), ["expected files to import, found none".to_owned()]));
         }
         let (groups, mut errors) = analysis::analyse(&files, &self.mapping);
         errors.extend(groups.iter().filter_map(Group::asked));
-        if groups.is_empty() { Err(ImportError::Nothing(errors.join("\n"))) } else { Ok((groups, errors)) }
+        if groups.is_empty() { Err(ImportError::nothing(errors, [])) } else { Ok((groups, errors)) }
     }
 
     /// What would be done: words, and a picture; also where a question is still open. Writes nothing.
@@ -119,7 +168,7 @@ impl Order {
         let (mut groups, errors) = self.groups()?;
         groups.retain(|group| group.question.is_none());
         if groups.is_empty() {
-            return Err(ImportError::Nothing(errors.join("\n")));
+            return Err(ImportError::nothing(errors, []));
         }
         write::may_write(&self.out)?;
         let (track, done) = folder::write("import", &self.out, &self.provenance(&groups), |folder| {
@@ -143,7 +192,7 @@ impl Order {
     fn fill(
         &self,
         groups: &[Group],
-        mut errors: Vec<String>,
+        mut errors: Vec<ReadError>,
         given: Vec<CentreLinePoint>,
         folder: &Path,
     ) -> Result<(String, Imported), ImportError> {
@@ -155,22 +204,22 @@ impl Order {
                 let read = self.read(source, group, folder, &mut names, &mut account);
                 match read {
                     Ok(runs) => staged.extend(runs),
-                    Err(ImportError::Write(error)) => return Err(error.into()),
-                    Err(error) => errors.push(error.to_string()),
+                    Err(ImportError::Refused(error)) => errors.push(error),
+                    Err(error) => return Err(error),
                 }
             }
         }
         if staged.is_empty() {
-            errors.extend(account.lines());
-            errors.extend(account.places.values().flatten().cloned());
-            errors.push(format!("expected at least one run in {} rows, found none", account.times(ROWS)));
-            return Err(ImportError::Nothing(errors.join("\n")));
+            let none = format!("expected at least one run in {} rows, found none", account.times(ROWS));
+            let places = account.places.values().flatten().cloned();
+            return Err(ImportError::nothing(errors, account.lines().chain(places).chain([none])));
         }
         let placed = chainage::place(&staged, self.mapping.chainage.method, given);
         let (track, done) = self.write(groups, &staged, &placed, &account, folder)?;
         if self.strict {
             // Notes are the evidence for units and clocks.
-            let said = [&errors[..], &done.warnings].concat();
+            let errors = errors.iter().map(ToString::to_string);
+            let said: Vec<String> = errors.chain(done.warnings.iter().cloned()).collect();
             if !said.is_empty() {
                 let text = said.join("\n");
                 return Err(ImportError::Strict(format!(
@@ -184,12 +233,10 @@ impl Order {
 
     fn given_line(&self) -> Result<Vec<CentreLinePoint>, ImportError> {
         let Some(path) = &self.mapping.chainage.track else { return Ok(Vec::new()) };
-        let (track, _) = TrackFile::read(path).map_err(|error| ImportError::Refused(error.to_string()))?;
+        let (track, _) = TrackFile::read(path)?;
         if track.centre_line.is_empty() {
-            return Err(ImportError::Refused(format!(
-                "{}: centre_line: expected at least 2 points, found 0",
-                path.display()
-            )));
+            let refusal = FilePlace::of_file(path).refuse("centre_line", "expected at least 2 points, found 0");
+            return Err(ReadError::from(refusal).into());
         }
         Ok(track.centre_line)
     }
@@ -215,25 +262,23 @@ impl Order {
             }
             Ok(())
         };
-        source
-            .rows(&mut |event| {
-                match event {
-                    Event::Row(line, fields) => {
-                        account.count(ROWS, 1);
-                        let record = converter.record(line, fields, account);
-                        if let Some(stretch) = record.and_then(|record| cutter.push(record)) {
-                            failure = take(stretch, account).err();
-                        }
-                    }
-                    Event::Bad(line, message) => {
-                        account.place("lines that cannot be read, left out", || {
-                            format!("{}:{line}: {message}", source.path.display())
-                        });
+        source.rows(&mut |event| {
+            match event {
+                Event::Row(line, fields) => {
+                    account.count(ROWS, 1);
+                    let record = converter.record(line, fields, account);
+                    if let Some(stretch) = record.and_then(|record| cutter.push(record)) {
+                        failure = take(stretch, account).err();
                     }
                 }
-                failure.is_none()
-            })
-            .map_err(|error| ImportError::Nothing(error.to_string()))?;
+                Event::Bad(line, message) => {
+                    account.place("lines that cannot be read, left out", || {
+                        format!("{}:{line}: {message}", source.path.display())
+                    });
+                }
+            }
+            failure.is_none()
+        })?;
         failure.map_or(Ok(()), Err)?;
         take(cutter.end(), account)?;
         Ok(runs)
@@ -275,8 +320,8 @@ impl Order {
         }
         done.runs = passed.len();
         if passed.is_empty() {
-            let lines = [done.notes, vec!["expected at least one run on the chainage, found none".to_owned()]].concat();
-            return Err(ImportError::Nothing(lines.join("\n")));
+            let none = "expected at least one run on the chainage, found none".to_owned();
+            return Err(ImportError::nothing(Vec::new(), done.notes.into_iter().chain([none])));
         }
         if passed.len() > SHOWN {
             done.lines.push(format!("... and {} more runs, all in import.json", passed.len() - SHOWN));
@@ -309,7 +354,8 @@ impl Order {
             chainage: Chainage { method: Some(placed.method), track: self.mapping.chainage.track.clone() },
             sources: groups.iter().map(Group::mapped).collect(),
         };
-        let text = toml::to_string(&mapping).map_err(|error| ImportError::Refused(error.to_string()))?;
+        let text = toml::to_string(&mapping)
+            .map_err(|error| crate::output::files::failed(&self.out, std::io::Error::other(error)))?;
         Ok(format!("# Repeats this import: rundown import --mapping import.toml --out FOLDER\n{text}"))
     }
 }
