@@ -18,7 +18,7 @@ pub use crate::exchange::sfera::Traction;
 /// Largest speeds that a train may have, km/h.
 pub const MAX_SPEED_KMH: RangeInclusive<u16> = 1..=600;
 
-/// What is to be exported, as `rundown export` is told it.
+/// What is to be exported: the arguments of `rundown export`.
 #[derive(Clone, Debug)]
 pub struct Order {
     /// Folder with the results of a replay.
