@@ -112,10 +112,14 @@ impl Compared {
 
     /// Where this run loses its seconds; none where that is not known.
     fn comb(&self, period_s: f64) -> Option<Comb> {
-        let spacing_s = period_s * period_s / (2.0 * self.duration_s().max(period_s));
-        let periods = around(period_s, spacing_s.min(0.02 * period_s)).into_iter();
-        let tried = periods.map(|period_s| self.phase(period_s, phases(period_s)));
-        let (comb, gain) = tried.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let spacing_s = (period_s * period_s / (2.0 * self.duration_s().max(period_s))).min(0.02 * period_s);
+        let best = |periods: Vec<f64>| {
+            let tried = periods.into_iter().map(|period_s| self.phase(period_s, phases(period_s)));
+            tried.max_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let (near, _) = best(around(period_s, spacing_s))?;
+        // As the runs are pooled, what is left of the choice must not be the same in all of them.
+        let (comb, gain) = best(around(near.period_s, 0.125 * spacing_s))?;
         let opposite = Comb { phase_s: comb.phase_s + 0.5 * comb.period_s, ..comb };
         (gain - self.height_s(opposite).1 > LEAST_PHASE_GAIN).then_some(comb)
     }
