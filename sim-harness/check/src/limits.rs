@@ -21,8 +21,9 @@ const EFFORT_OFF_N_PER_KG: f64 = 0.005;
 /// Limits begin where the front passes, but for the length of the train and an error of the location, m.
 const AROUND_M: f64 = 300.0;
 /// Fewer rows are wild readings: so many, and such a share of those that can show it.
-const LEAST_ROWS: usize = 5;
-const LEAST_SHARE: f64 = 0.002;
+const SPEEDS: (usize, f64) = (5, 0.002);
+/// Efforts are noisy, and those of a loaded train are above by its load.
+const EFFORTS: (usize, f64) = (20, 0.05);
 
 /// What is described of trains and line.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,16 +55,16 @@ pub fn exceeded<'a>(recordings: impl Iterator<Item = &'a Recording> + Clone, des
     let rows = || recordings.clone().flat_map(|recording| &recording.rows);
     let pairs = || recordings.clone().flat_map(|recording| recording.rows.windows(2));
     let speed = rows().filter_map(|row| described.speed(row));
-    let mut found = vec![excess(Kind::AboveSpeedLimit, speed, "km/h", 0)];
+    let mut found = vec![excess(Kind::AboveSpeedLimit, speed, "km/h", SPEEDS)];
     if let Some(train) = &described.train {
-        found.push(excess(Kind::AboveTraction, pairs().filter_map(|pair| traction(train, pair)), "N/kg", 3));
-        found.push(excess(Kind::AboveBrake, rows().filter_map(|row| brake(train, row)), "N/kg", 3));
+        found.push(excess(Kind::AboveTraction, pairs().filter_map(|pair| traction(train, pair)), "N/kg", EFFORTS));
+        found.push(excess(Kind::AboveBrake, rows().filter_map(|row| brake(train, row)), "N/kg", EFFORTS));
     }
     found.into_iter().flatten().collect()
 }
 
 /// `rows`: those that can show it.
-fn excess(kind: Kind, rows: impl Iterator<Item = Beyond>, unit: &str, decimals: usize) -> Option<Excess> {
+fn excess(kind: Kind, rows: impl Iterator<Item = Beyond>, unit: &str, least: (usize, f64)) -> Option<Excess> {
     let (mut all, mut beyond) = (0_usize, Vec::new());
     for row in rows {
         all += 1;
@@ -71,14 +72,10 @@ fn excess(kind: Kind, rows: impl Iterator<Item = Beyond>, unit: &str, decimals: 
     }
     let share = beyond.len() as f64 / all.max(1) as f64;
     let (most, limit) = beyond.iter().copied().max_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)))?;
+    let decimals = if unit == "km/h" { 0 } else { 3 };
     let percent = Figure { value: 100.0 * share, sd: 0.0 };
     let evidence = format!("up to {most:.decimals$} {unit} where {limit:.decimals$} is described");
-    (beyond.len() >= LEAST_ROWS && share > LEAST_SHARE).then_some(Excess {
-        kind,
-        percent,
-        rows: beyond.len(),
-        evidence,
-    })
+    (beyond.len() >= least.0 && share > least.1).then_some(Excess { kind, percent, rows: beyond.len(), evidence })
 }
 
 impl Described {

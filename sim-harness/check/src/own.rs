@@ -8,8 +8,7 @@
 
 use crate::agreement::{Agreement, Figure, pooled};
 use crate::finding::{Done, Finding, Kind};
-use crate::recorder::{LEAST_SCALE, SURE, put_right};
-use crate::{Correction, Known, RecorderCheck, RunCheck, places};
+use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE, places, put_right};
 use nalgebra::Vector2;
 use rundown_files::sample::Sample;
 

@@ -2,15 +2,12 @@
 
 use crate::agreement::{Agreement, Figure, Pooled, pooled, spread};
 use crate::finding::{Done, Finding, Kind};
-use crate::{Correction, Known, RecorderCheck, RunCheck, dead_zone, held, limits, own, steps, with_evidence};
+use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE};
+use crate::{dead_zone, held, limits, own, put_right, steps, with_evidence};
 use nalgebra::Vector2;
 use rundown_files::recording::Recording;
 use std::collections::BTreeMap;
 
-/// A scale that matters: a wheel wears by 10 % over its life, and 0.3 % is less than what platforms and lines are off by.
-pub(crate) const LEAST_SCALE: f64 = 0.003;
-/// So many standard deviations are beyond doubt where something is put right.
-pub(crate) const SURE: f64 = 4.0;
 /// A smaller skew is not named, s.
 const LEAST_SKEW_S: f64 = 0.3;
 /// Share of the step by which the offset of a truncating recorder may miss the half of it.
@@ -102,10 +99,6 @@ fn lost_share<'a>(runs: impl Iterator<Item = &'a RunCheck> + Clone) -> f64 {
         lost.map_or(0.0, |lost| 0.01 * lost.figure.value / run.step_s)
     };
     runs.clone().map(of_run).sum::<f64>() / runs.count().max(1) as f64
-}
-
-pub(crate) fn put_right(here: bool) -> Done {
-    if here { Done::PutRight } else { Done::Said }
 }
 
 impl RecorderCheck {
