@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use rundown_check::agreement::Figure;
 use rundown_check::finding::Finding;
 use rundown_check::gradients::Coasts;
+use rundown_check::limits;
 use rundown_check::{Check, Known, RecorderCheck, RunCheck, check_beside};
 use rundown_files::column::{Column, Filled, filled};
 use rundown_files::map_matching::CentreLine;
@@ -87,7 +88,8 @@ fn examined(
     let train = described.train.map(TrainFile::read).transpose()?.map(|(_, train)| train);
     let line = track.as_ref().and_then(|track| CentreLine::new(&track.centre_line));
     let stops_m = track.iter().flat_map(|track| &track.stop).map(|stop| stop.at_m).collect();
-    let known = Known { stops_m, moves_locations: true, ..Known::default() };
+    let limits = limits::Described::of(train, track.as_ref());
+    let known = Known { stops_m, limits, moves_locations: true, ..Known::default() };
     let one = |file: &RunFile| {
         let read = logs::read(file, BadRows::LeaveOut, line.as_ref(), DirectionChoice::Auto);
         done();
@@ -135,6 +137,8 @@ pub struct Found {
     run: Option<String>,
     recorder: String,
     finding: Finding,
+    /// As a sentence, with its evidence.
+    text: String,
 }
 
 /// The columns of the findings.
@@ -155,7 +159,7 @@ pub fn columns() -> Vec<Column<Found>> {
             f.finding.line as usize
         }),
         Column::text("done", "`put_right`, `left_out`, `said` or `refused`", |f: &Found| word(&f.finding.done)),
-        Column::text("text", "the same as a sentence", |f: &Found| f.finding.to_string()),
+        Column::text("text", "the same as a sentence", |f: &Found| f.text.clone()),
     ]
 }
 
@@ -178,6 +182,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ["recorders[].correction.offset_mps", "m/s", "what is added to each speed above 0", ""],
     ["recorders[].correction.scale", "1", "by what the sum is divided", ""],
     ["recorders[].findings[].*", "", "what was found in all runs: as below", ""],
+    ["recorders[].evidence.*", "", "what says so, by the kind of the finding", "absent: the figure says it all"],
     ["runs[].name", "", "name of the run", ""],
     ["runs[].unit", "", "unit of the index `runs.csv`, empty without one", ""],
     ["runs[].rows", "", "rows of the log", ""],
@@ -198,6 +203,7 @@ pub const FIELDS: &[[&str; 4]] = &[
     ],
     ["runs[].perturbations[].others_stopping", "", "other runs that stop there, too", ""],
     ["runs[].perturbations[].others", "", "other runs that pass", ""],
+    ["runs[].evidence.*", "", "what says so, by the kind of the finding", "absent: the figure says it all"],
     ["runs[].findings[].kind", "", "what is the matter", ""],
     ["runs[].findings[].figure.value", "as `unit`", "how much", ""],
     ["runs[].findings[].figure.sd", "as `unit`", "its standard deviation, 0 where there is none", ""],
@@ -222,12 +228,18 @@ fn word(value: &impl Serialize) -> String {
 /// The findings as a table: those of recorders, then those of runs.
 pub fn findings(found: &Check) -> Filled {
     let of_recorders = found.recorders.iter().flat_map(|recorder| {
-        let one = |finding: &Finding| Found { run: None, recorder: recorder.unit.clone(), finding: finding.clone() };
+        let one = |finding: &Finding| Found {
+            run: None,
+            recorder: recorder.unit.clone(),
+            finding: finding.clone(),
+            text: recorder.said(finding),
+        };
         recorder.findings.iter().map(one)
     });
     let of_runs = found.runs.iter().flat_map(|run| {
         let name = || Some(run.name.clone());
-        let one = move |f: &Finding| Found { run: name(), recorder: run.unit.clone(), finding: f.clone() };
+        let one =
+            move |f: &Finding| Found { run: name(), recorder: run.unit.clone(), finding: f.clone(), text: run.said(f) };
         run.findings.iter().map(one)
     });
     filled(columns(), of_recorders.chain(of_runs))
@@ -240,7 +252,7 @@ pub fn words(found: &Check) -> String {
         text += &of_recorder(recorder);
         for run in found.runs.iter().filter(|run| run.unit == recorder.unit) {
             for finding in &run.findings {
-                text += &format!("  {}: {finding}\n", run.name);
+                text += &format!("  {}: {}\n", run.name, run.said(finding));
             }
             for perturbation in &run.perturbations {
                 text += &format!("  {}: {perturbation}\n", run.name);
@@ -276,6 +288,6 @@ fn of_recorder(recorder: &RecorderCheck) -> String {
     if let Some(spread_s) = recorder.skew_spread_s {
         text += &format!("  {:<32} {spread_s:.2} s\n", "... differs from run to run by");
     }
-    let said = |finding: &Finding| format!("  {finding}\n");
+    let said = |finding: &Finding| format!("  {}\n", recorder.said(finding));
     text + &recorder.findings.iter().map(said).collect::<String>()
 }

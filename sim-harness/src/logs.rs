@@ -1,6 +1,6 @@
 //! Logs as recordings, or why one cannot be used.
 
-use rundown_check::{Check, Known, check_beside};
+use rundown_check::{Check, Known, check_after, same::Seen};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::{ReadError, Refusal};
 use rundown_files::{map_matching::CentreLine, run_log::BadRows, run_set::RunFile};
@@ -42,12 +42,17 @@ pub fn read(
 }
 
 /// Diagnoses recordings, puts right what is beyond doubt, and refuses those that cannot be used. Out: each in its place, and what was found.
-pub fn diagnosed_each(mut recordings: Vec<Recording>, known: &Known) -> (Vec<Result<Recording, Failed>>, Check) {
-    let found = check_beside(&mut recordings, known);
+/// `seen`: the logs that were read before.
+pub fn diagnosed_each(
+    mut recordings: Vec<Recording>,
+    known: &Known,
+    seen: &mut Seen,
+) -> (Vec<Result<Recording, Failed>>, Check) {
+    let found = check_after(&mut recordings, known, seen);
     let each = recordings.into_iter().zip(&found.runs).map(|(recording, run)| match run.refusal() {
         None => Ok(recording),
         Some(finding) => {
-            let error = format!("{}: {finding}", recording.path.display());
+            let error = format!("{}: {}", recording.path.display(), run.said(finding));
             Err(Failed { file: recording.path, error, refusal: None })
         }
     });
@@ -55,8 +60,8 @@ pub fn diagnosed_each(mut recordings: Vec<Recording>, known: &Known) -> (Vec<Res
 }
 
 /// The same, those that can be used apart from the others.
-pub fn diagnosed(recordings: Vec<Recording>, known: &Known) -> (Vec<Recording>, Vec<Failed>, Check) {
-    let (each, found) = diagnosed_each(recordings, known);
+pub fn diagnosed(recordings: Vec<Recording>, known: &Known, seen: &mut Seen) -> (Vec<Recording>, Vec<Failed>, Check) {
+    let (each, found) = diagnosed_each(recordings, known, seen);
     let (mut used, mut failed) = (Vec::new(), Vec::new());
     for one in each {
         match one {

@@ -37,7 +37,10 @@ fn speeds_in_other_units_are_refused() {
 
 #[test]
 fn a_folder_gets_a_page_for_each_run_and_a_name_in_json_the_diagnosis_alone() {
-    let folder = Folder::new().with("a.csv", &log(f64::floor)).with("b.csv", &log(f64::floor));
+    let whole = log(f64::floor);
+    // A log that is given twice counts once.
+    let shorter = whole.rsplit_once("1999,").unwrap().0;
+    let folder = Folder::new().with("a.csv", &whole).with("b.csv", shorter);
     folder.done(&["check", "--out", "found", "a.csv", "b.csv"]);
     assert_eq!(folder.json("found/check.json")["runs"].as_array().unwrap().len(), 2);
     let page = folder.read("found/index.html");

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Folder, RUN, Said, reference};
+use common::{Folder, RUN, Said, another, reference};
 use quick_xml::events::Event;
 use std::collections::HashMap;
 
@@ -18,7 +18,8 @@ fn replayed(more: &[&str]) -> Folder {
 /// The runs alone.
 fn recorded() -> Folder {
     let logs = ["logs/a.csv", "logs/b.csv", "logs/c.csv"];
-    let folder = logs.into_iter().fold(Folder::new(), |folder, name| folder.with(name, RUN));
+    let logs = logs.into_iter().zip(0..);
+    let folder = logs.fold(Folder::new(), |folder, (name, number)| folder.with(name, &another(number)));
     for name in ["train.toml", "track.toml"] {
         std::fs::copy(reference(name), folder.path(name)).unwrap();
     }

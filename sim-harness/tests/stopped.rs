@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Folder, RUN, reference};
+use common::{Folder, RUN, another, reference};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -78,8 +78,8 @@ fn killed_at(kills: u32, folder: &Folder, old: &[&str], new: &[&str]) {
 #[test]
 fn a_replay_that_is_killed_leaves_the_old_results_or_the_new_ones() {
     let mut folder = Folder::new();
-    for name in ["a", "b", "c", "d"] {
-        folder = folder.with(&format!("logs/{name}.csv"), RUN);
+    for (name, number) in ["a", "b", "c", "d"].into_iter().zip(0..) {
+        folder = folder.with(&format!("logs/{name}.csv"), &another(number));
     }
     let (train, track) = (reference("train.toml"), reference("track.toml"));
     let all = ["replay", "--train", &train, "--track", &track, "--out", "out"];
@@ -102,7 +102,7 @@ fn an_import_that_is_killed_leaves_the_old_runs_or_the_new_ones() {
 
 #[test]
 fn a_replay_of_fewer_runs_leaves_no_estimates_of_the_others_and_files_of_others_alone() {
-    let folder = Folder::new().with("logs/a.csv", RUN).with("logs/b.csv", RUN).with("out/notes.txt", "mine");
+    let folder = Folder::new().with("logs/a.csv", RUN).with("logs/b.csv", &another(1)).with("out/notes.txt", "mine");
     assert_eq!(folder.replay(&["logs"]).code, Some(0));
     assert!(folder.path("out/b.estimates.csv").exists());
     assert_eq!(folder.replay(&["logs/a.csv"]).code, Some(0));

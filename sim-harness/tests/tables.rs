@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Folder, RUN};
+use common::{Folder, RUN, another};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use std::fs::File;
@@ -30,7 +30,7 @@ const BY_RUN: [&str; 3] = ["features", "parameters", "switching_points"];
 
 #[test]
 fn parquet_has_the_cells_of_csv_and_the_units_of_its_columns() {
-    let folder = Folder::new().with("a.csv", RUN).with("b.csv", RUN);
+    let folder = Folder::new().with("a.csv", RUN).with("b.csv", &another(1));
     assert_eq!(folder.replay(&["a.csv", "b.csv"]).code, Some(0));
     let of_run = ["a.estimates", "b.estimates", "a.coast_ahead"];
     let names = || BY_RUN.into_iter().chain(of_run);
@@ -50,7 +50,7 @@ fn parquet_has_the_cells_of_csv_and_the_units_of_its_columns() {
 
 #[test]
 fn without_estimates_the_tables_of_runs_are_the_same_and_nothing_else_is_there() {
-    let folder = Folder::new().with("a.csv", RUN).with("b.csv", RUN);
+    let folder = Folder::new().with("a.csv", RUN).with("b.csv", &another(1));
     let names = ["out/features.csv", "out/parameters.csv", "out/switching_points.csv"];
     for mode in ["gated", "paper"] {
         assert_eq!(folder.replay(&["--mode", mode, "a.csv", "b.csv"]).code, Some(0));

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Folder, RUN};
+use common::{Folder, RUN, another, reference};
 
 /// The rows of the run, each by its time, location in m and speed in km/h.
 fn run(row: impl Fn(usize, [f64; 3]) -> Option<String>) -> String {
@@ -60,7 +60,7 @@ fn vehicle(folder: &Folder) -> Vec<String> {
 
 #[test]
 fn no_unusable_log_changes_the_vehicle_and_each_is_named() {
-    let folder = Folder::new().with("a.csv", RUN).with("c.csv", RUN);
+    let folder = Folder::new().with("a.csv", RUN).with("c.csv", &another(1));
     assert_eq!(folder.replay(&["a.csv", "c.csv"]).code, Some(0));
     let without = vehicle(&folder);
     for (name, log) in defects() {
@@ -122,4 +122,51 @@ fn a_study_of_runs_that_teach_nothing_has_the_exit_code_of_a_replay() {
     let (train, track) = (common::reference("train.toml"), common::reference("track.toml"));
     let words = ["study", "--train", &train, "--track", &track, "--out", "out", "--runs", "a.csv"];
     assert_eq!(folder.rundown(&words).code, Some(6));
+}
+
+/// A tuning on logs that say nothing of a moving train would be a filter for standing ones.
+#[test]
+fn logs_that_teach_nothing_are_nothing_to_tune_or_study() {
+    let standing: String = (0..200).map(|i| format!("{i},100,0\n")).collect();
+    let logs = [
+        ("one.csv", "time_s,location_m,speed_kmh\n0,100,30\n".to_owned()),
+        ("standing.csv", format!("time_s,location_m,speed_kmh\n{standing}")),
+    ];
+    for (name, text) in logs {
+        let folder = Folder::new().with(name, &text);
+        for (command, words) in [("tune", "rows of a moving train"), ("study", "nothing was learned")] {
+            let [train, track] = ["train.toml", "track.toml"].map(reference);
+            let run = [command, "--runs", name, "--train", &train, "--track", &track, "--out", "out"];
+            let said = folder.rundown(&run);
+            assert_eq!(said.code, Some(6), "{command} {name}: {}", said.err);
+            assert!(said.err.contains(words), "{command} {name}: {}", said.err);
+            assert!(command == "study" || !folder.path("out/tune.json").exists(), "{name}");
+        }
+    }
+}
+
+/// The same rows under another name, and by another clock.
+#[test]
+fn a_log_that_is_given_twice_counts_once_in_every_command() {
+    let later = run(|_, [t, s, v]| Some(format!("{},{s},{v}", t + 3600.0)));
+    let plain = run(|_, [t, s, v]| Some(format!("{t},{s},{v}")));
+    let folder = Folder::new().with("logs/a.csv", &plain).with("logs/b.csv", &plain).with("logs/c.csv", &later);
+    let [train, track] = ["train.toml", "track.toml"].map(reference);
+    let described = ["--train", &train, "--track", &track];
+    let replayed = folder.rundown(&[&["replay", "logs", "--out", "out"], &described[..]].concat());
+    assert_eq!(replayed.code, Some(1), "{}", replayed.err);
+    assert_eq!(folder.json("out/replay.json")["runs"].as_array().unwrap().len(), 1);
+    let check = folder.rundown(&["check", "logs"]);
+    let tune = ["tune", "--runs", "logs", "--evaluations", "50", "--out", "tuned"];
+    let tuned = folder.rundown(&[&tune, &described[..]].concat());
+    let study = folder.rundown(&[&["study", "--runs", "logs", "--out", "studied"], &described[..]].concat());
+    assert!(tuned.out.contains("1 recorded runs"), "{}", tuned.out);
+    for said in [replayed.err, check.out, tuned.err, study.err] {
+        for name in ["b.csv", "c.csv"] {
+            let run = format!("  {}: ", name.trim_end_matches(".csv"));
+            let mut lines = said.lines().filter(|line| line.contains("holds the same rows"));
+            assert!(lines.any(|line| line.contains(name) || line.starts_with(&run)), "{name}: {said}");
+        }
+        assert!(said.contains("those of a.csv"), "{said}");
+    }
 }

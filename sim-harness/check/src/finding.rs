@@ -52,6 +52,22 @@ pub enum Kind {
     SpeedSpikes,
     /// Rows without a location or without a speed.
     MissingReadings,
+    /// The readings of another log.
+    SameRows,
+    /// Faster than the track describes.
+    AboveSpeedLimit,
+    /// More tractive effort is measured than the train is described with.
+    AboveTraction,
+    /// More braking effort is measured than the train is described with.
+    AboveBrake,
+    /// The speed reads zero below a threshold.
+    DeadZone,
+    /// The speed repeats the last value in some rows, and catches up after them.
+    HeldSpeeds,
+    /// The locations count from another place than those of the other runs.
+    OtherChainage,
+    /// The locations count from the other end of the line.
+    TurnedChainage,
 }
 
 /// What was done about it.
@@ -111,6 +127,16 @@ impl Kind {
             Self::Impossible => "readings are no numbers, or beyond what any train or line has",
             Self::SpeedSpikes => "single speeds far from their neighbours",
             Self::MissingReadings => "rows without a location or without a speed",
+            Self::OtherChainage => "the locations are off from those of other runs by the same everywhere",
+            Self::TurnedChainage => {
+                "the locations count from the other end of the line: their sum with those of other runs"
+            }
+            Self::DeadZone => "the speed reads zero below a threshold: readings of zero beside movement",
+            Self::HeldSpeeds => "the speed repeats its last value in some rows and catches up after them",
+            Self::AboveSpeedLimit => "speeds are above the described limits",
+            Self::AboveTraction => "measured efforts are above the described tractive effort",
+            Self::AboveBrake => "measured efforts are beyond the described brake",
+            Self::SameRows => "the log holds the same rows as another one",
         }
     }
 
@@ -122,6 +148,13 @@ impl Kind {
             Self::SpeedScale => Some("compare the wheel diameter of the recorder, or the length of the track"),
             Self::StuckSpeed | Self::StuckLocation => Some("look at the sensor"),
             Self::Reset => Some("give the chainage where the log begins again"),
+            Self::AboveSpeedLimit => Some("look whether the logs and the speed limits belong to this line"),
+            Self::AboveTraction | Self::AboveBrake => {
+                Some("look whether train and mass are the described ones, and in which unit the effort is")
+            }
+            Self::OtherChainage | Self::TurnedChainage => {
+                Some("bring the runs onto one chainage: `rundown import --chainage align`")
+            }
             _ => None,
         }
     }

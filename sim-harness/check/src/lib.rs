@@ -12,6 +12,11 @@
 //! | are single readings missing or impossible? | [`readings`] |
 //! | which step do the readings have? | [`steps`] |
 //! | is a run unlike the others of its recorder? | [`mod@own`] |
+//! | does the speed read zero below a threshold? | [`dead_zone`] |
+//! | does the speed repeat old values? | [`held`] |
+//! | do trains exceed what is described of them? | [`limits`] |
+//! | is a log another one again? | [`same`] |
+//! | do all runs count their locations from the same place? | [`chainage`] |
 //! | do speed and location agree: scale, offset, skew? | [`mod@agreement`] |
 //! | what was found, and what was done? | [`finding`] |
 //! | do the described gradients explain how trains coast? | [`gradients`] |
@@ -43,24 +48,32 @@
 #![warn(missing_docs)]
 
 pub mod agreement;
+pub mod chainage;
 pub mod clock;
+pub mod dead_zone;
 pub mod finding;
 pub mod gradients;
+pub mod held;
+pub mod limits;
 pub mod lost_seconds;
 pub mod own;
 pub mod perturbed;
 pub mod places;
+mod profile;
 pub mod readings;
+mod recorder;
+pub mod same;
 pub mod steps;
 
-use agreement::{Agreement, Figure, Pooled, Row, agreement, pooled, spread};
+use agreement::{Agreement, Figure, Row, agreement};
 use finding::{Done, Finding, Kind};
-use nalgebra::Vector2;
 use perturbed::Perturbation;
 use rundown_files::recording::Recording;
 use rundown_files::sample::Sample;
 use rundown_files::units;
+use same::Seen;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// What is the matter with one run.
 #[derive(Clone, Debug, Serialize)]
@@ -81,6 +94,8 @@ pub struct RunCheck {
     pub scale: Option<Figure>,
     /// What was found.
     pub findings: Vec<Finding>,
+    /// What says so, where it is more than a figure: by what was found.
+    pub evidence: BTreeMap<Kind, String>,
     /// What outside the train held the run up, beside the other runs in its direction.
     pub perturbations: Vec<Perturbation>,
 }
@@ -113,6 +128,8 @@ pub struct RecorderCheck {
     pub correction: Correction,
     /// What was found.
     pub findings: Vec<Finding>,
+    /// What says so, where it is more than a figure: by what was found.
+    pub evidence: BTreeMap<Kind, String>,
 }
 
 /// What is put right in the speeds of a recorder.
@@ -201,17 +218,31 @@ impl Check {
             Done::PutRight | Done::LeftOut => true,
             Done::Refused => false,
             Done::Said => {
-                matches!(finding.kind, Kind::Reset | Kind::Skew | Kind::SpeedOffset | Kind::MissingReadings)
+                use Kind::{AboveBrake, AboveSpeedLimit, AboveTraction, MissingReadings, OtherChainage};
+                use Kind::{Reset, Skew, SpeedOffset, TurnedChainage};
+                matches!(
+                    finding.kind,
+                    AboveBrake
+                        | AboveSpeedLimit
+                        | AboveTraction
+                        | MissingReadings
+                        | OtherChainage
+                        | Reset
+                        | Skew
+                        | SpeedOffset
+                        | TurnedChainage
+                )
             }
         };
         let of_recorder = self.recorders.iter().flat_map(|recorder| {
             let name = if recorder.unit.is_empty() { "all runs" } else { &recorder.unit };
-            recorder.findings.iter().filter(spoils).map(move |finding| format!("{name}: {finding}"))
+            recorder.findings.iter().filter(spoils).map(move |finding| format!("{name}: {}", recorder.said(finding)))
         });
         let mut notes: Vec<String> = of_recorder.collect();
         let usable = self.runs.iter().filter(|run| run.refusal().is_none());
-        let of_run = usable
-            .flat_map(|run| run.findings.iter().filter(spoils).map(move |finding| format!("{}: {finding}", run.name)));
+        let of_run = usable.flat_map(|run| {
+            run.findings.iter().filter(spoils).map(|finding| format!("{}: {}", run.name, run.said(finding)))
+        });
         let of_run: Vec<String> = of_run.collect();
         let more = of_run.len().saturating_sub(NOTED);
         notes.extend(of_run.into_iter().take(NOTED));
@@ -223,9 +254,37 @@ impl Check {
 }
 
 impl RunCheck {
+    fn of(recording: &Recording, step_s: f64, findings: Vec<Finding>) -> Self {
+        Self {
+            name: recording.name.clone(),
+            unit: recording.unit.clone(),
+            rows: recording.rows.len(),
+            step_s,
+            skew_s: None,
+            location_noise_m: None,
+            scale: None,
+            findings,
+            evidence: BTreeMap::new(),
+            perturbations: Vec::new(),
+        }
+    }
+
     /// Why the run is not to be used.
     pub fn refusal(&self) -> Option<&Finding> {
         self.findings.iter().find(|finding| finding.done == Done::Refused)
+    }
+
+    /// Its locations are not on the chainage of the others.
+    fn is_off(&mut self, off: chainage::Off) {
+        let kind = if off.is_turned { Kind::TurnedChainage } else { Kind::OtherChainage };
+        let done = if off.is_decided { Done::Refused } else { Done::Said };
+        self.findings.push(Finding { kind, figure: off.figure, unit: "m", count: 1, line: 0, done });
+        self.evidence.insert(kind, off.evidence);
+    }
+
+    /// A finding of this run as a sentence, with its evidence.
+    pub fn said(&self, finding: &Finding) -> String {
+        with_evidence(finding, &self.evidence)
     }
 
     /// What held the run up, in words; none where nothing did.
@@ -235,16 +294,21 @@ impl RunCheck {
     }
 }
 
+fn with_evidence(finding: &Finding, evidence: &BTreeMap<Kind, String>) -> String {
+    match evidence.get(&finding.kind) {
+        Some(evidence) => format!("{finding} ({evidence})"),
+        None => finding.to_string(),
+    }
+}
+
 /// A scale that matters: a wheel wears by 10 % over its life, and 0.3 % is less than what platforms and lines are off by.
 const LEAST_SCALE: f64 = 0.003;
 /// So many standard deviations are beyond doubt where something is put right.
 const SURE: f64 = 4.0;
-/// A smaller skew is not named, s.
-const LEAST_SKEW_S: f64 = 0.3;
-/// Share of the step by which the offset of a truncating recorder may miss the half of it.
-const NEAR_HALF: f64 = 0.12;
-/// One of two offsets is decided where it is nearer than this share of the distance to the other.
-const CLEARLY: f64 = 0.5;
+
+fn put_right(here: bool) -> Done {
+    if here { Done::PutRight } else { Done::Said }
+}
 
 /// What is known already: of the recorder, where it is put right elsewhere, and of the line.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -255,6 +319,8 @@ pub struct Known {
     pub scale: bool,
     /// Where the track describes stops, m.
     pub stops_m: Vec<f64>,
+    /// Limits of train and line.
+    pub limits: limits::Described,
     /// Locations are moved to the age of the speed. Not for a model that asks for the lag itself.
     pub moves_locations: bool,
 }
@@ -266,10 +332,18 @@ pub fn check(recordings: &mut [Recording]) -> Check {
 
 /// The same, but for what is put right elsewhere.
 pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
+    check_after(recordings, known, &mut Seen::default())
+}
+
+/// The same of runs that are read after others.
+pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen) -> Check {
     let mut runs: Vec<RunCheck> = Vec::new();
     let mut agreements: Vec<Option<Agreement>> = Vec::new();
     for recording in recordings.iter_mut() {
-        let (run, agreement) = of_run(recording);
+        let (run, agreement) = match seen.earlier(recording) {
+            Some(earlier) => (copy_of(recording, earlier), None),
+            None => of_run(recording),
+        };
         runs.push(run);
         agreements.push(agreement);
     }
@@ -279,23 +353,42 @@ pub fn check_beside(recordings: &mut [Recording], known: &Known) -> Check {
             units.push(run.unit.clone());
         }
     }
-    let mut recorders = Vec::new();
-    for unit in units {
-        let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
+    for unit in &units {
+        let of_unit: Vec<usize> = (0..runs.len()).filter(|i| &runs[*i].unit == unit).collect();
         if lost_seconds::put_right(&of_unit, recordings, &mut runs) {
-            for i in &of_unit {
-                agreements[*i] = agreements[*i].and_then(|_| agreement_of(&recordings[*i].rows, runs[*i].step_s));
+            for i in of_unit {
+                agreements[i] = agreements[i].and_then(|_| agreement_of(&recordings[i].rows, runs[i].step_s));
             }
         }
-        recorders.push(of_recorder(unit, &of_unit, recordings, &mut runs, &agreements, known));
     }
-    let is_usable: Vec<bool> = runs.iter().map(|run| run.refusal().is_none()).collect();
+    let of_unit = |unit| {
+        let mut recorder = recorder::of(unit, recordings, &mut runs, &agreements, known);
+        recorder.exceeds(recordings, &runs, known);
+        recorder
+    };
+    let recorders = units.into_iter().map(of_unit).collect();
+    let is_usable = |runs: &[RunCheck]| runs.iter().map(|run| run.refusal().is_none()).collect::<Vec<bool>>();
+    let chainages = chainage::find(recordings, &is_usable(&runs), &known.stops_m);
+    for (run, off) in runs.iter_mut().zip(chainages) {
+        off.into_iter().for_each(|off| run.is_off(off));
+    }
+    let is_usable = is_usable(&runs);
     let compared = perturbed::find(recordings, &is_usable, &known.stops_m);
     for ((run, recording), perturbations) in runs.iter_mut().zip(recordings).zip(compared.runs) {
         run.perturbations = perturbations;
         recording.perturbed = run.perturbed();
     }
     Check { recorders, runs, not_compared: compared.not_compared, gradients: None }
+}
+
+/// A log that holds the same rows as an earlier one is not looked at further.
+fn copy_of(recording: &Recording, earlier: &str) -> RunCheck {
+    let rows = recording.rows.len();
+    let figure = Figure { value: rows as f64, sd: 0.0 };
+    let (kind, done) = (Kind::SameRows, Done::Refused);
+    let finding = Finding { kind, figure, unit: "rows", count: 1, line: 0, done };
+    let evidence = BTreeMap::from([(kind, format!("those of {earlier}"))]);
+    RunCheck { evidence, ..RunCheck::of(recording, clock::usual_step_s(&recording.rows), vec![finding]) }
 }
 
 fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
@@ -319,18 +412,8 @@ fn of_run(recording: &mut Recording) -> (RunCheck, Option<Agreement>) {
     clock::gaps(rows, &mut findings);
     let step_s = clock::usual_step_s(rows);
     let agreement = if is_usable(&findings) { agreement_of(rows, step_s) } else { None };
-    let run = RunCheck {
-        name: recording.name.clone(),
-        unit: recording.unit.clone(),
-        rows: rows.len(),
-        step_s,
-        skew_s: None,
-        location_noise_m: agreement.map(|agreement| agreement.location_noise_m),
-        scale: None,
-        findings,
-        perturbations: Vec::new(),
-    };
-    (run, agreement)
+    let location_noise_m = agreement.map(|agreement| agreement.location_noise_m);
+    (RunCheck { location_noise_m, ..RunCheck::of(recording, step_s, findings) }, agreement)
 }
 
 fn agreement_of(rows: &[Sample], step_s: f64) -> Option<Agreement> {
@@ -372,157 +455,5 @@ fn other_unit(rows: &[Sample], findings: &mut Vec<Finding>) {
     if let Some(value) = units::far_ratio(rows) {
         let figure = Figure { value, sd: 0.0 };
         findings.push(Finding { kind: Kind::OtherUnit, figure, unit: "", count: 1, line: 0, done: Done::Refused });
-    }
-}
-
-/// How the speeds are shown.
-#[derive(Clone, Copy, PartialEq)]
-enum Shown {
-    Exact,
-    Rounded,
-    Truncated,
-    NotKnown,
-}
-
-fn shown(step_kmh: Option<f64>, offset_kmh: Figure) -> Shown {
-    let Some(step_kmh) = step_kmh else {
-        return Shown::Exact;
-    };
-    let off = |value: f64| (offset_kmh.value - value).abs();
-    let near = |value: f64| off(value) < 2.0 * offset_kmh.sd + NEAR_HALF * step_kmh;
-    let (rounded, truncated) = (0.0, 0.5 * step_kmh);
-    match (near(rounded), near(truncated)) {
-        (true, false) if off(rounded) < CLEARLY * off(truncated) => Shown::Rounded,
-        (false, true) if off(truncated) < CLEARLY * off(rounded) => Shown::Truncated,
-        _ => Shown::NotKnown,
-    }
-}
-
-fn of_recorder(
-    unit: String,
-    of_unit: &[usize],
-    recordings: &mut [Recording],
-    runs: &mut [RunCheck],
-    agreements: &[Option<Agreement>],
-    known: &Known,
-) -> RecorderCheck {
-    let rows = || of_unit.iter().flat_map(|i| &recordings[*i].rows);
-    let speed_step_kmh = steps::of_speed_kmh(rows());
-    let location_step_m = steps::of_location_m(rows());
-    let step_kmh = speed_step_kmh.unwrap_or(0.0);
-    let rounded = |i: usize| {
-        let held_mps = steps::held_mps(&recordings[i].rows, step_kmh);
-        Some(agreements[i]?.with_rounding(steps::rounding_mps(step_kmh), held_mps, runs[i].step_s))
-    };
-    let agreements: Vec<Option<Agreement>> = of_unit.iter().map(|i| rounded(*i)).collect();
-    let compared: Vec<Agreement> = agreements.iter().flatten().copied().collect();
-    let mut recorder = RecorderCheck {
-        unit,
-        compared: compared.len(),
-        runs: of_unit.len(),
-        speed_step_kmh,
-        location_step_m,
-        scale: None,
-        is_wheel: false,
-        offset_kmh: None,
-        skew_s: None,
-        skew_spread_s: None,
-        correction: Correction::NONE,
-        findings: Vec::new(),
-    };
-    let Some(all) = pooled(&compared) else {
-        return recorder;
-    };
-    let values = recorder.decide(&all, known);
-    for (i, agreement) in of_unit.iter().zip(&agreements) {
-        if let Some(agreement) = agreement {
-            own::judged(&mut runs[*i], agreement, values);
-        }
-    }
-    recorder.skews(runs, known);
-    for (i, agreement) in of_unit.iter().copied().zip(&agreements) {
-        own::of(&recorder, &mut runs[i], agreement.as_ref(), known).put_right(&mut recordings[i].rows);
-    }
-    recorder
-}
-
-fn put_right(here: bool) -> Done {
-    if here { Done::PutRight } else { Done::Said }
-}
-
-impl RecorderCheck {
-    /// True less read speed as the step decides it: half of it where the recorder truncates, 0 where it rounds; else as measured. In km/h.
-    pub fn decided_offset_kmh(&self) -> Option<f64> {
-        let has = |kind| self.findings.iter().any(|finding| finding.kind == kind);
-        match (has(Kind::RoundedSpeed), has(Kind::TruncatedSpeed)) {
-            (true, _) => Some(0.0),
-            (_, true) => self.speed_step_kmh.map(|step_kmh| 0.5 * step_kmh),
-            _ => self.offset_kmh.map(|offset| offset.value),
-        }
-    }
-
-    /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, as the skews are judged with.
-    fn decide(&mut self, all: &Pooled, known: &Known) -> Vector2<f64> {
-        let offset_kmh = all.offset_kmh();
-        self.offset_kmh = Some(offset_kmh);
-        let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
-        let shown = shown(self.speed_step_kmh, offset_kmh);
-        let (kind, done) = match shown {
-            Shown::Exact => (None, Done::Said),
-            Shown::Rounded => (Some(Kind::RoundedSpeed), Done::Said),
-            Shown::Truncated => (Some(Kind::TruncatedSpeed), put_right(!known.truncates)),
-            Shown::NotKnown => (Some(Kind::SteppedSpeed), Done::Said),
-        };
-        if let Some(kind) = kind {
-            self.said(kind, Figure { value: step_kmh, sd: 0.0 }, "km/h", done);
-        }
-        let offset_mps = if shown == Shown::Truncated { 0.5 * step_kmh / 3.6 } else { 0.0 };
-        // The offset of a step is 0 or a half of it: what is decided is known, and leaves the scale sharper.
-        let decided = matches!(shown, Shown::Rounded | Shown::Truncated);
-        let scale = if decided { all.scale_at(offset_mps) } else { all.scale() };
-        self.scale = Some(scale);
-        let odd = !decided && offset_kmh.away_from(0.0) > SURE && offset_kmh.value.abs() > 0.1_f64.max(0.6 * step_kmh);
-        if odd {
-            self.said(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
-        }
-        let matters = (scale.value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE;
-        // No recorder has such an offset: the model does not fit, and its scale is no wheel.
-        self.is_wheel = matters && !odd;
-        if matters {
-            self.said(Kind::SpeedScale, scale, "", put_right(!known.scale && self.is_wheel));
-        }
-        self.correction = Correction {
-            offset_mps: if known.truncates { 0.0 } else { offset_mps },
-            scale: if self.is_wheel && !known.scale { scale.value } else { 1.0 },
-        };
-        Vector2::new(1.0 / scale.value - 1.0, if decided { offset_mps } else { all.values[1] })
-    }
-
-    fn said(&mut self, kind: Kind, figure: Figure, unit: &'static str, done: Done) {
-        self.findings.push(Finding { kind, figure, unit, count: 1, line: 0, done });
-    }
-
-    /// The usual skew, and how much it differs from run to run.
-    fn skews(&mut self, runs: &[RunCheck], known: &Known) {
-        let usable = runs.iter().filter(|run| run.unit == self.unit && run.refusal().is_none());
-        let mut skews: Vec<Figure> = usable.filter_map(|run| run.skew_s).collect();
-        skews.sort_by(|a, b| a.value.total_cmp(&b.value));
-        let Some(middle) = skews.get(skews.len() / 2).copied() else {
-            return;
-        };
-        let off: Vec<f64> = skews.iter().map(|skew| skew.value - middle.value).collect();
-        let spread_s = spread(&off);
-        let n = (skews.len() as f64).sqrt();
-        let skew_s = Figure { value: middle.value, sd: (1.2533 * spread_s / n).max(middle.sd / n) };
-        (self.skew_s, self.skew_spread_s) = (Some(skew_s), Some(spread_s));
-        // Few runs that differ leave their median uncertain, and each may be beyond doubt by itself.
-        let late = |sign: f64| {
-            let beyond = |skew: &&Figure| sign * skew.value > LEAST_SKEW_S.max(SURE * skew.sd);
-            2 * skews.iter().filter(beyond).count() > skews.len()
-        };
-        let usual = skew_s.value.abs() > LEAST_SKEW_S && skew_s.away_from(0.0) > SURE;
-        if usual || (skews.len() > 1 && (late(1.0) || late(-1.0))) {
-            self.said(Kind::Skew, skew_s, "s", put_right(known.moves_locations));
-        }
     }
 }

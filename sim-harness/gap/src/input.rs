@@ -104,7 +104,7 @@ impl Input {
         }
         let set = RunSet::find(runs).map_err(Refusal::unread)?;
         let provenance = Provenance::begin(&[described.files.to_vec(), set.paths()].concat());
-        let mut loaded = load::runs(&set, &described.track_file, direction, as_recorded);
+        let mut loaded = load::runs(&set, &described.train, &described.track_file, direction, as_recorded);
         loaded.notes.splice(0..0, set.notes.iter().cloned());
         let dataset: Vec<String> = runs.iter().map(|path| path.display().to_string()).collect();
         Ok(described.with(loaded, set.files.len(), dataset.join(" "), provenance))
@@ -121,7 +121,7 @@ impl Input {
         let line = CentreLine::new(&described.track_file.centre_line);
         let recordings = table.recordings(line.as_ref()).map_err(Refusal::unread)?;
         let count = recordings.len();
-        let loaded = load::of_table(recordings, &described.track_file, as_recorded);
+        let loaded = load::of_table(recordings, &described.train, &described.track_file, as_recorded);
         Ok(described.with(loaded, count, dataset, provenance))
     }
 

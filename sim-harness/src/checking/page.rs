@@ -76,7 +76,7 @@ fn recorder_section(recorder: &RecorderCheck, found: &Check, logs: &Logs) -> Mar
     html! {
         p { "Speed and location were compared in " (recorder.compared) " of " (counted(recorder.runs, "run", "runs")) ". " (done(recorder)) }
         (figures(recorder))
-        (findings(recorder.findings.iter()))
+        (findings(&recorder.findings, &recorder.evidence))
         (figure(&speed_against_location(recorder, &windows), &against))
         (figure(
             &digits_and_runs(&runs, &recorded),

@@ -2,9 +2,10 @@
 
 use maud::{Markup, html};
 use rundown_check::agreement::Figure;
-use rundown_check::finding::{Done, Finding};
+use rundown_check::finding::{Done, Finding, Kind};
 use rundown_pages::numbers::{NOTHING, number};
 use rundown_pages::shell::{column, table, text_column};
+use std::collections::BTreeMap;
 
 /// How a recorder is called: without an index there is one, without a name.
 pub(super) fn called(unit: &str) -> &str {
@@ -20,8 +21,8 @@ pub(super) fn interval(value: Option<Figure>, decimals: usize) -> String {
 }
 
 /// What was found, a row each; nothing says so.
-pub(super) fn findings<'a>(findings: impl Iterator<Item = &'a Finding> + Clone) -> Markup {
-    if findings.clone().next().is_none() {
+pub(super) fn findings(findings: &[Finding], evidence: &BTreeMap<Kind, String>) -> Markup {
+    if findings.is_empty() {
         return html! { p { "Nothing was found." } };
     }
     let head = [
@@ -30,6 +31,7 @@ pub(super) fn findings<'a>(findings: impl Iterator<Item = &'a Finding> + Clone) 
         column("times", ""),
         column("from line", ""),
         text_column("done"),
+        text_column("what says so"),
         text_column("what helps"),
     ];
     let rows = html! { @for finding in findings { tr {
@@ -38,6 +40,7 @@ pub(super) fn findings<'a>(findings: impl Iterator<Item = &'a Finding> + Clone) 
         td { (finding.count) }
         td { @if finding.line > 0 { (finding.line) } @else { "all" } }
         td.text { strong class=(class(finding.done)) { (finding.done.words()) } }
+        td.text { (evidence.get(&finding.kind).map_or(NOTHING, String::as_str)) }
         td.text { (finding.kind.remedy().unwrap_or(NOTHING)) }
     } } };
     table(head, rows)

@@ -38,7 +38,7 @@ pub(super) fn page(found: &Check, logs: &Logs, at: usize) -> String {
         "Time between rows as recorded. A row above the others is a gap or a lost second, one below zero a clock that was set back.",
     );
     let sections = [
-        Section::new("findings", "Found in this run", findings(run.findings.iter())),
+        Section::new("findings", "Found in this run", findings(&run.findings, &run.evidence)),
         Section::new("readings", "Speed and location", readings),
         Section::new("clock", "The clock", clock),
     ];
@@ -49,7 +49,7 @@ fn lead(run: &RunCheck) -> Markup {
     html! {
         p.lead {
             (run.rows) " rows of " (called(&run.unit)) ", usually each " (number(run.step_s, 1)) " s. "
-            @if let Some(refusal) = run.refusal() { "The run is not used: " (refusal.kind.words()) ". " }
+            @if let Some(refusal) = run.refusal() { "The run is not used: " (run.said(refusal)) ". " }
             @if let Some(perturbed) = run.perturbed() { "Perturbed: " (perturbed) ". " }
         }
         @if run.scale.is_some() || run.skew_s.is_some() {

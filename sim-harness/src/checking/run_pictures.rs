@@ -134,6 +134,7 @@ mod tests {
             location_noise_m: None,
             scale: None,
             findings: vec![],
+            evidence: Default::default(),
             perturbations: vec![],
         };
         let Drawing::One(figure) = clock(&run, &rows) else { panic!("one figure") };

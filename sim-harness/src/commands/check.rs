@@ -25,9 +25,10 @@ Examples:
 It needs neither train nor track (a track with a centre line, where the logs have coordinates only). Found are: the step
 of the speed, rounded or truncated; offset and scale of the speed against the location, jointly; by how much the speed is
 older than the location, run by run; clocks that jump or lose seconds; rows that are missing, standing and moving;
-odometers that wrap or begin again; sensors that stand still; wrong units; there and back in one log. Each with a figure,
-its 95 % interval where it has one, and what a replay does about it. Beside at least five others, runs that a red signal
-or a restriction held up are named, too.";
+odometers that wrap or begin again; sensors that stand still, hold old values or read zero at low speed; wrong units;
+there and back in one log; a log that is given twice; runs on another chainage; with a train and a track, what exceeds
+their limits. Each with a figure, its 95 % interval where it has one, and what a replay does about it. Beside at least
+five others, runs that a red signal or a restriction held up are named, too.";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::AFTER_HELP))]

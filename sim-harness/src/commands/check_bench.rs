@@ -16,7 +16,7 @@ Examples:
   Other seeds, more sets:
     rundown check-bench --seed 7
 
-Each defect is injected into sets of four simulated runs; as many sets of each of four clean recorders are diagnosed.
+Each defect is injected into sets of four or eight simulated runs; as many sets of each of five clean kinds are diagnosed.
 On each of six lines as many sets of 40 runs are compared, of which a seventh is perturbed, and as many sets of 20 runs
 are diagnosed with gradients that are described in nine ways, three of them right.
 

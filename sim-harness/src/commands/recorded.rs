@@ -3,7 +3,7 @@
 use super::{Failure, Strict, screen};
 use crate::study::source::RunSource;
 use rundown::{estimator::config::Config, model::track::Track, model::train::Train, tick::sensor::Rounding};
-use rundown_check::Known;
+use rundown_check::{Known, limits::Described};
 use rundown_files::{map_matching::CentreLine, track_file::TrackFile, train_file::TrainFile};
 use std::path::PathBuf;
 
@@ -55,6 +55,7 @@ impl RecordedRuns {
             truncates: config.sensor.rounding == Rounding::Truncated,
             scale: false,
             stops_m: track_file.stop.iter().map(|stop| stop.at_m).collect(),
+            limits: Described::of(Some(train), Some(&track_file)),
             moves_locations: true,
         };
         let known = (!self.as_recorded).then_some(known);

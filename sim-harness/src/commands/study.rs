@@ -269,6 +269,12 @@ fn case_study_or_runs(
     }
     // As a replay: a study of runs from which nothing can be learned is none.
     let learned = study.gathered.gated.learned_share.mean().is_some_and(|share| share > 0.0);
+    if !learned {
+        let runs = study.gathered.paper.runs;
+        screen::error(&format!(
+            "expected a run that coasts or measures its effort, found none of {runs}: nothing was learned"
+        ));
+    }
     Ok(match study.gathered.failed.len() {
         _ if !learned => ExitCode::from(NOTHING_USABLE),
         0 => ExitCode::SUCCESS,

@@ -13,6 +13,7 @@ use crate::{study::source::RunSource, study::trials::sensitivity, tune::score::B
 use rundown::estimator::config::{Config, Mode};
 use rundown::tick::paper::PaperConfig;
 use rundown_files::folder::{self, Provenance};
+use rundown_files::recording::Recording;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -121,14 +122,14 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String, Provenan
         }
     };
     let provenance = Provenance::begin(&inputs);
-    let (mut runs, mut refused) = (Vec::new(), 0);
-    while runs.len() < count
+    let (mut cases, mut refused) = (Vec::new(), 0);
+    while cases.len() < count
         && let Some(chunk) = source.next_chunk()?
     {
         for case in chunk {
             match case {
                 Ok(case) if source.sets_aside(&case) => (),
-                Ok(case) => runs.push(case.recording),
+                Ok(case) => cases.push(case.recording),
                 Err(failed) => {
                     refused += 1;
                     screen::error(&failed.error);
@@ -136,16 +137,34 @@ fn bench(arguments: &Arguments, base: Config) -> Result<(Bench, String, Provenan
             }
         }
     }
-    runs.truncate(count);
+    cases.truncate(count);
     let notes = source.notes();
     notes.iter().for_each(|text| screen::note(text));
     arguments.recorded.strict.check(notes.len() + refused)?;
-    if runs.is_empty() {
+    if cases.is_empty() {
         return Err(Failure::no_runs("no run could be used; nothing was written"));
     }
+    let runs = moving(cases)?;
     let words = format!("{} {words} runs", runs.len());
     let bench = Bench { base, train, track, runs };
     Ok((bench, words, provenance))
+}
+
+/// The runs that say something of a filter; a refusal where none does.
+fn moving(cases: Vec<Recording>) -> Result<Vec<Recording>, Failure> {
+    let (all, least) = (cases.len(), runs::LEAST_MOVING_ROWS);
+    let (moving, standing): (Vec<Recording>, Vec<Recording>) = cases.into_iter().partition(runs::moves);
+    if moving.is_empty() {
+        let message = format!(
+            "expected a run with {least} rows of a moving train, found none of {all}: no filter is tuned on these; nothing was written"
+        );
+        return Err(Failure::no_runs(message));
+    }
+    if !standing.is_empty() {
+        let count = standing.len();
+        screen::note(&format!("left out, with fewer than {least} rows of a moving train: {count} of {all} runs"));
+    }
+    Ok(moving)
 }
 
 /// Slope of the paper's mode with a configuration, after one run.

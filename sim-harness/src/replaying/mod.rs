@@ -26,6 +26,8 @@ use rundown::{
 };
 use rundown_check::Known;
 use rundown_check::gradients::{Coasts, Doubt};
+use rundown_check::limits::Described;
+use rundown_check::same::Seen;
 use rundown_files::folder::{self, Provenance};
 use rundown_files::parquet::ParquetError;
 use rundown_files::recording::{DirectionChoice, Recording};
@@ -104,6 +106,8 @@ pub struct Opened {
     source: Source,
     /// Onto which positions are matched.
     line: Option<CentreLine>,
+    /// Logs that were read.
+    seen: Seen,
     provenance: Provenance,
 }
 
@@ -201,7 +205,8 @@ impl Request {
         let described = [Some(&self.train), Some(&self.track), self.config.as_ref()];
         let inputs = described.into_iter().flatten().cloned().chain(source.paths());
         let provenance = Provenance::begin(&inputs.collect::<Vec<PathBuf>>());
-        Ok(Opened { request: self, config, train, core_train, track, estimator, source, line, provenance })
+        let seen = Seen::default();
+        Ok(Opened { request: self, config, train, core_train, track, estimator, source, line, seen, provenance })
     }
 }
 
@@ -270,7 +275,7 @@ impl Opened {
     }
 
     /// The recordings that can be used; why others cannot, and what is to be said, goes into `summary`.
-    fn diagnosed(&self, read: Vec<Result<Recording, Failed>>, summary: &mut Summary) -> Vec<Recording> {
+    fn diagnosed(&mut self, read: Vec<Result<Recording, Failed>>, summary: &mut Summary) -> Vec<Recording> {
         let mut recordings = Vec::new();
         for result in read {
             match result {
@@ -287,9 +292,10 @@ impl Opened {
             truncates: self.config.sensor.rounding == Rounding::Truncated,
             scale: effects.any(|entry| matches!(entry.effect, Effect::SpeedScale(_))),
             stops_m: self.track.stop.iter().map(|stop| stop.at_m).collect(),
+            limits: Described::of(Some(self.core_train), Some(&self.track)),
             moves_locations: true,
         };
-        let (used, refused, found) = logs::diagnosed(recordings, &known);
+        let (used, refused, found) = logs::diagnosed(recordings, &known, &mut self.seen);
         summary.failed.extend(refused);
         summary.notes.extend(found.notes());
         summary

@@ -6,7 +6,7 @@ use crate::logs::{self, Failed};
 use crate::parquet_runs::ParquetRuns;
 use crate::simulation::scenario_file::Simulation;
 use rayon::prelude::*;
-use rundown_check::{Check, Known};
+use rundown_check::{Check, Known, same::Seen};
 use rundown_files::run_set::{RunFile, RunSet};
 use rundown_files::{map_matching::CentreLine, recording::DirectionChoice, run_log::BadRows};
 use std::collections::HashMap;
@@ -33,6 +33,8 @@ pub struct Recorded {
     keep_perturbed: bool,
     /// What was found, a diagnosis for each chunk so far.
     found: Vec<Check>,
+    /// Logs that were read: one that comes again in a later chunk is left out, too.
+    seen: Seen,
 }
 
 #[derive(Debug)]
@@ -78,7 +80,8 @@ impl RunSource {
     ) -> Result<Self, Refused> {
         let (of, files) = Files::open(arguments, line, note)?;
         let (as_recorded, known) = (known.is_none(), known.unwrap_or_default());
-        Ok(Self::Recorded(Box::new(Recorded { of, files, as_recorded, known, keep_perturbed, found: Vec::new() })))
+        let (found, seen) = (Vec::new(), Seen::default());
+        Ok(Self::Recorded(Box::new(Recorded { of, files, as_recorded, known, keep_perturbed, found, seen })))
     }
 
     /// A run that is no part of the statistics: it was perturbed.
@@ -212,7 +215,7 @@ impl Recorded {
                 Err(failed) => chunk.push(Err(failed)),
             }
         }
-        let (diagnosed, found) = logs::diagnosed_each(recordings, &self.known);
+        let (diagnosed, found) = logs::diagnosed_each(recordings, &self.known, &mut self.seen);
         let with_truth = diagnosed.into_iter().zip(truths);
         chunk.extend(with_truth.map(|(recording, truth)| Ok(Case { recording: recording?, truth })));
         self.found.push(found);

@@ -7,6 +7,7 @@ use crate::report::{Report, RunView, begin_run_pages, write_run_pages};
 use crate::study::Refused;
 use maud::{Markup, html};
 use rundown::estimator::{Estimator, config::Config};
+use rundown_files::recording::Recording;
 use rundown_files::replay::{Tick, replay_apart_by};
 use rundown_pages::numbers::number;
 use rundown_pages::run_pages;
@@ -17,6 +18,17 @@ use std::path::Path;
 pub const TITLE: &str = "Tuning of the paper's filter";
 /// Runs that are in memory at a time with what is drawn of them.
 const CHUNK: usize = 256;
+
+/// A filter is not tuned on fewer rows of a train that moves.
+pub const LEAST_MOVING_ROWS: usize = 10;
+/// Slower is standing, m/s.
+const MOVING_MPS: f64 = 1.0;
+
+/// The run has enough rows of a moving train.
+pub fn moves(run: &Recording) -> bool {
+    let moving = run.rows.iter().filter(|row| row.speed_mps.is_some_and(|mps| mps > MOVING_MPS));
+    moving.take(LEAST_MOVING_ROWS).count() == LEAST_MOVING_ROWS
+}
 
 /// A run with its score by Table 1 and by the optimum.
 #[derive(Clone, Debug)]

@@ -10,11 +10,12 @@
 //! Only runs in the same direction are compared. Nothing is claimed where too few others pass, nor where more than a third of the runs would be
 //! perturbed: then they have no timetable in common.
 
-mod profile;
 mod slow;
 mod stops;
 
-use profile::Profile;
+pub(crate) use stops::near_m;
+
+use crate::profile::Profile;
 use rundown::model::direction::Direction;
 use rundown_files::recording::Recording;
 use serde::Serialize;

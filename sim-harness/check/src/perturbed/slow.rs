@@ -6,8 +6,8 @@
 //!
 //! The others are those that call at the stations around as this run does. A stretch counts where it cost time.
 
-use super::profile::{CELL_M, Profile, get};
 use super::{Cause, LEAST_OTHERS, Perturbation};
+use crate::profile::{CELL_M, Profile, get};
 
 /// A stretch that costs less is a driver's style, s.
 const LEAST_LOST_S: f64 = 15.0;

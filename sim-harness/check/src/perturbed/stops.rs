@@ -2,8 +2,8 @@
 //!
 //! A station is where the track describes a stop, or where a fifth of the runs that come by stand, begin or end.
 
-use super::profile::Profile;
 use super::{Cause, LEAST_OTHERS, Perturbation};
+use crate::profile::Profile;
 
 /// A place is a station where such a share of the runs stops.
 const STATION_SHARE: f64 = 0.2;

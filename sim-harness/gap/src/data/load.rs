@@ -2,10 +2,11 @@
 
 use crate::data::{believed::Surroundings, runs::Recorded, runs::Run};
 use rayon::prelude::*;
-use rundown::model::units::KmPerHour;
+use rundown::model::{train::Train, units::KmPerHour};
 use rundown_check::agreement::Figure;
 use rundown_check::finding::{Done, Kind};
-use rundown_check::{Check, Correction, Known, RecorderCheck, RunCheck, check_beside, steps};
+use rundown_check::same::Seen;
+use rundown_check::{Check, Correction, Known, RecorderCheck, RunCheck, check_beside, limits, steps};
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::run_log::{BadRows, RunLog};
 use rundown_files::run_set::{RunFile, RunSet};
@@ -45,33 +46,31 @@ pub struct Loaded {
 }
 
 /// Reads all runs of a set, those that can be used. With `as_recorded` nothing is diagnosed nor put right.
-pub fn runs(set: &RunSet, track: &TrackFile, direction: DirectionChoice, as_recorded: bool) -> Loaded {
+pub fn runs(set: &RunSet, train: &Train, track: &TrackFile, direction: DirectionChoice, as_recorded: bool) -> Loaded {
     let line = CentreLine::new(&track.centre_line);
     let read = set.files.par_iter().map(|file| recording(file, line.as_ref(), direction)).collect();
-    usable(read, track, as_recorded)
+    usable(read, train, track, as_recorded)
 }
 
 /// The same of runs that came as a table.
-pub fn of_table(recordings: impl IntoIterator<Item = Recording>, track: &TrackFile, as_recorded: bool) -> Loaded {
+pub fn of_table(
+    recordings: impl IntoIterator<Item = Recording>,
+    train: &Train,
+    track: &TrackFile,
+    as_recorded: bool,
+) -> Loaded {
     let named = |mut recording: Recording| {
         recording.path = format!("{}: run {}", recording.path.display(), recording.name).into();
         believable(recording)
     };
-    usable(recordings.into_iter().map(named).collect(), track, as_recorded)
+    usable(recordings.into_iter().map(named).collect(), train, track, as_recorded)
 }
 
-fn usable(read: Vec<Result<Recording, LoadError>>, track: &TrackFile, as_recorded: bool) -> Loaded {
+fn usable(read: Vec<Result<Recording, LoadError>>, train: &Train, track: &TrackFile, as_recorded: bool) -> Loaded {
     let mut loaded = Loaded::default();
     for result in read {
         match result {
             Ok(recording) => {
-                // Counted twice it would stand on both sides of the hold-out.
-                if loaded.recordings.iter().any(|other| are_same(&other.rows, &recording.rows)) {
-                    let name = &recording.name;
-                    let text = "has the samples of another run, to the last digit; the run was left out";
-                    loaded.notes.push(format!("{name}: {text}"));
-                    continue;
-                }
                 loaded.notes.extend(recording.warnings.iter().cloned());
                 loaded.recordings.push(recording);
             }
@@ -79,9 +78,12 @@ fn usable(read: Vec<Result<Recording, LoadError>>, track: &TrackFile, as_recorde
         }
     }
     if as_recorded {
+        loaded.leave_out_copies();
         loaded.runs = loaded.recordings.iter().map(|recording| run(recording, as_read(recording))).collect();
     } else {
-        loaded.diagnose(track.stop.iter().map(|stop| stop.at_m).collect());
+        let stops_m = track.stop.iter().map(|stop| stop.at_m).collect();
+        let limits = limits::Described::of(Some(*train), Some(track));
+        loaded.diagnose(&Known { scale: true, stops_m, limits, ..Known::default() });
     }
     loaded
 }
@@ -91,13 +93,28 @@ impl Loaded {
     #[cfg(test)]
     pub fn of(recordings: Vec<Recording>) -> Self {
         let mut loaded = Self { recordings, ..Self::default() };
-        loaded.diagnose(Vec::new());
+        loaded.diagnose(&Known { scale: true, ..Known::default() });
         loaded
     }
 
-    /// `stops_m`: described ones.
-    fn diagnose(&mut self, stops_m: Vec<f64>) {
-        let mut check = check_beside(&mut self.recordings, &Known { scale: true, stops_m, ..Known::default() });
+    /// Counted twice a run would stand on both sides of the hold-out, put right or not.
+    fn leave_out_copies(&mut self) {
+        let mut seen = Seen::default();
+        let Self { recordings, notes, .. } = self;
+        recordings.retain(|recording| match seen.earlier(recording) {
+            Some(earlier) => {
+                notes.push(format!(
+                    "{}: it holds the same rows as {earlier}; the run was left out",
+                    recording.path.display()
+                ));
+                false
+            }
+            None => true,
+        });
+    }
+
+    fn diagnose(&mut self, known: &Known) {
+        let mut check = check_beside(&mut self.recordings, known);
         // In the runs the scale is put right, too.
         let wheels = check.recorders.iter_mut().filter(|recorder| recorder.is_wheel);
         for finding in wheels.flat_map(|recorder| &mut recorder.findings) {
@@ -110,7 +127,11 @@ impl Loaded {
         let recordings = std::mem::take(&mut self.recordings);
         for (recording, of_run) in recordings.into_iter().zip(&check.runs) {
             if let Some(finding) = of_run.refusal() {
-                self.notes.push(format!("{}: {finding}; the run was left out", recording.path.display()));
+                self.notes.push(format!(
+                    "{}: {}; the run was left out",
+                    recording.path.display(),
+                    of_run.said(finding)
+                ));
                 continue;
             }
             self.runs.push(run(&recording, recorded(&check, of_run)));
@@ -118,11 +139,6 @@ impl Loaded {
         }
         self.check = Some(check);
     }
-}
-
-/// The same readings, in whichever lines of their logs they stand.
-fn are_same(a: &[Sample], b: &[Sample]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| *a == Sample { line: a.line, ..*b })
 }
 
 /// Reads one log.

@@ -96,6 +96,15 @@ impl Profile {
         stands_m.chain(self.ends_m).any(|stand_m| (stand_m - at_m).abs() <= near_m)
     }
 
+    /// Where the run stands, its ends among them where it begins or ends at a stand, m.
+    pub fn calls_m(&self) -> Vec<f64> {
+        let stands_at = |at_m: f64| self.speed_mps(cell(at_m)).is_some_and(|mps| f64::from(mps) < STANDING_MPS);
+        let [first_m, last_m] = self.ends_m;
+        let within = self.stands.iter().map(|stand| stand.at_m);
+        let ends = [first_m, last_m].map(|at_m| Some(at_m).filter(|at_m| stands_at(*at_m)));
+        ends[0].into_iter().chain(within).chain(ends[1]).collect()
+    }
+
     /// For each cell the lowest speed within so many metres: others brake a little earlier or later.
     pub fn lows(&self, near_m: f64) -> Vec<f32> {
         let reach = (near_m / CELL_M).round() as usize;

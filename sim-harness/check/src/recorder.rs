@@ -1,0 +1,217 @@
+//! What all runs of one recorder say together: how the speed is shown, its scale, its age; what it leaves out and holds; what the runs exceed.
+
+use crate::agreement::{Agreement, Figure, Pooled, pooled, spread};
+use crate::finding::{Done, Finding, Kind};
+use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE};
+use crate::{dead_zone, held, limits, own, put_right, steps, with_evidence};
+use nalgebra::Vector2;
+use rundown_files::recording::Recording;
+use std::collections::BTreeMap;
+
+/// A smaller skew is not named, s.
+const LEAST_SKEW_S: f64 = 0.3;
+/// Share of the step by which the offset of a truncating recorder may miss the half of it.
+const NEAR_HALF: f64 = 0.12;
+/// One of two offsets is decided where it is nearer than this share of the distance to the other.
+const CLEARLY: f64 = 0.5;
+
+/// How the speeds are shown.
+#[derive(Clone, Copy, PartialEq)]
+enum Shown {
+    Exact,
+    Rounded,
+    Truncated,
+    NotKnown,
+}
+
+fn shown(step_kmh: Option<f64>, offset_kmh: Figure) -> Shown {
+    let Some(step_kmh) = step_kmh else {
+        return Shown::Exact;
+    };
+    let off = |value: f64| (offset_kmh.value - value).abs();
+    let near = |value: f64| off(value) < 2.0 * offset_kmh.sd + NEAR_HALF * step_kmh;
+    let (rounded, truncated) = (0.0, 0.5 * step_kmh);
+    match (near(rounded), near(truncated)) {
+        (true, false) if off(rounded) < CLEARLY * off(truncated) => Shown::Rounded,
+        (false, true) if off(truncated) < CLEARLY * off(rounded) => Shown::Truncated,
+        _ => Shown::NotKnown,
+    }
+}
+
+/// Judges the recorder of these runs, and puts right what is beyond doubt.
+pub(crate) fn of(
+    unit: String,
+    recordings: &mut [Recording],
+    runs: &mut [RunCheck],
+    agreements: &[Option<Agreement>],
+    known: &Known,
+) -> RecorderCheck {
+    let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
+    let rows = || of_unit.iter().flat_map(|i| &recordings[*i].rows);
+    let speed_step_kmh = steps::of_speed_kmh(rows());
+    let location_step_m = steps::of_location_m(rows());
+    let step_kmh = speed_step_kmh.unwrap_or(0.0);
+    let rounded = |i: usize| {
+        let held_mps = steps::held_mps(&recordings[i].rows, step_kmh);
+        Some(agreements[i]?.with_rounding(steps::rounding_mps(step_kmh), held_mps, runs[i].step_s))
+    };
+    let agreements: Vec<Option<Agreement>> = of_unit.iter().map(|i| rounded(*i)).collect();
+    let compared: Vec<Agreement> = agreements.iter().flatten().copied().collect();
+    let mut recorder = RecorderCheck {
+        unit,
+        compared: compared.len(),
+        runs: of_unit.len(),
+        speed_step_kmh,
+        location_step_m,
+        scale: None,
+        is_wheel: false,
+        offset_kmh: None,
+        skew_s: None,
+        skew_spread_s: None,
+        correction: Correction::NONE,
+        findings: Vec::new(),
+        evidence: BTreeMap::new(),
+    };
+    let is_usable = |run: &RunCheck| run.refusal().is_none();
+    let usable: Vec<usize> = of_unit.iter().copied().filter(|i| is_usable(&runs[*i])).collect();
+    recorder.dead_zone(recordings, &usable);
+    recorder.held_speeds(recordings, &usable);
+    let Some(all) = pooled(&compared) else {
+        return recorder;
+    };
+    let values = recorder.decide(&all, known);
+    for (i, agreement) in of_unit.iter().zip(&agreements) {
+        if let Some(agreement) = agreement {
+            own::judged(&mut runs[*i], agreement, values);
+        }
+    }
+    recorder.skews(runs, known);
+    for (i, agreement) in of_unit.into_iter().zip(&agreements) {
+        own::of(&recorder, &mut runs[i], agreement.as_ref(), known).put_right(&mut recordings[i].rows);
+    }
+    recorder
+}
+
+impl RecorderCheck {
+    /// A finding of this recorder as a sentence, with its evidence.
+    pub fn said(&self, finding: &Finding) -> String {
+        with_evidence(finding, &self.evidence)
+    }
+
+    /// True less read speed as the step decides it: half of it where the recorder truncates, 0 where it rounds; else as measured. In km/h.
+    pub fn decided_offset_kmh(&self) -> Option<f64> {
+        let has = |kind| self.findings.iter().any(|finding| finding.kind == kind);
+        match (has(Kind::RoundedSpeed), has(Kind::TruncatedSpeed)) {
+            (true, _) => Some(0.0),
+            (_, true) => self.speed_step_kmh.map(|step_kmh| 0.5 * step_kmh),
+            _ => self.offset_kmh.map(|offset| offset.value),
+        }
+    }
+
+    /// Decides how the speed is shown, then the scale with what that says. Out: 1/s - 1 and o/s, m/s, as the skews are judged with.
+    fn decide(&mut self, all: &Pooled, known: &Known) -> Vector2<f64> {
+        let offset_kmh = all.offset_kmh();
+        self.offset_kmh = Some(offset_kmh);
+        let step_kmh = self.speed_step_kmh.unwrap_or(0.0);
+        let shown = shown(self.speed_step_kmh, offset_kmh);
+        let (kind, done) = match shown {
+            Shown::Exact => (None, Done::Said),
+            Shown::Rounded => (Some(Kind::RoundedSpeed), Done::Said),
+            Shown::Truncated => (Some(Kind::TruncatedSpeed), put_right(!known.truncates)),
+            Shown::NotKnown => (Some(Kind::SteppedSpeed), Done::Said),
+        };
+        if let Some(kind) = kind {
+            self.found(kind, Figure { value: step_kmh, sd: 0.0 }, "km/h", done);
+        }
+        let offset_mps = if shown == Shown::Truncated { 0.5 * step_kmh / 3.6 } else { 0.0 };
+        // The offset of a step is 0 or a half of it: what is decided is known, and leaves the scale sharper.
+        let decided = matches!(shown, Shown::Rounded | Shown::Truncated);
+        let scale = if decided { all.scale_at(offset_mps) } else { all.scale() };
+        self.scale = Some(scale);
+        let odd = !decided && offset_kmh.away_from(0.0) > SURE && offset_kmh.value.abs() > 0.1_f64.max(0.6 * step_kmh);
+        if odd {
+            self.found(Kind::SpeedOffset, offset_kmh, "km/h", Done::Said);
+        }
+        let matters = (scale.value - 1.0).abs() > LEAST_SCALE && scale.away_from(1.0) > SURE;
+        // No recorder has such an offset: the model does not fit, and its scale is no wheel.
+        self.is_wheel = matters && !odd;
+        if matters {
+            self.found(Kind::SpeedScale, scale, "", put_right(!known.scale && self.is_wheel));
+        }
+        self.correction = Correction {
+            offset_mps: if known.truncates { 0.0 } else { offset_mps },
+            scale: if self.is_wheel && !known.scale { scale.value } else { 1.0 },
+        };
+        Vector2::new(1.0 / scale.value - 1.0, if decided { offset_mps } else { all.values[1] })
+    }
+
+    /// Leaves out readings of zero that are no standstill. Call it while the speeds are as read.
+    fn dead_zone(&mut self, recordings: &mut [Recording], usable: &[usize]) {
+        let rows = usable.iter().map(|i| recordings[*i].rows.as_slice());
+        let Some(found) = dead_zone::of(rows, self.speed_step_kmh.unwrap_or(0.0)) else {
+            return;
+        };
+        let left_out = usable.iter().map(|i| found.leave_out(&mut recordings[*i].rows));
+        let count: usize = left_out.map(|(count, _)| count).sum();
+        self.found(Kind::DeadZone, found.threshold_kmh, "km/h", Done::LeftOut);
+        let passes = found.passes;
+        let text = format!("no reading between 0 and that at {passes} starts and stops; {count} readings of zero");
+        self.evidence.insert(Kind::DeadZone, text);
+    }
+
+    /// Leaves out speeds that are old ones. Call it while the speeds are as read.
+    fn held_speeds(&mut self, recordings: &mut [Recording], usable: &[usize]) {
+        let step_mps = self.speed_step_kmh.unwrap_or(0.0) / 3.6;
+        let of_runs: Vec<held::Held> = usable.iter().map(|i| held::of(&recordings[*i].rows, step_mps)).collect();
+        let Some([rows, asked]) = held::beyond_chance(&of_runs) else {
+            return;
+        };
+        let share = rows as f64 / asked as f64;
+        let figure = Figure { value: 100.0 * share, sd: 100.0 * (share * (1.0 - share) / asked as f64).sqrt() };
+        self.found(Kind::HeldSpeeds, figure, "% of the rows whose speed changes fast", Done::LeftOut);
+        self.evidence.insert(Kind::HeldSpeeds, format!("{rows} of {asked} such rows"));
+        for (i, held) in usable.iter().zip(&of_runs) {
+            held.rows.iter().for_each(|row| recordings[*i].rows[*row].speed_mps = None);
+        }
+    }
+
+    /// Says what of the descriptions its runs exceed. Call it when the readings are put right.
+    pub(crate) fn exceeds(&mut self, recordings: &[Recording], runs: &[RunCheck], known: &Known) {
+        let is_own = |(_, run): &(&Recording, &RunCheck)| run.unit == self.unit && run.refusal().is_none();
+        let own: Vec<&Recording> = recordings.iter().zip(runs).filter(is_own).map(|(recording, _)| recording).collect();
+        for limits::Excess { kind, percent: figure, rows: count, evidence } in
+            limits::exceeded(own.into_iter(), &known.limits)
+        {
+            self.findings.push(Finding { kind, figure, unit: "% of the rows", count, line: 0, done: Done::Said });
+            self.evidence.insert(kind, evidence);
+        }
+    }
+
+    fn found(&mut self, kind: Kind, figure: Figure, unit: &'static str, done: Done) {
+        self.findings.push(Finding { kind, figure, unit, count: 1, line: 0, done });
+    }
+
+    /// The usual skew, and how much it differs from run to run.
+    fn skews(&mut self, runs: &[RunCheck], known: &Known) {
+        let usable = runs.iter().filter(|run| run.unit == self.unit && run.refusal().is_none());
+        let mut skews: Vec<Figure> = usable.filter_map(|run| run.skew_s).collect();
+        skews.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let Some(middle) = skews.get(skews.len() / 2).copied() else {
+            return;
+        };
+        let off: Vec<f64> = skews.iter().map(|skew| skew.value - middle.value).collect();
+        let spread_s = spread(&off);
+        let n = (skews.len() as f64).sqrt();
+        let skew_s = Figure { value: middle.value, sd: (1.2533 * spread_s / n).max(middle.sd / n) };
+        (self.skew_s, self.skew_spread_s) = (Some(skew_s), Some(spread_s));
+        // Few runs that differ leave their median uncertain, and each may be beyond doubt by itself.
+        let late = |sign: f64| {
+            let beyond = |skew: &&Figure| sign * skew.value > LEAST_SKEW_S.max(SURE * skew.sd);
+            2 * skews.iter().filter(beyond).count() > skews.len()
+        };
+        let usual = skew_s.value.abs() > LEAST_SKEW_S && skew_s.away_from(0.0) > SURE;
+        if usual || (skews.len() > 1 && (late(1.0) || late(-1.0))) {
+            self.found(Kind::Skew, skew_s, "s", put_right(known.moves_locations));
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! Is it said once when trains exceed what is described, with share and size, and not when they keep it?
+
+mod simulated;
+
+use rundown::model::resistance::Davis;
+use rundown::model::train::{Train, TrainDescription};
+use rundown_check::finding::Kind;
+use rundown_check::limits::Described;
+use rundown_check::{Check, Known, check_beside};
+use rundown_files::recording::Recording;
+use simulated::{Recorder, kinds};
+
+fn train() -> Train {
+    Train::try_new(TrainDescription::CASE_STUDY).unwrap()
+}
+
+/// Four runs with the efforts that change their speeds, in terms of the described train.
+fn runs(seed: u64) -> Vec<Recording> {
+    let davis: Davis = train().davis();
+    let mut recordings = Recorder { quantum_kmh: 0.1, noise_m: 1.0, ..Recorder::default() }.runs(seed, 4, 5);
+    for recording in &mut recordings {
+        for i in 1..recording.rows.len() {
+            let [before, now] = [i - 1, i].map(|i| recording.rows[i].speed_mps.unwrap());
+            let effort = now - before + davis.resistance_n_per_kg(now);
+            let limit = train().max_effort_n_per_kg(now);
+            recording.rows[i].effort_n_per_kg = Some(effort.min(limit).max(-0.6));
+        }
+    }
+    recordings
+}
+
+fn checked(recordings: &mut [Recording], speeds: &[(f64, f64)]) -> Check {
+    let limits = Described { train: Some(train()), speeds: speeds.to_vec() };
+    check_beside(recordings, &Known { limits, ..Known::default() })
+}
+
+const EXCEEDED: [Kind; 3] = [Kind::AboveSpeedLimit, Kind::AboveTraction, Kind::AboveBrake];
+
+#[test]
+fn what_is_kept_is_not_said() {
+    for seed in 0..20 {
+        let found = checked(&mut runs(50_000 + seed), &[(-1e6, 144.0)]);
+        assert!(EXCEEDED.iter().all(|kind| !kinds(&found).contains(kind)), "{seed}: {:?}", kinds(&found));
+    }
+}
+
+#[test]
+fn speeds_above_the_limits_are_said_once_with_share_and_top() {
+    for seed in 0..10 {
+        let mut recordings = runs(51_000 + seed);
+        let speeds =
+            || recordings.iter().flat_map(|run| &run.rows).filter_map(|row| row.speed_mps.map(|mps| 3.6 * mps));
+        let top_kmh = speeds().fold(0.0, f64::max);
+        let limit_kmh = (0.8 * top_kmh).round();
+        let found = checked(&mut recordings, &[(-1e6, 200.0), (-5e5, limit_kmh)]);
+        let said: Vec<_> =
+            found.recorders[0].findings.iter().filter(|finding| finding.kind == Kind::AboveSpeedLimit).collect();
+        let [one] = said.as_slice() else { panic!("{seed}: {said:?}") };
+        assert!(one.figure.value > 0.2 && one.count > 5, "{seed}: {one}");
+        let text = found.recorders[0].said(one);
+        let limit = format!("where {limit_kmh:.0} is described");
+        assert!(text.contains(&limit) && text.contains(&format!("up to {top_kmh:.0} km/h")), "{seed}: {text}");
+        assert!(found.notes().iter().any(|note| note.contains(&limit)), "{:?}", found.notes());
+    }
+}
+
+#[test]
+fn efforts_of_another_unit_are_beyond_train_and_brake() {
+    for seed in 0..10 {
+        let mut recordings = runs(52_000 + seed);
+        let rows = recordings.iter_mut().flat_map(|run| &mut run.rows);
+        rows.for_each(|row| row.effort_n_per_kg = row.effort_n_per_kg.map(|effort| 1.3 * effort));
+        let found = kinds(&checked(&mut recordings, &[]));
+        assert!(found.contains(&Kind::AboveTraction) && found.contains(&Kind::AboveBrake), "{seed}: {found:?}");
+        assert!(!found.contains(&Kind::AboveSpeedLimit));
+    }
+}

@@ -1,0 +1,84 @@
+//! Is a log that is given several times counted once, and are two runs that are alike left apart?
+
+mod simulated;
+
+use rundown_check::finding::{Done, Kind};
+use rundown_check::same::Seen;
+use rundown_check::{Check, Known, check, check_after};
+use rundown_files::recording::Recording;
+use rundown_files::sample::Sample;
+use simulated::{Recorder, recording};
+
+/// Three runs, and the second of them again, changed by `spoil`.
+fn again(seed: u64, spoil: impl Fn(&mut Recording)) -> (Vec<Recording>, Check) {
+    let mut recordings = Recorder::default().runs(seed, 3, 3);
+    let mut copy = recordings[1].clone();
+    copy.name = "copy".to_owned();
+    spoil(&mut copy);
+    recordings.push(copy);
+    let found = check(&mut recordings);
+    (recordings, found)
+}
+
+fn refused(check: &Check) -> Vec<(&str, Kind)> {
+    check.refused().map(|run| (run.name.as_str(), run.refusal().unwrap().kind)).collect()
+}
+
+#[test]
+fn the_same_rows_are_counted_once_under_any_name_and_by_any_clock() {
+    let clock = |by_s: f64| move |copy: &mut Recording| copy.rows.iter_mut().for_each(|row| row.time_s += by_s);
+    for seed in 0..5 {
+        for (_, found) in [again(seed, |_| ()), again(seed, clock(3600.0)), again(seed, clock(0.1))] {
+            assert_eq!(refused(&found), [("copy", Kind::SameRows)], "{seed}");
+            let copy = &found.runs[3];
+            let text = copy.said(copy.refusal().unwrap());
+            assert!(text.contains("run01") && copy.refusal().unwrap().done == Done::Refused, "{text}");
+        }
+        let (_, found) = again(seed, |copy| copy.rows.iter_mut().for_each(|row| row.line += 7));
+        assert_eq!(refused(&found), [("copy", Kind::SameRows)]);
+    }
+}
+
+#[test]
+fn a_run_that_differs_in_one_reading_is_another_one() {
+    let (_, found) = again(7, |copy| copy.rows[40].speed_mps = copy.rows[40].speed_mps.map(|mps| mps + 1.0 / 3.6));
+    assert_eq!(refused(&found), []);
+}
+
+/// Two standing trains read alike: only their clocks say that they are two.
+#[test]
+fn the_clocks_distinguish_two_trains_that_stand() {
+    let standing = |from_s: f64| {
+        let row = |i| Sample {
+            time_s: from_s + f64::from(i),
+            location_m: Some(0.0),
+            speed_mps: Some(0.0),
+            ..Sample::default()
+        };
+        (0..100).map(row).collect::<Vec<Sample>>()
+    };
+    let of = |starts_s: [f64; 2]| check(&mut starts_s.map(|from_s| recording(&format!("{from_s}"), standing(from_s))));
+    assert_eq!(of([0.0, 5000.0]).refused().count(), 0);
+    assert_eq!(of([0.0, 0.0]).refused().count(), 1);
+}
+
+/// Runs are read a chunk at a time.
+#[test]
+fn a_copy_in_a_later_chunk_is_found() {
+    let mut seen = Seen::default();
+    let mut chunk = Recorder::default().runs(11, 2, 3);
+    let mut later = chunk.clone();
+    assert_eq!(check_after(&mut chunk, &Known::default(), &mut seen).refused().count(), 0);
+    assert_eq!(check_after(&mut later, &Known::default(), &mut seen).refused().count(), 2);
+}
+
+#[test]
+fn no_two_runs_of_a_line_are_taken_for_one() {
+    for recorder in
+        [Recorder::default(), Recorder { step_s: 10.0, odometer_m: 1.0, noise_m: 0.3, ..Recorder::default() }]
+    {
+        for seed in 0..15 {
+            assert_eq!(recorder.check(30_000 + seed, 8, 3).0.refused().count(), 0, "{seed}");
+        }
+    }
+}
