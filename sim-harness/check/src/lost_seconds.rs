@@ -95,33 +95,42 @@ impl Compared {
 
     /// Puts the times of a run right, and says so.
     fn finding(&self, period_s: f64, rows: &mut [Sample], step_s: f64) -> Finding {
-        let comb = self.comb(period_s);
-        let value = 100.0 * step_s / comb.map_or(period_s, |comb| comb.period_s);
-        let sd = value * PAIR_S.max(step_s) / self.duration_s().max(period_s) / 3.0_f64.sqrt();
-        let (count, line, done) = match comb {
-            Some(comb) => {
+        let found = self.comb(period_s);
+        let share = |period_s: f64| 100.0 * step_s / period_s;
+        let figure = match &found {
+            Some((comb, sd_s)) => {
+                Figure { value: share(comb.period_s), sd: share(comb.period_s) * sd_s / comb.period_s }
+            }
+            None => Figure { value: share(period_s), sd: 0.02 * share(period_s) },
+        };
+        let (count, line, done) = match found {
+            Some((comb, _)) => {
                 let lost = lost_at(rows, comb);
                 move_times(rows, &lost);
                 (lost.len(), lost.first().map_or(0, |i| rows[*i].line), Done::PutRight)
             }
             None => ((self.duration_s() / period_s) as usize, 0, Done::Said),
         };
-        let figure = Figure { value, sd };
         Finding { kind: Kind::LostSeconds, figure, unit: "% of the rows", count, line, done }
     }
 
-    /// Where this run loses its seconds; none where that is not known.
-    fn comb(&self, period_s: f64) -> Option<Comb> {
+    /// Where this run loses its seconds, and the standard deviation of its period, s; none where that is not known.
+    fn comb(&self, period_s: f64) -> Option<(Comb, f64)> {
         let spacing_s = (period_s * period_s / (2.0 * self.duration_s().max(period_s))).min(0.02 * period_s);
-        let best = |periods: Vec<f64>| {
-            let tried = periods.into_iter().map(|period_s| self.phase(period_s, phases(period_s)));
-            tried.max_by(|a, b| a.1.total_cmp(&b.1))
+        let tried = |periods: Vec<f64>| -> Vec<(Comb, f64)> {
+            periods.into_iter().map(|period_s| self.phase(period_s, phases(period_s))).collect()
         };
-        let (near, _) = best(around(period_s, spacing_s))?;
+        let best = |tried: &[(Comb, f64)]| tried.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
+        let coarse = tried(around(period_s, spacing_s));
+        let (near, gain) = best(&coarse)?;
+        // Within two standard deviations the likelihood falls by two nats.
+        let likely = || coarse.iter().filter(|(_, other)| *other > gain - 2.0).map(|(comb, _)| comb.period_s);
+        let range_s = likely().fold(f64::MIN, f64::max) - likely().fold(f64::MAX, f64::min);
+        let sd_s = (0.25 * range_s).max(0.125 * spacing_s);
         // As the runs are pooled, what is left of the choice must not be the same in all of them.
-        let (comb, gain) = best(around(near.period_s, 0.125 * spacing_s))?;
+        let (comb, gain) = best(&tried(around(near.period_s, 0.125 * spacing_s)))?;
         let opposite = Comb { phase_s: comb.phase_s + 0.5 * comb.period_s, ..comb };
-        (gain - self.height_s(opposite).1 > LEAST_PHASE_GAIN).then_some(comb)
+        (gain - self.height_s(opposite).1 > LEAST_PHASE_GAIN).then_some((comb, sd_s))
     }
 
     /// The best phase for a period, with its nats.
@@ -205,7 +214,7 @@ fn is_confirmed(asked: &[Compared], period_s: f64) -> bool {
     let choices = phases(period_s) as f64 * PERIODS_S[1] / PERIODS_S[0];
     let (mut gain, mut score, mut information) = (0.0, 0.0, 0.0);
     for run in asked {
-        let comb = run.comb(period_s).unwrap_or_else(|| run.phase(period_s, phases(period_s)).0);
+        let comb = run.comb(period_s).map_or_else(|| run.phase(period_s, phases(period_s)).0, |(comb, _)| comb);
         let Some(without) = run.without(comb) else {
             return false;
         };
