@@ -8,7 +8,8 @@ use crate::recording::{self, DirectionChoice, Recording};
 use crate::refusal::{Place, ReadError, Refusal};
 use crate::sample::{self, COLUMNS, Column, LOCATION, Sample};
 use rundown::model::direction::Direction;
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 /// Columns of texts: name of the run, which is needed, its unit, its direction and its driver.
@@ -76,6 +77,8 @@ pub struct Recordings {
     warnings: Vec<String>,
     ready: VecDeque<Open>,
     open: Option<Open>,
+    /// Digests of unit and name of the runs before: a fleet has many.
+    closed: HashSet<u64>,
 }
 
 /// A run whose rows are being collected.
@@ -99,6 +102,7 @@ impl Recordings {
             warnings: recording::unknown_columns(path, &places.unknown).into_iter().collect(),
             ready: VecDeque::new(),
             open: None,
+            closed: HashSet::new(),
         }
     }
 
@@ -110,16 +114,24 @@ impl Recordings {
     /// Adds the next rows.
     ///
     /// # Errors
-    /// [`Refusal`] of a direction that is none.
+    /// [`Refusal`] of a direction that is none, and of a run that goes on after another one.
     pub fn add(&mut self, batch: &Batch) -> Result<(), Refusal> {
         let [names, units, directions, drivers] = &batch.texts;
         for (row, name) in names.iter().enumerate() {
             let name = name.as_deref().unwrap_or_default();
             let unit = units.get(row).and_then(Option::as_deref).unwrap_or_default();
             if self.open.as_ref().is_some_and(|open| open.name != name || open.unit != unit) {
+                self.closed.extend(self.open.as_ref().map(|open| digest(&open.unit, &open.name)));
                 self.ready.extend(self.open.take());
             }
             self.row += 1;
+            if self.open.is_none() && self.closed.contains(&digest(unit, name)) {
+                let place = Place::of_line(&self.path, self.row as u64);
+                let found = format!(
+                    "expected the rows of a run one after the other, found {name:?} once more after another run: sort by run and time_s, or give each run a name of its own"
+                );
+                return Err(place.refuse(TEXTS[0], found));
+            }
             // A row without a time cannot be after the last: the estimator drops and counts it.
             let mut sample = Sample { line: self.row as u64, time_s: f64::NAN, ..Sample::default() };
             for (column, values) in &batch.numbers {
@@ -179,6 +191,12 @@ impl Recordings {
             warnings,
         }))
     }
+}
+
+fn digest(unit: &str, name: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    (unit, name).hash(&mut hasher);
+    hasher.finish()
 }
 
 /// A table of runs in memory.
@@ -244,6 +262,20 @@ mod tests {
         assert_eq!(stated[0].direction, Direction::Up);
         let expected = "runs: run a: the direction is stated as up, but the locations fall by 400 m";
         assert_eq!(stated[0].warnings[1], expected);
+    }
+
+    /// A frame that was sorted by time, or shuffled: each change of the name would be a run of its own.
+    #[test]
+    fn a_run_that_comes_back_is_refused() {
+        let mut mixed = table("a", [None; 3], 100.0);
+        for name in ["b", "a"] {
+            mixed.batches.extend(table(name, [None; 3], 100.0).batches);
+        }
+        let error = mixed.recordings(None).unwrap_err().to_string();
+        assert!(
+            error.starts_with("runs:7: run: expected the rows of a run one after the other, found \"a\" once more"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -38,6 +38,11 @@ impl Check {
         self.notes.clone()
     }
 
+    /// What `to_json` has, as Python's dictionaries and lists.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        crate::said::read_json(py, &self.to_json()?)
+    }
+
     /// The whole diagnosis as `rundown check --json` prints it.
     fn to_json(&self) -> PyResult<String> {
         serde_json::to_string_pretty(&self.found).map_err(refused)

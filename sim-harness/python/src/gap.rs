@@ -3,10 +3,11 @@
 use crate::error::{no_answer, refused};
 use crate::figure::Figure;
 use crate::progress::{Progress, Wanted};
+use crate::said::{read_json, warn};
 use crate::{paths, runs, table::Table};
 use pyo3::prelude::*;
 use rundown_files::recording::DirectionChoice;
-use rundown_gap::answer::{report, story::story, whole::Answer};
+use rundown_gap::answer::{notes::notes, report, story::story, whole::Answer};
 use rundown_gap::candidates::read_config;
 use rundown_gap::config::GapConfig;
 use rundown_gap::{input::Input, refusal::Refusal};
@@ -27,10 +28,22 @@ impl Gap {
         self.answer.found.verdict.name().to_owned()
     }
 
-    /// What was said while the runs were read.
+    /// What a person should know: of the logs, then of the answer.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.answer.input.notes.clone()
+        self.answer.input.notes.iter().cloned().chain(notes(&self.answer)).collect()
+    }
+
+    /// The effects that were named: name, confidence, rivals, parameters with their 95 % intervals, as `gap.json` has them.
+    #[getter]
+    fn effects<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.to_dict(py)?.get_item("effects")
+    }
+
+    /// The gap on the held-out runs, before and after, as `gap.json` has it.
+    #[getter]
+    fn gap<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.to_dict(py)?.get_item("gap")
     }
 
     /// Each interval's residual, as in `residuals.csv`.
@@ -54,6 +67,11 @@ impl Gap {
     /// The whole answer as `gap.json` has it.
     fn to_json(&self) -> String {
         self.answer.json_text()
+    }
+
+    /// What `to_json` has, as Python's dictionaries and lists.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        read_json(py, &self.to_json())
     }
 
     /// Writes what `rundown gap --out` writes: report, tables, the model with the effects, the frame for a board.
@@ -119,5 +137,7 @@ pub fn gap(
         rundown_gap::run(input, config, hold_out, |step| said.step(step))
     };
     let answer = said.during(py, work)?.map_err(no_answer)?;
-    Ok(Gap { answer })
+    let gap = Gap { answer };
+    warn(py, &gap.notes())?;
+    Ok(gap)
 }

@@ -25,6 +25,7 @@ mod progress;
 mod replay;
 mod resistance;
 mod runs;
+mod said;
 mod simulate;
 mod table;
 

@@ -36,9 +36,9 @@ pub fn mode(word: &str) -> PyResult<Mode> {
     chosen("mode", word, &[("paper", Mode::Paper), ("gated", Mode::Gated), ("measured", Mode::Measured)])
 }
 
-/// The value of a word.
+/// The value of a word; `-` and `_` are one, as the command has the one and Python the other.
 pub fn chosen<T: Copy>(what: &str, word: &str, choices: &[(&str, T)]) -> PyResult<T> {
-    let found = choices.iter().find(|(name, _)| *name == word);
+    let found = choices.iter().find(|(name, _)| name.replace('-', "_") == word.replace('-', "_"));
     found.map(|(_, value)| *value).ok_or_else(|| {
         let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
         refused(format!("{what}: expected {}, found {word:?}", names.join(", ")))

@@ -4,6 +4,7 @@ use crate::error::{no_runs, not_replayed, refused};
 use crate::figure::Figure;
 use crate::paths;
 use crate::progress::{Progress, Wanted};
+use crate::said::{read_json, warn};
 use crate::{resistance, runs, table::Table};
 use pyo3::prelude::*;
 use rundown::{filter::gaussian::Gaussian, model::state};
@@ -15,7 +16,10 @@ use sim_harness::output::{coast_ahead, estimates, features, parameters};
 use sim_harness::replaying::{PERIOD, Replayed, Request, is_period};
 use std::path::PathBuf;
 
-/// What the board would have learned from some runs.
+/// So many times the fastest speed of the runs is far beyond what they say.
+const BEYOND: f64 = 1.2;
+
+/// What the board would have learned from some runs. `print(replay)` says what a person should know of it.
 #[pyclass(frozen, module = "rundown")]
 pub struct Replay {
     replayed: Replayed,
@@ -60,6 +64,23 @@ impl Replay {
             std::iter::once(names).chain(filled(columns, rows)).collect()
         };
         Table::of_parts(runs.iter().map(named).collect())
+    }
+
+    /// What a person should know, in the order of its weight: what was refused, what was found, what is the matter with rows.
+    fn said(&self) -> Vec<String> {
+        let Replayed { failed, notes, .. } = &self.replayed;
+        let (logs, rows) = (failed.len(), self.warnings().len());
+        let first = |count: usize, what: &str, first: &str, all: &str| {
+            (count > 0).then(|| format!("{count} {what}, the first: {first}; all in .{all}"))
+        };
+        let refused = failed.first().and_then(|one| first(logs, "logs refused", &one.error, "failed"));
+        let of_rows = self.warnings().first().and_then(|one| first(rows, "warnings of logs", one, "warnings"));
+        refused.into_iter().chain(notes.iter().cloned()).chain(of_rows).collect()
+    }
+
+    fn fastest_mps(&self) -> f64 {
+        let estimates = self.replayed.runs.iter().flat_map(|run| &run.estimates);
+        estimates.map(|estimate| estimate.belief.mean[state::SPEED]).fold(0.0, f64::max)
     }
 
     fn belief(&self, run: &ReplayedRun, of: &str) -> PyResult<Gaussian<3>> {
@@ -129,13 +150,24 @@ impl Replay {
     /// Running resistance at a speed or several, m/s, with its 95 % interval: a row for each.
     ///
     /// `of`: "vehicle" after the run, "run" for the train of that run alone, with wind and load of the day, or "before" for the vehicle before the run.
-    /// Without `run` it is the last one.
+    /// Without `run` it is the last one. Beyond the speeds of the runs r(v) is extrapolated; far beyond a warning says so.
     #[pyo3(signature = (speeds_mps, run=None, *, of="vehicle"))]
-    fn resistance(&self, speeds_mps: Speeds, run: Option<&str>, of: &str) -> PyResult<Table> {
+    fn resistance(&self, py: Python<'_>, speeds_mps: Speeds, run: Option<&str>, of: &str) -> PyResult<Table> {
         let speeds_mps = match speeds_mps {
             Speeds::One(speed_mps) => vec![speed_mps],
             Speeds::Several(speeds_mps) => speeds_mps,
         };
+        if let Some(speed_mps) = speeds_mps.iter().find(|speed_mps| !speed_mps.is_finite() || **speed_mps < 0.0) {
+            return Err(refused(format!("speeds_mps: expected speeds from 0 m/s on, found {speed_mps}")));
+        }
+        let (fastest, seen) = (speeds_mps.iter().copied().fold(0.0, f64::max), self.fastest_mps());
+        if fastest > BEYOND * seen {
+            let warning = format!(
+                "speeds_mps: {fastest} m/s is beyond the speeds of the runs, which reach {seen:.0} m/s ({:.0} km/h): r(v) is extrapolated there",
+                3.6 * seen
+            );
+            warn(py, &[warning])?;
+        }
         let belief = self.belief(&self.replayed.runs[self.index(run)?], of)?;
         Table::of(resistance::table(&belief, &speeds_mps))
     }
@@ -160,10 +192,19 @@ impl Replay {
         py.detach(|| self.replayed.write(&out)).map(drop).map_err(refused)
     }
 
+    /// What `to_json` has, as Python's dictionaries and lists.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        read_json(py, &self.to_json())
+    }
+
+    fn __str__(&self) -> String {
+        std::iter::once(self.__repr__()).chain(self.said()).collect::<Vec<_>>().join("\n")
+    }
+
     fn __repr__(&self) -> String {
-        let fastest_mps = self.replayed.runs.iter().flat_map(|run| &run.estimates);
-        let fastest_mps = fastest_mps.map(|estimate| estimate.belief.mean[state::SPEED]).fold(0.0, f64::max);
-        format!("<rundown.Replay: {} runs, up to {:.0} km/h>", self.replayed.runs.len(), 3.6 * fastest_mps)
+        let (runs, refused) = (self.replayed.runs.len(), self.replayed.failed.len());
+        let refused = if refused > 0 { format!(", {refused} logs refused") } else { String::new() };
+        format!("<rundown.Replay: {runs} runs{refused}, up to {:.0} km/h>", 3.6 * self.fastest_mps())
     }
 }
 
@@ -172,7 +213,7 @@ impl Replay {
 /// `runs`: run logs, folders of run logs, Parquet files of runs; or a table in memory that has Arrow's PyCapsule interface (pyarrow, polars, pandas,
 /// DuckDB), with the columns `run`, `time_s`, `location_m`, `speed_kmh`, and if known `unit`, `direction` and the others of a Parquet file of runs.
 /// The rows of a run follow each other. `tick`: seconds; without it every sample is a step. `carry=False` begins every run with the vehicle as its
-/// manufacturer describes it. `progress`: a function of (done, total), or True for lines on stderr.
+/// manufacturer describes it. Logs that are refused, notes and the first of the warnings are warnings of Python, too. `progress`: a function of (done, total), or True for lines on stderr.
 ///
 /// >>> import rundown, tempfile
 /// >>> made = rundown.simulate(tempfile.mkdtemp(), runs=2, seed=7)
@@ -224,6 +265,10 @@ pub fn replay(
     let replayed = said.during(py, || opened.replay(|| said.one_more()))?.map_err(not_replayed)?;
     match replayed.nothing() {
         Some(message) => Err(no_runs(&message, &replayed.failed)),
-        None => Ok(Replay { replayed }),
+        None => {
+            let replay = Replay { replayed };
+            warn(py, &replay.said())?;
+            Ok(replay)
+        }
     }
 }

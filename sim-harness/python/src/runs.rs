@@ -14,11 +14,12 @@ use arrow_array::types::{
 use arrow_array::{Array, ArrayRef, RecordBatch, RecordBatchReader};
 use arrow_pyarrow::FromPyArrow;
 use arrow_schema::DataType;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use rundown_files::refusal::{Place, Refusal};
 use rundown_files::run_rows::{Batch, Places, RunTable, TEXTS};
 use sim_harness::replaying::Runs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What stands for the file in messages.
 const NAME: &str = "runs";
@@ -28,7 +29,16 @@ pub fn of(argument: &Bound<'_, PyAny>) -> PyResult<Runs> {
     if argument.hasattr("__arrow_c_stream__")? {
         return table(argument).map(Runs::Table);
     }
-    Ok(Runs::Paths(argument.extract::<Paths>()?.into()))
+    if let Ok(paths) = argument.extract::<Paths>() {
+        return Ok(Runs::Paths(paths.into()));
+    }
+    let several = argument.try_iter().and_then(|all| all.map(|path| path?.extract::<PathBuf>()).collect());
+    several.map(Runs::Paths).map_err(|_| {
+        let found = argument.get_type();
+        let collect = if argument.hasattr("collect").unwrap_or(false) { ": call its collect()" } else { "" };
+        let expected = "expected a path, several paths, or a table with Arrow's interface (polars, pandas from 2.2, pyarrow, DuckDB)";
+        PyTypeError::new_err(format!("runs: {expected}, found {found}{collect}"))
+    })
 }
 
 fn table(argument: &Bound<'_, PyAny>) -> PyResult<RunTable> {
@@ -70,6 +80,8 @@ fn texts(array: &ArrayRef) -> Option<Vec<Option<String>>> {
         DataType::LargeUtf8 => array.as_string::<i64>().iter().map(owned).collect(),
         DataType::Utf8View => array.as_string_view().iter().map(owned).collect(),
         DataType::Null => vec![None; array.len()],
+        // Numbers of runs are names, too.
+        kind if kind.is_integer() => numbers(array)?.into_iter().map(|number| Some(number?.to_string())).collect(),
         // Categories of pandas and polars, enumerations of DuckDB.
         DataType::Dictionary(..) => {
             let dictionary = array.as_any_dictionary_opt()?;

@@ -48,7 +48,10 @@ impl Table {
     }
 
     fn index(&self, name: &str) -> PyResult<usize> {
-        self.about.iter().position(|about| about.name == name).ok_or_else(|| PyKeyError::new_err(name.to_owned()))
+        self.about.iter().position(|about| about.name == name).ok_or_else(|| {
+            let names = self.column_names().join(", ");
+            PyKeyError::new_err(format!("expected a column of this table, found {name:?}; there are {names}"))
+        })
     }
 
     fn rows(&self) -> usize {
@@ -87,6 +90,18 @@ impl Table {
             values(part.column(index), &list)?;
         }
         Ok(list)
+    }
+
+    /// All columns as lists, by their names.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let columns = PyDict::new(py);
+        self.about.iter().try_for_each(|about| columns.set_item(&about.name, self.__getitem__(py, &about.name)?))?;
+        Ok(columns)
+    }
+
+    /// A frame of pandas, of whatever version is installed.
+    fn to_pandas<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("pandas")?.call_method1("DataFrame", (self.to_dict(py)?,))
     }
 
     fn __len__(&self) -> usize {

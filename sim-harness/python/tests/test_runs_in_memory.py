@@ -131,3 +131,53 @@ def test_a_check_names_what_is_wrong_in_a_table(table):
     with pytest.raises(rundown.RundownError) as caught:
         rundown.check(table.drop_columns(["speed_kmh"]))
     assert caught.value.field == "speed_kmh"
+
+
+def test_rows_that_are_not_together_are_refused(made, table):
+    shuffled = table.take(pyarrow.array(sorted(range(len(table)), key=lambda row: row % 7)))
+    for mixed in [table.sort_by("time_s"), shuffled]:
+        with pytest.raises(rundown.RundownError, match="sort by run and time_s") as refused:
+            rundown.replay(mixed, train=made.train, track=made.track)
+        assert refused.value.field == "run"
+
+
+def test_runs_may_be_numbered(made, table):
+    numbers = pyarrow.array([int(name.removeprefix("run")) for name in table["run"].to_pylist()])
+    numbered = rundown.replay(table.set_column(0, "run", numbers), train=made.train, track=made.track)
+    named = rundown.replay(table, train=made.train, track=made.track)
+    assert numbered.runs == [str(int(name.removeprefix("run"))) for name in named.runs]
+
+
+def test_what_a_person_should_know_is_a_warning(made, tmp_path):
+    logs = [tmp_path / log.name for log in sorted(made.runs.glob("run[0-9]*.csv"))]
+    for log in logs:
+        shutil.copy(made.runs / log.name, log)
+    logs[0].write_text("time_s;location_m\n")
+    with pytest.warns(UserWarning, match="1 logs refused, the first: .*run001.csv"):
+        learned = rundown.replay((log for log in logs), train=made.train, track=made.track)
+    assert "1 logs refused" in repr(learned) and "run001.csv" in str(learned)
+    with pytest.warns(UserWarning, match="beyond the speeds of the runs"):
+        learned.resistance(100)
+    with pytest.raises(rundown.RundownError, match="expected speeds from 0 m/s on, found -1"):
+        learned.resistance([10, -1])
+
+
+def test_what_is_no_table_is_refused_with_its_type(made):
+    class Lazy:
+        def collect(self):
+            return None
+
+    for wrong, found in [(5, "int"), (None, "NoneType"), (Lazy(), r"Lazy.*call its collect\(\)")]:
+        with pytest.raises(TypeError, match="runs: expected a path, several paths, or a table.*" + found):
+            rundown.replay(wrong, train=made.train, track=made.track)
+
+
+def test_tables_are_frames_and_dictionaries(made, table):
+    learned = rundown.replay(table, train=made.train, track=made.track)
+    columns = learned.parameters.to_dict()
+    assert columns["run"] == learned.runs and list(columns) == learned.parameters.column_names
+    with pytest.raises(KeyError, match="expected a column of this table, found 'rr0'; there are run, "):
+        learned.parameters["rr0"]
+    pandas = pytest.importorskip("pandas")
+    assert isinstance(learned.parameters.to_pandas(), pandas.DataFrame)
+    assert learned.to_dict() == json.loads(learned.to_json())
