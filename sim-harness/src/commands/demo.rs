@@ -76,7 +76,7 @@ fn table(study: &Study, scenario: &Scenario, stated: &Davis) -> String {
         "described",
         "true",
         "paper's mode",
-        "gated mode, the vehicle after the last run"
+        "gated mode, the vehicle after the last run, 95 %"
     );
     for speed_kmh in SPEEDS_KMH {
         let v = KmPerHour(speed_kmh).to_mps();

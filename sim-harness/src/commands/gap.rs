@@ -134,7 +134,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let bar = screen::waiting();
     let tell = |text: &str| {
         if !arguments.json {
-            bar.suspend(|| screen::note(text));
+            bar.suspend(|| screen::step(text));
         }
         bar.set_message(text.to_owned());
     };

@@ -47,6 +47,13 @@ pub(super) fn note(message: &str) {
     }
 }
 
+/// What is being done now, where no bar says it.
+pub(super) fn step(name: &str) {
+    if !quiet() {
+        eprintln!("step: {name}");
+    }
+}
+
 pub(super) fn warning(message: &str) {
     if !quiet() {
         eprintln!("warning: {message}");
@@ -101,7 +108,7 @@ pub(super) fn run_table(runs: &[ReplayedRun], all: usize) -> String {
     for regime in Regime::ALL {
         text += &format!(" {:>10}", regime.as_str());
     }
-    text += "   r(100 km/h) of the vehicle\n";
+    text += "   r(100 km/h) of the vehicle, 95 % interval\n";
     for run in runs.iter().take(RUNS_PRINTED) {
         text += &format!("{:width$}  {:>6} {:>6} {:>8}", run.name, run.rows, run.estimates.len(), run.dropped.len());
         for share in regime_shares(run).unwrap_or_default() {
@@ -162,10 +169,11 @@ pub(super) fn first(kept: &mut Vec<ReplayedRun>, runs: &[ReplayedRun]) {
     kept.extend(runs.iter().take(room).cloned());
 }
 
-/// `0.03125 ± 0.00042 N/kg (1.3 %)`
+/// `0.03125 ± 0.00042 N/kg (1.3 %)`, the 95 % interval.
 pub(super) fn resistance(davis: &Gaussian<3>, speed_kmh: f64) -> String {
     let found = Resistance::at(davis, KmPerHour(speed_kmh).to_mps());
-    found.map_or_else(String::new, |Resistance { mean_n_per_kg: mean, sd_n_per_kg: sd }| {
-        format!("{mean:.5} ± {sd:.5} N/kg ({:.1} %)", 100.0 * sd / mean)
+    found.map_or_else(String::new, |found| {
+        let (mean, half) = (found.mean_n_per_kg, found.upper() - found.mean_n_per_kg);
+        format!("{mean:.5} ± {half:.5} N/kg ({:.1} %)", 100.0 * half / mean)
     })
 }
