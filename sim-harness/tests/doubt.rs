@@ -92,3 +92,22 @@ fn coefficients_per_kmh_are_recognised() {
     let (said, _) = replayed(&folder, "set/train.toml", "set/track.toml");
     assert!(!said.contains("looks wrong"), "{said}");
 }
+
+#[test]
+fn locations_off_the_track_are_the_first_that_is_said() {
+    let folder = simulated(2);
+    let text = folder.read("set/track.toml");
+    folder.write("short.toml", &text.replace("length_m = 32103.0", "length_m = 20000.0"));
+    for more in [None, Some("--no-estimates")] {
+        let mut arguments =
+            vec!["replay", "--train", "set/train.toml", "--track", "short.toml", "--out", "out", "set/runs"];
+        arguments.extend(more);
+        let said = folder.rundown(&arguments).err;
+        assert!(said.contains("are not on the described track"), "{said}");
+        let json = folder.json("out/replay.json");
+        assert!(json["notes"][0].as_str().unwrap().contains("the track from 0 to 20000 m"), "{json}");
+        if more.is_none() {
+            assert!(said.lines().next().unwrap().contains("are not on the described track"), "{said}");
+        }
+    }
+}

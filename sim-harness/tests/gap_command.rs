@@ -42,15 +42,52 @@ fn holding_out_too_many_is_refused_with_the_largest_number() {
 
 #[test]
 fn few_runs_are_reported_everywhere() {
-    let folder = simulated(4, "");
+    let folder = simulated(5, "");
     let Said { code, out: screen, err: words } = gap(&folder, "set/runs", &[]);
     assert_eq!(code, Some(0), "{words}");
-    let note = "4 runs at hand, none held out";
+    let note = "5 runs at hand, none held out";
     assert!(screen.contains(note), "{screen}");
     let json = folder.json("out/gap.json");
     assert!(caveats(&json).iter().any(|c| c.starts_with(note)), "{json}");
     assert!(json["gap"]["before"].is_null(), "{json}");
     assert!(folder.read("out/report.html").contains(note));
+}
+
+#[test]
+fn fewer_runs_than_an_analysis_needs_are_refused() {
+    let folder = simulated(4, "");
+    for more in [&[][..], &["--hold-out", "1"]] {
+        let Said { code, err: words, .. } = gap(&folder, "set/runs", more);
+        assert_eq!(code, Some(6), "{words}");
+        assert!(words.contains("4 usable runs, expected at least 5"), "{words}");
+        assert!(!words.contains("wheels") && !folder.path("out").exists(), "{words}");
+    }
+}
+
+#[test]
+fn an_effort_column_in_another_unit_or_with_the_other_sign_is_refused() {
+    for (factor, words) in [
+        (-1.0, Some("the other sign: turn it")),
+        (9.81, Some("another unit: divide it by 9.")),
+        (1.0 / 9.81, Some("another unit: divide it by 0.1")),
+        (1.1, None),
+    ] {
+        let folder = simulated(6, "");
+        for run in 1..=6 {
+            let name = format!("set/runs/run{run:03}.csv");
+            let changed = |row: &str| -> String {
+                let mut fields: Vec<String> = row.split(',').map(str::to_owned).collect();
+                if let Ok(value) = fields[3].parse::<f64>() {
+                    fields[3] = (factor * value).to_string();
+                }
+                fields.join(",") + "\n"
+            };
+            folder.write(&name, &folder.read(&name).lines().map(changed).collect::<String>());
+        }
+        let Said { code, err: said, .. } = gap(&folder, "set/runs", &[]);
+        assert_eq!(code, Some(if words.is_some() { 6 } else { 0 }), "{factor}: {said}");
+        assert!(words.is_none_or(|words| said.contains(words)), "{factor}: {said}");
+    }
 }
 
 #[test]
@@ -290,7 +327,7 @@ fn logs_in_other_units_are_refused_with_the_unit_that_they_seem_to_have() {
 fn a_track_that_is_too_short_or_flat_is_reported() {
     let folder = simulated(8, "");
     let text = folder.read("set/track.toml");
-    let shorter = text.replace("length_m = 32103.0", "length_m = 20000.0");
+    let shorter = text.replace("length_m = 32103.0", "length_m = 28000.0");
     assert_ne!(text, shorter);
     let flat: String = shorter
         .lines()
@@ -308,8 +345,16 @@ fn a_track_that_is_too_short_or_flat_is_reported() {
     let as_it_is = told(&text);
     assert!(!as_it_is.contains("described"), "{as_it_is}");
     let wrong = told(&flat);
-    assert!(wrong.contains("the track from 0 to 20000 m"), "{wrong}");
+    let (share, _) = wrong.split_once(" locations of moving trains").unwrap();
+    assert!(share.split(' ').count() == 3, "the first note: {wrong}");
+    assert!(wrong.contains("the track from 0 to 28000 m"), "{wrong}");
     assert!(wrong.contains("without gradients"), "{wrong}");
+    std::fs::remove_dir_all(folder.path("out")).unwrap();
+    folder.write("set/track.toml", &flat.replace("28000.0", "20000.0"));
+    let Said { code, err: said, .. } = gap(&folder, "set/runs", &[]);
+    assert_eq!(code, Some(3), "{said}");
+    assert!(said.contains("the track from 0 to 20000 m") && said.contains("--chainage align"), "{said}");
+    assert!(!folder.path("out").exists());
 }
 
 #[test]

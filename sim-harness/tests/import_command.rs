@@ -576,3 +576,61 @@ fn new_files_of_a_recorder_are_read_by_the_mapping_of_its_first() {
     folder.done(&["import", "b.csv", "--mapping", "a/import.toml", "--out", "b"]);
     assert_eq!(folder.read("a/a_01.csv"), folder.read("b/b_01.csv"));
 }
+
+/// A train with a table of these columns, imported; out: the note lines, the speeds of the run.
+fn imported(folder: &Folder, header: &str, speed: impl Fn(f64) -> f64) -> (common::Said, Vec<f64>) {
+    let rows = drive(&STOPS_M, 25.0);
+    folder.write("in.csv", &table(header, &rows, |t, x, v| format!("{t},{x:.1},{:.1},7", speed(v))));
+    let said = folder.rundown(&["import", "in.csv", "--out", "runs"]);
+    let rows = if said.code == Some(0) { csv(folder, "runs/in_01.csv") } else { Vec::new() };
+    (said, rows.iter().map(|row| row[2]).collect())
+}
+
+#[test]
+fn a_speed_that_no_name_tells_is_taken_by_its_unit() {
+    for header in ["Geschw. [km/h]", "Tempo (km/h)", "Vit. [km/h]", "fart_kmh"] {
+        let folder = Folder::new();
+        let (said, speeds) = imported(&folder, &format!("t [s],x [m],{header},Status"), |v| 3.6 * v);
+        assert_eq!(said.code, Some(0), "{said:?}");
+        assert!(said.err.contains(&format!("column {header:?} is taken for the speed")), "{said:?}");
+        assert_eq!(speeds[20], 0.0, "{header}: a train that stands");
+        near(speeds.iter().copied().fold(0.0, f64::max), 90.0, 0.1);
+    }
+}
+
+/// A limit has the unit of a speed, too.
+#[test]
+fn a_limit_is_no_speed_and_the_note_has_the_line_that_takes_another_column() {
+    let folder = Folder::new();
+    let (said, _) = imported(&folder, "t [s],x [m],Limit [km/h],Snelheid", |_| 100.0);
+    assert!(said.err.contains("\"Limit [km/h]\" has a unit of a speed, but is none"), "{said:?}");
+    let folder = Folder::new();
+    let (said, _) = imported(&folder, "t [s],x [m],Snelheid,Status", |v| 3.6 * v);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    let line = "columns.speed.name = \"Snelheid\"";
+    assert!(said.err.contains("not used: \"Snelheid\", \"Status\"") && said.err.contains(line), "{said:?}");
+    folder.write("map.toml", &format!("[[source]]\n{line}\n"));
+    let said = folder.rundown(&["import", "in.csv", "--mapping", "map.toml", "--out", "again"]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    assert!(!said.err.contains("computed from"), "{said:?}");
+    assert_eq!(csv(&folder, "again/in_01.csv")[20][2], 0.0);
+}
+
+#[test]
+fn a_location_that_no_name_tells_is_taken_by_its_unit_where_the_speed_agrees() {
+    let rows = drive(&STOPS_M, 25.0);
+    let folder = Folder::new();
+    folder.write(
+        "in.csv",
+        &table("t [s],Laufweg [km],v [km/h]", &rows, |t, x, v| format!("{t},{:.4},{}", x / 1e3, 3.6 * v)),
+    );
+    let said = folder.rundown(&["import", "in.csv", "--out", "runs"]);
+    assert_eq!(said.code, Some(0), "{said:?}");
+    near(last(&csv(&folder, "runs/in_01.csv"))[1], 11_900.0, 0.5);
+    folder.write(
+        "height.csv",
+        &table("t [s],Gelaende [m],v [km/h]", &rows, |t, x, v| format!("{t},{},{}", (x / 300.0).sin(), 3.6 * v)),
+    );
+    let said = folder.rundown(&["import", "height.csv", "--out", "none"]);
+    assert!(said.code != Some(0) && said.err.contains("expected columns for location"), "{said:?}");
+}

@@ -24,6 +24,7 @@ pub mod effect_file;
 pub mod effect_frame;
 pub mod folder;
 pub mod map_matching;
+pub mod off_track;
 pub mod parquet;
 pub mod recording;
 pub mod refusal;

@@ -89,6 +89,7 @@ settings! {
     /// The track, as far as it can be doubted.
     track: TrackConfig {
         most_gradient_sd_permille: f64 = 1.0, /// Gradients that are less certain are taken for effects, and nothing is analysed, permille. Derived: 1 permille is a third of the resistance at 100 km/h.
+        most_off_share: f64 = 0.2, /// With a larger share of the locations of moving trains off the described track nothing is analysed. Judgement: nothing is known of gradients there, and they would be named.
     }
     /// Speed against location: what the diagnosis of the logs says, and what of it has a name.
     kinematics: KinematicsConfig {
@@ -133,6 +134,7 @@ settings! {
     }
     /// The effort column, or the effort calculated from the change of speed.
     effort: EffortConfig {
+        most_factor: f64 = 1.5, /// A column further off than this factor from the effort that the motion needs, or of the other sign, is refused. Judgement: masses from tables are within 20 %, other units beyond 3.
         measured_share: f64 = 0.7, /// Share of moving samples with an effort above which the effort counts as measured. Judgement.
         moving_mps: f64 = 1.0, /// A faster train moves, m/s. Judgement.
         telling_change_n_per_kg: f64 = 0.03, /// Intervals whose effort changes by more show how the column is to be read, N/kg. Judgement.

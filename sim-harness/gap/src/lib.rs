@@ -39,6 +39,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod admission;
 mod analysis;
 pub mod answer;
 mod axis;
@@ -72,41 +73,35 @@ mod wording;
 pub use candidate::{HiddenSize, Hide};
 pub use fit::median;
 
+use admission::admitted;
 use answer::rivals::rivals;
 use answer::whole::{Answer, repaired};
 use config::GapConfig;
 use data::believed::{Believed, Conditions, Context};
 use holdout::innovations::innovations;
 use input::Input;
-use investigation::{investigate, most_held_out};
+use investigation::investigate;
 use refusal::Refusal;
 use rundown_files::recording::Recording;
 
 /// Does all of it. `hold_out`: how many runs evaluate the repaired model; a fifth without it. `progress` gets a line for each step.
 ///
 /// # Errors
-/// [`Refusal`]: too few runs to hold out so many, runs that have too little to compare, or more effects than a board takes.
+/// [`Refusal`]: too few runs, or to hold out so many; runs that are not on the track, in another unit of effort, or have too little to compare; or more effects than a board takes.
 pub fn run(
     input: Input,
     config: GapConfig,
     hold_out: Option<usize>,
     mut progress: impl FnMut(&str),
 ) -> Result<Answer, Refusal> {
-    let (runs, most) = (input.runs.len(), most_held_out(input.runs.len(), &config.holdout));
-    if let Some(wanted) = hold_out.filter(|wanted| *wanted > most) {
-        return Err(Refusal::HoldOut { wanted, most, runs, least: config.holdout.least_training });
-    }
-    let (sd_permille, most_permille) =
-        (input.track_file.gradient_sd_permille(), config.track.most_gradient_sd_permille);
-    if sd_permille > most_permille {
-        return Err(Refusal::Gradients { sd_permille, most_permille });
-    }
     let given = Context {
         believed: Believed::new(&input.train, &input.track),
         surroundings: &input.surroundings,
         conditions: Conditions::default(),
         config: &config,
     };
+    admitted(&input, &given, hold_out)?;
+    let runs = input.runs.len();
     let found = investigate(&given, &input.runs, hold_out, &mut progress)?.ok_or(Refusal::TooLittle { runs })?;
     progress("who else would explain it");
     let context = Context { conditions: found.findings.conditions, ..given };

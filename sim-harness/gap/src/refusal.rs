@@ -1,6 +1,7 @@
 //! Why there is no answer.
 
 use rundown::model::effects::EffectError;
+use rundown_files::off_track::OffTrack;
 use rundown_files::refusal::ReadError;
 use thiserror::Error;
 
@@ -15,6 +16,36 @@ pub enum Refusal {
         text: String,
         /// The place in a file, where it is known.
         place: Option<Box<rundown_files::refusal::Refusal>>,
+    },
+    /// Too few runs.
+    #[error(
+        "{runs} usable runs{}, expected at least {least}: what one driver or one day does would pass for an effect; nothing was written",
+        if *left_out > 0 { format!(" ({left_out} logs were left out)") } else { String::new() }
+    )]
+    TooFew {
+        /// How many runs there are.
+        runs: usize,
+        /// How many logs could not be used.
+        left_out: usize,
+        /// How many an analysis needs.
+        least: usize,
+    },
+    /// The runs are on another line, or on another chainage.
+    #[error("track: {off}. Expected at most {most_percent:.0} % of them; nothing was written")]
+    OffTrack {
+        /// How many, and where they are.
+        off: OffTrack,
+        /// The largest share with which anything can be said, %.
+        most_percent: f64,
+    },
+    /// The effort column is in another unit, or counts in the other direction.
+    #[error(
+        "effort column: expected what the motion of the trains needs where they are driven hardest, found {factor:.2} times as much; it looks like {}; nothing was written",
+        remedy(*factor)
+    )]
+    EffortColumn {
+        /// Times the effort that is needed.
+        factor: f64,
     },
     /// So many runs cannot be held out.
     #[error(
@@ -51,6 +82,17 @@ pub enum Refusal {
     /// What was found is more than a board takes.
     #[error("what was found cannot be put into a model: {0}; nothing was written")]
     Effects(#[from] EffectError),
+}
+
+/// What an effort column needs that is off by so much.
+fn remedy(factor: f64) -> String {
+    if factor.abs() < 0.01 {
+        "a column without traction: leave it out".to_owned()
+    } else if (-1.5..-1.0 / 1.5).contains(&factor) {
+        "the other sign: turn it (traction is above 0, braking below)".to_owned()
+    } else {
+        format!("another unit{}: divide it by {factor:.3}", if factor < 0.0 { " and the other sign" } else { "" })
+    }
 }
 
 impl Refusal {

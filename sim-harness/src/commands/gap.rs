@@ -164,7 +164,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 fn failed(refusal: Refusal) -> Failure {
     let code = match refusal {
         Refusal::HoldOut { .. } => super::WRONG_ARGUMENTS,
-        Refusal::TooLittle { .. } => super::NOTHING_USABLE,
+        Refusal::TooLittle { .. } | Refusal::TooFew { .. } | Refusal::EffortColumn { .. } => super::NOTHING_USABLE,
         _ => super::DESCRIPTION_REFUSED,
     };
     Failure { message: refusal.to_string(), code }

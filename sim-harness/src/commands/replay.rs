@@ -154,8 +154,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     bar.finish_and_clear();
     let replayed = replayed?;
     log::info!("replayed {} runs", replayed.runs.len());
-    screen::warnings(&replayed.runs);
     said(&replayed.notes, &replayed.failed);
+    screen::warnings(&replayed.runs);
     if let Some(message) = replayed.nothing() {
         return Err(Failure::no_runs(message));
     }

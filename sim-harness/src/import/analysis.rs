@@ -5,7 +5,7 @@ use super::evidence::Seen;
 use super::mapping::{Mapping, SourceMapping};
 use super::meaning::Meaning;
 use super::source::Source;
-use super::source::row::refused;
+use super::source::row::{Header, refused};
 use super::units;
 use rundown_files::folder::MANIFEST;
 use rundown_files::refusal::ReadError;
@@ -78,8 +78,12 @@ impl Group {
             seen.look(source, columns).map_err(|error| error.to_string())?;
         }
         seen.clock(columns, mapping)?;
+        notes.extend(seen.unit_alone(columns));
+        if let Some(first) = sources.first() {
+            needed(columns, first).map_err(|missing| format!("{missing}; {}", notes.join("; ")))?;
+        }
         notes.extend(seen.units(columns)?);
-        notes.extend(notes_of(columns));
+        notes.extend(notes_of(columns, sources.first().map_or(&[], |first| &first.headers)));
         Ok(())
     }
 
@@ -116,7 +120,7 @@ fn needed(columns: &Columns, source: &Source) -> Result<(), String> {
     ))
 }
 
-fn notes_of(columns: &Columns) -> Vec<String> {
+fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
     let mut notes = Vec::new();
     for (meaning, column) in &columns.of {
         let has_unit = units::of(*meaning).is_empty() || column.unit.is_some() || *meaning == Meaning::Time;
@@ -142,7 +146,14 @@ fn notes_of(columns: &Columns) -> Vec<String> {
         }
     }
     if !columns.has(Meaning::Speed) {
-        notes.push("no column has a speed: it is computed from the locations, and says nothing beyond them".to_owned());
+        notes.push(format!(
+            "no column has a speed: it is computed from the locations, and says nothing beyond them{}",
+            columns.remedy(Meaning::Speed, headers)
+        ));
+    }
+    let remedy = columns.remedy(Meaning::Location, headers);
+    if !columns.has(Meaning::Location) && !remedy.is_empty() {
+        notes.push(format!("no column has a location: it is computed from latitude and longitude{remedy}"));
     }
     let local = matches!(columns.kind, super::clock::Kind::DateTime | super::clock::Kind::TimeOfDay);
     if local && !columns.has_zone && columns.zone_name.is_none() {

@@ -13,6 +13,8 @@ use std::collections::BTreeMap;
 pub enum How {
     Mapping,
     Header,
+    /// No name says it, and no other column has such a unit.
+    UnitAlone,
     /// With the figure.
     Evidence(String),
     Assumed,
@@ -25,6 +27,7 @@ impl How {
         match self {
             Self::Mapping => "by the mapping".to_owned(),
             Self::Header => "by the header".to_owned(),
+            Self::UnitAlone => "by its unit, which no other column has".to_owned(),
             Self::Evidence(figure) => format!("by evidence: {figure}"),
             Self::Assumed => "assumed".to_owned(),
             Self::NotNeeded => String::new(),
@@ -78,12 +81,19 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
     let names: Vec<String> = headers
         .iter()
         .enumerate()
-        .map(|(i, header)| if taken.contains(&i) { String::new() } else { header.name.clone() })
+        .map(|(i, header)| if taken.contains(&i) || is_misnamed(header) { String::new() } else { header.name.clone() })
         .collect();
     for (meaning, index) in Meaning::of_names(&names) {
         if !mapping.columns.contains_key(&meaning) {
             let (unit, how) = unit_of(meaning, &headers[index], None)?;
             of.insert(meaning, Column { index, header: headers[index].written.clone(), unit, how });
+        }
+    }
+    for meaning in [Meaning::Speed, Meaning::Location] {
+        if !mapping.columns.contains_key(&meaning)
+            && let Some(column) = by_unit_alone(meaning, headers, &of)
+        {
+            of.insert(meaning, column);
         }
     }
     // A date alone is a time.
@@ -111,6 +121,33 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
         rotating_mass_kg,
         unit_name,
     })
+}
+
+/// `Tempo [km/h]` is no time.
+fn is_misnamed(header: &Header) -> bool {
+    let named = Meaning::of_names(std::slice::from_ref(&header.name));
+    let speed = |(meaning, _): &(Meaning, usize)| matches!(meaning, Meaning::Speed | Meaning::Headwind);
+    !named.iter().any(speed) && units::carried(Meaning::Speed, header).is_some()
+}
+
+/// What no name says: the only column without a meaning that has such a unit. A place needs it only where there is none, and a named speed to try it against.
+fn by_unit_alone(meaning: Meaning, headers: &[Header], of: &BTreeMap<Meaning, Column>) -> Option<Column> {
+    let located = of.contains_key(&Meaning::Latitude) && of.contains_key(&Meaning::Longitude);
+    let named_speed = of.get(&Meaning::Speed).is_some_and(|speed| speed.how != How::UnitAlone);
+    if of.contains_key(&meaning) || meaning == Meaning::Location && (located || !named_speed) {
+        return None;
+    }
+    let mut candidates = unused(headers, of).filter_map(|(index, header)| {
+        let unit = units::carried(meaning, header)?;
+        Some(Column { index, header: header.written.clone(), unit: Some(unit), how: How::UnitAlone })
+    });
+    let only = candidates.next()?;
+    candidates.next().is_none().then_some(only)
+}
+
+/// Columns without a meaning.
+fn unused<'a>(headers: &'a [Header], of: &'a BTreeMap<Meaning, Column>) -> impl Iterator<Item = (usize, &'a Header)> {
+    headers.iter().enumerate().filter(|(index, _)| !of.values().any(|column| column.index == *index))
 }
 
 fn index_of(headers: &[Header], name: &str) -> Option<usize> {
@@ -156,6 +193,20 @@ impl Columns {
 
     pub fn index(&self, meaning: Meaning) -> Option<usize> {
         self.of.get(&meaning).map(|column| column.index)
+    }
+
+    /// The columns that are not used, and the lines of `import.toml` that would take one for `meaning`; nothing where all are used.
+    pub fn remedy(&self, meaning: Meaning, headers: &[Header]) -> String {
+        let left: Vec<&Header> = unused(headers, &self.of).map(|(_, header)| header).collect();
+        let likely = left.iter().find(|header| units::carried(meaning, header).is_some()).or(left.first());
+        let Some(likely) = likely else { return String::new() };
+        let names: Vec<String> = left.iter().map(|header| format!("{:?}", header.written)).collect();
+        let key = meaning.key();
+        format!(
+            "; not used: {}. If one of them is the {key}, give --mapping a file with [[source]] and below it columns.{key}.name = {:?}",
+            names.join(", "),
+            likely.written
+        )
     }
 
     /// As `import.toml` has them.

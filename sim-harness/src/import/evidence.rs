@@ -17,6 +17,9 @@ const ROWS: usize = 20_000;
 /// Steps that make a stretch over which distances are compared, and stretches that decide.
 const STEPS: usize = 20;
 const LEAST_STRETCHES: usize = 4;
+/// Speed and location are of one train where so many stretches have the usual ratio within that.
+const LEAST_ALIKE: f64 = 0.8;
+const ALIKE: f64 = 0.2;
 /// A wheel may be off by so much; the units that are closest lie 10 % apart.
 const NEAR: f64 = 0.06;
 /// What trains do, m/s, and how often recorders write, s.
@@ -109,6 +112,35 @@ impl Seen {
             time.how = How::Evidence(format!("Unix time up to {largest:e}"));
         }
         Ok(())
+    }
+
+    /// A column with nothing but its unit is a speed or a location where it follows the other of the two. A speed that too few rows can deny stays; a location
+    /// does not: altitudes and accuracies are lengths, too.
+    pub fn unit_alone(&self, columns: &mut Columns) -> Vec<String> {
+        let alone = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::UnitAlone);
+        let Some(meaning) = [Meaning::Speed, Meaning::Location].into_iter().find(alone) else { return Vec::new() };
+        let follows = self.stretches(columns).map(|stretches| stretches.alike);
+        let header = columns.of.get(&meaning).map_or("", |column| &column.header).to_owned();
+        let (key, percent) = (meaning.key(), 100.0 * follows.unwrap_or(0.0));
+        let stays = follows.map_or(meaning == Meaning::Speed, |alike| alike >= LEAST_ALIKE);
+        if !stays {
+            columns.of.remove(&meaning);
+        }
+        vec![match (stays, follows) {
+            (true, Some(_)) => format!(
+                "column {header:?} is taken for the {key}: no name says so, but its unit, which no other column has; speed and location agree in {percent:.0} % of the stretches"
+            ),
+            (true, None) => format!(
+                "column {header:?} is taken for the {key} by its unit alone, which no other column has; too few rows of a moving train to try it"
+            ),
+            (false, Some(_)) => format!(
+                "column {header:?} has a unit of a {key}, but is none: speed and location agree in {percent:.0} % of the stretches, expected {:.0} %",
+                100.0 * LEAST_ALIKE
+            ),
+            (false, None) => {
+                format!("column {header:?} has a unit of a {key}, but too few rows of a moving train to try it")
+            }
+        }]
     }
 
     /// Units of time, location and speed that nothing names.
@@ -224,9 +256,12 @@ impl Seen {
                 (by_speed, by_place, count) = (0.0, 0.0, 0);
             }
         }
+        // A train that stands where its speed is large denies the speed.
+        let all = ratios.len();
         ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
         let ratio = middle(ratios.clone()).filter(|_| ratios.len() >= LEAST_STRETCHES)?;
-        Some(Stretches { ratio, fastest, step })
+        let alike = ratios.iter().filter(|one| (*one / ratio - 1.0).abs() < ALIKE).count() as f64 / all as f64;
+        Some(Stretches { ratio, alike, fastest, step })
     }
 }
 
@@ -283,6 +318,8 @@ type Tried = (f64, [Unit; 3]);
 /// What the moving stretches of some files say.
 struct Stretches {
     ratio: f64,
+    /// Share of them that have it.
+    alike: f64,
     fastest: f64,
     step: f64,
 }

@@ -29,6 +29,7 @@ use rundown_check::gradients::{Coasts, Doubt};
 use rundown_check::limits::Described;
 use rundown_check::same::Seen;
 use rundown_files::folder::{self, Provenance};
+use rundown_files::off_track::{BEYOND_M, OffTrack};
 use rundown_files::parquet::ParquetError;
 use rundown_files::recording::{DirectionChoice, Recording};
 use rundown_files::refusal::ReadError;
@@ -233,6 +234,9 @@ impl Opened {
         }
         let mut recordings = self.diagnosed(read, &mut summary);
         source::tell_apart(&mut recordings);
+        let mut off = self.off_track();
+        recordings.iter().for_each(|recording| off.add(&recording.rows));
+        summary.first(&off);
         self.doubt_gradients(&recordings, &mut summary)?;
         let own = self.own_estimators(&recordings)?;
         let model = |recording: &Recording| own.get(&recording.name).unwrap_or(&self.estimator);
@@ -268,6 +272,11 @@ impl Opened {
     /// What is to be said before any log is read.
     fn first_notes(&self) -> Vec<String> {
         self.source.notes().iter().cloned().chain(self.track.beyond_the_line()).collect()
+    }
+
+    /// Of no location yet.
+    fn off_track(&self) -> OffTrack {
+        OffTrack::new(&self.track, BEYOND_M)
     }
 
     fn next_chunk(&mut self, most: usize) -> Result<Option<Vec<Result<Recording, Failed>>>, ReplayError> {

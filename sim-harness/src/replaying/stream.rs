@@ -9,6 +9,7 @@ use crate::output::{features, files, json, parameters};
 use rundown::estimator::config::Mode;
 use rundown_files::WriteError;
 use rundown_files::folder;
+use rundown_files::off_track::OffTrack;
 use rundown_files::recording::Recording;
 use rundown_files::replay::{ReplayedRun, replay_apart_by, replay_units_by};
 use std::collections::{HashMap, HashSet};
@@ -60,8 +61,10 @@ impl Opened {
             let mut vehicles = HashMap::new();
             let mut advice = Advice::default();
             let mut summary = Summary { notes: self.first_notes(), ..Summary::default() };
+            let mut off = self.off_track();
             while let Some(chunk) = self.next_chunk(CHUNK)? {
                 let recordings = self.diagnosed(chunk, &mut summary);
+                recordings.iter().for_each(|recording| off.add(&recording.rows));
                 if summary.runs == 0 {
                     // The gradients are judged by the first runs: what these teach must rest on the same doubt as all.
                     self.doubt_gradients(&recordings, &mut summary)?;
@@ -79,6 +82,7 @@ impl Opened {
                 outputs.add(&runs)?;
                 seen(&runs);
             }
+            summary.first(&off);
             summary.notes.extend(advice.notes(&self.estimator));
             let mut said = HashSet::new();
             summary.notes.retain(|note| said.insert(note.clone()));
@@ -92,6 +96,13 @@ impl Opened {
 }
 
 impl Summary {
+    /// The weightiest note of all, where there is anything to be said.
+    pub(super) fn first(&mut self, off: &OffTrack) {
+        if let Some(off) = off.any() {
+            self.notes.insert(0, off.to_string());
+        }
+    }
+
     fn count(&mut self, runs: &[ReplayedRun], mode: Mode) {
         self.runs += runs.len();
         self.unused += runs.iter().filter(|run| !run.is_used).count();

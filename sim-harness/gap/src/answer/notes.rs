@@ -1,9 +1,10 @@
 //! What a reader must know beside the verdict: for the screen, `gap.json` and the page alike.
 
+use crate::admission::off_track;
 use crate::answer::whole::Answer;
 use crate::candidate::ShowsIn;
 use crate::candidates;
-use crate::data::load::about_track;
+use crate::data::load::about_gradients;
 use crate::findings::Findings;
 use crate::investigation::Investigation;
 use crate::levels::Standout;
@@ -18,6 +19,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     let (found, input, config) = (&answer.found, &answer.input, answer.holdout());
     let (runs, least) = (input.runs.len(), config.least_training);
     let mut notes = Vec::new();
+    notes.extend(off_track(input, &answer.config).map(|off| format!("{off}.")));
     if found.findings.rows.is_empty() {
         notes.push(no_rows(&found.findings).to_owned());
     }
@@ -55,7 +57,7 @@ pub fn notes(answer: &Answer) -> Vec<String> {
     }));
     notes.extend(found.standouts.iter().map(Standout::sentence));
     notes.extend(contradiction(found, answer.config.evidence.significant));
-    notes.extend(about_track(&input.track_file, &input.runs, answer.config.interval.beyond_m));
+    notes.extend(about_gradients(&input.track_file).map(str::to_owned));
     if input.left_out > 0 {
         notes.push(format!(
             "{} of {} logs could not be used; why stands on the screen.",

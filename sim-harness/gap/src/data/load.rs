@@ -212,24 +212,10 @@ fn skew_s(recorder: &RecorderCheck, run: &RunCheck) -> f64 {
     usual + (own.value - usual) * between / (between + own.sd * own.sd).max(f64::MIN_POSITIVE)
 }
 
-/// What is doubtful about the track that these runs are compared with. `beyond_m`: how far a location may lie beyond its ends.
-pub fn about_track(track: &TrackFile, runs: &[Run], beyond_m: f64) -> Vec<String> {
-    let mut notes = Vec::new();
-    let located = || runs.iter().flat_map(|run| run.samples.iter().filter_map(|s| s.location_m));
-    let line = -beyond_m..=track.length_m + beyond_m;
-    let beyond = located().filter(|at| !line.contains(at)).count();
-    if beyond > 0 {
-        let (first_m, last_m) = located().fold((f64::INFINITY, 0.0_f64), |(low, high), at| (low.min(at), high.max(at)));
-        notes.push(format!(
-            "{beyond} of {} locations are not on the described track: they go from {first_m:.0} to {last_m:.0} m, the track from 0 to {:.0} m. Nothing is known of gradients there; look whether the logs belong to this track.",
-            located().count(),
-            track.length_m
-        ));
-    }
-    if track.gradient.iter().all(|g| g.permille == 0.0) {
-        notes.push("The track is described without gradients. If the line is not flat, its slopes are found as effects of places, of the length of the train or of the direction.".to_owned());
-    }
-    notes
+/// What is doubtful about the described gradients.
+pub fn about_gradients(track: &TrackFile) -> Option<&'static str> {
+    let is_flat = track.gradient.iter().all(|g| g.permille == 0.0);
+    is_flat.then_some("The track is described without gradients. If the line is not flat, its slopes are found as effects of places, of the length of the train or of the direction.")
 }
 
 /// What the track file says beside gradients.

@@ -1,0 +1,71 @@
+//! Whether these runs can be compared with this model at all: asked before anything is searched.
+
+use crate::config::GapConfig;
+use crate::data::believed::Context;
+use crate::data::cut;
+use crate::data::rows::Row;
+use crate::data::runs::EffortReading;
+use crate::efforts::{Looked, measured};
+use crate::fit::median;
+use crate::input::Input;
+use crate::investigation::most_held_out;
+use crate::refusal::Refusal;
+use rundown_files::off_track::OffTrack;
+
+/// # Errors
+/// [`Refusal`]: why they cannot.
+pub fn admitted(input: &Input, given: &Context<'_>, hold_out: Option<usize>) -> Result<(), Refusal> {
+    let config = given.config;
+    let (runs, least) = (input.runs.len(), config.holdout.least_training);
+    if runs < least {
+        return Err(Refusal::TooFew { runs, left_out: input.left_out, least });
+    }
+    let most = most_held_out(runs, &config.holdout);
+    if let Some(wanted) = hold_out.filter(|wanted| *wanted > most) {
+        return Err(Refusal::HoldOut { wanted, most, runs, least });
+    }
+    let (sd_permille, most_permille) =
+        (input.track_file.gradient_sd_permille(), config.track.most_gradient_sd_permille);
+    if sd_permille > most_permille {
+        return Err(Refusal::Gradients { sd_permille, most_permille });
+    }
+    let most = config.track.most_off_share;
+    if let Some(off) = off_track(input, config).filter(|off| off.share() > most) {
+        return Err(Refusal::OffTrack { off, most_percent: 100.0 * most });
+    }
+    let most = config.effort.most_factor;
+    match effort_factor(input, given) {
+        Some(factor) if !(1.0 / most..=most).contains(&factor) => Err(Refusal::EffortColumn { factor }),
+        _ => Ok(()),
+    }
+}
+
+/// Locations that are not on the described track.
+pub fn off_track(input: &Input, config: &GapConfig) -> Option<OffTrack> {
+    let mut off = OffTrack::new(&input.track_file, config.interval.beyond_m);
+    input.runs.iter().for_each(|run| off.add(&run.samples));
+    off.any()
+}
+
+/// How many times the effort that the motion of the train needs the column has, where trains are driven hardest: there the acceleration outweighs what is not
+/// known of resistance and gradients. None without the column, or from too few intervals.
+fn effort_factor(input: &Input, given: &Context<'_>) -> Option<f64> {
+    let runs = &input.runs;
+    if !measured(runs, &given.config.effort) {
+        return None;
+    }
+    let effort = EffortReading::default();
+    let cut = cut::all(given, runs, effort);
+    let looked = Looked { context: given, runs, cut: &cut, effort, measured: true, model: (&[], &[]) };
+    let rows = looked.rows(None, 0.0);
+    // By the motion: of a brake the column may have a part.
+    let needed = |row: &Row| row.effort_n_per_kg - row.residual_n_per_kg;
+    let mut driven: Vec<f64> = rows.iter().map(needed).filter(|needed| *needed > 0.0).collect();
+    driven.sort_by(f64::total_cmp);
+    let hard = 0.5 * driven.get(driven.len() * 95 / 100)?;
+    let hardest: Vec<&Row> = rows.iter().filter(|row| needed(row) >= hard).collect();
+    if hardest.len() < given.config.search.least_rows {
+        return None;
+    }
+    median(hardest.iter().map(|row| row.effort_n_per_kg / needed(row)))
+}
