@@ -127,7 +127,7 @@ pub fn find(headers: &[Header], mapping: &SourceMapping, decimal: char) -> Resul
 fn is_misnamed(header: &Header) -> bool {
     let named = Meaning::of_names(std::slice::from_ref(&header.name));
     let speed = |(meaning, _): &(Meaning, usize)| matches!(meaning, Meaning::Speed | Meaning::Headwind);
-    !named.iter().any(speed) && units::carried(Meaning::Speed, header).is_some()
+    !named.iter().any(speed) && header.unit_of(Meaning::Speed).is_some()
 }
 
 /// What no name says: the only column without a meaning that has such a unit. A place needs it only where there is none, and a named speed to try it against.
@@ -138,7 +138,7 @@ fn by_unit_alone(meaning: Meaning, headers: &[Header], of: &BTreeMap<Meaning, Co
         return None;
     }
     let mut candidates = unused(headers, of).filter_map(|(index, header)| {
-        let unit = units::carried(meaning, header)?;
+        let unit = header.unit_of(meaning)?;
         Some(Column { index, header: header.written.clone(), unit: Some(unit), how: How::UnitAlone })
     });
     let only = candidates.next()?;
@@ -198,7 +198,7 @@ impl Columns {
     /// The columns that are not used, and the lines of `import.toml` that would take one for `meaning`; nothing where all are used.
     pub fn remedy(&self, meaning: Meaning, headers: &[Header]) -> String {
         let left: Vec<&Header> = unused(headers, &self.of).map(|(_, header)| header).collect();
-        let likely = left.iter().find(|header| units::carried(meaning, header).is_some()).or(left.first());
+        let likely = left.iter().find(|header| header.unit_of(meaning).is_some()).or(left.first());
         let Some(likely) = likely else { return String::new() };
         let names: Vec<String> = left.iter().map(|header| format!("{:?}", header.written)).collect();
         let key = meaning.key();

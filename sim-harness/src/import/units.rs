@@ -1,7 +1,6 @@
 //! Units of columns: by their names in headers and in `import.toml`, and as factors to what a run log holds.
 
 use super::meaning::{Meaning, plain};
-use super::source::row::Header;
 
 /// A unit of one kind of column.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,16 +92,6 @@ pub fn by_name(meaning: Meaning, name: &str) -> Option<Unit> {
         .copied()
 }
 
-/// The unit of this kind in a header, whatever its name: `Geschw. [km/h]`, `tempo_kmh`.
-pub fn carried(meaning: Meaning, header: &Header) -> Option<Unit> {
-    // Times are in ms, forces in kN.
-    let ambiguous = |unit: &str| unit == "ms" || unit != "kn" && unit.eq_ignore_ascii_case("kn");
-    let known = |unit: &str| by_name(meaning, unit).filter(|_| !ambiguous(unit.trim()));
-    let written = &header.written;
-    let behind = written.match_indices('_').map(|(at, _)| written[at + 1..].replace('_', " "));
-    header.unit.iter().cloned().chain(behind).find_map(|unit| known(&unit))
-}
-
 /// A header without its unit, and the unit: `v [km/h]`, `Weg (km)`, `speed_kmh`, `location/m`, `Time, s`.
 pub fn split(header: &str) -> (String, Option<String>) {
     let header = header.trim().trim_start_matches(['#', '\u{feff}']).trim();
@@ -155,21 +144,6 @@ mod tests {
             ("km", "km", Some("km")),
         ] {
             assert_eq!(split(header), (name.to_owned(), unit.map(str::to_owned)), "{header}");
-        }
-    }
-
-    #[test]
-    fn a_unit_of_speed_is_seen_behind_any_name() {
-        for (header, unit) in [
-            ("Geschw. [km/h]", Some("km/h")),
-            ("Tempo (km/h)", Some("km/h")),
-            ("snelheid_m_s", Some("m/s")),
-            ("Fart [kn]", Some("knots")),
-            ("Z [kN]", None),
-            ("Latency [ms]", None),
-            ("Snelheid", None),
-        ] {
-            assert_eq!(carried(Meaning::Speed, &Header::new(header)).map(|unit| unit.name), unit, "{header}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! What every source gives: a header, then rows of fields.
 
 use crate::import::meaning::Meaning;
-use crate::import::units;
+use crate::import::units::{self, Unit};
 use rundown_files::refusal::{Place, ReadError};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -70,6 +70,15 @@ impl Header {
         let (name, unit) = units::split(written);
         Self { written: written.trim().trim_start_matches('\u{feff}').to_owned(), name, unit }
     }
+
+    /// The unit of this kind that it names, whatever else: `Geschw. [km/h]`, `tempo_kmh`.
+    pub fn unit_of(&self, meaning: Meaning) -> Option<Unit> {
+        // Times are in ms, forces in kN.
+        let ambiguous = |unit: &str| unit == "ms" || unit != "kn" && unit.eq_ignore_ascii_case("kn");
+        let known = |unit: &str| units::by_name(meaning, unit).filter(|_| !ambiguous(unit.trim()));
+        let behind = self.written.match_indices('_').map(|(at, _)| self.written[at + 1..].replace('_', " "));
+        self.unit.iter().cloned().chain(behind).find_map(|unit| known(&unit))
+    }
 }
 
 /// The row that looks like a header: its index, and how many of its names are known. `named` are those of the mapping.
@@ -117,4 +126,24 @@ pub fn io(path: &Path, source: std::io::Error) -> ReadError {
 
 pub fn refused(path: &Path, message: impl Into<String>) -> ReadError {
     Place::of_file(path).refuse("", message).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unit_of_speed_is_seen_behind_any_name() {
+        for (header, unit) in [
+            ("Geschw. [km/h]", Some("km/h")),
+            ("Tempo (km/h)", Some("km/h")),
+            ("snelheid_m_s", Some("m/s")),
+            ("Fart [kn]", Some("knots")),
+            ("Z [kN]", None),
+            ("Latency [ms]", None),
+            ("Snelheid", None),
+        ] {
+            assert_eq!(Header::new(header).unit_of(Meaning::Speed).map(|unit| unit.name), unit, "{header}");
+        }
+    }
 }
