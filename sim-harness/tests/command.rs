@@ -149,7 +149,8 @@ fn what_spoils_a_whole_replay_is_said_aloud() {
         let of_json: String = of_json.map(|note| format!("note: {}\n", note.as_str().unwrap())).collect();
         let warned = json["runs"][0]["warnings"].as_array().unwrap().iter();
         let warned: String = warned.map(|text| format!("warning: {}\n", text.as_str().unwrap())).collect();
-        assert_eq!(warned + &of_json, output.err);
+        // What spoils all of it comes before what is the matter with rows.
+        assert_eq!(of_json.clone() + &warned, output.err);
         of_json
     };
     assert_eq!(notes(&folder.replay(&["run.csv"])), "");
@@ -162,7 +163,10 @@ fn what_spoils_a_whole_replay_is_said_aloud() {
     assert!(paper.contains("does not follow the true resistance"));
     assert_eq!(
         notes(&folder.replay_on("short.toml", &["run.csv"])),
-        "note: run: more than one location in 20 lies off the track, which is 0 to 32 m: are track and length_m those of this line?\n\
+        "note: 109 of 112 locations of moving trains (97 %) are not on the described track: they go from 41 to 32080 m, the track from 0 to 32 m. \
+         Nothing is known of gradients there; bring the runs onto its chainage with rundown import --chainage align, \
+         or describe the track from where their locations count, with its whole length_m\n\
+         note: run: more than one location in 20 lies off the track, which is 0 to 32 m: are track and length_m those of this line?\n\
          note: nothing was learned about the resistance: it takes 60 s of coasting above 50 km/h in one piece\n"
     );
 }

@@ -40,7 +40,7 @@ impl Gap {
         self.to_dict(py)?.get_item("effects")
     }
 
-    /// The gap on the held-out runs, before and after, as `gap.json` has it.
+    /// The gap on the hold-out runs, before and after, as `gap.json` has it.
     #[getter]
     fn gap<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.to_dict(py)?.get_item("gap")
