@@ -204,28 +204,29 @@ impl Course {
 
     fn stop(&self, config: &FeatureConfig, boundary: &Boundary) -> Option<Knot> {
         let last = self.at(boundary.time_s)?;
-        let before = self.back_to(boundary.time_s - config.window_s)?;
-        let rate_mps2 = (before.speed_mps - last.speed_mps) / (last.time_s - before.time_s);
+        let (_, rate_mps2) = self.slowing(&last, boundary.time_s - config.window_s)?;
         let end = self.at(boundary.first_sample_s)?;
         let interval_s = end.time_s - last.time_s;
-        // Also taken when the train did not slow down, or there is nothing before.
-        if !(rate_mps2 > 0.0 && rate_mps2.is_finite()) {
-            return None;
-        }
         let time_s = last.time_s + (last.speed_mps / rate_mps2).clamp(0.0, interval_s.max(0.0));
         Some(Knot { time_s, speed_mps: 0.0, ..end })
+    }
+
+    /// The course at a time before, and the deceleration from there to `last`, m/s²; none where the train did not slow down, or there is nothing before.
+    fn slowing(&self, last: &Knot, since_s: Real) -> Option<(Knot, Real)> {
+        let before = self.back_to(since_s)?;
+        let rate_mps2 = (before.speed_mps - last.speed_mps) / (last.time_s - before.time_s);
+        (rate_mps2 > 0.0 && rate_mps2.is_finite()).then_some((before, rate_mps2))
     }
 
     /// The train as it will stand, if it would within `window_s` as it slows down now: for a log that ends or pauses before that.
     pub(super) fn stop_ahead(&self, config: &FeatureConfig) -> Option<Observation> {
         let (head, last) = (self.head?, self.last_good?);
-        let before = self.back_to(head.time_s - config.window_s)?;
-        let rate_mps2 = (before.speed_mps - head.speed_mps) / (head.time_s - before.time_s);
+        let (before, rate_mps2) = self.slowing(&head, head.time_s - config.window_s)?;
         let in_s = head.speed_mps / rate_mps2;
         let heading = (head.location_m - before.location_m).signum();
         let resistance = last.davis.resistance_n_per_kg(0.5 * head.speed_mps) + last.gradient_n_per_kg;
-        let slows = rate_mps2 > 0.0 && in_s > 0.0 && in_s <= config.window_s;
-        (slows && last.regime != Regime::Standstill).then_some(Observation {
+        let is_near = in_s > 0.0 && in_s <= config.window_s;
+        (is_near && last.regime != Regime::Standstill).then_some(Observation {
             time_s: head.time_s + in_s,
             dt_s: in_s,
             location_m: head.location_m + heading * 0.5 * head.speed_mps * in_s,

@@ -39,7 +39,8 @@ fn command() -> Result<PathBuf, String> {
 }
 
 pub fn python() -> Result<(), String> {
-    let (environment, rundown) = with_module("python", PACKAGE)?;
+    let rundown = command()?;
+    let environment = with_module("python", PACKAGE)?;
     let tests = format!("{PACKAGE}/tests");
     let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "--durations=3", &tests];
     run(environment.command("python").args(arguments).env(COMMAND, rundown))
@@ -53,18 +54,18 @@ pub fn fleets(runs: &str) -> Result<(), String> {
                     On Debian and Ubuntu: `apt-get install openjdk-17-jre-headless`"
             .to_owned());
     }
-    let (environment, rundown) = with_module("fleets", FLEETS)?;
+    let rundown = command()?;
+    let environment = with_module("fleets", FLEETS)?;
     let work = target().join("fleets").join("work");
     let mut fleets = environment.command("python");
     fleets.arg(format!("{FLEETS}/fleets.py")).args(["--runs", runs, "--work"]).arg(work);
     run(fleets.env(COMMAND, rundown))
 }
 
-/// A virtual environment in the target's `folder` with the module, built from the sources, and beside it the command.
-fn with_module(folder: &str, package: &str) -> Result<(Environment, PathBuf), String> {
+/// A virtual environment in the target's `folder` with the module, built from the sources.
+fn with_module(folder: &str, package: &str) -> Result<Environment, String> {
     let folder = target().join(folder);
     let environment = Environment::at(folder.join("venv"), package)?;
-    let rundown = command()?;
     let wheels = folder.join("wheels");
     // Left behind, an older wheel would be tested.
     match std::fs::remove_dir_all(&wheels) {
@@ -78,7 +79,7 @@ fn with_module(folder: &str, package: &str) -> Result<(Environment, PathBuf), St
     let wheel = only_wheel(&wheels)?;
     let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--force-reinstall"];
     run(environment.command("python").args(install).arg(wheel))?;
-    Ok((environment, rundown))
+    Ok(environment)
 }
 
 fn target() -> PathBuf {

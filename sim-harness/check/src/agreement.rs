@@ -98,6 +98,11 @@ impl Differences {
         all
     }
 
+    /// Fewer say nothing.
+    pub(crate) fn are_enough(&self) -> bool {
+        self.y.len() >= LEAST_PAIRS
+    }
+
     fn take(&mut self, part: &[Row]) {
         let mut from = None;
         let mut by_speed = 0.0;
@@ -203,7 +208,7 @@ fn fit(differences: &Differences, ratio: f64) -> Option<Fit> {
 
 /// The fit with the most likely ratio of the two noises. None: too few differences.
 pub(crate) fn best_fit(differences: &Differences) -> Option<Fit> {
-    if differences.y.len() < LEAST_PAIRS {
+    if !differences.are_enough() {
         return None;
     }
     let ratios = (-16..=8).map(|exponent| f64::from(exponent).exp2());

@@ -14,6 +14,7 @@ const LEAST_BACK_S: f64 = 30.0;
 const LEAST_MIDNIGHT_S: f64 = 0.8 * DAY_S;
 /// Below it the distance says little about the time, m/s.
 const FAST_MPS: f64 = 5.0;
+
 /// Usual time between rows, s.
 pub fn usual_step_s(rows: &[Sample]) -> f64 {
     let steps = rows.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);

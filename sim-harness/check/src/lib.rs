@@ -353,14 +353,6 @@ pub fn check_after(recordings: &mut [Recording], known: &Known, seen: &mut Seen)
             units.push(run.unit.clone());
         }
     }
-    for unit in &units {
-        let of_unit: Vec<usize> = (0..runs.len()).filter(|i| &runs[*i].unit == unit).collect();
-        if lost_seconds::put_right(&of_unit, recordings, &mut runs) {
-            for i in of_unit {
-                agreements[i] = agreements[i].and_then(|_| agreement_of(&recordings[i].rows, runs[i].step_s));
-            }
-        }
-    }
     let of_unit = |unit| {
         let mut recorder = recorder::of(unit, recordings, &mut runs, &agreements, known);
         recorder.exceeds(recordings, &runs, known);

@@ -54,8 +54,7 @@ struct Compared {
 
 impl Compared {
     fn of(rows: &[Sample], step_s: f64) -> Option<Self> {
-        let parts = parts(rows, step_s);
-        Self::fitted(Differences::of(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>()))
+        Self::fitted(differences(rows, step_s))
     }
 
     fn fitted(differences: Differences) -> Option<Self> {
@@ -116,7 +115,7 @@ impl Compared {
 
     /// Where this run loses its seconds, and the standard deviation of its period, s; none where that is not known.
     fn comb(&self, period_s: f64) -> Option<(Comb, f64)> {
-        let spacing_s = (period_s * period_s / (2.0 * self.duration_s().max(period_s))).min(0.02 * period_s);
+        let spacing_s = spacing_s(period_s, self.duration_s().max(period_s)).min(0.02 * period_s);
         let tried = |periods: Vec<f64>| -> Vec<(Comb, f64)> {
             periods.into_iter().map(|period_s| self.phase(period_s, phases(period_s))).collect()
         };
@@ -155,12 +154,18 @@ pub(crate) fn put_right(of_unit: &[usize], recordings: &mut [Recording], runs: &
     let usable = of_unit.iter().copied().filter(|i| runs[*i].refusal().is_none());
     let mut longest: Vec<(usize, f64)> = usable.map(|i| (i, length_m(&recordings[i].rows))).collect();
     longest.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    let of = |(i, _): &(usize, f64)| Compared::of(&recordings[*i].rows, runs[*i].step_s);
-    let mut asked: Vec<Compared> = longest.iter().take(ASKED).filter_map(of).collect();
-    let Some(period_s) = likely_period_s(&asked) else {
+    let of = |(i, _): &(usize, f64)| differences(&recordings[*i].rows, runs[*i].step_s);
+    // Where speed and location agree, nothing is fitted.
+    let asked: Vec<Differences> = longest.iter().take(ASKED).map(of).filter(Differences::are_enough).collect();
+    let excess = excess(&asked);
+    if excess.abs() < LEAST_EXCESS {
+        return false;
+    }
+    let mut asked: Vec<Compared> = asked.into_iter().filter_map(Compared::fitted).collect();
+    let Some(period_s) = likely_period_s(&asked, excess) else {
         return false;
     };
-    asked.extend(longest.iter().skip(ASKED).take(CONFIRM).filter_map(of));
+    asked.extend(longest.iter().skip(ASKED).take(CONFIRM).map(of).filter_map(Compared::fitted));
     if !is_confirmed(&asked, period_s) {
         return false;
     }
@@ -179,19 +184,24 @@ fn length_m(rows: &[Sample]) -> f64 {
     located().fold(f64::MIN, f64::max) - located().fold(f64::MAX, f64::min)
 }
 
-/// The period that these runs like best; none where the locations do not run ahead of the speeds, or behind.
-fn likely_period_s(asked: &[Compared]) -> Option<f64> {
-    let sum = |of: fn(&Differences) -> &Vec<f64>| -> f64 { asked.iter().flat_map(|run| of(&run.differences)).sum() };
-    let excess = sum(|differences| &differences.y) / sum(|differences| &differences.by_speed).max(1.0);
-    if excess.abs() < LEAST_EXCESS {
-        return None;
-    }
+fn differences(rows: &[Sample], step_s: f64) -> Differences {
+    let parts = parts(rows, step_s);
+    Differences::of(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
+}
+
+/// By which share of the way the locations run ahead of the speeds.
+fn excess(runs: &[Differences]) -> f64 {
+    let sum = |of: fn(&Differences) -> &Vec<f64>| -> f64 { runs.iter().flat_map(of).sum() };
+    sum(|differences| &differences.y) / sum(|differences| &differences.by_speed).max(1.0)
+}
+
+/// The period that these runs like best; none where no staircase is better than none.
+fn likely_period_s(asked: &[Compared], excess: f64) -> Option<f64> {
     // Lost seconds alone add no more than is there; beside a wheel that reads high anything is possible.
     let shortest_s = if excess > 0.0 { (0.7 / excess).clamp(PERIODS_S[0], PERIODS_S[1]) } else { PERIODS_S[0] };
     let duration_s = asked.iter().map(Compared::duration_s).fold(PERIODS_S[1], f64::max);
     let nats = |period_s: f64, phases| asked.iter().map(|run| run.phase(period_s, phases).1).sum::<f64>();
-    // At the ends of the longest run the staircase is off by an eighth of its period at most.
-    let spacing_s = |period_s: f64| period_s * period_s / (2.0 * duration_s);
+    let spacing_s = |period_s: f64| spacing_s(period_s, duration_s);
     let next = |period_s: &f64| Some(period_s + spacing_s(*period_s)).filter(|next| *next < PERIODS_S[1]);
     let coarse: Vec<f64> = std::iter::successors(Some(shortest_s), next).collect();
     let best = |periods: &[f64], phases| {
@@ -225,6 +235,11 @@ fn is_confirmed(asked: &[Compared], period_s: f64) -> bool {
     }
     let height_s = Figure { value: score / information, sd: information.sqrt().recip() };
     gain > LEAST_GAIN && (height_s.value - 1.0).abs() < NEAR_SECOND_S && height_s.away_from(0.0) > SURE
+}
+
+/// How far apart periods are tried, s: at the ends of a run of this duration the staircase is off by an eighth of its period at most.
+fn spacing_s(period_s: f64, duration_s: f64) -> f64 {
+    period_s * period_s / (2.0 * duration_s)
 }
 
 /// Periods around one, as far as its neighbours.

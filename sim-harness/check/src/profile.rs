@@ -1,6 +1,7 @@
 //! One run over its way: speed by location, and where it stood.
 
 use rundown_files::sample::Sample;
+use std::ops::Range;
 
 /// Length of a cell, m.
 pub const CELL_M: f64 = 50.0;
@@ -120,6 +121,37 @@ impl Profile {
 /// A value of a table that may be outside of it, or not known.
 pub fn get(values: &[f32], at: i64) -> Option<f32> {
     usize::try_from(at).ok().and_then(|at| values.get(at)).copied().filter(|value| !value.is_nan())
+}
+
+/// The median speed of several runs in each cell.
+pub struct Medians {
+    first_cell: i64,
+    medians_mps: Vec<f32>,
+}
+
+impl Medians {
+    /// Of the speeds of each run, m/s, from its first cell on.
+    pub fn of<'a>(runs: impl Iterator<Item = (i64, &'a [f32])> + Clone) -> Self {
+        let first_cell = runs.clone().map(|(first_cell, _)| first_cell).min().unwrap_or(0);
+        let end = runs.clone().map(|(first_cell, speeds)| first_cell + speeds.len() as i64).max();
+        let median = |cell: i64| {
+            let known = runs.clone().filter_map(|(first_cell, speeds)| get(speeds, cell - first_cell));
+            let mut speeds: Vec<f32> = known.collect();
+            let middle = speeds.len() / 2;
+            if speeds.is_empty() { f32::NAN } else { *speeds.select_nth_unstable_by(middle, f32::total_cmp).1 }
+        };
+        Self { first_cell, medians_mps: (first_cell..end.unwrap_or(first_cell)).map(median).collect() }
+    }
+
+    /// That of a cell, m/s; none where nothing is known.
+    pub fn mps(&self, cell: i64) -> Option<f32> {
+        get(&self.medians_mps, cell - self.first_cell)
+    }
+
+    /// From the first to the last cell.
+    pub fn cells(&self) -> Range<i64> {
+        self.first_cell..self.first_cell + self.medians_mps.len() as i64
+    }
 }
 
 /// Rows with a location that grows and a speed; where noise lets the location fall, it stays.

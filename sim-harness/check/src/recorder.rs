@@ -3,7 +3,7 @@
 use crate::agreement::{Agreement, Figure, Pooled, pooled, spread};
 use crate::finding::{Done, Finding, Kind};
 use crate::{Correction, Known, LEAST_SCALE, RecorderCheck, RunCheck, SURE};
-use crate::{dead_zone, held, limits, own, put_right, steps, with_evidence};
+use crate::{agreement_of, dead_zone, held, limits, lost_seconds, own, put_right, steps, with_evidence};
 use nalgebra::Vector2;
 use rundown_files::recording::Recording;
 use std::collections::BTreeMap;
@@ -47,13 +47,18 @@ pub(crate) fn of(
     known: &Known,
 ) -> RecorderCheck {
     let of_unit: Vec<usize> = (0..runs.len()).filter(|i| runs[*i].unit == unit).collect();
+    let moved = lost_seconds::put_right(&of_unit, recordings, runs);
     let rows = || of_unit.iter().flat_map(|i| &recordings[*i].rows);
     let speed_step_kmh = steps::of_speed_kmh(rows());
     let location_step_m = steps::of_location_m(rows());
     let step_kmh = speed_step_kmh.unwrap_or(0.0);
     let rounded = |i: usize| {
         let held_mps = steps::held_mps(&recordings[i].rows, step_kmh);
-        Some(agreements[i]?.with_rounding(steps::rounding_mps(step_kmh), held_mps, runs[i].step_s))
+        let mut agreement = agreements[i]?;
+        if moved {
+            agreement = agreement_of(&recordings[i].rows, runs[i].step_s)?;
+        }
+        Some(agreement.with_rounding(steps::rounding_mps(step_kmh), held_mps, runs[i].step_s))
     };
     let agreements: Vec<Option<Agreement>> = of_unit.iter().map(|i| rounded(*i)).collect();
     let compared: Vec<Agreement> = agreements.iter().flatten().copied().collect();

@@ -77,8 +77,8 @@ pub struct Recordings {
     warnings: Vec<String>,
     ready: VecDeque<Open>,
     open: Option<Open>,
-    /// Digests of unit and name of the runs before: a fleet has many.
-    closed: HashSet<u64>,
+    /// Digests of unit and name of the runs so far: a fleet has many.
+    begun: HashSet<u64>,
 }
 
 /// A run whose rows are being collected.
@@ -102,7 +102,7 @@ impl Recordings {
             warnings: recording::unknown_columns(path, &places.unknown).into_iter().collect(),
             ready: VecDeque::new(),
             open: None,
-            closed: HashSet::new(),
+            begun: HashSet::new(),
         }
     }
 
@@ -121,11 +121,10 @@ impl Recordings {
             let name = name.as_deref().unwrap_or_default();
             let unit = units.get(row).and_then(Option::as_deref).unwrap_or_default();
             if self.open.as_ref().is_some_and(|open| open.name != name || open.unit != unit) {
-                self.closed.extend(self.open.as_ref().map(|open| digest(&open.unit, &open.name)));
                 self.ready.extend(self.open.take());
             }
             self.row += 1;
-            if self.open.is_none() && self.closed.contains(&digest(unit, name)) {
+            if self.open.is_none() && !self.begun.insert(digest(unit, name)) {
                 let place = Place::of_line(&self.path, self.row as u64);
                 let found = format!(
                     "expected the rows of a run one after the other, found {name:?} once more after another run: sort by run and time_s, or give each run a name of its own"

@@ -68,13 +68,12 @@ impl Replay {
 
     /// What a person should know, in the order of its weight: what was refused, what was found, what is the matter with rows.
     fn said(&self) -> Vec<String> {
-        let Replayed { failed, notes, .. } = &self.replayed;
-        let (logs, rows) = (failed.len(), self.warnings().len());
-        let first = |count: usize, what: &str, first: &str, all: &str| {
-            (count > 0).then(|| format!("{count} {what}, the first: {first}; all in .{all}"))
+        let (Replayed { failed, notes, .. }, warnings) = (&self.replayed, self.warnings());
+        let all = |count: usize, what: &str, first: &str, all: &str| {
+            format!("{count} {what}, the first: {first}; all in .{all}")
         };
-        let refused = failed.first().and_then(|one| first(logs, "logs refused", &one.error, "failed"));
-        let of_rows = self.warnings().first().and_then(|one| first(rows, "warnings of logs", one, "warnings"));
+        let refused = failed.first().map(|first| all(failed.len(), "logs refused", &first.error, "failed"));
+        let of_rows = warnings.first().map(|first| all(warnings.len(), "warnings of logs", first, "warnings"));
         refused.into_iter().chain(notes.iter().cloned()).chain(of_rows).collect()
     }
 

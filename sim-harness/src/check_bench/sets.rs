@@ -26,23 +26,25 @@ pub(super) fn simulated(sensors: &Sensors, seed: u64, lags_s: &[f64]) -> Result<
         sensors: sensors.clone(),
         ..Scenario::default()
     };
-    let run = |(i, plan)| {
-        let lag_s = lags_s.get(i).copied().unwrap_or(0.0);
-        let sensors = Sensors { speed_lag_s: [lag_s; 2], ..sensors.clone() };
-        let run = simulate_planned(&Scenario { sensors, ..scenario.clone() }, plan)?;
-        Ok(Case::simulated(format!("run{i}"), String::new(), run).recording)
-    };
-    plan(&scenario, RUNS, seed).iter().enumerate().map(run).collect()
+    recorded(&scenario, RUNS, seed, lags_s)
 }
 
 /// Runs of one of these services, by the seed, at stations whose distances differ.
 pub(super) fn on_stations(services: &[&str], sensors: &Sensors, seed: u64) -> Result<Vec<Recording>, DriveError> {
     let scenario = service(services[seed as usize % services.len()], sensors, seed);
+    recorded(&scenario, MANY_RUNS, seed, &[])
+}
+
+/// So many runs. `lags_s`: by how much the speed of each is late, where it is not as the sensors have it.
+fn recorded(scenario: &Scenario, runs: usize, seed: u64, lags_s: &[f64]) -> Result<Vec<Recording>, DriveError> {
     let run = |(i, plan)| {
-        let run = simulate_planned(&scenario, plan)?;
-        Ok(Case::simulated(format!("run{i}"), String::new(), run).recording)
+        let mut scenario = scenario.clone();
+        if let Some(lag_s) = lags_s.get(i) {
+            scenario.sensors.speed_lag_s = [*lag_s; 2];
+        }
+        Ok(Case::simulated(format!("run{i}"), String::new(), simulate_planned(&scenario, plan)?).recording)
     };
-    plan(&scenario, MANY_RUNS, seed).iter().enumerate().map(run).collect()
+    plan(scenario, runs, seed).iter().enumerate().map(run).collect()
 }
 
 /// A service of the accuracy bench in a little wind, its stations moved.

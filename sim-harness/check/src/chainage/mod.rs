@@ -14,7 +14,7 @@ mod speeds;
 mod stops;
 
 use crate::agreement::Figure;
-use crate::profile::Profile;
+use crate::profile::{Medians, Profile};
 use rundown::model::direction::Direction;
 use rundown_files::recording::Recording;
 use stops::{Group, Match, groups, shift, turned};
@@ -93,7 +93,10 @@ fn explained(profiles: &[Profile], reference: &Group, group: &Group) -> Option<M
     if !group.overlaps(reference) {
         return None;
     }
-    let [there, here] = [reference, group].map(|group| speeds::Speeds::of(profiles, &group.runs));
+    let [there, here] = [reference, group].map(|group| {
+        let profiles = group.runs.iter().map(|run| &profiles[*run]);
+        Medians::of(profiles.map(|profile| (profile.first_cell, profile.speeds_mps.as_slice())))
+    });
     let moved = shift(reference, group).into_iter().filter(|moved| speeds::agree(&there, &here, moved.by_m));
     moved.max_by_key(|moved| moved.count).or_else(|| turned(reference, group))
 }

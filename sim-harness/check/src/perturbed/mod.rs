@@ -15,7 +15,7 @@ mod stops;
 
 pub(crate) use stops::near_m;
 
-use crate::profile::Profile;
+use crate::profile::{Medians, Profile};
 use rundown::model::direction::Direction;
 use rundown_files::recording::Recording;
 use serde::Serialize;
@@ -115,7 +115,8 @@ fn compare(profiles: &[Profile], stops_m: &[f64]) -> Vec<Option<Vec<Perturbation
     let near_m = stops::near_m(profiles);
     let stations = stops::Stations { described_m: stops_m, near_m };
     let lows: Vec<Vec<f32>> = profiles.iter().map(|profile| profile.lows(near_m)).collect();
-    let typical = slow::Typical::of(profiles, &lows);
+    let first_cells = profiles.iter().map(|profile| profile.first_cell);
+    let typical = Medians::of(first_cells.zip(lows.iter().map(Vec::as_slice)));
     let of_run = |run: usize| {
         let stopped = stations.unscheduled(profiles, run)?;
         let held = slow::held_back(profiles, &lows, &typical, run, near_m);

@@ -7,7 +7,7 @@
 //! The others are those that call at the stations around as this run does. A stretch counts where it cost time.
 
 use super::{Cause, LEAST_OTHERS, Perturbation};
-use crate::profile::{CELL_M, Profile, get};
+use crate::profile::{CELL_M, Medians, Profile, get};
 
 /// A stretch that costs less is a driver's style, s.
 const LEAST_LOST_S: f64 = 15.0;
@@ -22,31 +22,6 @@ const CREEP_MPS: f64 = 0.5;
 /// Slow cells with at most so many others between them are one stretch.
 const BRIDGED: i64 = 4;
 
-/// The median speed of all runs in each cell, to ask the others only where a run may be slow.
-pub struct Typical {
-    first_cell: i64,
-    medians_mps: Vec<f32>,
-}
-
-impl Typical {
-    /// `lows`: by run and cell, m/s.
-    pub fn of(profiles: &[Profile], lows: &[Vec<f32>]) -> Self {
-        let first_cell = profiles.iter().map(|profile| profile.first_cell).min().unwrap_or(0);
-        let end = profiles.iter().map(|profile| profile.first_cell + profile.speeds_mps.len() as i64).max();
-        let median = |cell: i64| {
-            let mut speeds: Vec<f32> = (profiles.iter().zip(lows))
-                .filter_map(|(profile, lows)| get(lows, cell - profile.first_cell))
-                .collect();
-            if speeds.is_empty() {
-                return f32::NAN;
-            }
-            let middle = speeds.len() / 2;
-            *speeds.select_nth_unstable_by(middle, f32::total_cmp).1
-        };
-        Self { first_cell, medians_mps: (first_cell..end.unwrap_or(first_cell)).map(median).collect() }
-    }
-}
-
 /// A cell in which a run is slow.
 #[derive(Clone, Copy)]
 struct Slow {
@@ -57,11 +32,11 @@ struct Slow {
     others: usize,
 }
 
-/// The stretches where a run was held back.
+/// The stretches where a run was held back. `typical`: of all runs, to ask the others only where a run may be slow.
 pub fn held_back(
     profiles: &[Profile],
     lows: &[Vec<f32>],
-    typical: &Typical,
+    typical: &Medians,
     run: usize,
     near_m: f64,
 ) -> Vec<Perturbation> {
@@ -69,8 +44,7 @@ pub fn held_back(
     let cells = profile.first_cell..profile.first_cell + profile.speeds_mps.len() as i64;
     let slow = |cell: i64| {
         let mps = profile.speed_mps(cell)?;
-        let median = get(&typical.medians_mps, cell - typical.first_cell)?;
-        (mps < SLOW_SHARE * median).then_some(())?;
+        (mps < SLOW_SHARE * typical.mps(cell)?).then_some(())?;
         let mut others = like_others(profiles, lows, run, cell, near_m);
         if others.len() < LEAST_OTHERS {
             return None;
