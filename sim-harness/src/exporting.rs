@@ -92,6 +92,7 @@ impl Order {
         }
         let text = toml::to_string(train).map_err(|error| files::failed(out, std::io::Error::other(error)))?;
         written.push(("train.toml", text.into_bytes()));
+        let before = folder::files_of("export", out)?.unwrap_or_default();
         folder::write("export", out, &begun, |folder| -> Result<(), WriteError> {
             let write = |(name, content): &(&str, Vec<u8>)| {
                 files::file(&folder.join(name), |file| Write::write_all(file, content))
@@ -104,7 +105,16 @@ impl Order {
         let place = format!("files: {} in {}", files.join(", "), out.display());
         let said = format!("train: {}, {mass_t:.0} t, rotating mass factor {factor}\n{said}\n{place}\n", train.name);
         let note = "the train has named effects, which only train.toml can hold";
-        let notes = if train.effect.is_empty() { Vec::new() } else { vec![note.to_owned()] };
+        let mut notes = if train.effect.is_empty() { Vec::new() } else { vec![note.to_owned()] };
+        let gone = before.iter().map(|file| file.display().to_string());
+        let gone: Vec<String> = gone.filter(|file| !files.contains(&file.as_str())).collect();
+        if !gone.is_empty() {
+            notes.push(format!(
+                "{}: {} of an earlier export was removed; --out takes another folder, --to several formats",
+                out.display(),
+                gone.join(", ")
+            ));
+        }
         Ok(Exported { files, said, notes })
     }
 

@@ -50,6 +50,8 @@ pub struct LearnedTrain {
     pub davis_sd: [f64; 3],
     /// Runs from which the resistance was learned.
     pub runs: usize,
+    /// Speeds at which it was learned, km/h.
+    pub learned_kmh: Option<[f64; 2]>,
     /// Largest tractive effort, N.
     pub effort: Limit,
     /// Largest power, W.
@@ -68,6 +70,7 @@ struct Run {
     unit: String,
     used: bool,
     learning_steps: usize,
+    learned_kmh: Option<[f64; 2]>,
     vehicle: Vehicle,
     foresight: Foresight,
     features: Features,
@@ -153,11 +156,13 @@ fn learn(described: TrainFile, results: ReplayJson, unit: Option<&str>) -> Resul
     let power = limit(described.max_power_w, |f| f.power_max_w_per_kg);
     let (max_tractive_effort_n, max_power_w) = (effort.capability(), power.capability());
     let train = TrainFile { davis: Davis { r0, r1, r2 }, max_tractive_effort_n, max_power_w, ..described };
+    let speeds_kmh = runs.iter().filter_map(|run| run.learned_kmh);
     train.train().map_err(|error| ("", format!("what was learned is no train: {error}")))?;
     Ok(LearnedTrain {
         train,
         davis_sd: [last.vehicle.sd_r0, last.vehicle.sd_r1, last.vehicle.sd_r2],
         runs: runs.iter().filter(|run| run.learning_steps > 0).count(),
+        learned_kmh: speeds_kmh.reduce(|all, one| [all[0].min(one[0]), all[1].max(one[1])]),
         effort,
         power,
     })
@@ -196,8 +201,9 @@ mod tests {
         [davis]\nr0 = 0.00738\nr1 = 1.6e-4\nr2 = 2.8e-5\n";
 
     fn run(unit: &str, r0: f64, effort: &str, power: &str) -> String {
+        let to_kmh = 1e4 * r0;
         format!(
-            "{{\"unit\":\"{unit}\",\"used\":true,\"learning_steps\":9,\"vehicle\":{{\"r0\":{r0},\"r1\":1.5e-4,\"r2\":2.7e-5,\"sd_r0\":1e-4,\"sd_r1\":1e-5,\"sd_r2\":1e-7}},\
+            "{{\"unit\":\"{unit}\",\"used\":true,\"learning_steps\":9,\"learned_kmh\":[60.0,{to_kmh}],\"vehicle\":{{\"r0\":{r0},\"r1\":1.5e-4,\"r2\":2.7e-5,\"sd_r0\":1e-4,\"sd_r1\":1e-5,\"sd_r2\":1e-7}},\
             \"foresight\":{{\"published\":\"learned\"}},\"features\":{{\"max_effort_mean_n_per_kg\":{effort},\"power_max_w_per_kg\":{power}}}}}"
         )
     }
@@ -213,6 +219,7 @@ mod tests {
         let runs = [run("7", 0.0070, "0.4", "5.0"), run("7", 0.0071, "0.6", "null"), run("7", 0.0072, "0.5", "5.2")];
         let found = learned(&runs, None).unwrap();
         assert_eq!(found.train.davis.r0, 0.0072);
+        assert_eq!(found.learned_kmh, Some([60.0, 72.0]));
         assert_eq!((found.runs, found.davis_sd[0]), (3, 1e-4));
         // Two runs have shown a power.
         assert_eq!(found.power, Limit { described: 2_036_377.8, used: None });

@@ -215,6 +215,20 @@ fn every_simulator_gets_the_train_and_gives_it_back() {
 }
 
 #[test]
+fn files_of_an_earlier_export_that_go_away_are_named_and_the_speeds_of_learning_said() {
+    let folder = replayed(&[]);
+    let export =
+        |format| folder.done(&["export", "--to", format, "out", "--train", "train.toml", "--max-speed", "140"]);
+    let said = export("sumo");
+    let line = said.out.lines().find(|line| line.starts_with("Learned at ")).unwrap();
+    let speeds: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
+    assert!(speeds.len() == 2 && speeds[0] >= 40.0 && speeds[0] < speeds[1] && speeds[1] < 150.0, "{line}");
+    assert!(!said.err.contains("earlier export"), "{said:?}");
+    let said = export("altrios");
+    assert!(said.err.contains("of an earlier export was removed"), "{said:?}");
+}
+
+#[test]
 fn what_a_format_needs_or_lacks_is_asked_for_by_name() {
     let folder = replayed(&[]);
     let said = folder.rundown(&SIMULATORS);

@@ -59,6 +59,13 @@ fn last(rows: &[Vec<f64>]) -> &[f64] {
     rows.last().unwrap()
 }
 
+/// What a message says to write into a file for `--mapping`.
+fn to_write(said: &str) -> String {
+    let from = said.find("source = [").unwrap();
+    let line = said[from..].lines().next().unwrap();
+    line[..=line.find(']').unwrap()].to_owned()
+}
+
 #[track_caller]
 fn near(found: f64, expected: f64, by: f64) {
     assert!((found - expected).abs() <= by, "expected {expected} within {by}, found {found}");
@@ -270,11 +277,13 @@ fn json_lines_in_miles_are_converted_and_units_that_agree_alike_are_asked_for() 
     assert!(said.out.contains("not known") && said.err.contains("km with km/h"), "{}{}", said.out, said.err);
     let said = folder.rundown(&["import", "b.jsonl", "--out", "b"]);
     assert_eq!(said.code, Some(6));
-    for words in ["km with km/h", "miles with mph", "[source.columns.speed] unit"] {
+    for words in ["km with km/h", "miles with mph", "for --mapping (or another unit)"] {
         assert!(said.err.contains(words), "{}", said.err);
     }
     assert!(!folder.path("b").exists());
-    folder.write("m.toml", "[[source]]\n[source.columns.speed]\nname = \"speed\"\nunit = \"mph\"\n");
+    let line = to_write(&said.err);
+    assert!(line.contains("unit = \"km/h\""), "{line}");
+    folder.write("m.toml", &line.replace("km/h", "mph").replace("\"km\"", "\"miles\""));
     folder.done(&["import", "b.jsonl", "--mapping", "m.toml", "--out", "b"]);
     near(last(&csv(&folder, "b/b_01.csv"))[1], 11_900.0, 1.0);
 }
@@ -363,6 +372,57 @@ fn an_odometer_that_wrapped_goes_on_behind_a_gap() {
     assert!(folder.read("runs/runs.csv").ends_with("a_02.csv,,,down\n"));
 }
 
+/// Locomotives count their way for life, up whichever way they go.
+#[test]
+fn an_odometer_beyond_any_line_comes_onto_one_chainage_by_the_stops() {
+    let back: Vec<f64> = STOPS_M.iter().map(|at| 11_900.0 - at).rev().collect();
+    let runs = [drive(&STOPS_M, 30.0), drive(&back, 25.0), drive(&STOPS_M, 28.0)];
+    let rows = runs.iter().enumerate().flat_map(|(run, rows)| {
+        rows.iter().map(move |(t, x, v)| (run as f64 * 5000.0 + t, run as f64 * 11_900.0 + x, *v))
+    });
+    let rows: Vec<_> = rows.collect();
+    let folder = Folder::new();
+    for (name, from_m) in [("life", 1.234_567e9), ("wrapped", 9_990_000.0)] {
+        let text = table("Time [s],Odometer [m],Speed [km/h]", &rows, |t, x, v| {
+            format!("{t},{:.0},{:.1}", if from_m < 1e7 { (from_m + x) % 1e7 } else { from_m + x }, 3.6 * v)
+        });
+        folder.write(&format!("{name}.csv"), &text);
+        let said = folder.done(&["import", &format!("{name}.csv"), "--out", name]);
+        assert!(said.out.contains("an odometer; most runs stop at the same places"), "{said:?}");
+        let ends = |run: usize| {
+            let rows = csv(&folder, &format!("{name}/{name}_0{run}.csv"));
+            (rows[0][1], last(&rows)[1])
+        };
+        // Nothing says which end is the first.
+        let (begin_m, end_m) = ends(1);
+        near(begin_m.min(end_m), 0.0, 5.0);
+        near(begin_m.max(end_m), 11_900.0, 5.0);
+        near(ends(2).0, end_m, 5.0);
+        near(ends(2).1, begin_m, 5.0);
+        near(ends(3).0, begin_m, 5.0);
+    }
+}
+
+#[test]
+fn odometers_of_unlike_ways_begin_at_zero() {
+    let folder = Folder::new();
+    let ways: [(&str, &[f64], f64); 2] =
+        [("a", &[0.0, 1500.0, 4100.0, 9000.0], 7.0e8), ("b", &[0.0, 2900.0, 3700.0, 8000.0], 1.3e9)];
+    for (name, stops, from_m) in ways {
+        let rows = drive(stops, 30.0);
+        let text = table("Time [s],Odometer [m],Speed [km/h]", &rows, |t, x, v| {
+            format!("{t},{:.0},{:.1}", from_m + x, 3.6 * v)
+        });
+        folder.write(&format!("{name}.csv"), &text);
+    }
+    let said = folder.done(&["import", "a.csv", "b.csv"]);
+    assert!(said.out.contains("chainage: as-is (a_01 is at 700009 km, beyond any line: an odometer, and"), "{said:?}");
+    near(csv(&folder, "runs/a_01.csv")[0][1], 0.0, 1e-6);
+    near(last(&csv(&folder, "runs/b_01.csv"))[1], 8000.0, 1.0);
+    let how = &folder.json("runs/import.json")["runs"][1]["placed"]["how"];
+    assert!(how.as_str().unwrap().contains("each run begins at 0"), "{how}");
+}
+
 #[test]
 fn there_and_back_become_two_runs_and_a_long_standing_is_cut() {
     let there = drive(&STOPS_M, 30.0);
@@ -425,7 +485,9 @@ fn units_are_found_by_evidence_and_wrong_ones_refused() {
     near(last(&csv(&folder, "runs/bare_01.csv"))[0], rows.last().unwrap().0, 1e-6);
     let said = folder.rundown(&["import", "wrong.csv", "--out", "w"]);
     assert_eq!(said.code, Some(6));
-    assert!(said.err.contains("[source.columns.speed] unit = \"m/s\""), "{}", said.err);
+    folder.write("m.toml", &to_write(&said.err));
+    folder.done(&["import", "wrong.csv", "--mapping", "m.toml", "--out", "right"]);
+    near(csv(&folder, "right/wrong_01.csv").iter().map(|row| row[2]).fold(0.0, f64::max), 108.0, 0.1);
 }
 
 #[test]
@@ -438,8 +500,8 @@ fn what_cannot_be_known_is_asked() {
     let folder = Folder::new().with("a.csv", &ambiguous).with("s.csv", &strange);
     let said = folder.rundown(&["import", "a.csv"]);
     assert_eq!(said.code, Some(6));
-    assert!(said.err.contains("order = \"dmy\" or \"mdy\""), "{}", said.err);
-    folder.write("m.toml", "[[source]]\n[source.columns.date]\nname = \"Date\"\norder = \"mdy\"\n");
+    assert!(said.err.contains("(or \"mdy\")"), "{}", said.err);
+    folder.write("m.toml", &to_write(&said.err).replace("dmy", "mdy"));
     folder.done(&["import", "a.csv", "--mapping", "m.toml"]);
     assert!(folder.read("runs/runs.csv").contains("2025-03-04T00:00:00Z"));
     let said = folder.rundown(&["import", "s.csv"]);
@@ -607,9 +669,8 @@ fn a_limit_is_no_speed_and_the_note_has_the_line_that_takes_another_column() {
     let folder = Folder::new();
     let (said, _) = imported(&folder, "t [s],x [m],Snelheid,Status", |v| 3.6 * v);
     assert_eq!(said.code, Some(0), "{said:?}");
-    let line = "columns.speed.name = \"Snelheid\"";
-    assert!(said.err.contains("not used: \"Snelheid\", \"Status\"") && said.err.contains(line), "{said:?}");
-    folder.write("map.toml", &format!("[[source]]\n{line}\n"));
+    assert!(said.err.contains("not used: \"Snelheid\", \"Status\""), "{said:?}");
+    folder.write("map.toml", &to_write(&said.err));
     let said = folder.rundown(&["import", "in.csv", "--mapping", "map.toml", "--out", "again"]);
     assert_eq!(said.code, Some(0), "{said:?}");
     assert!(!said.err.contains("computed from"), "{said:?}");

@@ -215,5 +215,5 @@ function resistanceData(parameters, davis) {
   const kmh = Array.from({ length: 81 }, (_, i) => 2 * i);
   const at = kmh.map((v) => (parameters ? resistanceAt(parameters, v / KMH) : null));
   const of = (f) => at.map((r) => (r ? 1000 * f(r) : null));
-  return [kmh, of(([r, sd]) => r - 1.96 * sd), of(([r, sd]) => r + 1.96 * sd), of(([r]) => r), kmh.map((v) => (davis ? 1000 * describedAt(davis, v / KMH) : null))];
+  return [kmh, of(([r, sd]) => r - NINETY_FIVE * sd), of(([r, sd]) => r + NINETY_FIVE * sd), of(([r]) => r), kmh.map((v) => (davis ? 1000 * describedAt(davis, v / KMH) : null))];
 }

@@ -6,7 +6,11 @@ const NONE = "–";
 const state = { points: [], previous: [], past: [], now: {}, link: null, setup: { train: null, track: null }, described: null, scale: { least: 0.1, most: 0.1 }, gone: false };
 
 const fixed = (value, digits, scale = 1) => (value == null || !Number.isFinite(value) ? NONE : (value * scale).toFixed(digits).replace("-", "−"));
-const deviation = (value, digits, scale = 1) => "±" + fixed(value, digits, scale);
+/** Two-sided 95 % and 90 % of a normal distribution, in standard deviations. */
+const NINETY_FIVE = 1.96, NINETY = 1.645;
+/** What stands behind ± of an estimate: half of its 95 % interval. */
+const half = (sd, digits, scale = 1) => "±" + fixed(sd, digits, NINETY_FIVE * scale);
+const deviation = (sd, digits) => "s.d. " + fixed(sd, digits);
 function put(id, text) {
   const element = $(id);
   if (element.textContent !== text) element.textContent = text;
@@ -34,9 +38,9 @@ function showNow() {
   const old = state.gone || !link || link.connection.state === "lost" || (link.silent && !ended);
   document.body.classList.toggle("old", old);
   put("speed", fixed(estimate?.speed_mps.value, 0, KMH));
-  put("speed-sd", deviation(estimate?.speed_mps.sd, 1, KMH));
+  put("speed-sd", half(estimate?.speed_mps.sd, 1, KMH));
   put("location", fixed(estimate?.location_m.value, 2, 1e-3));
-  put("location-sd", estimate ? `±${fixed(estimate.location_m.sd, 0)} m` : "±–");
+  put("location-sd", half(estimate?.location_m.sd, 0) + (estimate ? " m" : ""));
   const regime = $("regime");
   regime.dataset.regime = estimate?.regime ?? "none";
   regime.querySelector("b").textContent = estimate?.regime ?? "no run";
@@ -67,8 +71,6 @@ function nextStop(estimate) {
 
 // ---- coasting from here
 
-/** Two-sided 90 % of a normal distribution, in standard deviations. */
-const NINETY = 1.645;
 
 function targetName(target) {
   const stop = (state.setup.track?.stop ?? []).find((stop) => Math.abs(stop.at_m - target.at_m) < 1);
@@ -185,16 +187,16 @@ function showResistance() {
   const described = (value, digits) => (davis ? `maker ${fixed(value, digits, 1000)}` : "");
   const [r, sd] = parameters ? resistanceAt(parameters, 100 / KMH) : [];
   put("r100", fixed(r, 1, 1000));
-  put("r100-sd", deviation(sd, 1, 1000));
+  put("r100-sd", half(sd, 1, 1000));
   const maker = davis && describedAt(davis, 100 / KMH);
-  put("r100-described", maker && r != null ? `${r >= maker ? "+" : ""}${fixed(100 * (r / maker - 1), 1)} ±${fixed((100 * sd) / maker, 1)} %` : described(maker, 1));
+  put("r100-described", maker && r != null ? `${r >= maker ? "+" : ""}${fixed(100 * (r / maker - 1), 1)} ${half((100 * sd) / maker, 1)} %` : described(maker, 1));
   for (const [name, digits] of [["r0", 2], ["r1", 3], ["r2", 4]]) {
     put(name, fixed(parameters?.[name].value, digits, 1000));
-    put(name + "-sd", deviation(parameters?.[name].sd, digits, 1000));
+    put(name + "-sd", half(parameters?.[name].sd, digits, 1000));
     put(name + "-described", described(davis?.[name], digits));
   }
   put("gain", fixed(parameters?.gain?.value, 3));
-  put("gain-sd", deviation(parameters?.gain?.sd, 3));
+  put("gain-sd", half(parameters?.gain?.sd, 3));
   const data = resistanceData(parameters, davis);
   const most = Math.max(40, ...[2, 4].flatMap((i) => data[i]).filter((v) => v != null));
   resistanceChart.show(data, { x: [0, 160], y: [0, Math.ceil(most / 20) * 20] });
@@ -228,7 +230,7 @@ function showUnits(units) {
   $("units").replaceChildren(...units.map(({ source, parameters: p, connection }, i) => {
     const [r, sd] = p ? resistanceAt(p, 100 / KMH) : [];
     const words = p ? LEARNED[p.learned] ?? p.learned : LINK[connection.state] ?? connection.state;
-    const cells = [source, fixed(r, 1, 1000), deviation(sd, 1, 1000), fixed(p?.r0.value, 2, 1000), fixed(p?.r1.value, 3, 1000), fixed(p?.r2.value, 4, 1000), words];
+    const cells = [source, fixed(r, 1, 1000), half(sd, 1, 1000), fixed(p?.r0.value, 2, 1000), fixed(p?.r1.value, 3, 1000), fixed(p?.r2.value, 4, 1000), words];
     const row = document.createElement("tr");
     row.append(...cells.map((text) => Object.assign(document.createElement("td"), { textContent: text, title: text })));
     const sign = row.firstChild.insertBefore(document.createElement("i"), row.firstChild.firstChild);

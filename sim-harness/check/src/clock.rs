@@ -14,6 +14,8 @@ const LEAST_BACK_S: f64 = 30.0;
 const LEAST_MIDNIGHT_S: f64 = 0.8 * DAY_S;
 /// Below it the distance says little about the time, m/s.
 const FAST_MPS: f64 = 5.0;
+/// Rows before and after a step of the clock that say how far the train went.
+const SIDE: usize = 3;
 
 /// Usual time between rows, s.
 pub fn usual_step_s(rows: &[Sample]) -> f64 {
@@ -22,11 +24,40 @@ pub fn usual_step_s(rows: &[Sample]) -> f64 {
     if steps.is_empty() { 1.0 } else { median(&steps) }
 }
 
-/// Time that passed between two rows by the distance between them, where both move.
-fn by_distance(a: &Sample, b: &Sample) -> Option<f64> {
-    let speed_mps = 0.5 * (a.speed_mps? + b.speed_mps?);
-    let distance_m = (b.location_m? - a.location_m?).abs();
-    (a.speed_mps?.min(b.speed_mps?) > FAST_MPS).then_some(distance_m / speed_mps)
+/// Time that passed before a row by the distance from the rows before it to those from it on, where all of them move: a few on both sides, as one
+/// location of a receiver may be off by more than a step.
+fn by_distance(rows: &[Sample], at: usize) -> Option<f64> {
+    let last_before = rows.get(at.checked_sub(1)?)?.time_s;
+    let before = middle(&rows[at.saturating_sub(SIDE)..at])?;
+    let after = middle(&rows[at..rows.len().min(at + SIDE)])?;
+    let speed_mps = 0.5 * (before.speed_mps + after.speed_mps);
+    let between_s = (after.location_m - before.location_m).abs() / speed_mps;
+    Some(between_s - (last_before - before.time_s) - (after.time_s - rows[at].time_s))
+}
+
+/// Means of rows of a moving train.
+struct Middle {
+    time_s: f64,
+    location_m: f64,
+    speed_mps: f64,
+}
+
+/// Of the rows that have both readings; none where one of them hardly moves.
+fn middle(rows: &[Sample]) -> Option<Middle> {
+    let whole = rows.iter().filter_map(|row| Some((row.time_s, row.location_m?, row.speed_mps?)));
+    let (mut sum, mut count) = (Middle { time_s: 0.0, location_m: 0.0, speed_mps: 0.0 }, 0.0);
+    for (time_s, location_m, speed_mps) in whole {
+        if speed_mps <= FAST_MPS {
+            return None;
+        }
+        sum.time_s += time_s;
+        sum.location_m += location_m;
+        sum.speed_mps += speed_mps;
+        count += 1.0;
+    }
+    let Middle { time_s, location_m, speed_mps } = sum;
+    let mean = |sum| sum / count;
+    (count > 0.0).then(|| Middle { time_s: mean(time_s), location_m: mean(location_m), speed_mps: mean(speed_mps) })
 }
 
 /// Puts times right that went back by much, or on by more than the train moved.
@@ -35,10 +66,11 @@ pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
     let mut shift_s = 0.0;
     for i in 1..rows.len() {
         let read_s = rows[i].time_s;
-        let before = rows[i - 1];
-        let dt = read_s + shift_s - before.time_s;
-        let passed_s = by_distance(&before, &rows[i]);
-        let usual = |seconds: f64| (0.5 * step_s..=20.0 * step_s).contains(&seconds);
+        let dt = read_s + shift_s - rows[i - 1].time_s;
+        let passed_s = by_distance(rows, i);
+        // The noise of the locations may leave less than nothing; a location that is stuck leaves two steps less.
+        let passed_s = passed_s.filter(|seconds| (-step_s..=20.0 * step_s).contains(seconds));
+        let passed_s = passed_s.map(|seconds| if seconds < 0.5 * step_s { step_s } else { seconds });
         // The rows that follow tell a clock that was set from one row with a wrong time.
         let stays = rows.get(i + 1).is_some_and(|next| (next.time_s - read_s - step_s).abs() < 0.5 * step_s);
         let mut found = |kind, change_s: f64| {
@@ -49,12 +81,12 @@ pub fn put_right(rows: &mut [Sample], findings: &mut Vec<Finding>) {
             found(Kind::Midnight, DAY_S);
             shift_s += DAY_S;
         } else if dt < -LEAST_BACK_S && stays {
-            let passed_s = passed_s.filter(|seconds| usual(*seconds)).unwrap_or(step_s);
+            let passed_s = passed_s.unwrap_or(step_s);
             found(Kind::ClockSetBack, dt - passed_s);
             shift_s += passed_s - dt;
         } else if dt > LEAST_BACK_S.max(20.0 * step_s)
             && stays
-            && let Some(passed_s) = passed_s.filter(|seconds| usual(*seconds))
+            && let Some(passed_s) = passed_s
         {
             found(Kind::ClockSetForward, dt - passed_s);
             shift_s += passed_s - dt;

@@ -209,6 +209,31 @@ fn clocks_that_jump_are_put_right() {
     }
 }
 
+/// One location of such a receiver is off by half of what the train moves in a second.
+#[test]
+fn a_clock_set_forward_is_seen_at_any_place_of_a_noisy_log() {
+    for seed in 20..30 {
+        let truth = clean(seed);
+        let moves = |i: &usize| truth[i - 5..i + 5].iter().all(|row| row.speed_mps.unwrap() > 8.0);
+        for at in (30..truth.len() - 30).filter(moves).step_by(40) {
+            let (found, _) = one(truth.clone(), |rows| rows[at..].iter_mut().for_each(|row| row.time_s += 600.0));
+            assert_eq!(only(&found, Kind::ClockSetForward).line, truth[at].line, "{seed}, {at}: {:?}", all(&found));
+        }
+    }
+}
+
+#[test]
+fn a_gap_with_a_location_that_is_stuck_is_no_clock_set_forward() {
+    let truth = clean(7);
+    let at = truth.iter().position(|row| row.time_s > 300.0 && row.speed_mps.unwrap() > 10.0).unwrap();
+    let (found, _) = one(truth.clone(), |rows| {
+        rows[at..].iter_mut().for_each(|row| row.time_s += 600.0);
+        let stuck = rows[at].location_m;
+        rows[at - 5..at + 5].iter_mut().for_each(|row| row.location_m = stuck);
+    });
+    assert!(!kinds(&found).contains(&Kind::ClockSetForward), "{:?}", all(&found));
+}
+
 #[test]
 fn wraps_and_resets_are_joined() {
     let truth = clean(8);

@@ -6,20 +6,16 @@ pub(crate) mod vehicle;
 
 use rundown::estimator::Estimator;
 use rundown::estimator::config::Mode;
-use rundown::tick::estimate::Cause;
 use rundown_files::replay::ReplayedRun;
 use std::collections::BTreeMap;
 
 const NAMED: usize = 3;
-/// One reading in so many off the track is no glitch of a receiver.
-const SHARE_OFF_TRACK: usize = 20;
 
 /// What is collected of the runs as they come.
 #[derive(Debug, Default)]
 pub struct Advice {
     runs: usize,
     learned: bool,
-    off_track: Named,
     without_speed: Named,
     without_effort: Named,
     /// By unit.
@@ -31,8 +27,6 @@ impl Advice {
         for run in runs {
             self.runs += 1;
             self.learned |= run.is_used && run.summary.learned_s > 0.0;
-            let off = run.summary.counters.of(Cause::LocationOutOfRange) as usize;
-            self.off_track.add(run, off * SHARE_OFF_TRACK > run.estimates.len());
             let rows = || run.measurements.iter();
             self.without_speed.add(run, rows().all(|measurement| measurement.speed_mps.is_none()));
             self.without_effort.add(run, rows().all(|measurement| measurement.effort_n_per_kg.is_none()));
@@ -41,17 +35,13 @@ impl Advice {
     }
 
     pub fn notes(&self, estimator: &Estimator) -> Vec<String> {
-        let (config, track_length_m) = (estimator.config(), estimator.track().length_m());
+        let config = estimator.config();
         if self.runs == 0 {
             return Vec::new();
         }
-        let off_track = format!(
-            "more than one location in {SHARE_OFF_TRACK} lies off the track, which is 0 to {track_length_m} m: are track and length_m those of this line?"
-        );
         let without_speed = "no speed_kmh in any row, without which nothing is known of the train";
         let without_effort = "no effort_n_per_kg, without which the measured mode learns nothing";
-        let mut notes: Vec<String> =
-            [self.off_track.note(&off_track), self.without_speed.note(without_speed)].into_iter().flatten().collect();
+        let mut notes: Vec<String> = self.without_speed.note(without_speed).into_iter().collect();
         if config.mode == Mode::Measured {
             notes.extend(self.without_effort.note(without_effort));
         }

@@ -7,7 +7,7 @@
 use super::hub::{Connection, Hub, View};
 use super::setup::Setup;
 use super::state::{Point, State};
-use super::text::{KMH, learned_words, of_coast_ahead};
+use super::text::{HALF_95, KMH, learned_words, of_coast_ahead};
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style, Stylize};
@@ -104,12 +104,12 @@ fn header<'a>(view: &View<'_>) -> Paragraph<'a> {
         || "   -   km/h".to_owned(),
         |e| {
             let Value { value, sd } = e.speed_mps;
-            format!("{:.1} \u{b1}{:.1} km/h", value * KMH, sd * KMH)
+            format!("{:.1} \u{b1}{:.1} km/h", value * KMH, HALF_95 * sd * KMH)
         },
     );
     let place = estimate.map_or_else(
         || "   -   km".to_owned(),
-        |e| format!("{:.3} km \u{b1}{:.0} m", e.location_m.value / 1000.0, e.location_m.sd),
+        |e| format!("{:.3} km \u{b1}{:.0} m", e.location_m.value / 1000.0, HALF_95 * e.location_m.sd),
     );
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let regime = estimate.map_or(Span::raw(" no run yet "), |e| {
@@ -196,9 +196,9 @@ fn draw_resistance(frame: &mut Frame<'_>, area: Rect, state: &State, setup: &Set
     if let Some(parameters) = &state.now.parameters {
         for kmh in speeds() {
             let at = parameters.at((kmh / 3.6) as f32);
-            let (value, sd) = (1000.0 * f64::from(at.value), 1000.0 * f64::from(at.sd));
+            let (value, half) = (1000.0 * f64::from(at.value), 1000.0 * f64::from(HALF_95 * at.sd));
             mean.push((kmh, value));
-            band.extend([(kmh, value - 1.96 * sd), (kmh, value + 1.96 * sd)]);
+            band.extend([(kmh, value - half), (kmh, value + half)]);
         }
     }
     let most = band.iter().chain(&manufacturer).map(|(_, r)| *r).fold(40.0, f64::max);
@@ -230,14 +230,14 @@ fn of_parameters<'a>(state: &State) -> Paragraph<'a> {
     let row = |name: &str, value: Option<Value>| {
         Line::from(value.map_or_else(
             || format!("{name:5} -"),
-            |value| format!("{name:5} {:>10.3e} \u{b1}{:.1e}", value.value, value.sd),
+            |value| format!("{name:5} {:>10.3e} \u{b1}{:.1e}", value.value, HALF_95 * value.sd),
         ))
     };
     let at = |kmh: f32| {
         let value = parameters.map(|parameters| parameters.at(kmh / KMH));
         Line::from(value.map_or_else(
             || format!("r({kmh:>3}) -"),
-            |value| format!("r({kmh:>3}) {:.5} \u{b1}{:.5} N/kg", value.value, value.sd),
+            |value| format!("r({kmh:>3}) {:.5} \u{b1}{:.5} N/kg", value.value, HALF_95 * value.sd),
         ))
     };
     let words = match parameters.map(|parameters| parameters.learned) {
@@ -282,7 +282,7 @@ fn of_brake<'a>(state: &State) -> Paragraph<'a> {
     let rate = |(step, of): (&str, Option<Statistic>)| {
         Line::from(match of {
             Some(rate) if rate.count > 0 => {
-                format!("{step:7} {:.2} \u{b1}{:.2}", rate.mean, rate.sd)
+                format!("{step:7} {:.2} s.d. {:.2}", rate.mean, rate.sd)
             }
             _ => format!("{step:7} -"),
         })

@@ -10,6 +10,8 @@ use serde::Serialize;
 use std::fmt::Write;
 
 pub const KMH: f32 = 3.6;
+/// Half of the 95 % interval of a value that is estimated: what stands behind ±, in standard deviations.
+pub const HALF_95: f32 = 1.96;
 
 #[derive(Serialize)]
 struct JsonLine<'a> {
@@ -107,9 +109,9 @@ fn of_estimate(estimate: &Estimate) -> String {
     let mut text = format!(
         "{time_s:.1} s  {:.3} km \u{b1}{:.0} m  {:.1} \u{b1}{:.1} km/h  {regime}  {}",
         location_m.value / 1000.0,
-        location_m.sd,
+        HALF_95 * location_m.sd,
         speed_mps.value * KMH,
-        speed_mps.sd * KMH,
+        HALF_95 * speed_mps.sd * KMH,
         validity.as_str()
     );
     if let Some(cause) = validity.cause() {
@@ -134,11 +136,11 @@ pub const fn learned_words(learned: Learned) -> &'static str {
 
 fn of_parameters(parameters: &Parameters) -> String {
     let at = parameters.at(100.0 / KMH);
-    let term = |name: &str, value: Value| format!("{name} {:.3e} \u{b1}{:.1e}", value.value, value.sd);
+    let term = |name: &str, value: Value| format!("{name} {:.3e} \u{b1}{:.1e}", value.value, HALF_95 * value.sd);
     format!(
         "r(100 km/h) {:.5} \u{b1}{:.5} N/kg, {}; {}, {}, {}",
         at.value,
-        at.sd,
+        HALF_95 * at.sd,
         learned_words(parameters.learned),
         term("r0", parameters.r0),
         term("r1", parameters.r1),

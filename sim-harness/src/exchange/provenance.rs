@@ -23,6 +23,10 @@ pub(crate) fn sentences(learned: &LearnedTrain, mass_kg: f64) -> Vec<String> {
     let mut said = vec![
         format!("Running resistance: learned by Rundown from {runs}, with 95 % intervals."),
         format!("{}.", coefficients.join(", ")),
+        learned.learned_kmh.map_or_else(
+            || "No run says at which speeds.".to_owned(),
+            |[least, most]| format!("Learned at {least:.0} to {most:.0} km/h; beyond, it rests on the description, and the intervals may be too narrow."),
+        ),
         limit("tractive effort", "N", &learned.effort),
         limit("power", "W", &learned.power),
         "Mass, rotating mass factor, length, brake: as described. Largest speed: as given for the export.".to_owned(),

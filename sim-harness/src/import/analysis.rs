@@ -2,7 +2,7 @@
 
 use super::columns::{self, Columns, How};
 use super::evidence::Seen;
-use super::mapping::{Mapping, SourceMapping};
+use super::mapping::{Mapping, SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
 use super::source::Source;
 use super::source::row::{Header, refused};
@@ -107,28 +107,35 @@ impl Group {
 
 fn needed(columns: &Columns, source: &Source) -> Result<(), String> {
     let place = columns.has(Meaning::Location) || (columns.has(Meaning::Latitude) && columns.has(Meaning::Longitude));
-    let missing = [(columns.has(Meaning::Time), "time"), (place, "location (or latitude and longitude)")];
-    let missing: Vec<&str> = missing.iter().filter(|(is, _)| !is).map(|(_, name)| *name).collect();
+    let needed = [
+        (columns.has(Meaning::Time), Meaning::Time, "time"),
+        (place, Meaning::Location, "location (or latitude and longitude)"),
+    ];
+    let missing: Vec<(Meaning, &str)> =
+        needed.iter().filter(|(is, ..)| !is).map(|(_, meaning, name)| (*meaning, *name)).collect();
     if missing.is_empty() {
         return Ok(());
     }
     let names: Vec<&str> = source.headers.iter().map(|header| header.written.as_str()).collect();
     Err(format!(
-        "expected columns for {}, found {}; name them in [source.columns] of import.toml",
-        missing.join(" and "),
-        names.join(", ")
+        "expected columns for {}, found {}; {SAY_IT} (with their headers): {}",
+        missing.iter().map(|(_, name)| *name).collect::<Vec<_>>().join(" and "),
+        names.join(", "),
+        line(missing.iter().map(|(meaning, _)| (*meaning, "HEADER", String::new())))
     ))
 }
 
 fn notes_of(columns: &Columns, headers: &[Header]) -> Vec<String> {
     let mut notes = Vec::new();
     for (meaning, column) in &columns.of {
-        let has_unit = units::of(*meaning).is_empty() || column.unit.is_some() || *meaning == Meaning::Time;
-        if !has_unit {
+        if column.unit.is_none()
+            && *meaning != Meaning::Time
+            && let Some(first) = units::of(*meaning).first()
+        {
             notes.push(format!(
-                "column {:?} is not used: its unit is not known; give it in [source.columns.{}]",
+                "column {:?} is not used: its unit is not known; {SAY_IT} (or another unit): {}",
                 column.header,
-                meaning.key()
+                line([(*meaning, column.header.as_str(), format!("unit = {:?}", first.name))])
             ));
         }
         if *meaning == Meaning::Effort

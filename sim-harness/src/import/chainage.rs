@@ -3,8 +3,10 @@
 use super::evidence::middle;
 use super::line;
 use super::mapping::Method;
+use super::odometer;
 use super::staged::Staged;
 use rundown_files::map_matching::{CentreLine, MatchState};
+use rundown_files::sample::MOST_LOCATION_M;
 use rundown_files::track_file::CentreLinePoint;
 
 /// Where the locations of a run go.
@@ -50,22 +52,47 @@ const AS_IT_IS: Place = Place::Shift { sign: 1.0, offset_m: 0.0, how: String::ne
 
 /// Places runs. `given` is a centre line that is there already.
 pub fn place(runs: &[Staged], wanted: Option<Method>, given: Vec<CentreLinePoint>) -> Placed {
-    let (method, why) = wanted.map_or_else(|| decided(runs, &given), |method| (method, "asked for".to_owned()));
+    match wanted {
+        Some(method) => by(method, "asked for".to_owned(), runs, given),
+        None => found(runs, given),
+    }
+}
+
+/// By the method that the runs call for.
+fn found(runs: &[Staged], given: Vec<CentreLinePoint>) -> Placed {
+    let (method, why) = decided(runs, &given);
+    let counts = if method == Method::AsIs { odometer::counts_on(runs) } else { None };
+    let Some(counts) = counts else { return by(method, why, runs, given) };
+    // Stops that agree by chance place one run, not most of them; speeds agree by chance more often.
+    let places = shifted(runs, &[Known::by_stops]);
+    let left_out = places.iter().filter(|place| matches!(place, Place::Out(_))).count();
+    if 5 * left_out <= runs.len() && runs.len() > 1 {
+        return by(Method::Stops, format!("{counts}; most runs stop at the same places"), runs, Vec::new());
+    }
+    by(Method::AsIs, format!("{counts}, and the runs do not stop at the same places"), runs, given)
+}
+
+fn by(method: Method, why: String, runs: &[Staged], given: Vec<CentreLinePoint>) -> Placed {
     let (places, line) = match method {
-        Method::AsIs => (vec![AS_IT_IS; runs.len()], Vec::new()),
-        Method::Stops => (shifted(runs, true), Vec::new()),
-        Method::Align => (shifted(runs, false), Vec::new()),
+        Method::AsIs => (as_they_are(runs), Vec::new()),
+        Method::Stops => (shifted(runs, &[Known::by_stops, Known::by_speeds]), Vec::new()),
+        Method::Align => (shifted(runs, &[Known::by_speeds]), Vec::new()),
         Method::Line => on_line(runs, given),
     };
-    let mut placed = Placed { method, why, places, line };
-    if method == Method::AsIs {
-        for (run, place) in runs.iter().zip(&mut placed.places) {
-            if run.from_fixes && runs.len() > 1 {
+    Placed { method, why, places, line }
+}
+
+fn as_they_are(runs: &[Staged]) -> Vec<Place> {
+    let mut places = vec![AS_IT_IS; runs.len()];
+    odometer::within_range(runs, &mut places);
+    if runs.len() > 1 {
+        for (run, place) in runs.iter().zip(&mut places) {
+            if run.from_fixes {
                 *place = Place::Out("it has positions and no location: --chainage line".to_owned());
             }
         }
     }
-    placed
+    places
 }
 
 fn decided(runs: &[Staged], given: &[CentreLinePoint]) -> (Method, String) {
@@ -136,6 +163,9 @@ fn on_line(runs: &[Staged], given: Vec<CentreLinePoint>) -> (Vec<Place>, Vec<Cen
     };
     (runs.iter().map(place).collect(), line)
 }
+
+/// Sign and offset of a run on what is known of the line, and why.
+type FindPlace = fn(&Known, &Staged) -> Option<(f64, f64, String)>;
 
 /// What the runs that are placed say of the line.
 #[derive(Default)]
@@ -261,7 +291,7 @@ fn profile(run: &Staged, sign: f64) -> Vec<(i64, f64)> {
 }
 
 /// The longest run stays as it is; the others are placed beside those that are placed already.
-fn shifted(runs: &[Staged], by_stops: bool) -> Vec<Place> {
+fn shifted(runs: &[Staged], ways: &[FindPlace]) -> Vec<Place> {
     let mut order: Vec<usize> = (0..runs.len()).collect();
     order.sort_by(|a, b| runs[*b].length_m().total_cmp(&runs[*a].length_m()).then(a.cmp(b)));
     let mut places: Vec<Option<Place>> = vec![None; runs.len()];
@@ -280,9 +310,7 @@ fn shifted(runs: &[Staged], by_stops: bool) -> Vec<Place> {
                 continue;
             }
             let run = &runs[*index];
-            let found =
-                if by_stops { known.by_stops(run).or_else(|| known.by_speeds(run)) } else { known.by_speeds(run) };
-            if let Some((sign, offset_m, how)) = found {
+            if let Some((sign, offset_m, how)) = ways.iter().find_map(|way| way(&known, run)) {
                 known.add(run, sign, offset_m);
                 places[*index] = Some(Place::Shift { sign, offset_m, how });
             }
@@ -292,7 +320,8 @@ fn shifted(runs: &[Staged], by_stops: bool) -> Vec<Place> {
         Some(Place::Shift { sign, offset_m, .. }) => Some(offset_m + (sign * run.ends_m.0).min(sign * run.ends_m.1)),
         _ => None,
     });
-    let zero_m = least.min_by(f64::total_cmp).unwrap_or(0.0).min(0.0);
+    let least_m = least.min_by(f64::total_cmp).unwrap_or(0.0);
+    let zero_m = if least_m.abs() > MOST_LOCATION_M { least_m } else { least_m.min(0.0) };
     let out = || {
         Place::Out(
             "neither its stops nor its speeds over the location agree with those of the other runs at one place only"

@@ -1,7 +1,7 @@
 //! The columns of files with one header: which holds what, in which unit, and how that is known.
 
 use super::clock::{Kind, Order};
-use super::mapping::{ColumnMapping, SourceMapping};
+use super::mapping::{ColumnMapping, SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
 use super::source::row::Header;
 use super::units::{self, Unit};
@@ -191,21 +191,26 @@ impl Columns {
         self.of.get(&meaning).and_then(|column| column.unit)
     }
 
+    /// Its header as it stands; empty where it has none.
+    pub fn header(&self, meaning: Meaning) -> &str {
+        self.of.get(&meaning).map_or("", |column| &column.header)
+    }
+
     pub fn index(&self, meaning: Meaning) -> Option<usize> {
         self.of.get(&meaning).map(|column| column.index)
     }
 
-    /// The columns that are not used, and the lines of `import.toml` that would take one for `meaning`; nothing where all are used.
+    /// The columns that are not used, and the line for `--mapping` that takes one for `meaning`; nothing where all are used.
     pub fn remedy(&self, meaning: Meaning, headers: &[Header]) -> String {
         let left: Vec<&Header> = unused(headers, &self.of).map(|(_, header)| header).collect();
         let likely = left.iter().find(|header| header.unit_of(meaning).is_some()).or(left.first());
         let Some(likely) = likely else { return String::new() };
         let names: Vec<String> = left.iter().map(|header| format!("{:?}", header.written)).collect();
-        let key = meaning.key();
         format!(
-            "; not used: {}. If one of them is the {key}, give --mapping a file with [[source]] and below it columns.{key}.name = {:?}",
+            "; not used: {}. If one of them is the {}, {SAY_IT}: {}",
             names.join(", "),
-            likely.written
+            meaning.key(),
+            line([(meaning, likely.written.as_str(), String::new())])
         )
     }
 

@@ -3,7 +3,7 @@
 use super::clock::{self, Kind, Order, Orders, Written};
 use super::columns::{Columns, How};
 use super::geo;
-use super::mapping::SourceMapping;
+use super::mapping::{SAY_IT, SourceMapping, line};
 use super::meaning::Meaning;
 use super::number;
 use super::source::Source;
@@ -91,9 +91,12 @@ impl Seen {
             None if matches!(columns.kind, Kind::Number | Kind::Unix) => Order::Ymd,
             None => {
                 let example = dated.first().copied().cloned().unwrap_or_default();
-                let key = if columns.has(Meaning::Date) { "date" } else { "time" };
+                let meaning = if columns.has(Meaning::Date) { Meaning::Date } else { Meaning::Time };
+                let asked = (meaning, columns.header(meaning), "order = \"dmy\"".to_owned());
                 return Err(format!(
-                    "{key}: expected dates in one order, found {example:?}, which may be day or month first; is it order = \"dmy\" or \"mdy\"? Write that into [source.columns.{key}] of import.toml"
+                    "{}: expected dates in one order, found {example:?}, which may be day or month first; {SAY_IT} (or \"mdy\"): {}",
+                    meaning.key(),
+                    line([asked])
                 ));
             }
         };
@@ -120,7 +123,7 @@ impl Seen {
         let alone = |meaning: &Meaning| columns.of.get(meaning).is_some_and(|column| column.how == How::UnitAlone);
         let Some(meaning) = [Meaning::Speed, Meaning::Location].into_iter().find(alone) else { return Vec::new() };
         let follows = self.stretches(columns).map(|stretches| stretches.alike);
-        let header = columns.of.get(&meaning).map_or("", |column| &column.header).to_owned();
+        let header = columns.header(meaning).to_owned();
         let (key, percent) = (meaning.key(), 100.0 * follows.unwrap_or(0.0));
         let stays = follows.map_or(meaning == Meaning::Speed, |alike| alike >= LEAST_ALIKE);
         if !stays {
@@ -161,7 +164,7 @@ impl Seen {
             DECIDED.into_iter().filter(unnamed).filter(|meaning| *meaning != Meaning::Time || is_number).collect();
         let Some(stretches) = self.stretches(columns).filter(|_| columns.has(Meaning::Speed)) else {
             let why = "speed and location are not there together in enough rows";
-            return if unknown.is_empty() { Ok(Vec::new()) } else { Err(not_decided(&unknown, &[], why)) };
+            return if unknown.is_empty() { Ok(Vec::new()) } else { Err(not_decided(columns, &unknown, &[], why)) };
         };
         let tried = stretches.tried(columns, &unknown);
         let agree: Vec<Tried> = tried.iter().filter(|(ratio, _)| (ratio - 1.0).abs() < NEAR).copied().collect();
@@ -179,8 +182,8 @@ impl Seen {
                 }
                 Ok(vec![figure(*ratio)])
             }
-            [] => Err(not_decided(&unknown, &[], "no units make the distance by speed that by location")),
-            several => Err(not_decided(&unknown, several, "these agree alike")),
+            [] => Err(not_decided(columns, &unknown, &[], "no units make the distance by speed that by location")),
+            several => Err(not_decided(columns, &unknown, several, "these agree alike")),
         }
     }
 
@@ -207,14 +210,14 @@ impl Seen {
                 };
                 (ratio - 1.0).abs() < NEAR && FASTEST_MPS.contains(&mps)
             })
-            .map(|(meaning, unit)| format!("[source.columns.{}] unit = \"{}\"", meaning.key(), unit.name))
+            .map(|(meaning, unit)| line([(meaning, columns.header(meaning), format!("unit = {:?}", unit.name))]))
             .collect();
         let remedy = if others.is_empty() {
-            "look at the columns".to_owned()
+            "look at the columns; a unit that --mapping gives is believed".to_owned()
         } else {
-            format!("write into import.toml {}", others.join(" or "))
+            format!("{SAY_IT}: {}", others.join(" or "))
         };
-        Err(format!("units: expected 1, found: {figure}; {remedy}; a unit that import.toml gives is believed"))
+        Err(format!("units: expected 1, found: {figure}; {remedy}"))
     }
 
     /// An effort without unit is one per mass if it is as small as that.
@@ -368,7 +371,7 @@ impl Stretches {
     }
 }
 
-fn not_decided(unknown: &[Meaning], agree: &[Tried], why: &str) -> String {
+fn not_decided(columns: &Columns, unknown: &[Meaning], agree: &[Tried], why: &str) -> String {
     let keys: Vec<&str> = unknown.iter().map(|meaning| meaning.key()).collect();
     let place = |meaning: &Meaning| DECIDED.iter().position(|one| one == meaning).unwrap_or(0);
     let sets: Vec<String> = agree
@@ -383,11 +386,14 @@ fn not_decided(unknown: &[Meaning], agree: &[Tried], why: &str) -> String {
         .map(|meaning| units::candidates(*meaning).iter().map(|unit| unit.name).collect::<Vec<_>>().join(", "))
         .collect();
     let candidates = if sets.is_empty() { lists.join("; ") } else { sets.join(" or ") };
-    let lines: Vec<String> = keys.iter().map(|key| format!("[source.columns.{key}] unit = \"..\"")).collect();
+    let said = unknown.iter().map(|meaning| {
+        let unit = agree.first().map(|(_, set)| set[place(meaning)]).or(units::candidates(*meaning).first().copied());
+        (*meaning, columns.header(*meaning), format!("unit = {:?}", unit.map_or("", |unit| unit.name)))
+    });
     format!(
-        "{}: expected a unit, found none in the header, and {why}: {candidates}; write into import.toml {}",
+        "{}: expected a unit, found none in the header, and {why}: {candidates}; {SAY_IT} (or another unit): {}",
         keys.join(" and "),
-        lines.join(" and ")
+        line(said)
     )
 }
 

@@ -154,3 +154,16 @@ impl Mapping {
         found.cloned().unwrap_or_default()
     }
 }
+
+/// Said before a [`line`].
+pub const SAY_IT: &str = "write this into a file for --mapping";
+
+/// The line for `--mapping` that says more of columns, as it can be pasted.
+pub fn line<'a>(columns: impl IntoIterator<Item = (Meaning, &'a str, String)>) -> String {
+    let column = |(meaning, header, said): (Meaning, &str, String)| {
+        let said = if said.is_empty() { String::new() } else { format!(", {said}") };
+        format!("columns.{} = {{ name = {}{said} }}", meaning.key(), toml::Value::from(header))
+    };
+    let columns: Vec<String> = columns.into_iter().map(column).collect();
+    format!("source = [{{ {} }}]", columns.join(", "))
+}

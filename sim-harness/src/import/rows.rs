@@ -5,9 +5,10 @@ use super::clock::{self, Kind, Written};
 use super::columns::Columns;
 use super::meaning::Meaning;
 use super::number;
+use super::odometer::MOST_ODOMETER_M;
 use super::source::row::Field;
 use super::units;
-use rundown_files::sample::{COLUMNS, Sample};
+use rundown_files::sample::{COLUMNS, LOCATION, Sample};
 use std::path::Path;
 
 /// A row that is understood.
@@ -90,11 +91,13 @@ impl<'a> Converter<'a> {
     fn beyond(&self, sample: &mut Sample, account: &mut Account) {
         for column in &COLUMNS {
             let value = (column.get)(sample);
-            let Some(value) = value.filter(|value| value.abs() > column.range.1.abs().max(column.range.0.abs())) else {
-                continue;
+            // An odometer may count further than any line is long; it is brought to a chainage afterwards.
+            let (low, high) = match column.name {
+                LOCATION => (-MOST_ODOMETER_M, MOST_ODOMETER_M),
+                _ => column.range,
             };
+            let Some(value) = value.filter(|value| value.abs() > high.abs().max(low.abs())) else { continue };
             account.place(BEYOND, || {
-                let [low, high] = [column.range.0, column.range.1];
                 format!(
                     "{}:{}: {}: expected {low} to {high} {}, found {value:e}",
                     self.path.display(),
@@ -104,7 +107,7 @@ impl<'a> Converter<'a> {
                 )
             });
             match column.name {
-                "location_m" => sample.location_m = None,
+                LOCATION => sample.location_m = None,
                 "speed_kmh" => sample.speed_mps = None,
                 "effort_n_per_kg" => sample.effort_n_per_kg = None,
                 "ambient_temperature_c" => sample.temperature_c = None,

@@ -1,6 +1,7 @@
 //! `parameters.csv`: what is known of the vehicle after each run, what this run's train was, and how often each cause occurred.
 
-use rundown::model::{state::resistance_sd, units::KmPerHour};
+use rundown::model::state::{SPEED, resistance_sd};
+use rundown::model::units::KmPerHour;
 use rundown::tick::estimate::{Cause, Counters};
 use rundown::tick::foresight::Foresight;
 use rundown::{filter::gaussian::Gaussian, model::direction::Direction};
@@ -42,6 +43,13 @@ pub fn columns() -> Vec<Column<ReplayedRun>> {
 /// Ticks from which the resistance was learned.
 pub(super) fn learning_steps(run: &ReplayedRun) -> usize {
     run.estimates.iter().filter(|estimate| estimate.learning).count()
+}
+
+/// Least and largest speed at which the resistance was learned, km/h.
+pub(super) fn learned_kmh(run: &ReplayedRun) -> Option<[f64; 2]> {
+    let learning = run.estimates.iter().filter(|estimate| estimate.learning);
+    let speeds_kmh = learning.map(|estimate| 3.6 * estimate.belief.mean[SPEED]).map(|kmh| [kmh, kmh]);
+    speeds_kmh.reduce(|all, one| [all[0].min(one[0]), all[1].max(one[1])])
 }
 
 /// Whether the vehicle's resistance would be published, how the run's coasts were foreseen, and what it taught about r at some speeds.
