@@ -182,7 +182,7 @@ fn another_train_another_unit_and_no_replay_are_refused() {
 }
 
 const SIMULATORS: [&str; 8] =
-    ["export", "--to", "sumo,osrd,trainruns,altrios", "out", "--train", "train.toml", "--max-speed", "140"];
+    ["export", "--to", "sumo,sumo-table,osrd,trainruns,altrios", "out", "--train", "train.toml", "--max-speed", "140"];
 
 /// All numbers of a train file, by their names.
 fn numbers(toml: &str) -> HashMap<String, f64> {
@@ -200,9 +200,13 @@ fn every_simulator_gets_the_train_and_gives_it_back() {
     let effort = format!("max_tractive_effort_n={}", expected["max_tractive_effort_n"]);
     let power = format!("max_power_w={}", expected["max_power_w"]);
     let lacking = ["--set", &effort, "--set", &power];
-    for (file, more) in
-        [("sumo.add.xml", &[][..]), ("osrd.json", &[]), ("trainruns.yaml", &[]), ("altrios.yaml", &lacking)]
-    {
+    for (file, more) in [
+        ("sumo.add.xml", &[][..]),
+        ("sumo.table.add.xml", &[]),
+        ("osrd.json", &[]),
+        ("trainruns.yaml", &[]),
+        ("altrios.yaml", &lacking),
+    ] {
         let file = format!("learned/{file}");
         let back = folder.done(&[&["convert", file.as_str()], more].concat());
         let found = numbers(&back.out);

@@ -181,6 +181,8 @@ class Picture {
     this.choices = this.drawing.views.length < 2 ? [] : this.drawing.views.map(({ name }) => button(`over ${name}`, `x axis: ${name}`, () => showOver(name)));
     this.whole = button("whole axis", "ends the zoom, as a double click does", () => this.plots.forEach((u) => reset(u.rundown.figure.x_label)));
     button("SVG", "saves the figure as SVG", () => this.save());
+    this.hint = bar.appendChild(document.createElement("small"));
+    this.hint.textContent = "drag over a plot to zoom";
     return bar;
   }
 
@@ -188,6 +190,7 @@ class Picture {
     this.choices.forEach((choice, i) => choice.setAttribute("aria-pressed", String(this.drawing.views[i].name === this.view)));
     const isPart = ({ scales: { x, y }, rundown: { figure, panel } }) => x.min !== figure.x[0] || x.max !== figure.x[1] || y.min !== panel.y[0] || y.max !== panel.y[1];
     this.whole.disabled = !this.plots.some(isPart);
+    this.hint.hidden = !this.whole.disabled;
   }
 
   draw() {

@@ -7,6 +7,7 @@ use crate::map_matching::CentreLine;
 use crate::recording::{self, DirectionChoice, Recording};
 use crate::refusal::{Place, ReadError, Refusal};
 use crate::sample::{self, COLUMNS, Column, LOCATION, Sample};
+use crate::units;
 use rundown::model::direction::Direction;
 use std::collections::{HashSet, VecDeque};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -178,6 +179,9 @@ impl Recordings {
         recording::locate(&self.path, &mut rows, self.has_location, self.line.as_ref(), &mut warnings)?;
         let mut warn = |text: String| warnings.push(format!("{}: run {name}: {text}", self.path.display()));
         let direction = recording::direction(direction, DirectionChoice::Auto, &rows, &mut warn);
+        if let Some(doubt) = units::doubt(&rows) {
+            warn(doubt.to_string());
+        }
         Ok(Some(Recording {
             name,
             path: self.path.clone(),
@@ -275,6 +279,22 @@ mod tests {
             error.starts_with("runs:7: run: expected the rows of a run one after the other, found \"a\" once more"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn units_are_doubted_as_those_of_a_log_are() {
+        let names = ["run", "time_s", "location_m", "speed_kmh", "effort_n_per_kg"].map(str::to_owned);
+        let places = Places::find("runs".as_ref(), &names).unwrap();
+        let of = |values: fn(f64) -> f64| (0..60).map(|row| Some(values(f64::from(row)))).collect::<Vec<_>>();
+        for (effort, is_doubted) in [(0.3, false), (120.0, true)] {
+            let mut numbers = vec![of(|t| 10.0 * t), of(|t| 200.0 * t), of(|_| 72.0), vec![Some(effort); 60]];
+            let numbers = places.numbers.iter().map(|(column, at)| (*column, std::mem::take(&mut numbers[at - 1])));
+            let texts = [vec![Some("a".to_owned()); 60], vec![None; 60], vec![None; 60], vec![None; 60]];
+            let batch = Batch { texts, numbers: numbers.collect() };
+            let table = RunTable { path: "runs".into(), places: places.clone(), batches: vec![batch] };
+            let warnings = table.recordings(None).unwrap()[0].warnings.join("; ");
+            assert_eq!(warnings.contains("a force has to be divided"), is_doubted, "{warnings}");
+        }
     }
 
     #[test]

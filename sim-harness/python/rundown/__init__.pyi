@@ -6,7 +6,7 @@ from typing import Any, Literal, Protocol, Union, final
 _Path = Union[str, PathLike[str]]
 _Paths = Union[_Path, Iterable[_Path]]
 _Direction = Literal["auto", "up", "down"]
-_Format = Literal["sfera", "sumo", "osrd", "trainruns", "altrios"]
+_Format = Literal["sfera", "sumo", "sumo-table", "osrd", "trainruns", "altrios"]
 _Runs = Union[bool, Callable[[int, int], object]]
 
 __version__: str

@@ -108,7 +108,7 @@ def test_an_export_is_refused_with_its_place(made, tmp_path):
         rundown.export(learned, to="sumo", unit="nobody", **about)
     assert (caught.value.file, caught.value.field) == (learned / "replay.json", "unit")
     wrong = [
-        ({"to": "matlab"}, "to: expected sfera, sumo, osrd, trainruns, altrios"),
+        ({"to": "matlab"}, "to: expected sfera, sumo, sumo-table, osrd, trainruns, altrios"),
         ({"to": "osrd"}, "traction: expected for sfera and osrd, found none"),
         ({"to": "osrd", "traction": "steam"}, "traction: expected diesel, battery"),
         ({"to": "sfera", "traction": "diesel"}, "company: expected for sfera, found none"),

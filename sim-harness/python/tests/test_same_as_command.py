@@ -154,7 +154,7 @@ def test_the_options_of_an_import_reach_it(recorded, command, tmp_path):
 def test_export(made, command, tmp_path):
     learned = tmp_path / "learned"
     rundown.replay(made.runs, train=made.train, track=made.track).write(learned)
-    formats = ["sfera", "sumo", "osrd", "trainruns", "altrios"]
+    formats = ["sfera", "sumo", "sumo-table", "osrd", "trainruns", "altrios"]
     about = ["--train", made.train, "--max-speed", 140, "--company", "0084", "--traction", "1500V"]
     named = ["--id", "unit 7", "--tc-version", "3"]
     out = tmp_path / "out"

@@ -38,7 +38,7 @@ def exported(tmp_path_factory):
     train = str(REFERENCE / "train.toml")
     run(rundown, "replay", "--train", train, "--track", str(REFERENCE / "track.toml"), "logs", folder=folder)
     arguments = ["--train", train, "--traction", "1500V", "--max-speed", "140"]
-    run(rundown, "export", "--to", "sumo,osrd,trainruns,altrios", "out", *arguments, folder=folder)
+    run(rundown, "export", "--to", "sumo,sumo-table,osrd,trainruns,altrios", "out", *arguments, folder=folder)
     return folder / "learned"
 
 
@@ -86,8 +86,17 @@ def test_sumo_slows_down_by_the_learned_resistance(exported, train, tmp_path):
     assert found_mps2 == pytest.approx(expected_mps2, rel=1e-3)
 
 
-def test_sumo_pulls_with_the_largest_effort(exported, train, tmp_path):
-    vtype = xml.etree.ElementTree.parse(exported / "sumo.add.xml").find("vType")
+def test_sumo_slows_down_by_the_table_of_resistance(exported, train, tmp_path):
+    vtype = xml.etree.ElementTree.parse(exported / "sumo.table.add.xml").find("vType")
+    vtype.set("tractionTable", " ".join("0" for _ in vtype.get("speedTable").split()))
+    speeds = sumo_speeds(vtype, SPEED_MPS, tmp_path)
+    expected_mps2 = resistance_n(train, SPEED_MPS) / (train["rotating_mass_factor"] * train["mass_kg"])
+    assert (speeds[0] - speeds[1]) / 0.1 == pytest.approx(expected_mps2, rel=1e-3)
+
+
+@pytest.mark.parametrize("file", ["sumo.add.xml", "sumo.table.add.xml"])
+def test_sumo_pulls_with_the_largest_effort(exported, train, tmp_path, file):
+    vtype = xml.etree.ElementTree.parse(exported / file).find("vType")
     speeds = sumo_speeds(vtype, 1, tmp_path)
     net_n = train["max_tractive_effort_n"] - resistance_n(train, 1)
     expected_mps2 = net_n / (train["rotating_mass_factor"] * train["mass_kg"])

@@ -18,6 +18,7 @@ Examples, with what the replay in out/ has learned:
 Files in the output folder:
   sfera.xml       TrainCharacteristics of the UIC's SFERA schema 3.00 (IRS 90940)
   sumo.add.xml    vehicle type of SUMO with carFollowModel=\"Rail\"
+  sumo.table.add.xml   sumo-table: the same with tables of traction and resistance over speed
   osrd.json       rolling stock of OSRD, RailJSON 3.4
   trainruns.yaml  rolling stock of railtoolkit's schema 2022.05, for TrainRuns.jl
   altrios.yaml    rail vehicle of ALTRIOS; it has no place for effort and power

@@ -3,7 +3,7 @@
 //! | format | file | written | read |
 //! |---|---|---|---|
 //! | SFERA 3.00 | XML | `sfera` | `sfera` |
-//! | SUMO 1.28, vehicle type | XML | `sumo` | `sumo` |
+//! | SUMO 1.28, vehicle type | XML | `sumo`, `sumo-table` | `sumo` |
 //! | OSRD, RailJSON 3.4, rolling stock | JSON | `osrd` | `osrd` |
 //! | railtoolkit 2022.05, as TrainRuns reads it | YAML | `trainruns` | `trainruns`, tracks `running_path` |
 //! | ALTRIOS 1.1, rail vehicle | YAML | `altrios` | `altrios` |
@@ -17,6 +17,7 @@ pub(crate) mod provenance;
 mod running_path;
 pub(crate) mod sfera;
 mod sumo;
+mod sumo_table;
 mod trainruns;
 mod xml;
 mod yaml;
@@ -27,6 +28,7 @@ use rundown_files::refusal::{Place, ReadError};
 use rundown_files::track_file::TrackFile;
 use sfera::{Identity, Traction};
 use std::path::Path;
+use sumo::Form;
 
 /// A format to write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -35,6 +37,8 @@ pub enum Format {
     Sfera,
     /// Vehicle type of SUMO, an additional file
     Sumo,
+    /// The same with tables of traction and resistance over speed
+    SumoTable,
     /// Rolling stock of OSRD, JSON
     Osrd,
     /// Rolling stock of railtoolkit, which TrainRuns.jl reads, YAML
@@ -45,13 +49,14 @@ pub enum Format {
 
 impl Format {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Sfera, Self::Sumo, Self::Osrd, Self::Trainruns, Self::Altrios];
+    pub const ALL: [Self; 6] = [Self::Sfera, Self::Sumo, Self::SumoTable, Self::Osrd, Self::Trainruns, Self::Altrios];
 
     /// As `--to` takes it.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Sfera => "sfera",
             Self::Sumo => "sumo",
+            Self::SumoTable => "sumo-table",
             Self::Osrd => "osrd",
             Self::Trainruns => "trainruns",
             Self::Altrios => "altrios",
@@ -63,6 +68,7 @@ impl Format {
         match self {
             Self::Sfera => "sfera.xml",
             Self::Sumo => "sumo.add.xml",
+            Self::SumoTable => "sumo.table.add.xml",
             Self::Osrd => "osrd.json",
             Self::Trainruns => "trainruns.yaml",
             Self::Altrios => "altrios.yaml",
@@ -82,7 +88,10 @@ pub fn write(format: Format, learned: &LearnedTrain, identity: &Identity) -> Res
             sfera::write(&mut bytes, train, identity, &said).map_err(|error| error.to_string())?;
             Ok(bytes)
         }
-        Format::Sumo => sumo::write(train, max_speed_kmh, &said).map_err(|error| error.to_string()),
+        Format::Sumo | Format::SumoTable => {
+            let form = if format == Format::Sumo { Form::Parameters } else { Form::Tables };
+            sumo::write(train, max_speed_kmh, form, &said).map_err(|error| error.to_string())
+        }
         Format::Osrd => {
             let voltage_v = match identity.traction {
                 Traction::Electrical { volts, .. } => Some(volts),

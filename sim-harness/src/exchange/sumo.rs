@@ -8,10 +8,11 @@
 //! | `decel` | m/s² | largest brake |
 //! | `length`, `maxSpeed` | m, m/s | length, as given |
 //!
-//! Units as SUMO's documentation of railways and its model `MSCFModel_Rail` state them (version 1.28). The same model in table form
-//! (`speedTable`, `tractionTable`, `resistanceTable`) is exact at its points only, so it is not written, and refused when read.
+//! Units as SUMO's documentation of railways and its model `MSCFModel_Rail` state them (version 1.28). The same model in table form, which is exact
+//! at its points only: `sumo_table.rs`.
 
-use super::{draft::Draft, number::decimal, xml};
+use super::xml::{self, Element};
+use super::{draft::Draft, number::decimal, sumo_table};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 use rundown::model::units::KmPerHour;
@@ -24,15 +25,19 @@ const NAME: &str = "rundown.name";
 
 const RESISTANCE: [&str; 3] = ["resCoef_constant", "resCoef_linear", "resCoef_quadratic"];
 
+/// How traction and resistance are written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Form {
+    Parameters,
+    Tables,
+}
+
 /// The additional file.
-pub(super) fn write(train: &TrainFile, max_speed_kmh: f64, said: &[String]) -> io::Result<Vec<u8>> {
+pub(super) fn write(train: &TrainFile, max_speed_kmh: f64, form: Form, said: &[String]) -> io::Result<Vec<u8>> {
     let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     let comment = xml::comment(&format!("\n  {}\n", said.join("\n  ")));
     xml.write_event(Event::Comment(BytesText::new(&comment)))?;
-    let rotating_mass_kg = train.rotating_mass_factor * train.mass_kg;
-    let kilo = |value: f64| decimal(value / 1000.0);
-    let davis = [train.davis.r0, train.davis.r1, train.davis.r2].map(|r| kilo(rotating_mass_kg * r));
     let mut attributes = vec![
         ("id", id(&train.name)),
         ("vClass", "rail".to_owned()),
@@ -43,10 +48,11 @@ pub(super) fn write(train: &TrainFile, max_speed_kmh: f64, said: &[String]) -> i
         ("mass", decimal(train.mass_kg)),
         ("massFactor", decimal(train.rotating_mass_factor)),
         ("decel", decimal(train.max_brake_mps2)),
-        ("maxPower", kilo(train.max_power_w)),
-        ("maxTraction", kilo(train.max_tractive_effort_n)),
     ];
-    attributes.extend(RESISTANCE.into_iter().zip(davis));
+    match form {
+        Form::Parameters => attributes.extend(parameters(train)),
+        Form::Tables => attributes.extend(sumo_table::attributes(train, max_speed_kmh)),
+    }
     let attributes: Vec<(&str, &str)> = attributes.iter().map(|(name, value)| (*name, value.as_str())).collect();
     xml.create_element("additional").write_inner_content(|xml| {
         xml.create_element("vType").with_attributes(attributes).write_inner_content(|xml| {
@@ -61,6 +67,15 @@ pub(super) fn write(train: &TrainFile, max_speed_kmh: f64, said: &[String]) -> i
     Ok(bytes)
 }
 
+fn parameters(train: &TrainFile) -> [(&'static str, String); 5] {
+    let rotating_mass_kg = train.rotating_mass_factor * train.mass_kg;
+    let kilo = |value: f64| decimal(value / 1000.0);
+    let [a, b, c] = [train.davis.r0, train.davis.r1, train.davis.r2].map(|r| kilo(rotating_mass_kg * r));
+    let [constant, linear, quadratic] = RESISTANCE;
+    let [power, effort] = [train.max_power_w, train.max_tractive_effort_n].map(kilo);
+    [("maxPower", power), ("maxTraction", effort), (constant, a), (linear, b), (quadratic, c)]
+}
+
 /// A name as SUMO takes one.
 fn id(name: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
@@ -68,7 +83,10 @@ fn id(name: &str) -> String {
 }
 
 /// Attributes that are kept; those of every `vType` beside them are named as lost.
-const KEPT: [&str; 13] = [
+const KEPT: [&str; 16] = [
+    "speedTable",
+    "tractionTable",
+    "resistanceTable",
     "id",
     "carFollowModel",
     "trainType",
@@ -101,21 +119,11 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Draft, ReadError> {
     }
     let named = elements[index..].iter().skip(1).take_while(|element| element.name == "param");
     let named = named.filter(|param| param.attribute("key") == Some(NAME)).find_map(|param| param.attribute("value"));
-    let mut draft = Draft {
-        name: named.or(vtype.attribute("id")).unwrap_or_default().to_owned(),
-        resistance_n: [
-            1000.0 * vtype.required(RESISTANCE[0])?,
-            1000.0 * vtype.required(RESISTANCE[1])?,
-            1000.0 * vtype.required(RESISTANCE[2])?,
-        ],
-        ..Draft::default()
-    };
-    let kilo = |name: &str| Ok::<_, ReadError>(vtype.number(name)?.map(|value| 1000.0 * value));
+    let mut draft = Draft { name: named.or(vtype.attribute("id")).unwrap_or_default().to_owned(), ..Draft::default() };
+    traction_and_resistance(vtype, &mut draft)?;
     draft.put("mass_kg", vtype.number("mass")?);
     draft.put("rotating_mass_factor", vtype.number("massFactor")?);
     draft.put("length_m", vtype.number("length")?);
-    draft.put("max_tractive_effort_n", kilo("maxTraction")?);
-    draft.put("max_power_w", kilo("maxPower")?);
     draft.put("max_brake_mps2", vtype.number("decel")?);
     let lost: Vec<&str> =
         vtype.attributes.iter().map(|(name, _)| name.as_str()).filter(|n| !KEPT.contains(n)).collect();
@@ -123,4 +131,22 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Draft, ReadError> {
         draft.notes.push(format!("not kept: {}", lost.join(", ")));
     }
     Ok(draft)
+}
+
+/// Of its tables where it has them, as SUMO takes them.
+fn traction_and_resistance(vtype: &Element, draft: &mut Draft) -> Result<(), ReadError> {
+    if let Some(tables) = sumo_table::read(vtype)? {
+        draft.resistance_n = tables.resistance_n;
+        draft.put("max_tractive_effort_n", Some(tables.limits.effort_n));
+        draft.put("max_power_w", Some(tables.limits.power_w));
+        draft.notes.extend(tables.notes);
+        return Ok(());
+    }
+    for (coefficient, name) in draft.resistance_n.iter_mut().zip(RESISTANCE) {
+        *coefficient = 1000.0 * vtype.required(name)?;
+    }
+    for (field, name) in [("max_tractive_effort_n", "maxTraction"), ("max_power_w", "maxPower")] {
+        draft.put(field, vtype.number(name)?.map(|value| 1000.0 * value));
+    }
+    Ok(())
 }

@@ -7,12 +7,10 @@ use rundown::{model::resistance::Davis, model::train::TrainDescription, model::u
 use rundown_files::train_file::TrainFile;
 use std::collections::BTreeMap;
 
-const ALL: [Format; 5] = [Format::Sfera, Format::Sumo, Format::Osrd, Format::Trainruns, Format::Altrios];
-
 fn learned(train: TrainFile) -> LearnedTrain {
     let limit = |described| Limit { described, used: None };
     let (effort, power) = (limit(train.max_tractive_effort_n), limit(train.max_power_w));
-    LearnedTrain { train, davis_sd: [1e-4, 1e-6, 1e-7], runs: 7, effort, power }
+    LearnedTrain { train, davis_sd: [1e-4, 1e-6, 1e-7], runs: 7, learned_kmh: Some([60.0, 130.0]), effort, power }
 }
 
 fn identity() -> Identity {
@@ -43,7 +41,7 @@ fn there_and_back(format: Format, train: &TrainFile) -> TrainFile {
     let expected_lacking = match format {
         Format::Sfera => 1,
         Format::Altrios => 2,
-        Format::Sumo | Format::Osrd | Format::Trainruns => 0,
+        Format::Sumo | Format::SumoTable | Format::Osrd | Format::Trainruns => 0,
     };
     assert_eq!(set.len(), expected_lacking, "{format:?}");
     draft.complete(path, &set).unwrap_or_else(|error| panic!("{error}\n{text}"))
@@ -74,7 +72,7 @@ fn trains() -> impl Strategy<Value = TrainFile> {
 proptest! {
     #[test]
     fn a_train_comes_back_from_every_format(train in trains()) {
-        for format in ALL {
+        for format in Format::ALL {
             let back = there_and_back(format, &train);
             let numbers = |train: &TrainFile| {
                 let TrainFile { mass_kg, rotating_mass_factor, length_m, max_brake_mps2, .. } = *train;
@@ -105,7 +103,7 @@ proptest! {
 #[test]
 fn every_file_says_what_is_learned_how_sure_and_what_is_described() {
     let train = TrainFile::of("t", &TrainDescription::CASE_STUDY);
-    for format in ALL {
+    for format in Format::ALL {
         let text = String::from_utf8(write(format, &learned(train.clone()), &identity()).unwrap()).unwrap();
         for words in ["learned by Rundown from 7 runs, with 95 % intervals", "+/-", "capability as described"] {
             assert!(text.contains(words), "{format:?}: {text}");
@@ -164,4 +162,33 @@ fn osrd_finds_every_field_that_it_needs() {
     let texts = ["detail", "family", "type", "grouping", "series", "subseries", "unit", "number", "reference"];
     let metadata = stock["metadata"].as_object().unwrap();
     assert!(metadata.len() == texts.len() && texts.iter().all(|name| metadata[*name].is_string()));
+}
+
+#[test]
+fn tables_of_another_shape_are_refused_with_how_far_they_are_off() {
+    let file = |resistance: &str| {
+        format!(
+            "<additional><vType id=\"t\" carFollowModel=\"Rail\" trainType=\"custom\" length=\"100\" mass=\"1e5\" massFactor=\"1.05\" decel=\"0.9\" \
+             speedTable=\"0 10 20 30\" tractionTable=\"100 100 50 33.33\" resistanceTable=\"{resistance}\"/></additional>"
+        )
+    };
+    let read = |resistance: &str| match read(Path::new("t.xml"), &file(resistance)) {
+        Ok(Found::Train(draft)) => Ok(draft),
+        Ok(Found::Track(..)) => panic!("expected a train"),
+        Err(error) => Err(error.to_string()),
+    };
+    // 1 + 0.05 v + 0.002 v² kN.
+    let draft = read("1 1.7 2.8 4.3").unwrap();
+    for (found, expected) in draft.resistance_n.iter().zip([1000.0, 50.0, 2.0]) {
+        assert!((found - expected).abs() < 1e-6 * expected, "{:?}", draft.resistance_n);
+    }
+    assert_eq!((draft.values["max_tractive_effort_n"], draft.values["max_power_w"]), (1e5, 1e6));
+    assert!(draft.notes.is_empty(), "{:?}", draft.notes);
+    let error = read("1 4 2 4.3").unwrap_err();
+    assert!(error.contains("resistanceTable: expected A + B v + C v² within 5 %"), "{error}");
+    let error = read("1 1.7 2.8").unwrap_err();
+    assert!(error.contains("resistanceTable: expected 4 numbers, as in speedTable, found 3"), "{error}");
+    let error = read("1 1.7 x 4").unwrap_err();
+    assert!(error.contains("expected numbers between spaces, found `x`"), "{error}");
+    assert!(read("0 0 0 0").is_err());
 }

@@ -313,7 +313,7 @@ impl Simulation {
         train.train().map_err(|error| file.refuse_error(&[Step::Name("train")], &error))?;
         for (index, effect) in values.effect.iter().enumerate() {
             let refuse = |error| refuse_effect(&file, index, effect.name(), &error);
-            effect.check(!line.curves().is_empty()).map_err(refuse)?;
+            effect.check(!line.curves().is_empty(), line.length_m()).map_err(refuse)?;
         }
         let dates = dates(&file)?;
         Ok(Self {
@@ -529,6 +529,10 @@ mod tests {
         assert_eq!(
             error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 5\nto_m = 4\nk = 1\n"),
             "s.toml:5:8: effect[0].to_m: expected a place beyond from_m, found 4"
+        );
+        assert_eq!(
+            error("\n[[effect]]\nname = \"tunnel_drag\"\nfrom_m = 900000\nto_m = 901000\nk = 1\n"),
+            "s.toml:4:10: effect[0].from_m: expected a place before the end of the line, at 32103 m, found 900000"
         );
         assert!(error("[line]\nfile = \"no.toml\"\n").starts_with("no.toml: cannot be read"));
         assert!(error("[driver]\nkindd = 1\n").starts_with("s.toml:2:1: unknown field `kindd`"));

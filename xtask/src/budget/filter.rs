@@ -1,4 +1,4 @@
-//! What one step of the paper's filter costs: instructions in the emulator, stack and code from its image.
+//! What one step of the paper's filter costs, and the filter of a tick: instructions in the emulator, stack and code from the image.
 
 use super::calls::Graph;
 use crate::firmware;
@@ -13,6 +13,8 @@ const NS_PER_COUNT: u64 = 40;
 /// A step.
 pub struct Step {
     pub instructions: u64,
+    /// Of the filter of a tick of the learning modes: four sub-steps and an update.
+    pub tick_instructions: u64,
     pub stack_bytes: u64,
     /// With the functions that it calls, those for f64 among them.
     pub code_bytes: u64,
@@ -29,14 +31,14 @@ pub fn measure() -> Result<Step, String> {
     let settings =
         Settings { board: Board::Mps2, image: path, sleep: Sleep::AsHost, flash: None, preloads: Vec::new() };
     let mut emulator = Emulator::start(&settings).map_err(|error| error.to_string())?;
-    let mut counts = [0; 4];
-    emulator.line().read_exact(&mut counts).map_err(|error| format!("the step of the filter does not end: {error}"))?;
-    match u64::from(u32::from_le_bytes(counts)) {
-        0 => Err("a step of the filter failed in the emulator".to_owned()),
-        counts => Ok(Step {
-            instructions: counts * NS_PER_COUNT / u64::from(NS_PER_INSTRUCTION),
-            stack_bytes: deepest.bytes,
-            code_bytes,
-        }),
-    }
+    let mut taken = || {
+        let mut counts = [0; 4];
+        let read = emulator.line().read_exact(&mut counts);
+        read.map_err(|error| format!("the step of the filter does not end: {error}"))?;
+        match u64::from(u32::from_le_bytes(counts)) {
+            0 => Err("a step of the filter failed in the emulator".to_owned()),
+            counts => Ok(counts * NS_PER_COUNT / u64::from(NS_PER_INSTRUCTION)),
+        }
+    };
+    Ok(Step { instructions: taken()?, tick_instructions: taken()?, stack_bytes: deepest.bytes, code_bytes })
 }

@@ -66,26 +66,45 @@ pub fn resistance_curve(vehicle: Option<&Gaussian<3>>, train: &Train, learned_mp
         let r = train.davis().resistance_n_per_kg(KmPerHour(kmh).to_mps());
         Some((kmh, MILLI * r))
     });
-    let mut layers = Vec::new();
-    if let Some(speeds) = learned_mps {
-        layers.push(Layer::spans(
-            "speeds it was learned at",
-            colours::LEARNING,
-            BACKGROUND,
-            vec![KMH * speeds.start..KMH * speeds.end],
-        ));
-    }
-    layers.extend([
-        Layer::band("95 % band", colours::ESTIMATED, BAND, band.collect()),
-        Layer::line("estimated", colours::ESTIMATED, Stroke::Solid, mean.collect()),
-        Layer::line("manufacturer", colours::MANUFACTURER, Stroke::Dashed, stated.collect()),
-    ]);
+    // A band of a percent hides behind the line of the curve; against the manufacturer's it does not.
+    let against = |r: Real, kmh: Real| 100.0 * (r / train.davis().resistance_n_per_kg(KmPerHour(kmh).to_mps()) - 1.0);
+    let deviation = speeds_kmh.iter().map(|&kmh| Some((kmh, against(at(kmh)?.mean_n_per_kg, kmh))));
+    let deviation_band = speeds_kmh.iter().map(|&kmh| {
+        let r = at(kmh)?;
+        Some((kmh, against(r.lower(), kmh), against(r.upper(), kmh)))
+    });
+    let learned = learned_mps.map(|speeds| {
+        let span = vec![KMH * speeds.start..KMH * speeds.end];
+        Layer::spans("speeds it was learned at", colours::LEARNING, BACKGROUND, span)
+    });
+    let curve: Vec<Layer> = learned
+        .clone()
+        .into_iter()
+        .chain([
+            Layer::band("95 % band", colours::ESTIMATED, BAND, band.collect()),
+            Layer::line("estimated", colours::ESTIMATED, Stroke::Solid, mean.collect()),
+            Layer::line("manufacturer", colours::MANUFACTURER, Stroke::Dashed, stated.collect()),
+        ])
+        .collect();
+    let all_kmh = 0.0..end_kmh;
+    let less: Vec<Layer> = learned
+        .into_iter()
+        .chain([
+            Layer::band("95 % band", colours::ESTIMATED, BAND, deviation_band.collect()),
+            Layer::line("estimated", colours::ESTIMATED, Stroke::Solid, deviation.collect()),
+            Layer::level("manufacturer", colours::MANUFACTURER, Stroke::Dashed, &all_kmh, 0.0),
+        ])
+        .collect();
+    let none = "no estimate: no run has ended";
     let figure = Figure::new(
         "Running resistance over speed",
-        "The estimated resistance with its 95 % band, the manufacturer's dashed",
+        "The estimated resistance with its 95 % band, the manufacturer's dashed; below, by how much it is more",
         "speed, km/h",
-        0.0..end_kmh,
-        [Panel::new("r(v), 10\u{207b}\u{b3} N/kg", 520, layers, "no estimate: no run has ended")],
+        all_kmh,
+        [
+            Panel::new("r(v), 10\u{207b}\u{b3} N/kg", 420, curve, none),
+            Panel::new("more than the manufacturer's, %", 300, less, none),
+        ],
     );
     figure.into()
 }

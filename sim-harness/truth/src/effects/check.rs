@@ -55,6 +55,7 @@ pub struct Expect {
     pub(super) effect: &'static str,
     /// Whether the line has curves.
     pub(super) curves: bool,
+    pub(super) length_m: f64,
 }
 
 impl Expect {
@@ -73,6 +74,9 @@ impl Expect {
                     self.that(!runs.contains(&0), field, "1 or more", 0.0)?
                 }
                 ("from_m", Parameter::Number(at_m)) => {
+                    // A section beyond the line would be hidden where no train goes.
+                    let expected = format!("a place before the end of the line, at {} m", self.length_m);
+                    self.that(at_m < self.length_m, field, &expected, at_m)?;
                     self.finite(field, at_m)?;
                     from_m = at_m;
                 }

@@ -104,12 +104,12 @@ effects_catalogue!(named: kinds [
 ]);
 
 impl Effect {
-    /// Checks the parameters; `curves` says whether the line has any.
+    /// Checks the parameters, on a line of this length; `curves` says whether it has any.
     ///
     /// # Errors
     /// [`EffectError`] names effect, parameter and what was expected.
-    pub fn check(&self, curves: bool) -> Result<(), EffectError> {
-        let expect = Expect { effect: self.name(), curves };
+    pub fn check(&self, curves: bool, length_m: f64) -> Result<(), EffectError> {
+        let expect = Expect { effect: self.name(), curves, length_m };
         expect.all(self.kind(), &self.law().parameters())?;
         self.law().check(&expect)
     }

@@ -42,11 +42,11 @@ fn a_section_seen_from_the_other_end() {
 
 #[test]
 fn refusals_name_effect_parameter_and_value() {
-    let error = |effect: Effect, curves| effect.check(curves).unwrap_err().to_string();
+    let error = |effect: Effect, curves| effect.check(curves, 32_000.0).unwrap_err().to_string();
     let tunnel = Effect::TunnelDrag(TunnelDrag { from_m: 500.0, to_m: 400.0, k: 1e-5 });
     assert_eq!(error(tunnel, true), "tunnel_drag.to_m: expected a place beyond from_m, found 400");
     let curves = Effect::CurveResistance(CurveResistance { coefficient_roeckl: 1.0 });
-    assert_eq!(curves.check(true), Ok(()));
+    assert_eq!(curves.check(true, 32_000.0), Ok(()));
     assert_eq!(error(curves, false), "curve_resistance: expected a line with curves, found none");
     let nan = Effect::CubicDrag(CubicDrag { k: f64::NAN });
     assert_eq!(error(nan, true), "cubic_drag.k: expected a finite number, found NaN");
