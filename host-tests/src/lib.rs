@@ -10,6 +10,7 @@ pub mod coasting;
 pub mod fields;
 pub mod flash;
 pub mod flash_controller;
+pub mod plays;
 pub mod port;
 pub mod prelude;
 pub mod project;

@@ -3,10 +3,10 @@
 use emulator::Settings;
 use host_tests::accuracy::{description, measurements};
 use host_tests::coasting::with_targets;
+use host_tests::plays::{Play, day, seven_effects};
 use host_tests::prelude::*;
 use host_tests::reference::{Logs, recording};
 use host_tests::target::{Same, compare, firmware};
-use rundown::model::effects::*;
 use rundown_truth::line::Line;
 use rundown_truth::sensors::Bursts;
 
@@ -68,27 +68,18 @@ fn a_hilly_line_with_wind() {
 #[test]
 #[ignore = "needs the firmware and its emulator: cargo xtask test"]
 fn a_model_with_effects() {
-    let settings = firmware().unwrap();
-    let scenario = Scenario::default();
-    let curve = |from_m| Curve { from_m, to_m: from_m + 300.0, radius_m: 600.0 };
-    let effects = [
-        Effect::TunnelDrag(TunnelDrag { from_m: 8e3, to_m: 14e3, k: 1e-5 }),
-        Effect::CurveResistance(CurveResistance { coefficient_roeckl: 0.8 }),
-        Effect::SteadyWind(SteadyWind { wind_mps: 2.0 }),
-        Effect::MassError(MassError { relative: 0.1 }),
-        Effect::WarmUp(WarmUp { amplitude: 3e-3, tau_s: 300.0 }),
-        Effect::SpeedScale(SpeedScale { measured_over_true: 1.01 }),
-        Effect::Unknown(Unknown {
-            coordinate: Coordinate::Speed,
-            table: [(10.0, 0.0), (38.0, 1e-3)].into_iter().collect(),
-        }),
-    ];
-    let description = Description {
-        curves: (0..20).map(|i| curve(1000.0 * f64::from(i))).collect(),
-        effects: Effects::try_new(effects).unwrap(),
-        ..with_targets(Config::default(), &scenario)
-    };
-    described("seven effects and targets", &settings, &description, &scenario, 3);
+    played(&seven_effects());
+}
+
+#[test]
+#[ignore = "needs the firmware and its emulator: cargo xtask test"]
+fn a_day_of_hops() {
+    played(&day());
+}
+
+fn played(play: &Play) {
+    let same = compare(&firmware().unwrap(), &play.description, Direction::Up, &play.log);
+    say(play.name, &same.unwrap_or_else(|error| panic!("{}: {error}", play.name)));
 }
 
 #[test]
