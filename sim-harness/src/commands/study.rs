@@ -4,10 +4,10 @@ use super::recorded::{Opened, RecordedRuns};
 use super::{Failure, NOTHING_USABLE, SOME_RUNS_FAILED, WRONG_ARGUMENTS, experiment, screen};
 use crate::output::files;
 use crate::study::case::{calm, case_study, skewed_case_study};
-use crate::study::claims::{Claim, Verdict};
+use crate::study::claims::{Claim, Verdict, summary};
 use crate::study::figures::{Eyes, Picture, brake, histograms, power, profiles, run, slope};
 use crate::study::gather::{Estimators, GatherError, Gathered, Rows, gather};
-use crate::study::page::{self, StudyPage, by_kind, known};
+use crate::study::page::{self, StudyPage, known};
 use crate::study::readings::{self, comparison, outcome, reading::Combination, reading::default_config};
 use crate::study::run_pages::RunPages;
 use crate::study::slope::{Answer, Plan};
@@ -258,6 +258,9 @@ fn case_study_or_runs(
             "failed": study.gathered.failed.len(),
             "set_aside": study.gathered.set_aside,
             "diagnosis": study.gathered.checks,
+            "sets": summary::sets(&study.claims),
+            "sets_needed": claims::Sets::needed(summary::sets(&study.claims)),
+            "claims_by_kind": summary::counts(&study.claims),
             "claims": claims,
             "truth_slope": study.answers,
         });
@@ -368,11 +371,8 @@ fn study(
         return Err(Failure { message, code: WRONG_ARGUMENTS });
     }
     let trials = Trials::of(&config, &estimators, &track, &gathered.drawn)?;
-    let mut claims = claims::claims(&gathered, &train, &trials);
     let others = of_others(&mut described.others, &config, &estimators, &track)?;
-    if !others.is_empty() {
-        claims::over_seeds(&mut claims, &others);
-    }
+    let claims = claims::over_sets(claims::claims(&gathered, &train, &trials), &others);
     // What the slope is does not depend on the runs of this study: it is measured on simulated vehicles on the paper's line.
     let plan = Plan { simulation: calm()?, vehicles: FEW_VEHICLES, runs: 1, seed };
     let test = self_test::self_test(&plan, config, || ())?;
@@ -476,19 +476,27 @@ fn pictures(gathered: &Gathered, train: &Train) -> Vec<Picture> {
 pub(super) fn table(study: &Study) -> String {
     let (runs, known) = (study.gathered.paper.runs, known(&study.gathered));
     let runs = counted(runs as usize, "run", "runs");
-    let mut text = format!("{runs}; {known}\nclaims that hold: {}\n\n", by_kind(&study.claims));
+    let (kinds, basis) = (summary::by_kind(&study.claims), summary::basis(&study.claims));
+    let mut text = format!("{runs}; {known}\nclaims that hold: {kinds}\n{basis}\n\n");
     for claim in &study.claims {
         let mark = match claim.verdict {
             Verdict::Reproduced => "yes",
             Verdict::Not => "NO",
+            Verdict::NotVisible => "tiny",
             Verdict::NoData => "-",
         };
-        let seeds = claim.seeds.map_or(String::new(), |s| format!(" ({} of {} seeds)", s.held, s.judged));
-        text += &format!("{:4} {:4} {:9} {}{seeds}\n", claim.place, mark, claim.kind.as_str(), claim.statement);
+        let sets = match claim.sets.all {
+            0 | 1 => String::new(),
+            _ => format!(" ({} sets)", claim.sets.words()),
+        };
+        text += &format!("{:4} {:4} {:9} {}{sets}\n", claim.place, mark, claim.kind.as_str(), claim.statement);
         text += &format!(
             "          paper's mode: {}; gated: {}; truth: {}; error: {}\n",
             claim.paper, claim.gated, claim.truth, claim.error
         );
+        if let (Verdict::NotVisible, Some(least)) = (claim.verdict, claim.least) {
+            text += &format!("          not visible: below {}\n", least.reason);
+        }
     }
     text += "\nDoes the estimate follow the truth? Simulated vehicles with 0.7 to 1.3 of the described resistance:\n";
     text += &self_test::table(&study.answers);
