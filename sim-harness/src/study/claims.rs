@@ -8,6 +8,7 @@
 //! On simulated runs many claims could not fail, because the scenario was made so. Each claim says what it is worth: [`Kind`].
 
 mod driving;
+pub mod markdown;
 mod resistance;
 mod sets;
 pub mod summary;
@@ -364,6 +365,20 @@ mod tests {
         assert_eq!(of(5e-5), Verdict::Reproduced);
         assert_eq!(of(5e-7), Verdict::NotVisible);
         assert_eq!(of(-5e-5), Verdict::Not);
+    }
+
+    #[test]
+    fn the_skewness_of_a_distribution_that_is_one_bar_says_nothing() {
+        let davis = train().davis();
+        let of = |width: f64| {
+            let mut gathered = Gathered::default();
+            for (moments, mean) in gathered.paper.davis_samples.iter_mut().zip([davis.r0, davis.r1, davis.r2]) {
+                [0.0, 0.0, 0.0, 0.0, -1.0].into_iter().for_each(|part| moments.add(mean * (1.0 + width * part)));
+            }
+            verdict(&claims(&gathered, &train(), &Trials::default()), "negative skewness")
+        };
+        assert_eq!([of(0.02), of(0.0002)], [Verdict::Reproduced, Verdict::NotVisible]);
+        assert_eq!([of(-0.02), of(-0.0002)], [Verdict::Not, Verdict::NotVisible]);
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! How large a change must be that a reader of the paper could have seen it.
 //!
 //! A claim of direction ("decreases", "negative skewness", "overestimates") is true of any change of the right sign, however small. The authors
-//! saw it in a figure or in printed digits, so a change counts from the resolution of these on.
+//! saw it in a figure or in printed digits, so a change counts from the resolution of these on. Of r1 and r2 nothing is printed, and Table 1 lets
+//! them move by a half and a quarter of the share by which r0 does: what is said of all three is visible where r0 is.
 
 use super::claims::Verdict;
 
@@ -12,13 +13,8 @@ pub struct Size {
     pub reason: &'static str,
 }
 
-/// Of r0, N/kg.
+/// Of r0, N/kg: a change, or the standard deviation of a distribution.
 pub const R0: Size = Size { least: 1e-5, reason: "1e-5 N/kg, the last digit of r0 that section 4.2 prints" };
-/// Of any coefficient, as a share of its first value: that of r0, for r1 and r2 are printed nowhere.
-pub const DAVIS_SHARE: Size = Size {
-    least: R0.least / 0.00738,
-    reason: "0.14 % of a coefficient, which is the last digit of r0 that section 4.2 prints",
-};
 /// Of a skewness.
 pub const SKEWNESS: Size =
     Size { least: 0.5, reason: "a skewness of 0.5: a histogram with less looks symmetric (Bulmer 1979)" };

@@ -46,7 +46,7 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
     let falls = path.as_ref().and_then(Path::falls);
     let rises = path.as_ref().and_then(Path::rises);
     let alike = path.as_ref().and_then(Path::alike);
-    let least_range = path.as_ref().and_then(Path::least_range);
+    let range = path.as_ref().and_then(Path::range);
     vec![
         claim("the speed profile is accurately reproduced")
             .columns(three(gathered, |t| match (mean(&t.speed_rms_kmh, 2), mean(&t.speed_error_kmh, 2)) {
@@ -76,8 +76,8 @@ pub(super) fn one_run(gathered: &Gathered, train: &Train) -> Vec<Claim> {
             .by(format!("change of r0 from the least value to the last sample; it rises. The true coefficients stay: what moves is how late speed or effort are. {BLIND}")),
         claim("the three coefficients show similar dynamics")
             .columns([alike.map(|c| format!("least correlation {}", number(c, 2))), None, constant()])
-            .seen(alike.zip(least_range).map(|(c, range)| similar(c, range)), visible::DAVIS_SHARE)
-            .by("least correlation of any two of r0, r1, r2 along the run; above 0.8, where all three move visibly"),
+            .seen(alike.zip(range).map(|(c, range)| similar(c, range)), visible::R0)
+            .by("least correlation of any two of r0, r1, r2 along the run; above 0.8, where r0 moves visibly"),
     ]
 }
 
@@ -104,10 +104,10 @@ fn largest_share(run: &ReplayedRun, train: &Train) -> Option<f64> {
 }
 
 /// Dynamics that nobody can see are not similar, however well they correlate.
-fn similar(correlation: f64, least_range: f64) -> Verdict {
-    match correlation > 0.8 {
-        true => visible::DAVIS_SHARE.judge(least_range),
-        false => Verdict::Not,
+fn similar(correlation: f64, r0_range: f64) -> Verdict {
+    match visible::R0.judge(r0_range) {
+        Verdict::Reproduced if correlation <= 0.8 => Verdict::Not,
+        seen => seen,
     }
 }
 
@@ -149,14 +149,10 @@ impl Path {
         Some(self.davis.last()?[0] - least)
     }
 
-    /// Range of the coefficient that moves least, as a share of its first value.
-    fn least_range(&self) -> Option<f64> {
-        let first = self.davis.first()?;
-        let range = |i: usize| {
-            let values = || self.davis.iter().map(|davis| davis[i]);
-            Some((values().reduce(f64::max)? - values().reduce(f64::min)?) / first[i])
-        };
-        Some(range(0)?.min(range(1)?).min(range(2)?))
+    /// Of r0, N/kg.
+    fn range(&self) -> Option<f64> {
+        let r0 = || self.davis.iter().map(|davis| davis[0]);
+        Some(r0().reduce(f64::max)? - r0().reduce(f64::min)?)
     }
 
     fn alike(&self) -> Option<f64> {
@@ -195,7 +191,7 @@ pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> [Claim; 4] {
                 skewness(t).map(|all| all.iter().map(|s| number(*s, 2)).collect::<Vec<String>>().join(" / "))
             }))
             .seen(skewness(paper).map(|all| skewed(&all, &paper.davis_samples)), visible::SKEWNESS)
-            .by(format!("skewness over all samples, all three negative, where the standard deviation is above {}", visible::DAVIS_SHARE.reason)),
+            .by(format!("skewness over all samples, all three negative, where the standard deviation of r0 is above {}", visible::R0.reason)),
         claim("the manufacturer overestimates r0")
             .columns(three(gathered, |t| below(t).map(|below| format!("mean of r0 {} off", r0_words(-below)))))
             .seen(below(paper).map(|below| visible::R0.judge(below)), visible::R0)
@@ -207,11 +203,12 @@ pub(super) fn all_runs(gathered: &Gathered, train: &Train) -> [Claim; 4] {
     ]
 }
 
-/// Each distribution is wide enough to be a histogram, and leans to the left.
+/// The distribution of r0 is wide enough to be a histogram, and all three lean to the left.
 fn skewed(skewness: &[f64], samples: &[Moments; 3]) -> Verdict {
-    let width = |m: &Moments| m.variation().map_or(Verdict::NoData, |share| visible::DAVIS_SHARE.judge(share));
-    let leans = skewness.iter().map(|skewness| visible::SKEWNESS.judge(-skewness));
-    visible::weakest(leans.chain(samples.iter().map(width)))
+    match samples[0].sd().is_some_and(|sd| visible::R0.sees(sd)) {
+        true => visible::weakest(skewness.iter().map(|skewness| visible::SKEWNESS.judge(-skewness))),
+        false => Verdict::NotVisible,
+    }
 }
 
 pub(super) fn terms(gathered: &Gathered, train: &Train) -> [Claim; 4] {
