@@ -15,6 +15,7 @@ pub mod summary;
 mod trials;
 mod unscented;
 
+pub use super::verdict::Verdict;
 pub use sets::{Sets, over_sets};
 
 use super::{gather::Gathered, moments::Moments, tallies::Tallies, trials::Trials, visible::Size};
@@ -63,27 +64,6 @@ pub struct Claim {
     pub least: Option<Size>,
     /// What each set of runs says; the words above are those of the first.
     pub sets: Sets,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    Reproduced,
-    Not,
-    /// Not reproduced either: the change is smaller than what a reader of the paper could see.
-    NotVisible,
-    /// These runs have no data on it.
-    NoData,
-}
-
-impl Verdict {
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Reproduced => "reproduced",
-            Self::Not => "not reproduced",
-            Self::NotVisible => "not visible",
-            Self::NoData => "no data",
-        }
-    }
 }
 
 pub fn claims(gathered: &Gathered, train: &Train, trials: &Trials) -> Vec<Claim> {

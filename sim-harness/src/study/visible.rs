@@ -4,7 +4,7 @@
 //! saw it in a figure or in printed digits, so a change counts from the resolution of these on. Of r1 and r2 nothing is printed, and Table 1 lets
 //! them move by a half and a quarter of the share by which r0 does: what is said of all three is visible where r0 is.
 
-use super::claims::Verdict;
+use super::verdict::Verdict;
 
 /// The least change that is seen, in the unit of what changes, and why that one.
 #[derive(Clone, Copy, Debug, PartialEq)]
