@@ -254,20 +254,7 @@ fn case_study_or_runs(
         return Err(Failure::no_runs("no run could be used; the report says why"));
     }
     if arguments.json {
-        let claims: Vec<_> = claims::records(&study.claims).iter().map(rundown_files::table::to_json).collect();
-        let json = json!({
-            "runs": study.gathered.paper.runs,
-            "runs_with_truth": study.gathered.truth.runs,
-            "failed": study.gathered.failed.len(),
-            "set_aside": study.gathered.set_aside,
-            "diagnosis": study.gathered.checks,
-            "sets": summary::sets(&study.claims),
-            "sets_needed": claims::Sets::needed(summary::sets(&study.claims)),
-            "claims_by_kind": summary::counts(&study.claims),
-            "claims": claims,
-            "truth_slope": study.answers,
-        });
-        screen::print(&format!("{json:#}\n"));
+        screen::print(&json_of(&study));
     } else {
         screen::print(&table(&study));
         let report = out.join("report.html");
@@ -287,6 +274,24 @@ fn case_study_or_runs(
         _ => ExitCode::from(SOME_RUNS_FAILED),
     };
     Ok((code, study.claims))
+}
+
+/// What `--json` prints.
+fn json_of(study: &Study) -> String {
+    let claims: Vec<_> = claims::records(&study.claims).iter().map(rundown_files::table::to_json).collect();
+    let json = json!({
+        "runs": study.gathered.paper.runs,
+        "runs_with_truth": study.gathered.truth.runs,
+        "failed": study.gathered.failed.len(),
+        "set_aside": study.gathered.set_aside,
+        "diagnosis": study.gathered.checks,
+        "sets": summary::sets(&study.claims),
+        "sets_needed": claims::Sets::needed(summary::sets(&study.claims)),
+        "claims_by_kind": summary::counts(&study.claims),
+        "claims": claims,
+        "truth_slope": study.answers,
+    });
+    format!("{json:#}\n")
 }
 
 /// Before the work: the folder of the file is made. Not within the results, which are replaced as a whole and have a `runs.parquet` of their own.
